@@ -1,0 +1,103 @@
+"""Resolved expressions: the one language that every later stage reads.
+
+The reader turns spec text into these nodes (names resolved, sub-formulas expanded,
+types checked); `derive` turns them into sympy, the witness interprets them.
+A node is a scalar, a vector of R^3 or a truth value: `kind_of` says which.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Union
+
+
+@dataclass(frozen=True)
+class Num:
+    """A number literal. `value` is an int, or a float from the spec's text."""
+    value: Union[int, float]
+
+
+@dataclass(frozen=True)
+class Par:
+    """A scalar parameter (real or int) of the spec."""
+    name: str
+
+
+@dataclass(frozen=True)
+class Elem:
+    """Entry `index` of an array parameter or of a constant table (`Spec.tables`)."""
+    name: str
+    index: "Expr"
+
+
+@dataclass(frozen=True)
+class Time:
+    """The time t."""
+
+
+@dataclass(frozen=True)
+class Idx:
+    """The integer value (0-based) of an index bound by the index family, as a number."""
+    name: str
+
+
+@dataclass(frozen=True)
+class Weight:
+    """A column of the graph file, bound by name in `edge(i, j, J) of g`."""
+    name: str
+
+
+@dataclass(frozen=True)
+class Spin:
+    """The vector of one site: `family[slot]`; slot is a bound index name or a fixed integer."""
+    family: str
+    slot: Union[str, int]
+
+
+@dataclass(frozen=True)
+class Op:
+    """Operator or function applied to `args`; the names are those of `ARITY`."""
+    op: str
+    args: tuple["Expr", ...]
+
+
+Expr = Union[Num, Par, Elem, Time, Idx, Weight, Spin, Op]
+
+# op -> (argument kinds, result kind); s scalar, v vector, b truth value.
+SIGNATURES = {
+    "+": [("ss", "s"), ("vv", "v")], "-": [("ss", "s"), ("vv", "v")],
+    "neg": [("s", "s"), ("v", "v")],
+    "*": [("ss", "s"), ("sv", "v"), ("vs", "v")],
+    "/": [("ss", "s"), ("vs", "v")],
+    "^": [("ss", "s")],
+    "vec": [("sss", "v")], "x": [("v", "s")], "y": [("v", "s")], "z": [("v", "s")],
+    "dot": [("vv", "s")], "cross": [("vv", "v")], "triple": [("vvv", "s")],
+    "norm": [("v", "s")],
+    **{f: [("s", "s")] for f in (
+        "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
+        "sinh", "cosh", "tanh", "abs", "floor")},
+    "atan2": [("ss", "s")], "mod": [("ss", "s")],
+    "min": [("ss", "s")], "max": [("ss", "s")],
+    "if": [("bss", "s"), ("bvv", "v")],
+    "<": [("ss", "b")], "<=": [("ss", "b")], ">": [("ss", "b")], ">=": [("ss", "b")],
+    "==": [("ss", "b")], "!=": [("ss", "b")],
+    "and": [("bb", "b")], "or": [("bb", "b")], "not": [("b", "b")],
+}
+
+
+def kind_of(e: Expr) -> str:
+    """'s', 'v' or 'b'. Raises KeyError when the arguments do not fit the operator."""
+    if isinstance(e, Spin):
+        return "v"
+    if isinstance(e, Op):
+        kinds = "".join(kind_of(a) for a in e.args)
+        return dict(SIGNATURES[e.op])[kinds]
+    return "s"
+
+
+def walk(e: Expr):
+    """All nodes of `e`, parents first."""
+    yield e
+    for a in getattr(e, "args", ()):
+        yield from walk(a)
+    if isinstance(e, Elem):
+        yield from walk(e.index)

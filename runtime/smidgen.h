@@ -1,0 +1,55 @@
+/* smidgen runtime: scalar type, statuses and the report every step fills.
+ *
+ * Everything here is C11 that is also C++; no allocation, no globals, no I/O.
+ * Define SMG_LONG_DOUBLE for the same text in extended precision. */
+#ifndef SMIDGEN_H
+#define SMIDGEN_H
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef SMG_LONG_DOUBLE
+typedef long double smg_real;
+#define SMG_EPS LDBL_EPSILON
+#define SMG_MATH(f) f##l
+#else
+typedef double smg_real;
+#define SMG_EPS DBL_EPSILON
+#define SMG_MATH(f) f
+#endif
+
+typedef enum smg_status {
+  SMG_OK = 0,
+  SMG_NO_CONVERGENCE = 1, /* the iteration limit came before stagnation */
+  SMG_NO_SOLUTION = 2,    /* proved: the step equation has no solution here */
+  SMG_WRONG_BRANCH = 3,   /* converged, but not to the solution connected to h = 0 */
+  SMG_NOT_FINITE = 4,     /* NaN or infinity in the state, the parameters or the field */
+  SMG_BAD_PARAMETER = 5,  /* a parameter or a size out of range (kappa = 0, n < 1, ...) */
+  SMG_OFF_MANIFOLD = 6,   /* a start off its sphere by more than 1e-12 (relative), or c = 0 */
+  SMG_SINGULAR = 7        /* the Newton matrix could not be factored */
+} smg_status;
+
+/* What the last step did; on failure, where and how badly. site is -1 if not tied to one. */
+typedef struct smg_report {
+  smg_status status;
+  int iterations;
+  smg_real residual; /* max norm of the step equation's residual, in units of w */
+  int64_t site;
+} smg_report;
+
+static inline const char *smg_message(smg_status status) {
+  static const char *const text[] = {
+      "ok",
+      "the step equation did not converge",
+      "the step equation has no solution for this state and step",
+      "the iteration converged to a solution that is not connected to the state",
+      "a value is not finite",
+      "a parameter or size is out of range",
+      "the start is off its sphere or leaf",
+      "the Newton matrix is singular"};
+  return (unsigned)status < sizeof text / sizeof *text ? text[status] : "unknown status";
+}
+
+#endif
