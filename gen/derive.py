@@ -1,0 +1,211 @@
+"""Derivation, orbit by orbit: differentiate the one representative term, never the sum.
+
+A term e(a, b, ..) of an effect depends on the vectors of a few slots (the sites that its index
+family binds). Its gradient de/da and Hessian blocks d2e/da db are all that any method needs:
+the sum over the index family is a loop in the generated C.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from .expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, walk
+from .spec import Term
+
+
+class absolute(sp.Function):
+    """abs(x), with the derivative sign(x) and no delta at 0."""
+    is_real = True
+
+    def fdiff(self, argindex=1):
+        return signum(self.args[0])
+
+
+class signum(sp.Function):
+    """The sign of x; locally constant."""
+    is_real = True
+
+    def fdiff(self, argindex=1):
+        return sp.S.Zero
+
+
+class floor_(sp.Function):
+    """The floor of x; locally constant."""
+    is_real = True
+
+    def fdiff(self, argindex=1):
+        return sp.S.Zero
+
+
+class power(sp.Function):
+    """x^p for an exponent that is no number; its derivative p x^(p-1) has no 0/0 at x = 0."""
+    is_real = True
+
+    def fdiff(self, argindex=1):
+        x, p = self.args
+        if argindex == 1:
+            return p * power(x, p - 1)
+        return sp.log(x) * power(x, p)
+
+
+@dataclass(frozen=True)
+class Derived:
+    """A term with its derivatives.
+
+    slots: the distinct sites (family, slot) it depends on, in order of appearance;
+    vectors[k]: the three symbols of slot k; gradient[k]: de/d(slot k), three expressions;
+    hessian[k, l]: 3x3 matrix d2e/d(slot k)d(slot l), only the non-zero blocks;
+    leaves: symbol name -> the expression node (parameter, entry, index, ..) it stands for.
+    """
+    term: Term
+    slots: tuple
+    vectors: tuple
+    value: sp.Expr
+    gradient: tuple
+    hessian: dict
+    leaves: dict
+
+
+_PLAIN = {
+    "sqrt": sp.sqrt, "exp": sp.exp, "log": sp.log, "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
+    "asin": sp.asin, "acos": sp.acos, "atan": sp.atan, "sinh": sp.sinh, "cosh": sp.cosh,
+    "tanh": sp.tanh, "atan2": sp.atan2, "abs": absolute, "floor": floor_,
+    "<": sp.StrictLessThan, "<=": sp.LessThan, ">": sp.StrictGreaterThan, ">=": sp.GreaterThan,
+    "==": sp.Eq, "!=": sp.Ne, "and": sp.And, "or": sp.Or, "not": sp.Not,
+}
+
+
+class Algebra:
+    """Turns resolved expressions into sympy; vectors become 3-tuples of scalars."""
+
+    def __init__(self, slots: tuple):
+        self.vectors = {s: sp.symbols(f"v{k}x v{k}y v{k}z", real=True) for k, s in enumerate(slots)}
+        self.leaves: dict[str, Expr] = {}
+
+    def leaf(self, name: str, node: Expr):
+        self.leaves[name] = node
+        return sp.Symbol(name, real=True)
+
+    def of(self, e: Expr):
+        """Scalar -> sympy expression; vector -> tuple of three; truth value -> sympy Boolean."""
+        if isinstance(e, Num):
+            return sp.Integer(e.value) if isinstance(e.value, int) else sp.Float(e.value)
+        if isinstance(e, Spin):
+            return self.vectors[e.family, e.slot]
+        if isinstance(e, Op):
+            return self.apply(e.op, [self.of(a) for a in e.args])
+        return self.leaf(leaf_name(e), e)
+
+    def apply(self, op: str, args: list):
+        if op in _VECTOR:
+            return _VECTOR[op](*args)
+        if op in _PLAIN:
+            return _PLAIN[op](*args)
+        return getattr(self, _SCALAR[op])(*args)
+
+    def add(self, a, b):
+        return tuple(x + y for x, y in zip(a, b)) if isinstance(a, tuple) else a + b
+
+    def subtract(self, a, b):
+        return tuple(x - y for x, y in zip(a, b)) if isinstance(a, tuple) else a - b
+
+    def negate(self, a):
+        return tuple(-x for x in a) if isinstance(a, tuple) else -a
+
+    def multiply(self, a, b):
+        if isinstance(a, tuple):
+            a, b = b, a
+        return tuple(a * x for x in b) if isinstance(b, tuple) else a * b
+
+    def divide(self, a, b):
+        return tuple(x / b for x in a) if isinstance(a, tuple) else a / b
+
+    def raise_to(self, a, b):
+        return a ** b if b.is_number else power(a, b)
+
+    def modulo(self, a, b):
+        return a - b * floor_(a / b)
+
+    def minimum(self, a, b):
+        return sp.Piecewise((a, a <= b), (b, True))
+
+    def maximum(self, a, b):
+        return sp.Piecewise((a, a >= b), (b, True))
+
+    def choose(self, test, a, b):
+        if isinstance(a, tuple):
+            return tuple(sp.Piecewise((x, test), (y, True)) for x, y in zip(a, b))
+        return sp.Piecewise((a, test), (b, True))
+
+
+_SCALAR = {"+": "add", "-": "subtract", "neg": "negate", "*": "multiply", "/": "divide",
+           "^": "raise_to", "mod": "modulo", "min": "minimum", "max": "maximum", "if": "choose"}
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+_VECTOR = {"dot": dot, "cross": cross, "triple": lambda a, b, c: dot(a, cross(b, c)),
+           "norm": lambda a: sp.sqrt(dot(a, a)), "vec": lambda *a: tuple(a),
+           "x": lambda a: a[0], "y": lambda a: a[1], "z": lambda a: a[2]}
+
+
+def leaf_name(e: Expr) -> str:
+    """A symbol name that says what it stands for; equal nodes get equal names."""
+    if isinstance(e, Par):
+        return f"p.{e.name}"
+    if isinstance(e, Time):
+        return "t"
+    if isinstance(e, Idx):
+        return f"i.{e.name}"
+    if isinstance(e, Weight):
+        return f"e.{e.name}"
+    return f"a.{e.name}[{index_text(e.index)}]"
+
+
+def index_text(e: Expr) -> str:
+    """Canonical text of an integer index expression."""
+    if isinstance(e, Num):
+        return str(e.value)
+    if isinstance(e, Op):
+        return f"({e.op} {' '.join(index_text(a) for a in e.args)})"
+    return leaf_name(e)
+
+
+def slots_of(value: Expr) -> tuple:
+    """The distinct (family, slot) pairs of an expression, in order of appearance."""
+    found = dict.fromkeys((n.family, n.slot) for n in walk(value) if isinstance(n, Spin))
+    return tuple(found)
+
+
+def hessian_blocks(gradient: tuple, vectors: tuple) -> dict:
+    """Non-zero 3x3 blocks d2e/da db, by differentiating the gradient."""
+    blocks = {}
+    for k, row in enumerate(gradient):
+        for l, column in enumerate(vectors):
+            block = sp.Matrix(3, 3, lambda a, b: sp.diff(row[a], column[b]))
+            if not block.is_zero_matrix:
+                blocks[k, l] = block
+    return blocks
+
+
+def derive(term: Term) -> Derived:
+    """Gradient and Hessian blocks of the representative term of one effect."""
+    slots = slots_of(term.value)
+    algebra = Algebra(slots)
+    value = algebra.of(term.value)
+    vectors = tuple(algebra.vectors[s] for s in slots)
+    gradient = tuple(tuple(sp.diff(value, x) for x in v) for v in vectors)
+    return Derived(term, slots, vectors, value, gradient, hessian_blocks(gradient, vectors), algebra.leaves)
+
+
+def scalar(e: Expr):
+    """A formula without vectors -> (sympy expression, leaves)."""
+    algebra = Algebra(())
+    return algebra.of(e), algebra.leaves

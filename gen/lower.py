@@ -1,0 +1,193 @@
+"""Lowering: derivatives -> kernels in C statements, each computed as rarely as possible.
+
+What depends on parameters alone is computed once (`prepare`), what depends on time too once a
+step (`clock`), what depends on the sites each time; common subexpressions are shared.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import count
+
+import sympy as sp
+
+from .cprint import Printer, number
+from .derive import scalar
+from .expr import Elem, Expr, Idx, Num, Op, Par, Time, Weight, walk
+from .spec import Spec
+
+NUMBER, PREPARE, CLOCK, SITE = range(4)      # when a value is known
+
+
+@dataclass
+class Kernel:
+    """One C function body: statements, and the expressions of its results."""
+    lines: list
+    results: list
+    operations: int
+
+
+class Lowering:
+    """Collects hoisted values while it turns expressions into C text for one model."""
+
+    def __init__(self, spec: Spec):
+        self.spec = spec
+        self.model = spec.name
+        self.parameters = {p.name: p for p in spec.parameters}
+        self.tables = dict(spec.tables)
+        self.hoisted: dict = {}         # sympy expression -> (name, level)
+        self.integers: dict = {}        # integer formula -> (name, C text)
+        self.leaves: dict = {}
+        self.used_tables: dict = {}
+        self.uses_time = False
+
+    # -- leaves -----------------------------------------------------------------------------
+    def level(self, name: str) -> int:
+        node = self.leaves.get(name)
+        if isinstance(node, Time):
+            return CLOCK
+        if isinstance(node, Par):
+            return NUMBER if self.parameters[node.name].fixed else PREPARE
+        if isinstance(node, Elem) and not index_names(node.index):
+            return PREPARE
+        return SITE
+
+    def text(self, name: str) -> str:
+        """The C text of a symbol."""
+        node = self.leaves.get(name)
+        if node is None:
+            return name
+        if isinstance(node, Time):
+            self.uses_time = True
+            return "c->t"
+        if isinstance(node, Par):
+            return self.parameter(node.name)
+        if isinstance(node, Idx):
+            return f"(smg_real){node.name}"
+        if isinstance(node, Weight):
+            return f"weight_{node.name}"
+        return self.entry(node)
+
+    def parameter(self, name: str) -> str:
+        p = self.parameters[name]
+        if p.fixed:
+            return number(p.default)
+        return f"(smg_real)c->p.{name}" if p.kind == "int" else f"c->p.{name}"
+
+    def entry(self, e: Elem) -> str:
+        """Entry of an array parameter or of a constant table."""
+        p = self.parameters.get(e.name)
+        if p is not None and not p.fixed:
+            return f"c->p.{e.name}[{self.index(e.index)}]"
+        self.used_tables[e.name] = p.default if p is not None else self.tables[e.name]
+        return f"{self.model}_table_{e.name}[{self.index(e.index)}]"
+
+    def index(self, e: Expr) -> str:
+        """An integer formula in bound indices and int parameters, as int64_t text."""
+        if isinstance(e, Num):
+            return str(int(e.value))
+        if isinstance(e, Idx):
+            return e.name
+        if isinstance(e, Par):
+            p = self.parameters[e.name]
+            return str(int(p.default)) if p.fixed else f"c->p.{e.name}"
+        args = [self.index(a) for a in e.args]
+        if e.op == "neg":
+            return f"(-{args[0]})"
+        if e.op == "mod":
+            return f"smg_mod({args[0]}, {args[1]})"
+        if e.op == "floor" and isinstance(e.args[0], Op) and e.args[0].op == "/":
+            return f"smg_quotient({self.index(e.args[0].args[0])}, {self.index(e.args[0].args[1])})"
+        if e.op == "^":
+            return "(" + "*".join([args[0]] * int(e.args[1].value)) + ")"
+        return f"({args[0]} {e.op} {args[1]})"
+
+    def size(self, e: Expr) -> str:
+        """A size: a literal when it is known at compile time, else a member of the coefficients."""
+        if not runtime_names(e, self.parameters):
+            return str(int(constant_integer(e, self.parameters)))
+        text = self.index(e)
+        if text not in self.integers:
+            self.integers[text] = f"n{len(self.integers)}"
+        return f"c->{self.integers[text]}"
+
+    # -- expressions ------------------------------------------------------------------------
+    def when(self, e) -> int:
+        return max((self.level(s.name) for s in e.free_symbols), default=NUMBER)
+
+    def hoist(self, e):
+        """Replace what is known before the site loop by names computed once."""
+        level = self.when(e)
+        if level in (PREPARE, CLOCK):
+            return self.remember(e, level)
+        if not e.args or level == NUMBER:
+            return e
+        if isinstance(e, (sp.Add, sp.Mul)):
+            return self.hoist_group(e)
+        return e.func(*[self.hoist(a) for a in e.args])
+
+    def hoist_group(self, e):
+        """Sum or product: first what only parameters decide, then what time decides too."""
+        late = [self.hoist(a) for a in e.args if self.when(a) == SITE]
+        early = [a for a in e.args if self.when(a) != SITE]
+        if not early:
+            return e.func(*late)
+        return e.func(self.remember(e.func(*early), max(self.when(a) for a in early)), *late)
+
+    def remember(self, e, level: int):
+        """The symbol that holds e; atoms and their negatives are no work and stay."""
+        if level == NUMBER or e.is_Symbol or (e.is_Mul and e.args[0] == -1 and len(e.args) == 2
+                                              and e.args[1].is_Symbol):
+            return e
+        if e.could_extract_minus_sign():
+            return -self.remember(-e, level)
+        if e not in self.hoisted:
+            self.hoisted[e] = (f"k{len(self.hoisted)}", level)
+        name = f"c->{self.hoisted[e][0]}"
+        return sp.Symbol(name, real=True)
+
+    def number_values(self, e):
+        """Put the values of fixed parameters in place of their names."""
+        values = {s: sp.Float(self.parameters[self.leaves[s.name].name].default)
+                  for s in e.free_symbols if self.level(s.name) == NUMBER}
+        return e.subs(values) if values else e
+
+    def kernel(self, expressions, leaves) -> Kernel:
+        """Statements for several expressions at once, with their common parts named x0, x1, .."""
+        self.leaves.update(leaves)
+        work = [self.hoist(self.number_values(sp.sympify(e))) for e in expressions]
+        names = (sp.Symbol(f"x{n}", real=True) for n in count())
+        shared, results = sp.cse(work, symbols=names, order="canonical")
+        show = Printer(self.text)
+        lines = [f"const smg_real {show(s)} = {show(e)};" for s, e in shared]
+        operations = sum(int(sp.count_ops(e)) for e in [e for _, e in shared] + results)
+        return Kernel(lines, [show(r) for r in results], operations)
+
+    def formula(self, e: Expr) -> Kernel:
+        """A scalar formula (kappa, radius, an entry of C)."""
+        value, leaves = scalar(e)
+        return self.kernel([value], leaves)
+
+    def coefficients(self):
+        """Hoisted values in dependency order: [(name, C text, level)]."""
+        show = Printer(self.text)
+        return [(name, show(e), level) for e, (name, level) in self.hoisted.items()]
+
+
+def index_names(e: Expr) -> set:
+    return {n.name for n in walk(e) if isinstance(n, Idx)}
+
+
+def runtime_names(e: Expr, parameters: dict) -> set:
+    return {n.name for n in walk(e) if isinstance(n, Par) and not parameters[n.name].fixed}
+
+
+def constant_integer(e: Expr, parameters: dict) -> int:
+    """The value of an integer formula, with the parameters' defaults."""
+    if isinstance(e, Num):
+        return int(e.value)
+    if isinstance(e, Par):
+        return int(parameters[e.name].default)
+    a = [constant_integer(x, parameters) for x in e.args]
+    return {"+": lambda: a[0] + a[1], "-": lambda: a[0] - a[1], "*": lambda: a[0] * a[1],
+            "/": lambda: a[0] // a[1], "neg": lambda: -a[0], "^": lambda: a[0] ** a[1],
+            "mod": lambda: a[0] % a[1], "floor": lambda: a[0]}[e.op]()
