@@ -1,0 +1,34 @@
+# smidgen: `make demo` shows everything, `make test` checks it. Both install what is missing.
+PYTHON ?= python3
+VENV   := .venv
+PY     := $(VENV)/bin/python
+PYTEST := $(PY) -m pytest -n 2 --dist worksteal
+
+.PHONY: demo test quick test-long bench clean
+
+demo: $(VENV)/ready
+	$(PY) -m smidgen.demo --out out/demo
+
+test: $(VENV)/ready-test
+	$(PYTEST) -m "not long"
+
+quick: $(VENV)/ready-test
+	$(PYTEST) -m quick
+
+test-long: $(VENV)/ready-test
+	$(PYTEST)
+
+bench: $(VENV)/ready
+	$(PY) tests/bench/run.py
+
+$(VENV)/ready: tests/install.sh requirements.txt requirements-test.txt pyproject.toml setup.py
+	PYTHON="$(PYTHON)" sh tests/install.sh $(VENV)
+	@touch $@
+
+# What only the tests use: other compilers, a browser. Tests say so when one is missing.
+$(VENV)/ready-test: $(VENV)/ready
+	sh tests/install.sh --extras
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build out dist *.egg-info .pytest_cache .hypothesis

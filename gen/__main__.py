@@ -1,0 +1,6 @@
+"""`python -m smidgen` is the command `smidgen`."""
+import sys
+
+from .cli import main
+
+sys.exit(main())
