@@ -1,0 +1,225 @@
+#include "body.h"
+
+#ifndef STEP
+#define STEP __attribute__((noinline)) static
+#endif
+#define ALWAYS static inline __attribute__((always_inline))
+#define NEVER __attribute__((noinline, cold)) static
+
+typedef struct vec {
+  double x, y, z;
+} vec;
+
+/* Row p: u_{n+1} = sum_j (-1)^j C(p+1, j+1) u_{n-j}, the extrapolation of degree p. */
+static const double extrapolate[MAX_DEGREE + 1][MAX_DEGREE + 1] = {
+    {1},
+    {2, -1},
+    {3, -3, 1},
+    {4, -6, 4, -1},
+    {5, -10, 10, -5, 1},
+    {6, -15, 20, -15, 6, -1},
+    {7, -21, 35, -35, 21, -7, 1},
+    {8, -28, 56, -70, 56, -28, 8, -1},
+    {9, -36, 84, -126, 126, -84, 36, -9, 1},
+    {10, -45, 120, -210, 252, -210, 120, -45, 10, -1},
+    {11, -55, 165, -330, 462, -462, 330, -165, 55, -11, 1},
+    {12, -66, 220, -495, 792, -924, 792, -495, 220, -66, 12, -1},
+    {13, -78, 286, -715, 1287, -1716, 1716, -1287, 715, -286, 78, -13, 1},
+    {14, -91, 364, -1001, 2002, -3003, 3432, -3003, 2002, -1001, 364, -91, 14, -1},
+    {15, -105, 455, -1365, 3003, -5005, 6435, -6435, 5005, -3003, 1365, -455, 105, -15, 1},
+    {16, -120, 560, -1820, 4368, -8008, 11440, -12870, 11440, -8008, 4368, -1820, 560, -120, 16, -1}};
+
+void body_start(body *s, const body_params *p, const double w[3]) {
+  memset(s, 0, sizeof *s);
+  s->p = *p;
+  s->k = ROWS - MAX_DEGREE - 1;
+  s->a = .25 / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+  memcpy(s->w, w, sizeof s->w);
+}
+
+/* The newest increment last, so that the rest of the sum does not wait for it. */
+ALWAYS vec predict(const body *s, int degree, double *scale) {
+  const double(*q)[4] = s->u + s->k;
+  const double *c = extrapolate[degree];
+  double t[4] = {c[degree] * q[degree][0], c[degree] * q[degree][1], c[degree] * q[degree][2], c[degree] * q[degree][3]};
+  for (int j = degree - 1; j >= 1; j--)
+    for (int i = 0; i < 4; i++) t[i] += c[j] * q[j][i];
+  *scale = s->a + (t[3] + c[0] * s->last[3]);
+  return (vec){t[0] + c[0] * s->last[0], t[1] + c[0] * s->last[1], t[2] + c[0] * s->last[2]};
+}
+
+ALWAYS void push(body *s, int degree, vec u, double a, double scale) {
+  if (s->k == 0) {
+    memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
+    s->k = ROWS - degree;
+  }
+  const double lane = (u.x * u.x + u.y * u.y + u.z * u.z) * a * scale;
+  double *q = s->u[--s->k];
+  q[0] = u.x, q[1] = u.y, q[2] = u.z, q[3] = lane;
+  s->last[0] = u.x, s->last[1] = u.y, s->last[2] = u.z, s->last[3] = lane;
+}
+
+/* One unit in the last place of its own component. */
+ALWAYS int same(double a, double b) { return fabs(a - b) <= DBL_EPSILON * fabs(a); }
+ALWAYS int stagnated(vec a, vec b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
+ALWAYS vec add(vec a, vec b) { return (vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
+ALWAYS vec state(const body *s) { return (vec){s->w[0], s->w[1], s->w[2]}; }
+
+/* h (1/I_k - 1/I_j), cyclic */
+ALWAYS vec constants(const body_params *p) {
+  const double *a = p->inverse_moment;
+  return (vec){p->h * (a[2] - a[1]), p->h * (a[0] - a[2]), p->h * (a[1] - a[0])};
+}
+ALWAYS vec twice_midpoint(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z}; }
+ALWAYS double square(vec S) { return S.x * S.x + S.y * S.y + S.z * S.z; }
+ALWAYS vec product(vec d, vec S, double s) {
+  return (vec){(d.x * s) * (S.y * S.z), (d.y * s) * (S.z * S.x), (d.z * s) * (S.x * S.y)};
+}
+
+/* G(u) = h (S x I^-1 S)/|S|^2, S = 2 w + u. */
+ALWAYS vec image(vec d, vec w, vec u) {
+  const vec S = twice_midpoint(w, u);
+  return product(d, S, 1 / square(S));
+}
+
+/* The same with one step of Newton's reciprocal, s(2 - |S|^2 s), from a good s. */
+ALWAYS vec image_near(vec d, vec w, vec u, double s) {
+  const vec S = twice_midpoint(w, u);
+  const vec g = product(d, S, s);
+  const double f = 2 - square(S) * s;
+  return (vec){g.x * f, g.y * f, g.z * f};
+}
+
+ALWAYS void commit(body *s, int degree, vec W, vec u, double scale) {
+  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
+  s->a = .25 / square(W);
+  push(s, degree, u, s->a, scale);
+}
+ALWAYS void commit_plain(body *s, int degree, vec W, vec u) {
+  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
+  if (s->k == 0) {
+    memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
+    s->k = ROWS - degree;
+  }
+  double *q = s->u[--s->k];
+  q[0] = s->last[0] = u.x, q[1] = s->last[1] = u.y, q[2] = s->last[2] = u.z;
+}
+
+/* Fixed point to stagnation from any start. */
+NEVER void iterate(body *s, int degree, vec u, int evaluations) {
+  const vec d = constants(&s->p), w = state(s);
+  vec V = add(w, u), U;
+  int k = evaluations;
+  do U = V, u = image(d, w, u), V = add(w, u), k++;
+  while (!stagnated(V, U) && k < CAP);
+  commit(s, degree, V, u, 1 / square(add(w, V)));
+  s->count++, s->evaluations += k;
+}
+
+/* 1. Fixed point u <- G(u) from an extrapolation of high degree; the third evaluation is the rule. */
+ALWAYS void fixed_point(body *s, int degree) {
+  const vec d = constants(&s->p), w = state(s);
+  double unused;
+  vec u = predict(s, degree, &unused);
+  u = image(d, w, u);
+  vec V = image(d, w, u), U = add(w, u), Z = add(w, V);
+  if (!stagnated(Z, U)) {
+    u = image(d, w, V), U = Z, Z = add(w, u), V = u;
+    s->evaluations++;
+    if (!stagnated(Z, U)) { iterate(s, degree, u, 3); return; }
+  }
+  commit_plain(s, degree, Z, V);
+  s->evaluations += 2;
+}
+
+/* 2. (1 - E + 2 (p/Q^2) S^T) x = r, E = D p/Q, p = h S x I^-1 S, Q = |S|^2: Newton by the adjugate. */
+ALWAYS vec newton_image(vec d, vec w, vec u) {
+  const vec S = twice_midpoint(w, u);
+  const double x = S.x, y = S.y, z = S.z, s = 1 / square(S);
+  const vec g = product(d, S, s);
+  const double r0 = g.x - u.x, r1 = g.y - u.y, r2 = g.z - u.z;
+  const double a = 2 * g.x * s, b = 2 * g.y * s, e = 2 * g.z * s, X = d.x * s, Y = d.y * s, Z = d.z * s;
+  const double m00 = 1 + a * x, m01 = a * y - X * z, m02 = a * z - X * y;
+  const double m10 = b * x - Y * z, m11 = 1 + b * y, m12 = b * z - Y * x;
+  const double m20 = e * x - Z * y, m21 = e * y - Z * x, m22 = 1 + e * z;
+  const double c0 = m11 * m22 - m12 * m21, c1 = m12 * m20 - m10 * m22, c2 = m10 * m21 - m11 * m20;
+  const double t = 1 / (m00 * c0 + m01 * c1 + m02 * c2);
+  return (vec){u.x + t * (c0 * r0 + (m02 * m21 - m01 * m22) * r1 + (m01 * m12 - m02 * m11) * r2),
+               u.y + t * (c1 * r0 + (m00 * m22 - m02 * m20) * r1 + (m02 * m10 - m00 * m12) * r2),
+               u.z + t * (c2 * r0 + (m01 * m20 - m00 * m21) * r1 + (m00 * m11 - m01 * m10) * r2)};
+}
+
+ALWAYS void newton_once(body *s, int degree) {
+  const vec d = constants(&s->p), w = state(s);
+  double unused;
+  const vec u = newton_image(d, w, predict(s, degree, &unused)), v = image(d, w, u);
+  const vec U = add(w, u), V = add(w, v);
+  if (!stagnated(V, U)) { iterate(s, degree, v, 2); return; }
+  commit_plain(s, degree, V, v);
+  s->evaluations += 2;
+}
+
+/* 3. The scale s = 1/|S|^2 extrapolated beside u: no division before the update, and the Jacobian of the
+ * first evaluation is E alone; u <- G + (E + E^2)(G - u), then one honest evaluation. */
+ALWAYS vec corrected_image(vec d, vec w, vec u, double s) {
+  const vec S = twice_midpoint(w, u), g = product(d, S, s);
+  const double X = .25 * d.x, Y = .25 * d.y, Z = .25 * d.z;
+  const double r0 = g.x - u.x, r1 = g.y - u.y, r2 = g.z - u.z;
+  const double e01 = X * S.z, e02 = X * S.y, e10 = Y * S.z, e12 = Y * S.x, e20 = Z * S.y, e21 = Z * S.x;
+  return (vec){g.x + ((e01 * e10 + e02 * e20) * r0 + ((e01 + e02 * e21) * r1 + (e02 + e01 * e12) * r2)),
+               g.y + ((e10 * e01 + e12 * e21) * r1 + ((e10 + e12 * e20) * r0 + (e12 + e10 * e02) * r2)),
+               g.z + ((e20 * e02 + e21 * e12) * r2 + ((e20 + e21 * e10) * r0 + (e21 + e20 * e01) * r1))};
+}
+
+ALWAYS void lanes(body *s, int degree) {
+  const vec d = constants(&s->p), w = state(s);
+  double scale;
+  const vec p = predict(s, degree, &scale), u = corrected_image(d, w, p, scale), v = image_near(d, w, u, scale);
+  const vec U = add(w, u), V = add(w, v);
+  if (!stagnated(V, U)) { iterate(s, degree, v, 2); return; }
+  commit(s, degree, V, v, scale);
+  s->evaluations += 2;
+}
+
+/* 4. The same; when the last evaluation leaves every bit of W, the next step need not wait for it: the
+ * processor predicts the branch and goes on with W as it was. */
+ALWAYS void early(body *s, int degree) {
+  const vec d = constants(&s->p), w = state(s);
+  double scale;
+  const vec p = predict(s, degree, &scale), u = corrected_image(d, w, p, scale), v = image_near(d, w, u, scale);
+  const vec U = add(w, u), V = add(w, v);
+  s->evaluations += 2;
+  if (U.x == V.x && U.y == V.y && U.z == V.z) {
+    commit(s, degree, U, u, scale);
+    return;
+  }
+  if (!stagnated(V, U)) { s->evaluations -= 2; iterate(s, degree, v, 2); return; }
+  s->count++;
+  commit(s, degree, V, v, scale);
+}
+
+/* 5. Either iterate will do once the change is below one unit in the last place. */
+ALWAYS void early_ulp(body *s, int degree) {
+  const vec d = constants(&s->p), w = state(s);
+  double scale;
+  const vec p = predict(s, degree, &scale), u = corrected_image(d, w, p, scale), v = image_near(d, w, u, scale);
+  const vec U = add(w, u), V = add(w, v);
+  if (!stagnated(V, U)) { iterate(s, degree, v, 2); return; }
+  s->evaluations += 2;
+  commit(s, degree, U, u, scale);
+}
+
+#define DESIGN(kind, degree)                                     \
+  STEP void kind##_##degree##_step(body *s) { kind(s, degree); } \
+  static void kind##_##degree(void *s, int64_t n) {              \
+    for (int64_t i = 0; i < n; i++) kind##_##degree##_step(s);   \
+  }
+#define ENTRY(kind, degree) {#kind " " #degree, kind##_##degree},
+#define LIST(DO)                                                                          \
+  DO(fixed_point, 10) DO(fixed_point, 12) DO(fixed_point, 14)                              \
+  DO(newton_once, 3) DO(newton_once, 4) DO(newton_once, 5) DO(newton_once, 6) DO(newton_once, 7) \
+  DO(lanes, 9) DO(lanes, 10) DO(lanes, 11) DO(lanes, 12) DO(lanes, 13) \
+  DO(early, 10) DO(early, 11) DO(early, 12) DO(early, 13) DO(early_ulp, 10) DO(early_ulp, 11) DO(early_ulp, 12) DO(early_ulp, 13)
+LIST(DESIGN)
+const design hand_designs[] = {LIST(ENTRY)};
+const int hand_count = sizeof hand_designs / sizeof *hand_designs;
