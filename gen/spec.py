@@ -16,6 +16,7 @@ class Parameter:
     """A named number. kind: 'real', 'int' or 'array' (of reals; `size` [int] entries).
 
     fixed: its value is compiled in; otherwise it is a member of the params struct.
+    fill: every entry of the array has the one value that the spec gives.
     """
     name: str
     kind: str
@@ -24,6 +25,7 @@ class Parameter:
     unit: str = ""
     meaning: str = ""
     fixed: bool = False
+    fill: bool = False
 
 
 @dataclass(frozen=True)

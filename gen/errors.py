@@ -1,0 +1,150 @@
+"""The errors that a user can meet, and the exit code of each.
+
+    SmidgenError        base; `exit_code` is what the command returns
+      UsageError        2    a wrong option, name or value on the command line or in a call
+      SpecError         3    a spec that cannot be read: a list of `Diagnostic`
+      RunError          4    a step that failed; carries the runtime's status
+      ValidationError   5    two computations that should agree do not
+      MissingTool       6    no compiler, no library
+      BuildError        7    the compiler refused the generated C
+      OutputError       8    a file cannot be written
+"""
+from __future__ import annotations
+
+import enum
+import unicodedata
+from dataclasses import dataclass
+
+
+class Exit(enum.IntEnum):
+    """Exit codes of the command `smidgen`."""
+    OK = 0
+    USAGE = 2
+    SPEC = 3
+    STEP = 4
+    VALIDATION = 5
+    TOOL = 6
+    BUILD = 7
+    OUTPUT = 8
+    INTERRUPTED = 130
+
+
+class SmidgenError(Exception):
+    """Base of all errors that are reported without a traceback."""
+    exit_code = Exit.USAGE
+
+
+class UsageError(SmidgenError):
+    """A wrong name, option or value in a command or a call."""
+    exit_code = Exit.USAGE
+
+
+class OutputError(SmidgenError):
+    """A result cannot be written: no space, no permission; an earlier file is as it was."""
+    exit_code = Exit.OUTPUT
+
+
+class BuildError(SmidgenError):
+    """The C compiler refused its input; `log` holds what it said."""
+    exit_code = Exit.BUILD
+
+    def __init__(self, message: str, log: str = ""):
+        super().__init__(message)
+        self.log = log
+
+
+class RunError(SmidgenError):
+    """A step failed. `status` is the runtime's `smg_status` as an integer.
+
+    `step` counts the steps that were done before; `iterations`, `residual` and `site`
+    are those of the runtime's report (site -1: not tied to one).
+    """
+    exit_code = Exit.STEP
+
+    def __init__(self, message: str, status: int = 0, step: int = 0,
+                 iterations: int = 0, residual: float = 0.0, site: int = -1):
+        super().__init__(message)
+        self.status, self.step = status, step
+        self.iterations, self.residual, self.site = iterations, residual, site
+
+
+class ValidationError(SmidgenError):
+    """Generated code and witness disagree beyond the stated tolerance."""
+    exit_code = Exit.VALIDATION
+
+
+class MissingTool(SmidgenError):
+    """A compiler or library that the task needs is not installed."""
+    exit_code = Exit.TOOL
+
+
+WINDOW = 100        # characters of a source line that a message shows at most
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One error in a spec.
+
+    line and column count from 1 in code points; text is the source line, length the
+    number of characters that the caret underlines, cause what is wrong, mend what to
+    write instead.
+    """
+    code: str
+    file: str
+    line: int
+    column: int
+    text: str
+    cause: str
+    mend: str
+    length: int = 1
+
+    def render(self) -> str:
+        """`file:line:column: error[CODE]: cause`, the line, a caret, the mend."""
+        head = (f"{printable(self.file)}:{self.line}:{self.column}: "
+                f"error[{self.code}]: {printable(self.cause)}")
+        shown, pad, width = excerpt(self.text, self.column - 1, self.length)
+        gutter = " " * len(str(self.line))
+        lines = [head, f" {self.line} | {shown}",
+                 f" {gutter} | {' ' * pad}^{'~' * (width - 1)}"]
+        return "\n".join(lines + [f" {gutter} = {printable(self.mend)}"] * bool(self.mend))
+
+
+class SpecError(SmidgenError):
+    """A spec with errors: at most `limits.ERRORS` of them in `diagnostics`."""
+    exit_code = Exit.SPEC
+
+    def __init__(self, diagnostics, more: bool = False):
+        self.diagnostics = tuple(diagnostics)
+        self.more = more
+        super().__init__(self.__str__())
+
+    def __str__(self) -> str:
+        tail = ["there are more errors; mend these first"] if self.more else []
+        return "\n\n".join([d.render() for d in self.diagnostics] + tail)
+
+
+def printable(text: str) -> str:
+    """`text` with what a terminal would not show as written replaced by `\\u{...}`."""
+    return "".join(c if plain(c) else f"\\u{{{ord(c):x}}}" for c in text)
+
+
+def plain(c: str) -> bool:
+    """Is `c` safe to print: no control, format (bidi, zero width), surrogate, private."""
+    return unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
+
+
+def columns(text: str) -> int:
+    """Terminal cells that `text` takes: wide characters two, combining ones none."""
+    return sum(0 if unicodedata.combining(c) else
+               2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
+
+
+def excerpt(line: str, at: int, length: int) -> tuple[str, int, int]:
+    """(what to show of `line`, cells before the caret, cells underlined)."""
+    line = line.replace("\t", " ")
+    first = max(0, at - WINDOW // 2) if len(line) > WINDOW else 0
+    last = first + WINDOW
+    before = ("... " if first else "") + printable(line[first:at])
+    marked = printable(line[at:min(at + length, last)])
+    after = printable(line[at + length:last]) + (" ..." if last < len(line) else "")
+    return before + marked + after, columns(before), max(1, columns(marked))

@@ -1,0 +1,341 @@
+"""What depends on values: sizes, strengths, lattices, starts, durations.
+
+Every check yields `Trouble`s with the path of the value in the spec, so that the reader can
+point at it and `select` can name it.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Iterator
+
+import numpy as np
+
+from .. import limits
+from ..expr import Elem, Idx, Num, Par, Spin, walk
+from ..spec import Each, Family, Graph, Lattice, Pairs, Run, Sites, Spec, Term
+from . import codes
+from .initial import family_start, site_values
+from .values import integer, number
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """Something wrong with the value at `path`."""
+    path: tuple
+    code: str
+    cause: str
+    mend: str = ""
+
+
+def model(spec: Spec, values: dict) -> Iterator[Trouble]:
+    """Counts, arrays, strengths, radii, Casimirs, terms, with these parameter values."""
+    counts = list(sizes(spec, values))
+    yield from counts
+    if counts:
+        return
+    for family in spec.families:
+        yield from strength(family, values)
+        yield from radius(family, values)
+        yield from casimir(family, values)
+    for section, key, terms in (("effects", "energy", spec.effects),
+                                ("observables", "value", spec.observables)):
+        for term in terms:
+            yield from term_fits(spec, term, (section, term.name), key, values)
+
+
+# Sizes
+
+def sizes(spec: Spec, values: dict) -> Iterator[Trouble]:
+    """Counts of families and lengths of arrays."""
+    total = 0
+    for family in spec.families:
+        count = integer(family.count, values)
+        total += count
+        path = ("space", family.name, family.kind)
+        if count < 1:
+            yield Trouble(path, codes.COUNT, f"`{family.name}` would have {count} sites",
+                          "a family has at least one site")
+        elif total > limits.SITES:
+            yield Trouble(path, codes.LIMIT, f"the model would have {total} sites; at most "
+                          f"{limits.SITES} are allowed")
+    for p in spec.parameters:
+        if p.kind == "array":
+            yield from array(p, values)
+
+
+def array(p, values: dict) -> Iterator[Trouble]:
+    size, have = integer(p.size, values), len(values[p.name])
+    path = ("parameters", p.name, "default")
+    if size < 1:
+        yield Trouble(("parameters", p.name, "size"), codes.COUNT,
+                      f"`{p.name}` would have {size} entries", "an array is not empty")
+    elif size > limits.ARRAY:
+        yield Trouble(("parameters", p.name, "size"), codes.LIMIT, f"`{p.name}` would have {size} "
+                      f"entries; at most {limits.ARRAY} are allowed")
+    elif have != size:
+        yield Trouble(path, codes.COUNT, f"`{p.name}` has {have} entries, its size is {size}",
+                      f"give {size} numbers, or one number that every entry has")
+
+
+# Strengths, radii, Casimirs
+
+def per_site(e, family: Family, values: dict):
+    """The values of a formula in i at all sites; None when an array is too short for it."""
+    try:
+        return site_values(e, integer(family.count, values), values)
+    except IndexError:
+        return None
+
+
+def too_short(family: Family, path: tuple, e, values: dict) -> Trouble:
+    names = {n.name: len(values[n.name]) for n in walk(e) if isinstance(n, Elem)}
+    have = ", ".join(f"`{n}` has {k} entries" for n, k in names.items())
+    return Trouble(path, codes.COUNT, f"{have}, but `{family.name}` has "
+                   f"{integer(family.count, values)} sites", "give one entry for each site")
+
+
+def strength(family: Family, values: dict) -> Iterator[Trouble]:
+    path, e = ("space", family.name, "kappa"), family.kappa
+    k = per_site(e, family, values)
+    if k is None or listed(e) and len(values[e.name]) != len(k):
+        yield too_short(family, path, e, values)
+        return
+    bad = np.flatnonzero(~np.isfinite(k) | (k == 0) | (np.abs(k) > limits.LARGEST)
+                         | (np.abs(k) < limits.SMALLEST))
+    if bad.size:
+        yield Trouble(path, codes.KAPPA, f"the strength of `{family.name}[{bad[0]}]` is "
+                      f"{k[bad[0]]:g}", "a strength is finite and not zero, of either sign")
+
+
+def listed(e) -> bool:
+    """Is a strength a plain list, so that its length must be the count."""
+    return isinstance(e, Elem) and e.index == Idx("i")
+
+
+def radius(family: Family, values: dict) -> Iterator[Trouble]:
+    if family.radius is None:
+        return
+    path = ("space", family.name, "radius")
+    r = per_site(family.radius, family, values)
+    if r is None:
+        yield too_short(family, path, family.radius, values)
+        return
+    bad = np.flatnonzero(~(np.isfinite(r) & (r > 0)))
+    if bad.size:
+        yield Trouble(path, codes.RADIUS, f"the radius of `{family.name}[{bad[0]}]` is "
+                      f"{r[bad[0]]:g}", "a radius is positive")
+
+
+def casimir(family: Family, values: dict) -> Iterator[Trouble]:
+    if family.casimir is None:
+        return
+    a = np.array([[number(e, values) for e in row] for row in family.casimir])
+    if not np.isfinite(a).all() or not a.any():
+        yield Trouble(("space", family.name, "C"), codes.CASIMIR,
+                      "C is zero or not finite with these values of the parameters")
+
+
+# Terms
+
+def term_fits(spec: Spec, term: Term, path: tuple, key: str, values) -> Iterator[Trouble]:
+    """Sites of lattices and graphs, literal sites, entries of arrays."""
+    counts = {f.name: integer(f.count, values) for f in spec.families}
+    over = term.over
+    if isinstance(over, Lattice):
+        yield from lattice(over, counts[over.family], path + ("over",), values)
+    if isinstance(over, Graph):
+        far = max(max(e) for e in over.edges)
+        if far >= counts[over.family]:
+            yield Trouble(path + ("over",), codes.LATTICE, f"an edge names site {far}, but "
+                          f"`{over.family}` has {counts[over.family]} sites (0 to "
+                          f"{counts[over.family] - 1})")
+    ranges = {i: (0, counts[f] - 1) for i, f in bound_families(over).items()}
+    yield from accesses(term, counts, ranges, path + (key,), values)
+
+
+def bound_families(over) -> dict[str, str]:
+    if isinstance(over, Sites):
+        return {over.index: over.family}
+    if isinstance(over, Each):
+        return dict(zip(over.indices, over.families))
+    if isinstance(over, (Pairs, Lattice, Graph)):
+        return {index: over.family for index in over.bound}
+    return {}
+
+
+def lattice(over: Lattice, count: int, path: tuple, values: dict) -> Iterator[Trouble]:
+    size = [integer(s, values) for s in over.size]
+    sites = math.prod(size) * over.sites
+    if min(size) < 1:
+        yield Trouble(path, codes.COUNT, f"a lattice of {' x '.join(map(str, size))} cells",
+                      "every direction has at least one cell")
+    elif sites != count:
+        cells = " x ".join(map(str, size)) + (f" x {over.sites}" if over.sites > 1 else "")
+        yield Trouble(path, codes.LATTICE, f"the lattice has {cells} = {sites} sites, "
+                      f"`{over.family}` has {count}", "make the counts equal, say "
+                      "`sphere = \"nx*ny\"`")
+    else:
+        yield from loops(over, size, path)
+
+
+def loops(over: Lattice, size: list[int], path: tuple) -> Iterator[Trouble]:
+    """A bond whose ends are one site because a periodic direction is too short."""
+    for bond in over.bonds:
+        ends = {(sub, tuple(o % n if p else o for o, n, p in zip(off, size, over.periodic)))
+                for sub, off in bond}
+        if len(ends) < len(bond):
+            yield Trouble(path, codes.BOND, f"on {' x '.join(map(str, size))} periodic cells a "
+                          "bond would join a site to itself", "make the lattice longer, or open")
+            return
+
+
+def accesses(term: Term, counts: dict, ranges: dict, path: tuple, values) -> Iterator[Trouble]:
+    for e in walk(term.value):
+        if isinstance(e, Spin) and isinstance(e.slot, int) and e.slot >= counts[e.family]:
+            yield Trouble(path, codes.INDEX, f"`{e.family}[{e.slot}]`, but `{e.family}` has "
+                          f"{counts[e.family]} sites (0 to {counts[e.family] - 1})")
+            return
+        if isinstance(e, Elem):
+            low, high = interval(e.index, ranges, values)
+            if low < 0 or high >= len(values[e.name]):
+                span = f"{low}" if low == high else f"{low} to {high}"
+                yield Trouble(path, codes.INDEX, f"the index of `{e.name}` takes the values "
+                              f"{span}, but it has {len(values[e.name])} entries")
+                return
+
+
+def interval(e, ranges: dict, values: dict) -> tuple[int, int]:
+    """The least and largest value of an integer formula (each index on its own)."""
+    if isinstance(e, Num):
+        return e.value, e.value
+    if isinstance(e, Par):
+        return values[e.name], values[e.name]
+    if isinstance(e, Idx):
+        return ranges[e.name]
+    parts = [interval(a, ranges, values) for a in e.args]
+    return combine(e.op, parts)
+
+
+def combine(op: str, parts: list) -> tuple[int, int]:
+    (a, b), (c, d) = parts[0], parts[-1]
+    if op == "neg":
+        return -b, -a
+    if op == "+":
+        return a + c, b + d
+    if op == "-":
+        return a - d, b - c
+    products = (a * c, a * d, b * c, b * d)
+    return min(products), max(products)
+
+
+# Starts
+
+def starts(spec: Spec, values: dict, names=None) -> Iterator[Trouble]:
+    """Every start has the right number of vectors, on their spheres."""
+    for start in spec.starts:
+        if names is not None and start.name not in names:
+            continue
+        for part in start.families:
+            family = next(f for f in spec.families if f.name == part.family)
+            yield from start_fits(part, family, ("starts", start.name, family.name), values)
+
+
+def start_fits(part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
+    count = integer(family.count, values)
+    if part.kind == "vectors" and len(part.value) != count:
+        yield Trouble(path, codes.START, f"{len(part.value)} vectors for the {count} sites of "
+                      f"`{family.name}`", "give one vector for each site")
+        return
+    try:
+        w = family_start(part, family, values)
+    except IndexError:
+        yield Trouble(path, codes.START, "an array is too short for this formula")
+        return
+    yield from on_leaf(w, part, family, path, values)
+
+
+def on_leaf(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
+    """Finite; on the sphere within `limits.SPHERE`; C not zero."""
+    bad = np.flatnonzero(~np.isfinite(w).all(axis=1))
+    if bad.size:
+        yield Trouble(path, codes.START, f"the start of `{family.name}[{bad[0]}]` is not finite")
+    elif family.kind == "sphere":
+        yield from on_sphere(w, part, family, path, values)
+    elif family.kind == "nambu":
+        a = np.array([[number(e, values) for e in row] for row in family.casimir])
+        zero = np.flatnonzero(np.einsum("ni,ij,nj->n", w, a, w) == 0)
+        if zero.size:
+            yield Trouble(path, codes.OFF, f"C is zero at the start of `{family.name}"
+                          f"[{zero[0]}]`", "the method needs C different from zero")
+    elif not w.any(axis=1).all():
+        yield Trouble(path, codes.OFF, f"a vector of `{family.name}` starts at zero",
+                      "start away from zero, where the bracket vanishes")
+
+
+def on_sphere(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
+    r = site_values(family.radius, len(w), values)
+    length = np.sqrt((w * w).sum(axis=1))
+    off = np.abs(length / r - 1)
+    k = int(np.argmax(off))
+    if not off[k] <= limits.SPHERE:
+        yield Trouble(path, codes.OFF, f"`{family.name}[{k}]` starts at length {length[k]:.15g}, "
+                      f"its sphere has radius {r[k]:.15g}", "write `normalise = true` to put it "
+                      "there, or give more digits")
+
+
+# Runs
+
+def run(spec: Spec, r: Run, values: dict) -> Iterator[Trouble]:
+    """Step, duration, sections and method of one run."""
+    h, path = number(r.h, values), ("runs", r.name)
+    if not math.isfinite(h) or h == 0:
+        yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}",
+                      "a step is finite and not zero; a negative one runs backward")
+        return
+    yield from duration(r, h, path, values)
+    if r.section is not None:
+        yield from section(r, h, path + ("output", "section"), values)
+    yield from method(spec, r, path + ("method",))
+
+
+def duration(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
+    if r.steps is not None:
+        steps = integer(r.steps, values)
+        if not 1 <= steps <= limits.STEPS:
+            yield Trouble(path + ("steps",), codes.STEP, f"{steps} steps; a run has from 1 to "
+                          f"{limits.STEPS}")
+        return
+    time = number(r.time, values)
+    if h < 0 < time:
+        time = -time                        # `time = 10` with a negative step: 10 backward
+    yield from multiple(time, h, path + ("time",), codes.DURATION, "duration")
+
+
+def multiple(time: float, h: float, path, code: str, what: str) -> Iterator[Trouble]:
+    """`time` must be a positive whole number of steps."""
+    ratio = time / h
+    if not math.isfinite(ratio) or ratio <= 0 or ratio > limits.STEPS:
+        yield Trouble(path, codes.STEP, f"a {what} of {time:g} with a step of {h:g}",
+                      "it has the sign of the step and is not zero")
+    elif abs(ratio - round(ratio)) > limits.MULTIPLE * ratio or round(ratio) < 1:
+        low = math.floor(ratio)
+        near = " and ".join(f"{k * h:.15g} ({k} step{'s' * (k != 1)})"
+                            for k in (low, low + 1) if k > 0)
+        yield Trouble(path, code, f"the {what} {time:.15g} is not a multiple of the step "
+                      f"{h:.15g}", f"the nearest: {near}")
+
+
+def section(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
+    period = number(r.section, values)
+    yield from multiple(abs(period) * (1 if h > 0 else -1), h, path, codes.STEP,
+                        "section period")
+
+
+def method(spec: Spec, r: Run, path: tuple) -> Iterator[Trouble]:
+    free = len(spec.families) == 1 and spec.families[0].count == Num(1) \
+        and spec.families[0].kind != "nambu"
+    if r.method == "moser-veselov" and not free:
+        yield Trouble(path, codes.METHOD, "the discrete Moser-Veselov method is for one free "
+                      "rigid body: `{ sphere = 1 }` or `{ r3 = 1 }`",
+                      "use spherical-midpoint or classical-midpoint")

@@ -1,0 +1,70 @@
+"""Formulas of every kind, from a TOML value to an `Expr` in the right scope."""
+from __future__ import annotations
+
+from typing import Optional
+
+from ..expr import Expr, Num
+from . import codes
+from .parse import parse
+from .problems import Bad, Problems
+from .resolve import Resolver, integral
+from .scope import Declared, Scope, Typed
+from .source import Span, Text
+from .syntax import Syntax
+from .tree import Node
+
+FREE = "a formula of parameters"
+
+
+class Formulas:
+    """Reads formulas against the declared names."""
+
+    def __init__(self, declared: Declared, problems: Problems):
+        self.declared, self.problems = declared, problems
+
+    def silently(self):
+        """Give up what hangs on a declaration whose errors are already noted."""
+        raise Bad
+
+    def typed(self, text: Text, scope: Scope) -> Typed:
+        return Resolver(scope, self.problems).resolve(parse(text, self.problems))
+
+    def scalar(self, text: Text, scope: Scope) -> Expr:
+        """A formula whose value is a number."""
+        result = self.typed(text, scope)
+        if result.kind != "s":
+            what = {"v": "a vector", "b": "a condition"}[result.kind]
+            mend = "take a component or `dot(a, b)`" if result.kind == "v" else \
+                "write `if(condition, 1, 0)`"
+            self.problems.fail(codes.KIND, text.whole, f"a number is needed here, this is {what}",
+                               mend)
+        return result.expr
+
+    def free(self, node: Node, place: str, index: Optional[str] = None) -> Expr:
+        """A number, or a formula of parameters (and of `index`), without vectors or time."""
+        if node.is_number():
+            return Num(node.number())
+        indices = {index: ""} if index else {}
+        return self.scalar(node.text(), Scope(self.declared, place, families=False,
+                                              indices=indices))
+
+    def count(self, node: Node) -> Expr:
+        """[int]: an integer or an integer formula of integer parameters."""
+        if isinstance(node.raw, str):
+            return self.count_of(parse(node.text(), self.problems))
+        if not node.is_integer():
+            node.wrong(codes.INTEGER, f"`{node.label}` must be an integer or a formula of "
+                       "integer parameters")
+        return Num(node.number())
+
+    def count_of(self, tree: Syntax) -> Expr:
+        scope = Scope(self.declared, "a count", families=False)
+        expr = Resolver(scope, self.problems).resolve(tree).expr
+        if not integral(expr, self.declared.parameters):
+            self.not_integral(tree.span)
+        return expr
+
+    def not_integral(self, span: Span):
+        self.problems.fail(codes.INTEGER, span, "a count is made of integers and integer "
+                           "parameters with + - *", "a parameter is an integer when its "
+                           "default is written without a point: `n = { default = 100 }`")

@@ -1,0 +1,250 @@
+"""From a spec file or text to a `Spec`, or a `SpecError` with up to ten diagnostics."""
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import replace
+from typing import Optional
+
+from .. import limits
+from ..errors import SpecError
+from ..spec import Spec
+from . import checks, codes
+from .files import Files
+from .formulas import Formulas
+from .graphs import Graphs
+from .lattices import Lattices
+from .marks import Marks
+from .names import identifier
+from .over import OverReader
+from .parameters import FormulaReader, ParameterReader, bounded
+from .problems import Bad, Problems
+from .runs import RunReader
+from .scope import Declared
+from .source import Source, Span
+from .space import SpaceReader
+from .starts import StartReader
+from .terms import TermReader
+from .text import meaning
+from .toml import document
+from .tree import Node
+from .values import defaults, integer
+
+SECTIONS = ("model", "space", "parameters", "formulas", "lattices", "graphs", "effects",
+            "observables", "starts", "runs")
+
+
+def load(path) -> Spec:
+    """Read the spec file at `path`. Raises SpecError."""
+    name = os.fspath(path)
+    problems = Problems(Source("", name))
+    try:
+        with open(name, "rb") as f:
+            data = f.read(limits.FILE_BYTES + 1)
+    except OSError as e:
+        with problems.guard():
+            problems.fail(codes.FILE, Span(0, 1), f"{(e.strerror or 'cannot be read').lower()}",
+                          "give the path of a spec, a TOML file")
+        problems.finish()
+    return load_text(decoded(data, name), name)
+
+
+def decoded(data: bytes, name: str) -> str:
+    """The text of a file; SpecError when it is not UTF-8."""
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as e:
+        good = data[:e.start].decode("utf-8")
+        rest = data[e.start:].decode("utf-8", "replace")
+        problems = Problems(Source(good + rest, name))
+        problems.note(codes.ENCODING, Span(len(good), len(good) + 1), "the byte "
+                      f"0x{data[e.start]:02x} is not UTF-8 text", "save the file as UTF-8")
+        raise SpecError(problems.ordered()) from None
+
+
+def load_text(text: str, path: str = "") -> Spec:
+    """Read a spec from its text; `path` names it and is the home of the files it names."""
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n")
+    problems = Problems(Source(text, path or "<text>"))
+    try:
+        return Reader(text, path, problems).spec()
+    except Bad:
+        problems.finish()
+        raise
+
+
+class Reader:
+    """Reads the sections in the order in which they depend on each other."""
+
+    def __init__(self, text: str, path: str, problems: Problems):
+        self.text, self.path, self.problems = text, path, problems
+        self.declared = Declared()
+        self.formulas = Formulas(self.declared, problems)
+        self.files = Files(os.path.dirname(os.path.abspath(path)) if path else "")
+
+    def spec(self) -> Spec:
+        values = document(self.text, self.problems)
+        self.marks = Marks(self.text).at
+        self.root = Node(values, (), self.marks, self.problems).table(*SECTIONS)
+        spec = self.sections()
+        self.problems.finish()
+        spec = filled(spec)
+        self.check(spec)
+        self.problems.finish()
+        return spec
+
+    def section(self, name: str, most: Optional[int] = None) -> Node:
+        """A section that may be absent."""
+        node = self.root.get(name) or Node({}, (name,), self.marks, self.problems)
+        node.table()
+        if most is not None:
+            bounded(node, most, name)
+        return node
+
+    def sections(self) -> Optional[Spec]:
+        head = dict(name="", title="", orientation=1)
+        with self.problems.guard():
+            head = self.model()
+        self.declarations()
+        over = self.index_families()
+        terms = TermReader(self.declared, self.formulas, over, self.problems)
+        effects = self.guarded(lambda: terms.read(self.effects(), "energy", "effect"))
+        observables = self.guarded(lambda: terms.read(
+            self.section("observables", limits.OBSERVABLES), "value", "observable",
+            {e.name for e in effects}))
+        starts = self.guarded(lambda: StartReader(
+            self.declared, self.formulas, self.files, self.problems).read(
+                self.section("starts", limits.STARTS)))
+        runs = self.guarded(lambda: self.run_reader().read(self.section("runs", limits.RUNS)))
+        return self.assemble(head, effects, observables, starts, runs)
+
+    def guarded(self, read) -> tuple:
+        with self.problems.guard():
+            return read()
+        return ()
+
+    def effects(self) -> Node:
+        if not self.root.has("effects") or self.root.get("effects").raw == {}:
+            self.problems.fail(codes.MISSING, Span(0, 1), "the spec has no [effects]",
+                               'give the energy: [effects.name] with `energy = "..."`')
+        return self.section("effects", limits.EFFECTS)
+
+    def run_reader(self) -> RunReader:
+        """Runs refer to names, also to those of items that have errors."""
+        def names(section):
+            node = self.root.raw.get(section)
+            return list(node) if isinstance(node, dict) else []
+        return RunReader(self.declared, self.formulas, self.problems, names("effects"),
+                         names("observables"), names("starts"))
+
+    def model(self) -> dict:
+        node = self.root.need("model", 'begin with [model] and `name = "..."`')
+        node.table("name", "title", "orientation")
+        name = node.need("name", 'give the model a name: `name = "my_model"`')
+        identifier(self.problems, name.span, name.string(), "model")
+        return dict(name=name.raw, title=meaning(node, "title"),
+                    orientation=self.orientation(node))
+
+    def orientation(self, node: Node) -> int:
+        child = node.get("orientation")
+        if child is None:
+            return 1
+        if not child.is_integer() or child.raw not in (1, -1):
+            child.wrong(codes.CHOICE, "the orientation is 1 or -1", "1 means w' = w x dH/dw, "
+                        "-1 reverses every bracket")
+        return child.raw
+
+    def declarations(self) -> None:
+        """Parameters, then formulas, then the space."""
+        with self.problems.guard():
+            ParameterReader(self.declared, self.formulas, self.problems).read(
+                self.section("parameters"))
+        with self.problems.guard():
+            FormulaReader(self.declared, self.problems).read(self.section("formulas"))
+        with self.problems.guard():
+            self.root.need("space", 'say where the motion takes place: [space] with '
+                           '`w = { sphere = 1 }`')
+            SpaceReader(self.declared, self.formulas, self.problems).read(self.section("space"))
+
+    def index_families(self) -> OverReader:
+        lattices = Lattices(self.formulas, self.problems)
+        graphs = Graphs(self.formulas, self.files, self.problems)
+        for name, most, reader in (("lattices", limits.LATTICES, lattices),
+                                   ("graphs", limits.GRAPHS, graphs)):
+            with self.problems.guard():
+                for node in self.section(name, most).items():
+                    with self.problems.guard():
+                        reader.declare(node)
+        return OverReader(self.declared, lattices, graphs, self.problems)
+
+    def assemble(self, head: dict, effects, observables, starts, runs) -> Spec:
+        sources = (("", self.text),) + tuple(sorted(self.files.texts.items()))
+        return Spec(head["name"], head["title"], tuple(self.declared.parameters.values()),
+                    tuple(self.declared.families.values()), effects, observables,
+                    tuple(self.declared.tables.items()), starts, runs, head["orientation"],
+                    self.path, digest(sources), sources)
+
+    # What depends on values
+
+    def check(self, spec: Spec) -> None:
+        values = defaults(spec)
+        found = list(checks.model(spec, values)) or list(checks.starts(spec, values))
+        for trouble in found:
+            self.report(trouble)
+        if not found:
+            for run in spec.runs:
+                self.check_run(spec, run, values)
+
+    def check_run(self, spec: Spec, run, values: dict) -> None:
+        """A run with its own values: the model and its start again, and the run itself."""
+        values = with_values(spec, values, dict(run.values))
+        if run.values:
+            again = list(checks.sizes(spec, values)) or list(checks.model(spec, values)) \
+                or list(checks.starts(spec, values, (run.start,)))
+            for t in again:
+                where = ("runs", run.name, "set")
+                self.report(replace(t, path=where, cause=f"with these values {t.cause}"))
+            if again:
+                return
+        for trouble in checks.run(spec, run, values):
+            self.report(trouble)
+
+    def report(self, trouble) -> None:
+        """Point at the value, or at the nearest table that holds it."""
+        path = trouble.path
+        while path and path not in self.marks:
+            path = path[:-1]
+        mark = self.marks.get(path)
+        self.problems.note(trouble.code, mark.value if mark else Span(0, 1), trouble.cause,
+                           trouble.mend)
+
+
+def digest(sources) -> str:
+    """sha256 of the spec's text and of the files it names, each with its name and length."""
+    h = hashlib.sha256()
+    for name, text in sources:
+        data = text.encode("utf-8", "surrogatepass")
+        h.update(f"{name}\0{len(data)}\0".encode() + data)
+    return h.hexdigest()
+
+
+def with_values(spec: Spec, values: dict, given: dict) -> dict:
+    """`values` with those `given`; arrays of one repeated number follow their size."""
+    values = {**values, **given}
+    for p in spec.parameters:
+        if p.kind != "array":
+            continue
+        have = values[p.name]
+        if p.fill and p.name not in given or p.name in given and len(have) == 1:
+            size = integer(p.size, values)
+            if 0 < size <= limits.ARRAY:
+                values[p.name] = tuple(have[:1]) * size
+    return values
+
+
+def filled(spec: Spec) -> Spec:
+    """Defaults that are one repeated number, at the default size."""
+    values = with_values(spec, defaults(spec), {})
+    return replace(spec, parameters=tuple(
+        replace(p, default=values[p.name]) if p.kind == "array" else p
+        for p in spec.parameters))

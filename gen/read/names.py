@@ -1,0 +1,67 @@
+"""Which words may name things in a spec."""
+from __future__ import annotations
+
+import re
+
+from .. import limits
+from . import codes
+from .problems import Problems
+from .source import Span
+
+IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z", re.ASCII)
+
+FUNCTIONS = frozenset(
+    "dot cross triple norm vec sqrt exp log sin cos tan asin acos atan atan2 "
+    "sinh cosh tanh abs min max floor mod if".split())
+CONSTANTS = frozenset(("t", "pi"))
+GRAMMAR = frozenset("and or not of on site pair each bond edge chain square cubic "
+                    "periodic open".split())
+C_WORDS = frozenset("""
+    auto break case char const continue default do double else enum extern float for goto
+    if inline int long register restrict return short signed sizeof static struct switch
+    typedef union unsigned void volatile while
+    alignas alignof asm bool catch char8_t char16_t char32_t class compl concept const_cast
+    consteval constexpr constinit co_await co_return co_yield decltype delete dynamic_cast
+    explicit export false friend mutable namespace new noexcept nullptr operator override
+    final private protected public reinterpret_cast requires static_assert static_cast
+    template this thread_local throw true try typeid typename typeof using virtual wchar_t
+    and_eq bitand bitor not_eq or_eq xor xor_eq
+    errno NULL NAN INFINITY HUGE_VAL EOF assert main offsetof stdin stdout stderr
+    linux unix i386 FILE
+    int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t ssize_t
+    ptrdiff_t intptr_t uintptr_t time_t double_t float_t
+    M_PI M_E DBL_EPSILON LDBL_EPSILON DBL_MAX DBL_MIN
+    malloc calloc realloc free exit abort memcpy memset memmove printf
+    cbrt ceil round trunc rint fabs fmod fmin fmax pow hypot log2 log10 log1p exp2 expm1
+    asinh acosh atanh erf erfc gamma lgamma tgamma j0 j1 jn y0 y1 yn fma ldexp frexp modf
+    isnan isinf isfinite signbit copysign nextafter remainder signgam
+    """.split()) - {"gamma", "j0", "j1", "jn", "y0", "y1", "yn"}
+PYTHON_WORDS = frozenset("None True False def lambda import from pass del is in as with "
+                         "yield raise global nonlocal except finally await async elif".split())
+OUTSIDE = ("run", "start", "lattice", "graph", "bond list")     # never a word of the C
+OUTPUTS = ("states", "energy", "effects", "momentum", "casimirs")
+
+
+def identifier(problems: Problems, span: Span, name: str, what: str) -> str:
+    """`name` if it may name a `what`; else an error at `span`."""
+    if not IDENTIFIER.match(name):
+        problems.fail(codes.IDENTIFIER, span, f"`{name}` cannot name a {what}",
+                      "a name is a letter followed by letters, digits and `_` (ASCII only)")
+    if len(name) > limits.IDENTIFIER:
+        problems.fail(codes.LIMIT, span, f"a name of {len(name)} characters; "
+                      f"at most {limits.IDENTIFIER} are allowed")
+    if name.endswith("_") or "__" in name or name.lower().startswith("smg_"):
+        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a {what}: names that end "
+                      "in `_`, hold `__` or start with `smg_` are kept for generated code")
+    if what not in OUTSIDE:
+        reserved(problems, span, name, what)
+    return name
+
+
+def reserved(problems: Problems, span: Span, name: str, what: str) -> None:
+    """Refuse the words of C, C++, Python and of the language itself."""
+    for words, owner in ((FUNCTIONS | CONSTANTS | GRAMMAR, "the formula language"),
+                         (C_WORDS, "C or C++"), (PYTHON_WORDS, "Python")):
+        if name in words:
+            problems.fail(codes.RESERVED, span, f"`{name}` cannot name a {what}: "
+                          f"it is a word of {owner}", f"choose another name, say `{name}0`")

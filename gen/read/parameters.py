@@ -1,0 +1,176 @@
+"""[parameters] and [formulas]: numbers and named sub-formulas."""
+from __future__ import annotations
+
+import re
+
+from .. import limits
+from ..expr import Num
+from ..spec import Parameter
+from . import codes
+from .formulas import Formulas
+from .names import identifier
+from .parse import parse
+from .problems import Problems
+from .scope import Declared, Formula
+from .syntax import Call, Component, Item, Name, Operation
+from .text import meaning
+from .tree import Node
+
+HEAD = re.compile(r"\s*([^\s(]+)\s*(?:\(([^()]*)\)\s*)?\Z")
+
+
+class ParameterReader:
+    """Reads [parameters] into `declared.parameters`."""
+
+    def __init__(self, declared: Declared, formulas: Formulas, problems: Problems):
+        self.declared, self.formulas, self.problems = declared, formulas, problems
+
+    def read(self, section: Node) -> None:
+        bounded(section.table(), limits.PARAMETERS, "parameters")
+        self.declared.broken |= {node.name for node in section.items()}
+        for node in sorted(section.items(), key=lambda n: sized(n)):
+            with self.problems.guard():
+                self.parameter(node)
+        order = [n.name for n in section.items()]
+        kept = self.declared.parameters
+        self.declared.parameters = {n: kept[n] for n in order if n in kept}
+
+    def parameter(self, node: Node) -> None:
+        name = identifier(self.problems, node.key, node.name, "parameter")
+        if node.is_number():                                # J = 1.0
+            p = Parameter(name, kind(node.number()), node.number())
+        else:
+            node.table("default", "size", "vector", "fixed", "unit", "meaning")
+            p = self.table(name, node)
+        self.declared.parameters[name] = p
+        self.declared.broken.discard(name)
+
+    def table(self, name: str, node: Node) -> Parameter:
+        default = node.need("default", "give its value: `{ default = 1.0 }`")
+        common = dict(unit=meaning(node, "unit"), meaning=meaning(node, "meaning"),
+                      fixed=node.has("fixed") and node.get("fixed").flag())
+        if isinstance(default.raw, list) or node.has("size") or node.has("vector"):
+            return self.array(name, node, default, common)
+        return Parameter(name, kind(default.number()), default.number(), **common)
+
+    def array(self, name: str, node: Node, default: Node, common: dict) -> Parameter:
+        """A list with a size; or one number that every entry has."""
+        size = self.size(node, default)
+        if node.has("vector") and node.get("vector").flag():
+            self.declared.vectors.add(name)
+            if not isinstance(default.raw, list) or len(default.raw) != 3:
+                default.wrong(codes.COUNT, f"the vector `{name}` needs three numbers")
+        if isinstance(default.raw, list):
+            values = tuple(float(e.number()) for e in default.entries())
+            if not values:
+                default.wrong(codes.COUNT, f"`{name}` has no entries")
+            return Parameter(name, "array", values, size, **common)
+        return Parameter(name, "array", (float(default.number()),), size, fill=True, **common)
+
+    def size(self, node: Node, default: Node):
+        child = node.get("size")
+        if child is not None:
+            return self.formulas.count(child)
+        if node.has("vector") and isinstance(default.raw, list):
+            return Num(3)
+        self.problems.fail(codes.MISSING, node.key, f"the array `{node.name}` has no `size`",
+                           'give its length: `size = "n"`, or `vector = true` for a vector')
+
+
+def kind(value) -> str:
+    return "int" if isinstance(value, int) else "real"
+
+
+def sized(node: Node) -> bool:
+    """Arrays come after the integers that their sizes are made of."""
+    return isinstance(node.raw, dict) and "size" in node.raw
+
+
+def bounded(section: Node, most: int, what: str) -> None:
+    """Refuse a section with too many entries."""
+    if len(section.raw) > most:
+        section.problems.fail(codes.LIMIT, section.key, f"{len(section.raw)} {what}; "
+                              f"at most {most} are allowed")
+
+
+class FormulaReader:
+    """Reads [formulas] into `declared.formulas`, and refuses recursion."""
+
+    def __init__(self, declared: Declared, problems: Problems):
+        self.declared, self.problems = declared, problems
+
+    def read(self, section: Node) -> None:
+        bounded(section.table(), limits.FORMULAS, "formulas")
+        for node in section.items():
+            with self.problems.guard():
+                self.formula(node)
+        for formula in list(self.declared.formulas.values()):
+            with self.problems.guard():
+                self.acyclic(formula)
+
+    def formula(self, node: Node) -> None:
+        """`"name(a, b)" = "..."`."""
+        match = HEAD.match(node.name)
+        if match is None:
+            self.problems.fail(codes.SYNTAX, node.key, f"`{node.name}` does not declare a "
+                               "formula", 'write `"name(a, b)" = "..."` or `name = "..."`')
+        name = identifier(self.problems, node.key, match.group(1), "formula")
+        self.fresh(node, name)
+        self.declared.broken.add(name)
+        args = self.arguments(node, match.group(2))
+        body = parse(node.text(), self.problems)
+        self.declared.broken.discard(name)
+        self.declared.formulas[name] = Formula(name, args, body, node.key)
+
+    def fresh(self, node: Node, name: str) -> None:
+        if name in self.declared.names():
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` is declared already",
+                               "choose another name")
+
+    def arguments(self, node: Node, text) -> tuple[str, ...]:
+        if text is None:
+            return ()
+        names = [a.strip() for a in text.split(",")]
+        for k, a in enumerate(names):
+            identifier(self.problems, node.key, a, "argument")
+            if a in names[:k] or a in self.declared.names():
+                self.problems.fail(codes.CLASH, node.key, f"the argument `{a}` means something "
+                                   "already", "choose another name")
+        if len(names) > limits.ARGUMENTS:
+            self.problems.fail(codes.LIMIT, node.key, f"at most {limits.ARGUMENTS} arguments "
+                               "are allowed")
+        return tuple(names)
+
+    def acyclic(self, formula: Formula) -> None:
+        """Depth-first search for a way back to `formula`."""
+        seen, todo = set(), [formula]
+        while todo:
+            for node in called(todo.pop().body):
+                if node.name == formula.name:
+                    self.declared.formulas.pop(formula.name, None)
+                    self.declared.broken.add(formula.name)
+                    self.problems.fail(codes.RECURSION, formula.span,
+                                       f"formula `{formula.name}` uses itself",
+                                       "formulas are expanded; they cannot be recursive")
+                other = self.declared.formulas.get(node.name)
+                if other is not None and other.name not in seen:
+                    seen.add(other.name)
+                    todo.append(other)
+
+
+def called(tree):
+    """All names and calls in a syntax tree."""
+    todo = [tree]
+    while todo:
+        node = todo.pop()
+        if isinstance(node, (Name, Call)):
+            yield node
+        todo.extend(children(node))
+
+
+def children(node) -> tuple:
+    if isinstance(node, (Call, Operation)):
+        return node.args
+    if isinstance(node, Item):
+        return (node.index,)
+    return (node.base,) if isinstance(node, Component) else ()

@@ -1,0 +1,68 @@
+"""Collects the errors of a spec: up to ten, each place once, then stops."""
+from __future__ import annotations
+
+import difflib
+from contextlib import contextmanager
+
+from .. import limits
+from ..errors import Diagnostic, SpecError
+from .source import Source, Span
+
+
+class Bad(Exception):
+    """What was being read is wrong; the error is already noted."""
+
+
+class Problems:
+    """The errors found so far in one source."""
+
+    def __init__(self, source: Source):
+        self.source = source
+        self.found: list[Diagnostic] = []
+        self.seen: set = set()
+
+    def note(self, code: str, span: Span, cause: str, mend: str = "") -> None:
+        """Record an error; raises SpecError when there are too many to be useful."""
+        if (code, span) in self.seen:
+            return
+        self.seen.add((code, span))
+        if len(self.found) == limits.ERRORS:
+            raise SpecError(self.ordered(), more=True)
+        line, column = self.source.place(span.start)
+        text = self.source.line(line)
+        length = max(1, min(span.end - span.start, len(text) - column + 1))
+        self.found.append(Diagnostic(code, self.source.name, line, column, text,
+                                     cause, mend, length))
+
+    def fail(self, code: str, span: Span, cause: str, mend: str = ""):
+        """Record an error and leave what is being read."""
+        self.note(code, span, cause, mend)
+        raise Bad
+
+    @contextmanager
+    def guard(self):
+        """Go on with the next item after an error inside."""
+        try:
+            yield
+        except Bad:
+            pass
+
+    def ordered(self) -> list[Diagnostic]:
+        return sorted(self.found, key=lambda d: (d.line, d.column))
+
+    def finish(self) -> None:
+        """Raise SpecError if anything was found."""
+        if self.found:
+            raise SpecError(self.ordered())
+
+
+def nearest(word: str, known) -> str:
+    """`did you mean ...` for the known name nearest to `word`, or the list of them."""
+    known = sorted(set(known))
+    close = difflib.get_close_matches(word, known, 1, 0.6)
+    folded = {k.lower(): k for k in known}
+    if close or word.lower() in folded:
+        return f"did you mean `{folded.get(word.lower()) or close[0]}`?"
+    if not known:
+        return ""
+    return "known here: " + ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")

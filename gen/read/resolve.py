@@ -1,0 +1,291 @@
+"""From the syntax tree to `Expr`: names resolved, formulas expanded, kinds checked."""
+from __future__ import annotations
+
+import math
+
+from .. import limits
+from ..expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Weight
+from . import codes
+from .arithmetic import CONSTANT
+from .names import FUNCTIONS
+from .problems import Bad, Problems, nearest
+from .scope import Scope, Typed, is_single
+from .source import Span
+from .syntax import Call, Component, Item, Name, Number, Operation, Syntax
+
+WORDS = {"s": "number", "v": "vector", "b": "condition"}
+SELDOM = {"ln": "the natural logarithm is `log`", "arctan": "write `atan`",
+          "arcsin": "write `asin`", "arccos": "write `acos`", "arctan2": "write `atan2`",
+          "length": "write `norm`", "pow": "write `a^b`", "fabs": "write `abs`",
+          "sum": "sums come from `over`", "sgn": "write `if(x < 0, -1, 1)`",
+          "sign": "write `if(x < 0, -1, 1)`", "heaviside": "write `if(x < 0, 0, 1)`",
+          "where": "write `if(condition, a, b)`"}
+
+
+class Resolver:
+    """Resolves one formula in one scope; `resolve` returns a `Typed`."""
+
+    def __init__(self, scope: Scope, problems: Problems):
+        self.scope, self.problems, self.depth = scope, problems, 0
+
+    def resolve(self, node: Syntax) -> Typed:
+        self.depth += 1
+        self.bounded(self.depth, 0, node.span)
+        result = self.METHODS[type(node)](self, node)
+        self.bounded(result.depth, result.nodes, node.span)
+        self.depth -= 1
+        return result
+
+    def bounded(self, depth: int, nodes: int, span: Span) -> None:
+        if depth > limits.TREE or nodes > limits.NODES:
+            self.fail(codes.BIG, span, f"the formula is too large: at most {limits.NODES} "
+                      f"operations, {limits.TREE} inside each other (or terms of a sum), "
+                      "count after named formulas are expanded",
+                      "split it into several effects, or sum over an index family")
+
+    def fail(self, code: str, span: Span, cause: str, mend: str = ""):
+        inside = self.scope.inside
+        note = f" (in formula `{inside[-1]}`)" if inside else ""
+        self.problems.fail(code, span, cause + note, mend)
+
+    # Leaves
+
+    def number(self, node: Number) -> Typed:
+        return Typed(Num(node.value), "s", value=float(node.value))
+
+    def name(self, node: Name) -> Typed:
+        name, scope, declared = node.name, self.scope, self.scope.declared
+        if name in scope.args:
+            return scope.args[name]
+        if name in scope.indices:
+            return Typed(Idx(name), "s")
+        if name in scope.weights:
+            return Typed(Weight(name), "s")
+        if name in declared.parameters:
+            return self.parameter(node)
+        if name in declared.families:
+            return self.family(node)
+        if name in declared.formulas:
+            return self.expand(Call(name, (), node.span, node.span))
+        return self.constant(node)
+
+    def constant(self, node: Name) -> Typed:
+        if node.name == "pi":
+            return Typed(Num(math.pi), "s", value=math.pi)
+        if node.name == "t" and self.scope.time:
+            return Typed(Time(), "s")
+        if node.name == "t":
+            self.fail(codes.NOT_HERE, node.span, f"time `t` may not stand in {self.scope.place}")
+        if node.name in FUNCTIONS:
+            self.fail(codes.SYNTAX, node.span, f"`{node.name}` is a function without arguments",
+                      f"write `{node.name}(...)`")
+        return self.unknown(node.name, node.span)
+
+    def unknown(self, name: str, span: Span):
+        if name in self.scope.declared.broken:
+            raise Bad
+        mend = SELDOM.get(name) or nearest(name, self.scope.known() | FUNCTIONS)
+        self.fail(codes.UNKNOWN_NAME, span, f"`{name}` is not declared", mend)
+
+    def parameter(self, node: Name) -> Typed:
+        p = self.scope.declared.parameters[node.name]
+        if p.kind != "array":
+            return Typed(Par(p.name), "s")
+        if p.name in self.scope.declared.vectors:
+            parts = tuple(Elem(p.name, Num(k)) for k in range(3))
+            return Typed(Op("vec", parts), "v", 7, 3)
+        self.fail(codes.INDEX, node.span, f"`{p.name}` is an array",
+                  f"take an entry, such as `{p.name}[i]`, or declare it with `vector = true`")
+
+    def family(self, node: Name) -> Typed:
+        family = self.family_here(node.name, node.span)
+        if self.scope.whole == node.name:
+            return Typed(Spin(node.name, "i"), "v")
+        if is_single(family):
+            return Typed(Spin(node.name, 0), "v")
+        self.fail(codes.INDEX, node.span, f"`{node.name}` is a family of vectors",
+                  f"name one of them, such as `{node.name}[i]` or `{node.name}[0]`")
+
+    def family_here(self, name: str, span: Span):
+        family = self.scope.declared.families[name]
+        if not self.scope.families or self.scope.whole not in ("", name):
+            self.fail(codes.NOT_HERE, span, f"`{name}` is a vector of the state, which may not "
+                      f"stand in {self.scope.place}")
+        return family
+
+    # Indexing
+
+    def item(self, node: Item) -> Typed:
+        declared = self.scope.declared
+        if node.name in declared.families:
+            return self.spin(node)
+        if node.name in declared.parameters:
+            return self.entry(node)
+        if node.name in self.scope.known():
+            self.fail(codes.INDEX, node.head, f"`{node.name}` has no entries")
+        return self.unknown(node.name, node.head)
+
+    def spin(self, node: Item) -> Typed:
+        self.family_here(node.name, node.head)
+        slot = self.slot(node)
+        if isinstance(slot, int):
+            return Typed(Spin(node.name, slot), "v")
+        owner = self.indices().get(slot, "")
+        if owner != node.name:
+            over = f"sites of `{owner}`" if owner else "something else"
+            self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "
+                      f"not over the sites of `{node.name}`")
+        return Typed(Spin(node.name, slot), "v")
+
+    def indices(self) -> dict[str, str]:
+        """Bound index -> family, those of the caller included."""
+        return self.scope.indices
+
+    def slot(self, node: Item):
+        """A bound index name or a literal: what may stand in `w[...]`."""
+        index = node.index
+        if isinstance(index, Number) and isinstance(index.value, int):
+            return index.value
+        found = self.resolve(index).expr if isinstance(index, Name) else None
+        if isinstance(found, Idx):
+            return found.name
+        if isinstance(found, Num) and isinstance(found.value, int):
+            return found.value
+        self.fail(codes.INDEX, index.span, "the index of a vector is a bound index or a literal",
+                  "neighbours are bonds: `over = \"bond(i, j) of chain(n, periodic)\"`")
+
+    def entry(self, node: Item) -> Typed:
+        p = self.scope.declared.parameters[node.name]
+        if p.kind != "array":
+            self.fail(codes.INDEX, node.head, f"`{p.name}` is one number, it has no entries")
+        index = self.resolve(node.index)
+        if not integral(index.expr, self.scope.declared.parameters):
+            self.fail(codes.INDEX, node.index.span, "an index is made of integers, integer "
+                      "parameters and indices with + - *")
+        return Typed(Elem(p.name, index.expr), "s", index.nodes + 1, index.depth + 1)
+
+    # Operators and functions
+
+    def component(self, node: Component) -> Typed:
+        base = self.resolve(node.base)
+        if base.kind != "v":
+            self.fail(codes.KIND, node.base.span, f"a {WORDS[base.kind]} has no component "
+                      f"`.{node.axis}`", "only vectors have components")
+        return Typed(Op(node.axis, (base.expr,)), "s", base.nodes + 1, base.depth + 1)
+
+    def operation(self, node: Operation) -> Typed:
+        args = [self.resolve(a) for a in node.args]
+        return self.apply(node.op, args, node.sign, node)
+
+    def call(self, node: Call) -> Typed:
+        if node.name in self.scope.declared.formulas:
+            return self.expand(node)
+        if node.name not in FUNCTIONS:
+            if node.name in self.scope.known():
+                self.fail(codes.SYNTAX, node.head, f"`{node.name}` is not a function",
+                          f"entries are written `{node.name}[i]`, products with `*`")
+            names = FUNCTIONS | set(self.scope.declared.formulas)
+            if node.name in self.scope.declared.broken:
+                raise Bad
+            self.fail(codes.UNKNOWN_NAME, node.head, f"there is no function `{node.name}`",
+                      SELDOM.get(node.name) or nearest(node.name, names))
+        return self.apply(node.name, [self.resolve(a) for a in node.args], node.head, node)
+
+    def apply(self, op: str, args: list[Typed], sign: Span, node: Syntax) -> Typed:
+        kinds = "".join(a.kind for a in args)
+        result = dict(SIGNATURES[op]).get(kinds)
+        if result is None:
+            self.misfit(op, kinds, sign, node)
+        if op == "^":
+            self.exponent(args[1], node.args[1].span)
+        value = self.folded(op, args, node.span)
+        return Typed(Op(op, tuple(a.expr for a in args)), result,
+                     1 + sum(a.nodes for a in args), 1 + max(a.depth for a in args), value)
+
+    def misfit(self, op: str, kinds: str, sign: Span, node: Syntax):
+        """Say which argument does not fit."""
+        wanted = [k for k, _ in SIGNATURES[op]]
+        if len(kinds) not in {len(k) for k in wanted}:
+            self.fail(codes.ARITY, sign, f"`{op}` takes {len(wanted[0])} argument"
+                      f"{'s' * (len(wanted[0]) > 1)}, not {len(kinds)}")
+        shown = "-" if op == "neg" else op
+        have = " and ".join("a " + WORDS[k] for k in kinds)
+        self.fail(codes.KIND, sign if isinstance(node, Operation) else
+                  self.culprit(wanted, kinds, node),
+                  f"`{shown}` does not take {have}", self.advice(op, kinds, wanted))
+
+    def culprit(self, wanted, kinds: str, node: Syntax) -> Span:
+        """The first argument whose kind no signature has at its place."""
+        for k, kind in enumerate(kinds):
+            if kind not in {w[k] for w in wanted}:
+                return node.args[k].span
+        return node.args[-1].span
+
+    def advice(self, op: str, kinds: str, wanted) -> str:
+        if op == "*" and kinds == "vv":
+            return "write `dot(a, b)` or `cross(a, b)`"
+        if op == "^" and kinds[0] == "v":
+            return "write `dot(w, w)` for the square of a vector"
+        if op in ("<", "<=", ">", ">=", "==", "!=", "abs") and "v" in kinds:
+            return "compare components or `norm(w)`"
+        if "b" in kinds:
+            return "a condition may only stand first in `if(condition, a, b)`"
+        forms = [" and ".join("a " + WORDS[k] for k in w) for w in wanted]
+        return "it takes " + ", or ".join(forms)
+
+    def exponent(self, exponent: Typed, span: Span) -> None:
+        if exponent.value is not None and abs(exponent.value) > limits.EXPONENT:
+            self.fail(codes.EXPONENT, span, "a constant exponent is at most "
+                      f"{limits.EXPONENT} in size", "use `exp` and `log`")
+
+    def folded(self, op: str, args: list[Typed], span: Span):
+        """The value of an operation on constants; an error when it is not finite."""
+        values = [a.value for a in args]
+        if op not in CONSTANT or None in values:
+            return None
+        try:
+            value = float(CONSTANT[op](*values))
+        except (ArithmeticError, ValueError, TypeError):
+            value = math.nan
+        if not math.isfinite(value) or abs(value) > limits.LARGEST:
+            self.fail(codes.VALUE, span, "this constant has no finite value of ordinary size")
+        return value
+
+    # Named formulas
+
+    def expand(self, node: Call) -> Typed:
+        formula = self.scope.declared.formulas[node.name]
+        if node.name in self.scope.inside:
+            raise Bad       # reported where the formulas are declared
+        if len(node.args) != len(formula.args):
+            self.fail(codes.ARITY, node.head, f"formula `{node.name}` takes "
+                      f"{len(formula.args)} argument{'s' * (len(formula.args) != 1)}, "
+                      f"not {len(node.args)}")
+        args = {n: self.resolve(a) for n, a in zip(formula.args, node.args)}
+        inner = Inner(self, formula, args)
+        return inner.resolve(formula.body)
+
+    METHODS = {Number: number, Name: name, Item: item, Component: component,
+               Operation: operation, Call: call}
+
+
+class Inner(Resolver):
+    """Resolves a formula's body; indices handed over as arguments keep their family."""
+
+    def __init__(self, outer: Resolver, formula, args: dict[str, Typed]):
+        super().__init__(outer.scope.enter(formula, args), outer.problems)
+        self.depth, self.bound = outer.depth, outer.indices()
+
+    def indices(self) -> dict[str, str]:
+        return self.bound
+
+
+def integral(e, parameters) -> bool:
+    """Is `e` made of integers, int parameters and indices with + - *."""
+    if isinstance(e, Num):
+        return isinstance(e.value, int)
+    if isinstance(e, Par):
+        return parameters[e.name].kind == "int"
+    if isinstance(e, Op):
+        return e.op in ("+", "-", "*", "neg") and all(integral(a, parameters) for a in e.args)
+    return isinstance(e, Idx)

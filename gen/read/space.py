@@ -1,0 +1,95 @@
+"""[space]: the families of spheres, Lie-Poisson R^3 and Nambu factors."""
+from __future__ import annotations
+
+from .. import limits
+from ..expr import Elem, Expr, Idx, Num
+from ..spec import Family
+from . import codes
+from .formulas import Formulas
+from .names import identifier
+from .parameters import bounded
+from .problems import Problems
+from .quadratic import NotPolynomial, matrix
+from .scope import Declared, Scope
+from .tree import Node
+
+KINDS = ("sphere", "r3", "nambu")
+KEYS = {"sphere": ("kappa", "radius", "tracer"), "r3": ("kappa", "tracer"),
+        "nambu": ("kappa", "C", "tracer")}
+
+
+class SpaceReader:
+    """Reads [space] into `declared.families`."""
+
+    def __init__(self, declared: Declared, formulas: Formulas, problems: Problems):
+        self.declared, self.formulas, self.problems = declared, formulas, problems
+
+    def read(self, section: Node) -> None:
+        bounded(section.table(), limits.FAMILIES, "families")
+        if not section.raw:
+            section.wrong(codes.MISSING, "the space is empty", 'write `w = { sphere = 1 }`')
+        self.declared.broken |= {node.name for node in section.items()}
+        for node in section.items():
+            with self.problems.guard():
+                self.family(node)
+
+    def family(self, node: Node) -> None:
+        name = identifier(self.problems, node.key, node.name, "family of vectors")
+        if name in self.declared.names():
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` is declared already",
+                               "choose another name")
+        kind = self.kind(node)
+        node.table(kind, *KEYS[kind])
+        count = self.formulas.count(node.get(kind))
+        family = Family(name, kind, count, self.kappa(node, name), self.radius(node, kind),
+                        tracer=node.has("tracer") and node.get("tracer").flag())
+        self.declared.families[name] = family
+        if kind == "nambu":
+            self.declared.families[name] = self.with_casimir(node, family)
+        self.declared.broken.discard(name)
+
+    def kind(self, node: Node) -> str:
+        node.table()
+        given = [k for k in KINDS if node.has(k)]
+        if len(given) != 1:
+            node.table(*(KINDS + KEYS["sphere"] + ("C",)))
+            node.wrong(codes.MISSING if not given else codes.CONFLICT,
+                       f"`{node.label}` must have exactly one of sphere, r3, nambu",
+                       'write `{ sphere = "n" }`, `{ r3 = 1 }` or `{ nambu = 1, C = "..." }`')
+        return given[0]
+
+    def kappa(self, node: Node, name: str) -> Expr:
+        """A number, a list (one entry per site), or a formula in `i`."""
+        child = node.get("kappa")
+        if child is None:
+            return Num(1)
+        if isinstance(child.raw, list):
+            return self.listed(child, name)
+        return self.formulas.free(child, "a strength", "i")
+
+    def listed(self, child: Node, name: str) -> Expr:
+        table = f"{name}_kappa"
+        if table in self.declared.names() or table in self.declared.broken:
+            child.wrong(codes.CLASH, f"the list is kept as `{table}`, which is declared already",
+                        f"rename `{table}`")
+        self.declared.tables[table] = tuple(float(e.number()) for e in child.entries())
+        return Elem(table, Idx("i"))
+
+    def radius(self, node: Node, kind: str):
+        if kind != "sphere":
+            return None
+        return self.formulas.free(node.get("radius"), "a radius", "i") \
+            if node.has("radius") else Num(1)
+
+    def with_casimir(self, node: Node, family: Family) -> Family:
+        """The family with the matrix of C; C is a formula in its own vector."""
+        child = node.need("C", 'give the Casimir: `C = "(w.x^2 - w.y^2)/2"`')
+        scope = Scope(self.declared, "C", whole=family.name)
+        c = self.formulas.scalar(child.text(), scope)
+        try:
+            casimir = matrix(c)
+        except NotPolynomial as reason:
+            child.wrong(codes.CASIMIR, f"C must be homogeneous quadratic in the components of "
+                        f"`{family.name}`: {reason}", "such as `(w.x^2 - w.y^2)/2` or `w.x*w.y`")
+        return Family(family.name, "nambu", family.count, family.kappa, None, casimir,
+                      family.tracer)

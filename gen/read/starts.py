@@ -1,0 +1,126 @@
+"""[starts]: where each family begins."""
+from __future__ import annotations
+
+from math import cos, sin
+
+from ..expr import Expr, Num, Op
+from ..spec import Family, FamilyStart, Start
+from . import codes
+from .files import Files
+from .formulas import Formulas
+from .names import identifier
+from .problems import Problems
+from .scope import Declared
+from .text import meaning
+from .tree import Node
+
+FORMS = {"vectors": ("vectors",), "formula": ("x", "y", "z"), "angles": ("theta", "phi"),
+         "random": ("random",), "file": ("file",)}
+KEYS = tuple(k for keys in FORMS.values() for k in keys) + ("normalise",)
+SEED = 2 ** 53
+HELP = "give vectors, or x, y, z, or theta, phi, or random = seed, or file"
+
+
+class StartReader:
+    """Reads [starts] against the declared families."""
+
+    def __init__(self, declared: Declared, formulas: Formulas, files: Files,
+                 problems: Problems):
+        self.declared, self.formulas, self.files = declared, formulas, files
+        self.problems = problems
+
+    def read(self, section: Node) -> tuple[Start, ...]:
+        starts = []
+        for node in section.table().items():
+            with self.problems.guard():
+                starts.append(self.start(node))
+        return tuple(starts)
+
+    def start(self, node: Node) -> Start:
+        name = identifier(self.problems, node.key, node.name, "start")
+        families = self.declared.families
+        if not isinstance(node.raw, dict):
+            node.table()
+        if len(families) == 1 and not any(node.has(f) for f in families):
+            (family,) = families.values()
+            return Start(name, (self.family(node, family, ("meaning",)),))
+        node.table(*families, "meaning")
+        meaning(node, "meaning")
+        return Start(name, tuple(self.of(node, f) for f in families.values()))
+
+    def of(self, node: Node, family: Family) -> FamilyStart:
+        child = node.need(family.name, f"every family needs a start: [{node.label}.{family.name}]")
+        return self.family(child.table(), family, ())
+
+    def family(self, node: Node, family: Family, more: tuple) -> FamilyStart:
+        node.table(*KEYS, *more)
+        given = [f for f, keys in FORMS.items() if any(node.has(k) for k in keys)]
+        if len(given) != 1:
+            code = codes.MISSING if not given else codes.CONFLICT
+            self.problems.fail(code, node.key, f"`{node.label}` says "
+                               + ("nothing" if not given else "more than one thing")
+                               + " about where to start", HELP)
+        normalise = node.has("normalise") and node.get("normalise").flag()
+        if normalise and family.kind != "sphere":
+            node.get("normalise").wrong(codes.START, f"`{family.name}` has no sphere to "
+                                        "normalise to", "leave `normalise` out")
+        kind, value = getattr(self, given[0])(node, family)
+        return FamilyStart(family.name, kind, value, normalise)
+
+    def vectors(self, node: Node, family: Family):
+        rows = []
+        for entry in node.get("vectors").entries("list of vectors"):
+            row = entry.entries("vector of three numbers")
+            if len(row) != 3:
+                entry.wrong(codes.START, f"a vector has three components, not {len(row)}")
+            rows.append(tuple(float(c.number()) for c in row))
+        return "vectors", tuple(rows)
+
+    def file(self, node: Node, family: Family):
+        rows = self.files.rows(node.get("file"), 3, "rows `x, y, z`")
+        if len(rows[0]) != 3:
+            node.get("file").wrong(codes.TABLE, f"`{node.get('file').raw}` has {len(rows[0])} "
+                                   "columns", "it should hold rows `x, y, z`")
+        return "vectors", tuple(tuple(map(float, row)) for row in rows)
+
+    def random(self, node: Node, family: Family):
+        if family.kind == "nambu":
+            node.get("random").wrong(codes.START, "random starts are for spheres and r3",
+                                     "give vectors or x, y, z")
+        return "random", node.get("random").integer(0, SEED)
+
+    def formula(self, node: Node, family: Family):
+        return "formula", tuple(self.component(node, k) for k in FORMS["formula"])
+
+    def component(self, node: Node, key: str) -> Expr:
+        child = node.need(key, f"`{' '.join(FORMS['formula'])}` or `theta phi` go together")
+        return self.formulas.free(child, "a start", "i")
+
+    def angles(self, node: Node, family: Family):
+        """theta from the z axis, phi around it; times the radius of a sphere."""
+        if family.kind == "nambu":
+            self.problems.fail(codes.START, node.key, "angles are for spheres and r3",
+                               "give vectors or x, y, z")
+        if any(node.has(k) and isinstance(node.get(k).raw, list) for k in FORMS["angles"]):
+            return self.listed_angles(node, family)
+        theta, phi = (self.component(node, k) for k in FORMS["angles"])
+        s = Op("sin", (theta,))
+        unit = (Op("*", (s, Op("cos", (phi,)))), Op("*", (s, Op("sin", (phi,)))),
+                Op("cos", (theta,)))
+        if family.radius in (None, Num(1)):
+            return "formula", unit
+        return "formula", tuple(Op("*", (family.radius, c)) for c in unit)
+
+    def listed_angles(self, node: Node, family: Family):
+        """`theta = [0.7, 1.1]`, `phi = [0.2, 2.0]`: one pair for each site."""
+        theta, phi = ([e.number() for e in node.need(k, "theta and phi go together").entries(
+            "list of angles, as the other one is")] for k in FORMS["angles"])
+        if len(theta) != len(phi):
+            node.get("phi").wrong(codes.START, f"{len(phi)} angles phi for {len(theta)} angles "
+                                  "theta")
+        if not isinstance(family.radius or Num(1), Num):
+            node.get("theta").wrong(codes.START, "lists of angles need a radius that is a number",
+                                    "give formulas in i, or vectors")
+        r = family.radius.value if family.radius else 1
+        return "vectors", tuple(
+            (r * sin(a) * cos(b), r * sin(a) * sin(b), r * cos(a)) for a, b in zip(theta, phi))

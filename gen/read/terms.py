@@ -1,0 +1,55 @@
+"""[effects] and [observables]: named sums over index families."""
+from __future__ import annotations
+
+from ..spec import Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
+from . import codes
+from .formulas import Formulas
+from .names import OUTPUTS, identifier
+from .over import OverReader
+from .problems import Problems
+from .scope import Declared, Scope
+from .text import meaning
+from .tree import Node
+
+
+class TermReader:
+    """Reads effects (key `energy`) and observables (key `value`)."""
+
+    def __init__(self, declared: Declared, formulas: Formulas, over: OverReader,
+                 problems: Problems):
+        self.declared, self.formulas, self.over_reader = declared, formulas, over
+        self.problems = problems
+
+    def read(self, section: Node, key: str, what: str, taken=()) -> tuple[Term, ...]:
+        terms = []
+        for node in section.table().items():
+            with self.problems.guard():
+                terms.append(self.term(node, key, what, taken))
+        return tuple(terms)
+
+    def term(self, node: Node, key: str, what: str, taken) -> Term:
+        name = identifier(self.problems, node.key, node.name, what)
+        if name in taken or name in OUTPUTS + ("time", "step"):
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` is the name of another output",
+                               "choose another name")
+        node.table("over", key, "meaning", "unit")
+        over = self.over_reader.read(node.get("over").text() if node.has("over") else None)
+        formula = node.need(key, f'give the {what}: `{key} = "..."`')
+        value = self.formulas.scalar(formula.text(), self.scope(over, what))
+        return Term(name, over, value, meaning(node, "meaning"), meaning(node, "unit"))
+
+    def scope(self, over: Over, what: str) -> Scope:
+        weights = frozenset(n for n, _ in over.columns) if isinstance(over, Graph) else frozenset()
+        return Scope(self.declared, f"an {what}", time=True, indices=families_of(over),
+                     weights=weights)
+
+
+def families_of(over: Over) -> dict[str, str]:
+    """Bound index -> the family whose sites it runs over."""
+    if isinstance(over, Sites):
+        return {over.index: over.family}
+    if isinstance(over, Each):
+        return dict(zip(over.indices, over.families))
+    if isinstance(over, (Pairs, Lattice, Graph)):
+        return {index: over.family for index in over.bound}
+    return {}

@@ -1,0 +1,140 @@
+"""TOML values with their places, read with checks: what every section is made of."""
+from __future__ import annotations
+
+import math
+from typing import Iterator, Optional
+
+from .. import limits
+from . import codes
+from .problems import Problems, nearest
+from .source import Span, Text
+
+KINDS = {bool: "true or false", int: "an integer", float: "a number", str: "a string",
+         list: "a list", dict: "a table"}
+
+
+def describe(value) -> str:
+    return KINDS.get(type(value), "a date or time")
+
+
+class Node:
+    """A value of the spec: what it is, where it and its key stand."""
+
+    def __init__(self, value, path: tuple, marks: dict, problems: Problems):
+        self.raw, self.path, self.marks, self.problems = value, path, marks, problems
+
+    @property
+    def name(self) -> str:
+        return str(self.path[-1]) if self.path else ""
+
+    @property
+    def label(self) -> str:
+        """The dotted path as the user writes it."""
+        return ".".join(str(p) for p in self.path)
+
+    @property
+    def key(self) -> Span:
+        return self.marks[self.path].key if self.path in self.marks else Span(0, 1)
+
+    @property
+    def span(self) -> Span:
+        return self.marks[self.path].value if self.path in self.marks else Span(0, 1)
+
+    def wrong(self, code: str, cause: str, mend: str = ""):
+        """Report this value and give it up."""
+        self.problems.fail(code, self.span, cause, mend)
+
+    # Tables
+
+    def table(self, *keys: str) -> "Node":
+        """This node as a table whose keys are all among `keys` (any, when none given)."""
+        if not isinstance(self.raw, dict):
+            self.wrong(codes.TYPE, f"`{self.label}` must be a table, not {describe(self.raw)}")
+        for child in self.items() if keys else ():
+            if child.name not in keys:
+                self.problems.note(codes.UNKNOWN_KEY, child.key,
+                                   f"`{self.label or 'a spec'}` has no key `{child.name}`",
+                                   nearest(child.name, keys))
+        return self
+
+    def items(self) -> Iterator["Node"]:
+        for key in self.raw:
+            yield Node(self.raw[key], self.path + (key,), self.marks, self.problems)
+
+    def get(self, key: str) -> Optional["Node"]:
+        if key not in self.raw:
+            return None
+        return Node(self.raw[key], self.path + (key,), self.marks, self.problems)
+
+    def need(self, key: str, mend: str) -> "Node":
+        child = self.get(key)
+        if child is None:
+            self.problems.fail(codes.MISSING, self.key,
+                               f"`{self.label or 'the spec'}` has no `{key}`", mend)
+        return child
+
+    def has(self, key: str) -> bool:
+        return key in self.raw
+
+    # Lists and scalars
+
+    def entries(self, what: str = "list", most: int = limits.LIST) -> list["Node"]:
+        if not isinstance(self.raw, list):
+            self.wrong(codes.TYPE, f"`{self.label}` must be a {what}, not {describe(self.raw)}")
+        if len(self.raw) > most:
+            self.wrong(codes.LIMIT, f"`{self.label}` has {len(self.raw)} entries; "
+                       f"at most {most} are allowed", "put long lists into a file")
+        return [Node(v, self.path + (k,), self.marks, self.problems)
+                for k, v in enumerate(self.raw)]
+
+    def text(self) -> Text:
+        """A string with positions."""
+        if not isinstance(self.raw, str):
+            self.wrong(codes.TYPE, f"`{self.label}` must be a string, not {describe(self.raw)}",
+                       "write it between quotes")
+        if len(self.raw) > limits.STRING:
+            self.wrong(codes.LIMIT, f"`{self.label}` has {len(self.raw)} characters; "
+                       f"at most {limits.STRING} are allowed")
+        return self.marks[self.path].text
+
+    def string(self) -> str:
+        return self.text().value
+
+    def flag(self) -> bool:
+        if not isinstance(self.raw, bool):
+            self.wrong(codes.TYPE, f"`{self.label}` must be true or false, "
+                       f"not {describe(self.raw)}")
+        return self.raw
+
+    def is_number(self) -> bool:
+        return isinstance(self.raw, (int, float)) and not isinstance(self.raw, bool)
+
+    def is_integer(self) -> bool:
+        return isinstance(self.raw, int) and not isinstance(self.raw, bool)
+
+    def number(self):
+        """An int or a finite float of ordinary size."""
+        if not self.is_number():
+            self.wrong(codes.TYPE, f"`{self.label}` must be a number, not {describe(self.raw)}")
+        trouble = number_trouble(self.raw)
+        if trouble:
+            self.wrong(codes.NUMBER, f"`{self.label}` {trouble}")
+        return self.raw
+
+    def integer(self, least: int, most: int) -> int:
+        if not self.is_integer():
+            self.wrong(codes.TYPE, f"`{self.label}` must be an integer, not {describe(self.raw)}")
+        if not least <= self.raw <= most:
+            self.wrong(codes.LIMIT, f"`{self.label}` must lie between {least} and {most}")
+        return self.raw
+
+
+def number_trouble(value) -> str:
+    """What is wrong with a number, or nothing: NaN, infinity, out of range."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return "is not a finite number"
+    if isinstance(value, int) and abs(value) > limits.INTEGER:
+        return "is an integer beyond 2^53, which a double cannot hold"
+    if abs(value) > limits.LARGEST or 0 < abs(value) < limits.SMALLEST:
+        return f"is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in size"
+    return ""
