@@ -29,7 +29,7 @@ def parameter_values(spec: Spec, values: dict | None = None) -> dict:
     scalars = {p.name: _scalar(p, values.get(p.name, p.default))
                for p in spec.parameters if p.kind != "array"}
     env = {**tables, **scalars}
-    arrays = {p.name: _array(p, values.get(p.name, p.default), env)
+    arrays = {p.name: _array(p, values.get(p.name, p.default), p.name not in values, env)
               for p in spec.parameters if p.kind == "array"}
     return {**env, **arrays}
 
@@ -93,8 +93,8 @@ def initial_state(spec: Spec, start: str | Start | None = None, values: dict | N
                   seed: int | None = None) -> np.ndarray:
     """The state at the start of a run, shape (sites, 3).
 
-    `seed` replaces the seed of every random family. Family k of a random start takes numpy's
-    PCG64([seed, k]), so that equal seeds give independent families. Raises UsageError
+    `seed` replaces the seed of every random family. The first family of [space] takes
+    numpy's PCG64(seed), family k PCG64([seed, k]): with one seed they are independent. Raises UsageError
     when the shape is wrong, a number is not finite or a point is off its sphere by more
     than 1e-12 of the radius (unless the start says normalise).
     """
@@ -132,12 +132,15 @@ def _scalar(p: Parameter, value):
     return int(number)
 
 
-def _array(p: Parameter, value, env):
+def _array(p: Parameter, value, is_default, env):
+    """A list of the right size; one number stands for that many equal ones."""
     try:
         array = np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise UsageError(f"'{p.name}' must be a list of numbers") from None
     size = integer(p.size, env, f"the size of '{p.name}'") if p.size is not None else array.size
+    if (is_default and p.fill and array.size) or (not is_default and array.size == 1):
+        array = np.full(size, array.flat[0])
     if array.shape != (size,):
         raise UsageError(f"'{p.name}' must be a list of {size} numbers, "
                              f"not {array.size if array.ndim == 1 else array.shape}")
@@ -194,7 +197,8 @@ def _random_directions(seed, number, count):
     """Uniform on the unit sphere: normal vectors, normalised."""
     if not isinstance(seed, (int, np.integer)) or seed < 0:
         raise UsageError(f"a seed must be an integer from 0 up, not {seed!r}")
-    x = np.random.Generator(np.random.PCG64([int(seed), number])).standard_normal((count, 3))
+    bits = np.random.PCG64([int(seed), number] if number else int(seed))
+    x = np.random.Generator(bits).standard_normal((count, 3))
     return x / np.linalg.norm(x, axis=1)[:, None]
 
 
