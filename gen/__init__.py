@@ -1,2 +1,21 @@
-"""smidgen compiles Hamiltonians, written as formulas, to structure-preserving integrators."""
+"""smidgen compiles Hamiltonians, written as formulas, to structure-preserving integrators.
+
+    import smidgen
+    spec = smidgen.load("top.toml")
+    result = smidgen.run(spec, "demo", out="demo.h5")
+    top = smidgen.build(spec).start("tilted", h=0.1)
+    top.steps(100).w
+"""
 __version__ = "0.1.0"
+
+from . import build as _build_module, run as _run_module        # noqa: E402,F401
+from .errors import (BuildError, MissingTool, OutputError, RunError,    # noqa: E402
+                     SmidgenError, SpecError, UsageError, ValidationError)
+from .library import Integrator, build                          # noqa: E402
+from .output import Result, load_result                         # noqa: E402
+from .read import load                                          # noqa: E402
+from .run import Interrupted, repeat, run                       # noqa: E402
+
+__all__ = ["BuildError", "Integrator", "Interrupted", "MissingTool", "OutputError", "Result",
+           "RunError", "SmidgenError", "SpecError", "UsageError", "ValidationError", "build",
+           "load", "load_result", "repeat", "run"]

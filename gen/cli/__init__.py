@@ -1,7 +1,66 @@
-"""The command `smidgen`."""
+"""The command `smidgen`: parse, call, and turn every error into words and an exit code."""
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import traceback
+
+from ..errors import Exit, SmidgenError, SpecError
+from .parser import make_parser
+from .say import printed
+
+UNEXPECTED = 1      # a defect of smidgen itself
 
 
-def main() -> int:
-    """Placeholder until the sub-commands are in."""
-    print("smidgen", __import__("smidgen").__version__)
-    return 0
+def main(argv=None) -> int:
+    """Run the command; returns its exit code, never raises for what a user wrote."""
+    args = make_parser().parse_args(argv)
+    try:
+        return guarded(args)
+    except BrokenPipeError:         # the reader of a pipe has gone: nothing is left to say
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return Exit.OK
+    except Exception:
+        return unexpected()
+
+
+def guarded(args) -> int:
+    """The sub-command, with known errors said on stderr (and as JSON on stdout)."""
+    try:
+        code = args.command(args)
+        sys.stdout.flush()
+        return int(code or Exit.OK)
+    except SmidgenError as error:
+        said = str(error)
+        print(said if isinstance(error, SpecError) else f"smidgen: {said}", file=sys.stderr)
+        if getattr(args, "json", False):
+            printed({"error": describe(error)})
+        return int(error.exit_code)
+    except KeyboardInterrupt:
+        print("smidgen: interrupted", file=sys.stderr)
+        return int(Exit.INTERRUPTED)
+
+
+def describe(error: SmidgenError) -> dict:
+    """An error as JSON has it."""
+    facts = {k: v for k, v in vars(error).items() if isinstance(v, (int, float, str))}
+    found = {"kind": type(error).__name__, "message": str(error),
+             "exit_code": int(error.exit_code), **facts}
+    if isinstance(error, SpecError):
+        found["diagnostics"] = [vars(d) for d in error.diagnostics]
+    return found
+
+
+def unexpected() -> int:
+    """A defect: one line and a log, or the traceback when SMIDGEN_DEBUG is set."""
+    text = traceback.format_exc()
+    if os.environ.get("SMIDGEN_DEBUG"):
+        print(text, file=sys.stderr)
+        return UNEXPECTED
+    handle, log = tempfile.mkstemp(prefix="smidgen-", suffix=".log")
+    with os.fdopen(handle, "w") as out:
+        out.write(text)
+    print(f"smidgen: this is a defect of smidgen, sorry: {text.strip().splitlines()[-1]}\n"
+          f"the details are in {log}", file=sys.stderr)
+    return UNEXPECTED

@@ -1,0 +1,54 @@
+"""`smidgen check`: read specs and say what is in them, or what is wrong."""
+from __future__ import annotations
+
+from ..errors import Exit, SmidgenError
+from .options import json_option, spec_argument
+from .say import printed, say
+
+EXAMPLES = """  smidgen check top.toml
+  smidgen check specs/*.toml --json"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("check", command, "read specs and report every error", EXAMPLES)
+    spec_argument(parser, nargs="+")
+    json_option(parser)
+
+
+def command(args):
+    """All specs are read; the exit code is the first error's."""
+    reports = [examine(word) for word in args.spec]
+    if args.json:
+        printed([{k: v for k, v in r.items() if k != "text"} for r in reports])
+    for report in reports:
+        if "error" in report:
+            say(report["text"])
+        elif not args.json:
+            print(report["text"])
+    return next((r["error"]["exit_code"] for r in reports if "error" in r), Exit.OK)
+
+
+def examine(word: str) -> dict:
+    """Facts of one spec, or its error."""
+    from . import describe
+    try:
+        return facts(word)
+    except SmidgenError as error:
+        return {"spec": word, "ok": False, "error": describe(error), "text": str(error)}
+
+
+def facts(word: str) -> dict:
+    """Load, settle every run, and count."""
+    from ..settings import settle
+    from ..shipped import load_spec
+    from ..start import sizes
+    spec = load_spec(word)
+    families = {name: count for name, (_, count) in sizes(spec).items()}
+    steps = {run.name: settle(spec, run.name).steps for run in spec.runs}
+    text = f"{word}: good. {spec.title or spec.name}: " + ", ".join(
+        [f"{count} sites {name}" for name, count in families.items()]
+        + [f"effects {', '.join(e.name for e in spec.effects)}",
+           f"runs {', '.join(steps) or 'none'}"])
+    return {"spec": word, "ok": True, "name": spec.name, "families": families,
+            "effects": [e.name for e in spec.effects], "runs": steps, "text": text}

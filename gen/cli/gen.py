@@ -1,0 +1,76 @@
+"""`smidgen gen` and `smidgen build`: the C of a spec, and libraries of it."""
+from __future__ import annotations
+
+from .options import json_option, model_options, spec_argument
+from .say import notes_line, printed, say
+
+GEN = """  smidgen gen heisenberg_chain --out chain
+  smidgen gen top.toml --amalgamate --out .      two files are all that a program needs
+  smidgen gen top.toml --effects kinetic --set I=1,2,4 --method classical-midpoint"""
+BUILD = """  smidgen build top.toml                    compile into the cache, print the library
+  smidgen build top.toml --out /usr/local   lib/libtop.a, include/top.h, lib/pkgconfig/top.pc"""
+
+
+def add(commands):
+    """Both sub-commands."""
+    parser = commands.add("gen", gen, "write the C of a spec", GEN)
+    spec_argument(parser)
+    model_options(parser)
+    parser.add_argument("--out", default=".", metavar="DIR", help="where to; default: here")
+    parser.add_argument("--amalgamate", action="store_true",
+                        help="inline the runtime: one .h and one .c, nothing else")
+    json_option(parser)
+    parser = commands.add("build", build, "compile a spec", BUILD)
+    spec_argument(parser)
+    model_options(parser)
+    parser.add_argument("--out", metavar="DIR", help="install a static library, its headers "
+                        "and a pkg-config file below DIR")
+    parser.add_argument("--native", action="store_true",
+                        help="for this processor (-march=native); bits then differ between machines")
+    parser.add_argument("--real", choices=("double", "long double"), default="double")
+    json_option(parser)
+
+
+def scene_of(args):
+    """(selected spec, method, solver) that the arguments ask for."""
+    from ..select import select
+    from ..settings import find_run
+    from ..shipped import load_spec
+    from ..start import parameter_values
+    spec = load_spec(args.spec)
+    run = find_run(spec, args.run)
+    values = {**dict(run.values), **dict(args.values)}
+    parameter_values(spec, values)
+    scene = select(spec, args.effects if args.effects is not None else run.effects, values)
+    return scene, args.method or run.method, args.solver or run.solver
+
+
+def gen(args):
+    """Write the files; their paths are the data."""
+    from ..export import export_sources
+    scene, method, solver = scene_of(args)
+    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate)
+    report(args, scene, method, notes, files)
+
+
+def build(args):
+    """Compile into the cache or below --out; the paths are the data."""
+    from ..build import build_library
+    from ..export import export_library
+    scene, method, solver = scene_of(args)
+    if args.out:
+        files, notes = export_library(scene, args.out, method, solver)
+    else:
+        built = build_library(scene, method, solver, args.real, args.native)
+        files, notes = [built.library], built.notes
+    report(args, scene, method, notes, files)
+
+
+def report(args, scene, method, notes, files):
+    """What was chosen, and which files there are now."""
+    if args.json:
+        return printed({"model": scene.name, "method": method, "chosen": notes,
+                        "files": [str(f) for f in files]})
+    say(f"{scene.name}: {method}" + (f"; {notes_line(notes)}" if notes else ""))
+    for file in files:
+        print(file)

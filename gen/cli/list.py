@@ -1,0 +1,33 @@
+"""`smidgen list`: the specs that come with it."""
+from __future__ import annotations
+
+from .options import json_option
+from .say import printed
+
+EXAMPLES = """  smidgen list
+  smidgen list --json"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("list", command, "show the specs that come with smidgen", EXAMPLES)
+    json_option(parser)
+
+
+def command(args):
+    """One line a spec: name, title, runs."""
+    from ..read import load
+    from ..shipped import shipped
+    found = [facts(name, path, load(str(path))) for name, path in shipped().items()]
+    if args.json:
+        return printed(found)
+    width = max((len(f["name"]) for f in found), default=0)
+    for one in found:
+        print(f"{one['name']:{width}}  {one['title']}\n{'':{width}}  runs: "
+              f"{', '.join(one['runs']) or 'none'}")
+
+
+def facts(name, path, spec) -> dict:
+    """What the list says of a spec."""
+    return {"name": name, "title": spec.title, "runs": [r.name for r in spec.runs],
+            "effects": [e.name for e in spec.effects], "path": str(path)}

@@ -1,0 +1,40 @@
+"""The sub-commands and their help; each lives in a module of its own."""
+from __future__ import annotations
+
+import argparse
+
+from .. import __version__
+from . import check, gen, list as list_, new, plot, run, validate
+
+CODES = """exit codes: 0 good, 1 a defect of smidgen, 2 wrong usage, 3 a bad spec, 4 a step failed,
+5 a validation failed, 6 a tool is missing, 7 the C compiler failed, 8 a file cannot be written,
+130 interrupted"""
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The whole command line."""
+    parser = argparse.ArgumentParser(
+        prog="smidgen", epilog=CODES, formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Compiles Hamiltonians written as formulas to structure-preserving "
+                    "integrators in C, and runs them.")
+    parser.add_argument("--version", action="version", version=f"smidgen {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for module in (new, check, gen, run, validate, plot, list_):
+        module.add(Commands(commands))
+    return parser
+
+
+class Commands:
+    """Adds sub-commands with a one-line summary, a description and examples."""
+
+    def __init__(self, commands):
+        self.commands = commands
+
+    def add(self, name: str, command, summary: str, examples: str, **more):
+        """A sub-parser that calls `command(args)`."""
+        parser = self.commands.add_parser(
+            name, help=summary, description=summary[0].upper() + summary[1:] + ".",
+            epilog="examples:\n" + examples, allow_abbrev=False,
+            formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+        parser.set_defaults(command=command)
+        return parser

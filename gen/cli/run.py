@@ -1,0 +1,167 @@
+"""`smidgen run`: a run of a spec, its errors, its file."""
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from ..errors import Exit, RunError, UsageError
+from .options import (json_option, length, model_options, names, spec_argument, whole)
+from .say import notes_line, printed, say
+
+EXAMPLES = """  smidgen run heisenberg_chain
+  smidgen run heisenberg_chain demo --set n=1000 --h 0.05 --time 100 --out chain.h5
+  smidgen run top.toml --effects kinetic --steps 1e6 --every 1000 --out top.csv
+  smidgen run top.toml --steps 100 --out -       a table on stdout
+  smidgen run --repeat chain.h5 --out again.h5   the same run again"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("run", command, "run a spec and write what it gives", EXAMPLES)
+    spec_argument(parser, nargs="?")
+    model_options(parser)
+    parser.add_argument("--h", type=length, help="the step: a number or like 2*pi/20; "
+                        "negative runs backward (write --h=-0.1)")
+    long = parser.add_mutually_exclusive_group()
+    long.add_argument("--steps", type=whole, help="number of steps")
+    long.add_argument("--time", type=length, help="duration: a multiple of h")
+    often = parser.add_mutually_exclusive_group()
+    often.add_argument("--every", type=whole, metavar="K", help="output each K-th step")
+    often.add_argument("--section", type=length, metavar="PERIOD",
+                       help="output at multiples of PERIOD only (a multiple of h)")
+    parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, "
+                        "momentum, casimirs, names of observables")
+    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
+    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    parser.add_argument("--native", action="store_true", help="compile for this processor")
+    parser.add_argument("--real", choices=("double", "long double"), default="double")
+    parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
+    parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
+    json_option(parser)
+
+
+def command(args):
+    """Run, then print the summary; what was computed before a failure is kept."""
+    from ..run import Interrupted
+    with output_file(args) as out:
+        began = time.perf_counter()
+        try:
+            result, code = go(args, out), Exit.OK
+        except Interrupted as stop:
+            result, code = stop.result, Exit.INTERRUPTED
+        except RunError as error:
+            if not hasattr(error, "result"):
+                raise
+            say(f"smidgen: {error}")
+            result, code = error.result, error.exit_code
+        report(args, result, time.perf_counter() - began, int(code))
+    return code
+
+
+class output_file:
+    """The file that a run writes: --out, or for `-` one that goes to stdout at the end."""
+
+    def __init__(self, args):
+        self.piped, self.path = args.out == "-", args.out
+
+    def __enter__(self):
+        if self.piped:
+            self.folder = tempfile.TemporaryDirectory(prefix="smidgen-")
+            self.path = str(Path(self.folder.name, "table.csv"))
+        return self.path
+
+    def __exit__(self, *_):
+        if not self.piped:
+            return
+        if Path(self.path).exists():
+            with open(self.path, encoding="utf-8") as table:
+                shutil.copyfileobj(table, sys.stdout)
+        self.folder.cleanup()
+
+
+def go(args, out):
+    """The run that the arguments ask for."""
+    from ..output import known_format
+    from ..progress import progress
+    from ..run import run
+    from ..settings import settle
+    if out is not None:
+        known_format(out)
+    spec, name, given = asked(args)
+    total = settle(spec, name, **given).steps
+    with progress(total, spec.name) as tick:
+        return run(spec, name, out=out, keep=False, progress=tick, **given)
+
+
+def asked(args):
+    """(spec, run, choices) from SPEC and its options, or from a file to repeat."""
+    if args.repeat is None:
+        if args.spec is None:
+            raise UsageError("which spec? `smidgen list` shows those that come with it")
+        from ..shipped import load_spec
+        return load_spec(args.spec), args.run, choices(args)
+    if args.spec is not None:
+        raise UsageError("--repeat takes the spec from the file: leave SPEC out")
+    from ..output import load_result
+    from ..repeat import recorded
+    spec, settings = recorded(load_result(args.repeat).meta)
+    return spec, None, {**settings, **choices(args, repeated=True)}
+
+
+def choices(args, repeated: bool = False) -> dict:
+    """What the command line chooses, by the names that `run` has for it."""
+    words = ("method", "solver", "effects", "h", "steps", "time", "every", "section", "what",
+             "seed")
+    given = {w: getattr(args, w) for w in words if getattr(args, w) is not None}
+    if repeated and (given or args.values or args.start):
+        raise UsageError("--repeat repeats a run as it was: no other choices than --out")
+    if repeated:
+        return given
+    given.update(values=dict(args.values), native=args.native, real=args.real)
+    if args.start is not None:
+        given["start"] = start_of(args.start)
+    return given
+
+
+def start_of(word: str):
+    """A name, or the rows of a file."""
+    import numpy as np
+    if not word.endswith((".csv", ".npy")):
+        return word
+    try:
+        return np.load(word) if word.endswith(".npy") else np.loadtxt(word, delimiter=",", ndmin=2)
+    except (OSError, ValueError) as problem:
+        raise UsageError(f"cannot read the start file {word}: {problem}") from None
+
+
+def report(args, result, seconds: float, code: int):
+    """The summary: on stdout, unless the table goes there."""
+    if args.json:
+        return printed(facts(args, result, seconds, code))
+    tell = say if args.out == "-" else print
+    for line in lines(args, result, seconds):
+        tell(line)
+
+
+def facts(args, result, seconds, code) -> dict:
+    """The summary for programs."""
+    meta = {k: v for k, v in result.meta.items() if k not in ("sources", "start")}
+    return {**meta, **result.summary, "seconds": seconds, "out": args.out, "exit_code": code}
+
+
+def lines(args, result, seconds):
+    """The summary for people."""
+    meta, errors = result.meta, result.summary["errors"]
+    yield (f"{meta['spec']} {meta['run']}: {meta['method']}, h = {meta['h']:.10g}, {meta['done']} of "
+           f"{meta['steps']} steps to t = {result.summary['t']:.10g} in {seconds:.2f} s")
+    if meta["chosen"]:
+        yield f"chosen: {notes_line(meta['chosen'])}"
+    yield "largest change over the outputs: " + ", ".join(
+        f"{name} {value:.3g}" for name, value in errors.items())
+    if meta["status"] != "complete":
+        yield f"status: {meta['status']}"
+    if args.out not in (None, "-"):
+        yield f"wrote {args.out}"

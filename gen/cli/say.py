@@ -1,0 +1,32 @@
+"""Data goes to stdout, narration to stderr."""
+from __future__ import annotations
+
+import json
+import math
+import sys
+
+
+def say(*words) -> None:
+    """Narration."""
+    print(*words, file=sys.stderr)
+
+
+def printed(data) -> None:
+    """Data as JSON; what JSON cannot hold (NaN, infinity) becomes null."""
+    print(json.dumps(clean(data), indent=2, ensure_ascii=False))
+
+
+def clean(data):
+    """`data` with NaN and infinities replaced by None, keys by strings."""
+    if isinstance(data, dict):
+        return {str(k): clean(v) for k, v in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [clean(v) for v in data]
+    if isinstance(data, float) and not math.isfinite(data):
+        return None
+    return data
+
+
+def notes_line(notes: dict) -> str:
+    """What `auto` chose, in one line."""
+    return "; ".join(f"{key}: {value}" for key, value in notes.items())

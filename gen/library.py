@@ -1,0 +1,271 @@
+"""A compiled model in Python: step numpy arrays in place.
+
+    spec = smidgen.load("top.toml")
+    top = smidgen.build(spec)
+    top.start("tilted", h=0.1)
+    top.steps(100)
+    top.t, top.w                # the time, and the state: an array of shape (sites, 3)
+"""
+from __future__ import annotations
+
+import ctypes
+import math
+from types import SimpleNamespace
+
+import numpy as np
+
+from .build import Built, build_library
+from .errors import RunError, UsageError
+from .spec import Spec
+from .start import find_start, initial_state, parameter_values, sizes
+
+# smg_status of runtime/smidgen.h: number -> (name, what happened)
+STATUS = {
+    1: ("no convergence", "the step equation did not converge"),
+    2: ("no solution", "the step equation has no solution for this state and step"),
+    3: ("wrong branch", "the solution found is not connected to the state as h goes to 0"),
+    4: ("not finite", "a value is not finite"),
+    5: ("bad parameter", "a parameter or a size is out of range"),
+    6: ("off manifold", "the start is off its sphere or leaf"),
+    7: ("singular", "the Newton matrix is singular"),
+}
+METHODS = ("spherical-midpoint", "classical-midpoint", "moser-veselov")
+SOLVERS = ("auto", "newton", "rotation", "plain")
+
+
+def build(spec: Spec, method: str = "spherical-midpoint", effects=None, values=None,
+          solver: str = "auto", real: str = "double", native: bool = False) -> "Integrator":
+    """Compile `spec` (or take the build from the cache) and return an Integrator.
+
+    effects: names of the effects to keep, None for all; values: parameter values by name;
+    real: "double" or "long double". Raises UsageError for a name that is not known,
+    MissingTool and BuildError as `build_library` does.
+    """
+    choose("method", method, METHODS)
+    choose("solver", solver, SOLVERS)
+    choose("real", real, ("double", "long double"))
+    known = parameter_values(spec, values)
+    from .select import select
+    scene = select(spec, tuple(effects) if effects is not None else None, dict(values or {}))
+    built = build_library(scene, method, solver, real, native)
+    return Integrator(spec, scene, built, known, method, solver)
+
+
+def choose(what: str, name: str, names) -> str:
+    """`name`, if it is one of `names`; else UsageError with the list."""
+    if name not in names:
+        raise UsageError(f"no {what} '{name}'; there are: {', '.join(names)}")
+    return name
+
+
+class Integrator:
+    """One model with its parameter values, compiled; at most one trajectory at a time.
+
+    name, method, solver: as asked for; `notes`: what the generator chose. `w` is the state,
+    shape (sites, 3); it is the same array after every step, and the caller's own if
+    `start` was given one of that shape and type.
+    """
+
+    def __init__(self, spec, scene, built: Built, values, method, solver):
+        self.spec, self.scene, self.built = spec, scene, built
+        self.name, self.method, self.solver = scene.name, method, solver
+        self.notes = built.notes
+        self.values_in = _known_to(scene, values)
+        self.families = sizes(scene, self.values_in)
+        self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
+        self._c = _functions(ctypes.CDLL(str(built.library)), self.name)
+        self._state, self._keep = None, None
+        self.h, self.count, self.w = math.nan, 0, None
+        self.columns = value_columns(scene)
+
+    @property
+    def sites(self) -> int:
+        """Number of sites: the state has shape (sites, 3)."""
+        return sum(count for _, count in self.families.values())
+
+    def start(self, w=None, t0: float = 0.0, h: float = None, seed: int = None) -> "Integrator":
+        """Begin a trajectory at time t0 with step h (negative: backward).
+
+        w: an array of shape (sites, 3), the name of a start of the spec, or None for its
+        only one; seed replaces the seed of random starts. Raises UsageError for a wrong
+        shape, a start off its sphere or no h, RunError for what the C refuses.
+        """
+        if h is None or not math.isfinite(h) or h == 0:
+            raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")
+        self.close()
+        self.w = self._array(w, seed)
+        self.h, self.t0, self.count = float(h), float(t0), 0
+        self._new()
+        return self
+
+    def step(self) -> "Integrator":
+        """One step; w is changed in place. Raises RunError, then w is as before."""
+        return self.steps(1)
+
+    def steps(self, count: int) -> "Integrator":
+        """`count` steps. On failure w is the state before the step that failed."""
+        done = self.advance(count)
+        self._c.state(self._state, self.w.ctypes.data)
+        if done < count:
+            self._fail(self._status)
+        return self
+
+    def advance(self, count: int) -> int:
+        """Up to `count` steps without fetching w; returns how many succeeded."""
+        self._started()
+        if count < 0:
+            raise UsageError("a number of steps from 0 up; a negative h runs backward")
+        done = ctypes.c_int64(0)
+        self._status = self._c.steps(self._state, count, ctypes.byref(done))
+        self.count += done.value
+        return done.value
+
+    def failure(self) -> RunError | None:
+        """The error of the last step, or None when it succeeded."""
+        try:
+            self._fail(self._status)
+        except RunError as error:
+            return error
+
+    @property
+    def t(self) -> float:
+        """The time t0 + count*h."""
+        self._started()
+        return self._c.time(self._state)
+
+    def state(self, out=None) -> np.ndarray:
+        """A copy of the state, or the state written into `out` of shape (sites, 3)."""
+        self._started()
+        out = np.empty((self.sites, 3), self.real) if out is None else out
+        self._c.state(self._state, out.ctypes.data)
+        return out
+
+    def report(self) -> dict:
+        """Of the last step: iterations, residual (in units of w), site (-1: none)."""
+        self._started()
+        n, r, site = ctypes.c_int(0), ctypes.c_double(0), ctypes.c_int64(-1)
+        self._c.report(self._state, ctypes.byref(n), ctypes.byref(r), ctypes.byref(site))
+        return {"iterations": n.value, "residual": r.value, "site": site.value}
+
+    def values(self, out=None) -> np.ndarray:
+        """All conserved quantities and observables, in the order of `columns`."""
+        self._started()
+        out = np.empty(len(self.columns), self.real) if out is None else out
+        self._c.values(self._state, out.ctypes.data)
+        return out
+
+    def casimirs(self, out=None) -> np.ndarray:
+        """|w|^2, or C(w) of a Nambu factor, for each site: shape (sites,)."""
+        self._started()
+        out = np.empty(self.sites, self.real) if out is None else out
+        self._c.casimirs(self._state, out.ctypes.data)
+        return out
+
+    def energy(self, w=None, t: float = None) -> float:
+        """H(t, w), by default of the present state and time."""
+        self._started()
+        w = self._given(self.w if w is None else w)
+        out = np.empty(1, self.real)
+        self._c.energy(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
+        return out[0]
+
+    def field(self, w=None, t: float = None) -> np.ndarray:
+        """b = (1/kappa) dH/dw of shape (sites, 3), by default of the present state."""
+        self._started()
+        w, out = self._given(self.w if w is None else w), np.empty((self.sites, 3), self.real)
+        self._c.field(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
+        return out
+
+    def close(self) -> None:
+        """Give the memory of the trajectory back."""
+        if self._state:
+            self._c.free(self._state)
+        self._state = None
+
+    def __del__(self):
+        if getattr(self, "_state", None):
+            self.close()
+
+    def _started(self):
+        if not self._state:
+            raise UsageError("no trajectory yet: call start(w, h=...) first")
+
+    def _array(self, w, seed):
+        if w is None or isinstance(w, str):
+            find_start(self.spec, w)
+            w = initial_state(self.scene, w, self.values_in, seed)
+        return self._given(w)
+
+    def _given(self, w):
+        """`w` itself if C can work on it, else a copy. Raises UsageError for its shape."""
+        try:
+            array = np.ascontiguousarray(w, dtype=self.real)
+        except (TypeError, ValueError):
+            raise UsageError("a state is an array of numbers") from None
+        if array.shape != (self.sites, 3):
+            raise UsageError(f"a state of {self.name} has shape ({self.sites}, 3), "
+                             f"not {np.shape(w)}")
+        return array if array.flags.writeable else array.copy()
+
+    def _new(self):
+        scalars, arrays = _packed(self.scene, self.values_in)
+        pointers = (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
+        status = ctypes.c_int(0)
+        self._keep = scalars, arrays, pointers
+        self._state = self._c.new(scalars.ctypes.data, pointers, self.w.ctypes.data, self.t0,
+                                  self.h, ctypes.byref(status))
+        self._status = status.value
+        if not self._state:
+            name, meaning = STATUS.get(status.value, ("no memory", "there is not enough memory"))
+            raise RunError(f"{self.name} cannot start: {name}: {meaning}", status.value)
+
+    def _fail(self, status):
+        if status == 0:
+            return
+        name, meaning = STATUS.get(status, (f"status {status}", "unknown"))
+        found = self.report()
+        where = f" at site {found['site']}" if found["site"] >= 0 else ""
+        raise RunError(f"step {self.count + 1} from t = {self.t:.17g}: {name}: {meaning}{where} "
+                       f"(residual {found['residual']:.3g} after {found['iterations']} "
+                       "iterations)", status, self.count, **found)
+
+
+def value_columns(scene: Spec) -> list[str]:
+    """Names of what `m_abi_values` fills, in its order."""
+    axes = [f"momentum.{f.name}.{axis}" for f in scene.families for axis in "xyz"]
+    return ["energy", *(f"energy.{e.name}" for e in scene.effects), *axes,
+            *(o.name for o in scene.observables)]
+
+
+def _known_to(scene, values):
+    """The values of the parameters that the scene has kept."""
+    return {p.name: values[p.name] for p in scene.parameters if p.name in values}
+
+
+def _packed(scene, values):
+    """(scalars, arrays) as the C takes them: run-time parameters in the order of the spec."""
+    numbers = parameter_values(scene, values)
+    free = [p for p in scene.parameters if not p.fixed]
+    scalars = [float(numbers[p.name]) for p in free if p.kind != "array"]
+    arrays = [np.ascontiguousarray(numbers[p.name], float) for p in free if p.kind == "array"]
+    return np.array(scalars or [0.0]), arrays
+
+
+def _functions(library, name):
+    """The C functions of <name>_abi.c with their types."""
+    pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
+    types = {
+        "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
+        "steps": (ctypes.c_int, [pointer, integer, pointer]),
+        "time": (real, [pointer]), "sites": (integer, [pointer]),
+        "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),
+        "casimirs": (None, [pointer, pointer]), "report": (None, [pointer] * 4),
+        "field": (None, [pointer, real, pointer, pointer]),
+        "energy": (None, [pointer, real, pointer, pointer]), "free": (None, [pointer]),
+    }
+    found = SimpleNamespace()
+    for word, (result, arguments) in types.items():
+        function = getattr(library, f"{name}_abi_{word}")
+        function.restype, function.argtypes = result, arguments
+        setattr(found, word, function)
+    return found

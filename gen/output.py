@@ -1,0 +1,321 @@
+"""Results and their files: .csv, .npz and .h5, written as the run goes.
+
+All three hold the same columns under the spec's own names: `step`, `t`, each family (shape
+(count, 3)), `energy`, `energy.<effect>`, `momentum.<family>` (3), `casimirs` (one a site),
+observables; and `meta`, JSON with all that is needed to repeat the run. A file appears
+under its name when it is complete: until then an earlier one stays as it was.
+"""
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+import zipfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .errors import OutputError, UsageError
+
+CSV_COLUMNS = 30_000        # widest table that is written as text
+FORMATS = (".csv", ".npz", ".h5")
+RESERVED = ("step", "t", "meta", "final", "energy", "casimirs")
+
+
+@dataclass
+class Result:
+    """What a run computed: k outputs.
+
+    meta: everything about the run. step, t: shape (k,). w: family -> (k, count, 3), None
+    when states were not asked for. values: name -> (k,) or (k, m). final: the last state,
+    shape (sites, 3), at meta["done"] steps. summary: errors over the outputs and the time taken.
+    """
+    meta: dict
+    step: np.ndarray
+    t: np.ndarray
+    w: dict | None
+    values: dict
+    final: np.ndarray | None = None
+    summary: dict = field(default_factory=dict)
+
+
+def load_result(path) -> Result:
+    """Read a file that a run wrote. Raises UsageError when it is none."""
+    path = Path(path)
+    try:
+        meta, columns = _READERS[known_format(path)](path)
+        return result_of(meta, columns)
+    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as problem:
+        raise UsageError(f"{path} is no file of a smidgen run: {problem}") from None
+
+
+def result_of(meta: dict, columns: dict) -> Result:
+    """Sort `columns` (name -> array) into a Result."""
+    columns = dict(columns)
+    step, t, final = columns.pop("step"), columns.pop("t"), columns.pop("final", None)
+    states = {f: columns.pop(f) for f in meta["families"] if f in columns}
+    return Result(meta, step, t, states or None, columns, final)
+
+
+def known_format(path) -> str:
+    """The suffix of `path`, if it names a format."""
+    suffix = Path(path).suffix
+    if suffix not in FORMATS:
+        raise UsageError(f"{path}: the name of a result ends in {', '.join(FORMATS)}")
+    return suffix
+
+
+def open_sink(path, meta: dict, layout: dict):
+    """A sink for the file `path`; layout: column -> (shape of one entry, dtype)."""
+    return _SINKS[known_format(path)](Path(path), meta, layout)
+
+
+class MemorySink:
+    """Keeps everything; `columns` afterwards."""
+
+    def __init__(self, layout: dict):
+        self.layout, self.parts = layout, {name: [] for name in layout}
+
+    def write(self, chunk: dict) -> None:
+        """Append k entries to each column."""
+        for name, rows in chunk.items():
+            self.parts[name].append(rows.copy())
+
+    @property
+    def columns(self) -> dict:
+        return {name: np.concatenate(self.parts[name] or [np.empty((0, *shape), kind)])
+                for name, (shape, kind) in self.layout.items()}
+
+
+class FileSink:
+    """Writes beside `path` and renames at the end; every failure is an OutputError."""
+
+    def __init__(self, path: Path, meta: dict, layout: dict):
+        self.path, self.meta, self.layout = path, meta, layout
+        with self._guard():
+            self.work = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
+            self.file = self.work / path.name
+            self._begin()
+
+    def write(self, chunk: dict) -> None:
+        """Append k entries to each column. Raises OutputError."""
+        with self._guard():
+            self._append(chunk)
+
+    def close(self, meta: dict, final: np.ndarray) -> None:
+        """Finish with the final metadata and state; the file gets its name here."""
+        with self._guard():
+            self._finish(meta, final)
+            with open(self.file, "rb") as done:
+                os.fsync(done.fileno())
+            os.replace(self.file, self.path)
+        shutil.rmtree(self.work, ignore_errors=True)
+
+    def abandon(self) -> None:
+        """Leave no trace; a file of that name from before stays."""
+        try:
+            self._release()
+        except (OSError, RuntimeError, ValueError):
+            pass                                # its content is thrown away anyway
+        shutil.rmtree(getattr(self, "work", ""), ignore_errors=True)
+
+    def _release(self):
+        pass
+
+    def _guard(self):
+        return _Guard(self)
+
+
+class _Guard:
+    """Turns what goes wrong while writing into an OutputError, and cleans up."""
+
+    def __init__(self, sink):
+        self.sink = sink
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, problem, trace):
+        if kind is None or not issubclass(kind, (OSError, RuntimeError, ValueError)):
+            return False
+        self.sink.abandon()
+        said = getattr(problem, "strerror", None) or problem
+        raise OutputError(f"cannot write {self.sink.path}: {said}") from None
+
+
+class CsvSink(FileSink):
+    """Text: comment lines with the metadata, a header, one line an output."""
+    body = None
+
+    def _begin(self):
+        names = [n for name in self.layout for n in flat_names(name, self.layout[name][0])]
+        if len(names) > CSV_COLUMNS:
+            raise ValueError(f"{len(names)} columns are too many for .csv; use .h5 or .npz")
+        self.names, self.body = names, open(self.work / "body", "w", encoding="ascii")
+        self.formats = ["%d"] + ["%.17g" if self.layout["t"][1] == np.float64 else "%.21g"] \
+            * (len(names) - 1)
+
+    def _append(self, chunk):
+        rows = [np.asarray(chunk[n]).reshape(len(chunk["t"]), -1) for n in self.layout]
+        np.savetxt(self.body, np.concatenate(rows, axis=1), self.formats, delimiter=",")
+
+    def _finish(self, meta, final):
+        self.body.close()
+        with open(self.file, "wb") as out, open(self.work / "body", "rb") as body:
+            out.write(csv_head(meta, final, self.names).encode())
+            shutil.copyfileobj(body, out)
+
+    def _release(self):
+        if self.body:
+            self.body.close()
+
+
+class NpzSink(FileSink):
+    """numpy's format; columns grow in raw files until their length is known."""
+    raw = {}
+
+    def _begin(self):
+        self.rows, self.raw = 0, {}
+        for number, name in enumerate(self.layout):
+            self.raw[name] = open(self.work / f"column{number}", "wb")
+
+    def _append(self, chunk):
+        self.rows += len(chunk["t"])
+        for name, rows in chunk.items():
+            self.raw[name].write(np.ascontiguousarray(rows).data)
+
+    def _finish(self, meta, final):
+        self._release()
+        with zipfile.ZipFile(self.file, "w") as archive:
+            for name, (shape, kind) in self.layout.items():
+                with _member(archive, name) as out, open(self.raw[name].name, "rb") as body:
+                    _npy_header(out, (self.rows, *shape), kind)
+                    shutil.copyfileobj(body, out)
+            for name, value in (("final", final), ("meta", np.array(json.dumps(meta)))):
+                with _member(archive, name) as out:
+                    np.lib.format.write_array(out, value, allow_pickle=False)
+
+    def _release(self):
+        for raw in self.raw.values():
+            raw.close()
+
+
+class H5Sink(FileSink):
+    """HDF5: one data set a column, grown chunk by chunk, and the string `meta`."""
+    h5 = None
+
+    def _begin(self):
+        import h5py
+        self.h5 = h5py.File(self.file, "w")
+        for name, (shape, kind) in self.layout.items():
+            rows = max(1, min(4096, 2 ** 20 // (8 * int(np.prod(shape, dtype=int)) or 1)))
+            self.h5.create_dataset(name, (0, *shape), kind, maxshape=(None, *shape),
+                                   chunks=_h5_chunk(rows, shape))
+
+    def _append(self, chunk):
+        for name, rows in chunk.items():
+            data = self.h5[name]
+            data.resize(len(data) + len(rows), axis=0)
+            data[len(data) - len(rows):] = rows
+        self.h5.flush()
+
+    def _finish(self, meta, final):
+        import h5py
+        self.h5.create_dataset("final", data=final)
+        self.h5.create_dataset("meta", data=json.dumps(meta), dtype=h5py.string_dtype())
+        self.h5.close()
+
+    def _release(self):
+        if self.h5:
+            self.h5.close()
+
+
+def flat_names(name: str, shape: tuple) -> list[str]:
+    """CSV columns of one entry: `w[3].x`, `momentum.w.x`, `casimirs[2]`, `energy`."""
+    if not shape:
+        return [name]
+    if len(shape) == 2:
+        return [f"{name}[{i}].{axis}" for i in range(shape[0]) for axis in "xyz"]
+    if name.startswith("momentum."):
+        return [f"{name}.{axis}" for axis in "xyz"]
+    return [f"{name}[{i}]" for i in range(shape[0])]
+
+
+def csv_head(meta: dict, final, names) -> str:
+    """Comment lines that a person reads, then the two that the reader needs, then the header."""
+    shown = ("title", "run", "method", "h", "steps", "orientation", "status")
+    lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if key in meta]
+    lines += [f"# final: {json.dumps(final.astype(float).ravel().tolist())}",
+              f"# meta: {json.dumps(meta)}", ",".join(names)]
+    return "\n".join(lines) + "\n"
+
+
+def _one_line(value):
+    return " ".join(str(value).split())
+
+
+def _h5_chunk(rows, shape):
+    """About a megabyte: whole entries, or parts of one when it is larger than that."""
+    first = min(shape[0], 2 ** 15) if shape else 0
+    return (rows, *((first,) if shape else ()), *shape[1:])
+
+
+def _member(archive, name):
+    """A member without a date: the same run gives the same bytes."""
+    return archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True)
+
+
+def _npy_header(out, shape, kind):
+    np.lib.format.write_array_header_2_0(
+        out, {"descr": np.lib.format.dtype_to_descr(np.dtype(kind)),
+              "fortran_order": False, "shape": shape})
+
+
+def _read_csv(path):
+    comments, skip = {}, 0
+    with open(path, encoding="utf-8") as text:
+        for line in text:
+            skip += 1
+            if not line.startswith("# "):
+                break
+            key, _, value = line[2:].partition(": ")
+            comments[key] = value
+    meta = json.loads(comments["meta"])
+    table = np.loadtxt(path, delimiter=",", skiprows=skip, ndmin=2)
+    columns = _columns_of(table, line.rstrip("\n").split(","))
+    columns["final"] = np.array(json.loads(comments["final"])).reshape(-1, 3)
+    return meta, columns
+
+
+def _columns_of(table, names):
+    """Gather w[0].x, w[0].y, ... into arrays again."""
+    places = {}
+    for place, name in enumerate(names):
+        stem = name.partition("[")[0]
+        vector = stem[:-2] if name.startswith("momentum.") else stem
+        places.setdefault(vector, []).append(place)
+    columns = {}
+    for name, at in places.items():
+        block = table[:, at] if len(at) > 1 or "[" in names[at[0]] else table[:, at[0]]
+        columns[name] = block.reshape(len(table), -1, 3) if "]." in names[at[0]] else block
+    columns["step"] = columns["step"].astype(np.int64)
+    return columns
+
+
+def _read_npz(path):
+    with np.load(path, allow_pickle=False) as archive:
+        columns = {name: archive[name] for name in archive.files}
+    return json.loads(str(columns.pop("meta"))), columns
+
+
+def _read_h5(path):
+    import h5py
+    with h5py.File(path, "r") as h5:
+        meta = json.loads(h5["meta"].asstr()[()])
+        return meta, {name: h5[name][...] for name in h5 if name != "meta"}
+
+
+_SINKS = {".csv": CsvSink, ".npz": NpzSink, ".h5": H5Sink}
+_READERS = {".csv": _read_csv, ".npz": _read_npz, ".h5": _read_h5}

@@ -1,0 +1,188 @@
+"""A run: settings from the spec and the caller, steps in C, outputs on the way.
+
+    result = smidgen.run(spec, "demo", h=0.05, out="demo.h5")
+"""
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import math
+import signal
+import threading
+import time as clock
+
+import numpy as np
+
+from . import __version__
+from .errors import UsageError
+from .library import Integrator, build
+from .output import MemorySink, load_result, open_sink, result_of
+from .record import Recorder, columns_of
+from .settings import Settings, settle
+from .spec import Spec
+from .start import find_start
+
+MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
+PATIENCE = 0.05         # seconds in C at most, so that Ctrl-C and the progress are prompt
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C: the step was finished; `result` holds what was computed."""
+
+    def __init__(self, result):
+        super().__init__("interrupted")
+        self.result = result
+
+
+def run(spec: Spec, name: str | None = None, *, out=None, keep: bool | None = None,
+        progress=None, real: str = "double", native: bool = False, **given):
+    """Run `spec` and return a Result.
+
+    name: a run of the spec, by default its first. given: any of start (a name or an array),
+    method, solver, h, steps or time, every or section, what, effects, values, seed, in
+    place of what the run says. out: a file .csv, .npz or .h5. keep: hold the outputs in
+    memory; by default when there is no `out`. progress: a function of the steps done.
+    Raises RunError (its `result` holds what was computed), UsageError, OutputError.
+    """
+    settings = settle(spec, name, real=real, native=native, **given)
+    model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
+                  real, native)
+    model.start(settings.start, h=settings.h, seed=settings.seed)
+    return execute(model, settings, out, out is None if keep is None else keep, progress)
+
+
+def repeat(path, out=None, **options):
+    """Do again what wrote the file `path`; the same program gives the same numbers."""
+    from .repeat import recorded
+    spec, settings = recorded(load_result(path).meta)
+    return run(spec, None, out=out, **{**settings, **options})
+
+
+def execute(model: Integrator, settings: Settings, out, keep: bool, progress=None):
+    """Step a started model through the run and write the outputs."""
+    layout = columns_of(model, settings.what)
+    _affordable(layout, settings, keep)
+    sinks = [MemorySink(layout)] if keep else []
+    if out is not None:
+        sinks.append(open_sink(out, describe(model, settings), layout))
+    recorder = Recorder(model, layout, sinks)
+    try:
+        status, error = advance(model, settings, recorder, progress or (lambda done: None))
+        return _finish(model, settings, recorder, sinks, status, error)
+    except BaseException:
+        for sink in sinks:
+            getattr(sink, "abandon", lambda: None)()
+        raise
+
+
+def advance(model, settings, recorder, progress):
+    """(status, error) after stepping to the end, to a failure or to Ctrl-C."""
+    pace = Pace()
+    with on_interrupt() as interrupted:
+        recorder.record()
+        while model.count < settings.steps:
+            if interrupted():
+                return "interrupted", None
+            goal = min(settings.steps, (model.count // settings.every + 1) * settings.every)
+            asked = min(goal - model.count, pace.size)
+            if pace.timed(model.advance, asked) < asked:
+                error = model.failure()
+                return f"failed: {error}", error
+            if model.count % settings.every == 0:
+                recorder.record()
+            progress(model.count)
+    return "complete", None
+
+
+class Pace:
+    """How many steps fit in PATIENCE seconds, from those before."""
+
+    def __init__(self):
+        self.size, self.seconds = 1, 0.0
+
+    def timed(self, advance, asked: int) -> int:
+        """Call advance(asked); returns its value and learns from its time."""
+        begin = clock.perf_counter()
+        done = advance(asked)
+        taken = clock.perf_counter() - begin
+        self.seconds += taken
+        if taken > PATIENCE:
+            self.size = max(1, self.size // 2)
+        elif asked == self.size and taken < PATIENCE / 4:
+            self.size *= 2
+        return done
+
+
+def _affordable(layout, settings, keep):
+    entry = sum(kind.itemsize * math.prod(shape) for shape, kind in layout.values())
+    total = entry * (settings.steps // settings.every + 1)
+    if keep and total > MEMORY:
+        raise UsageError(f"the outputs take {total / 2 ** 30:.1f} GiB of memory: write them to "
+                         "a file (out=\"result.h5\"), or give a larger every")
+
+
+def describe(model: Integrator, settings: Settings, status: str = "running") -> dict:
+    """The metadata of a run: all that is needed to repeat it."""
+    spec, built = model.spec, model.built
+    facts = {k: v for k, v in dataclasses.asdict(settings).items() if k not in ("values", "start")}
+    start, scene = settings.start, model.scene
+    if not isinstance(start, str):
+        start = find_start(spec, None).name if start is None else np.asarray(start).tolist()
+    return {
+        "program": "smidgen", "version": __version__, "generator": built.generator,
+        "spec": spec.name, "title": spec.title, "digest": spec.digest,
+        "sources": [list(pair) for pair in spec.sources], "orientation": spec.orientation,
+        **facts, "start": start, "set": _plain(settings.values),
+        "values": _plain(model.values_in), "effects": [e.name for e in scene.effects],
+        "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
+        "compiler": built.compiler, "flags": list(built.flags),
+        "status": status, "done": model.count,
+    }
+
+
+def _plain(values: dict) -> dict:
+    """Values as JSON has them; floats keep all their digits."""
+    return {k: v.tolist() if isinstance(v, (np.ndarray, np.generic)) else v
+            for k, v in values.items()}
+
+
+def _finish(model, settings, recorder, sinks, status, error):
+    recorder.flush()
+    meta, final = describe(model, settings, status), model.state()
+    for sink in sinks:
+        if not isinstance(sink, MemorySink):
+            sink.close(meta, final)
+    memory = [s.columns for s in sinks if isinstance(s, MemorySink)]
+    empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
+    result = result_of(meta, {**(memory[0] if memory else empty), "final": final})
+    result.summary = {"steps": model.count, "t": model.t, "errors": recorder.errors.largest}
+    return _outcome(result, status, error)
+
+
+def _outcome(result, status, error):
+    if error is not None:
+        error.result = result
+        raise error
+    if status == "interrupted":
+        raise Interrupted(result)
+    return result
+
+
+@contextlib.contextmanager
+def on_interrupt():
+    """Yields a function that says whether Ctrl-C came; a second one stops at once."""
+    seen = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield seen.is_set
+        return
+
+    def first(number_, frame):
+        seen.set()
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.getsignal(signal.SIGINT)
+    signal.signal(signal.SIGINT, first)
+    try:
+        yield seen.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,131 @@
+"""Every choice of a run: what the caller gives, else what the spec's run says."""
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from . import limits
+from .errors import UsageError
+from .evaluate import evaluate, integer
+from .library import METHODS, SOLVERS, choose
+from .spec import Run, Spec
+from .start import parameter_values
+
+KINDS = ("states", "energy", "momentum", "casimirs")
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """A run with every choice made. every: steps between outputs; start: a name or an
+    array; section: the stroboscopic period when every came from one."""
+    run: str
+    start: object
+    method: str
+    solver: str
+    h: float
+    steps: int
+    every: int
+    section: float | None
+    what: tuple[str, ...]
+    effects: tuple[str, ...] | None
+    values: dict
+    seed: int | None
+    real: str = "double"
+    native: bool = False
+
+
+def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
+           h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
+           values=None, seed=None, real="double", native=False) -> Settings:
+    """All choices of a run: what is given, else what the run says, else the defaults."""
+    base = find_run(spec, name)
+    values = {**dict(base.values), **(values or {})}
+    env = parameter_values(spec, values)
+    h = step_size(base.h if h is None else h, env)
+    if steps is None and time is None:
+        steps, time = base.steps, base.time
+    if every is None and section is None:
+        every, section = (base.every, None) if base.section is None else (None, base.section)
+    section = None if section is None else abs(number(section, env, "the section's period"))
+    return Settings(
+        base.name, base.start if start is None else start,
+        choose("method", method or base.method, METHODS),
+        choose("solver", solver or base.solver, SOLVERS), h,
+        number_of_steps(steps, time, h, env), interval(every, section, h), section,
+        chosen_outputs(spec, tuple(what or base.what)),
+        base.effects if effects is None else tuple(effects), values, seed, real, native)
+
+
+def find_run(spec: Spec, name: str | None) -> Run:
+    """The run of that name; None: the first one, or an empty one for a spec without runs."""
+    if name is None:
+        return spec.runs[0] if spec.runs else Run("", None, METHODS[0], None)
+    for run_ in spec.runs:
+        if run_.name == name:
+            return run_
+    names = ", ".join(r.name for r in spec.runs) or "none"
+    raise UsageError(f"no run '{name}' in {spec.name}; it has: {names}")
+
+
+def number(value, env, what: str) -> float:
+    """A finite number from a number or a formula."""
+    value = value if isinstance(value, (int, float)) else float(evaluate(value, env))
+    if not math.isfinite(value):
+        raise UsageError(f"{what} must be finite, not {value}")
+    return float(value)
+
+
+def step_size(h, env) -> float:
+    """The step h: finite, not zero."""
+    if h is None:
+        raise UsageError("no step: give h (on the command line: --h 0.1)")
+    h = number(h, env, "h")
+    if h == 0:
+        raise UsageError("h must not be 0")
+    return h
+
+
+def number_of_steps(steps, time, h: float, env) -> int:
+    """From a number of steps or a duration; both is an error, and so is neither."""
+    if (steps is None) == (time is None):
+        raise UsageError("how long? give either steps or time"
+                         " (on the command line: --steps 1000 or --time 100)")
+    if time is not None:
+        return multiple(number(time, env, "time"), h, "the duration")
+    steps = steps if isinstance(steps, int) else integer(steps, env, "steps")
+    if not 0 <= steps <= limits.STEPS:
+        raise UsageError(f"steps must be from 0 to {limits.STEPS}, not {steps}")
+    return steps
+
+
+def multiple(duration: float, h: float, what: str) -> int:
+    """duration / |h| as an integer. Raises UsageError that names the two nearest."""
+    if duration < 0 < h:
+        raise UsageError(f"{what} is {duration:g}: to run backward give a negative h")
+    duration, h = abs(duration), abs(h)
+    n = round(duration / h)
+    if n > limits.STEPS:
+        raise UsageError(f"{what} of {duration:g} takes more than {limits.STEPS} steps")
+    if abs(n * h - duration) <= limits.MULTIPLE * duration:
+        return n
+    low = math.floor(duration / h)
+    raise UsageError(f"{what} {duration:.17g} is no multiple of h = {h:.17g}; the nearest are "
+                     f"{low * h:.17g} ({low} steps) and {(low + 1) * h:.17g} ({low + 1} steps)")
+
+
+def interval(every, section, h: float) -> int:
+    """Steps between outputs, from a count or from a stroboscopic period."""
+    if section is not None:
+        every = multiple(section, h, "the section's period")
+    if not 1 <= every <= limits.EVERY:
+        raise UsageError(f"every must be from 1 to {limits.EVERY} steps, not {every}")
+    return every
+
+
+def chosen_outputs(spec: Spec, what) -> tuple[str, ...]:
+    """Names of outputs, checked."""
+    known = [*KINDS, *(o.name for o in spec.observables)]
+    for name in what:
+        if name not in known:
+            raise UsageError(f"no output '{name}'; there are: {', '.join(known)}")
+    return what
