@@ -45,6 +45,7 @@ class Witness:
         self.values = parameter_values(spec, values)
         self.families = sizes(spec, self.values)
         self.sites = sum(count for _, count in self.families.values())
+        self.kappa = kappas(spec, self.values)
         self._c = native.load()
         self.effects = {e.name: self._program(e) for e in _chosen(spec.effects, effects)}
         self.terms = {o.name: self._program(o) for o in spec.observables}
@@ -101,6 +102,15 @@ class Witness:
         _check(status, f"step {done.value + 1}", done.value)
         return out
 
+    def residual(self, w, after, t: float, h: float,
+                 method: str = "spherical-midpoint") -> float:
+        """max |F(W - w)| of the step equation for a step w -> W = `after` taken elsewhere."""
+        number, most = _choose("method", method, METHODS), ctypes.c_double(0)
+        w, after = self._state(w), self._state(after)
+        _check(self._c.witness_residual(self._system_pointer, number, t, h, w.ctypes.data,
+                                        after.ctypes.data, ctypes.byref(most)), "the residual")
+        return most.value
+
     def flow(self, w, t0: float, times, integrator: str = "rk8pd",
              tol: float = 1e-13) -> np.ndarray:
         """The exact solution at `times` (monotone, from t0 on): shape (len(times), sites, 3).
@@ -130,7 +140,7 @@ class Witness:
         self._structs = (native.ProgramStruct * max(1, len(programs)))(*programs)
         radius = radii(self.spec, self.values)
         self._arrays = [np.ascontiguousarray(a, dtype=float) for a in (
-            kappas(self.spec, self.values), casimir_matrices(self.spec, self.values),
+            self.kappa, casimir_matrices(self.spec, self.values),
             radius * radius / 2)]
         system = native.SystemStruct(
             self.sites, len(programs), ctypes.addressof(self._structs),

@@ -3,12 +3,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-int equation_new(equation *e, const system_t *s, int method) {
+int equation_new(equation *e, const system_t *s, int method, int matrix) {
   const size_t n = (size_t)(3 * s->sites);
   *e = (equation){.s = s, .method = method};
   e->memory = malloc(6 * n * sizeof(real));
-  e->dx = malloc(n * n * sizeof(double));
-  if (!e->memory || !e->dx) return NO_MEMORY;
+  if (matrix) e->dx = malloc(n * n * sizeof(double));
+  if (!e->memory || (matrix && !e->dx)) return NO_MEMORY;
   e->mbar = e->memory;
   e->m = e->memory + n;
   e->b = e->memory + 2 * n;

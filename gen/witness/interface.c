@@ -1,6 +1,7 @@
 /* What Python calls besides the steps and the flow: doubles in, doubles out. */
-#include "witness.h"
+#include "step.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 typedef int evaluator(const system_t *s, real t, const real *w, real *out);
@@ -54,6 +55,25 @@ int witness_sum(const program *p, int64_t sites, double t, const double *w, doub
   for (int64_t v = 0; v < 3 * sites; v++) in[v] = w[v];
   const int status = term_value(p, t, in, &total);
   *sum = (double)total;
+  free(in);
+  return status;
+}
+
+/* max |F(W - w)|: how well a step that someone else took solves the step equation. */
+int witness_residual(const system_t *s, int method, double t, double h, const double *w,
+                     const double *next, double *most) {
+  const int64_t n = 3 * s->sites;
+  equation e;
+  int status = equation_new(&e, s, method, 0);
+  real *in = malloc((size_t)(3 * n) * sizeof(real)), *d = in + n, *f = in + 2 * n;
+  if (!in) status = NO_MEMORY;
+  for (int64_t v = 0; v < n && status == OK; v++) d[v] = (real)next[v] - (in[v] = w[v]);
+  if (status == OK) status = equation_begin(&e, in, t, h);
+  if (status == OK) status = equation_residual(&e, d, f);
+  *most = 0;
+  for (int64_t v = 0; v < n && status == OK; v++)
+    if (!(fabsl(f[v]) <= (real)*most)) *most = (double)fabsl(f[v]);
+  equation_free(&e);
   free(in);
   return status;
 }

@@ -48,7 +48,7 @@ static int f_and_df(const gsl_vector *x, void *to, gsl_vector *f, gsl_matrix *j)
 static int solver_new(solver *z, const system_t *s, int method) {
   const size_t n = (size_t)(3 * s->sites);
   memset(z, 0, sizeof *z);
-  const int status = equation_new(&z->e, s, method);
+  const int status = equation_new(&z->e, s, method, 1);
   z->f = (gsl_multiroot_function_fdf){f_only, df_only, f_and_df, n, z};
   z->newton = gsl_multiroot_fdfsolver_alloc(gsl_multiroot_fdfsolver_newton, n);
   z->matrix = gsl_matrix_alloc(n, n);

@@ -14,11 +14,11 @@ typedef struct equation {
   real t, h;     /* time of the field, step */
   const real *w; /* state */
   real *c, *mbar, *m, *b, *x, *b_dt, *memory;
-  double *dx;    /* 3*sites x 3*sites */
+  double *dx;    /* 3*sites x 3*sites, NULL when only residuals are asked for */
   int status;
 } equation;
 
-int equation_new(equation *e, const system_t *s, int method);
+int equation_new(equation *e, const system_t *s, int method, int matrix);
 void equation_free(equation *e);
 int equation_begin(equation *e, const real *w, real t, real h);
 int equation_residual(equation *e, const real *d, real *f);
