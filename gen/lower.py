@@ -55,7 +55,7 @@ class Lowering:
         """The C text of a symbol."""
         node = self.leaves.get(name)
         if node is None:
-            return name
+            return component(name)
         if isinstance(node, Time):
             self.uses_time = True
             return "c->t"
@@ -171,6 +171,13 @@ class Lowering:
         """Hoisted values in dependency order: [(name, C text, level)]."""
         show = Printer(self.text)
         return [(name, show(e), level) for e, (name, level) in self.hoisted.items()]
+
+
+def component(name: str) -> str:
+    """v0x -> v0[0]; dx -> d[0]; everything else is itself."""
+    vector, axis = name[:-1], name[-1]
+    known = vector == "d" or (vector[:1] == "v" and vector[1:].isdigit())
+    return f"{vector}[{'xyz'.index(axis)}]" if known and axis in "xyz" else name
 
 
 def index_names(e: Expr) -> set:

@@ -1,0 +1,166 @@
+"""The plan of a step: which families are solved together, and by which solver.
+
+A family whose sites feel only themselves (or, as tracers, only others) is `local`: each site is
+solved alone. The rest is coupled: one Newton matrix of blocks, or sweeps without a matrix.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .derive import slots_of
+from .errors import SmidgenError
+from .lower import constant_integer, runtime_names
+from .spec import Graph, Lattice, Spec
+
+DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
+DENSE_SMALL = 24           # below this nothing beats a dense factorisation
+BAND_LIMIT = 4             # widest block band
+FILL_LIMIT = 400_000       # blocks of a sparse factorisation that still fit
+
+
+@dataclass(frozen=True)
+class Plan:
+    """method, the solver of the coupled part and what to say about it.
+
+    local, coupled: family names; solver: 'none', 'dense', 'band', 'sparse', 'rotation', 'plain';
+    band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination.
+    """
+    method: str
+    local: tuple
+    coupled: tuple
+    solver: str
+    reason: str
+    band: int = 0
+    wrap: bool = False
+    pattern: object = None
+
+    @property
+    def block(self) -> int:
+        """Unknowns per site: 2 in the tangent plane, 3 where the midpoint is not projected."""
+        return 2 if self.method == "spherical-midpoint" else 3
+
+    @property
+    def newton(self) -> bool:
+        return self.solver in ("dense", "band", "sparse")
+
+
+def coupled_families(spec: Spec) -> tuple:
+    """Families with a term that joins several of their sites, or with sites that feel each other."""
+    tracers = {f.name for f in spec.families if f.tracer}
+    coupled = set()
+    for effect in spec.effects:
+        slots = slots_of(effect.value)
+        active = [s for s in slots if s[0] not in tracers]
+        passive = [s for s in slots if s[0] in tracers]
+        if len(passive) > 1:
+            raise SmidgenError(f"effect '{effect.name}' joins two tracers; tracers act on none")
+        if not passive and len(active) > 1:
+            coupled.update(f for f, _ in active)
+    return tuple(f.name for f in spec.families if f.name in coupled)
+
+
+def site_count(spec: Spec, families) -> int:
+    parameters = {p.name: p for p in spec.parameters}
+    return sum(constant_integer(f.count, parameters) for f in spec.families if f.name in families)
+
+
+def fixed_size(spec: Spec, families) -> bool:
+    parameters = {p.name: p for p in spec.parameters}
+    return not any(runtime_names(f.count, parameters) for f in spec.families if f.name in families)
+
+
+def joint_overs(spec: Spec):
+    """Index families of the effects that join several sites, tracers left out."""
+    tracers = {f.name for f in spec.families if f.tracer}
+    for effect in spec.effects:
+        slots = slots_of(effect.value)
+        if len(slots) > 1 and not any(f in tracers for f, _ in slots):
+            yield effect.over
+
+
+def reach(over) -> int:
+    """How many sites apart the members of a one-dimensional bond are."""
+    places = [[offset[0] * over.sites + sub for sub, offset in bond] for bond in over.bonds]
+    return max(max(p) - min(p) for p in places)
+
+
+def chain_band(spec: Spec, coupled) -> tuple:
+    """(width, cyclic) when all coupling is along one-dimensional lattices of one family."""
+    overs = list(joint_overs(spec))
+    if len(coupled) != 1 or not all(isinstance(o, Lattice) and len(o.size) == 1 for o in overs):
+        return 0, False
+    return max(reach(o) for o in overs), any(o.periodic[0] for o in overs)
+
+
+def choose(spec: Spec, method: str, solver: str) -> Plan:
+    """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain')."""
+    coupled = coupled_families(spec)
+    local = tuple(f.name for f in spec.families if f.name not in coupled)
+    if method == "moser-veselov":
+        require_free_body(spec, coupled)
+    if not coupled:
+        return Plan(method, local, coupled, "none", "every site is solved alone, by Newton in closed form")
+    if solver in ("rotation", "plain"):
+        if method != "spherical-midpoint":
+            raise SmidgenError(f"solver '{solver}' belongs to the spherical midpoint; use solver newton")
+        return Plan(method, local, coupled, solver, "as asked for")
+    plan = newton_plan(spec, method, local, coupled)
+    if plan is not None:
+        return plan
+    if solver == "newton" or method != "spherical-midpoint":
+        raise SmidgenError("a Newton matrix of this size and coupling would not fit; use solver rotation")
+    return Plan(method, local, coupled, "rotation",
+                "the factorisation would not fit: rotation sweeps, one spin after the other")
+
+
+def newton_plan(spec: Spec, method: str, local, coupled):
+    """Dense, band or sparse Newton; None when its factorisation would not fit."""
+    n = site_count(spec, coupled)
+    size = n * (2 if method == "spherical-midpoint" else 3)
+    width, wrap = chain_band(spec, coupled)
+    small = size <= DENSE_SMALL
+    if 0 < width <= BAND_LIMIT and n >= 2 * width + 1 and not (small and fixed_size(spec, coupled)):
+        kind = "cyclic" if wrap else "open"
+        return Plan(method, local, coupled, "band", f"chain: Newton on a {kind} band of {width} blocks",
+                    band=width, wrap=wrap)
+    if small:
+        return Plan(method, local, coupled, "dense", f"{size} unknowns: dense Newton")
+    if any(isinstance(o, Graph) for o in joint_overs(spec)) and len(coupled) == 1:
+        plan = sparse_plan(spec, method, local, coupled, n)
+        if plan is not None:
+            return plan
+    if size <= DENSE_UNKNOWNS and not any(isinstance(o, Lattice) for o in joint_overs(spec)):
+        return Plan(method, local, coupled, "dense", f"{size} unknowns, all coupled: dense Newton")
+    return None
+
+
+def sparse_plan(spec, method, local, coupled, n):
+    """Newton with a compile-time elimination order, when the coupling is edges of fixed graphs."""
+    from .ordering import TooMuchFill, symbolic
+    overs = list(joint_overs(spec))
+    if not all(isinstance(o, Graph) for o in overs):
+        return None
+    edges = sorted({(min(e), max(e)) for o in overs for e in o.edges})
+    try:
+        pattern = symbolic(n, edges, limit=FILL_LIMIT)
+    except TooMuchFill:
+        return None
+    blocks = pattern.blocks
+    return Plan(method, local, coupled, "sparse", f"graph: Newton on {blocks} blocks with fill",
+                pattern=pattern)
+
+
+def require_free_body(spec: Spec, coupled) -> None:
+    """Moser-Veselov is the discrete free body: one site alone, H a time-independent quadratic form."""
+    from .derive import derive
+    from .lower import Time, walk
+    for effect in spec.effects:
+        d = derive(effect)
+        if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
+            raise SmidgenError("method moser-veselov needs a single body whose energy does not depend on time")
+        for k, row in enumerate(d.gradient):
+            for a in range(3):
+                linear = sum(d.hessian[k, k][a, b] * d.vectors[k][b] for b in range(3)) if (k, k) in d.hessian else 0
+                if (row[a] - linear).expand() != 0 or any(
+                        v in d.hessian.get((k, k), row[a] * 0 + 0).free_symbols for v in d.vectors[k]):
+                    raise SmidgenError("method moser-veselov needs an energy that is a quadratic form in w")

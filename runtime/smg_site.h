@@ -1,0 +1,93 @@
+/* smidgen runtime: vectors of one site, indices of lattices, stagnation, compensated sums. */
+#ifndef SMG_SITE_H
+#define SMG_SITE_H
+
+#include "smg_small.h"
+
+SMG_INLINE smg_real smg_dot(const smg_real *a, const smg_real *b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* c = a x b */
+SMG_INLINE void smg_cross(smg_real *c, const smg_real *a, const smg_real *b) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Right-handed orthonormal (e1, e2, m) of a unit vector m; branch-free, no case is singular. Duff et al.,
+ * "Building an orthonormal basis, revisited", JCGT 6 (2017). */
+SMG_INLINE void smg_unit_frame(const smg_real *m, smg_real *e1, smg_real *e2) {
+  const smg_real s = SMG_MATH(copysign)(1, m[2]), a = -1 / (s + m[2]), b = m[0] * m[1] * a;
+  e1[0] = 1 + s * m[0] * m[0] * a;
+  e1[1] = s * b;
+  e1[2] = -s * m[0];
+  e2[0] = b;
+  e2[1] = s + m[1] * m[1] * a;
+  e2[2] = -m[1];
+}
+
+/* The same for m of any length > 0. */
+SMG_INLINE void smg_frame(const smg_real *m, smg_real *e1, smg_real *e2) {
+  const smg_real scale = 1 / SMG_MATH(sqrt)(smg_dot(m, m));
+  const smg_real u[3] = {scale * m[0], scale * m[1], scale * m[2]};
+  smg_unit_frame(u, e1, e2);
+}
+
+/* Frame E of the tangent plane {v : n.v = 0} of a leaf at m, n = grad C(m), and its dual F along m:
+ * v = a1 E1 + a2 E2 + s m has a_r = F_r.v, F_r = E_r - (E_r.m / n.m) n. */
+SMG_INLINE void smg_leaf_frame(const smg_real *m, const smg_real *n, smg_real *E, smg_real *F) {
+  smg_frame(n, E, E + 3);
+  for (int r = 0; r < 2; ++r) {
+    const smg_real a = smg_dot(E + 3 * r, m) / smg_dot(n, m);
+    for (int q = 0; q < 3; ++q) F[3 * r + q] = E[3 * r + q] - a * n[q];
+  }
+}
+
+/* The cell x - n, x or x + n that lies in [0, n); |offset| is at most n. */
+static inline int64_t smg_wrap(int64_t x, int64_t n) {
+  return x < 0 ? x + n : x >= n ? x - n : x;
+}
+
+/* Remainder and quotient that belong to rounding down. */
+static inline int64_t smg_mod(int64_t a, int64_t b) {
+  const int64_t r = a % b;
+  return r != 0 && (r < 0) != (b < 0) ? r + b : r;
+}
+static inline int64_t smg_quotient(int64_t a, int64_t b) { return (a - smg_mod(a, b)) / b; }
+
+#ifdef SMG_LONG_DOUBLE
+#define SMG_MAX LDBL_MAX
+#else
+#define SMG_MAX DBL_MAX
+#endif
+
+/* How far an iterate moved: relative to each component's own size, and absolutely. */
+typedef struct smg_change {
+  smg_real relative, absolute;
+} smg_change;
+
+/* Takes in one component: r = its change, own = the size of what it is made of. */
+static inline void smg_change_add(smg_change *d, smg_real r, smg_real own) {
+  const smg_real a = SMG_MATH(fabs)(r);
+  if (a > d->absolute || a != a) d->absolute = a; /* NaN comes in and stays */
+  if (a > d->relative * own || a != a) d->relative = a / own;
+}
+
+/* Stagnation: every component moves by at most an ulp of its own size; or the motion is down to
+ * round-off of the whole (`scale`) and its relative size falls no more. A component of 1e-300
+ * that still converges at its own rate keeps the iteration going. */
+static inline int smg_settled(const smg_change *now, const smg_change *last, smg_real scale) {
+  if (now->relative <= SMG_EPS) return 1;
+  return now->absolute <= 8 * SMG_EPS * scale && now->relative >= last->relative / 2;
+}
+
+/* Kahan: w + carry := w + carry + u, with the rounding error of w kept in carry. */
+static inline void smg_add_carry(smg_real *w, smg_real *carry, smg_real u) {
+  const smg_real y = u + *carry;
+  const smg_real sum = *w + y;
+  *carry = y - (sum - *w);
+  *w = sum;
+}
+
+#endif
