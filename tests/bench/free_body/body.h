@@ -25,7 +25,7 @@ typedef struct body_params {
 typedef struct body {
   double w[3];
   double a;       /* 1/(4 |w|^2) */
-  double last[4]; /* the newest row again */
+  double last[4], before[4], rest[4]; /* the newest row again */
   int64_t k, count, evaluations;
   body_params p;
   double u[ROWS][4];

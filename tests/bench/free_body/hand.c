@@ -209,17 +209,89 @@ ALWAYS void early_ulp(body *s, int degree) {
   commit(s, degree, U, u, scale);
 }
 
+/* 6. Newton on (u, s = 1/|S|^2) jointly: s extrapolated too, so that no division stands before the matrix;
+ * rows older than two steps are summed in pairs of lanes, through memory, the rest by component. */
+ALWAYS vec predict_wide(body *s, int degree, double *scale) {
+  const double(*q)[4] = s->u + s->k;
+  const double *c = extrapolate[degree];
+  double *t = s->rest;
+  double a[4];
+  for (int i = 0; i < 4; i++) a[i] = c[degree] * q[degree][i];
+  for (int j = degree - 1; j >= 2; j--)
+    for (int i = 0; i < 4; i++) a[i] += c[j] * q[j][i];
+  for (int i = 0; i < 4; i++) t[i] = a[i];
+  const double *p = s->before, *l = s->last;
+  *scale = (t[3] + c[1] * p[3]) + c[0] * l[3];
+  return (vec){(t[0] + c[1] * p[0]) + c[0] * l[0], (t[1] + c[1] * p[1]) + c[0] * l[1], (t[2] + c[1] * p[2]) + c[0] * l[2]};
+}
+ALWAYS vec joint_image(vec d, vec w, vec u, double s, double *scale) {
+  const vec S = twice_midpoint(w, u);
+  const double x = S.x, y = S.y, z = S.z, X = d.x * s, Y = d.y * s, Z = d.z * s;
+  const double f = 2 - square(S) * s;
+  const double r0 = X * (y * z) * f - u.x, r1 = Y * (z * x) * f - u.y, r2 = Z * (x * y) * f - u.z;
+  const double t = 2 * s, a = t * u.x, b = t * u.y, e = t * u.z;
+  const double m00 = 1 + a * x, m01 = a * y - X * z, m02 = a * z - X * y;
+  const double m10 = b * x - Y * z, m11 = 1 + b * y, m12 = b * z - Y * x;
+  const double m20 = e * x - Z * y, m21 = e * y - Z * x, m22 = 1 + e * z;
+  const double c0 = m11 * m22 - m12 * m21, c1 = m12 * m20 - m10 * m22, c2 = m10 * m21 - m11 * m20;
+  const double i = 1 / (m00 * c0 + (m01 * c1 + m02 * c2));
+  *scale = s * f;
+  return (vec){u.x + i * (c0 * r0 + ((m02 * m21 - m01 * m22) * r1 + (m01 * m12 - m02 * m11) * r2)),
+               u.y + i * (c1 * r0 + ((m00 * m22 - m02 * m20) * r1 + (m02 * m10 - m00 * m12) * r2)),
+               u.z + i * (c2 * r0 + ((m01 * m20 - m00 * m21) * r1 + (m00 * m11 - m01 * m10) * r2))};
+}
+ALWAYS void commit_wide(body *s, int degree, vec W, vec u, double lane) {
+  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
+  if (s->k == 0) {
+    memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
+    s->k = ROWS - degree;
+  }
+  double *q = s->u[--s->k];
+  q[0] = u.x, q[1] = u.y, q[2] = u.z, q[3] = lane;
+  s->before[0] = s->last[0], s->before[1] = s->last[1], s->before[2] = s->last[2], s->before[3] = s->last[3];
+  s->last[0] = u.x, s->last[1] = u.y, s->last[2] = u.z, s->last[3] = lane;
+}
+NEVER void iterate_wide(body *s, int degree, vec u, int evaluations) {
+  const vec d = constants(&s->p), w = state(s);
+  vec V = add(w, u), U;
+  int k = evaluations;
+  do U = V, u = image(d, w, u), V = add(w, u), k++;
+  while (!stagnated(V, U) && k < CAP);
+  commit_wide(s, degree, V, u, 1 / square(add(w, V)));
+  s->count++, s->evaluations += k;
+}
+ALWAYS void joint(body *s, int degree) {
+  if (s->count <= degree) { iterate_wide(s, degree, (vec){0, 0, 0}, 1); return; }
+  const vec d = constants(&s->p), w = state(s);
+  double s0, s1;
+  const vec p = predict_wide(s, degree, &s0), u = joint_image(d, w, p, s0, &s1), v = image_near(d, w, u, s1);
+  const vec U = add(w, u), V = add(w, v);
+  if (!stagnated(V, U)) { iterate_wide(s, degree, v, 2); return; }
+  commit_wide(s, degree, V, v, s1);
+}
+ALWAYS void joint_early(body *s, int degree) {
+  if (s->count <= degree) { iterate_wide(s, degree, (vec){0, 0, 0}, 1); return; }
+  const vec d = constants(&s->p), w = state(s);
+  double s0, s1;
+  const vec p = predict_wide(s, degree, &s0), u = joint_image(d, w, p, s0, &s1), v = image_near(d, w, u, s1);
+  const vec U = add(w, u), V = add(w, v);
+  if (U.x == V.x && U.y == V.y && U.z == V.z) {
+    commit_wide(s, degree, U, u, s1);
+    return;
+  }
+  s->evaluations++;
+  if (!stagnated(V, U)) { iterate_wide(s, degree, v, 2); return; }
+  commit_wide(s, degree, V, v, s1);
+}
+
 #define DESIGN(kind, degree)                                     \
   STEP void kind##_##degree##_step(body *s) { kind(s, degree); } \
   static void kind##_##degree(void *s, int64_t n) {              \
     for (int64_t i = 0; i < n; i++) kind##_##degree##_step(s);   \
   }
 #define ENTRY(kind, degree) {#kind " " #degree, kind##_##degree},
-#define LIST(DO)                                                                          \
-  DO(fixed_point, 10) DO(fixed_point, 12) DO(fixed_point, 14)                              \
-  DO(newton_once, 3) DO(newton_once, 4) DO(newton_once, 5) DO(newton_once, 6) DO(newton_once, 7) \
-  DO(lanes, 9) DO(lanes, 10) DO(lanes, 11) DO(lanes, 12) DO(lanes, 13) \
-  DO(early, 10) DO(early, 11) DO(early, 12) DO(early, 13) DO(early_ulp, 10) DO(early_ulp, 11) DO(early_ulp, 12) DO(early_ulp, 13)
+#define LIST(DO) DO(newton_once,5) DO(lanes, 12) DO(joint, 4) DO(joint, 5) DO(joint,6) DO(joint,7) DO(joint,8) \
+DO(joint_early, 4) DO(joint_early, 5) DO(joint_early,6) DO(joint_early,7) DO(joint_early,8)
 LIST(DESIGN)
 const design hand_designs[] = {LIST(ENTRY)};
 const int hand_count = sizeof hand_designs / sizeof *hand_designs;
