@@ -13,9 +13,9 @@ from .errors import (BuildError, MissingTool, OutputError, RunError,    # noqa: 
                      SmidgenError, SpecError, UsageError, ValidationError)
 from .library import Integrator, build                          # noqa: E402
 from .output import Result, load_result                         # noqa: E402
-from .read import load                                          # noqa: E402
+from .read import load, load_text                               # noqa: E402
 from .run import Interrupted, repeat, run                       # noqa: E402
 
 __all__ = ["BuildError", "Integrator", "Interrupted", "MissingTool", "OutputError", "Result",
            "RunError", "SmidgenError", "SpecError", "UsageError", "ValidationError", "build",
-           "load", "load_result", "repeat", "run"]
+           "load", "load_result", "load_text", "repeat", "run"]

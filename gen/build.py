@@ -30,7 +30,7 @@ SHARED = ("-fPIC", "-shared")
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 KEPT = 300      # builds that the cache keeps; the ones unused longest go first
 DOWNSTREAM = {"cli", "plot", "witness", "library.py", "run.py", "settings.py",
-              "record.py", "repeat.py", "output.py", "progress.py", "validate.py", "demo.py",
+              "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "demo.py",
               "__pycache__"}     # no part of the generator
 
 
@@ -65,7 +65,7 @@ def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = 
         os.utime(place)
     facts = json.loads((place / "built.json").read_text())
     return Built(spec.name, place / "model.so", place, real, compiler_version(compiler),
-                 flags, facts["notes"], f"smidgen {__version__} {generator_digest()[:16]}")
+                 flags, facts["notes"], generator_name())
 
 
 def find_compiler() -> tuple[str, ...]:
@@ -94,6 +94,11 @@ def generator_digest() -> str:
                    for p in root.rglob("*") if p.is_file()
                    and not DOWNSTREAM & set(p.relative_to(root).parts))
     return digest(*((p.name, p.read_bytes()) for p in files))
+
+
+def generator_name() -> str:
+    """Version and content of the generator, as results record it."""
+    return f"smidgen {__version__} {generator_digest()[:16]}"
 
 
 def digest(*parts) -> str:

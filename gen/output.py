@@ -7,10 +7,12 @@ under its name when it is complete: until then an earlier one stays as it was.
 """
 from __future__ import annotations
 
+import io
 import json
 import os
 import shutil
 import tempfile
+import warnings
 import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,9 +47,11 @@ def load_result(path) -> Result:
     """Read a file that a run wrote. Raises UsageError when it is none."""
     path = Path(path)
     try:
-        meta, columns = _READERS[known_format(path)](path)
-        return result_of(meta, columns)
-    except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as problem:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)         # numpy's "no data"
+            return result_of(*_READERS[known_format(path)](path))
+    except (OSError, LookupError, ValueError, TypeError, EOFError, AttributeError,
+            UserWarning, zipfile.BadZipFile) as problem:
         raise UsageError(f"{path} is no file of a smidgen run: {problem}") from None
 
 
@@ -208,7 +212,8 @@ class H5Sink(FileSink):
 
     def _begin(self):
         import h5py
-        self.h5 = h5py.File(self.file, "w")
+        self.disk = Disk(self.file)
+        self.h5 = h5py.File(self.disk, "w")
         for name, (shape, kind) in self.layout.items():
             rows = max(1, min(4096, 2 ** 20 // (8 * int(np.prod(shape, dtype=int)) or 1)))
             self.h5.create_dataset(name, (0, *shape), kind, maxshape=(None, *shape),
@@ -220,16 +225,76 @@ class H5Sink(FileSink):
             data.resize(len(data) + len(rows), axis=0)
             data[len(data) - len(rows):] = rows
         self.h5.flush()
+        self.disk.check()
 
     def _finish(self, meta, final):
         import h5py
         self.h5.create_dataset("final", data=final)
         self.h5.create_dataset("meta", data=json.dumps(meta), dtype=h5py.string_dtype())
-        self.h5.close()
+        self._release()
+        self.disk.check()
 
     def _release(self):
         if self.h5:
             self.h5.close()
+            self.disk.close()
+
+
+class Disk(io.RawIOBase):
+    """A file for HDF5 that never fails under it: HDF5 cannot take back a write that did and
+    crashes later. The first failure is kept for `check`; what is written after it is lost."""
+
+    def __init__(self, path):
+        self.file, self.problem, self.position, self.end = open(path, "w+b", 0), None, 0, 0
+
+    def check(self) -> None:
+        """Raise the first failure."""
+        if self.problem:
+            raise self.problem
+
+    def write(self, data):
+        data = memoryview(data).cast("B")
+        self._try(self._write_all, data)
+        self.position += len(data)
+        self.end = max(self.end, self.position)
+        return len(data)
+
+    def _write_all(self, data):
+        self.file.seek(self.position)
+        while len(data):
+            data = data[self.file.write(data):]
+
+    def readinto(self, buffer):
+        self.file.seek(self.position)
+        count = self.file.readinto(buffer)
+        self.position += count
+        return count
+
+    def seek(self, offset, whence=0):
+        self.position = offset + (0, self.position, self.end)[whence]
+        return self.position
+
+    def tell(self):
+        return self.position
+
+    def truncate(self, size=None):
+        self.end = self.position if size is None else size
+        self._try(self.file.truncate, self.end)
+        return self.end
+
+    def flush(self):
+        pass
+
+    def close(self):
+        super().close()
+        self.file.close()
+
+    def _try(self, act, argument):
+        try:
+            if self.problem is None:
+                act(argument)
+        except OSError as problem:
+            self.problem = problem
 
 
 def flat_names(name: str, shape: tuple) -> list[str]:

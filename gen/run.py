@@ -53,9 +53,9 @@ def run(spec: Spec, name: str | None = None, *, out=None, keep: bool | None = No
 
 def repeat(path, out=None, **options):
     """Do again what wrote the file `path`; the same program gives the same numbers."""
-    from .repeat import recorded
-    spec, settings = recorded(load_result(path).meta)
-    return run(spec, None, out=out, **{**settings, **options})
+    from .recorded import recorded
+    spec, name, settings = recorded(load_result(path).meta)
+    return run(spec, name, out=out, **{**settings, **options})
 
 
 def execute(model: Integrator, settings: Settings, out, keep: bool, progress=None):
@@ -132,7 +132,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "program": "smidgen", "version": __version__, "generator": built.generator,
         "spec": spec.name, "title": spec.title, "digest": spec.digest,
         "sources": [list(pair) for pair in spec.sources], "orientation": spec.orientation,
-        **facts, "start": start, "set": _plain(settings.values),
+        **facts, "what": list(settings.what), "start": start, "set": _plain(settings.values),
         "values": _plain(model.values_in), "effects": [e.name for e in scene.effects],
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),

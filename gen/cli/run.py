@@ -105,25 +105,34 @@ def asked(args):
         return load_spec(args.spec), args.run, choices(args)
     if args.spec is not None:
         raise UsageError("--repeat takes the spec from the file: leave SPEC out")
+    from ..build import generator_name
     from ..output import load_result
-    from ..repeat import recorded
-    spec, settings = recorded(load_result(args.repeat).meta)
-    return spec, None, {**settings, **choices(args, repeated=True)}
+    from ..recorded import recorded
+    refuse_choices(args)
+    meta = load_result(args.repeat).meta
+    if meta.get("generator") != generator_name():
+        say(f"note: {args.repeat} was written by {meta.get('generator')}, this is "
+            f"{generator_name()}: the last digits may differ")
+    return recorded(meta)
 
 
-def choices(args, repeated: bool = False) -> dict:
+CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "section", "what",
+           "seed")
+
+
+def choices(args) -> dict:
     """What the command line chooses, by the names that `run` has for it."""
-    words = ("method", "solver", "effects", "h", "steps", "time", "every", "section", "what",
-             "seed")
-    given = {w: getattr(args, w) for w in words if getattr(args, w) is not None}
-    if repeated and (given or args.values or args.start):
-        raise UsageError("--repeat repeats a run as it was: no other choices than --out")
-    if repeated:
-        return given
+    given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
     given.update(values=dict(args.values), native=args.native, real=args.real)
     if args.start is not None:
         given["start"] = start_of(args.start)
     return given
+
+
+def refuse_choices(args):
+    """A repeated run is the run as it was."""
+    if args.values or args.start or any(getattr(args, w) is not None for w in CHOICES):
+        raise UsageError("--repeat repeats a run as it was: only --out and --json go with it")
 
 
 def start_of(word: str):

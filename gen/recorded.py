@@ -6,16 +6,16 @@ from pathlib import Path
 
 from .errors import UsageError
 
-ASKED = ("start", "method", "solver", "h", "steps", "every", "what", "effects", "seed",
-         "real", "native")
+ASKED = ("start", "method", "solver", "h", "steps", "every", "section", "what", "effects",
+         "seed", "real", "native")
 
 
 def recorded(meta: dict):
-    """(spec, settings for `run`) of a result's metadata. Raises UsageError, SpecError."""
+    """(spec, run's name, settings) of a result's metadata. Raises UsageError, SpecError."""
     try:
         settings = {key: meta[key] for key in ASKED}
         sources = [(str(name), str(text)) for name, text in meta["sources"]]
-        return spec_of(sources), {**settings, "values": meta["set"]}
+        return spec_of(sources), meta["run"] or None, {**settings, "values": meta["set"]}
     except (KeyError, TypeError, ValueError) as problem:
         raise UsageError(f"the metadata of this file is not complete: {problem}") from None
 
@@ -26,7 +26,7 @@ def spec_of(sources):
     if not sources:
         raise ValueError("no spec text")
     with tempfile.TemporaryDirectory(prefix="smidgen-") as folder:
-        paths = [_inside(Path(folder), Path(sources[0][0]).name)]
+        paths = [_inside(Path(folder), "spec.toml")]
         paths += [_inside(Path(folder), name) for name, _ in sources[1:]]
         for path, (_, text) in zip(paths, sources):
             path.parent.mkdir(parents=True, exist_ok=True)

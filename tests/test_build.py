@@ -1,0 +1,178 @@
+"""The build cache: same content, same build; anything else, another; two at once are safe."""
+import dataclasses
+import json
+import multiprocessing
+import os
+import stat
+import sys
+
+import pytest
+import smidgen
+import toy as model
+from smidgen.build import build_library, cache_folder, find_compiler, generator_digest
+
+pytestmark = pytest.mark.quick
+BUILD = sys.modules["smidgen.build"]        # the module; `smidgen.build` is the function
+
+
+@pytest.fixture(autouse=True)
+def fresh(tmp_path, monkeypatch):
+    """An empty cache and a count of generations."""
+    monkeypatch.setenv("SMIDGEN_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def spec():
+    return dataclasses.replace(smidgen.load_text(model.SPEC), path="")
+
+
+class Counting:
+    """A generator that counts its calls."""
+
+    def __init__(self, source=model.SOURCE):
+        self.calls, self.source = 0, source
+
+    def __call__(self, spec, method, solver):
+        self.calls += 1
+        return {"toy.h": model.HEADER, "toy_abi.c": self.source}, {"solver": "exact"}
+
+
+def test_a_second_build_is_found(spec):
+    made = Counting()
+    first, second = (build_library(spec, generate=made) for _ in range(2))
+    assert made.calls == 1
+    assert first == second and first.library.exists() and first.notes == {"solver": "exact"}
+
+
+@pytest.mark.parametrize("change", [
+    {"method": "classical-midpoint"}, {"solver": "plain"}, {"real": "long double"},
+    {"native": True}])
+def test_a_choice_makes_another_build(spec, change):
+    made = Counting()
+    one = build_library(spec, generate=made)
+    other = build_library(spec, generate=made, **change)
+    assert made.calls == 2 and one.library != other.library
+
+
+def test_another_spec_makes_another_build(spec):
+    made = Counting()
+    build_library(spec, generate=made)
+    build_library(dataclasses.replace(spec, orientation=-1), generate=made)
+    assert made.calls == 2
+
+
+def test_the_place_of_a_spec_does_not_matter(spec):
+    made = Counting()
+    build_library(spec, generate=made)
+    build_library(dataclasses.replace(spec, path="/elsewhere/toy.toml"), generate=made)
+    assert made.calls == 1
+
+
+def test_another_generator_makes_another_build(spec, monkeypatch):
+    made = Counting()
+    build_library(spec, generate=made)
+    monkeypatch.setattr(BUILD, "generator_digest", lambda: "0" * 64)
+    build_library(spec, generate=made)
+    assert made.calls == 2
+
+
+def test_the_generator_is_known_by_its_content(tmp_path, monkeypatch):
+    for name in ("code", "templates", "runtime"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "a").write_text(name)
+    monkeypatch.setattr(BUILD, "HERE", tmp_path / "code")
+    monkeypatch.setattr(BUILD, "folder", lambda name: tmp_path / name)
+    digests = []
+    for change in ("runtime/a", "templates/a", "code/a", "code/cli"):
+        generator_digest.cache_clear()
+        digests.append(generator_digest())
+        (tmp_path / change).write_text("changed")
+    generator_digest.cache_clear()
+    digests.append(generator_digest())
+    generator_digest.cache_clear()
+    assert len(set(digests[:4])) == 4 and digests[3] == digests[4]    # cli decides nothing
+
+
+def test_compile_errors_name_a_log(spec):
+    with pytest.raises(smidgen.BuildError) as caught:
+        build_library(spec, generate=Counting("int f(void) { return nonsense; }\n"))
+    log = str(caught.value).rsplit(" ", 1)[1]
+    assert "nonsense" in str(caught.value) and "nonsense" in caught.value.log
+    assert "nonsense" in open(log).read()
+    assert caught.value.exit_code == 7
+
+
+def test_a_failed_build_leaves_nothing_to_be_found(spec):
+    with pytest.raises(smidgen.BuildError):
+        build_library(spec, generate=Counting("#error no\n"))
+    assert not [p for p in cache_folder().iterdir() if p.is_dir()]
+    assert build_library(spec, generate=Counting()).library.exists()
+
+
+def test_no_compiler(spec, monkeypatch):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", "/nowhere")
+    with pytest.raises(smidgen.MissingTool, match="apt-get install gcc") as caught:
+        build_library(spec, generate=Counting())
+    assert caught.value.exit_code == 6
+
+
+def test_cc_is_heeded(monkeypatch):
+    monkeypatch.setenv("CC", "gcc -m64")
+    assert find_compiler()[0].endswith("gcc") and find_compiler()[1:] == ("-m64",)
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(smidgen.MissingTool, match="no-such-compiler"):
+        find_compiler()
+
+
+def test_generated_names_stay_in_their_folder(spec):
+    with pytest.raises(smidgen.BuildError, match="no file name"):
+        build_library(spec, generate=lambda *_: ({"../evil.c": ""}, {}))
+
+
+def test_a_cache_that_cannot_be_made(spec, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("SMIDGEN_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(smidgen.BuildError, match="SMIDGEN_CACHE"):
+        build_library(spec, generate=Counting())
+
+
+def test_many_at_once_make_one(spec, tmp_path):
+    context = multiprocessing.get_context("fork")
+    with context.Pool(4) as pool:
+        found = pool.map(_build_counted, [(spec, tmp_path)] * 8)
+    assert len(set(found)) == 1
+    assert len(list(tmp_path.glob("made-*"))) == 1
+    assert not [p for p in cache_folder().iterdir() if p.name.startswith(".building")]
+
+
+def _build_counted(given):
+    spec, folder = given
+
+    def generate(*args):
+        handle = os.open(folder / f"made-{os.getpid()}-{os.times().elapsed}", os.O_CREAT)
+        os.close(handle)
+        return model.generate(*args)
+    return str(build_library(spec, generate=generate).library)
+
+
+def test_the_cache_forgets_the_oldest(spec, monkeypatch):
+    monkeypatch.setattr(BUILD, "KEPT", 2)
+    for solver in ("auto", "newton", "plain", "rotation"):
+        last = build_library(spec, solver=solver, generate=Counting())
+    kept = [p for p in cache_folder().iterdir() if (p / "built.json").exists()]
+    assert len(kept) == 2 and last.folder in kept
+
+
+def test_what_is_built_can_be_read(spec):
+    built = build_library(spec, generate=Counting())
+    assert json.loads((built.folder / "built.json").read_text())["notes"] == built.notes
+    assert "-ffp-contract=off" in built.flags and "-march=native" not in built.flags
+    assert built.library.stat().st_mode & stat.S_IRUSR
+
+
+def test_a_new_value_is_no_new_build(toy):
+    one = smidgen.build(toy, values={"J": 2.0, "shift": [1.0, 2.0]})
+    other = smidgen.build(toy, values={"J": 3.0})
+    assert one.built.library == other.built.library
+    assert smidgen.build(toy, values={"n": 4}).built.library != one.built.library
