@@ -78,7 +78,7 @@ class Report:
         """A rich Table."""
         from rich.table import Table
         table = Table(title=f"{self.spec} {self.run}: {self.method}, h = {self.h:g}, "
-                            f"{self.sites} sites, {self.steps} steps")
+                            f"{self.sites} site{'s' * (self.sites != 1)}")
         for name in ("check", "measured", "bound", "", "note"):
             table.add_column(name, overflow="fold")
         for x in self.lines:
@@ -176,8 +176,7 @@ def agreement(check, measured, bound, note="") -> Line:
 
 def field_lines(case: Case) -> list[Line]:
     """Worst of the random states, each in units of its own bound."""
-    worst = {"field": (0.0, 0.0, 1.0), "energy": (0.0, 0.0, 1.0)}
-    refused = 0
+    worst, refused = {}, 0
     for _ in range(case.points):
         w, t = case.random_state(), float(case.dice.uniform(0, 10))
         case.begin(case.w, case.settings.h)
@@ -187,11 +186,11 @@ def field_lines(case: Case) -> list[Line]:
             refused += 1
             continue
         for name, (measured, bound) in found.items():
-            worst[name] = max(worst[name], (measured / bound, measured, bound))
+            worst[name] = max(worst.get(name, (-1,)), (measured / bound, measured, bound))
     if refused == case.points:
         return [Line("field", math.nan, "a result", False, "not finite at any random state")]
-    note = f"{case.points - refused} random states" + f", {refused} not finite" * bool(refused)
-    return [agreement(f"{name} at random states", measured, bound, note)
+    note = f"at {case.points - refused} random states" + f", {refused} not finite" * bool(refused)
+    return [agreement(name, measured, bound, note)
             for name, (_, measured, bound) in worst.items()]
 
 
