@@ -62,7 +62,7 @@ def scalar_of(name, kinds, result):
     value = op(name, *(pool[k][n] for n, k in enumerate(kinds)))
     if result == "b":
         return op("if", value, low, op("^", low, 2))
-    return op("dot", value, value) if result == "v" else op("*", op("+", value, low), low)
+    return op("dot", value, value) if result == "v" else op("*", op("+", value, op("*", 2, low)), low)
 
 
 @pytest.mark.parametrize("name, kinds, result", CASES)
