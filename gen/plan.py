@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .derive import slots_of
-from .errors import SmidgenError
+from .errors import UsageError
 from .lower import constant_integer, runtime_names
 from .spec import Graph, Lattice, Spec
 
@@ -53,7 +53,7 @@ def coupled_families(spec: Spec) -> tuple:
         active = [s for s in slots if s[0] not in tracers]
         passive = [s for s in slots if s[0] in tracers]
         if len(passive) > 1:
-            raise SmidgenError(f"effect '{effect.name}' joins two tracers; tracers act on none")
+            raise UsageError(f"effect '{effect.name}' joins two tracers; tracers act on none")
         if not passive and len(active) > 1:
             coupled.update(f for f, _ in active)
     return tuple(f.name for f in spec.families if f.name in coupled)
@@ -100,15 +100,17 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
         require_free_body(spec, coupled)
     if not coupled:
         return Plan(method, local, coupled, "none", "every site is solved alone, by Newton in closed form")
+    if solver == "rotation" and method != "spherical-midpoint":
+        raise UsageError("solver 'rotation' belongs to the spherical midpoint; use newton or plain")
     if solver in ("rotation", "plain"):
-        if method != "spherical-midpoint":
-            raise SmidgenError(f"solver '{solver}' belongs to the spherical midpoint; use solver newton")
         return Plan(method, local, coupled, solver, "as asked for")
     plan = newton_plan(spec, method, local, coupled)
     if plan is not None:
         return plan
-    if solver == "newton" or method != "spherical-midpoint":
-        raise SmidgenError("a Newton matrix of this size and coupling would not fit; use solver rotation")
+    if solver == "newton":
+        raise UsageError("a Newton matrix of this size and coupling would not fit; use solver rotation or plain")
+    if method != "spherical-midpoint":
+        return Plan(method, local, coupled, "plain", "the factorisation would not fit: plain fixed point")
     return Plan(method, local, coupled, "rotation",
                 "the factorisation would not fit: rotation sweeps, one spin after the other")
 
@@ -157,10 +159,10 @@ def require_free_body(spec: Spec, coupled) -> None:
     for effect in spec.effects:
         d = derive(effect)
         if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
-            raise SmidgenError("method moser-veselov needs a single body whose energy does not depend on time")
+            raise UsageError("method moser-veselov needs a single body whose energy does not depend on time")
         for k, row in enumerate(d.gradient):
             for a in range(3):
                 linear = sum(d.hessian[k, k][a, b] * d.vectors[k][b] for b in range(3)) if (k, k) in d.hessian else 0
                 if (row[a] - linear).expand() != 0 or any(
                         v in d.hessian.get((k, k), row[a] * 0 + 0).free_symbols for v in d.vectors[k]):
-                    raise SmidgenError("method moser-veselov needs an energy that is a quadratic form in w")
+                    raise UsageError("method moser-veselov needs an energy that is a quadratic form in w")
