@@ -32,7 +32,8 @@ class Result:
 
     meta: everything about the run. step, t: shape (k,). w: family -> (k, count, 3), None
     when states were not asked for. values: name -> (k,) or (k, m). final: the last state,
-    shape (sites, 3), at meta["done"] steps. summary: errors over the outputs and the time taken.
+    shape (sites, 3), at meta["done"] steps. summary: the last time t, the largest
+    changes over the outputs (errors), seconds of stepping and writing.
     """
     meta: dict
     step: np.ndarray

@@ -66,9 +66,10 @@ def execute(model: Integrator, settings: Settings, out, keep: bool, progress=Non
     if out is not None:
         sinks.append(open_sink(out, describe(model, settings), layout))
     recorder = Recorder(model, layout, sinks)
+    began = clock.perf_counter()
     try:
         status, error = advance(model, settings, recorder, progress or (lambda done: None))
-        return _finish(model, settings, recorder, sinks, status, error)
+        return _finish(model, settings, recorder, sinks, status, error, began)
     except BaseException:
         for sink in sinks:
             getattr(sink, "abandon", lambda: None)()
@@ -146,7 +147,7 @@ def _plain(values: dict) -> dict:
             for k, v in values.items()}
 
 
-def _finish(model, settings, recorder, sinks, status, error):
+def _finish(model, settings, recorder, sinks, status, error, began):
     recorder.flush()
     meta, final = describe(model, settings, status), model.state()
     for sink in sinks:
@@ -155,7 +156,8 @@ def _finish(model, settings, recorder, sinks, status, error):
     memory = [s.columns for s in sinks if isinstance(s, MemorySink)]
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
     result = result_of(meta, {**(memory[0] if memory else empty), "final": final})
-    result.summary = {"steps": model.count, "t": model.t, "errors": recorder.errors.largest}
+    result.summary = {"t": model.t, "errors": recorder.errors.largest,
+                      "seconds": clock.perf_counter() - began}
     return _outcome(result, status, error)
 
 

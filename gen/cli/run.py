@@ -4,7 +4,6 @@ from __future__ import annotations
 import shutil
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from ..errors import Exit, RunError, UsageError
@@ -47,7 +46,6 @@ def command(args):
     """Run, then print the summary; what was computed before a failure is kept."""
     from ..run import Interrupted
     with output_file(args) as out:
-        began = time.perf_counter()
         try:
             result, code = go(args, out), Exit.OK
         except Interrupted as stop:
@@ -57,7 +55,7 @@ def command(args):
                 raise
             say(f"smidgen: {error}")
             result, code = error.result, error.exit_code
-        report(args, result, time.perf_counter() - began, int(code))
+        report(args, result, int(code))
     return code
 
 
@@ -146,26 +144,26 @@ def start_of(word: str):
         raise UsageError(f"cannot read the start file {word}: {problem}") from None
 
 
-def report(args, result, seconds: float, code: int):
+def report(args, result, code: int):
     """The summary: on stdout, unless the table goes there."""
     if args.json:
-        return printed(facts(args, result, seconds, code))
+        return printed(facts(args, result, code))
     tell = say if args.out == "-" else print
-    for line in lines(args, result, seconds):
+    for line in lines(args, result):
         tell(line)
 
 
-def facts(args, result, seconds, code) -> dict:
+def facts(args, result, code) -> dict:
     """The summary for programs."""
     meta = {k: v for k, v in result.meta.items() if k not in ("sources", "start")}
-    return {**meta, **result.summary, "seconds": seconds, "out": args.out, "exit_code": code}
+    return {**meta, **result.summary, "out": args.out, "exit_code": code}
 
 
-def lines(args, result, seconds):
+def lines(args, result):
     """The summary for people."""
     meta, errors = result.meta, result.summary["errors"]
     yield (f"{meta['spec']} {meta['run']}: {meta['method']}, h = {meta['h']:.10g}, {meta['done']} of "
-           f"{meta['steps']} steps to t = {result.summary['t']:.10g} in {seconds:.2f} s")
+           f"{meta['steps']} steps to t = {result.summary['t']:.10g} in {result.summary['seconds']:.2f} s")
     if meta["chosen"]:
         yield f"chosen: {notes_line(meta['chosen'])}"
     yield "largest change over the outputs: " + ", ".join(

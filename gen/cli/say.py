@@ -28,5 +28,8 @@ def clean(data):
 
 
 def notes_line(notes: dict) -> str:
-    """What `auto` chose, in one line."""
-    return "; ".join(f"{key}: {value}" for key, value in notes.items())
+    """What was chosen, in one line: the solver and why."""
+    reason = notes.get("reason")
+    rest = "; ".join(f"{key} {value}" for key, value in notes.items()
+                     if key in ("solver",) or reason is None)
+    return f"{rest} ({reason})" if reason else rest

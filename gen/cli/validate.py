@@ -1,15 +1,50 @@
-"""`smidgen validate`."""
-from .options import json_option, spec_argument
+"""`smidgen validate`: compiled code against the independent witness."""
+from __future__ import annotations
+
+from ..errors import Exit
+from .options import json_option, length, model_options, spec_argument, whole
+from .say import printed, say
+
+EXAMPLES = """  smidgen validate heisenberg_chain
+  smidgen validate top.toml demo --steps 200 --h 0.05
+  smidgen validate top.toml --all --json          every run of the spec"""
 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("validate", command, "validate", "  smidgen validate heisenberg_chain")
+    parser = commands.add("validate", command,
+                          "compare the compiled code with the independent witness", EXAMPLES)
     spec_argument(parser)
+    model_options(parser)
+    parser.add_argument("--all", action="store_true", help="every run of the spec")
+    parser.add_argument("--steps", type=whole, default=100, help="steps to compare; default 100")
+    parser.add_argument("--points", type=whole, default=5, help="random states; default 5")
+    parser.add_argument("--h", type=length, help="the step")
+    parser.add_argument("--start", help="a start of the spec")
+    parser.add_argument("--seed", type=whole, help="seed of a random start")
     json_option(parser)
 
 
 def command(args):
-    """Not there yet."""
-    from ..errors import MissingTool
-    raise MissingTool("validate is not part of this build")
+    """A table a run; exit code 5 when a line fails."""
+    from ..shipped import load_spec
+    from ..validate import validate
+    spec = load_spec(args.spec)
+    runs = [r.name for r in spec.runs] if args.all and spec.runs else [args.run]
+    given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
+             if getattr(args, w) is not None}
+    reports = [validate(spec, run, steps=args.steps, points=args.points,
+                        values=dict(args.values), **given) for run in runs]
+    show(args, reports)
+    failed = [r for r in reports if not r.passed]
+    if failed:
+        say(f"smidgen: validation failed: {', '.join(f'{r.spec} {r.run}' for r in failed)}")
+    return Exit.VALIDATION if failed else Exit.OK
+
+
+def show(args, reports):
+    """The tables, or the reports as JSON."""
+    if args.json:
+        return printed([r.as_dict() for r in reports])
+    for report in reports:
+        print(report.text())
