@@ -1,6 +1,5 @@
 """Stage `read`: spec text -> `Spec`."""
-from .initial import initial_state
 from .load import load, load_text
 from .values import defaults
 
-__all__ = ["defaults", "initial_state", "load", "load_text"]
+__all__ = ["defaults", "load", "load_text"]

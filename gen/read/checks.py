@@ -12,10 +12,13 @@ from typing import Iterator
 import numpy as np
 
 from .. import limits
+from ..errors import UsageError
+from ..evaluate import evaluate
 from ..expr import Elem, Idx, Num, Par, Spin, walk
-from ..spec import Each, Family, Graph, Lattice, Pairs, Run, Sites, Spec, Term
+from ..spec import Family, Graph, Lattice, Run, Spec, Term
 from . import codes
-from .initial import family_start, site_values
+from .names import plural
+from .terms import families_of
 from .values import integer, number
 
 
@@ -26,6 +29,7 @@ class Trouble:
     code: str
     cause: str
     mend: str = ""
+    part: object = None     # the Spin or Elem of the formula that is wrong
 
 
 def model(spec: Spec, values: dict) -> Iterator[Trouble]:
@@ -54,7 +58,7 @@ def sizes(spec: Spec, values: dict) -> Iterator[Trouble]:
         total += count
         path = ("space", family.name, family.kind)
         if count < 1:
-            yield Trouble(path, codes.COUNT, f"`{family.name}` would have {count} sites",
+            yield Trouble(path, codes.COUNT, f"`{family.name}` would have {plural(count, 'site')}",
                           "a family has at least one site")
         elif total > limits.SITES:
             yield Trouble(path, codes.LIMIT, f"the model would have {total} sites; at most "
@@ -81,16 +85,22 @@ def array(p, values: dict) -> Iterator[Trouble]:
 # Strengths, radii, Casimirs
 
 def per_site(e, family: Family, values: dict):
-    """The values of a formula in i at all sites; None when an array is too short for it."""
+    """The values of a formula in i at all sites; one value when it does not name i.
+
+    None when an array is too short for it.
+    """
+    needed = any(isinstance(n, Idx) for n in walk(e))
+    i = np.arange(integer(family.count, values) if needed else 1)
     try:
-        return site_values(e, integer(family.count, values), values)
-    except IndexError:
+        return np.broadcast_to(np.asarray(evaluate(e, {**values, "i": i}), float), i.shape)
+    except UsageError:
         return None
 
 
 def too_short(family: Family, path: tuple, e, values: dict) -> Trouble:
     names = {n.name: len(values[n.name]) for n in walk(e) if isinstance(n, Elem)}
-    have = ", ".join(f"`{n}` has {k} entries" for n, k in names.items())
+    have = ", ".join(f"{'the list' if n == family.name + '_kappa' else f'`{n}`'} has {k} entries"
+                     for n, k in names.items())
     return Trouble(path, codes.COUNT, f"{have}, but `{family.name}` has "
                    f"{integer(family.count, values)} sites", "give one entry for each site")
 
@@ -148,20 +158,10 @@ def term_fits(spec: Spec, term: Term, path: tuple, key: str, values) -> Iterator
         far = max(max(e) for e in over.edges)
         if far >= counts[over.family]:
             yield Trouble(path + ("over",), codes.LATTICE, f"an edge names site {far}, but "
-                          f"`{over.family}` has {counts[over.family]} sites (0 to "
+                          f"`{over.family}` has {plural(counts[over.family], 'site')} (0 to "
                           f"{counts[over.family] - 1})")
-    ranges = {i: (0, counts[f] - 1) for i, f in bound_families(over).items()}
+    ranges = {i: (0, counts[f] - 1) for i, f in families_of(over).items()}
     yield from accesses(term, counts, ranges, path + (key,), values)
-
-
-def bound_families(over) -> dict[str, str]:
-    if isinstance(over, Sites):
-        return {over.index: over.family}
-    if isinstance(over, Each):
-        return dict(zip(over.indices, over.families))
-    if isinstance(over, (Pairs, Lattice, Graph)):
-        return {index: over.family for index in over.bound}
-    return {}
 
 
 def lattice(over: Lattice, count: int, path: tuple, values: dict) -> Iterator[Trouble]:
@@ -194,15 +194,15 @@ def accesses(term: Term, counts: dict, ranges: dict, path: tuple, values) -> Ite
     for e in walk(term.value):
         if isinstance(e, Spin) and isinstance(e.slot, int) and e.slot >= counts[e.family]:
             yield Trouble(path, codes.INDEX, f"`{e.family}[{e.slot}]`, but `{e.family}` has "
-                          f"{counts[e.family]} sites (0 to {counts[e.family] - 1})")
-            return
+                          f"{plural(counts[e.family], 'site')} (0 to {counts[e.family] - 1})",
+                          part=e)
         if isinstance(e, Elem):
             low, high = interval(e.index, ranges, values)
             if low < 0 or high >= len(values[e.name]):
                 span = f"{low}" if low == high else f"{low} to {high}"
                 yield Trouble(path, codes.INDEX, f"the index of `{e.name}` takes the values "
-                              f"{span}, but it has {len(values[e.name])} entries")
-                return
+                              f"{span}, but it has {len(values[e.name])} entries "
+                              f"(0 to {len(values[e.name]) - 1})", part=e)
 
 
 def interval(e, ranges: dict, values: dict) -> tuple[int, int]:
@@ -244,14 +244,19 @@ def starts(spec: Spec, values: dict, names=None) -> Iterator[Trouble]:
 def start_fits(part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
     count = integer(family.count, values)
     if part.kind == "vectors" and len(part.value) != count:
-        yield Trouble(path, codes.START, f"{len(part.value)} vectors for the {count} sites of "
-                      f"`{family.name}`", "give one vector for each site")
+        yield Trouble(path + ("vectors",), codes.START, f"{plural(len(part.value), 'vector')} for "
+                      f"the {plural(count, 'site')} of `{family.name}`",
+                      "give one vector for each site")
         return
-    try:
-        w = family_start(part, family, values)
-    except IndexError:
+    if part.kind == "random":
+        return
+    columns = zip(*part.value) if part.kind == "vectors" else \
+        [per_site(e, family, values) for e in part.value]
+    columns = list(columns)
+    if any(c is None for c in columns):
         yield Trouble(path, codes.START, "an array is too short for this formula")
         return
+    w = np.stack(np.broadcast_arrays(*columns), axis=1).astype(float)
     yield from on_leaf(w, part, family, path, values)
 
 
@@ -259,29 +264,47 @@ def on_leaf(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trou
     """Finite; on the sphere within `limits.SPHERE`; C not zero."""
     bad = np.flatnonzero(~np.isfinite(w).all(axis=1))
     if bad.size:
-        yield Trouble(path, codes.START, f"the start of `{family.name}[{bad[0]}]` is not finite")
+        yield Trouble(at(path, part, bad[0]), codes.START, f"the start of `{family.name}[{bad[0]}]` "
+                      "is not finite")
     elif family.kind == "sphere":
         yield from on_sphere(w, part, family, path, values)
     elif family.kind == "nambu":
         a = np.array([[number(e, values) for e in row] for row in family.casimir])
         zero = np.flatnonzero(np.einsum("ni,ij,nj->n", w, a, w) == 0)
         if zero.size:
-            yield Trouble(path, codes.OFF, f"C is zero at the start of `{family.name}"
+            yield Trouble(at(path, part, zero[0]), codes.OFF, f"C is zero at the start of `{family.name}"
                           f"[{zero[0]}]`", "the method needs C different from zero")
     elif not w.any(axis=1).all():
-        yield Trouble(path, codes.OFF, f"a vector of `{family.name}` starts at zero",
+        zero = int(np.argmin(w.any(axis=1)))
+        yield Trouble(at(path, part, zero), codes.OFF, f"`{family.name}[{zero}]` starts at zero",
                       "start away from zero, where the bracket vanishes")
 
 
 def on_sphere(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
-    r = site_values(family.radius, len(w), values)
+    r = per_site(family.radius, family, values)
     length = np.sqrt((w * w).sum(axis=1))
+    if part.normalise:
+        yield from directions(length, part, family, path)
+        return
+    length, r = np.broadcast_arrays(length, r)
     off = np.abs(length / r - 1)
     k = int(np.argmax(off))
     if not off[k] <= limits.SPHERE:
-        yield Trouble(path, codes.OFF, f"`{family.name}[{k}]` starts at length {length[k]:.15g}, "
+        yield Trouble(at(path, part, k), codes.OFF, f"`{family.name}[{k}]` starts at length {length[k]:.15g}, "
                       f"its sphere has radius {r[k]:.15g}", "write `normalise = true` to put it "
                       "there, or give more digits")
+
+
+def at(path: tuple, part, site: int) -> tuple:
+    """The path of a site's vector where it is written."""
+    return path + ("vectors", int(site)) if part.kind == "vectors" else path
+
+
+def directions(length, part, family: Family, path: tuple) -> Iterator[Trouble]:
+    zero = np.flatnonzero(length == 0)
+    if zero.size:
+        yield Trouble(at(path, part, zero[0]), codes.OFF, f"`{family.name}[{zero[0]}]` starts "
+                      "at zero, which has no direction", "give any other vector")
 
 
 # Runs

@@ -27,7 +27,10 @@ class Formulas:
         raise Bad
 
     def typed(self, text: Text, scope: Scope) -> Typed:
-        return Resolver(scope, self.problems).resolve(parse(text, self.problems))
+        resolver = Resolver(scope, self.problems)
+        result = resolver.resolve(parse(text, self.problems))
+        self.problems.places.update({(text.whole, e): s for e, s in resolver.places.items()})
+        return result
 
     def scalar(self, text: Text, scope: Scope) -> Expr:
         """A formula whose value is a number."""

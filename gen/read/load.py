@@ -14,10 +14,9 @@ from .files import Files
 from .formulas import Formulas
 from .graphs import Graphs
 from .lattices import Lattices
-from .marks import Marks
 from .names import identifier
 from .over import OverReader
-from .parameters import FormulaReader, ParameterReader, bounded
+from .parameters import FormulaReader, ParameterReader, bounded, undeclared
 from .problems import Bad, Problems
 from .runs import RunReader
 from .scope import Declared
@@ -83,9 +82,8 @@ class Reader:
         self.files = Files(os.path.dirname(os.path.abspath(path)) if path else "")
 
     def spec(self) -> Spec:
-        values = document(self.text, self.problems)
-        self.marks = Marks(self.text).at
-        self.root = Node(values, (), self.marks, self.problems).table(*SECTIONS)
+        self.root = document(self.text, self.problems).table(*SECTIONS)
+        self.marks = self.root.marks
         spec = self.sections()
         self.problems.finish()
         spec = filled(spec)
@@ -165,6 +163,7 @@ class Reader:
             self.root.need("space", 'say where the motion takes place: [space] with '
                            '`w = { sphere = 1 }`')
             SpaceReader(self.declared, self.formulas, self.problems).read(self.section("space"))
+        undeclared(self.declared, self.problems)
 
     def index_families(self) -> OverReader:
         lattices = Lattices(self.formulas, self.problems)
@@ -203,7 +202,8 @@ class Reader:
                 or list(checks.starts(spec, values, (run.start,)))
             for t in again:
                 where = ("runs", run.name, "set")
-                self.report(replace(t, path=where, cause=f"with these values {t.cause}"))
+                self.report(replace(t, path=where, cause=f"{t.cause}, with these values",
+                                    part=None))
             if again:
                 return
         for trouble in checks.run(spec, run, values):
@@ -211,12 +211,19 @@ class Reader:
 
     def report(self, trouble) -> None:
         """Point at the value, or at the nearest table that holds it."""
-        path = trouble.path
+        mark = self.nearest_mark(trouble.path)
+        span = mark.value if mark else Span(0, 1)
+        if mark and mark.text:
+            span = self.problems.places.get((mark.text.whole, trouble.part), span)
+        self.problems.note(trouble.code, span, trouble.cause, trouble.mend)
+
+    def nearest_mark(self, path: tuple):
+        """A start of the only family stands in [starts.name] itself."""
+        if path[0] == "starts" and path[:3] not in self.marks:
+            path = path[:2] + path[3:]
         while path and path not in self.marks:
             path = path[:-1]
-        mark = self.marks.get(path)
-        self.problems.note(trouble.code, mark.value if mark else Span(0, 1), trouble.cause,
-                           trouble.mend)
+        return self.marks.get(path)
 
 
 def digest(sources) -> str:

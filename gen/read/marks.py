@@ -49,6 +49,8 @@ class Marks:
         self.k = self.blank() + (2 if double else 1)
         path = self.below((), [name for name, _ in keys][:-1]) + (keys[-1][0],)
         span = Span(start, self.k)
+        for length in range(1, len(keys)):
+            self.at.setdefault(path[:length], Mark(keys[length - 1][1], span))
         if double:
             number = self.counts[path] = self.counts.get(path, -1) + 1
             self.at.setdefault(path, Mark(keys[-1][1], span))

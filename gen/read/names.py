@@ -38,23 +38,37 @@ C_WORDS = frozenset("""
     """.split()) - {"gamma", "j0", "j1", "jn", "y0", "y1", "yn"}
 PYTHON_WORDS = frozenset("None True False def lambda import from pass del is in as with "
                          "yield raise global nonlocal except finally await async elif".split())
+DECLARED = ("parameter", "formula", "family of vectors")
 OUTSIDE = ("run", "start", "lattice", "graph", "bond list")     # never a word of the C
-OUTPUTS = ("states", "energy", "effects", "momentum", "casimirs")
+OUTPUTS = ("states", "energy", "momentum", "casimirs")
+
+
+def article(what: str) -> str:
+    """`what` with its article."""
+    return ("an " if what[0] in "aeiou" else "a ") + what
+
+
+def plural(count: int, what: str) -> str:
+    """`1 site`, `2 sites`."""
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def identifier(problems: Problems, span: Span, name: str, what: str) -> str:
     """`name` if it may name a `what`; else an error at `span`."""
     if not IDENTIFIER.match(name):
-        problems.fail(codes.IDENTIFIER, span, f"`{name}` cannot name a {what}",
+        problems.fail(codes.IDENTIFIER, span, f"`{name}` cannot name {article(what)}",
                       "a name is a letter followed by letters, digits and `_` (ASCII only)")
     if len(name) > limits.IDENTIFIER:
         problems.fail(codes.LIMIT, span, f"a name of {len(name)} characters; "
                       f"at most {limits.IDENTIFIER} are allowed")
     if name.endswith("_") or "__" in name or name.lower().startswith("smg_"):
-        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a {what}: names that end "
+        problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}: names that end "
                       "in `_`, hold `__` or start with `smg_` are kept for generated code")
     if what not in OUTSIDE:
         reserved(problems, span, name, what)
+    if name == "i" and what in DECLARED:
+        problems.fail(codes.RESERVED, span, f"`i` cannot name {article(what)}: it counts the "
+                      "sites in strengths, radii and starts", "choose another name")
     return name
 
 
@@ -63,5 +77,5 @@ def reserved(problems: Problems, span: Span, name: str, what: str) -> None:
     for words, owner in ((FUNCTIONS | CONSTANTS | GRAMMAR, "the formula language"),
                          (C_WORDS, "C or C++"), (PYTHON_WORDS, "Python")):
         if name in words:
-            problems.fail(codes.RESERVED, span, f"`{name}` cannot name a {what}: "
+            problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}: "
                           f"it is a word of {owner}", f"choose another name, say `{name}0`")

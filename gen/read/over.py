@@ -14,7 +14,7 @@ from ..spec import Each, Once, Over, Pairs, Sites
 from . import codes
 from .names import identifier
 from .parse import Parser
-from .problems import Problems, nearest
+from .problems import Bad, Problems, nearest
 from .scope import Declared
 from .source import Span, Text
 from .tokens import Token
@@ -54,6 +54,11 @@ class OverParser(Parser):
             family = self.name("a family after `on`")
         self.end()
         return Written(head, items, target, member, args, family, head.span)
+
+    def end(self) -> None:
+        if self.now.kind != "end":
+            self.fail(f"{self.found()} does not continue the index family",
+                      "such as `site(i) of w` or `bond(i, j) of chain(n, periodic)`")
 
     def listed(self, opening: str, item, where: str) -> list:
         self.expect(opening, where)
@@ -118,8 +123,8 @@ class OverReader:
 
     def only_family(self, w: Written) -> str:
         """The one family of the space; needed when an `over` does not name it."""
-        if self.declared.broken and not self.declared.families:
-            self.problems.fail(codes.OVER, w.head.span, "the space has errors")
+        if self.declared.hollow:
+            raise Bad
         if len(self.declared.families) != 1:
             families = ", ".join(self.declared.families)
             self.problems.fail(codes.OVER, w.head.span, "the space has several families: "
@@ -128,6 +133,8 @@ class OverReader:
         return next(iter(self.declared.families))
 
     def family(self, token: Token) -> str:
+        if token.text in self.declared.broken:
+            raise Bad
         if token.text not in self.declared.families:
             self.problems.fail(codes.UNKNOWN_NAME, token.span, f"there is no family "
                                f"`{token.text}`", nearest(token.text, self.declared.families))

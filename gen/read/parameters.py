@@ -8,9 +8,10 @@ from ..expr import Num
 from ..spec import Parameter
 from . import codes
 from .formulas import Formulas
-from .names import identifier
+from .names import CONSTANTS, FUNCTIONS, identifier
 from .parse import parse
-from .problems import Problems
+from .problems import Problems, nearest
+from .resolve import SELDOM
 from .scope import Declared, Formula
 from .syntax import Call, Component, Item, Name, Operation
 from .text import meaning
@@ -27,10 +28,12 @@ class ParameterReader:
 
     def read(self, section: Node) -> None:
         bounded(section.table(), limits.PARAMETERS, "parameters")
-        self.declared.broken |= {node.name for node in section.items()}
+        self.declared.pending = {node.name for node in section.items()}
         for node in sorted(section.items(), key=lambda n: sized(n)):
+            self.declared.broken.add(node.name)
             with self.problems.guard():
                 self.parameter(node)
+            self.declared.pending.discard(node.name)
         order = [n.name for n in section.items()]
         kept = self.declared.parameters
         self.declared.parameters = {n: kept[n] for n in order if n in kept}
@@ -159,11 +162,11 @@ class FormulaReader:
 
 
 def called(tree):
-    """All names and calls in a syntax tree."""
+    """All names, calls and entries in a syntax tree."""
     todo = [tree]
     while todo:
         node = todo.pop()
-        if isinstance(node, (Name, Call)):
+        if isinstance(node, (Name, Call, Item)):
             yield node
         todo.extend(children(node))
 
@@ -174,3 +177,21 @@ def children(node) -> tuple:
     if isinstance(node, Item):
         return (node.index,)
     return (node.base,) if isinstance(node, Component) else ()
+
+
+def undeclared(declared: Declared, problems: Problems) -> None:
+    """Names in formulas that nothing declares, also in formulas that nothing uses."""
+    for formula in declared.formulas.values():
+        known = declared.names() | declared.broken | set(formula.args) | CONSTANTS
+        for node in called(formula.body):
+            if node.name in known or isinstance(node, Call) and node.name in FUNCTIONS:
+                continue
+            where = node.span if isinstance(node, Name) else node.head
+            problems.note(codes.UNKNOWN_NAME, where, f"`{node.name}` is not declared "
+                          f"(in formula `{formula.name}`)", SELDOM.get(node.name)
+                          or index_advice(node) or nearest(node.name, known, FUNCTIONS))
+
+
+def index_advice(node) -> str:
+    """One-letter names are most often indices, which a formula takes as arguments."""
+    return "an index is an argument: `\"name(i)\" = \"...\"`" if node.name in "ijk" else ""

@@ -20,6 +20,7 @@ class Problems:
         self.source = source
         self.found: list[Diagnostic] = []
         self.seen: set = set()
+        self.places: dict = {}      # (formula's place, Expr) -> place of that part
 
     def note(self, code: str, span: Span, cause: str, mend: str = "") -> None:
         """Record an error; raises SpecError when there are too many to be useful."""
@@ -45,7 +46,8 @@ class Problems:
         try:
             yield
         except Bad:
-            pass
+            if not self.found:
+                raise
 
     def ordered(self) -> list[Diagnostic]:
         return sorted(self.found, key=lambda d: (d.line, d.column))
@@ -56,11 +58,15 @@ class Problems:
             raise SpecError(self.ordered())
 
 
-def nearest(word: str, known) -> str:
-    """`did you mean ...` for the known name nearest to `word`, or the list of them."""
+def nearest(word: str, known, also=()) -> str:
+    """`did you mean ...` for the known name nearest to `word`, or the list of them.
+
+    Names in `also` are guessed, but not listed.
+    """
     known = sorted(set(known))
-    close = difflib.get_close_matches(word, known, 1, 0.6)
-    folded = {k.lower(): k for k in known}
+    guesses = known + sorted(set(also) - set(known))
+    close = difflib.get_close_matches(word, guesses, 1, 0.6)
+    folded = {k.lower(): k for k in guesses}
     if close or word.lower() in folded:
         return f"did you mean `{folded.get(word.lower()) or close[0]}`?"
     if not known:

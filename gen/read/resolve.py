@@ -27,6 +27,7 @@ class Resolver:
 
     def __init__(self, scope: Scope, problems: Problems):
         self.scope, self.problems, self.depth = scope, problems, 0
+        self.places: dict = {}      # Spin and Elem -> where it stands first
 
     def resolve(self, node: Syntax) -> Typed:
         self.depth += 1
@@ -37,11 +38,13 @@ class Resolver:
         return result
 
     def bounded(self, depth: int, nodes: int, span: Span) -> None:
-        if depth > limits.TREE or nodes > limits.NODES:
-            self.fail(codes.BIG, span, f"the formula is too large: at most {limits.NODES} "
-                      f"operations, {limits.TREE} inside each other (or terms of a sum), "
-                      "count after named formulas are expanded",
-                      "split it into several effects, or sum over an index family")
+        mend = "split it into several effects, or sum over an index family"
+        if nodes > limits.NODES:
+            self.fail(codes.BIG, span, f"the formula expands to more than {limits.NODES} "
+                      "operations and operands", mend)
+        if depth > limits.TREE:
+            self.fail(codes.BIG, span, f"more than {limits.TREE} operations inside each other "
+                      "(a sum has one for each term)", mend)
 
     def fail(self, code: str, span: Span, cause: str, mend: str = ""):
         inside = self.scope.inside
@@ -82,9 +85,12 @@ class Resolver:
         return self.unknown(node.name, node.span)
 
     def unknown(self, name: str, span: Span):
-        if name in self.scope.declared.broken:
+        declared = self.scope.declared
+        if name in declared.pending:
+            self.fail(codes.NOT_HERE, span, f"`{name}` may not stand in {self.scope.place}")
+        if name in declared.broken:
             raise Bad
-        mend = SELDOM.get(name) or nearest(name, self.scope.known() | FUNCTIONS)
+        mend = SELDOM.get(name) or nearest(name, self.scope.known(), FUNCTIONS)
         self.fail(codes.UNKNOWN_NAME, span, f"`{name}` is not declared", mend)
 
     def parameter(self, node: Name) -> Typed:
@@ -129,13 +135,17 @@ class Resolver:
         self.family_here(node.name, node.head)
         slot = self.slot(node)
         if isinstance(slot, int):
-            return Typed(Spin(node.name, slot), "v")
+            return self.placed(Typed(Spin(node.name, slot), "v"), node)
         owner = self.indices().get(slot, "")
         if owner != node.name:
             over = f"sites of `{owner}`" if owner else "something else"
             self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "
                       f"not over the sites of `{node.name}`")
-        return Typed(Spin(node.name, slot), "v")
+        return self.placed(Typed(Spin(node.name, slot), "v"), node)
+
+    def placed(self, result: Typed, node: Syntax) -> Typed:
+        self.places.setdefault(result.expr, node.span)
+        return result
 
     def indices(self) -> dict[str, str]:
         """Bound index -> family, those of the caller included."""
@@ -162,7 +172,8 @@ class Resolver:
         if not integral(index.expr, self.scope.declared.parameters):
             self.fail(codes.INDEX, node.index.span, "an index is made of integers, integer "
                       "parameters and indices with + - *")
-        return Typed(Elem(p.name, index.expr), "s", index.nodes + 1, index.depth + 1)
+        return self.placed(Typed(Elem(p.name, index.expr), "s", index.nodes + 1,
+                                 index.depth + 1), node)
 
     # Operators and functions
 
@@ -196,6 +207,8 @@ class Resolver:
         result = dict(SIGNATURES[op]).get(kinds)
         if result is None:
             self.misfit(op, kinds, sign, node)
+        if op == "/" and args[1].value == 0:
+            self.fail(codes.VALUE, node.args[1].span, "this divides by zero")
         if op == "^":
             self.exponent(args[1], node.args[1].span)
         value = self.folded(op, args, node.span)
@@ -209,10 +222,9 @@ class Resolver:
             self.fail(codes.ARITY, sign, f"`{op}` takes {len(wanted[0])} argument"
                       f"{'s' * (len(wanted[0]) > 1)}, not {len(kinds)}")
         shown = "-" if op == "neg" else op
-        have = " and ".join("a " + WORDS[k] for k in kinds)
         self.fail(codes.KIND, sign if isinstance(node, Operation) else
                   self.culprit(wanted, kinds, node),
-                  f"`{shown}` does not take {have}", self.advice(op, kinds, wanted))
+                  f"`{shown}` does not take {spoken(kinds)}", self.advice(op, kinds, wanted))
 
     def culprit(self, wanted, kinds: str, node: Syntax) -> Span:
         """The first argument whose kind no signature has at its place."""
@@ -226,12 +238,13 @@ class Resolver:
             return "write `dot(a, b)` or `cross(a, b)`"
         if op == "^" and kinds[0] == "v":
             return "write `dot(w, w)` for the square of a vector"
+        if op == "if" and kinds[0] != "b":
+            return "the first argument is a condition, such as `t < 2`"
         if op in ("<", "<=", ">", ">=", "==", "!=", "abs") and "v" in kinds:
             return "compare components or `norm(w)`"
         if "b" in kinds:
             return "a condition may only stand first in `if(condition, a, b)`"
-        forms = [" and ".join("a " + WORDS[k] for k in w) for w in wanted]
-        return "it takes " + ", or ".join(forms)
+        return "it takes " + ", or ".join(map(spoken, wanted))
 
     def exponent(self, exponent: Typed, span: Span) -> None:
         if exponent.value is not None and abs(exponent.value) > limits.EXPONENT:
@@ -274,10 +287,16 @@ class Inner(Resolver):
 
     def __init__(self, outer: Resolver, formula, args: dict[str, Typed]):
         super().__init__(outer.scope.enter(formula, args), outer.problems)
-        self.depth, self.bound = outer.depth, outer.indices()
+        self.depth, self.bound, self.places = outer.depth, outer.indices(), outer.places
 
     def indices(self) -> dict[str, str]:
         return self.bound
+
+
+def spoken(kinds: str) -> str:
+    """`a vector and a number`; `a condition, a number and a number`."""
+    words = ["a " + WORDS[k] for k in kinds]
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 def integral(e, parameters) -> bool:

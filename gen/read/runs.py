@@ -64,8 +64,10 @@ class RunReader:
     def duration(self, node: Node):
         """(time, steps): one of them."""
         if node.has("time") == node.has("steps"):
-            code = codes.CONFLICT if node.has("time") else codes.MISSING
-            self.problems.fail(code, node.key, f"`{node.label}` needs either `time` or `steps`",
+            both = node.has("time")
+            self.problems.fail(codes.CONFLICT if both else codes.MISSING, node.key,
+                               f"`{node.label}` has " + ("both `time` and `steps`" if both else
+                                                         "neither `time` nor `steps`"),
                                "write `time = 100` or `steps = 1000`")
         if node.has("steps"):
             return None, self.formulas.count(node.get("steps"))

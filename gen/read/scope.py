@@ -6,7 +6,7 @@ from typing import Optional
 
 from ..expr import Expr, Num
 from ..spec import Family, Parameter
-from .source import Span, Text
+from .source import Span
 from .syntax import Syntax
 
 
@@ -40,6 +40,8 @@ class Declared:
     families: dict[str, Family] = field(default_factory=dict)
     formulas: dict[str, Formula] = field(default_factory=dict)
     broken: set[str] = field(default_factory=set)       # declared, but with errors
+    pending: set[str] = field(default_factory=set)      # declared, not read yet
+    hollow: bool = True                                 # the space is missing or has errors
     tables: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     def names(self) -> set[str]:

@@ -1,6 +1,8 @@
 """[space]: the families of spheres, Lie-Poisson R^3 and Nambu factors."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .. import limits
 from ..expr import Elem, Expr, Idx, Num
 from ..spec import Family
@@ -28,10 +30,14 @@ class SpaceReader:
         bounded(section.table(), limits.FAMILIES, "families")
         if not section.raw:
             section.wrong(codes.MISSING, "the space is empty", 'write `w = { sphere = 1 }`')
-        self.declared.broken |= {node.name for node in section.items()}
+        names = {node.name for node in section.items()}
+        self.declared.pending = names - self.declared.names()
         for node in section.items():
             with self.problems.guard():
                 self.family(node)
+        self.declared.pending = set()
+        self.declared.broken |= names - set(self.declared.families)
+        self.declared.hollow = not names or names != set(self.declared.families)
 
     def family(self, node: Node) -> None:
         name = identifier(self.problems, node.key, node.name, "family of vectors")
@@ -43,10 +49,9 @@ class SpaceReader:
         count = self.formulas.count(node.get(kind))
         family = Family(name, kind, count, self.kappa(node, name), self.radius(node, kind),
                         tracer=node.has("tracer") and node.get("tracer").flag())
-        self.declared.families[name] = family
         if kind == "nambu":
-            self.declared.families[name] = self.with_casimir(node, family)
-        self.declared.broken.discard(name)
+            family = self.with_casimir(node, family)
+        self.declared.families[name] = family
 
     def kind(self, node: Node) -> str:
         node.table()
@@ -69,7 +74,7 @@ class SpaceReader:
 
     def listed(self, child: Node, name: str) -> Expr:
         table = f"{name}_kappa"
-        if table in self.declared.names() or table in self.declared.broken:
+        if table in self.declared.names() | self.declared.broken | self.declared.pending:
             child.wrong(codes.CLASH, f"the list is kept as `{table}`, which is declared already",
                         f"rename `{table}`")
         self.declared.tables[table] = tuple(float(e.number()) for e in child.entries())
@@ -84,8 +89,10 @@ class SpaceReader:
     def with_casimir(self, node: Node, family: Family) -> Family:
         """The family with the matrix of C; C is a formula in its own vector."""
         child = node.need("C", 'give the Casimir: `C = "(w.x^2 - w.y^2)/2"`')
-        scope = Scope(self.declared, "C", whole=family.name)
-        c = self.formulas.scalar(child.text(), scope)
+        alone = replace(self.declared, families={family.name: family},
+                        pending=self.declared.pending - {family.name})
+        c = Formulas(alone, self.problems).scalar(child.text(), Scope(alone, "C",
+                                                                      whole=family.name))
         try:
             casimir = matrix(c)
         except NotPolynomial as reason:

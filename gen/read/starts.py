@@ -38,12 +38,18 @@ class StartReader:
 
     def start(self, node: Node) -> Start:
         name = identifier(self.problems, node.key, node.name, "start")
+        if self.declared.hollow:
+            self.formulas.silently()
         families = self.declared.families
         if not isinstance(node.raw, dict):
             node.table()
         if len(families) == 1 and not any(node.has(f) for f in families):
             (family,) = families.values()
             return Start(name, (self.family(node, family, ("meaning",)),))
+        if any(node.has(k) for k in KEYS):
+            self.problems.fail(codes.START, node.key, "the space has several families: "
+                               + ", ".join(families), "give each a table of its own: "
+                               f"[{node.label}.{next(iter(families))}]")
         node.table(*families, "meaning")
         meaning(node, "meaning")
         return Start(name, tuple(self.of(node, f) for f in families.values()))

@@ -1,13 +1,14 @@
 """[effects] and [observables]: named sums over index families."""
 from __future__ import annotations
 
+from ..expr import Op, Spin, walk
 from ..spec import Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
 from . import codes
 from .formulas import Formulas
 from .names import OUTPUTS, identifier
 from .over import OverReader
 from .problems import Problems
-from .scope import Declared, Scope
+from .scope import Declared, Scope, is_single
 from .text import meaning
 from .tree import Node
 
@@ -34,14 +35,43 @@ class TermReader:
                                "choose another name")
         node.table("over", key, "meaning", "unit")
         over = self.over_reader.read(node.get("over").text() if node.has("over") else None)
-        formula = node.need(key, f'give the {what}: `{key} = "..."`')
+        formula = node.need(key, f'give its {key}: `{key} = "..."`')
         value = self.formulas.scalar(formula.text(), self.scope(over, what))
+        if key == "energy" and not isinstance(over, Once):
+            over, value = self.summed(formula, over, value)
         return Term(name, over, value, meaning(node, "meaning"), meaning(node, "unit"))
 
     def scope(self, over: Over, what: str) -> Scope:
         weights = frozenset(n for n, _ in over.columns) if isinstance(over, Graph) else frozenset()
         return Scope(self.declared, f"an {what}", time=True, indices=families_of(over),
                      weights=weights)
+
+    def summed(self, node: Node, over: Over, value):
+        """In a sum of energies every vector stands at a bound index.
+
+        The only vector of a single family joins the combinations: `each(i of p, k of w)`.
+        """
+        fixed = {e.family for e in walk(value) if isinstance(e, Spin) and isinstance(e.slot, int)}
+        if not fixed:
+            return over, value
+        families = families_of(over)
+        alone = all(is_single(self.declared.families[f]) and f not in families.values()
+                    for f in fixed)
+        if not (alone and isinstance(over, (Sites, Each))):
+            node.wrong(codes.INDEX, "a sum of energies takes all its vectors at bound indices",
+                       "write `each(i of p, j of w)` for all combinations, or a graph for some")
+        extra = {f: f"{f}_site" for f in sorted(fixed)}
+        over = Each(tuple(families) + tuple(extra.values()), tuple(families.values()) + tuple(extra))
+        return over, moved(value, extra)
+
+
+def moved(e, extra: dict[str, str]):
+    """`e` with the fixed vectors of the families in `extra` at their new index."""
+    if isinstance(e, Spin) and isinstance(e.slot, int):
+        return Spin(e.family, extra[e.family])
+    if isinstance(e, Op):
+        return Op(e.op, tuple(moved(a, extra) for a in e.args))
+    return e
 
 
 def families_of(over: Over) -> dict[str, str]:

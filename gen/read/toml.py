@@ -6,19 +6,27 @@ import tomllib
 
 from .. import limits
 from . import codes
+from .marks import Marks
 from .problems import Problems
 from .source import Span
+from .tree import Node
 
+TAKEN = re.compile(r"cannot (declare|overwrite|mutate)|duplicate inline table key")
 PLACE = re.compile(r"\(at line (\d+), column (\d+)\)\Z")
 
 
-def document(text: str, problems: Problems) -> dict:
-    """The values of a TOML text; notes what is wrong and raises Bad."""
+TOO_DEEP = (f"more than {limits.NESTING} tables or lists inside each other",
+            "a spec needs no more than six")
+
+
+def document(text: str, problems: Problems) -> Node:
+    """The root of a TOML text; notes what is wrong and raises Bad."""
     lexical(text, problems)
     try:
-        return tomllib.loads(text)
+        values = tomllib.loads(text)
+        return bounded(Node(values, (), Marks(text).at, problems))
     except RecursionError:
-        problems.fail(codes.LIMIT, Span(0, 1), "values are nested too deeply")
+        problems.fail(codes.LIMIT, Span(0, 1), *TOO_DEEP)
     except ValueError as e:
         complaint(str(e), text, problems)
 
@@ -37,23 +45,23 @@ def lexical(text: str, problems: Problems) -> None:
             problems.fail(codes.LIMIT, Span(start + limits.LINE, start + limits.LINE + 1),
                           f"a line of {len(line)} characters; at most {limits.LINE} are allowed",
                           "break the line")
-        nested(line, start, problems)
         start += len(line) + 1
 
 
-def nested(line: str, start: int, problems: Problems) -> None:
-    """Bound what makes tomllib recurse or dotted keys deep."""
-    if max(line.count("["), line.count("{"), line.split("=")[0].count(".")) <= limits.NESTING:
-        return
-    depth = 0
-    for k, c in enumerate(line):
-        depth += (c in "[{") - (c in "]}")
-        if depth > limits.NESTING:
-            problems.fail(codes.LIMIT, Span(start + k, start + k + 1), "more than "
-                          f"{limits.NESTING} brackets inside each other")
-    if line.split("=")[0].count(".") > limits.NESTING:
-        problems.fail(codes.LIMIT, Span(start, start + 1), f"a key of more than "
-                      f"{limits.NESTING} parts")
+def bounded(node: Node) -> Node:
+    """Refuse tables and lists that lie too deep inside each other."""
+    layer = [node]
+    for _ in range(limits.NESTING):
+        layer = [child for item in layer for child in item.children()]
+    for child in layer:
+        child.wrong(codes.LIMIT, *TOO_DEEP)
+    return node
+
+
+HINTS = {"illegal character '\\n'": "a string ends on the line where it begins",
+         "invalid value": "strings stand in quotes; a point needs a digit before and after it",
+         "expected newline or end of document after a statement":
+             "one `key = value` a line; strings stand in quotes"}
 
 
 def complaint(message: str, text: str, problems: Problems):
@@ -61,9 +69,16 @@ def complaint(message: str, text: str, problems: Problems):
     match = PLACE.search(message)
     offset = problems.source.offset(int(match[1]), int(match[2])) if match else len(text)
     cause = PLACE.sub("", message).replace("(at end of document)", "at the end of the file")
-    taken = re.match(r"Cannot (declare|overwrite|mutate)", cause)
-    code = codes.DUPLICATE if taken else codes.TOML
-    mend = "every key and table is written once" if taken else \
-        "strings stand in quotes, tables in [brackets], one `key = value` a line"
-    problems.fail(code, Span(max(0, offset - (taken is not None)), offset + 1),
-                  cause.strip()[:1].lower() + cause.strip()[1:], mend)
+    cause = cause.strip()[:1].lower() + cause.strip()[1:]
+    if TAKEN.match(cause):
+        start = text.rfind("\n", 0, offset) + 1
+        problems.fail(codes.DUPLICATE, Span(start, max(offset, start + 1)), spoken(cause),
+                      "every key and table is written once")
+    problems.fail(codes.TOML, Span(offset, offset + 1), cause,
+                  HINTS.get(cause, "the outside of a spec is TOML: [tables], `key = value`"))
+
+
+def spoken(cause: str) -> str:
+    """tomllib's words for a second declaration, with the name as the user writes it."""
+    name = ".".join(re.findall(r"'([^']*)'", cause))
+    return f"`{name}` is given twice" if name else "this key is given twice"

@@ -6,7 +6,7 @@ from typing import Iterator, Optional
 
 from .. import limits
 from . import codes
-from .problems import Problems, nearest
+from .problems import Bad, Problems, nearest
 from .source import Span, Text
 
 KINDS = {bool: "true or false", int: "an integer", float: "a number", str: "a string",
@@ -52,14 +52,20 @@ class Node:
             self.wrong(codes.TYPE, f"`{self.label}` must be a table, not {describe(self.raw)}")
         for child in self.items() if keys else ():
             if child.name not in keys:
-                self.problems.note(codes.UNKNOWN_KEY, child.key,
-                                   f"`{self.label or 'a spec'}` has no key `{child.name}`",
+                where = f"`{self.label}` has no key" if self.path else "a spec has no section"
+                self.problems.note(codes.UNKNOWN_KEY, child.key, f"{where} `{child.name}`",
                                    nearest(child.name, keys))
         return self
 
     def items(self) -> Iterator["Node"]:
         for key in self.raw:
             yield Node(self.raw[key], self.path + (key,), self.marks, self.problems)
+
+    def children(self) -> list["Node"]:
+        """The tables and lists that this table or list holds."""
+        inner = self.raw.items() if isinstance(self.raw, dict) else enumerate(self.raw)
+        return [Node(v, self.path + (k,), self.marks, self.problems) for k, v in inner
+                if isinstance(v, (dict, list))]
 
     def get(self, key: str) -> Optional["Node"]:
         if key not in self.raw:
@@ -68,9 +74,12 @@ class Node:
 
     def need(self, key: str, mend: str) -> "Node":
         child = self.get(key)
+        if child is None and any((codes.UNKNOWN_KEY, c.key) in self.problems.seen
+                                 for c in self.items()):
+            raise Bad           # most likely misspelt, which is noted already
         if child is None:
-            self.problems.fail(codes.MISSING, self.key,
-                               f"`{self.label or 'the spec'}` has no `{key}`", mend)
+            where = f"`{self.label}` has no `{key}`" if self.path else f"the spec has no [{key}]"
+            self.problems.fail(codes.MISSING, self.key, where, mend)
         return child
 
     def has(self, key: str) -> bool:
@@ -83,7 +92,7 @@ class Node:
             self.wrong(codes.TYPE, f"`{self.label}` must be a {what}, not {describe(self.raw)}")
         if len(self.raw) > most:
             self.wrong(codes.LIMIT, f"`{self.label}` has {len(self.raw)} entries; "
-                       f"at most {most} are allowed", "put long lists into a file")
+                       f"at most {most} are allowed")
         return [Node(v, self.path + (k,), self.marks, self.problems)
                 for k, v in enumerate(self.raw)]
 

@@ -1,10 +1,10 @@
 """Values given to parameters: by a run's `set`, by a command, by a call."""
 from __future__ import annotations
 
+from ..evaluate import evaluate
 from ..expr import Expr
 from ..spec import Parameter, Spec
 from . import codes
-from .arithmetic import evaluate
 from .problems import nearest
 from .scope import Declared
 from .tree import Node
