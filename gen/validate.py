@@ -108,8 +108,8 @@ def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: in
         raise UsageError("validate needs at least one step and one point")
     case = Case(settle(spec, run, steps=steps, every=1, **given), spec, points)
     lines = [*field_lines(case), *value_lines(case)]
-    step_lines, growth = case.guarded("steps", lambda: compare_steps(case), math.nan)
-    flow_lines, _ = case.guarded("flow", lambda: (compare_flow(case), None), None)
+    step_lines, growth = case.guarded(f"{steps} steps", lambda: compare_steps(case), math.nan)
+    flow_lines, _ = case.guarded("order of convergence", lambda: (compare_flow(case), None), None)
     s = case.settings
     return Report(spec.name, s.run, s.method, s.h, case.witness.sites, steps, growth,
                   tuple([*lines, *step_lines, *flow_lines]))
@@ -298,7 +298,7 @@ def compare_flow(case: Case) -> list[Line]:
                            "exact here; " + note)]
     else:
         lines = [Line("order of convergence", orders[-1], f"{low} .. {high}",
-                      bool(low <= orders[-1] <= high), note)]
+                      shows_order(errors, size(start)), note)]
     return lines + implicit_line(case, start, time)
 
 
@@ -329,17 +329,17 @@ def converge(case, start):
                 return time, steps, errors, tried
             time, steps, doubled = 2 * time, 2 * steps, doubled + 1
             tried = f" (time doubled {doubled} times: smaller errors are round-off)"
-        elif errors is not None and shows_order(errors) or halved == HALVINGS:
+        elif errors is not None and shows_order(errors, size(start)) or halved == HALVINGS:
             return time, steps, errors or [math.nan] * 3, tried
         else:
             steps, halved = 2 * steps, halved + 1
             tried = f" (h halved {halved} times: the run's h is too large for the order to show)"
 
 
-def shows_order(errors):
-    """Both observed orders near 2, the last one within ORDER."""
+def shows_order(errors, scale):
+    """Small errors, both observed orders near 2, the last one within ORDER."""
     first, last = (math.log2(a / b) for a, b in zip(errors, errors[1:]))
-    return ORDER[0] <= last <= ORDER[1] and abs(first - 2) < 0.5
+    return errors[0] < 0.1 * scale and ORDER[0] <= last <= ORDER[1] and abs(first - 2) < 0.5
 
 
 def flow_errors(case, start, time, steps):
