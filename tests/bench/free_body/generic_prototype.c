@@ -1,12 +1,13 @@
 /* What a generator can emit for one sphere: nothing here knows the rigid body but the kernels `field` and
- * `turn`. Unknowns u = W - w and q = 1/|S|, S = w + W; m = q S; the step equation u = h X(m), X = m x b(m).
+ * `hessian`. Unknowns u = W - w and q = 1/|S|, S = w + W; m = q S; the step equation is u = h X(m), X = m x b(m).
  *
- *   predict   u and q by extrapolation of degree DEGREE from the last steps
- *   Newton    q <- q (3 - |S|^2 q^2)/2;  (1 - E) d = h X(m) - u,  E = h q DX(m) (1 - m m^T);  u <- u + d
- *   verify    u <- h X(m) once more: W must not change by more than one unit in its last place
- *   branch    E m = 0, so the other eigenvalues of T = 1 - E have the sum tr T - 1 and the product det T;
- *             det T > 0 and tr T > 1 leave no real one <= 0; else the slow path decides exactly
- *   commit    W = w + (u + carry) */
+ * Newton. With eps = (1 - q^2 |S|^2)/2 and e = h DX(m) m the linearised pair is
+ *     (1 - E) d = r,   r = h X(m) + eps e - u,   E = h q DX(m) (1 - m m^T),   q <- q (1 + eps - q m.d).
+ * On the plane across m, X is Hamiltonian: E v = h q m x C v - (q h X.v) m, C = B - (m.b) 1, B = Db, so E has
+ * trace 0, det T = det(1 - E) = 1 + (h q)^2 m.adj(C)m, and by Cayley and Hamilton
+ *     (1 - E)^-1 = 1 + (E + E^2)/det T:
+ * two cross products instead of a matrix. T has a real eigenvalue <= 0 exactly when det T <= 0: that is the
+ * branch check. Then u <- h X(m) once more, which must not change W by more than one unit in its last place. */
 #include "body.h"
 #include "smidgen.h"
 
@@ -23,23 +24,42 @@
 typedef struct generic {
   body_params p;
   double w[3], carry[3];
-  double last[4], before[4], older[4];
+  double older[4];
   int64_t k, count;
   smg_report report;
   double u[ROWS][4];
 } generic;
 
+/* Three components by value: they stay in registers, and are never stored by halves and loaded whole. */
+typedef struct vec {
+  double x, y, z;
+} vec;
+ALWAYS vec load(const double *w) { return (vec){w[0], w[1], w[2]}; }
+ALWAYS vec add(vec a, vec b) { return (vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
+ALWAYS vec sub(vec a, vec b) { return (vec){a.x - b.x, a.y - b.y, a.z - b.z}; }
+ALWAYS vec scale(double c, vec a) { return (vec){c * a.x, c * a.y, c * a.z}; }
+ALWAYS double dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+ALWAYS vec cross(vec a, vec b) {
+  return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+ALWAYS double larger(double a, double b) { return a > b ? a : b; }
+ALWAYS double largest(vec a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
+
 /* b(m) = (1/kappa) dH/dm */
-ALWAYS void field(const body_params *p, const double m[3], double b[3]) {
-  b[0] = p->inverse_moment[0] * m[0], b[1] = p->inverse_moment[1] * m[1], b[2] = p->inverse_moment[2] * m[2];
+ALWAYS vec field(const body_params *p, vec m) {
+  const double *a = p->inverse_moment;
+  return (vec){a[0] * m.x, a[1] * m.y, a[2] * m.z};
 }
 
-/* DX(m) = -[b]_x + [m]_x B, B = Db diagonal here: the zero terms are left out by the generator. */
-ALWAYS void turn(const body_params *p, const double m[3], const double b[3], double D[9]) {
-  const double *B = p->inverse_moment;
-  D[0] = 0, D[1] = b[2] - m[2] * B[1], D[2] = m[1] * B[2] - b[1];
-  D[3] = m[2] * B[0] - b[2], D[4] = 0, D[5] = b[0] - m[0] * B[2];
-  D[6] = b[1] - m[1] * B[0], D[7] = m[0] * B[1] - b[0], D[8] = 0;
+/* Db(m): diagonal here; the generator leaves out the products with zero. */
+ALWAYS vec hessian(const body_params *p, vec m) {
+  (void)m;
+  return load(p->inverse_moment);
+}
+ALWAYS vec times(vec B, vec v) { return (vec){B.x * v.x, B.y * v.y, B.z * v.z}; }
+/* m.adj(C)m */
+ALWAYS double adjugate(vec C, vec m) {
+  return C.y * C.z * (m.x * m.x) + C.z * C.x * (m.y * m.y) + C.x * C.y * (m.z * m.z);
 }
 
 /* Row p: u_{n+1} = sum_j (-1)^j C(p+1, j+1) u_{n-j} */
@@ -53,73 +73,53 @@ static const double weights[9][9] = {{1},
                                      {8, -28, 56, -70, 56, -28, 8, -1},
                                      {9, -36, 84, -126, 126, -84, 36, -9, 1}};
 
-/* The two newest rows by component: a wide load of what was just stored by halves would have to wait. */
-ALWAYS void predict(generic *s, double u[4]) {
-  const double(*q)[4] = s->u + s->k;
-  const double *c = weights[DEGREE];
+/* Rows older than two steps in pairs of lanes, through memory; the two newest by component. */
+ALWAYS vec predict(generic *s, double *q) {
+  const double(*row)[4] = s->u + s->k;
+  const double *c = weights[DEGREE], *l = row[0], *b = row[1], *t = s->older;
   double a[4];
-  for (int i = 0; i < 4; i++) a[i] = c[DEGREE] * q[DEGREE][i];
+  for (int i = 0; i < 4; i++) a[i] = c[DEGREE] * row[DEGREE][i];
   for (int j = DEGREE - 1; j >= 2; j--)
-    for (int i = 0; i < 4; i++) a[i] += c[j] * q[j][i];
+    for (int i = 0; i < 4; i++) a[i] += c[j] * row[j][i];
   for (int i = 0; i < 4; i++) s->older[i] = a[i];
-  for (int i = 0; i < 4; i++) u[i] = (s->older[i] + c[1] * s->before[i]) + c[0] * s->last[i];
+  *q = (t[3] + c[1] * b[3]) + c[0] * l[3];
+  return (vec){(t[0] + c[1] * b[0]) + c[0] * l[0], (t[1] + c[1] * b[1]) + c[0] * l[1], (t[2] + c[1] * b[2]) + c[0] * l[2]};
 }
 
-/* m = q S after one step of Newton's inverse square root; v = h X(m). Returns the new q. */
-ALWAYS double image(const generic *s, const double u[3], double q, double m[3], double b[3], double v[3]) {
-  const double *w = s->w, h = s->p.h;
-  const double S0 = 2 * w[0] + u[0], S1 = 2 * w[1] + u[1], S2 = 2 * w[2] + u[2];
-  const double f = 1.5 - (S0 * S0 + S1 * S1 + S2 * S2) * (.5 * q * q);
-  q *= f;
-  m[0] = S0 * q, m[1] = S1 * q, m[2] = S2 * q;
-  field(&s->p, m, b);
-  v[0] = h * (m[1] * b[2] - m[2] * b[1]);
-  v[1] = h * (m[2] * b[0] - m[0] * b[2]);
-  v[2] = h * (m[0] * b[1] - m[1] * b[0]);
-  return q;
+ALWAYS vec sum(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z}; }
+ALWAYS double defect(vec S, double q) { return .5 - dot(S, S) * (.5 * q * q); }
+
+/* One Newton iteration from (u, q); returns the new u, and det T. */
+ALWAYS vec newton(const body_params *p, vec w, vec u, double *q, double *det) {
+  const double h = p->h;
+  const vec S = sum(w, u), m = scale(*q, S), b = field(p, m), B = hessian(p, m), n = scale(h, m), g = cross(n, b);
+  const double eps = defect(S, *q), beta = dot(m, b), mu = dot(m, u);
+  const vec C = {B.x - beta, B.y - beta, B.z - beta};
+  const vec e = add(g, cross(n, times(B, m))), r = sub(add(g, scale(eps, e)), u), k = scale(*q, n);
+  const double t = 1 + h * h * (*q * *q) * adjugate(C, m), i = 1 / t;
+  const vec a = add(r, scale(mu, m)), c = cross(k, times(C, a)), d = cross(k, times(C, c));
+  const double l = i * (*q * dot(g, add(a, c)));
+  *q += *q * (eps + *q * (mu + l));
+  *det = t;
+  return add(u, sub(add(r, scale(i, add(c, d))), scale(l, m)));
 }
 
-/* u <- u + (1 - E)^-1 r; det and trace of 1 - E for the branch. */
-ALWAYS void newton(const generic *s, double q, const double m[3], const double b[3], const double r[3], double u[3],
-                   double *det, double *trace) {
-  const double g = s->p.h * q;
-  double D[9];
-  turn(&s->p, m, b, D);
-  const double e0 = g * (D[0] * m[0] + D[1] * m[1] + D[2] * m[2]), e1 = g * (D[3] * m[0] + D[4] * m[1] + D[5] * m[2]),
-               e2 = g * (D[6] * m[0] + D[7] * m[1] + D[8] * m[2]);
-  const double a00 = 1 - (g * D[0] - e0 * m[0]), a01 = e0 * m[1] - g * D[1], a02 = e0 * m[2] - g * D[2];
-  const double a10 = e1 * m[0] - g * D[3], a11 = 1 - (g * D[4] - e1 * m[1]), a12 = e1 * m[2] - g * D[5];
-  const double a20 = e2 * m[0] - g * D[6], a21 = e2 * m[1] - g * D[7], a22 = 1 - (g * D[8] - e2 * m[2]);
-  const double c0 = a11 * a22 - a12 * a21, c1 = a12 * a20 - a10 * a22, c2 = a10 * a21 - a11 * a20;
-  *det = a00 * c0 + (a01 * c1 + a02 * c2), *trace = a00 + a11 + a22;
-  const double i = 1 / *det;
-  u[0] += i * (c0 * r[0] + ((a02 * a21 - a01 * a22) * r[1] + (a01 * a12 - a02 * a11) * r[2]));
-  u[1] += i * (c1 * r[0] + ((a00 * a22 - a02 * a20) * r[1] + (a02 * a10 - a00 * a12) * r[2]));
-  u[2] += i * (c2 * r[0] + ((a01 * a20 - a00 * a21) * r[1] + (a00 * a11 - a01 * a10) * r[2]));
+/* h X(m), m = q S */
+ALWAYS vec image(const body_params *p, vec S, double q) {
+  const vec m = scale(q, S);
+  return cross(scale(p->h, m), field(p, m));
 }
 
-ALWAYS void commit(generic *s, const double W[3], const double y[3], const double v[3], double q) {
+ALWAYS void commit(generic *s, vec W, vec y, vec v, double q) {
   if (s->k == 0) {
     memcpy(s->u + ROWS - DEGREE, s->u, sizeof *s->u * DEGREE);
     s->k = ROWS - DEGREE;
   }
   double *row = s->u[--s->k];
-  for (int i = 0; i < 3; i++) {
-    s->carry[i] = y[i] - (W[i] - s->w[i]);
-    s->w[i] = W[i];
-    s->before[i] = s->last[i];
-    s->last[i] = row[i] = v[i];
-  }
-  s->before[3] = s->last[3], s->last[3] = row[3] = q;
+  s->carry[0] = y.x - (W.x - s->w[0]), s->carry[1] = y.y - (W.y - s->w[1]), s->carry[2] = y.z - (W.z - s->w[2]);
+  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
+  row[0] = v.x, row[1] = v.y, row[2] = v.z, row[3] = q;
   s->count++;
-}
-
-ALWAYS double larger(double a, double b) { return a > b ? a : b; }
-
-/* det and trace of T = 1 - E: has the pair of other eigenvalues a real member <= 0? */
-static int wrong_branch(double det, double trace) {
-  const double sum = trace - 1;
-  return !(det > 0) || (sum <= 0 && sum * sum >= 4 * det);
 }
 
 /* Near a zero of W_i one unit of W_i lies below the round-off of u_i, and u may alternate between neighbours
@@ -127,59 +127,43 @@ static int wrong_branch(double det, double trace) {
 #define TRIES 4
 #define UNITS (8 * DBL_EPSILON)
 
-/* u <- v where the residual r = v - u is round-off of u, else a Newton iteration. */
-static void improve(const generic *s, double q, const double m[3], const double b[3], const double v[3], double u[3],
-                    double *det, double *trace) {
-  const double r[3] = {v[0] - u[0], v[1] - u[1], v[2] - u[2]};
-  const double size = larger(fabs(r[0]), larger(fabs(r[1]), fabs(r[2])));
-  const double scale = larger(fabs(v[0]), larger(fabs(v[1]), fabs(v[2])));
-  newton(s, q, m, b, r, u, det, trace);
-  if (size <= 64 * DBL_EPSILON * scale) memcpy(u, v, 3 * sizeof *u);
+ALWAYS int within(double d, double V, double v, int late) {
+  return d <= DBL_EPSILON * fabs(V) || (late && d <= UNITS * fabs(v));
 }
 
-/* Newton from u to stagnation with honest square roots: the first steps, hard steps, failures. */
-__attribute__((noinline, cold)) static smg_status slow(generic *s, double u[3], int evaluations) {
-  double m[3], b[3], v[3], y[3], V[3], det, trace;
+/* Newton from u to stagnation with honest square roots: the first steps, hard steps, failures.
+ * Where the residual v - u is round-off of u the next iterate is v itself. */
+__attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int evaluations, double det) {
+  const vec w = load(s->w), carry = load(s->carry);
   for (int k = evaluations; k < CAP; k++) {
-    const double S0 = 2 * s->w[0] + u[0], S1 = 2 * s->w[1] + u[1], S2 = 2 * s->w[2] + u[2];
-    const double q = image(s, u, 1 / sqrt(S0 * S0 + S1 * S1 + S2 * S2), m, b, v);
-    int done = 1;
-    double change = 0;
-    for (int i = 0; i < 3; i++) {
-      y[i] = v[i] + s->carry[i], V[i] = s->w[i] + y[i];
-      const double d = fabs(V[i] - (s->w[i] + (u[i] + s->carry[i])));
-      done &= d <= DBL_EPSILON * fabs(V[i]) || (k > evaluations + TRIES && d <= UNITS * fabs(v[i]));
-      change = larger(d, change);
-      if (!(fabs(v[i]) <= DBL_MAX)) return s->report.status = SMG_NOT_FINITE;
+    const vec S = sum(w, u);
+    double q = 1 / sqrt(dot(S, S));
+    const vec v = image(&s->p, S, q), y = add(v, carry), V = add(w, y), d = sub(V, add(w, add(u, carry)));
+    if (!(largest(v) <= DBL_MAX)) return s->report.status = SMG_NOT_FINITE;
+    const int late = k > evaluations + TRIES;
+    const int done = within(fabs(d.x), V.x, v.x, late) & within(fabs(d.y), V.y, v.y, late) & within(fabs(d.z), V.z, v.z, late);
+    s->report.iterations = k + 1, s->report.residual = largest(d);
+    if (done) {
+      if (!(det > 0)) return s->report.status = SMG_WRONG_BRANCH;
+      commit(s, V, y, v, q);
+      return s->report.status = SMG_OK;
     }
-    s->report.iterations = k + 1, s->report.residual = change;
-    improve(s, q, m, b, v, u, &det, &trace);
-    if (!done) continue;
-    if (wrong_branch(det, trace)) return s->report.status = SMG_WRONG_BRANCH;
-    commit(s, V, y, v, q);
-    return s->report.status = SMG_OK;
+    double next = q;
+    u = largest(sub(v, u)) <= 64 * DBL_EPSILON * largest(v) ? v : newton(&s->p, w, u, &next, &det);
   }
   return s->report.status = SMG_NO_CONVERGENCE;
 }
 
 STEP smg_status PASTE(generic_step_, DEGREE)(generic *s) {
-  double p[4], u[3] = {0, 0, 0}, v[3], m[3], b[3], y[3], U[3], V[3], d[3], det, trace;
-  if (s->count <= DEGREE) return slow(s, u, 0);
-  predict(s, p);
-  double q = image(s, p, p[3], m, b, v);
-  const double r[3] = {v[0] - p[0], v[1] - p[1], v[2] - p[2]};
-  for (int i = 0; i < 3; i++) u[i] = p[i];
-  newton(s, q, m, b, r, u, &det, &trace);
-  q = image(s, u, q, m, b, v);
-  int same = 1;
-  for (int i = 0; i < 3; i++) {
-    U[i] = s->w[i] + (u[i] + s->carry[i]);
-    y[i] = v[i] + s->carry[i], V[i] = s->w[i] + y[i];
-    d[i] = fabs(V[i] - U[i]);
-    same = same && d[i] <= DBL_EPSILON * fabs(V[i]);
-  }
-  const double change = larger(d[0], larger(d[1], d[2]));
-  if (!(same && det > .125 && trace > 1.125 && change <= DBL_MAX)) return slow(s, v, 2);
+  if (s->count <= DEGREE) return slow(s, (vec){0, 0, 0}, 0, 0);
+  const vec w = load(s->w), carry = load(s->carry);
+  double q, det;
+  const vec p = predict(s, &q), u = newton(&s->p, w, p, &q, &det), S = sum(w, u), v = image(&s->p, S, q);
+  const vec y = add(v, carry), V = add(w, y), d = sub(V, add(w, add(u, carry)));
+  const double dx = fabs(d.x), dy = fabs(d.y), dz = fabs(d.z), change = larger(dx, larger(dy, dz));
+  if (!(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) && dz <= DBL_EPSILON * fabs(V.z) && det > .125 &&
+        fabs(defect(S, q)) <= 2 * DBL_EPSILON && change <= DBL_MAX))
+    return slow(s, v, 2, det);
   commit(s, V, y, v, q);
   s->report.iterations = 2, s->report.residual = change;
   return s->report.status = SMG_OK;
