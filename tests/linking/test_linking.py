@@ -1,0 +1,144 @@
+"""Generated integrators in programs of others: the page docs/linking.md, and what it promises."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+PAGE = (HERE.parent.parent / "docs" / "linking.md").read_text()
+STRICT = ("-O2 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion "
+          "-Wdouble-promotion -Wvla -Werror").split()
+COMPILERS = [("gcc", "g++"), ("clang", "clang++")]
+
+
+def blocks(language):
+    """The fenced blocks of the page in one language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def sh(script, folder, **more):
+    """Run shell lines as a reader of the page would; returns what they print."""
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    said = subprocess.run(["sh", "-e"], input=script, cwd=folder, text=True, capture_output=True,
+                          env={**os.environ, "PATH": path, **more})
+    assert said.returncode == 0, said.stderr
+    return said.stdout
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with the two programs, where the page is read."""
+    for program in ("chain.c", "tops.cpp"):
+        shutil.copy(HERE / program, tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(params=COMPILERS, ids=lambda pair: pair[0])
+def compilers(request):
+    """A C and a C++ compiler of one make."""
+    if not all(map(shutil.which, request.param)):
+        pytest.skip(f"{request.param[0]} is not installed")
+    return request.param
+
+
+@pytest.mark.quick
+def test_the_page_shows_the_program():
+    assert blocks("c") == [(HERE / "chain.c").read_text()]
+
+
+@pytest.mark.quick
+def test_the_two_files_of_the_page(folder):
+    said = sh(blocks("sh")[0], folder)
+    assert said.endswith(blocks("output")[0])
+
+
+@pytest.mark.quick
+def test_the_library_of_the_page(folder):
+    said = sh(blocks("sh")[1], folder).splitlines()[-1]
+    energy, spin = map(float, re.findall(r"-?\d+\.\d+e[+-]\d+", said))
+    assert said.startswith("t = 1000") and abs(energy) < 1e-6 and abs(spin) < 1e-12
+
+
+def test_the_library_may_be_moved(folder):
+    sh("smidgen build free_rigid_body --out here; mv here there", folder)
+    said = sh("c++ -std=c++17 tops.cpp $(pkg-config --cflags --libs free_rigid_body) -o t; ./t",
+              folder, PKG_CONFIG_PATH=str(folder / "there/lib/pkgconfig"))
+    assert said == blocks("output")[0]
+
+
+def test_pkg_config_knows_the_version(folder):
+    import smidgen
+    sh("smidgen build free_rigid_body --out here", folder)
+    env = {"PKG_CONFIG_PATH": str(folder / "here/lib/pkgconfig")}
+    assert sh("pkg-config --modversion free_rigid_body", folder, **env).strip() == smidgen.__version__
+    sh("pkg-config --validate free_rigid_body", folder, **env)
+
+
+def test_both_programs_with_the_amalgamated_files(folder, compilers):
+    c, cpp = compilers
+    sh("smidgen gen heisenberg_chain --amalgamate; smidgen gen free_rigid_body --amalgamate", folder)
+    assert sorted(p.name for p in folder.iterdir()) == sorted(
+        ["chain.c", "tops.cpp", *(f"{m}.{e}" for m in ("heisenberg_chain", "free_rigid_body")
+                                  for e in "ch")])
+    flags = " ".join(STRICT)
+    sh(f"{c} -std=c11 {flags} chain.c heisenberg_chain.c -lm -o chain; ./chain", folder)
+    sh(f"{c} -std=c11 {flags} -c free_rigid_body.c; "
+       f"{cpp} -std=c++17 {flags} tops.cpp free_rigid_body.o -lm -o tops", folder)
+    assert sh("./tops", folder) == blocks("output")[0]
+
+
+def test_the_sources_are_cpp_too(folder, compilers):
+    """Everything through the C++ compiler alone."""
+    _, cpp = compilers
+    sh("smidgen gen free_rigid_body --out .", folder)
+    sh(f"{cpp} -std=c++17 {' '.join(STRICT)} tops.cpp -x c++ free_rigid_body.c -lm -o tops", folder)
+    assert sh("./tops", folder) == blocks("output")[0]
+
+
+def test_two_models_in_one_program(folder):
+    """Amalgamated files share nothing but the guarded runtime."""
+    sh("smidgen gen heisenberg_chain --amalgamate; smidgen gen free_rigid_body --amalgamate", folder)
+    (folder / "both.c").write_text(
+        '#include "heisenberg_chain.h"\n#include "free_rigid_body.h"\n'
+        "int main(void) { heisenberg_chain_params a; free_rigid_body_params b;\n"
+        "heisenberg_chain_defaults(&a); free_rigid_body_defaults(&b);\n"
+        "return heisenberg_chain_sites(&a) == 100 && free_rigid_body_sites(&b) == 1 ? 0 : 1; }\n")
+    sh(f"gcc -std=c11 {' '.join(STRICT)} both.c heisenberg_chain.c free_rigid_body.c -lm -o both; ./both",
+       folder)
+
+
+def test_what_is_linked_is_no_driver(folder):
+    """No allocation, no output, no exit: the object needs nothing but the C library's mathematics."""
+    sh("smidgen gen heisenberg_chain --amalgamate; gcc -std=c11 -O2 -c heisenberg_chain.c", folder)
+    wanted = {line.split()[-1] for line in sh("nm -u heisenberg_chain.o", folder).splitlines()}
+    allowed = {"sqrt", "fabs", "memcpy", "memset", "memmove", "_GLOBAL_OFFSET_TABLE_",
+               "__stack_chk_fail", "fmax", "fmin", "copysign"}
+    assert wanted <= allowed, wanted - allowed
+    writable = [line for line in sh("nm heisenberg_chain.o", folder).splitlines()
+                if re.search(r" [bBdD] ", line)]
+    assert writable == []
+
+
+def test_the_steps_are_those_of_smidgen_run(folder, command):
+    """The linked program and the command give the same bits."""
+    (folder / "bits.c").write_text(
+        '#include "free_rigid_body.h"\n#include <stdio.h>\n'
+        "int main(void) { free_rigid_body_params p; free_rigid_body_state s; smg_real mem[4096];\n"
+        "smg_real w[3]; free_rigid_body_defaults(&p);\n"
+        'for (int k = 0; k < 3; k++) if (scanf("%lf", &w[k]) != 1) return 2;\n'
+        "if (free_rigid_body_memsize(&p) > sizeof mem) return 3;\n"
+        "free_rigid_body_init(&s, &p, mem, w, 0, 0.125); free_rigid_body_steps(&s, 80);\n"
+        'printf("%a %a %a\\n", s.w[0], s.w[1], s.w[2]); return 0; }\n')
+    sh("smidgen gen free_rigid_body --amalgamate; "
+       "gcc -std=c11 -O3 -ffp-contract=off bits.c free_rigid_body.c -lm -o bits", folder)
+    import smidgen
+    from smidgen.shipped import load_spec
+    result = smidgen.run(load_spec("free_rigid_body"), "demo", steps=80)
+    first, last = result.w["w"][0, 0], result.final[0]
+    said = sh(f"printf '{first[0]:.17g} {first[1]:.17g} {first[2]:.17g}' | ./bits", folder)
+    assert said.split() == [float(x).hex() for x in last] or [
+        float.fromhex(x) for x in said.split()] == last.tolist()
