@@ -1,0 +1,144 @@
+"""Curves against time and against the step: energy, momenta, Casimirs, observables, errors."""
+from __future__ import annotations
+
+import numpy as np
+
+from .style import FAINT, INK, PALETTE, method_marker, method_style, new_figure, styled
+from .text import shown
+
+TIME = "time $t$ (model units)"
+POINTS = 3000        # most points of one curve in a picture
+
+
+def envelope(t, y, bins: int = POINTS // 2):
+    """Least and greatest y in each of `bins` stretches of time, in order of appearance.
+
+    A curve of any length then keeps its extremes. t, y (k,) -> two arrays of at most 2*bins.
+    """
+    t, y = np.asarray(t, float), np.asarray(y, float)
+    if len(t) <= 2 * bins:
+        return t, y
+    cuts = np.linspace(0, len(t), bins + 1).astype(int)
+    keep = []
+    for a, b in zip(cuts[:-1], cuts[1:]):
+        part = np.where(np.isnan(y[a:b]), 0.0, y[a:b])
+        keep += sorted({a + int(np.argmin(part)), a + int(np.argmax(part))})
+    return t[keep], y[keep]
+
+
+def smallest_scale(values) -> float:
+    """Threshold below which a symlog axis is linear: a third of the smallest curve's extent."""
+    extents = [np.nanmax(np.abs(v)) for v in values if np.size(v) and np.nanmax(np.abs(v)) > 0]
+    return max(1e-17, 0.3 * min(extents)) if extents else 1e-16
+
+
+@styled
+def energy_errors(series, title: str = "", unit: str = "model units"):
+    """Energy errors H(t) - H(0) of several methods: linear above, symmetric logarithm below.
+
+    series: list of (method or label, t (k,), error (k,)).
+    """
+    figure = new_figure(6.4, 4.8)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    for ax in (upper, lower):
+        draw_series(ax, series)
+        ax.set_ylabel(f"$H - H_0$ ({unit})")
+    lower.set_yscale("symlog", linthresh=smallest_scale([e for _, _, e in series]))
+    lower.axhline(0, color=FAINT, lw=0.6)
+    lower.set_xlabel(TIME)
+    upper.legend(loc="best")
+    upper.set_title(shown(title) or "Energy error")
+    return figure
+
+
+def draw_series(ax, series) -> None:
+    """Curves (label, t, y) on `ax`, methods in their own colours, others in palette order."""
+    for i, (name, t, y) in enumerate(series):
+        look = method_style(name)
+        if look["label"] == name:
+            look = {"label": shown(name), "color": PALETTE[i % len(PALETTE)], "linestyle": "-"}
+        ax.plot(*envelope(t, y), lw=0.9, **look)
+
+
+@styled
+def error_against_step(panels, order: int = 2):
+    """Largest errors against the step length, log-log, with a triangle of the slope `order`.
+
+    panels: list of (title, {method: (h (k,), error (k,))}).
+    """
+    figure = new_figure(4.4 * len(panels), 3.9)
+    for ax, (title, methods) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels):
+        for name, (h, error) in methods.items():
+            ax.plot(h, error, marker=method_marker(name), **method_style(name))
+        ax.set_xscale("log", base=2)
+        ax.set_yscale("log")
+        ax.set_xlabel("step length $h$ (model units)")
+        ax.set_ylabel(r"$\max_k\,|w_k - w(hk)|$ (dimensionless)")
+        ax.set_title(shown(title))
+        slope_triangle(ax, methods, order)
+        ax.legend(loc="upper left")
+    return figure
+
+
+def slope_triangle(ax, methods, order: int) -> None:
+    """A right triangle of slope `order` below the lowest curve, with its legs named."""
+    h, error = min(methods.values(), key=lambda m: np.min(np.asarray(m[1]) / np.asarray(m[0])**order))
+    h, error = np.sort(np.asarray(h, float)), np.sort(np.asarray(error, float))
+    a, b = h[-1] / 8, h[-1] / 2
+    low = 0.25 * np.exp(np.interp(np.log(a), np.log(h), np.log(error)))
+    high = low * (b / a) ** order
+    ax.plot([a, b, b, a], [low, low, high, low], color=INK, lw=0.9, zorder=4)
+    ax.text(np.sqrt(a * b), low * 0.7, "1", ha="center", va="top", fontsize=8)
+    ax.text(b * 1.12, np.sqrt(low * high), f"{order}", ha="left", va="center", fontsize=8)
+
+
+@styled
+def invariant_errors(t, energy=None, momenta=None, casimirs=None, title: str = ""):
+    """Errors of energy (k,), momenta {family: (k, 3)} and Casimirs (k, m) over time.
+
+    Every value is the difference from its start; of the Casimirs the largest error is drawn.
+    """
+    rows = invariant_rows(energy, momenta or {}, casimirs)
+    figure = new_figure(6.4, 1.55 * max(len(rows), 1) + 0.9)
+    axes = figure.subplots(max(len(rows), 1), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, (label, curves) in zip(axes, rows):
+        for i, (name, y) in enumerate(curves):
+            ax.plot(*envelope(t, y), lw=0.8, color=PALETTE[i % len(PALETTE)], label=name)
+        ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
+        ax.set_ylabel(label)
+        if len(curves) > 1:
+            ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes[-1].set_xlabel(TIME)
+    axes[0].set_title(shown(title) or "Errors of the invariants")
+    return figure
+
+
+def invariant_rows(energy, momenta, casimirs):
+    """[(axis label, [(name, error (k,))])]: one row for each kind of invariant."""
+    rows = []
+    if energy is not None:
+        rows.append(("$H - H_0$\n(model units)", [("energy", np.asarray(energy) - energy[0])]))
+    for family, m in momenta.items():
+        change = np.asarray(m, float) - np.asarray(m, float)[0]
+        rows.append((f"momentum {shown(family)}\n(model units)",
+                     [(f"${x}$", change[:, i]) for i, x in enumerate("xyz")]))
+    if casimirs is not None:
+        change = np.asarray(casimirs, float) - np.asarray(casimirs, float)[:1]
+        worst = np.take_along_axis(change, np.abs(change).argmax(1)[:, None], 1)[:, 0]
+        rows.append(("Casimirs\n(model units)", [("largest error", worst)]))
+    return rows
+
+
+@styled
+def against_time(t, curves, title: str = ""):
+    """Named curves {name: (k,)} over time, a panel each (observables, components)."""
+    figure = new_figure(6.4, 1.6 * len(curves) + 0.7)
+    axes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
+    for i, (ax, (name, y)) in enumerate(zip(axes, curves.items())):
+        y = np.asarray(y, float).reshape(len(t), -1)
+        for j in range(min(y.shape[1], len(PALETTE))):
+            ax.plot(*envelope(t, y[:, j]), lw=0.9, color=PALETTE[(i + j) % len(PALETTE)])
+        ax.set_ylabel(f"{shown(name)}\n(model units)")
+    axes[-1].set_xlabel(TIME)
+    axes[0].set_title(shown(title))
+    return figure

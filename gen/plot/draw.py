@@ -1,0 +1,128 @@
+"""`plot`: from a result, a result's file or a spec to a picture file."""
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from ..errors import UsageError
+from .pictures import KINDS, kinds, suitable
+from .style import FORMATS, save, styled
+
+
+def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
+    """Draw `source` and return the path of the picture.
+
+    source: a Result, the path of a file that a run wrote (.csv, .npz, .h5), or a spec (its
+    path, the name of one that comes with smidgen, or a Spec), of which `run` (by default
+    the first) is run. kind: one of `kinds()`. out: a path that ends in .png, .svg, .pdf, or
+    .html for the player; by default the spec's name and the kind, here.
+    Raises UsageError for a wrong kind or ending, and what reading and running raise.
+    """
+    wanted(kind, out)
+    result = result_of(source, run)
+    if len(result.t) == 0:
+        raise UsageError("nothing to draw: the result holds no outputs")
+    chosen = suitable(result, is_page(out)) if kind == "auto" else kind
+    path = Path(out) if out is not None else default_path(result, chosen)
+    check_pair(chosen, path)
+    picture = styled(KINDS[chosen][0])(result)
+    return write_page(picture, path) if chosen == "player" else save(picture, path)
+
+
+def wanted(kind: str, out) -> None:
+    """Refuse a wrong kind or ending before anything is run."""
+    if kind not in kinds():
+        close = difflib.get_close_matches(kind, kinds(), 1)
+        hint = f"; did you mean '{close[0]}'?" if close else ""
+        raise UsageError(f"no kind of picture '{kind}'{hint} There are: {', '.join(kinds())}"
+                         if hint else f"no kind of picture '{kind}'; there are: {', '.join(kinds())}")
+    if out is not None and kind != "auto":
+        check_pair(kind, Path(out))
+    elif out is not None and not is_page(out):
+        check_ending(Path(out))
+
+
+def is_page(out) -> bool:
+    return out is not None and Path(out).suffix.lower() in (".html", ".htm")
+
+
+def check_pair(kind: str, path: Path) -> None:
+    """Only the player is a page, and it is nothing else."""
+    if (kind == "player") != is_page(path):
+        raise UsageError(f"the kind 'player' is written to .html, not '{path.name}'"
+                         if kind == "player" else
+                         f"the kind '{kind}' is a picture ({', '.join('.' + f for f in FORMATS)}); "
+                         "only 'player' is written to .html")
+    if kind != "player":
+        check_ending(path)
+
+
+def check_ending(path: Path) -> None:
+    if path.suffix.lower().lstrip(".") not in FORMATS:
+        raise UsageError(f"cannot draw into '{path.name}': the ending must be one of "
+                         + ", ".join("." + f for f in FORMATS) + ", or .html for the player")
+
+
+def result_of(source, run: str | None):
+    """The Result that `source` means; a spec is run for it."""
+    if hasattr(source, "values") and hasattr(source, "t"):
+        return with_casimirs(source)
+    from ..output import FORMATS as RESULTS, load_result
+    if not hasattr(source, "families") and Path(source).suffix in RESULTS:
+        return with_casimirs(load_result(source))
+    from ..run import run as run_spec
+    spec = loaded(source)
+    return with_casimirs(run_spec(spec, run, what=outputs_for(spec)))
+
+
+def loaded(source):
+    """A Spec from a path, a name or a Spec."""
+    if hasattr(source, "families"):
+        return source
+    from ..shipped import load_spec
+    return load_spec(str(source))
+
+
+def outputs_for(spec) -> list[str]:
+    """All that a picture may need."""
+    return ["states", "energy", "momentum", "casimirs", *(o.name for o in spec.observables)]
+
+
+def with_casimirs(result):
+    """Add to the result's meta the matrix A of C = w.(A w)/2 of each Nambu family.
+
+    They are computed from the spec that the result carries (`meta["sources"]`); a result
+    without one is drawn from its numbers alone.
+    """
+    if "casimirs" in result.meta or not result.meta.get("sources"):
+        return result
+    from ..recorded import spec_of
+    spec = spec_of(result.meta["sources"])
+    result.meta["casimirs"] = matrices(spec, result.meta.get("values") or {})
+    return result
+
+
+def matrices(spec, values) -> dict:
+    """family -> 3 x 3 list, of the Nambu families of a spec."""
+    from ..evaluate import evaluate
+    from ..start import parameter_values
+    known = {p.name for p in spec.parameters}
+    env = parameter_values(spec, {n: v for n, v in values.items() if n in known})
+    return {f.name: [[float(evaluate(c, env)) for c in row] for row in f.casimir]
+            for f in spec.families if f.casimir is not None}
+
+
+def default_path(result, kind: str) -> Path:
+    """<spec>_<kind>.png or .html in the present directory."""
+    name = "".join(c for c in str(result.meta.get("spec", "result")) if c.isalnum() or c in "_-")
+    return Path(f"{name or 'result'}_{kind}.{'html' if kind == 'player' else 'png'}")
+
+
+def write_page(text: str, path: Path) -> Path:
+    """Write HTML. Raises UsageError where it cannot be written."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    except OSError as e:
+        raise UsageError(f"cannot write '{path}': {e.strerror or e}") from None
+    return path

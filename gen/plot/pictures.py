@@ -1,0 +1,223 @@
+"""The kinds of picture that one result can give: name -> function of a Result.
+
+Each takes a Result (`meta`, `t`, `w`, `values`) and returns a figure; `player` returns HTML.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import UsageError
+from . import chain, curves, player, portraits, surfaces
+from .text import printable
+
+MANY = 12           # sites from which on a family is drawn as a chain
+
+
+def first_line(result) -> str:
+    """Title of the result: the spec's own title and the run."""
+    meta = result.meta
+    return f"{meta.get('title') or meta.get('spec', 'Result')}: {meta.get('run') or 'run'}"
+
+
+def facts(result) -> str:
+    """Method, step, orientation: what a picture must say about where it comes from."""
+    meta = result.meta
+    said = [str(meta.get("method", "")), f"h = {meta['h']:g}" if "h" in meta else "",
+            f"{meta['done']} steps" if "done" in meta else "",
+            "orientation -1" if meta.get("orientation") == -1 else ""]
+    return ", ".join(part for part in said if part)
+
+
+def states_of(result) -> dict:
+    """family -> (k, count, 3). Raises UsageError when the result holds no states."""
+    if not result.w:
+        raise UsageError("this result holds no states: run with --what states,energy "
+                         "(or draw another kind: energy, invariants, observables)")
+    return {name: np.asarray(w, float) for name, w in result.w.items()}
+
+
+def value_of(result, name: str) -> np.ndarray:
+    """A column of the result. Raises UsageError with what to ask the run for."""
+    if name not in result.values:
+        raise UsageError(f"this result holds no {name}: run with --what {name}")
+    return np.asarray(result.values[name], float)
+
+
+def on_spheres(result) -> bool:
+    """Does every site keep its length, so that it moves on a sphere?"""
+    return all(np.allclose(np.linalg.norm(w, axis=2), np.linalg.norm(w[:1], axis=2), rtol=1e-6)
+               for w in states_of(result).values())
+
+
+def labelled(states):
+    """[(name of one site, w (k, 3))] of all families."""
+    return [(name if w.shape[1] == 1 else f"{name}[{i}]", w[:, i])
+            for name, w in states.items() for i in range(w.shape[1])]
+
+
+def draw_sphere(result):
+    """Paths of all sites on the sphere (bodies of different radius on one picture)."""
+    spheres_only(result)
+    return portraits.several(labelled(states_of(result)), first_line(result))
+
+
+def spheres_only(result) -> None:
+    if not on_spheres(result):
+        raise UsageError("the sites of this result do not move on spheres: draw the kind 'leaf'")
+
+
+def draw_section(result):
+    """The outputs as points on the sphere: a Poincare section of a stroboscopic run."""
+    spheres_only(result)
+    orbits = [w for _, w in labelled(states_of(result))]
+    return portraits.sections([(first_line(result), orbits, [])])
+
+
+def draw_leaf(result):
+    """Each site on its own leaf: the quadric with the Casimir that the spec declares."""
+    matrices = casimirs_of(result)
+    cases = [{"title": label, "casimir": matrices.get(label.split("[")[0], np.eye(3)),
+              "curves": [w]} for label, w in labelled(states_of(result))[:9]]
+    return surfaces.leaves(cases)
+
+
+def casimirs_of(result) -> dict:
+    """family -> matrix A of C = w.(A w)/2, of the families that are no spheres.
+
+    Taken from the spec that the result carries; a family of which it says nothing and that
+    leaves its sphere gets the quadric that fits its trajectory.
+    """
+    found = dict(result.meta.get("casimirs") or {})
+    for name, w in states_of(result).items():
+        length = np.linalg.norm(w, axis=2)
+        if name not in found and not np.allclose(length, length[:1], rtol=1e-6):
+            found[name] = fitted_quadric(w[:, 0])
+    return {name: np.asarray(A, float) for name, A in found.items()}
+
+
+def fitted_quadric(w) -> np.ndarray:
+    """The symmetric A with w.(A w) constant along w (k, 3), as the null vector of least size.
+
+    Two such forms may exist (a quadratic energy is the other): then the flattest is taken.
+    """
+    x, y, z = w.T
+    products = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z], axis=1)
+    *_, v = np.linalg.svd(products - products.mean(axis=0), full_matrices=True)
+    a = v[-1]
+    return np.array([[a[0], a[3], a[4]], [a[3], a[1], a[5]], [a[4], a[5], a[2]]])
+
+
+def draw_energy(result):
+    """Energy error over time, linear and symlog, and that of each effect."""
+    energy = value_of(result, "energy")
+    series = [(str(result.meta.get("method", "energy")), result.t, energy - energy[0])]
+    return curves.energy_errors(series, first_line(result))
+
+
+def draw_effects(result):
+    """Energy of each effect over time."""
+    parts = {n.removeprefix("energy."): v for n, v in result.values.items()
+             if n.startswith("energy.")}
+    if not parts:
+        raise UsageError("this result holds no energies: run with --what energy")
+    return curves.against_time(result.t, {f"energy {n}": v for n, v in parts.items()},
+                               first_line(result))
+
+
+def draw_invariants(result):
+    """Errors of energy, momenta and Casimirs over time."""
+    values = result.values
+    momenta = {n.removeprefix("momentum."): v for n, v in values.items()
+               if n.startswith("momentum.")}
+    if "energy" not in values and "casimirs" not in values and not momenta:
+        raise UsageError("this result holds no invariants: run with "
+                         "--what energy,momentum,casimirs")
+    return curves.invariant_errors(result.t, values.get("energy"), momenta,
+                                   values.get("casimirs"), first_line(result))
+
+
+def draw_observables(result):
+    """The spec's own observables over time."""
+    own = {n: v for n, v in result.values.items()
+           if n not in ("energy", "casimirs") and "." not in n}
+    if not own:
+        raise UsageError("this result holds no observables: name some with --what")
+    return curves.against_time(result.t, own, first_line(result))
+
+
+def draw_components(result):
+    """w_x, w_y, w_z of the first family's sites (at most seven) over time."""
+    name, w = next(iter(states_of(result).items()))
+    return curves.against_time(result.t, {f"{name}.{x}": w[:, :7, k] for k, x in enumerate("xyz")},
+                               first_line(result))
+
+
+def draw_chain(result):
+    """theta, phi and w_z of the largest family, over site and time."""
+    _, w = largest(result)
+    return chain.chain_image(result.t, w, first_line(result))
+
+
+def draw_curves(result):
+    """The largest family as a curve on the sphere at six times."""
+    spheres_only(result)
+    _, w = largest(result)
+    return chain.chain_curves(result.t, w, title=first_line(result))
+
+
+def largest(result):
+    """(name, w) of the family with the most sites."""
+    return max(states_of(result).items(), key=lambda item: item[1].shape[1])
+
+
+def draw_player(result) -> str:
+    """HTML text: the trajectory to turn and play."""
+    states = states_of(result)
+    matrices = casimirs_of(result)
+    for name in states if matrices else ():
+        matrices.setdefault(name, np.eye(3))
+    joined = [n for n, w in states.items() if w.shape[1] > MANY and smooth(w[0])]
+    return player.player_page(result.t, states, result.values.get("energy"), first_line(result),
+                              facts(result), matrices, joined)
+
+
+def smooth(spins) -> bool:
+    """Do the sites (n, 3) follow a curve: neighbours closer than sites drawn at random?"""
+    steps = np.linalg.norm(np.diff(spins, axis=0), axis=1)
+    return bool(steps.max() < 0.5 * np.linalg.norm(spins, axis=1).max())
+
+
+KINDS = {
+    "sphere": (draw_sphere, "paths of all sites on the sphere"),
+    "section": (draw_section, "outputs as points on the sphere (Poincare section)"),
+    "leaf": (draw_leaf, "paths on the level sets of C (Nambu and Lie-Poisson factors)"),
+    "energy": (draw_energy, "energy error, linear and symmetric logarithm"),
+    "effects": (draw_effects, "energy of each effect"),
+    "invariants": (draw_invariants, "errors of energy, momenta and Casimirs"),
+    "observables": (draw_observables, "the spec's observables over time"),
+    "components": (draw_components, "w_x, w_y, w_z over time"),
+    "chain": (draw_chain, "angles and w_z over site and time"),
+    "curves": (draw_curves, "a chain as a curve on the sphere at six times"),
+    "player": (draw_player, "an HTML page that turns and plays the trajectory"),
+}
+
+
+def kinds() -> dict[str, str]:
+    """name -> one line, of every kind that `plot` draws; `auto` chooses among them."""
+    return {"auto": "what suits the result", **{n: printable(s) for n, (_, s) in KINDS.items()}}
+
+
+def suitable(result, html: bool) -> str:
+    """The kind that `auto` means for this result."""
+    if html:
+        return "player"
+    if not result.w:
+        return "invariants" if any(n == "casimirs" or n.startswith(("energy", "momentum."))
+                                   for n in result.values) else "observables"
+    if not on_spheres(result):
+        return "leaf"
+    if result.meta.get("section"):
+        return "section"
+    _, w = largest(result)
+    chain_like = w.shape[1] > MANY and (w.shape[1] > 8 * MANY or smooth(w[0]))
+    return "chain" if chain_like else "sphere"

@@ -1,0 +1,351 @@
+"use strict";
+(function () {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const el = (id) => document.getElementById(id);
+
+  // ---- data: positions as 16-bit integers, one (frames, count, 3) block for each family ----
+  function bytes(text) {
+    const raw = atob(text), out = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
+    return out.buffer;
+  }
+  const times = new Float64Array(bytes(data.t));
+  const frames = times.length;
+  const errors = data.error === null ? null : new Float64Array(bytes(data.error));
+  const families = data.families.map((f) => ({
+    ...f, w: new Int16Array(bytes(f.w)), shown: true,
+  }));
+  const backdrop = data.backdrop.map((b) => new Float32Array(bytes(b)));
+  const reach = data.reach;                 // greatest |w|: the unit of the picture
+
+  function at(family, frame, site, out) {   // linear between frames, kept at its own length
+    const k = Math.min(Math.floor(frame), frames - 1), s = frame - k;
+    const a = (k * family.count + site) * 3, b = k + 1 < frames ? a + 3 * family.count : a;
+    let la = 0, lb = 0, lm = 0;
+    for (let i = 0; i < 3; i++) {
+      const p = family.w[a + i], q = family.w[b + i];
+      out[i] = p + s * (q - p);
+      la += p * p; lb += q * q; lm += out[i] * out[i];
+    }
+    const want = Math.sqrt(la) * (1 - s) + Math.sqrt(lb) * s, scale = data.quantum / reach;
+    const grow = data.ball && s > 0 && lm > 0 ? want / Math.sqrt(lm) : 1;
+    for (let i = 0; i < 3; i++) out[i] *= scale * grow;
+    return out;
+  }
+
+  // ---- the view: rotation matrix rows right, up, towards the viewer ----
+  let turn = null, zoom = 1;
+  function look(azimuth, elevation) {
+    const a = azimuth * Math.PI / 180, e = elevation * Math.PI / 180;
+    const ca = Math.cos(a), sa = Math.sin(a), ce = Math.cos(e), se = Math.sin(e);
+    turn = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
+  }
+  const first = data.view;
+  function reset() { look(first[0], first[1]); zoom = 1; }
+  function times3(m, v) {
+    return [0, 1, 2].map((i) => m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2]);
+  }
+  function drag(dx, dy) {                   // turn about the screen's up and right axes
+    const ca = Math.cos(dx), sa = Math.sin(dx), cb = Math.cos(dy), sb = Math.sin(dy);
+    const yaw = [[ca, 0, sa], [0, 1, 0], [-sa, 0, ca]];
+    const pitch = [[1, 0, 0], [0, cb, -sb], [0, sb, cb]];
+    const cols = [0, 1, 2].map((j) => times3(pitch, times3(yaw, turn.map((r) => r[j]))));
+    turn = [0, 1, 2].map((i) => cols.map((c) => c[i]));
+  }
+
+  // ---- canvases ----
+  const scene = el("scene"), strip = el("errors");
+  const g = scene.getContext("2d"), e = strip.getContext("2d");
+  let width = 0, height = 0, cx = 0, cy = 0, unit = 1;
+  function fit(canvas, context) {
+    const ratio = window.devicePixelRatio || 1, box = canvas.getBoundingClientRect();
+    canvas.width = Math.max(1, Math.round(box.width * ratio));
+    canvas.height = Math.max(1, Math.round(box.height * ratio));
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    return box;
+  }
+  function resize() {
+    const box = fit(scene, g);
+    width = box.width; height = box.height; cx = width / 2; cy = height / 2;
+    fit(strip, e);
+    draw();
+  }
+  function place(v) {
+    const p = times3(turn, v);
+    return [cx + unit * p[0], cy - unit * p[1], p[2]];
+  }
+
+  // ---- drawing ----
+  function ball() {
+    for (const r of data.radii) {
+      const s = unit * r / reach, big = r === data.radii[data.radii.length - 1];
+      g.beginPath(); g.arc(cx, cy, s, 0, 2 * Math.PI);
+      if (big) {
+        const light = g.createRadialGradient(cx - 0.42 * s, cy - 0.5 * s, 0.05 * s, cx, cy, 1.05 * s);
+        light.addColorStop(0, "#fcfdff"); light.addColorStop(0.55, "#eceff4");
+        light.addColorStop(1, "#c8cdd6");
+        g.fillStyle = light; g.fill();
+      } else {
+        g.strokeStyle = "rgba(90,100,112,.45)"; g.lineWidth = 1; g.setLineDash([3, 3]); g.stroke();
+        g.setLineDash([]);
+      }
+    }
+  }
+  function polyline(points, step, style, wide, front) {
+    g.strokeStyle = style; g.lineWidth = wide; g.beginPath();
+    let open = false;
+    for (let i = 0; i + 2 < points.length; i += step) {
+      const p = place([points[i] / reach, points[i + 1] / reach, points[i + 2] / reach]);
+      const on = !data.ball || (p[2] >= 0) === front;
+      if (on) { if (open) g.lineTo(p[0], p[1]); else g.moveTo(p[0], p[1]); }
+      open = on;
+    }
+    g.stroke();
+  }
+  function axes(front) {
+    const names = ["x", "y", "z"], from = data.ball ? data.radii[data.radii.length - 1] / reach : 0;
+    g.font = "italic 13px system-ui, sans-serif"; g.textAlign = "center"; g.textBaseline = "middle";
+    for (let k = 0; k < 3; k++) {
+      const v = [0, 0, 0]; v[k] = 1;
+      const tip = place(v.map((c) => 1.17 * c)), foot = place(v.map((c) => from * c));
+      if ((tip[2] >= 0) !== front) continue;
+      const inside = !front && data.ball && Math.hypot(tip[0] - cx, tip[1] - cy) < from * unit;
+      g.globalAlpha = inside ? 0.25 : 0.85;
+      g.strokeStyle = "#2b3138"; g.lineWidth = 1;
+      g.beginPath(); g.moveTo(foot[0], foot[1]); g.lineTo(tip[0], tip[1]); g.stroke();
+      const label = place(v.map((c) => 1.25 * c));
+      g.fillStyle = "#2b3138"; g.fillText(names[k], label[0], label[1]);
+      g.globalAlpha = 1;
+    }
+  }
+  function hue(family, site) {
+    if (family.count <= 8) return family.colors[site % family.colors.length];
+    const s = site / family.count;         // a long family: its own colour, light to dark
+    return `hsl(${family.hue + 50 * Math.sin(2 * Math.PI * s)}, 68%, ${36 + 14 * Math.cos(2 * Math.PI * s)}%)`;
+  }
+  function trails(front) {
+    const long = trailLength();
+    if (long === 0) return;
+    const from = Math.max(0, now - long), v = [0, 0, 0];
+    for (const f of families) {
+      if (!f.shown || f.count > 200) continue;
+      const pieces = Math.max(2, Math.min(Math.ceil((now - from) * f.fine), Math.floor(24000 / f.count)));
+      for (let site = 0; site < f.count; site++) {
+        g.strokeStyle = hue(f, site); g.lineWidth = f.count > 12 ? 0.9 : 1.5;
+        let last = null, bin = -1;
+        for (let i = 0; i <= pieces; i++) {
+          const s = i / pieces, p = place(at(f, from + s * (now - from), site, v));
+          const b = long === Infinity ? 3 : Math.floor(s * 3.999);
+          const on = !data.ball || (p[2] >= 0) === front;
+          if (b !== bin || !on || last === null) {
+            if (bin >= 0) g.stroke();
+            g.globalAlpha = (data.ball && !front ? 0.16 : 0.28 + 0.18 * b) * (f.count > 12 ? 0.6 : 1);
+            g.beginPath(); bin = b;
+            if (last !== null) g.moveTo(last[0], last[1]); else g.moveTo(p[0], p[1]);
+          }
+          if (on) g.lineTo(p[0], p[1]); else if (last !== null) g.moveTo(p[0], p[1]);
+          last = on ? p : null;
+        }
+        if (bin >= 0) g.stroke();
+      }
+    }
+    g.globalAlpha = 1;
+  }
+  function spins(front) {
+    const v = [0, 0, 0];
+    for (const f of families) {
+      if (!f.shown) continue;
+      const spots = [];
+      for (let site = 0; site < f.count; site++) spots.push(place(at(f, now, site, v)));
+      if (f.joined) {
+        g.lineWidth = 1.1; g.strokeStyle = f.colors[0]; g.globalAlpha = front ? 0.75 : 0.14;
+        g.beginPath();
+        for (let i = 0; i < f.count; i++) {
+          const p = spots[i], q = spots[(i + 1) % f.count];
+          if ((p[2] + q[2] >= 0) === front) { g.moveTo(p[0], p[1]); g.lineTo(q[0], q[1]); }
+        }
+        g.stroke();
+      }
+      const size = f.count > 200 ? 1.6 : f.count > 12 ? 3 : 5.5;
+      spots.forEach((p, site) => {
+        const seen = !data.ball || p[2] >= 0;
+        if (seen !== front) return;
+        g.globalAlpha = seen ? 1 : 0.28; g.fillStyle = hue(f, site);
+        g.beginPath(); g.arc(p[0], p[1], size, 0, 2 * Math.PI); g.fill();
+        if (size > 3) { g.strokeStyle = "#fff"; g.lineWidth = 1.2; g.stroke(); }
+      });
+    }
+    g.globalAlpha = 1;
+  }
+  function draw() {
+    unit = 0.39 * Math.min(width, height) * zoom;
+    g.clearRect(0, 0, width, height);
+    axes(false);
+    if (data.ball) ball();
+    for (const b of backdrop) polyline(b, 3, data.ball ? "rgba(90,100,112,.13)" : "rgba(90,100,112,.28)", 0.8, false);
+    trails(false); spins(false);
+    if (data.ball) {
+      for (const b of backdrop) polyline(b, 3, "rgba(90,100,112,.30)", 0.8, true);
+    }
+    axes(true);
+    if (data.ball) { trails(true); spins(true); } else { spins(true); }
+    const k = Math.min(Math.round(now), frames - 1), s = now - Math.floor(now);
+    const a = times[Math.floor(now)], b = times[Math.min(Math.floor(now) + 1, frames - 1)];
+    el("clock").textContent = "t = " + (a + s * (b - a)).toPrecision(6) +
+      (errors ? "    H \u2212 H\u2080 = " + show(errors[k]) : "");
+    drawStrip();
+  }
+
+  // ---- the strip of the energy error ----
+  const left = 74, right = 12, top = 16, bottom = 22;
+  function show(x) {
+    if (!(Math.abs(x) > 0)) return "0";
+    const exponent = Math.floor(Math.log10(Math.abs(x)));
+    if (exponent >= -3 && exponent < 4) return String(+x.toPrecision(3)).replace("-", "\u2212");
+    return x.toExponential(1).replace(/-/g, "\u2212").replace("e+", "e");
+  }
+  function drawStrip() {
+    if (!errors) return;
+    const w = strip.getBoundingClientRect().width, h = strip.getBoundingClientRect().height;
+    const span = times[frames - 1] - times[0] || 1;
+    const X = (t) => left + (w - left - right) * (t - times[0]) / span;
+    const low = data.low, high = data.high, Y = (y) => top + (h - top - bottom) * (high - y) / (high - low);
+    e.clearRect(0, 0, w, h);
+    e.font = "11.5px system-ui, sans-serif"; e.textBaseline = "middle"; e.textAlign = "right";
+    const marks = [high, low];
+    if (low < 0 && high > 0 && Math.abs(Y(0) - top) > 12 && Math.abs(Y(0) - h + bottom) > 12) marks.push(0);
+    for (const y of marks) {
+      e.strokeStyle = "#e3e6ea"; e.lineWidth = 1;
+      e.beginPath(); e.moveTo(left, Y(y)); e.lineTo(w - right, Y(y)); e.stroke();
+      e.fillStyle = "#5b6570"; e.fillText(show(y), left - 7, Y(y));
+    }
+    e.textAlign = "left"; e.fillText("energy error H \u2212 H\u2080 (model units)", left, 7);
+    e.textAlign = "center";
+    e.fillText(show(times[0]), left, h - 9); e.fillText("time t (model units)", (left + w - right) / 2, h - 9);
+    e.textAlign = "right"; e.fillText(show(times[frames - 1]), w - right, h - 9);
+    e.strokeStyle = "#0072B2"; e.lineWidth = 1.1; e.beginPath();
+    for (let k = 0; k < frames; k++) {
+      if (!isFinite(errors[k])) continue;
+      const x = X(times[k]), y = Y(errors[k]);
+      if (k === 0) e.moveTo(x, y); else e.lineTo(x, y);
+    }
+    e.stroke();
+    const k = Math.floor(now), s = now - k, next = Math.min(k + 1, frames - 1);
+    const t = times[k] + s * (times[next] - times[k]);
+    e.strokeStyle = "#D55E00"; e.beginPath(); e.moveTo(X(t), top - 2); e.lineTo(X(t), h - bottom + 2); e.stroke();
+    e.fillStyle = "#D55E00"; e.beginPath();
+    e.arc(X(t), Y(errors[Math.min(Math.round(now), frames - 1)]), 3.2, 0, 2 * Math.PI); e.fill();
+  }
+
+  // ---- time ----
+  let now = 0, playing = false, before = 0;
+  const speeds = [["\u00bc\u00d7", 0.25], ["\u00bd\u00d7", 0.5], ["1\u00d7", 1], ["2\u00d7", 2], ["4\u00d7", 4]];
+  const lengths = [["none", 0], ["short", 0.03], ["medium", 0.12], ["whole", Infinity]];
+  function choices(select, list, chosen) {
+    list.forEach(([name], i) => {
+      const option = document.createElement("option");
+      option.textContent = name; option.value = i; option.selected = i === chosen;
+      select.appendChild(option);
+    });
+  }
+  choices(el("speed"), speeds, 2);
+  choices(el("trail"), lengths, data.trail);
+  function trailLength() {
+    const share = lengths[el("trail").value][1];
+    return share === Infinity ? Infinity : share * (frames - 1);
+  }
+  function go(frame) {
+    now = Math.min(Math.max(frame, 0), frames - 1);
+    el("slider").value = frames > 1 ? Math.round(1000 * now / (frames - 1)) : 0;
+    draw();
+  }
+  function play(on) {
+    playing = on && frames > 1;
+    if (playing && now >= frames - 1) now = 0;
+    el("play").textContent = playing ? "Pause" : "Play";
+    before = 0;
+    if (playing) requestAnimationFrame(tick);
+  }
+  function tick(stamp) {
+    if (!playing) return;
+    const passed = before ? (stamp - before) / 1000 : 0;
+    before = stamp;
+    go(now + passed * speeds[el("speed").value][1] * (frames - 1) / data.seconds);
+    if (now >= frames - 1) play(false); else requestAnimationFrame(tick);
+  }
+  el("play").addEventListener("click", () => play(!playing));
+  el("slider").addEventListener("input", (event) => { play(false); go(event.target.value / 1000 * (frames - 1)); });
+  el("trail").addEventListener("change", draw);
+  el("reset").addEventListener("click", () => { reset(); draw(); });
+
+  // ---- hands: drag, wheel, pinch, keys ----
+  const held = new Map();
+  scene.addEventListener("pointerdown", (event) => {
+    scene.setPointerCapture(event.pointerId);
+    held.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  scene.addEventListener("pointermove", (event) => {
+    const was = held.get(event.pointerId);
+    if (!was) return;
+    const is = [event.clientX, event.clientY];
+    if (held.size === 1) drag((is[0] - was[0]) / unit, (is[1] - was[1]) / unit);
+    else if (held.size === 2) {
+      const other = [...held].find(([id]) => id !== event.pointerId)[1];
+      const far = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]);
+      zoom = Math.min(Math.max(zoom * far(is) / Math.max(far(was), 1), 0.4), 12);
+    }
+    held.set(event.pointerId, is);
+    draw();
+  });
+  const release = (event) => held.delete(event.pointerId);
+  scene.addEventListener("pointerup", release);
+  scene.addEventListener("pointercancel", release);
+  scene.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    zoom = Math.min(Math.max(zoom * Math.exp(-event.deltaY / 600), 0.4), 12);
+    draw();
+  }, { passive: false });
+  function seek(event) {
+    const box = strip.getBoundingClientRect();
+    const share = (event.clientX - box.left - left) / (box.width - left - right);
+    const t = times[0] + share * (times[frames - 1] - times[0]);
+    let k = 0;
+    while (k + 1 < frames && Math.abs(times[k + 1] - t) <= Math.abs(times[k] - t)) k++;
+    play(false); go(k);
+  }
+  strip.addEventListener("pointerdown", (event) => { strip.setPointerCapture(event.pointerId); seek(event); });
+  strip.addEventListener("pointermove", (event) => { if (event.buttons) seek(event); });
+  document.addEventListener("keydown", (event) => {
+    if (["SELECT", "INPUT", "BUTTON"].includes(event.target.tagName)) return;
+    const step = event.shiftKey ? 10 : 1, nudge = 0.08;
+    const keys = {
+      " ": () => play(!playing), ".": () => go(now + step), ",": () => go(now - step),
+      ArrowLeft: () => { drag(-nudge, 0); draw(); }, ArrowRight: () => { drag(nudge, 0); draw(); },
+      ArrowUp: () => { drag(0, -nudge); draw(); }, ArrowDown: () => { drag(0, nudge); draw(); },
+    };
+    if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
+  });
+
+  // ---- start ----
+  el("title").textContent = data.title;
+  el("facts").textContent = data.facts;
+  if (!errors) el("strip").classList.add("none");
+  for (const f of families) {
+    const item = document.createElement("li"), button = document.createElement("button");
+    const dot = document.createElement("i"), name = document.createElement("span");
+    dot.style.background = f.colors[0];
+    name.textContent = f.name + (f.count > 1 ? " (" + f.count + ")" : "");
+    button.type = "button"; button.title = "Show or hide"; button.setAttribute("aria-pressed", "true");
+    button.append(dot, name);
+    button.addEventListener("click", () => {
+      f.shown = !f.shown; button.setAttribute("aria-pressed", String(f.shown)); draw();
+    });
+    item.append(button); el("legend").append(item);
+  }
+  reset();
+  now = data.start * (frames - 1);
+  new ResizeObserver(resize).observe(el("stage"));
+  resize();
+  go(now);
+  if (data.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
+})();

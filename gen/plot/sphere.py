@@ -1,0 +1,107 @@
+"""Drawing on a shaded sphere: the front solid, the back faint."""
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.collections import LineCollection
+
+from .style import BLUE, FAINT, INK
+from .view import View, split, visible
+
+LIGHT = np.array([-0.45, 0.65, 0.61])       # direction of the light in view coordinates
+AXES = {"$w_x$": (1, 0, 0), "$w_y$": (0, 1, 0), "$w_z$": (0, 0, 1)}
+
+
+def shading(size: int = 240) -> np.ndarray:
+    """(size, size, 4) image of a matt ball that fills [-1, 1]^2, transparent outside."""
+    y, x = np.mgrid[1:-1:size * 1j, -1:1:size * 1j]
+    r2 = x * x + y * y
+    z = np.sqrt(np.clip(1 - r2, 0, 1))
+    lambert = np.clip((x * LIGHT[0] + y * LIGHT[1] + z * LIGHT[2]) / np.linalg.norm(LIGHT), 0, 1)
+    tone = 0.80 + 0.19 * lambert
+    alpha = np.clip((1 - np.sqrt(r2)) * size / 2, 0, 1)
+    return np.stack([tone * 0.985, tone * 0.993, np.minimum(tone * 1.01, 1), alpha], axis=-1)
+
+
+def graticule(step: int = 30, points: int = 121) -> list[np.ndarray]:
+    """Meridians and parallels of the unit sphere every `step` degrees, each (points, 3)."""
+    t = np.linspace(0, 2 * np.pi, points)
+    lines = [np.stack([np.cos(a) * np.sin(t), np.sin(a) * np.sin(t), np.cos(t)], 1)
+             for a in np.radians(np.arange(0, 180, step))]
+    for a in np.radians(np.arange(step - 90, 90, step)):
+        lines.append(np.stack([np.cos(a) * np.cos(t), np.cos(a) * np.sin(t),
+                               np.full_like(t, np.sin(a))], 1))
+    return lines
+
+
+def ball(ax, view: View = View(), radius: float = 1.0, axes: bool = True, label: str = "") -> None:
+    """An empty shaded sphere with its graticule and the ends of the coordinate axes on `ax`."""
+    ax.set_aspect("equal")
+    ax.axis("off")
+    ax.imshow(shading(), extent=[-radius, radius, -radius, radius], zorder=0,
+              interpolation="bilinear")
+    for line in graticule():
+        front, back = split(radius * line, view)
+        lines(ax, front, FAINT, 0.45, alpha=0.40, zorder=1.2)
+        lines(ax, back, FAINT, 0.4, alpha=0.13, zorder=1.1)
+    if axes:
+        axis_ends(ax, view, radius)
+    margin = 1.33 if axes else 1.05
+    ax.set_xlim(-margin * radius, margin * radius)
+    ax.set_ylim(-margin * radius, margin * radius)
+    ax.set_title(label)
+
+
+def axis_ends(ax, view: View, radius: float = 1.0) -> None:
+    """The three axes outside the ball, with their names; behind the ball where they point away."""
+    for name, end in AXES.items():
+        tip, start = view.project(end) * 1.2 * radius, view.project(end) * radius
+        behind = start[2] < 0
+        hidden = behind and np.hypot(*tip[:2]) < radius
+        ax.plot([start[0], tip[0]], [start[1], tip[1]], color=INK, lw=0.8,
+                alpha=0.25 if hidden else 0.8, zorder=0.5 if behind else 6)
+        if not hidden:
+            ax.annotate(name, tip[:2] * 1.0, xytext=(tip[0] * 1.07, tip[1] * 1.07),
+                        ha="center", va="center", fontsize=8.5, color=INK, zorder=7)
+
+
+def lines(ax, pieces, color, width, alpha=1.0, zorder=3.0, **more):
+    """Projected pieces as one collection; nothing for an empty list."""
+    if pieces:
+        return ax.add_collection(LineCollection(pieces, colors=color, linewidths=width,
+                                                alpha=alpha, zorder=zorder, capstyle="round",
+                                                **more), autolim=False)
+
+
+def curve(ax, w, view: View = View(), color=BLUE, width: float = 1.1, casimir=None,
+          reach=np.inf, **more) -> None:
+    """A trajectory w (k, 3), solid where it is seen and faint behind the surface."""
+    front, back = split(w, view, casimir, reach)
+    lines(ax, back, color, 0.8 * width, alpha=0.22, zorder=2.0, **more)
+    lines(ax, front, color, width, zorder=3.0, **more)
+
+
+def points(ax, w, view: View = View(), color=BLUE, size: float = 2.0, marker="o",
+           rasterized: bool = False, alpha: float = 1.0, zorder: float = 3.0,
+           edge="none", label=None) -> None:
+    """Points w (k, 3), solid where they are seen and faint behind."""
+    w = np.asarray(w, float).reshape(-1, 3)
+    flat, seen = view.project(w), visible(w, view)
+    for mask, strength, level in ((~seen, 0.16, zorder - 1), (seen, 1.0, zorder)):
+        ax.scatter(flat[mask, 0], flat[mask, 1], s=size, c=[color], marker=marker,
+                   alpha=alpha * strength, zorder=level, edgecolors=edge,
+                   linewidths=0 if edge == "none" else 0.8, rasterized=rasterized,
+                   label=label if level == zorder else None)
+
+
+def equilibria(ax, marks, view: View = View()) -> None:
+    """Mark equilibria: pairs (w (3,), kind), kind 'stable', 'unstable' or 'singular'.
+
+    Disc: stable. Open diamond: unstable. Triangle: degenerate. Cross: the energy is singular.
+    """
+    looks = {"stable": ("o", 26, INK, "white"), "unstable": ("D", 24, "white", INK),
+             "degenerate": ("^", 30, "white", INK),
+             "singular": ("X", 40, "#C8102E", "white")}
+    for kind, (marker, size, face, edge) in looks.items():
+        chosen = [w for w, k in marks if k == kind]
+        if chosen:
+            points(ax, chosen, view, face, size, marker, edge=edge, zorder=5, label=kind)

@@ -1,0 +1,34 @@
+"""User text in pictures and pages: shown as written, never interpreted."""
+from __future__ import annotations
+
+import html
+import json
+import unicodedata
+
+LONGEST = 200       # characters of a title or name that a picture shows
+
+
+def printable(text) -> str:
+    """`text` on one line, without control and invisible characters, at most LONGEST long."""
+    clean = "".join(" " if c.isspace() else c for c in str(text)
+                    if c.isspace() or unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Co", "Cn"))
+    return clean if len(clean) <= LONGEST else clean[:LONGEST - 1] + "\u2026"
+
+
+def shown(text) -> str:
+    """`text` for matplotlib: a dollar sign stays a dollar sign and starts no formula."""
+    return printable(text).replace("$", r"\$")
+
+
+def in_html(text) -> str:
+    """`text` for HTML, in an element or in a quoted attribute."""
+    return html.escape(printable(text), quote=True)
+
+
+def in_script(value) -> str:
+    """`value` as JSON that cannot end the <script> element which holds it.
+
+    Raises ValueError for NaN and infinities, which JSON does not have.
+    """
+    text = json.dumps(value, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
+    return text.replace("<", r"\u003c").replace(">", r"\u003e").replace("&", r"\u0026")

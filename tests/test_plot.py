@@ -1,0 +1,377 @@
+"""Pictures, by properties: what is drawn, where it is hidden, what bytes come out."""
+import base64
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from smidgen.errors import UsageError
+from smidgen.output import Result
+from smidgen.plot import chain, curves, draw, equilibria, leaf, orbits, pictures, player, portraits
+from smidgen.plot import sphere, style, surfaces, text, view
+from smidgen.plot.gallery import Picture, Row, gallery
+
+pytestmark = pytest.mark.quick
+INERTIA = np.array([1.0, 2.0, 4.0])
+HOSTILE = "</script><script>alert('1')</script>&\"$x_{$\\frac\u202e\x00 <b>"
+
+
+def midpoint(field, w, h, steps):
+    """Spherical midpoint W - w = h m x b(m), m = r (w+W)/|w+W|, by fixed-point iteration."""
+    w = np.array(w, float)
+    radius, path = np.linalg.norm(w, axis=-1, keepdims=True), [w]
+    for _ in range(steps):
+        end = w
+        for _ in range(100):
+            m = w + end
+            m = radius * m / np.linalg.norm(m, axis=-1, keepdims=True)
+            new = w + h * np.cross(m, field(m))
+            if np.array_equal(new, end):
+                break
+            end = new
+        w = end
+        path.append(w)
+    return np.array(path)
+
+
+def body(w):
+    return w / INERTIA
+
+
+def neighbours(w):
+    return np.roll(w, 1, axis=0) + np.roll(w, -1, axis=0)
+
+
+def energy_of(w):
+    return 0.5 * np.sum(w * w / INERTIA, axis=-1)
+
+
+@pytest.fixture(scope="module")
+def top():
+    w = midpoint(body, [[np.cos(1.1), 0, np.sin(1.1)]], 0.1, 200)
+    return result({"w": w}, energy=energy_of(w[:, 0]), casimirs=np.sum(w * w, axis=2),
+                  **{"momentum.w": w[:, 0]})
+
+
+@pytest.fixture(scope="module")
+def ring():
+    i = 2 * np.pi * np.arange(30) / 30
+    polar = 0.7 + 0.3 * np.sin(3 * i)
+    w = np.stack([np.sin(polar) * np.cos(i), np.sin(polar) * np.sin(i), np.cos(polar)], axis=1)
+    return result({"w": midpoint(neighbours, w, 0.1, 40)}, energy=np.zeros(41))
+
+
+def result(states, title="A title", **values):
+    """A Result as a run gives it, with only what pictures read."""
+    count = len(next(iter(states.values())))
+    meta = {"spec": "made", "title": title, "run": "demo", "method": "spherical-midpoint",
+            "h": 0.1, "done": count - 1, "orientation": 1,
+            "families": {n: w.shape[1] for n, w in states.items()}}
+    return Result(meta, np.arange(count), 0.1 * np.arange(count), states, values)
+
+
+# -- projection and hidden lines -------------------------------------------------------------
+
+def test_view_is_a_rotation():
+    m = view.View(71, -33).matrix
+    assert np.allclose(m @ m.T, np.eye(3)) and np.isclose(np.linalg.det(m), 1)
+
+
+def test_front_of_the_sphere_is_seen_and_the_back_is_not():
+    w = np.random.default_rng(1).standard_normal((500, 3))
+    w /= np.linalg.norm(w, axis=1, keepdims=True)
+    sight = view.View(10, 40)
+    assert np.array_equal(view.visible(w, sight), w @ sight.matrix[2] >= 0)
+
+
+@pytest.mark.parametrize("casimir", [np.diag([2.0, 1.0, 0.5]), np.diag([1.0, 1.0, -1.0])])
+def test_hidden_points_have_the_surface_before_them(casimir):
+    """Brute force: march along the ray from a point and look for a change of sign of C - c."""
+    rng, sight = np.random.default_rng(2), view.View(25, 15)
+    w = rng.standard_normal((300, 3))
+    w = w[np.einsum("ki,ij,kj->k", w, casimir, w) > 0.1]
+    w /= np.sqrt(0.5 * np.einsum("ki,ij,kj->k", w, casimir, w))[:, None]
+    ray = w[:, None] + np.linspace(1e-3, 60, 60000)[None, :, None] * sight.matrix[2]
+    level = 0.5 * np.einsum("ksi,ij,ksj->ks", ray, casimir, ray) - 1
+    crossed = np.any(level[:, 1:] * level[:, :-1] < 0, axis=1)
+    clear = np.abs(w @ casimir @ sight.matrix[2]) > 1e-2
+    assert np.array_equal(view.visible(w, sight, casimir)[clear], ~crossed[clear])
+
+
+def test_split_keeps_every_point_once_and_drops_nan():
+    t = np.linspace(0, 2 * np.pi, 100)
+    circle = np.stack([np.cos(t), np.sin(t), 0 * t], axis=1)
+    circle[50] = np.nan
+    front, back = view.split(circle, view.View())
+    assert len(front) >= 1 and len(back) >= 1
+    points = {tuple(p) for piece in front + back for p in piece}
+    assert len(points) == len({tuple(p) for p in view.View().project(circle)[:, :2]
+                               if np.isfinite(p[0])})
+
+
+# -- leaves ----------------------------------------------------------------------------------
+
+LEAVES = {
+    "plane": (np.diag([2.0, 0, 0]), [0.8, 0.5, -0.4]),
+    "hyperbolic cylinder": (np.array([[0, 1, 0], [1, 0, 0], [0, 0, 0.0]]), [-0.9, -0.6, 0.4]),
+    "cylinder": (np.diag([2.0, 2.0, 0]), [0.6, 0.8, 0.5]),
+    "one sheet": (np.array([[0, 0, 1], [0, 2, 0], [1, 0, 0.0]]), [0.7, 0.3, 0.9]),
+    "two sheets": (np.array([[0, 0, 1], [0, 2, 0], [1, 0, 0.0]]), [0.7, 0.3, -0.9]),
+    "sphere": (2 * np.eye(3), [0.5, -0.6, 1.1]),
+    "ellipsoid": (np.diag([1.0, 2.0, 3.0]), [0.5, -0.6, 1.1]),
+}
+
+
+@pytest.mark.parametrize("name", LEAVES)
+def test_mesh_lies_on_the_leaf_through_the_start(name):
+    A, w = LEAVES[name]
+    w = np.array([w])
+    sheet = leaf.leaf_of(A, [w])
+    grid = leaf.mesh(sheet)
+    level = 0.5 * np.einsum("mni,ij,mnj->mn", grid, np.asarray(A), grid)
+    assert np.allclose(level, 0.5 * w[0] @ A @ w[0], rtol=1e-9)
+    assert np.all(sheet.drawn(grid)) and sheet.drawn(w)[0]
+    assert np.min(np.linalg.norm(grid - w[0], axis=2)) < 0.2
+
+
+def test_no_leaf_on_the_cone():
+    with pytest.raises(UsageError, match="no symplectic leaf"):
+        leaf.leaf_of(np.diag([1.0, -1.0, 0.0]), [np.array([[1.0, 1.0, 0.3]])])
+
+
+# -- equilibria ------------------------------------------------------------------------------
+
+def test_equilibria_of_the_free_body():
+    found = equilibria.equilibria(body)
+    kinds_ = {tuple(np.round(w).astype(int)): k for w, k in found}
+    assert len(found) == 6
+    assert {w for w, k in kinds_.items() if k == "unstable"} == {(0, 1, 0), (0, -1, 0)}
+
+
+def test_stable_minus_unstable_is_the_euler_number():
+    """Poincare-Hopf: centres minus saddles = 2, for a field with neither symmetry nor chance."""
+    found = equilibria.equilibria(lambda w: w / INERTIA + np.array([0.05, -0.08, 0.11]) * w**2)
+    signs = [{"stable": 1, "unstable": -1}[k] for _, k in found]
+    assert sum(signs) == 2
+
+
+# -- text ------------------------------------------------------------------------------------
+
+def test_user_text_never_becomes_markup_or_script():
+    assert "<" not in text.in_html(HOSTILE) and '"' not in text.in_html(HOSTILE)
+    script = text.in_script({"title": HOSTILE})
+    assert "<" not in script and "&" not in script and json.loads(script) == {"title": HOSTILE}
+    assert "\u202e" not in text.shown(HOSTILE) and "\x00" not in text.shown(HOSTILE)
+
+
+def test_a_hostile_title_is_drawn(top, tmp_path):
+    hostile = result(top.w, HOSTILE, **top.values)
+    for kind in ("sphere", "energy", "player"):
+        path = draw.plot(hostile, kind, tmp_path / f"x.{'html' if kind == 'player' else 'svg'}")
+        assert path.stat().st_size > 1000
+    page = (tmp_path / "x.html").read_text()
+    assert page.count("<script") == 2 and "<b>" not in page
+
+
+def test_json_refuses_nan():
+    with pytest.raises(ValueError):
+        text.in_script([float("nan")])
+
+
+# -- every kind, every format ----------------------------------------------------------------
+
+@pytest.mark.parametrize("kind", [k for k in pictures.KINDS if k != "player"])
+def test_every_kind_draws_something_with_named_axes(kind, top):
+    full = result(top.w, **top.values, **{"energy.kinetic": top.values["energy"], "mz": top.t})
+    figure = style.styled(pictures.KINDS[kind][0])(full)
+    for ax in figure.axes:
+        drawn = len(ax.lines) + len(ax.collections) + len(ax.images)
+        assert drawn > 0
+        assert not ax.axison or ax.get_xlabel() or ax.get_ylabel()
+
+
+@pytest.mark.parametrize("ending", style.FORMATS)
+def test_same_result_same_bytes(ending, top, tmp_path):
+    a, b = (draw.plot(top, "energy", tmp_path / f"{n}.{ending}").read_bytes() for n in "ab")
+    assert a == b and len(a) > 1000
+
+
+def test_svg_of_a_sphere_has_the_same_bytes_and_no_date(top, tmp_path):
+    a, b = (draw.plot(top, "sphere", tmp_path / f"{n}.svg").read_bytes() for n in "ab")
+    assert a == b and b"<dc:date>" not in a
+
+
+def test_auto_chooses_what_suits(top, ring):
+    assert pictures.suitable(top, False) == "sphere"
+    assert pictures.suitable(top, True) == "player"
+    assert pictures.suitable(ring, False) == "chain"
+    assert pictures.suitable(Result(top.meta, top.step, top.t, None, top.values), False) == "invariants"
+    w = top.w["w"] * np.array([1, 2, 3])
+    assert pictures.suitable(result({"w": w}), False) == "leaf"
+
+
+def test_the_callers_own_style_survives(top, tmp_path):
+    import matplotlib
+    before = dict(matplotlib.rcParams)
+    draw.plot(top, "energy", tmp_path / "a.png")
+    assert dict(matplotlib.rcParams) == before
+
+
+# -- errors ----------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("kind, out, words", [
+    ("energie", None, "did you mean 'energy'"), ("energy", "a.gif", "ending"),
+    ("player", "a.png", ".html"), ("energy", "a.html", "player"), ("auto", "a.gif", "ending"),
+])
+def test_wrong_wishes_are_usage_errors(kind, out, words, top, tmp_path):
+    with pytest.raises(UsageError, match=re.escape(words)):
+        draw.plot(top, kind, None if out is None else tmp_path / out)
+
+
+def test_missing_columns_say_what_to_ask_for(top, tmp_path):
+    bare = Result(top.meta, top.step, top.t, None, {})
+    for kind in pictures.KINDS:
+        with pytest.raises(UsageError, match="--what"):
+            draw.plot(bare, kind, tmp_path / ("a.html" if kind == "player" else "a.png"))
+
+
+def test_a_folder_that_cannot_be_written(top, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="cannot write"):
+        draw.plot(top, "energy", tmp_path / "file" / "a.png")
+    with pytest.raises(UsageError, match="cannot write"):
+        draw.plot(top, "player", tmp_path / "file" / "a.html")
+
+
+# -- curves ----------------------------------------------------------------------------------
+
+def test_envelope_keeps_the_extremes():
+    y = np.random.default_rng(3).standard_normal(100_000)
+    t, short = curves.envelope(np.arange(y.size), y)
+    assert short.size <= curves.POINTS and short.max() == y.max() and short.min() == y.min()
+    assert np.all(np.diff(t) > 0)
+
+
+def test_slope_triangle_has_the_slope():
+    h = 2.0 ** -np.arange(1, 8)
+    figure = curves.error_against_step([("a", {"spherical-midpoint": (h, h**2)})])
+    x, y = figure.axes[0].lines[-1].get_data()
+    assert np.isclose(np.log(y[2] / y[1]) / np.log(x[1] / x[0]), 2)
+    assert len(figure.axes[0].lines) == 2
+
+
+def test_methods_differ_in_colour_dash_and_marker():
+    looks = list(style.METHODS.values())
+    for column in (1, 2, 3):
+        assert len({look[column] for look in looks}) == len(looks)
+
+
+# -- figures ---------------------------------------------------------------------------------
+
+def test_four_vortices_of_the_manifold():
+    w = portraits.on_manifold(0.9, 0.4)
+    assert np.allclose(np.linalg.norm(w, axis=1), 1) and np.allclose(w.sum(axis=0), 0)
+
+
+def test_orbits_on_inner_spheres_are_hidden_but_where_the_outer_is_cut():
+    nest = orbits.Nest((0.5, 1.0), (-30, 90))
+    toward = view.View(30, 30).matrix[2]
+    assert nest.seen(0.5 * toward[None], view.View(30, 30))[0]
+    assert not nest.seen(0.5 * view.View(-120, 30).matrix[2][None], view.View(-120, 30))[0]
+
+
+def test_chain_figures(ring):
+    image = chain.chain_image(ring.t, ring.w["w"])
+    assert [len(ax.images) for ax in image.axes[:3]] == [1, 1, 1]
+    spheres = chain.chain_curves(ring.t, ring.w["w"], times=[0, 2, 4])
+    assert len(spheres.axes) == 3
+
+
+def test_section_draws_every_point():
+    w = np.random.default_rng(4).standard_normal((200, 3))
+    w /= np.linalg.norm(w, axis=1, keepdims=True)
+    figure = portraits.sections([("a", [w], []), ("b", [], [w])])
+    for ax in figure.axes:
+        assert sum(len(c.get_offsets()) for c in ax.collections if hasattr(c, "get_sizes")) == 200
+
+
+def test_leaves_and_orbits(top):
+    figure = surfaces.leaves([{"title": n, "casimir": A, "curves": [np.array([w, w])]}
+                              for n, (A, w) in LEAVES.items()])
+    assert len(figure.axes) == len(LEAVES)
+    assert orbits.coadjoint_orbits([top.w["w"][:, 0], 0.5 * top.w["w"][:, 0]]).axes
+
+
+def test_shading_is_a_ball():
+    image = sphere.shading(64)
+    assert image[0, 0, 3] == 0 and image[32, 32, 3] == 1 and image.max() <= 1
+
+
+# -- the player ------------------------------------------------------------------------------
+
+def data_of(page):
+    return json.loads(re.search(r'id="data">(.*?)</script>', page, re.S).group(1))
+
+
+def test_player_carries_the_states(top):
+    data = data_of(pictures.draw_player(top))
+    w = np.frombuffer(base64.b64decode(data["families"][0]["w"]), "<i2").reshape(-1, 1, 3)
+    assert np.allclose(w * data["quantum"], top.w["w"], atol=1e-4)
+    assert np.array_equal(np.frombuffer(base64.b64decode(data["t"])), top.t)
+
+
+def test_player_loads_nothing(top):
+    page = pictures.draw_player(top)
+    assert "http:" not in page and "https:" not in page and "src=" not in page and "default-src 'none'" in page
+
+
+def test_player_is_limited(top):
+    w = np.zeros((5000, 2000, 3)) + [0, 0, 1]
+    page = player.player_page(np.arange(5000.0), {"w": w}, np.arange(5000.0))
+    assert len(page) < 6e6
+
+
+def test_player_without_states():
+    with pytest.raises(UsageError, match="states"):
+        player.player_page(np.arange(3), {})
+
+
+def test_player_survives_nan(top):
+    w = top.w["w"].copy()
+    w[-1] = np.nan
+    energy = top.values["energy"].copy()
+    energy[-1] = np.inf
+    assert data_of(player.player_page(top.t, {"w": w}, energy))["low"] <= 0
+
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_player_in_a_browser(top, tmp_path):
+    """A headless browser runs the script: the clock shows the time, the canvas is painted."""
+    hostile = result(top.w, HOSTILE, **top.values)
+    page = draw.plot(hostile, "player", tmp_path / "p.html")
+    dump = subprocess.run(
+        [CHROMIUM, "--no-sandbox", "--headless=new", "--disable-gpu", "--virtual-time-budget=1000",
+         f"--user-data-dir={tmp_path}/profile", "--dump-dom", f"file://{page}"],
+        capture_output=True, text=True, timeout=120).stdout
+    assert re.search(r'<div id="clock"[^>]*>t = 0\.00000 +H \u2212 H\u2080 = 0</div>', dump)
+    assert "&lt;/script&gt;" in dump and dump.count("<script") == 2
+
+
+# -- the page --------------------------------------------------------------------------------
+
+def test_gallery_is_one_file(top, tmp_path):
+    picture = draw.plot(top, "energy", tmp_path / "e.svg")
+    played = draw.plot(top, "player", tmp_path / "p.html")
+    page = gallery(tmp_path / "out", ["system", "error *", "note"],
+                   [Row((HOSTILE, "1e-3", "fine"), True), Row(("b", "2", "bad"), False)],
+                   [Picture("e", picture, HOSTILE, "words"), Picture("p", played, "Player")], "T")
+    words = page.read_text()
+    assert words.count("<img") == 1 and words.count("<iframe") == 1
+    assert "<script" not in words and 'class="bad"' in words and "FAILED" in words
+    assert "http:" not in words and "https:" not in words
