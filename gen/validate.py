@@ -237,7 +237,7 @@ def expected_values(case, w, t) -> dict:
     found.update({f"energy.{name}": e for name, e in one.energies(w, t).items()})
     for family, (first, count) in one.families.items():
         part = slice(first, first + count)
-        total = np.sum(one.kappa[part, None] * w[part], axis=0)
+        total = [math.fsum(column) for column in (one.kappa[part, None] * w[part]).T]
         found.update({f"momentum.{family}.{axis}": total[k] for k, axis in enumerate("xyz")})
     return found
 
@@ -328,12 +328,12 @@ def converge(case, start):
             if doubled == DOUBLINGS or halved:
                 return time, steps, errors, tried
             time, steps, doubled = 2 * time, 2 * steps, doubled + 1
-            tried = f" (time doubled {doubled} times: smaller errors are round-off)"
+            tried = f" (time doubled {doubled} times to rise above round-off)"
         elif errors is not None and shows_order(errors, size(start)) or halved == HALVINGS:
             return time, steps, errors or [math.nan] * 3, tried
         else:
             steps, halved = 2 * steps, halved + 1
-            tried = f" (h halved {halved} times: the run's h is too large for the order to show)"
+            tried = f" (h halved {halved} times to see the order)"
 
 
 def shows_order(errors, scale):
