@@ -541,11 +541,21 @@ def generate(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto
     return files
 
 
+# A model calls some of the runtime's functions only; in a header no compiler minds.
+UNUSED_PUSH = """#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif"""
+UNUSED_POP = """#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif"""
+
+
 def inline_runtime(files: Files, name: str) -> Files:
     """Runtime headers put in the place of their #include, each once."""
     seen: set = set()
 
-    def expand(text: str) -> str:
+    def expand(text: str, outermost: bool = True) -> str:
         lines = []
         for line in text.splitlines():
             included = line.removeprefix('#include "').removesuffix('"') if line.startswith('#include "smg') or \
@@ -554,7 +564,8 @@ def inline_runtime(files: Files, name: str) -> Files:
                 lines.append(line)
             elif included not in seen:
                 seen.add(included)
-                lines.append(expand(read_runtime(included)))
+                inside = expand(read_runtime(included), False)
+                lines += [UNUSED_PUSH, inside, UNUSED_POP] if outermost else [inside]
         return "\n".join(lines)
 
     out = Files()
