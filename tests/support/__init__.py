@@ -1,0 +1,1 @@
+"""What several tests share: the shipped systems, exact solutions, tangents, strict compilers."""

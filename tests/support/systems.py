@@ -1,0 +1,57 @@
+"""The shipped specs, and how their first runs begin."""
+from dataclasses import dataclass
+
+import numpy as np
+
+import smidgen
+from smidgen.errors import UsageError
+from smidgen.library import METHODS
+from smidgen.resources import folder
+from smidgen.settings import settle
+from smidgen.start import initial_state
+
+SPECS = sorted(path.stem for path in folder("specs").glob("*.toml"))
+SPHERICAL, CLASSICAL, VESELOV = METHODS
+SHORT = {SPHERICAL: "SM", CLASSICAL: "CM", VESELOV: "DMV"}
+FREE_BODIES = ("free_rigid_body", "lagrange")      # what Moser-Veselov accepts
+
+
+@dataclass(frozen=True)
+class Begin:
+    """A spec with the values, the start w of shape (sites, 3) and the h of its first run."""
+    spec: smidgen.spec.Spec
+    values: dict
+    w: np.ndarray
+    h: float
+
+
+def load(name):
+    """The shipped spec of that name."""
+    return smidgen.load(folder("specs") / f"{name}.toml")
+
+
+def begin(name, **values):
+    """The first run of a shipped spec, with some values replaced."""
+    spec = load(name)
+    run = settle(spec, None, values=values)
+    return Begin(spec, run.values, initial_state(spec, run.start, run.values), run.h)
+
+
+def model(case, method=SPHERICAL, **more):
+    """The compiled system of a Begin."""
+    return smidgen.build(case.spec, method=method, values=case.values, **more)
+
+
+def accepts(name, method):
+    """Does the compiler take this method for this spec? A refusal must be a plain sentence."""
+    try:
+        model(begin(name), method)
+    except UsageError as refusal:
+        assert str(refusal).startswith("method")
+        return False
+    return True
+
+
+def on_leaf(w, radius=1.0):
+    """Vectors scaled to the length `radius` in their own precision."""
+    return w * (radius / np.sqrt(np.sum(w * w, axis=1)))[:, None]
