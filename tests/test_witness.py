@@ -1,6 +1,10 @@
 """The witness: its derivatives, instances, steps and flow, each against something else."""
 import dataclasses
 import itertools
+import re
+import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -370,3 +374,47 @@ def test_missing_gsl_is_named(tmp_path, monkeypatch, said, error):
     with pytest.raises(MissingTool, match="no C compiler"):
         monkeypatch.setenv("CC", "no-such-compiler")
         native._built()
+
+
+# -- the C and the page ----------------------------------------------------------------------------
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_the_c_is_free_of_warnings(compiler, tmp_path):
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    sources = sorted(map(str, native.HERE.glob("*.c")))
+    subprocess.run([compiler, "-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow",
+                    "-Wconversion", "-Wvla", "-Werror", "-c", *sources], cwd=tmp_path, check=True)
+
+
+SANITIZED = """
+import sys
+sys.path.insert(0, {tests!r})
+import test_witness as t
+t.test_errors_of_the_free_body((1, 2, 4), 3)
+t.test_tracers_feel_and_do_not_act()
+t.test_lagrange_system_keeps_both_quadratics()
+t.test_implicit_flows_agree("bsimp", 1e-12, 1e-10)
+t.test_one_spin_in_a_perpendicular_field()
+"""
+
+
+def test_the_c_passes_sanitizers(monkeypatch, tmp_path, root):
+    library = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True,
+                             text=True, check=True).stdout.strip()
+    code = "import smidgen.witness.native as n; n.FLAGS += ('-g', '-fsanitize=address,undefined'," \
+           " '-fno-sanitize-recover=all')" + SANITIZED.format(tests=str(root / "tests"))
+    monkeypatch.setenv("LD_PRELOAD", library)
+    monkeypatch.setenv("ASAN_OPTIONS", "detect_leaks=0")
+    monkeypatch.setenv("CC", "gcc")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+def test_the_page_runs(root, monkeypatch):
+    monkeypatch.chdir(root)
+    page = (root / "docs" / "witness.md").read_text()
+    names = {}
+    for block in re.findall(r"```python\n(.*?)```", page, re.S):
+        exec(block, names)
+    assert names["one"].steps(names["w"], 0.0, 0.1, 1000, every=10).shape == (101, 20, 3)
