@@ -32,6 +32,8 @@ def with_effects(spec: Spec, names) -> Spec:
     if names is None:
         return spec
     known = [e.name for e in spec.effects]
+    if not names:
+        raise UsageError("no effect is named; there are: " + ", ".join(known))
     for name in names:
         if name not in known:
             raise UsageError(f"there is no effect `{name}` in {spec.name}: "

@@ -12,6 +12,7 @@ from smidgen.errors import Exit, SpecError
 from smidgen.read import load
 from smidgen.read.codes import CODES
 
+pytestmark = pytest.mark.quick
 BAD = Path(__file__).parent / "bad"
 SPECS = sorted(BAD.glob("*.toml"))
 UPDATE = bool(os.environ.get("SMIDGEN_UPDATE_GOLDEN"))

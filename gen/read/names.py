@@ -14,8 +14,7 @@ FUNCTIONS = frozenset(
     "dot cross triple norm vec sqrt exp log sin cos tan asin acos atan atan2 "
     "sinh cosh tanh abs min max floor mod if".split())
 CONSTANTS = frozenset(("t", "pi"))
-GRAMMAR = frozenset("and or not of on site pair each bond edge chain square cubic "
-                    "periodic open".split())
+GRAMMAR = frozenset("and or not of on periodic open".split())
 C_WORDS = frozenset("""
     auto break case char const continue default do double else enum extern float for goto
     if inline int long register restrict return short signed sizeof static struct switch
@@ -39,8 +38,10 @@ C_WORDS = frozenset("""
 PYTHON_WORDS = frozenset("None True False def lambda import from pass del is in as with "
                          "yield raise global nonlocal except finally await async elif".split())
 DECLARED = ("parameter", "formula", "family of vectors")
+NEVER_SPOKEN = ("model", "effect", "observable")                # in no formula
 OUTSIDE = ("run", "start", "lattice", "graph", "bond list")     # never a word of the C
 OUTPUTS = ("states", "energy", "momentum", "casimirs")
+COLUMNS = OUTPUTS + ("time", "step", "t", "meta", "final")      # words of the output files
 
 
 def article(what: str) -> str:
@@ -74,7 +75,8 @@ def identifier(problems: Problems, span: Span, name: str, what: str) -> str:
 
 def reserved(problems: Problems, span: Span, name: str, what: str) -> None:
     """Refuse the words of C, C++, Python and of the language itself."""
-    for words, owner in ((FUNCTIONS | CONSTANTS | GRAMMAR, "the formula language"),
+    spoken = frozenset() if what in NEVER_SPOKEN else FUNCTIONS | CONSTANTS | GRAMMAR
+    for words, owner in ((spoken, "the formula language"),
                          (C_WORDS, "C or C++"), (PYTHON_WORDS, "Python")):
         if name in words:
             problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}: "

@@ -8,7 +8,7 @@ from ..expr import Elem, Expr, Idx, Num
 from ..spec import Family
 from . import codes
 from .formulas import Formulas
-from .names import identifier
+from .names import COLUMNS, identifier
 from .parameters import bounded
 from .problems import Problems
 from .quadratic import NotPolynomial, matrix
@@ -41,8 +41,8 @@ class SpaceReader:
 
     def family(self, node: Node) -> None:
         name = identifier(self.problems, node.key, node.name, "family of vectors")
-        if name in self.declared.names():
-            self.problems.fail(codes.CLASH, node.key, f"`{name}` is declared already",
+        if name in self.declared.names() or name in COLUMNS:
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` means something already",
                                "choose another name")
         kind = self.kind(node)
         node.table(kind, *KEYS[kind])

@@ -5,7 +5,7 @@ from ..expr import Op, Spin, walk
 from ..spec import Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
 from . import codes
 from .formulas import Formulas
-from .names import OUTPUTS, identifier
+from .names import COLUMNS, identifier
 from .over import OverReader
 from .problems import Problems
 from .scope import Declared, Scope, is_single
@@ -30,7 +30,7 @@ class TermReader:
 
     def term(self, node: Node, key: str, what: str, taken) -> Term:
         name = identifier(self.problems, node.key, node.name, what)
-        if name in taken or name in OUTPUTS + ("time", "step"):
+        if name in taken or name in COLUMNS or name in self.declared.families:
             self.problems.fail(codes.CLASH, node.key, f"`{name}` is the name of another output",
                                "choose another name")
         node.table("over", key, "meaning", "unit")

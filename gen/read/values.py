@@ -26,9 +26,6 @@ class ValueReader:
         return node.name, self.value(node, known[node.name])
 
     def value(self, node: Node, p: Parameter):
-        if p.fixed:
-            node.wrong(codes.CONFLICT, f"`{p.name}` is fixed when compiling",
-                       "leave out `fixed = true` in its declaration")
         if p.kind == "array":
             if node.is_number():
                 return (float(node.number()),)
