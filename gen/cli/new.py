@@ -23,8 +23,11 @@ def command(args):
     """Write the file; an existing one is never overwritten."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", args.name):
         raise UsageError(f"'{args.name}' is no name: letters, digits and _, a letter first")
+    from ..read import load_text
     path = Path(args.out or f"{args.name}.toml")
     text = renamed(source_text(args.source), args.name)
+    if args.source is None:
+        load_text(text)                 # a reserved word as a name is refused here
     try:
         with open(path, "x", encoding="utf-8") as out:
             out.write(text)
