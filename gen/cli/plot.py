@@ -1,15 +1,42 @@
-"""`smidgen plot`."""
-from .options import json_option, spec_argument
+"""`smidgen plot`: a picture of a result, or the page that turns and plays it."""
+from __future__ import annotations
+
+from ..errors import UsageError
+from .options import json_option
+from .say import printed
+
+EXAMPLES = """  smidgen plot chain.h5
+  smidgen plot chain.h5 --kind energy --out energy.pdf
+  smidgen plot free_rigid_body demo --out top.html   runs it, writes a page that plays it
+  smidgen plot --kinds                               what can be drawn"""
 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("plot", command, "plot", "  smidgen plot heisenberg_chain")
-    spec_argument(parser)
+    parser = commands.add("plot", command, "draw a result, or a spec that is run for it", EXAMPLES)
+    parser.add_argument("source", metavar="SOURCE", nargs="?",
+                        help="a file that `smidgen run` wrote, or a SPEC")
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
+    parser.add_argument("--kind", default="auto", help="what to draw; default: what suits")
+    parser.add_argument("--out", metavar="FILE", help=".png, .svg, .pdf or .html (a player)")
+    parser.add_argument("--kinds", action="store_true", help="list the kinds")
     json_option(parser)
 
 
 def command(args):
-    """Not there yet."""
-    from ..errors import MissingTool
-    raise MissingTool("plot is not part of this build")
+    """Write the picture; its path is the data."""
+    from ..plot import kinds, plot
+    if args.kinds:
+        return show_kinds(args, kinds())
+    if args.source is None:
+        raise UsageError("draw what? give a file that `smidgen run` wrote, or a spec")
+    path = plot(args.source, args.kind, args.out, args.run)
+    printed({"out": str(path)}) if args.json else print(path)
+
+
+def show_kinds(args, found: dict):
+    """One line a kind."""
+    if args.json:
+        return printed(found)
+    for name, meaning in found.items():
+        print(f"{name:12} {meaning}")
