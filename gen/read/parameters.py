@@ -90,9 +90,9 @@ def sized(node: Node) -> bool:
 
 
 def bounded(section: Node, most: int, what: str) -> None:
-    """Refuse a section with too many entries."""
+    """Report a section with too many entries."""
     if len(section.raw) > most:
-        section.problems.fail(codes.LIMIT, section.key, f"{len(section.raw)} {what}; "
+        section.problems.note(codes.LIMIT, section.key, f"{len(section.raw)} {what}; "
                               f"at most {most} are allowed")
 
 

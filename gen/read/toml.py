@@ -51,7 +51,7 @@ def lexical(text: str, problems: Problems) -> None:
 def bounded(node: Node) -> Node:
     """Refuse tables and lists that lie too deep inside each other."""
     layer = [node]
-    for _ in range(limits.NESTING):
+    for _ in range(limits.NESTING + 1):
         layer = [child for item in layer for child in item.children()]
     for child in layer:
         child.wrong(codes.LIMIT, *TOO_DEEP)
