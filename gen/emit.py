@@ -5,18 +5,23 @@ The functions here only fill slots; what is C beyond a slot lives in templates/.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import comb
 
+import sympy as sp
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from .cprint import number
-from .kernels import term_kernels
-from .loops import Loops, graph_name, indent
+from .colouring import colouring
+from .kernels import function, term_kernels
+from .loops import Loops, graph_name, indent, loop
 from .lower import CLOCK, PREPARE, Lowering
 from .indices import safe_indices
 from .plan import choose
 from . import __version__ as VERSION
 from .resources import folder
-from .spec import Graph, Lattice, Spec
+from .spec import Graph, Lattice, Sites, Spec
+
+HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
 
 METHODS = {"spherical-midpoint": "spherical midpoint (symplectic, order 2)",
            "classical-midpoint": "classical midpoint (comparator: not symplectic on spheres)",
@@ -106,7 +111,6 @@ class Emitter:
     def casimir(self, f):
         """C v, the gradient of C(v) = v.C v/2, as three sums over the non-zero entries."""
         entries = [low_entry for row in f.casimir for low_entry in row]
-        import sympy as sp
         from .derive import scalar
         values, leaves = [], {}
         for e in entries:
@@ -122,7 +126,6 @@ class Emitter:
 
     def h_over(self, f, kappa):
         """h/kappa, as a product with a hoisted inverse where kappa is the same for all sites."""
-        import sympy as sp
         from .derive import scalar
         value, leaves = scalar(f.kappa)
         inverse = self.low.kernel([1 / value], leaves)
@@ -194,17 +197,31 @@ class Emitter:
                     yield t, k
 
     def gather(self, family: str, what: str, lines):
-        text = "\n".join(lines)
         out = ["const smg_real *v", "smg_real *y"] if what == "curvature" else ["smg_real *g"]
-        head = (f"static inline void {self.M}_{family}_{what}(const {self.M}_coefficients *c, int64_t site, "
-                f"const smg_real *all, const smg_real *own, {', '.join(out)}) {{")
-        void = [f"(void){n};" for n in ("c", "site", "all", "own", *(o.split('*')[1] for o in out))]
-        return "\n".join([head, *indent(["".join(void)]), *indent(lines), "}"]) + ("\n" if text else "\n")
+        place = self.place(family)
+        return function(f"void {self.M}_{family}_{what}",
+                        [f"const {self.M}_coefficients *c", *(f"int64_t {n}" for n in place),
+                         "const smg_real *all", "const smg_real *own", *out], lines,
+                        ["c", *place, "all", "own", *(o.split("*")[1] for o in out)]) + "\n"
+
+    def place(self, family: str):
+        """What a gather must know of a site: its number and, on a lattice, its cell and place."""
+        lattice = self.lattice(family)
+        return ["site"] if lattice is None else ["site", "sub", *(f"s{d}" for d in range(len(lattice.size)))]
+
+    def lattice(self, family: str):
+        """The lattice that a swept family lives on, when all its bonds agree on it."""
+        if not self.plan.rotation or family not in self.plan.coupled:
+            return None
+        overs = [t.over for t, _ in self.roles(family) if isinstance(t.over, Lattice)]
+        same = {(o.size, o.sites) for o in overs}
+        return overs[0] if len(same) == 1 else None
 
     def gather_gradient(self, family: str):
+        placed = self.lattice(family) is not None
         lines = []
         for t, k in self.roles(family):
-            lines += self.loops.gather(t.over, t.slots[k], lambda _, t=t, k=k: self.gather_body(t, k))
+            lines += self.loops.gather(t.over, t.slots[k], lambda _, t=t, k=k: self.gather_body(t, k), placed)
         return self.gather(family, "gather", lines)
 
     def seen(self, t, k):
@@ -230,6 +247,52 @@ class Emitter:
         """A site alone in a field that does not depend on it: the step is an exact rotation."""
         return self.method == "spherical-midpoint" and f.kind != "nambu" and self.is_linear(f.name)
 
+    # -- sweeps -----------------------------------------------------------------------------
+    def sweep_loops(self):
+        """All sites of the swept families, those of a lattice by colour."""
+        lines = []
+        for f in self.chosen(self.plan.coupled):
+            call = f"{self.M}_{f.name}_relax(s, h, {{}}, &change);"
+            lattice = self.lattice(f.name)
+            if lattice is None:
+                lines += loop("site", f.count, [call.format("site")])
+                continue
+            overs = [t.over for t, _ in self.roles(f.name) if isinstance(t.over, Lattice)]
+            cells = ", ".join(f"s{d}" for d in range(len(lattice.size)))
+            lines += self.loops.by_colour(lattice, colouring(overs),
+                                          lambda sub: [call.format(f"site, {sub}, {cells}")])
+        return "\n".join(indent(lines))
+
+    def reach(self):
+        """Sum of the norms of the Hessian blocks in a row, where they are the same for all sites; else None."""
+        found = {}
+        for f in self.chosen(self.plan.coupled):
+            rows = [0] * max([t.over.sites for t, _ in self.roles(f.name) if isinstance(t.over, Lattice)] or [1])
+            for t, k in self.roles(f.name):
+                norm = self.block_norm(t, k)
+                if norm is None:
+                    return None
+                for sub, times_seen in meetings(t, k, len(rows)):
+                    rows[sub] += times_seen * norm
+            kernel = self.low.kernel(rows, {})
+            if kernel.lines:
+                return None
+            found[f.name] = " + ".join(f"({r})" for r in dict.fromkeys(kernel.results))
+        return found
+
+    def block_norm(self, t, k):
+        """Frobenius norm of the row of Hessian blocks of slot k, if no site enters it."""
+        if not isinstance(t.over, (Lattice, Sites)):
+            return None
+        total_norm = sp.S.Zero
+        for (a, _), block in t.derived.hessian.items():
+            if a == k:
+                values = [self.low.number_values(x) for x in block]
+                if any(self.low.when(x) > CLOCK for x in values):
+                    return None
+                total_norm += sp.sqrt(sum(x ** 2 for x in values))
+        return total_norm
+
     # -- text -------------------------------------------------------------------------------
     def render(self, template: str, **slots) -> str:
         return self.env.get_template(template).render(M=self.M, method=self.method, BS=self.plan.block, **slots)
@@ -238,17 +301,18 @@ class Emitter:
         return [f for f in self.families if f.name in names]
 
     def common(self):
-        return dict(families=self.families, coupled=self.chosen(self.plan.coupled),
+        weights = ", ".join("{" + ", ".join(str((-1) ** j * comb(d + 1, j + 1)) for j in range(d + 1)) + "}"
+                            for d in range(HISTORY))
+        return dict(H=HISTORY, weights=weights, families=self.families, coupled=self.chosen(self.plan.coupled),
                     local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.rows,
-                    solver=self.plan.solver, newton=self.plan.newton, orientation=self.spec.orientation,
+                    solver=self.plan.solver, newton=self.plan.newton, rotation=self.plan.rotation, orientation=self.spec.orientation,
                     band=self.plan.band, wrap=self.plan.wrap)
 
     def arrays(self):
         """The arrays of the state: name, number of entries, meaning."""
         n3, n1 = times(3, self.total), self.total
         found = [("w", n3, "the state: 3 numbers per site"), ("carry", n3, "what w has lost to rounding"),
-                 ("u", n3, "increment W - w of the step under way"), ("u1", n3, "increment of the last step"),
-                 ("u2", n3, "of the one before"), ("u3", n3, "and of the one before that")]
+                 ("u", n3, "increment W - w of the step under way")]
         if any(f.kind != "sphere" for f in self.families):
             found.append(("level", n1, "|w| or C(w): the leaf each site is on"))
         found.append(("m", n3, "the points where the field is taken") if self.plan.coupled else
@@ -288,7 +352,7 @@ class Emitter:
         graphs = {graph_name(t.over): t.over for t in [*self.effects, *self.observables]
                   if isinstance(t.over, Graph)}
         for name, over in graphs.items():
-            found += graph_tables(self.M, name, over, self.plan.solver == "rotation" or bool(self.tracers))
+            found += graph_tables(self.M, name, over, self.plan.rotation or bool(self.tracers))
         if self.plan.solver == "sparse":
             found += pattern_tables(self.M, self.plan.pattern)
         return found
@@ -301,18 +365,24 @@ class Emitter:
         solver_text = ""
         if self.plan.coupled:
             solver_text = self.render("newton.c.j2", **slots)
-            if not self.plan.newton:
-                solver_text += self.render("sweep.c.j2", **slots)
+            if not self.plan.newton or self.plan.rotation:
+                solver_text += self.render("sweep.c.j2", **self.sweep_slots(), **slots)
         local_text = "".join(self.render("local.c.j2", f=f, linear=self.closed_form(f))
                              for f in self.chosen(self.plan.local))
         return self.render("step.c.j2", solver_text=solver_text, local_text=local_text,
                            needs_level=any(f.kind != "sphere" for f in self.families), **slots)
 
+    def sweep_slots(self):
+        if not self.plan.rotation:
+            return dict(sweep_loops="", reach=None, place={})
+        return dict(sweep_loops=self.sweep_loops(), reach=self.reach(),
+                    place={f: self.place(f) for f in self.plan.coupled})
+
     def gathers(self):
         text = []
         local = self.plan.local
         for f in self.families:
-            if f.name in local or self.plan.solver == "rotation":
+            if f.name in local or self.plan.rotation:
                 text.append(self.gather_gradient(f.name))
             if f.name in local and not self.closed_form(f):
                 text.append(self.gather_curvature(f.name))
@@ -420,7 +490,7 @@ class Emitter:
 
     def header(self) -> str:
         return self.render(
-            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(),
+            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=HISTORY,
             integer_names=list(self.low.integers.values()), effects=[e.name for e in self.spec.effects],
             hoisted_names=[name for name, _, _ in self.low.coefficients()],
             observables=[o.name for o in self.spec.observables], **self.banner())
@@ -451,6 +521,15 @@ class Emitter:
         return self.render("abi.c.j2", assignments=lines, prototypes=PROTOTYPES(self.M),
                            effects=[e.name for e in self.spec.effects],
                            observables=[o.name for o in self.spec.observables], families=self.families)
+
+
+def meetings(t, k: int, subs: int):
+    """How often a site of each place in the cell stands at slot k of a term: [(sub, times)]."""
+    if isinstance(t.over, Sites):
+        return [(sub, 1) for sub in range(subs)]
+    position = t.over.indices.index(t.slots[k][1])
+    places = [bond[position][0] for bond in t.over.bonds]
+    return [(sub, places.count(sub)) for sub in range(subs)]
 
 
 LEVELS = {"sphere": "the sphere of its radius", "r3": "the sphere through w, of radius |w|",

@@ -104,8 +104,13 @@ class Loops:
         return [*lines, f"const int64_t {name} = {number};"]
 
     # -- the terms of one site --------------------------------------------------------------
-    def gather(self, over, slot, body):
-        """Terms in which site `i` (C variable `site`) stands at `slot` = (family, index name)."""
+    def gather(self, over, slot, body, placed: bool = False):
+        """Terms in which site `i` (C variable `site`) stands at `slot` = (family, index name).
+
+        placed: the site's cell s0, s1, .. and place `sub` are variables already.
+        """
+        if isinstance(over, Lattice):
+            return self.gather_lattice(over, slot, body, placed)
         return getattr(self, "gather_" + type(over).__name__.lower())(over, slot, body)
 
     def gather_once(self, over: Once, slot, body):
@@ -140,8 +145,8 @@ class Loops:
                     head + self.weights(over) + body(Instance({i: i, j: j})),
                     start=f"{model}_{name}_{side}_row[site]")
 
-    def gather_lattice(self, over: Lattice, slot, body):
-        lines = self.cell_of_site(over)
+    def gather_lattice(self, over: Lattice, slot, body, placed: bool = False):
+        lines = [] if placed else self.cell_of_site(over)
         position = over.indices.index(slot[1])
         for bond in over.bonds:
             lines += self.gather_bond(over, bond, position, body)
@@ -156,6 +161,35 @@ class Loops:
             lines += [f"const int64_t r{d} = {rest};", f"const int64_t s{d} = r{d} % {size};"]
             rest = f"r{d} / {size}"
         return [*lines, f"const int64_t s{len(over.size) - 1} = {rest};"]
+
+    def by_colour(self, over: Lattice, colours, body):
+        """All sites of a lattice, colour after colour; `body(sub)` finds site, s0, s1, .. set."""
+        lines = []
+        for sub in range(over.sites):
+            lines += self.one_place(over, colours, sub, body)
+        return loop("colour", str(colours.colours), lines) if colours.colours > 1 else lines
+
+    def one_place(self, over: Lattice, colours, sub: int, body):
+        cells = [f"s{d}" for d in range(len(over.size))]
+        inner = self.site(over, "site", sub, (0,) * len(cells), cells, []) + body(sub)
+        step, w = colours.colours, colours.weights
+        others = " + ".join([f"{w[d]}*s{d}" for d in range(1, len(cells)) if w[d]] + [str(colours.shift[sub])])
+        for d, size in enumerate(over.size):
+            end = self.low.size(size)
+            if d == 0 and w[0] and step > 1:    # the cells of this colour: s0 = inverse*(colour - others)
+                inverse = pow(w[0], -1, step)
+                start = f"smg_mod({inverse}*(colour - ({others})), {step})"
+                inner = block(f"for (int64_t s0 = {start}; s0 < {end}; s0 += {step})", inner)
+            else:
+                inner = loop(f"s{d}", end, inner)
+        if step > 1 and not w[0]:
+            inner = self.whole_rows(colours, others, inner)
+        return inner
+
+    def whole_rows(self, colours, others: str, inner):
+        if any(colours.weights):
+            raise ValueError("a colouring that leaves out the fastest direction")
+        return block(f"if (colour == {others})", inner)
 
     def gather_bond(self, over: Lattice, bond, position: int, body):
         sub, offset = bond[position]

@@ -5,7 +5,7 @@ solved alone. The rest is coupled: one Newton matrix of blocks, or sweeps withou
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .derive import slots_of
 from .errors import UsageError
@@ -23,7 +23,8 @@ class Plan:
     """method, the solver of the coupled part and what to say about it.
 
     local, coupled: family names; solver: 'none', 'dense', 'band', 'sparse', 'rotation', 'plain';
-    band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination.
+    band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
+    rotation: rotation sweeps, alone or tried before Newton.
     """
     method: str
     local: tuple
@@ -33,6 +34,7 @@ class Plan:
     band: int = 0
     wrap: bool = False
     pattern: object = None
+    rotation: bool = False
 
     @property
     def block(self) -> int:
@@ -103,8 +105,10 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     if solver == "rotation" and method != "spherical-midpoint":
         raise UsageError("solver 'rotation' belongs to the spherical midpoint; use newton or plain")
     if solver in ("rotation", "plain"):
-        return Plan(method, local, coupled, solver, "as asked for")
+        return Plan(method, local, coupled, solver, "as asked for", rotation=solver == "rotation")
     plan = newton_plan(spec, method, local, coupled)
+    if plan is not None and plan.solver == "band" and solver == "auto" and method == "spherical-midpoint":
+        return replace(plan, rotation=True, reason="chain: rotation sweeps while they settle soon, else " + plan.reason[7:])
     if plan is not None:
         return plan
     if solver == "newton":
@@ -112,7 +116,7 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     if method != "spherical-midpoint":
         return Plan(method, local, coupled, "plain", "the factorisation would not fit: plain fixed point")
     return Plan(method, local, coupled, "rotation",
-                "the factorisation would not fit: rotation sweeps, one spin after the other")
+                "the factorisation would not fit: rotation sweeps, one spin after the other", rotation=True)
 
 
 def newton_plan(spec: Spec, method: str, local, coupled):
