@@ -11,6 +11,8 @@ import time
 import numpy as np
 import pytest
 import smidgen
+import smidgen.errors
+from pages import blocks, python, sh
 from smidgen.cli.options import assignment, length, whole
 from smidgen.cli.parser import make_parser
 
@@ -306,6 +308,25 @@ def test_a_defect_names_a_log(monkeypatch, capsys):
     assert "Traceback" in open(said.strip().rsplit(" ", 1)[1]).read()
     monkeypatch.setenv("SMIDGEN_DEBUG", "1")
     assert cli.main(["list"]) == 1 and "Traceback" in capsys.readouterr().err
+
+
+# The page docs/command.md
+
+def test_the_page(tmp_path):
+    for script in blocks("command.md", "sh"):
+        sh(script, tmp_path)
+    for program in blocks("command.md", "python"):
+        python(program, tmp_path)
+
+
+@pytest.mark.quick
+def test_the_page_knows_every_option_and_exit_code(root):
+    text = (root / "docs" / "command.md").read_text()
+    options = make_parser()._subparsers._group_actions[0].choices["run"]._option_string_actions
+    for name in set(options) - {"-h", "--help"}:
+        assert f"--{name.strip('-')}" in text, name
+    for code in smidgen.errors.Exit:
+        assert f"| {int(code)} |" in text
 
 
 # Words to values

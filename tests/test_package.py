@@ -116,3 +116,20 @@ def test_pins_are_installed(root):
             if "==" in line:
                 name, wanted = line.split("==")
                 assert version(name) == wanted
+
+
+@pytest.mark.quick
+def test_what_is_missing_is_named(root, tmp_path):
+    """Without a compiler and without the right to install one: one line, exit code 6."""
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    for name in ("sh", "dirname", "tr", "rm", "cat"):
+        (tools / name).symlink_to(shutil.which(name))
+    (tools / "python3").symlink_to(sys.executable)
+    said = subprocess.run([shutil.which("sh"), root / "tests" / "install.sh", tmp_path / "venv"],
+                          env={"PATH": str(tools)}, capture_output=True, text=True)
+    assert said.returncode == 6 and said.stderr.count("\n") == 1
+    assert said.stderr.startswith("smidgen: install these first: apt-get install gcc")
+    for name in ("g++", "pkg-config", "libgsl-dev", "libsuitesparse-dev"):
+        assert name in said.stderr
+    assert not (tmp_path / "venv").exists()

@@ -1,32 +1,16 @@
 """Generated integrators in programs of others: the page docs/linking.md, and what it promises."""
-import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from pages import blocks, sh
 
 HERE = Path(__file__).parent
-PAGE = (HERE.parent.parent / "docs" / "linking.md").read_text()
+PAGE = "linking.md"
 STRICT = ("-O2 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion "
           "-Wdouble-promotion -Wvla -Werror").split()
 COMPILERS = [("gcc", "g++"), ("clang", "clang++")]
-
-
-def blocks(language):
-    """The fenced blocks of the page in one language."""
-    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-
-
-def sh(script, folder, **more):
-    """Run shell lines as a reader of the page would; returns what they print."""
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    said = subprocess.run(["sh", "-e"], input=script, cwd=folder, text=True, capture_output=True,
-                          env={**os.environ, "PATH": path, **more})
-    assert said.returncode == 0, said.stderr
-    return said.stdout
 
 
 @pytest.fixture
@@ -47,18 +31,18 @@ def compilers(request):
 
 @pytest.mark.quick
 def test_the_page_shows_the_program():
-    assert blocks("c") == [(HERE / "chain.c").read_text()]
+    assert blocks(PAGE, "c") == [(HERE / "chain.c").read_text()]
 
 
 @pytest.mark.quick
 def test_the_two_files_of_the_page(folder):
-    said = sh(blocks("sh")[0], folder)
-    assert said.endswith(blocks("output")[0])
+    said = sh(blocks(PAGE, "sh")[0], folder)
+    assert said.endswith(blocks(PAGE, "output")[0])
 
 
 @pytest.mark.quick
 def test_the_library_of_the_page(folder):
-    said = sh(blocks("sh")[1], folder).splitlines()[-1]
+    said = sh(blocks(PAGE, "sh")[1], folder).splitlines()[-1]
     energy, spin = map(float, re.findall(r"-?\d+\.\d+e[+-]\d+", said))
     assert said.startswith("t = 1000") and abs(energy) < 1e-6 and abs(spin) < 1e-12
 
@@ -67,7 +51,7 @@ def test_the_library_may_be_moved(folder):
     sh("smidgen build free_rigid_body --out here; mv here there", folder)
     said = sh("c++ -std=c++17 tops.cpp $(pkg-config --cflags --libs free_rigid_body) -o t; ./t",
               folder, PKG_CONFIG_PATH=str(folder / "there/lib/pkgconfig"))
-    assert said == blocks("output")[0]
+    assert said == blocks(PAGE, "output")[0]
 
 
 def test_pkg_config_knows_the_version(folder):
@@ -88,7 +72,7 @@ def test_both_programs_with_the_amalgamated_files(folder, compilers):
     sh(f"{c} -std=c11 {flags} chain.c heisenberg_chain.c -lm -o chain; ./chain", folder)
     sh(f"{c} -std=c11 {flags} -c free_rigid_body.c; "
        f"{cpp} -std=c++17 {flags} tops.cpp free_rigid_body.o -lm -o tops", folder)
-    assert sh("./tops", folder) == blocks("output")[0]
+    assert sh("./tops", folder) == blocks(PAGE, "output")[0]
 
 
 def test_the_sources_are_cpp_too(folder, compilers):
@@ -96,7 +80,7 @@ def test_the_sources_are_cpp_too(folder, compilers):
     _, cpp = compilers
     sh("smidgen gen free_rigid_body --out .", folder)
     sh(f"{cpp} -std=c++17 {' '.join(STRICT)} tops.cpp -x c++ free_rigid_body.c -lm -o tops", folder)
-    assert sh("./tops", folder) == blocks("output")[0]
+    assert sh("./tops", folder) == blocks(PAGE, "output")[0]
 
 
 def test_two_models_in_one_program(folder):
