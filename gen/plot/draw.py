@@ -104,11 +104,11 @@ def with_casimirs(result):
 
 def matrices(spec, values) -> dict:
     """family -> 3 x 3 list, of the Nambu families of a spec."""
-    from ..evaluate import evaluate
-    from ..start import parameter_values
+    from ..start import casimir_matrices, sizes
     known = {p.name for p in spec.parameters}
-    env = parameter_values(spec, {n: v for n, v in values.items() if n in known})
-    return {f.name: [[float(evaluate(c, env)) for c in row] for row in f.casimir]
+    values = {n: v for n, v in values.items() if n in known}
+    every, places = casimir_matrices(spec, values), sizes(spec, values)
+    return {f.name: every[places[f.name][0]].tolist()
             for f in spec.families if f.casimir is not None}
 
 

@@ -1,0 +1,186 @@
+"""One line of the table: a spec compiled, run, compared with the witness, drawn."""
+from __future__ import annotations
+
+import dataclasses
+import time
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import SmidgenError
+from ..expr import Spin, Time, walk
+from ..library import build
+from ..plot.draw import outputs_for, plot
+from ..plot.gallery import Picture
+from ..run import run
+from ..settings import settle
+from ..shipped import load_spec
+from ..start import kappas
+from ..validate import validate
+
+KEPT = 1e-11            # change of a conserved momentum or Casimir, in units of its parts
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """What became of one system. nan: nothing is conserved there, see the note."""
+    system: str
+    method: str = ""
+    steps: int = 0
+    energy: float = np.nan
+    momentum: float = np.nan
+    agreement: float = np.nan
+    seconds: float = np.nan
+    note: str = ""
+    passed: bool = False
+    pictures: tuple[Picture, ...] = ()
+
+
+def system(name: str, out: Path) -> Outcome:
+    """Compile, run, validate and draw the shipped spec `name`; what fails is a failed line."""
+    try:
+        return checked(name, out)
+    except SmidgenError as error:
+        return Outcome(name, note=f"{type(error).__name__}: {' '.join(str(error).split())[:300]}")
+
+
+def checked(name: str, out: Path) -> Outcome:
+    """The line of `name`. Raises what a stage raises."""
+    spec = load_spec(name)
+    began = time.perf_counter()
+    settings = settle(spec, what=outputs_for(spec))
+    model = build(spec, settings.method, settings.effects, settings.values, settings.solver)
+    result = run(spec, settings.run, what=settings.what)
+    seconds = time.perf_counter() - began
+    started(model, result)
+    faults, notes = losses(model, spec, result)
+    report = validate(spec, settings.run)
+    faults += [f"{x.check}: {x.measured:.2e}, bound {x.bound}" for x in report.lines if not x.passed]
+    return Outcome(name, settings.method, settings.steps, energy_error(spec, result),
+                   momentum_error(model, spec, result), agreement(report), seconds,
+                   "; ".join(faults or notes), not faults, drawn(name, spec, result, out))
+
+
+def agreement(report) -> float:
+    """Largest difference from the witness's own steps of the same method."""
+    found = [x.measured for x in report.lines if x.check.endswith("steps")]
+    return found[0] if found else np.nan
+
+
+# -- what is conserved ---------------------------------------------------------------------
+
+def of_time(spec) -> bool:
+    """Does an effect depend on the time?"""
+    return any(isinstance(node, Time) for e in spec.effects for node in walk(e.value))
+
+
+def with_tracers(spec) -> set[str]:
+    """Names of the effects that tracers feel: their energy is not conserved."""
+    tracers = {f.name for f in spec.families if f.tracer}
+    return {e.name for e in spec.effects
+            if any(isinstance(n, Spin) and n.family in tracers for n in walk(e.value))}
+
+
+def energy_error(spec, result) -> float:
+    """max |H - H_0| over the outputs, H without what tracers feel; nan when H depends on t."""
+    if of_time(spec):
+        return np.nan
+    names = [n for n in result.values if n.startswith("energy.")]
+    kept = [result.values[n] for n in names if n.removeprefix("energy.") not in with_tracers(spec)]
+    energy = np.sum(np.asarray(kept, float), axis=0)
+    return float(np.abs(energy - energy[0]).max())
+
+
+def conserved_axes(model, spec) -> np.ndarray:
+    """(3,) truth: which components of the total momentum sum kappa w does the field keep?
+
+    d/dt sum kappa w = sum kappa w x b, at random states; tracers and Nambu factors apart.
+    """
+    if any(f.kind == "nambu" for f in spec.families):
+        return np.zeros(3, bool)
+    own = acting_sites(model, spec)
+    kappa = kappas(spec, model.values_in)[own, None]
+    dice, kept = np.random.Generator(np.random.PCG64(11)), np.ones(3, bool)
+    for _ in range(3):
+        w = dice.standard_normal((model.sites, 3))
+        w /= np.linalg.norm(w, axis=1, keepdims=True)
+        torque = kappa * np.cross(w, model.field(w, float(dice.uniform(0, 5))))[own]
+        kept &= np.abs(torque.sum(axis=0)) <= 1e-10 * np.abs(torque).sum()
+    return kept
+
+
+def acting_sites(model, spec) -> np.ndarray:
+    """Numbers of the sites that are no tracers."""
+    return np.concatenate([np.arange(first, first + count)
+                           for f in spec.families for first, count in [model.families[f.name]]
+                           if not f.tracer])
+
+
+def momentum(spec, result) -> np.ndarray:
+    """(k, 3): the total momentum without tracers."""
+    return sum(np.asarray(result.values[f"momentum.{f.name}"], float)
+               for f in spec.families if not f.tracer)
+
+
+def momentum_error(model, spec, result) -> float:
+    """Largest change of a conserved component of the total momentum; nan without one."""
+    axes = conserved_axes(model, spec)
+    if not axes.any():
+        return np.nan
+    total = momentum(spec, result)[:, axes]
+    return float(np.abs(total - total[0]).max())
+
+
+def started(model, result):
+    """The model at the run's last state, so that its field can be asked for."""
+    return model.start(np.array(result.final, float), h=result.meta["h"])
+
+
+def losses(model, spec, result):
+    """(faults, notes): conserved numbers that were lost; what is not conserved, and why."""
+    faults, notes = [], []
+    casimirs = np.asarray(result.values["casimirs"], float)
+    lost = np.abs(casimirs - casimirs[0]).max()
+    if not lost <= KEPT * max(1.0, np.abs(casimirs[0]).max()):
+        faults.append(f"Casimirs change by {lost:.1e}")
+    error = momentum_error(model, spec, result)
+    parts = np.abs(kappas(spec, model.values_in)).sum()
+    if error > KEPT * max(1.0, parts):
+        faults.append(f"momentum changes by {error:.1e}")
+    if of_time(spec):
+        notes.append("H depends on time")
+    if with_tracers(spec):
+        notes.append("energy of what acts, without the tracers")
+    return faults, notes + axes_note(model, spec)
+
+
+def axes_note(model, spec) -> list[str]:
+    """Which components of the momentum are conserved, when not all are."""
+    axes = conserved_axes(model, spec)
+    if axes.all() or any(f.kind == "nambu" for f in spec.families):
+        return []
+    names = "".join(x for x, kept in zip("xyz", axes) if kept)
+    return [f"momentum conserved along {names} only" if names else "momentum not conserved"]
+
+
+# -- pictures ------------------------------------------------------------------------------
+
+PLAYED = ("point_vortices", "vortex_manifold", "vortex_tracers", "heisenberg_chain", "two_bodies",
+          "test_particles", "nambu_a38", "irreversible_rigid_body")
+
+
+def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:
+    """The picture that suits the result, and a player for some."""
+    path = plot(result, "auto", out / f"system_{name}.svg")
+    made = [Picture(f"system_{name}", path, spec.title or name, caption(result))]
+    if name in PLAYED:
+        path = plot(result, "player", out / f"player_{name}.html")
+        made.append(Picture(f"player_{name}", path, spec.title or name, caption(result)))
+    return tuple(made)
+
+
+def caption(result) -> str:
+    """Run, method, step and duration."""
+    meta = result.meta
+    return (f"Run '{meta['run']}' of {meta['spec']}: {meta['method'].replace('-', ' ')}, "
+            f"h = {meta['h']:.4g}, {meta['done']} steps.")
