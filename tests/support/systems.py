@@ -2,6 +2,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
 import smidgen
 from smidgen.errors import UsageError
@@ -13,6 +14,8 @@ from smidgen.start import initial_state
 SPECS = sorted(path.stem for path in folder("specs").glob("*.toml"))
 SPHERICAL, CLASSICAL, VESELOV = METHODS
 SHORT = {SPHERICAL: "SM", CLASSICAL: "CM", VESELOV: "DMV"}
+QUICK = ("free_rigid_body", "forced_rigid_body", "nambu_a31", "nambu_a34", "nambu_a36", "nambu_a38",
+         "nambu_a39", "product", "two_bodies")      # small C, a moment to compile
 FREE_BODIES = ("free_rigid_body", "lagrange")      # what Moser-Veselov accepts
 
 
@@ -30,9 +33,9 @@ def load(name):
     return smidgen.load(folder("specs") / f"{name}.toml")
 
 
-def begin(name, **values):
-    """The first run of a shipped spec, with some values replaced."""
-    spec = load(name)
+def begin(spec, **values):
+    """The first run of a spec (or of a shipped one, by name), with some values replaced."""
+    spec = load(spec) if isinstance(spec, str) else spec
     run = settle(spec, None, values=values)
     return Begin(spec, run.values, initial_state(spec, run.start, run.values), run.h)
 
@@ -55,3 +58,8 @@ def accepts(name, method):
 def on_leaf(w, radius=1.0):
     """Vectors scaled to the length `radius` in their own precision."""
     return w * (radius / np.sqrt(np.sum(w * w, axis=1)))[:, None]
+
+
+def few_quick(names, quick=QUICK):
+    """Parameters of a test, of which those in `quick` belong to the quick part."""
+    return [pytest.param(n, marks=pytest.mark.quick) if n in quick else n for n in names]
