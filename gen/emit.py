@@ -596,7 +596,7 @@ def graph_tables(model: str, name: str, over: Graph, adjacency: bool):
 
 
 def pattern_tables(model: str, pattern):
-    entries = {"rows": pattern.row_start, "columns": pattern.columns, "diagonal": pattern.diagonal,
+    entries = {"rows": pattern.rowptr, "columns": pattern.col, "diagonal": pattern.diag,
                "place": pattern.place}
     return [f"static const int32_t {model}_{name}[] = {{{', '.join(str(int(x)) for x in values)}}};"
             for name, values in entries.items()]
