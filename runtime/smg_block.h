@@ -1,0 +1,111 @@
+/* smidgen runtime: arithmetic of the small square blocks of a Newton matrix.
+ *
+ * A block is SMG_BS x SMG_BS, row-major; SMG_BS is 2 (tangent unknowns of the spherical
+ * midpoint) or 3 (classical midpoint), one value per translation unit, set before inclusion. */
+#ifndef SMG_BLOCK_H
+#define SMG_BLOCK_H
+
+#include "smg_small.h"
+
+#ifndef SMG_BS
+#define SMG_BS 2
+#endif
+#define SMG_BB (SMG_BS * SMG_BS)
+
+SMG_INLINE void smg_block_copy(smg_real *C, const smg_real *A) {
+  for (int e = 0; e < SMG_BB; e++) C[e] = A[e];
+}
+
+SMG_INLINE void smg_block_zero(smg_real *C) {
+  for (int e = 0; e < SMG_BB; e++) C[e] = 0;
+}
+
+SMG_INLINE void smg_vector_copy(smg_real *y, const smg_real *x) {
+  for (int e = 0; e < SMG_BS; e++) y[e] = x[e];
+}
+
+/* C += A. */
+SMG_INLINE void smg_block_add(smg_real *C, const smg_real *A) {
+  for (int e = 0; e < SMG_BB; e++) C[e] += A[e];
+}
+
+/* Sum of absolute entries. */
+SMG_INLINE smg_real smg_block_norm(const smg_real *A) {
+  smg_real sum = 0;
+  for (int e = 0; e < SMG_BB; e++) sum += smg_abs(A[e]);
+  return sum;
+}
+
+#if SMG_BS == 2
+
+#define SMG_ROW(A, B, r, c) (A[2 * (r)] * B[c] + A[2 * (r) + 1] * B[2 + (c)])
+#define smg_block_det smg_det2
+#define smg_block_scale smg_scale2
+#define smg_block_adjugate smg_adjugate2
+#define smg_block_positive smg_positive2
+
+/* C = A B, C -= A B; C is none of A, B. */
+SMG_INLINE void smg_block_mul(smg_real *C, const smg_real *A, const smg_real *B) {
+  C[0] = SMG_ROW(A, B, 0, 0), C[1] = SMG_ROW(A, B, 0, 1);
+  C[2] = SMG_ROW(A, B, 1, 0), C[3] = SMG_ROW(A, B, 1, 1);
+}
+
+SMG_INLINE void smg_block_submul(smg_real *C, const smg_real *A, const smg_real *B) {
+  C[0] -= SMG_ROW(A, B, 0, 0), C[1] -= SMG_ROW(A, B, 0, 1);
+  C[2] -= SMG_ROW(A, B, 1, 0), C[3] -= SMG_ROW(A, B, 1, 1);
+}
+
+/* y = A x, y -= A x; y is not x. */
+SMG_INLINE void smg_block_apply(smg_real *y, const smg_real *A, const smg_real *x) {
+  y[0] = A[0] * x[0] + A[1] * x[1], y[1] = A[2] * x[0] + A[3] * x[1];
+}
+
+SMG_INLINE void smg_block_subapply(smg_real *y, const smg_real *A, const smg_real *x) {
+  y[0] -= A[0] * x[0] + A[1] * x[1], y[1] -= A[2] * x[0] + A[3] * x[1];
+}
+
+#elif SMG_BS == 3
+
+#define SMG_ROW(A, B, r, c) \
+  (A[3 * (r)] * B[c] + A[3 * (r) + 1] * B[3 + (c)] + A[3 * (r) + 2] * B[6 + (c)])
+#define smg_block_det smg_det3
+#define smg_block_scale smg_scale3
+#define smg_block_adjugate smg_adjugate3
+#define smg_block_positive smg_positive3
+
+SMG_INLINE void smg_block_mul(smg_real *C, const smg_real *A, const smg_real *B) {
+  C[0] = SMG_ROW(A, B, 0, 0), C[1] = SMG_ROW(A, B, 0, 1), C[2] = SMG_ROW(A, B, 0, 2);
+  C[3] = SMG_ROW(A, B, 1, 0), C[4] = SMG_ROW(A, B, 1, 1), C[5] = SMG_ROW(A, B, 1, 2);
+  C[6] = SMG_ROW(A, B, 2, 0), C[7] = SMG_ROW(A, B, 2, 1), C[8] = SMG_ROW(A, B, 2, 2);
+}
+
+SMG_INLINE void smg_block_submul(smg_real *C, const smg_real *A, const smg_real *B) {
+  C[0] -= SMG_ROW(A, B, 0, 0), C[1] -= SMG_ROW(A, B, 0, 1), C[2] -= SMG_ROW(A, B, 0, 2);
+  C[3] -= SMG_ROW(A, B, 1, 0), C[4] -= SMG_ROW(A, B, 1, 1), C[5] -= SMG_ROW(A, B, 1, 2);
+  C[6] -= SMG_ROW(A, B, 2, 0), C[7] -= SMG_ROW(A, B, 2, 1), C[8] -= SMG_ROW(A, B, 2, 2);
+}
+
+SMG_INLINE void smg_block_apply(smg_real *y, const smg_real *A, const smg_real *x) {
+  for (int r = 0; r < 3; r++) y[r] = A[3 * r] * x[0] + A[3 * r + 1] * x[1] + A[3 * r + 2] * x[2];
+}
+
+SMG_INLINE void smg_block_subapply(smg_real *y, const smg_real *A, const smg_real *x) {
+  for (int r = 0; r < 3; r++) y[r] -= A[3 * r] * x[0] + A[3 * r + 1] * x[1] + A[3 * r + 2] * x[2];
+}
+
+#else
+#error "SMG_BS must be 2 or 3"
+#endif
+
+/* C = D^-1; `before` is the scale of the block before elimination touched it. Returns 0, or 1
+ * when D is singular up to round-off: of its own terms, or of what was subtracted from it. */
+SMG_INLINE int smg_block_inverse(smg_real *C, const smg_real *D, smg_real before) {
+  const smg_real det = smg_block_det(D);
+  if (smg_vanishes(det, smg_block_scale(D) + before)) return 1;
+  const smg_real reciprocal = 1 / det;
+  smg_block_adjugate(C, D);
+  for (int e = 0; e < SMG_BB; e++) C[e] *= reciprocal;
+  return 0;
+}
+
+#endif

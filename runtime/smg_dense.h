@@ -1,0 +1,108 @@
+/* smidgen runtime: dense systems, LU with partial pivoting (smg_eigen.h has their branch test).
+ *
+ * Written so that a constant n unrolls; large n goes by panels of columns, so that each pass
+ * over the rest of the matrix does SMG_PANEL updates at once. */
+#ifndef SMG_DENSE_H
+#define SMG_DENSE_H
+
+#include "smg_eigen.h"
+
+#define SMG_PANEL 8
+
+/* Row of the largest entry of column c, from row c down. */
+SMG_INLINE int64_t smg_dense_pivot(int64_t n, const smg_real *A, int64_t c) {
+  int64_t best = c;
+  for (int64_t i = c + 1; i < n; i++)
+    if (smg_abs(A[i * n + c]) > smg_abs(A[best * n + c])) best = i;
+  return best;
+}
+
+SMG_INLINE void smg_dense_swap(int64_t n, smg_real *A, smg_real *x, int64_t a, int64_t b) {
+  for (int64_t j = 0; j < n; j++) {
+    const smg_real t = A[a * n + j];
+    A[a * n + j] = A[b * n + j], A[b * n + j] = t;
+  }
+  const smg_real t = x[a];
+  x[a] = x[b], x[b] = t;
+}
+
+/* True when the pivot of column c is round-off of what was subtracted from the column, whose
+ * size the entries of U above it show. */
+SMG_INLINE int smg_dense_singular(int64_t n, const smg_real *A, int64_t c) {
+  smg_real largest = 0;
+  for (int64_t i = 0; i < c; i++)
+    largest = smg_abs(A[i * n + c]) > largest ? smg_abs(A[i * n + c]) : largest;
+  return !(smg_abs(A[c * n + c]) > (smg_real)n * SMG_EPS * largest);
+}
+
+/* Columns [first, last) of L, and of U from row `first` down. */
+SMG_INLINE int64_t smg_dense_panel(int64_t n, smg_real *A, smg_real *x, int64_t first, int64_t last) {
+  for (int64_t c = first; c < last; c++) {
+    const int64_t p = smg_dense_pivot(n, A, c);
+    if (p != c) smg_dense_swap(n, A, x, p, c);
+    if (smg_dense_singular(n, A, c)) return 1 + c;
+    const smg_real reciprocal = 1 / A[c * n + c];
+    for (int64_t i = c + 1; i < n; i++) {
+      const smg_real l = A[i * n + c] *= reciprocal;
+      for (int64_t j = c + 1; j < last; j++) A[i * n + j] -= l * A[c * n + j];
+    }
+  }
+  return 0;
+}
+
+/* The panel's rows of U to its right: U = L^-1 A. */
+SMG_INLINE void smg_dense_panel_rows(int64_t n, smg_real *A, int64_t first, int64_t last) {
+  for (int64_t c = first; c < last; c++)
+    for (int64_t i = c + 1; i < last; i++) {
+      const smg_real l = A[i * n + c];
+      for (int64_t j = last; j < n; j++) A[i * n + j] -= l * A[c * n + j];
+    }
+}
+
+/* The rest: A_ij -= sum of SMG_PANEL products l_ic u_cj. */
+SMG_INLINE void smg_dense_rest(int64_t n, smg_real *A, int64_t first) {
+  const int64_t last = first + SMG_PANEL;
+  const smg_real *u = A + first * n;
+  for (int64_t i = last; i < n; i++) {
+    const smg_real *l = A + i * n + first;
+    smg_real *row = A + i * n;
+    for (int64_t j = last; j < n; j++)
+      row[j] -= ((l[0] * u[j] + l[1] * u[n + j]) + (l[2] * u[2 * n + j] + l[3] * u[3 * n + j])) +
+                ((l[4] * u[4 * n + j] + l[5] * u[5 * n + j]) + (l[6] * u[6 * n + j] + l[7] * u[7 * n + j]));
+  }
+}
+
+/* P A = L U in place, the rows of x permuted alike; returns 0 or 1 + the singular column. */
+SMG_INLINE int64_t smg_dense_factor(int64_t n, smg_real *A, smg_real *x) {
+  if (n <= 2 * SMG_PANEL) return smg_dense_panel(n, A, x, 0, n);
+  int64_t first = 0, failed = 0;
+  for (; first + SMG_PANEL < n && !failed; first += SMG_PANEL) {
+    failed = smg_dense_panel(n, A, x, first, first + SMG_PANEL);
+    smg_dense_panel_rows(n, A, first, first + SMG_PANEL);
+    smg_dense_rest(n, A, first);
+  }
+  return failed ? failed : smg_dense_panel(n, A, x, first, n);
+}
+
+/* x = U^-1 L^-1 x. */
+SMG_INLINE void smg_dense_substitute(int64_t n, const smg_real *A, smg_real *x) {
+  for (int64_t i = 1; i < n; i++)
+    for (int64_t j = 0; j < i; j++) x[i] -= A[i * n + j] * x[j];
+  for (int64_t i = n - 1; i >= 0; i--) {
+    for (int64_t j = i + 1; j < n; j++) x[i] -= A[i * n + j] * x[j];
+    x[i] /= A[i * n + i];
+  }
+}
+
+/* Solves A x = b: A (n x n, row-major) is destroyed, x holds b and receives the solution.
+ * Returns 0, or 1 + the column at which A is singular to round-off (x is then spoilt). */
+SMG_INLINE int64_t smg_dense_solve(int64_t n, smg_real *A, smg_real *x) {
+  if (n == 2) return smg_solve2(A, x);
+  if (n == 3) return smg_solve3(A, x);
+  const int64_t failed = smg_dense_factor(n, A, x);
+  if (failed) return failed;
+  smg_dense_substitute(n, A, x);
+  return 0;
+}
+
+#endif

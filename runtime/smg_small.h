@@ -1,0 +1,119 @@
+/* smidgen runtime: closed forms for 2x2 and 3x3 matrices (row-major).
+ *
+ * Determinants are compared with the size of their own terms, so every test is unchanged
+ * when rows and columns are scaled. */
+#ifndef SMG_SMALL_H
+#define SMG_SMALL_H
+
+#include "smidgen.h"
+
+#ifndef SMG_INLINE
+#if defined(__GNUC__)
+#define SMG_INLINE static inline __attribute__((always_inline))
+#else
+#define SMG_INLINE static inline
+#endif
+#endif
+
+/* Before a loop of constant length: asks gcc for its full unrolling (clang does it unasked). */
+#if defined(__GNUC__) && !defined(__clang__)
+#define SMG_UNROLL _Pragma("GCC unroll 16")
+#else
+#define SMG_UNROLL
+#endif
+
+/* A determinant below this fraction of its own terms is round-off. */
+#define SMG_ROUNDOFF (64 * SMG_EPS)
+
+SMG_INLINE smg_real smg_abs(smg_real a) { return a < 0 ? -a : a; }
+
+/* det A. */
+SMG_INLINE smg_real smg_det2(const smg_real *A) { return A[0] * A[3] - A[1] * A[2]; }
+
+/* Rows of cofactors by cross products: det A = a . (b x c) with the rows a, b, c. */
+SMG_INLINE smg_real smg_det3(const smg_real *A) {
+  return A[0] * (A[4] * A[8] - A[5] * A[7]) + A[1] * (A[5] * A[6] - A[3] * A[8]) +
+         A[2] * (A[3] * A[7] - A[4] * A[6]);
+}
+
+/* perm |A|: the size of the terms of det A, scaled by rows and columns as det A is. */
+SMG_INLINE smg_real smg_scale2(const smg_real *A) {
+  return smg_abs(A[0] * A[3]) + smg_abs(A[1] * A[2]);
+}
+
+SMG_INLINE smg_real smg_scale3(const smg_real *A) {
+  return smg_abs(A[0]) * (smg_abs(A[4] * A[8]) + smg_abs(A[5] * A[7])) +
+         smg_abs(A[1]) * (smg_abs(A[5] * A[6]) + smg_abs(A[3] * A[8])) +
+         smg_abs(A[2]) * (smg_abs(A[3] * A[7]) + smg_abs(A[4] * A[6]));
+}
+
+/* True when a determinant is NaN or no more than round-off of terms of the size `scale`. */
+SMG_INLINE int smg_vanishes(smg_real det, smg_real scale) {
+  return !(smg_abs(det) > SMG_ROUNDOFF * scale);
+}
+
+/* True when the real 2x2 matrix D has no real eigenvalue <= 0: det D > 0, and not both
+ * eigenvalues real and negative (tr^2 - 4 det = (a-d)^2 + 4bc >= 0 and tr <= 0). */
+SMG_INLINE int smg_positive2(const smg_real *D) {
+  const smg_real gap = D[0] - D[3];
+  const int negative_pair = (D[0] + D[3] <= 0) & (gap * gap + 4 * (D[1] * D[2]) >= 0);
+  return (smg_det2(D) > 0) & !negative_pair;
+}
+
+/* True when q(s) = s^3 + a s^2 + b s + c is positive for all s >= 0: q(0) > 0, and where q
+ * has a local minimum at s > 0, s = (-a + sqrt(a^2 - 3b))/3, q is positive there too. */
+static inline int smg_cubic_positive(smg_real a, smg_real b, smg_real c) {
+  const smg_real disc = a * a - 3 * b;
+  if (!(c > 0)) return 0;
+  if ((a >= 0 && b >= 0) || disc <= 0) return 1;
+  const smg_real s = (SMG_MATH(sqrt)(disc) - a) / 3;
+  return s <= 0 || ((s + a) * s + b) * s + c > 0;
+}
+
+/* The same for a real 3x3 matrix: q(s) = det(s I + D) has no root s >= 0. */
+SMG_INLINE int smg_positive3(const smg_real *D) {
+  const smg_real minors = (D[0] * D[4] - D[1] * D[3]) + (D[0] * D[8] - D[2] * D[6]) +
+                          (D[4] * D[8] - D[5] * D[7]);
+  return smg_cubic_positive(D[0] + D[4] + D[8], minors, smg_det3(D));
+}
+
+/* Solves A x = b in place (x holds b), by Cramer's rule; returns 0, or 2 when singular. */
+SMG_INLINE int smg_solve2(const smg_real *A, smg_real *x) {
+  const smg_real det = smg_det2(A);
+  if (smg_vanishes(det, smg_scale2(A))) return 2;
+  const smg_real x0 = (x[0] * A[3] - A[1] * x[1]) / det;
+  x[1] = (A[0] * x[1] - x[0] * A[2]) / det;
+  x[0] = x0;
+  return 0;
+}
+
+/* C = det(A) A^-1, so that A C = det(A) I. */
+SMG_INLINE void smg_adjugate2(smg_real *C, const smg_real *A) {
+  C[0] = A[3], C[1] = -A[1];
+  C[2] = -A[2], C[3] = A[0];
+}
+
+SMG_INLINE void smg_adjugate3(smg_real *C, const smg_real *A) {
+  C[0] = A[4] * A[8] - A[5] * A[7];
+  C[1] = A[2] * A[7] - A[1] * A[8];
+  C[2] = A[1] * A[5] - A[2] * A[4];
+  C[3] = A[5] * A[6] - A[3] * A[8];
+  C[4] = A[0] * A[8] - A[2] * A[6];
+  C[5] = A[2] * A[3] - A[0] * A[5];
+  C[6] = A[3] * A[7] - A[4] * A[6];
+  C[7] = A[1] * A[6] - A[0] * A[7];
+  C[8] = A[0] * A[4] - A[1] * A[3];
+}
+
+/* Solves A x = b in place (x holds b), by cofactors; returns 0, or 3 when singular. */
+SMG_INLINE int smg_solve3(const smg_real *A, smg_real *x) {
+  smg_real C[9];
+  const smg_real b[3] = {x[0], x[1], x[2]};
+  smg_adjugate3(C, A);
+  const smg_real det = A[0] * C[0] + A[1] * C[3] + A[2] * C[6];
+  if (smg_vanishes(det, smg_scale3(A))) return 3;
+  for (int r = 0; r < 3; r++) x[r] = (C[3 * r] * b[0] + C[3 * r + 1] * b[1] + C[3 * r + 2] * b[2]) / det;
+  return 0;
+}
+
+#endif

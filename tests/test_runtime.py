@@ -1,0 +1,221 @@
+"""Dense systems, the branch test and the single spin of the C runtime, against numpy."""
+import numpy as np
+import pytest
+from support.filters import BUILDS, EVERY_BUILD, QUICK, backward_error, feed, make, positive, random  # noqa: F401
+
+
+# ---- dense ------------------------------------------------------------------------------
+
+def solve_dense(program, A, b):
+    count, n = b.shape
+    out = feed(program, [n, count], np.concatenate([A.reshape(count, -1), b], axis=1))
+    out = out.reshape(count, 1 + n)
+    return out[:, 0], out[:, 1:]
+
+
+@pytest.mark.parametrize("build", EVERY_BUILD)
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 6, 8, 12, 17, 33, 100])
+def test_dense_random(make, build, n):
+    rng = random(n)
+    A, b = rng.normal(size=(20, n, n)), rng.normal(size=(20, n))
+    status, x = solve_dense(make(build, "dense"), A, b)
+    assert not status.any()
+    # Cramer's rule is forward stable only: its residual grows with the condition number.
+    bound = 1e-15 * np.linalg.cond(A).max() if n < 4 else 1e-15 * n
+    assert backward_error(A, x, b) < bound
+
+
+@pytest.mark.parametrize("n", [200, 600])
+def test_dense_large(make, n):
+    rng = random(n)
+    A, b = rng.normal(size=(1, n, n)), rng.normal(size=(1, n))
+    status, x = solve_dense(make("gcc", "dense"), A, b)
+    assert not status.any() and backward_error(A, x, b) < 1e-13
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("n", [2, 3, 4, 6, 8, 12, 17, 40])
+def test_dense_needs_pivoting_and_grading(make, n):
+    """Zero diagonal, and columns and rows over 24 decades."""
+    rng = random(n + 100)
+    cyclic = np.roll(np.eye(n), 1, axis=1) + 1e-20 * rng.normal(size=(n, n))
+    graded = rng.normal(size=(n, n)) * np.logspace(-12, 12, n)
+    A, b = np.array([cyclic, graded]), rng.normal(size=(2, n))
+    status, x = solve_dense(make("gcc", "dense"), A, b)
+    assert not status.any()
+    expected = np.array([np.linalg.solve(cyclic, b[0]),
+                         np.linalg.solve(graded * np.logspace(12, -12, n), b[1]) * np.logspace(12, -12, n)])
+    assert np.allclose(x, expected, rtol=1e-9, atol=0)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("build", QUICK)
+@pytest.mark.parametrize("n", [2, 3, 4, 6, 8, 12, 17, 40])
+def test_dense_singular(make, build, n):
+    """Exactly and nearly singular matrices, zero and NaN are refused; 1e-8 from singular is not."""
+    rng = random(n + 200)
+    thin = rng.integers(-9, 9, size=(n, n - 1)).astype(float)
+    rank = np.concatenate([thin, thin.sum(1, keepdims=True)], axis=1)
+    nan = np.full((n, n), np.nan)
+    near = rank + 1e-8 * rng.normal(size=(n, n))
+    program = make(build, "dense")
+    status, _ = solve_dense(program, np.array([rank, np.zeros((n, n)), nan, near]), np.ones((4, n)))
+    assert status[0] == n and status[1] >= 1 and status[2] >= 1 and status[3] == 0
+
+
+# ---- no real eigenvalue <= 0 --------------------------------------------------------------
+
+def similar(rng, blocks):
+    """Block-diagonal matrix in a random basis."""
+    n = sum(len(b) for b in blocks)
+    D, at = np.zeros((n, n)), 0
+    for b in blocks:
+        D[at:at + len(b), at:at + len(b)] = b
+        at += len(b)
+    S = rng.normal(size=(n, n))
+    return S @ D @ np.linalg.inv(S)
+
+
+def eigen_cases(n, rng):
+    for _ in range(60):
+        yield rng.normal(size=(n, n)) + rng.uniform(0, 1.5 * np.sqrt(n)) * np.eye(n)
+    for _ in range(20):  # one real negative eigenvalue in each of two decoupled halves: det > 0
+        half = n // 2
+        yield similar(rng, [np.diag(rng.uniform(0.5, 2, size=m) * np.where(np.arange(m) == 0, -1, 1))
+                            for m in (half, n - half)])
+    for _ in range(20):  # complex pairs in the left half plane do no harm
+        turn = [np.array([[-1, w], [-w, -1]]) for w in rng.uniform(0.5, 2, size=n // 2)]
+        yield similar(rng, turn + [np.eye(1)] * (n % 2))
+    for scale in (1e-12, 1e12):
+        yield similar(rng, [np.diag(rng.uniform(1, 2, size=n))]) * scale
+
+
+@pytest.mark.parametrize("build", EVERY_BUILD)
+@pytest.mark.parametrize("n", [2, 3, 4, 5, 8, 13])
+def test_no_negative_eigenvalue(make, build, n):
+    cases = np.array(list(eigen_cases(n, random(n))))
+    verdict = feed(make(build, "eigen"), [n, len(cases)], cases)
+    expected, gaps = zip(*(positive(A) for A in cases))
+    clear = np.array(gaps) > 1e-9
+    assert clear.mean() > 0.9 and 0 < np.mean(expected) < 1
+    assert np.array_equal(verdict[clear].astype(bool), np.array(expected)[clear])
+
+
+@pytest.mark.parametrize("n", [24, 64])
+def test_no_negative_eigenvalue_large(make, n):
+    cases = np.array(list(eigen_cases(n, random(n))))
+    verdict = feed(make("gcc", "eigen"), [n, len(cases)], cases)
+    expected, gaps = zip(*(positive(A) for A in cases))
+    clear = np.array(gaps) > 1e-6
+    assert clear.mean() > 0.8
+    assert np.array_equal(verdict[clear].astype(bool), np.array(expected)[clear])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("m", [2, 4])
+def test_two_decoupled_blocks_of_positive_determinant(make, m):
+    """Each block has one negative real eigenvalue; their product of determinants is positive."""
+    rng = random(m)
+    bad = similar(rng, [np.diag([-3.0] + [1.0] * (m - 1))])
+    both = np.zeros((2 * m, 2 * m))
+    both[:m, :m], both[m:, m:] = bad, bad
+    one = both.copy()
+    one[m:, m:] = np.eye(m)
+    assert np.linalg.det(both) > 1
+    verdict = feed(make("gcc", "eigen"), [2 * m, 3], both, one, np.eye(2 * m))
+    assert list(verdict) == [0, 0, 1]
+
+
+@pytest.mark.quick
+def test_negative_eigenvalue_of_graded_matrix(make):
+    """Strengths over 24 decades, similarity by a diagonal matrix: balancing keeps the verdict."""
+    rng = random(5)
+    D = np.logspace(-12, 12, 6)
+    good = np.eye(6) + 0.9 * np.triu(rng.normal(size=(6, 6)), 1) - 0.3 * np.tril(np.ones((6, 6)), -1)
+    bad = similar(rng, [np.diag([-1.0, -2, 1, 2, 3, 4])])
+    cases = [D[:, None] * good / D, D[:, None] * bad / D]
+    assert positive(good)[0] and not positive(bad)[0]
+    assert list(feed(make("gcc", "eigen"), [6, 2], cases)) == [1, 0]
+
+
+@pytest.mark.quick
+def test_nan_has_no_verdict(make):
+    A = np.eye(5)
+    A[3, 1] = np.nan
+    assert list(feed(make("gcc", "eigen"), [5, 1], A)) == [0]
+
+
+# ---- one spin ----------------------------------------------------------------------------
+
+def own_spin(program, w, g):
+    out = feed(program, [len(w)], np.concatenate([w, g], axis=1)).reshape(-1, 4)
+    return out[:, 0], out[:, 1:]
+
+
+def directions(rng, count):
+    v = rng.normal(size=(count, 3))
+    return v / np.linalg.norm(v, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("build", EVERY_BUILD)
+@pytest.mark.parametrize("radius", [1, 1e-3, 1e5])
+def test_own_spin_solves_its_step(make, build, radius):
+    """W = w + 2 m x g lies on the sphere and m along w + W, for weak and strong fields."""
+    rng = random(int(radius))
+    w = radius * directions(rng, 400)
+    g = directions(rng, 400) * 10 ** rng.uniform(-6, 4, size=(400, 1))
+    found, m = own_spin(make(build, "spin"), w, g)
+    mbar = w + np.cross(m, g)
+    W = 2 * mbar - w
+    unit = mbar / np.linalg.norm(mbar, axis=1, keepdims=True)
+    strong = 1 + np.linalg.norm(g, axis=1)
+    assert found.all()
+    assert np.all(np.abs(np.linalg.norm(m, axis=1) / radius - 1) < 1e-15)
+    assert np.all(np.abs(np.linalg.norm(W, axis=1) / radius - 1) < 4e-15 * strong)
+    # the direction of mbar is lost with its length, which falls like 1/|g|
+    rho = np.linalg.norm(mbar, axis=1) / radius
+    assert np.all(np.linalg.norm(m / radius - unit, axis=1) < 4e-15 * strong / rho)
+    assert np.all(np.einsum("ij,ij->i", m, mbar) > 0)
+
+
+@pytest.mark.quick
+def test_own_spin_turns_by_the_exact_angle(make):
+    """sin^2(phi/2) = [(4+a) - sqrt((4+a)^2 - 16 r^2 a)]/(8 r^2), a = (lambda h)^2, r the sine of
+    the angle between spin and field."""
+    lam, theta = np.meshgrid([0.1, 1, 1.9, 2, 3, 30], [0.3, 1.0, 1.4, 1.57])
+    lam, theta = lam.ravel(), theta.ravel()
+    w = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=1)
+    g = np.stack([0 * lam, 0 * lam, lam / 2], axis=1)
+    found, m = own_spin(make("gcc", "spin"), w, g)
+    W = w + 2 * np.cross(m, g)
+    half = np.linalg.norm(W - w, axis=1) / (2 * np.sin(theta))
+    a, r2 = lam**2, np.sin(theta)**2
+    root = np.sqrt((4 + a)**2 - 16 * r2 * a)
+    assert found.all() and np.allclose(half**2, 2 * a / ((4 + a) + root), rtol=1e-12)
+    assert np.all(W[:, 1] * np.sin(theta) * (W[:, 0] < 2) <= 0)  # w' = w x b turns clockwise about b
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("build", QUICK)
+def test_own_spin_perpendicular(make, build):
+    """Exactly perpendicular: the exact angle 2 asin(|g|) below |g| = 1, no solution from there."""
+    size = np.array([0, 1e-300, 0.5, 1 - 2**-53, 1, 1 + 2**-52, 2, 1e10])
+    w, g = np.tile([0.0, 0, 1], (8, 1)), size[:, None] * [1.0, 0, 0]
+    found, m = own_spin(make(build, "spin"), w, g)
+    assert list(found) == [1, 1, 1, 1, 0, 0, 0, 0]
+    W = w[2] + 2 * np.cross(m[2], g[2])
+    assert np.allclose(W, [0, np.sin(np.pi / 3), np.cos(np.pi / 3)], atol=1e-15)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("build", QUICK)
+def test_own_spin_nasty(make, build):
+    """Zero field, along the field, a hair off perpendicular at and beyond the limit, huge fields."""
+    w = np.array([[0.0, 0, 1]] * 6)
+    g = np.array([[0.0, 0, 0], [0, 0, 3], [1, 0, 1e-300], [3, 0, 1e-200], [1, 0, 1e-17], [1e100, 0, 1e90]])
+    found, m = own_spin(make(build, "spin"), w, g)
+    assert found.all() and np.isfinite(m).all()
+    assert np.allclose(m[:2], w[:2], atol=0)
+    assert np.allclose(np.linalg.norm(m, axis=1), 1, atol=1e-15)
+    bad = np.array([[np.nan, 0, 0], [0, np.inf, 0], [0, 0, np.nan]])
+    assert not np.isfinite(own_spin(make(build, "spin"), w[:3], bad)[1]).all(axis=1).any()
