@@ -24,6 +24,8 @@ LEAD = ("Every spec that comes with smidgen, compiled to C, run, and compared wi
         "independent interpreter with its own differentiation and solvers. Energy and momentum "
         "error: largest change over the run. Agreement: largest difference after 100 steps of "
         "the same method. Time: generating, compiling and running, in seconds.")
+COMPARED = ("free_rigid_body:classical", "free_rigid_body:moser_veselov",
+            "irreversible_rigid_body:classical")        # runs of other methods, in the table too
 SLOW = ("forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
 
 
@@ -47,20 +49,25 @@ def main(arguments=None) -> int:
 def chosen(only: str) -> list[tuple[str, str]]:
     """(kind, name) of every task. Raises UsageError for a name that is none."""
     wanted = {name for name in only.split(",") if name}
-    unknown = wanted - set(shipped()) - set(EXPERIMENTS)
+    unknown = wanted - set(systems()) - set(EXPERIMENTS)
     if unknown:
         raise UsageError(f"no system or figure {', '.join(sorted(unknown))}")
     figures = sorted(EXPERIMENTS, key=lambda name: name not in SLOW)
     tasks = [("figure", n) for n in figures if n in SLOW]
-    tasks += [("system", n) for n in shipped()] + [("figure", n) for n in figures if n not in SLOW]
+    tasks += [("system", n) for n in systems()] + [("figure", n) for n in figures if n not in SLOW]
     return [task for task in tasks if not wanted or task[1] in wanted]
+
+
+def systems() -> list[str]:
+    """Every shipped spec, each followed by its runs with other methods."""
+    return sorted([*shipped(), *COMPARED])
 
 
 def demo(out: Path, jobs: int, tasks) -> int:
     """Do all tasks, print the table, write the page; the exit code."""
     began = time.perf_counter()
     found = perform(tasks, out, jobs)
-    lines = [found["system", n] for n in shipped() if ("system", n) in found]
+    lines = [found["system", n] for n in systems() if ("system", n) in found]
     figures = [found["figure", n] for n in EXPERIMENTS if ("figure", n) in found]
     print_table(lines)
     for figure in figures:
@@ -106,7 +113,7 @@ def figure(name: str, out: Path) -> Outcome:
     began, entry = time.perf_counter(), FIGURES[name]
     data, caption = EXPERIMENTS[name]()
     path = save(entry.draw(**data), out / f"{name}.{entry.ending}")
-    picture = Picture(name, path, entry.title, caption, entry.broad)
+    picture = Picture(name, path, entry.title, caption, entry.size)
     return Outcome(name, seconds=time.perf_counter() - began, passed=True, pictures=(picture,))
 
 

@@ -10,8 +10,9 @@ import numpy as np
 from ..errors import SmidgenError
 from ..expr import Spin, Time, walk
 from ..library import build
-from ..plot.draw import outputs_for, plot
+from ..plot.draw import outputs_for, plot, with_casimirs, write_page
 from ..plot.gallery import Picture
+from ..plot.pictures import draw_player
 from ..run import run
 from ..settings import settle
 from ..shipped import load_spec
@@ -37,7 +38,10 @@ class Outcome:
 
 
 def system(name: str, out: Path) -> Outcome:
-    """Compile, run, validate and draw the shipped spec `name`; what fails is a failed line."""
+    """Compile, run, validate and draw a shipped spec; what fails is a failed line.
+
+    name: of the spec, whose first run is taken and drawn, or `spec:run`.
+    """
     try:
         return checked(name, out)
     except SmidgenError as error:
@@ -46,9 +50,10 @@ def system(name: str, out: Path) -> Outcome:
 
 def checked(name: str, out: Path) -> Outcome:
     """The line of `name`. Raises what a stage raises."""
-    spec = load_spec(name)
+    word, _, chosen = name.partition(":")
+    spec = load_spec(word)
     began = time.perf_counter()
-    settings = settle(spec, what=outputs_for(spec))
+    settings = settle(spec, chosen or None, what=outputs_for(spec))
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver)
     result = run(spec, settings.run, what=settings.what)
     seconds = time.perf_counter() - began
@@ -58,7 +63,8 @@ def checked(name: str, out: Path) -> Outcome:
     faults += [f"{x.check}: {x.measured:.2e}, bound {x.bound}" for x in report.lines if not x.passed]
     return Outcome(name, settings.method, settings.steps, energy_error(spec, result),
                    momentum_error(model, spec, result), agreement(report), seconds,
-                   "; ".join(faults or notes), not faults, drawn(name, spec, result, out))
+                   "; ".join(faults or notes), not faults,
+                   () if chosen else drawn(name, spec, result, out))
 
 
 def agreement(report) -> float:
@@ -172,9 +178,10 @@ PLAYED = ("point_vortices", "vortex_manifold", "vortex_tracers", "heisenberg_cha
 def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:
     """The picture that suits the result, and a player for some."""
     path = plot(result, "auto", out / f"system_{name}.svg")
-    made = [Picture(f"system_{name}", path, spec.title or name, caption(result))]
+    size = "broad" if result.final.shape[0] > 60 else "small"
+    made = [Picture(f"system_{name}", path, spec.title or name, caption(result), size, "systems")]
     if name in PLAYED:
-        path = plot(result, "player", out / f"player_{name}.html")
+        path = write_page(draw_player(with_casimirs(result), start=0.3), out / f"player_{name}.html")
         made.append(Picture(f"player_{name}", path, spec.title or name, caption(result)))
     return tuple(made)
 

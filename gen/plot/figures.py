@@ -9,16 +9,16 @@ from dataclasses import dataclass
 from typing import Callable
 
 from . import chain, curves, orbits, portraits, surfaces
-from .style import VERMILION, styled
+from .style import VERMILION
 from .view import View
 
 
 @dataclass(frozen=True)
 class Entry:
-    """draw: arrays -> figure. broad: takes the whole width of a page. ending: of the file."""
+    """draw: arrays -> figure. size: 'broad' takes the whole width of a page. ending: of the file."""
     draw: Callable
     title: str
-    broad: bool = False
+    size: str = ""
     ending: str = "svg"
 
 
@@ -76,27 +76,26 @@ def chain_invariants(t, energy, momentum, casimirs):
                                    "Heisenberg chain of 100 spins, h = 0.1")
 
 
-
-@styled
 def test_particles(paths):
     """Particles in a Rossby-Haurwitz wave; paths: list of (k, 3) in the frame of the wave."""
-    return portraits.phase_portrait(paths, (), "Particles, seen from the wave", View(20, 35))
+    return portraits.phase_portrait(paths, (), "Particles, seen from the wave", View(20, 35),
+                                    portraits.shades_of(len(paths)))
 
 
 FIGURES = {
     "coadjoint_orbits": Entry(orbits.coadjoint_orbits, "Coadjoint orbits of so(3)*"),
     "free_body_portrait": Entry(free_body_portrait, "Free rigid body"),
-    "free_body_errors": Entry(free_body_errors, "Errors against the step length", broad=True),
+    "free_body_errors": Entry(free_body_errors, "Errors against the step length", size="broad"),
     "irreversible_portrait": Entry(irreversible_portrait, "Irreversible rigid body"),
     "irreversible_trajectories": Entry(irreversible_trajectories, "Two methods, one start"),
     "irreversible_energy": Entry(irreversible_energy, "Energy drift"),
     "irreversible_energy_long": Entry(irreversible_energy, "Energy drift, ten times longer"),
-    "forced_sections": Entry(forced_sections, "Poincar\u00e9 sections of the forced body", True),
+    "forced_sections": Entry(forced_sections, "Poincar\u00e9 sections of the forced body", "broad"),
     "vortex_illustration": Entry(portraits.manifold_illustration, "The invariant manifold"),
     "vortex_manifold": Entry(vortex_manifold, "Vortices on the invariant manifold"),
-    "chain_curves": Entry(chain_curves, "Heisenberg chain on the sphere", broad=True),
-    "chain_evolution": Entry(chain_evolution, "Heisenberg chain over site and time", broad=True),
+    "chain_curves": Entry(chain_curves, "Heisenberg chain on the sphere", size="broad"),
+    "chain_evolution": Entry(chain_evolution, "Heisenberg chain over site and time", size="broad"),
     "chain_invariants": Entry(chain_invariants, "Invariants along the chain"),
     "test_particles": Entry(test_particles, "Particles in a Rossby\u2013Haurwitz wave"),
-    "nambu_leaves": Entry(surfaces.leaves, "Nambu systems on their leaves", broad=True),
+    "nambu_leaves": Entry(surfaces.leaves, "Nambu systems on their leaves", size="broad"),
 }

@@ -20,7 +20,8 @@ class Picture:
     path: Path
     title: str
     caption: str = ""
-    broad: bool = False
+    size: str = ""          # "broad": the whole width; "small": a third of it
+    part: str = "figures"   # or "systems": the section of the page
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ def gallery(out_dir, columns, rows, pictures, title: str, lead: str = "") -> Pat
         page = filled(asset("page.html"), {
             "title": in_html(title), "lead": in_html(lead), "table": table(columns, rows),
             "players": "\n".join(framed(p) for p in players),
-            "figures": "\n".join(pictured(p) for p in figures)})
+            "figures": "\n".join(pictured(p) for p in figures if p.part == "figures"),
+            "systems": "\n".join(pictured(p) for p in figures if p.part != "figures")})
         out = Path(out_dir) / "index.html"
         out.parent.mkdir(parents=True, exist_ok=True)
         out.write_text(page, encoding="utf-8")
@@ -74,7 +76,7 @@ def caption(p: Picture) -> str:
 def pictured(p: Picture) -> str:
     """A figure whose image is inlined. As an image, an svg cannot run scripts or mix names."""
     data = base64.b64encode(p.path.read_bytes()).decode("ascii")
-    return (f'<figure id="{in_html(p.name)}" class="{"broad" if p.broad else ""}">'
+    return (f'<figure id="{in_html(p.name)}" class="{in_html(p.size)}">'
             f'<img alt="{in_html(p.title)}" src="data:{MEDIA[p.path.suffix]};base64,{data}">'
             f"{caption(p)}</figure>")
 

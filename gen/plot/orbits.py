@@ -8,7 +8,7 @@ import numpy as np
 from .sphere import lines
 from .style import INK, PALETTE, new_figure, styled
 from .surfaces import faces, paint
-from .view import View, runs_of
+from .view import View, parted
 
 
 @dataclass(frozen=True)
@@ -87,10 +87,9 @@ def one_curve(ax, nest: Nest, w, view: View) -> None:
     """A trajectory on its sphere, coloured by the sphere; faint where another covers it."""
     r = np.linalg.norm(w[0])
     color = PALETTE[int(np.argmin(np.abs(np.array(nest.radii) - r))) % len(PALETTE)]
-    flat = view.project(w)[:, :2]
-    for seen, a, b in runs_of(nest.seen(w, view)):
-        lines(ax, [flat[max(a - 1, 0):b + 1]], color, 1.2 if seen else 0.7,
-              alpha=1.0 if seen else 0.13, zorder=3 if seen else 2)
+    front, back = parted(view.project(w)[:, :2], nest.seen(w, view))
+    lines(ax, back, color, 0.7, alpha=0.13, zorder=2)
+    lines(ax, front, color, 1.2, zorder=3)
 
 
 def radial_axis(ax, nest: Nest, view: View) -> None:

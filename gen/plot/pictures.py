@@ -170,15 +170,15 @@ def largest(result):
     return max(states_of(result).items(), key=lambda item: item[1].shape[1])
 
 
-def draw_player(result) -> str:
-    """HTML text: the trajectory to turn and play."""
+def draw_player(result, start: float = 0.0) -> str:
+    """HTML text: the trajectory to turn and play; start: the first frame, as a share of all."""
     states = states_of(result)
     matrices = casimirs_of(result)
     for name in states if matrices else ():
         matrices.setdefault(name, np.eye(3))
-    joined = [n for n, w in states.items() if w.shape[1] > MANY and smooth(w[0])]
+    joined = [n for n, w in states.items() if w.shape[1] > MANY and smooth(w[0]) and smooth(w[-1])]
     return player.player_page(result.t, states, result.values.get("energy"), first_line(result),
-                              facts(result), matrices, joined)
+                              facts(result), matrices, joined, start=start)
 
 
 def smooth(spins) -> bool:

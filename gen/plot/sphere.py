@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.collections import LineCollection
+from matplotlib.patheffects import withStroke
 
 from .style import BLUE, FAINT, INK
 from .view import View, split, visible
@@ -45,7 +45,7 @@ def ball(ax, view: View = View(), radius: float = 1.0, axes: bool = True, label:
         lines(ax, back, FAINT, 0.4, alpha=0.13, zorder=1.1)
     if axes:
         axis_ends(ax, view, radius)
-    margin = 1.33 if axes else 1.05
+    margin = 1.3 if axes else 1.05
     ax.set_xlim(-margin * radius, margin * radius)
     ax.set_ylim(-margin * radius, margin * radius)
     ax.set_title(label)
@@ -60,24 +60,26 @@ def axis_ends(ax, view: View, radius: float = 1.0) -> None:
         ax.plot([start[0], tip[0]], [start[1], tip[1]], color=INK, lw=0.8,
                 alpha=0.25 if hidden else 0.8, zorder=0.5 if behind else 6)
         if not hidden:
-            ax.annotate(name, tip[:2] * 1.0, xytext=(tip[0] * 1.07, tip[1] * 1.07),
-                        ha="center", va="center", fontsize=8.5, color=INK, zorder=7)
+            x, y = tip[:2] + 0.09 * radius * tip[:2] / max(np.hypot(*tip[:2]), 1e-9)
+            ax.text(x, y, name, ha="center", va="center", fontsize=8.5, color=INK, zorder=7,
+                    path_effects=[withStroke(linewidth=2.2, foreground="white", alpha=0.8)])
 
 
-def lines(ax, pieces, color, width, alpha=1.0, zorder=3.0, **more):
-    """Projected pieces as one collection; nothing for an empty list."""
+def lines(ax, pieces, color, width, alpha=1.0, zorder=3.0) -> None:
+    """Projected pieces (m, 2) as one broken line, so that laps over each other do not darken."""
     if pieces:
-        return ax.add_collection(LineCollection(pieces, colors=color, linewidths=width,
-                                                alpha=alpha, zorder=zorder, capstyle="round",
-                                                **more), autolim=False)
+        gap = np.full((1, 2), np.nan)
+        x, y = np.concatenate([part for piece in pieces for part in (piece, gap)]).T
+        ax.plot(x, y, color=color, lw=width, alpha=alpha, zorder=zorder,
+                solid_capstyle="round", solid_joinstyle="round")
 
 
 def curve(ax, w, view: View = View(), color=BLUE, width: float = 1.1, casimir=None,
-          reach=np.inf, **more) -> None:
+          reach=np.inf) -> None:
     """A trajectory w (k, 3), solid where it is seen and faint behind the surface."""
     front, back = split(w, view, casimir, reach)
-    lines(ax, back, color, 0.8 * width, alpha=0.22, zorder=2.0, **more)
-    lines(ax, front, color, width, zorder=3.0, **more)
+    lines(ax, back, color, 0.8 * width, alpha=0.22, zorder=2.0)
+    lines(ax, front, color, width, zorder=3.0)
 
 
 def points(ax, w, view: View = View(), color=BLUE, size: float = 2.0, marker="o",

@@ -8,7 +8,7 @@ from .leaf import Leaf, leaf_of, mesh
 from .sphere import LIGHT, lines
 from .style import FAINT, INK, PALETTE, new_figure, styled
 from .text import shown
-from .view import View, runs_of
+from .view import View, parted
 
 
 def faces(grid, normals, view: View, depth: bool = False):
@@ -69,11 +69,9 @@ def hidden_line(ax, leaf: Leaf, w, view: View, color, width, strength=1.0) -> No
     """One line on the sheet; what the sheet hides is faint."""
     w = np.asarray(w, float)
     w = w[np.all(np.isfinite(w), axis=1)]
-    flat = view.project(w)[:, :2]
-    for seen, a, b in runs_of(leaf.seen(w, view)):
-        piece = [flat[max(a - 1, 0):b + 1]]
-        lines(ax, piece, color, width if seen else 0.8 * width,
-              alpha=strength * (1.0 if seen else 0.25), zorder=3 if seen else 2)
+    front, back = parted(view.project(w)[:, :2], leaf.seen(w, view))
+    lines(ax, back, color, 0.8 * width, alpha=0.25 * strength, zorder=2)
+    lines(ax, front, color, width, alpha=strength, zorder=3)
 
 
 def cross(ax, view: View, length: float, corner=(0.0, 0.0)) -> None:

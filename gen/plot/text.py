@@ -6,13 +6,14 @@ import json
 import unicodedata
 
 LONGEST = 200       # characters of a title or name that a picture shows
+PARAGRAPH = 4000    # characters of a text on a page
 
 
-def printable(text) -> str:
-    """`text` on one line, without control and invisible characters, at most LONGEST long."""
+def printable(text, longest: int = LONGEST) -> str:
+    """`text` on one line, without control and invisible characters, at most `longest` long."""
     clean = "".join(" " if c.isspace() else c for c in str(text)
                     if c.isspace() or unicodedata.category(c) not in ("Cc", "Cf", "Cs", "Co", "Cn"))
-    return clean if len(clean) <= LONGEST else clean[:LONGEST - 1] + "\u2026"
+    return clean if len(clean) <= longest else clean[:longest - 1] + "\u2026"
 
 
 def shown(text) -> str:
@@ -22,7 +23,7 @@ def shown(text) -> str:
 
 def in_html(text) -> str:
     """`text` for HTML, in an element or in a quoted attribute."""
-    return html.escape(printable(text), quote=True)
+    return html.escape(printable(text, PARAGRAPH), quote=True)
 
 
 def in_script(value) -> str:

@@ -60,11 +60,14 @@ def split(curve, view: View, casimir=None, reach=np.inf):
     """A curve (k, 3) -> (front, back): lists of projected (m, 2) pieces, joined at the cuts."""
     curve = np.asarray(curve, float)
     curve = curve[np.all(np.isfinite(curve), axis=1)]
+    return parted(view.project(curve)[:, :2], visible(curve, view, casimir, reach))
+
+
+def parted(flat, seen):
+    """Projected points (k, 2) -> (front, back): the pieces where `seen` (k,) is true and false."""
     front, back = [], []
-    if len(curve) == 0:
+    if len(flat) == 0:
         return front, back
-    flat = view.project(curve)[:, :2]
-    for seen, a, b in runs_of(visible(curve, view, casimir, reach)):
-        piece = flat[max(a - 1, 0):b] if seen else flat[a:b + 1]
-        (front if seen else back).append(piece)
+    for flag, a, b in runs_of(seen):
+        (front if flag else back).append(flat[max(a - 1, 0):b] if flag else flat[a:b + 1])
     return front, back
