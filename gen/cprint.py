@@ -104,6 +104,8 @@ class Printer:
     def test(self, e) -> str:
         if e in (sp.true, sp.false):
             return "1" if e == sp.true else "0"
+        if e.is_Symbol:         # a condition that has a name
+            return self.names(e.name)
         if isinstance(e, (sp.And, sp.Or)):
             mark = " && " if isinstance(e, sp.And) else " || "
             return "(" + mark.join(self.test(a) for a in sorted(e.args, key=default_sort_key)) + ")"

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from itertools import count
 
 import sympy as sp
+from sympy.functions.elementary.piecewise import ExprCondPair
+from sympy.logic.boolalg import Boolean
 
 from .cprint import Printer, number
 from .derive import scalar
@@ -117,6 +119,8 @@ class Lowering:
     def hoist(self, e):
         """Replace what is known before the site loop by names computed once."""
         level = self.when(e)
+        if isinstance(e, (Boolean, ExprCondPair)):      # no number: only its parts can be kept
+            return e.func(*[self.hoist(a) for a in e.args]) if e.args else e
         if level in (PREPARE, CLOCK):
             return self.remember(e, level)
         if not e.args or level == NUMBER:
@@ -158,7 +162,8 @@ class Lowering:
         names = (sp.Symbol(f"x{n}", real=True) for n in count())
         shared, results = sp.cse(work, symbols=names, order="canonical")
         show = Printer(self.text)
-        lines = [f"const smg_real {show(s)} = {show(e)};" for s, e in shared]
+        lines = [f"const int {show(s)} = {show.test(e)};" if isinstance(e, Boolean) else
+                 f"const smg_real {show(s)} = {show(e)};" for s, e in shared]
         operations = sum(int(sp.count_ops(e)) for e in [e for _, e in shared] + results)
         return Kernel(lines, [show(r) for r in results], operations)
 

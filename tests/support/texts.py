@@ -108,6 +108,37 @@ h = 0.1
 time = 10
 """
 
+CORNERS = """
+[model]
+name = "corners"
+[space]
+w = { sphere = 2 }
+u = { nambu = 1, C = "q*u.x^2 + u.y*u.z" }
+[parameters]
+q = { default = 0.7, fixed = true }
+a = { default = 0.3 }
+axis = { default = [0.6, 0.0, 0.8], vector = true }
+[effects.pieces]
+over = "site(i) of w"
+energy = "if(w[i].x < a, a*w[i].z^2, w[i].y^3 - a) + max(w[i].x, 0.2*w[i].z)^2 + abs(w[i].y)^3"
+[effects.functions]
+energy = "exp(-dot(w[0], axis)) + atan2(w[1].y + 3, 2 + w[0].z) + mod(t, 2)*tanh(w[1].x)/cosh(a)"
+[effects.powers]
+energy = "(2 + w[0].x)^a + (3 + w[1].z)^-2.5 + sqrt(5 + dot(w[0], u)) - log(4 + norm(u))^3/7"
+[observables.sum]
+over = "site(i) of w"
+value = "floor(3*w[i].x) + min(w[i].y, a) + i"
+[starts.first.w]
+theta = "0.4 + i"
+phi = "0.3 + 2*i"
+[starts.first.u]
+vectors = [[0.8, 0.5, 0.4]]
+[runs.demo]
+start = "first"
+h = 0.05
+time = 5
+"""
+
 RING = [(i, (i + 1) % 30) for i in range(30)] + [(i, (7 * i + 3) % 30) for i in range(0, 30, 2)]
 EDGES = "i,j,K\n" + "\n".join(f"{i},{j},{0.4 if (i * j) % 3 else -0.7}" for i, j in RING if i != j)
 
