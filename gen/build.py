@@ -59,11 +59,15 @@ def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = 
     key = digest(_identity(spec), method, solver, generator_digest(),
                  compiler_version(compiler), flags, native and platform.processor())
     place = cache_folder() / f"{spec.name}-{key[:32]}"
-    with _lock(place):
-        if not (place / "built.json").exists():
-            _build_into(place, generate or _generate, spec, method, solver, compiler, flags)
-        os.utime(place)
-    facts = json.loads((place / "built.json").read_text())
+    try:
+        with _lock(place):
+            if not (place / "built.json").exists():
+                _build_into(place, generate or _generate, spec, method, solver, compiler, flags)
+            os.utime(place)
+        facts = json.loads((place / "built.json").read_text())
+    except OSError as problem:
+        raise BuildError(f"cannot build in the cache {place.parent}: {problem.strerror}; "
+                         "set SMIDGEN_CACHE to a folder that can be written") from None
     return Built(spec.name, place / "model.so", place, real, compiler_version(compiler),
                  flags, facts["notes"], generator_name())
 

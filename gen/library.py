@@ -16,7 +16,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from .build import Built, build_library
-from .errors import RunError, UsageError
+from .errors import BuildError, RunError, UsageError
 from .spec import Spec
 from .start import find_start, initial_state, parameter_values, sizes
 
@@ -92,7 +92,7 @@ class Integrator:
         self.values_in = _known_to(scene, values)
         self.families = sizes(scene, self.values_in)
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
-        self._c = _functions(ctypes.CDLL(str(built.library)), self.name)
+        self._c = _functions(_loaded(built.library), self.name)
         self._state, self._keep = None, None
         self.h, self.count, self.w = math.nan, 0, None
         self.columns = value_columns(scene)
@@ -268,6 +268,13 @@ def _packed(scene, values):
     scalars = [float(numbers[p.name]) for p in free if p.kind != "array"]
     arrays = [np.ascontiguousarray(numbers[p.name], float) for p in free if p.kind == "array"]
     return np.array(scalars or [0.0]), arrays
+
+
+def _loaded(path):
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as problem:
+        raise BuildError(f"cannot load {path}: {problem}") from None
 
 
 def _functions(library, name):

@@ -3,14 +3,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import numbers
+import typing
 
 from . import limits
 from .errors import UsageError
 from .evaluate import evaluate, integer
+from .expr import Expr
+from .given import formula
 from .library import METHODS, SOLVERS, choose
 from .spec import Run, Spec
 from .start import parameter_values
 
+_FORMULA = typing.get_args(Expr)
 KINDS = ("states", "energy", "momentum", "casimirs")
 
 
@@ -41,6 +46,8 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
     base = find_run(spec, name)
     values = {**dict(base.values), **(values or {})}
     env = parameter_values(spec, values)
+    h, time, section = (_read(spec, what_, value) for what_, value in
+                        (("h", h), ("time", time), ("section", section)))
     h = step_size(base.h if h is None else h, env)
     if steps is None and time is None:
         steps, time = base.steps, base.time
@@ -53,7 +60,20 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         choose("solver", solver or base.solver, SOLVERS), h,
         number_of_steps(steps, time, h, env), interval(every, section, h), section,
         chosen_outputs(spec, tuple(what or base.what)),
-        base.effects if effects is None else tuple(effects), values, seed, real, native)
+        base.effects if effects is None else tuple(effects), values,
+        None if seed is None else whole(seed, "a seed"), real, native)
+
+
+def _read(spec: Spec, what: str, value):
+    """Text becomes a formula of the spec's parameters; the rest stays."""
+    return formula(value, what, spec.parameters) if isinstance(value, str) else value
+
+
+def whole(value, what: str) -> int:
+    """An integer from 0 up. Raises UsageError."""
+    if not isinstance(value, numbers.Real) or value != int(value) or value < 0:
+        raise UsageError(f"{what} must be an integer from 0 up, not {value}")
+    return int(value)
 
 
 def find_run(spec: Spec, name: str | None) -> Run:
@@ -69,7 +89,10 @@ def find_run(spec: Spec, name: str | None) -> Run:
 
 def number(value, env, what: str) -> float:
     """A finite number from a number or a formula."""
-    value = value if isinstance(value, (int, float)) else float(evaluate(value, env))
+    if isinstance(value, _FORMULA):
+        value = evaluate(value, env)
+    if not isinstance(value, numbers.Real):
+        raise UsageError(f"{what} must be a number or a formula, not {value!r}")
     if not math.isfinite(value):
         raise UsageError(f"{what} must be finite, not {value}")
     return float(value)
@@ -92,7 +115,7 @@ def number_of_steps(steps, time, h: float, env) -> int:
                          " (on the command line: --steps 1000 or --time 100)")
     if time is not None:
         return multiple(number(time, env, "time"), h, "the duration")
-    steps = steps if isinstance(steps, int) else integer(steps, env, "steps")
+    steps = integer(steps, env, "steps") if isinstance(steps, _FORMULA) else whole(steps, "steps")
     if not 0 <= steps <= limits.STEPS:
         raise UsageError(f"steps must be from 0 to {limits.STEPS}, not {steps}")
     return steps
@@ -117,6 +140,7 @@ def interval(every, section, h: float) -> int:
     """Steps between outputs, from a count or from a stroboscopic period."""
     if section is not None:
         every = multiple(section, h, "the section's period")
+    every = whole(every, "every")
     if not 1 <= every <= limits.EVERY:
         raise UsageError(f"every must be from 1 to {limits.EVERY} steps, not {every}")
     return every

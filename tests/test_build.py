@@ -176,3 +176,20 @@ def test_a_new_value_is_no_new_build(toy):
     other = smidgen.build(toy, values={"J": 3.0})
     assert one.built.library == other.built.library
     assert smidgen.build(toy, values={"n": 4}).built.library != one.built.library
+
+
+def test_a_cache_that_cannot_be_written(spec, tmp_path, monkeypatch):
+    """A folder stands where the lock should be: as good as no permission, for root too."""
+    place = cache_folder()
+    monkeypatch.setattr(BUILD, "digest", lambda *parts: "0" * 64)
+    (place / f"toy-{'0' * 32}.lock").mkdir()
+    with pytest.raises(smidgen.BuildError, match="set SMIDGEN_CACHE"):
+        build_library(spec, generate=Counting())
+
+
+def test_a_library_that_cannot_be_loaded(toy):
+    built = smidgen.build(toy).built
+    copy = dataclasses.replace(built, library=built.library.with_name("copy.so"))
+    copy.library.write_bytes(b"no library")
+    with pytest.raises(smidgen.BuildError, match="cannot load"):
+        smidgen.Integrator(toy, toy, copy, {}, "spherical-midpoint", "auto")

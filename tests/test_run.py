@@ -187,10 +187,19 @@ def test_the_edge_of_a_multiple(relative, good):
     ({"steps": 10 ** 15 + 1}, "10"), ({"h": 0}, "must not be 0"), ({"h": float("nan")}, "finite"),
     ({"time": -1.0}, "negative h"), ({"every": 0}, "every"), ({"every": 10 ** 12 + 1}, "every"),
     ({"what": ["spin"]}, "momentum"), ({"start": "nowhere"}, "ring"), ({"name": "x"}, "demo"),
+    ({"steps": 2.5}, "integer"), ({"seed": -1}, "seed"), ({"every": "2"}, "every"),
+    ({"h": "q"}, "h:1:1"), ({"h": "w"}, "h:1:1"), ({"h": "1/0"}, "finite|zero"), ({"h": [1]}, "number"),
     ({"time": 1e300}, "more than"), ({"section": 0.0}, "every must be")])
 def test_wrong_settings(toy, given, said):
     with pytest.raises(smidgen.UsageError, match=said):
         smidgen.run(toy, given.pop("name", "demo"), **given)
+
+
+def test_settings_take_formulas_and_numpy_numbers(toy):
+    given = settle(toy, h="2*pi/(n + 1)", steps=np.int64(7), every=np.int32(2), seed=np.int64(3))
+    assert (given.h, given.steps, given.every, given.seed) == (2 * np.pi / 4, 7, 2, 3)
+    assert json.dumps([given.h, given.steps, given.seed])
+    assert settle(toy, values={"n": 7}, h="1/n", time="2").steps == 14
 
 
 def test_the_first_run_is_the_default(toy):

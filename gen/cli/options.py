@@ -4,6 +4,8 @@ from __future__ import annotations
 import argparse
 import math
 
+from ..errors import UsageError
+from ..given import constant
 from ..library import METHODS, SOLVERS
 
 
@@ -37,52 +39,28 @@ def names(text: str) -> tuple[str, ...]:
 
 
 def assignment(text: str) -> tuple[str, object]:
-    """`J=2` -> ("J", 2), `gamma=1,1,-1` -> ("gamma", [1, 1, -1])."""
+    """`J=2` -> ("J", 2), `B=pi/4` -> ("B", 0.78...), `g=1,1,-1` -> ("g", [1, 1, -1])."""
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
         raise argparse.ArgumentTypeError(f"'{text}' is not NAME=VALUE, such as J=2 or g=1,1,-1")
-    parts = [plain_number(part) for part in value.split(",")]
+    parts = [number(part, f"--set {name.strip()}") for part in value.split(",")]
     return name.strip(), parts[0] if len(parts) == 1 else parts
 
 
-def plain_number(text: str):
-    """An int or a finite float."""
-    text = text.strip()
+def number(text: str, what: str):
+    """The value of a formula of numbers and pi."""
     try:
-        value = int(text) if text.lstrip("+-").isdecimal() else float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
+        value = constant(text, what)
+    except UsageError as error:
+        raise argparse.ArgumentTypeError(f"\n{error}") from None
     if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"'{text}' is not finite")
-    return value
-
-
-def length(text: str) -> float:
-    """A number, or one times or over pi: `2*pi`, `pi/10`, `2*pi/20`."""
-    try:
-        return factors(text.replace(" ", ""))
-    except (ValueError, ZeroDivisionError):
-        raise argparse.ArgumentTypeError(f"'{text}' is neither a number nor like 2*pi/20") from None
-
-
-def factors(text: str) -> float:
-    """Products and quotients of numbers and pi, from the left."""
-    value, operator, word = 1.0, "*", ""
-    for c in text + "*":
-        if c in "*/":
-            factor = math.pi if word == "pi" else -math.pi if word == "-pi" else float(word)
-            value = value * factor if operator == "*" else value / factor
-            operator, word = c, ""
-        else:
-            word += c
-    if not math.isfinite(value):
-        raise ValueError("not finite")
+        raise argparse.ArgumentTypeError(f"{what} is not finite")
     return value
 
 
 def whole(text: str) -> int:
     """An integer from 0 up; 1e6 is one."""
-    value = plain_number(text)
+    value = number(text, "a count")
     if value != int(value) or value < 0:
         raise argparse.ArgumentTypeError(f"'{text}' is not an integer from 0 up")
     return int(value)

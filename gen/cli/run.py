@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 from ..errors import Exit, RunError, UsageError
-from .options import (json_option, length, model_options, names, spec_argument, whole)
+from .options import json_option, model_options, names, spec_argument, whole
 from .say import notes_line, printed, say
 
 EXAMPLES = """  smidgen run heisenberg_chain
@@ -22,14 +22,14 @@ def add(commands):
     parser = commands.add("run", command, "run a spec and write what it gives", EXAMPLES)
     spec_argument(parser, nargs="?")
     model_options(parser)
-    parser.add_argument("--h", type=length, help="the step: a number or like 2*pi/20; "
+    parser.add_argument("--h", help="the step: a number or a formula, such as 2*pi/n; "
                         "negative runs backward (write --h=-0.1)")
     long = parser.add_mutually_exclusive_group()
     long.add_argument("--steps", type=whole, help="number of steps")
-    long.add_argument("--time", type=length, help="duration: a multiple of h")
+    long.add_argument("--time", help="duration: a multiple of h")
     often = parser.add_mutually_exclusive_group()
     often.add_argument("--every", type=whole, metavar="K", help="output each K-th step")
-    often.add_argument("--section", type=length, metavar="PERIOD",
+    often.add_argument("--section", metavar="PERIOD",
                        help="output at multiples of PERIOD only (a multiple of h)")
     parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, "
                         "momentum, casimirs, names of observables")

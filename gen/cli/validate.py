@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from ..errors import Exit
-from .options import json_option, length, model_options, spec_argument, whole
+from .options import json_option, model_options, spec_argument, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen validate heisenberg_chain
@@ -19,7 +19,7 @@ def add(commands):
     parser.add_argument("--all", action="store_true", help="every run of the spec")
     parser.add_argument("--steps", type=whole, default=100, help="steps to compare; default 100")
     parser.add_argument("--points", type=whole, default=5, help="random states; default 5")
-    parser.add_argument("--h", type=length, help="the step")
+    parser.add_argument("--h", help="the step")
     parser.add_argument("--start", help="a start of the spec")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
     json_option(parser)
