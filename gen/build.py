@@ -30,7 +30,7 @@ SHARED = ("-fPIC", "-shared")
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 KEPT = 300      # builds that the cache keeps; the ones unused longest go first
 DOWNSTREAM = {"cli", "plot", "witness", "library.py", "run.py", "settings.py",
-              "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "demo.py",
+              "given.py", "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "demo",
               "__pycache__"}     # no part of the generator
 
 
