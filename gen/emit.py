@@ -12,9 +12,9 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from .cprint import number
 from .colouring import colouring
-from .kernels import function, term_kernels
+from .kernels import DIRECTION, function, term_kernels
 from .loops import Loops, graph_name, indent, loop
-from .lower import CLOCK, PREPARE, Lowering
+from .lower import CLOCK, PREPARE, SITE, Lowering
 from .indices import safe_indices
 from .plan import choose
 from . import __version__ as VERSION
@@ -22,6 +22,7 @@ from .resources import folder
 from .spec import Graph, Lattice, Sites, Spec
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
+ROWS = 64       # rows of history of a single sphere before they are moved back
 
 METHODS = {"spherical-midpoint": "spherical midpoint (symplectic, order 2)",
            "classical-midpoint": "classical midpoint (comparator: not symplectic on spheres)",
@@ -86,6 +87,7 @@ class Emitter:
         self.observables = [term_kernels(self.low, o, "observe", False) for o in self.spec.observables]
         self.tracers = {f.name for f in self.spec.families if f.tracer}
         self.env = environment()
+        self.solo = self.is_solo()
 
     # -- families ---------------------------------------------------------------------------
     def family_texts(self):
@@ -303,9 +305,9 @@ class Emitter:
     def common(self):
         weights = ", ".join("{" + ", ".join(str((-1) ** j * comb(d + 1, j + 1)) for j in range(d + 1)) + "}"
                             for d in range(HISTORY))
-        return dict(H=HISTORY, weights=weights, families=self.families, coupled=self.chosen(self.plan.coupled),
+        return dict(H=HISTORY, ROWS=ROWS, weights=weights, families=self.families, coupled=self.chosen(self.plan.coupled),
                     local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.rows,
-                    solver=self.plan.solver, newton=self.plan.newton, rotation=self.plan.rotation, orientation=self.spec.orientation,
+                    solver=self.plan.solver, newton=self.plan.newton, timed=self.low.uses_time, rotation=self.plan.rotation, orientation=self.spec.orientation,
                     band=self.plan.band, wrap=self.plan.wrap)
 
     def arrays(self):
@@ -313,6 +315,8 @@ class Emitter:
         n3, n1 = times(3, self.total), self.total
         found = [("w", n3, "the state: 3 numbers per site"), ("carry", n3, "what w has lost to rounding"),
                  ("u", n3, "increment W - w of the step under way")]
+        if self.solo:
+            found.append(("rows", str(4 * ROWS), "history: increment and 1/|w + W| of each step, newest first"))
         if any(f.kind != "sphere" for f in self.families):
             found.append(("level", n1, "|w| or C(w): the leaf each site is on"))
         found.append(("m", n3, "the points where the field is taken") if self.plan.coupled else
@@ -367,10 +371,33 @@ class Emitter:
             solver_text = self.render("newton.c.j2", **slots)
             if not self.plan.newton or self.plan.rotation:
                 solver_text += self.render("sweep.c.j2", **self.sweep_slots(), **slots)
-        local_text = "".join(self.render("local.c.j2", f=f, linear=self.closed_form(f))
+        local_text = "".join(self.render("local.c.j2", f=f, linear=self.closed_form(f), solo=self.solo)
                              for f in self.chosen(self.plan.local))
-        return self.render("step.c.j2", solver_text=solver_text, local_text=local_text,
+        solo = self.render("solo.c.j2", f=self.families[0], kernels=self.solo_adjugate(), local_text=local_text,
+                           **slots) if self.solo else ""
+        return self.render("step.c.j2", solo=solo, solver_text=solver_text, local_text=local_text,
                            needs_level=any(f.kind != "sphere" for f in self.families), **slots)
+
+    # -- one unit sphere alone --------------------------------------------------------------
+    def is_solo(self) -> bool:
+        """One unit sphere whose field depends on itself: the fastest step."""
+        f = self.families[0]
+        return (self.method == "spherical-midpoint" and len(self.families) == 1 and f.count == "1"
+                and f.kind == "sphere" and f.level == "1.0" and not self.closed_form(f)
+                and all(self.low.level(s.name) < SITE for t in self.effects for b in t.derived.hessian.values()
+                        for s in b.free_symbols if s.name[0] != "v"))
+
+    def solo_adjugate(self) -> str:
+        """d.adj(B - beta 1) d, B the Hessian of the whole energy, with the zeros of B left out."""
+        B = sum((t.derived.hessian.get((0, 0), sp.zeros(3, 3)) for t in self.effects), sp.zeros(3, 3))
+        beta, d = sp.Symbol("beta", real=True), sp.Matrix(DIRECTION)
+        C = B - beta * sp.eye(3)
+        cofactor = [[C[(a + 1) % 3, (b + 1) % 3] * C[(a + 2) % 3, (b + 2) % 3]
+                     - C[(a + 1) % 3, (b + 2) % 3] * C[(a + 2) % 3, (b + 1) % 3] for b in range(3)] for a in range(3)]
+        kernel = self.low.kernel([sum(cofactor[a][b] * d[a] * d[b] for a in range(3) for b in range(3))], {})
+        return function(f"smg_real {self.M}_solo_adjugate",
+                        [f"const {self.M}_coefficients *c", "const smg_real *v0", "smg_real beta", "const smg_real *d"],
+                        [*kernel.lines, f"return {kernel.results[0]};"], ["c", "v0"])
 
     def sweep_slots(self):
         if not self.plan.rotation:
@@ -394,7 +421,7 @@ class Emitter:
         energies += [dict(function=f"observe_{t.derived.term.name}", sums=self.sums([t], self.value_body))
                      for t in self.observables]
         energy = " + ".join(f"{self.M}_energy_{t.derived.term.name}(p, t, w)" for t in self.effects)
-        return self.render("interface.c.j2", defaults=self.defaults(), arrays=self.arrays(),
+        return self.render("interface.c.j2", defaults=self.defaults(), arrays=self.arrays(), solo=self.solo,
                            checks=self.checks(), energies=energies, energy_sum=energy or "0",
                            field_sums=self.sums(self.effects, self.gradient_body("w", "b")), **self.common())
 
@@ -477,6 +504,8 @@ class Emitter:
         names = ["smg_site.h", "smg_spin.h"]
         if self.plan.newton:
             names.append(f"smg_{self.plan.solver}.h")
+        if self.solo:
+            names.append("smg_vec.h")
         return names
 
     def source(self) -> str:
@@ -490,7 +519,7 @@ class Emitter:
 
     def header(self) -> str:
         return self.render(
-            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=HISTORY,
+            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=HISTORY, solo=self.solo,
             integer_names=list(self.low.integers.values()), effects=[e.name for e in self.spec.effects],
             hoisted_names=[name for name, _, _ in self.low.coefficients()],
             observables=[o.name for o in self.spec.observables], **self.banner())

@@ -160,6 +160,8 @@ def require_free_body(spec: Spec, coupled) -> None:
     """Moser-Veselov is the discrete free body: one site alone, H a time-independent quadratic form."""
     from .derive import derive
     from .lower import Time, walk
+    if any(f.kind == "nambu" for f in spec.families):
+        raise UsageError("method moser-veselov needs a rigid body on a sphere or in R^3, not a Nambu factor")
     for effect in spec.effects:
         d = derive(effect)
         if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
