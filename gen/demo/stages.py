@@ -16,7 +16,7 @@ from ..plot.gallery import Picture, Row, gallery
 from ..plot.style import save
 from ..shipped import shipped
 from .experiments import EXPERIMENTS
-from .systems import Outcome, system
+from .systems import PLAYED, Outcome, system
 
 COLUMNS = ("system", "method", "steps *", "energy error *", "momentum error *",
            "agreement with witness *", "time *", "note")
@@ -145,9 +145,15 @@ def print_table(lines) -> None:
     Console(width=max(console.width, 150)).print(table)
 
 
+def place(picture: Picture) -> int:
+    """Players in the order of PLAYED, before the rest as it comes."""
+    name = picture.name.removeprefix("player_")
+    return PLAYED.index(name) if picture.name.startswith("player_") else len(PLAYED)
+
+
 def write_page(out: Path, lines, figures) -> Path:
     """index.html with the table, the players and all figures."""
-    pictures = [p for x in [*figures, *lines] for p in x.pictures]
+    pictures = sorted((p for x in [*figures, *lines] for p in x.pictures), key=place)
     rows = [Row(cells(x), x.passed) for x in lines]
     rows += [Row((x.system, *[""] * (len(COLUMNS) - 2), x.note), False)
              for x in figures if not x.passed]

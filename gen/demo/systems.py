@@ -55,7 +55,7 @@ def checked(name: str, out: Path) -> Outcome:
     began = time.perf_counter()
     settings = settle(spec, chosen or None, what=outputs_for(spec))
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver)
-    result = run(spec, settings.run, what=settings.what)
+    result = run(spec, settings.run, what=settings.what, every=every(settings, model))
     seconds = time.perf_counter() - began
     started(model, result)
     faults, notes = losses(model, spec, result)
@@ -65,6 +65,11 @@ def checked(name: str, out: Path) -> Outcome:
                    momentum_error(model, spec, result), agreement(report), seconds,
                    "; ".join(faults or notes), not faults,
                    () if chosen else drawn(name, spec, result, out))
+
+
+def every(settings, model) -> int:
+    """Steps between outputs: one for small runs, so that players move smoothly."""
+    return 1 if settings.steps * model.sites <= 200_000 else settings.every
 
 
 def agreement(report) -> float:
@@ -171,8 +176,8 @@ def axes_note(model, spec) -> list[str]:
 
 # -- pictures ------------------------------------------------------------------------------
 
-PLAYED = ("point_vortices", "vortex_manifold", "vortex_tracers", "heisenberg_chain", "two_bodies",
-          "test_particles", "nambu_a38", "irreversible_rigid_body")
+PLAYED = ("irreversible_rigid_body", "point_vortices", "heisenberg_chain", "two_bodies",
+          "vortex_tracers", "test_particles", "vortex_manifold", "nambu_a38")
 
 
 def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:

@@ -34,14 +34,14 @@ def free_body_errors(panels):
 
 def irreversible_portrait(paths, marks):
     """Phase portrait of the irreversible rigid body."""
-    return portraits.phase_portrait(paths, marks, "Irreversible rigid body", View(-118, -24))
+    return portraits.phase_portrait(paths, marks, "Irreversible rigid body", View(130, 38))
 
 
 def irreversible_trajectories(classical, spherical):
     """Points (k, 3) of both midpoint methods from one start, h = 1/2."""
     return portraits.compared([("classical midpoint", "#8A94A0", classical),
                                ("spherical midpoint", VERMILION, spherical)],
-                              "Irreversible rigid body, h = 1/2", View(-118, -24))
+                              "Irreversible rigid body, h = 1/2", View(130, 38))
 
 
 def irreversible_energy(series):

@@ -37,7 +37,7 @@ def gallery(out_dir, columns, rows, pictures, title: str, lead: str = "") -> Pat
     columns: names; those that end in ' *' hold numbers. rows: Row; pictures: Picture.
     Raises UsageError when a file cannot be read or written.
     """
-    players = [p for p in pictures if p.path.suffix == ".html"]
+    players = [p for p in pictures if p.path.suffix == ".html"]     # in the order given
     figures = [p for p in pictures if p.path.suffix in MEDIA]
     try:
         page = filled(asset("page.html"), {

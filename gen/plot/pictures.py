@@ -10,6 +10,7 @@ from ..errors import UsageError
 from . import chain, curves, player, portraits, surfaces
 from .text import printable
 
+TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
 MANY = 12           # sites from which on a family is drawn as a chain
 
 
@@ -219,5 +220,11 @@ def suitable(result, html: bool) -> str:
     if result.meta.get("section"):
         return "section"
     _, w = largest(result)
-    chain_like = w.shape[1] > MANY and (w.shape[1] > 8 * MANY or smooth(w[0]))
-    return "chain" if chain_like else "sphere"
+    many = w.shape[1] > MANY
+    return "chain" if many and (smooth(w[0]) or travelled(w) > TANGLED) else "sphere"
+
+
+def travelled(w) -> float:
+    """Length of all paths together (k, n, 3), in radii of their spheres."""
+    steps = np.linalg.norm(np.diff(w, axis=0), axis=2)
+    return float(np.sum(steps / np.maximum(np.linalg.norm(w[0], axis=1), 1e-300)))

@@ -76,7 +76,7 @@ def describe(t, states, energy, title, facts, casimirs, joined, autoplay, view, 
                          for i, (name, w) in enumerate(cut.items())],
             "trail": 3 if sum(w.shape[1] for w in cut.values()) <= 4 else
                      2 if sum(w.shape[1] for w in cut.values()) <= 30 else 0,
-            "seconds": 20, "autoplay": bool(autoplay)}
+            "seconds": playing_time(cut), "autoplay": bool(autoplay)}
 
 
 def frames_of(t, states) -> np.ndarray:
@@ -100,6 +100,13 @@ def largest_turn(w) -> float:
         return 0.0
     length = np.linalg.norm(w[:-1], axis=2)
     return float(np.max(np.linalg.norm(np.diff(w, axis=0), axis=2) / np.maximum(length, 1e-12)))
+
+
+def playing_time(states) -> float:
+    """Seconds for the whole: two radians a second of the mean site, within 8 and 120."""
+    paths = [np.linalg.norm(np.diff(w, axis=0), axis=2).sum(axis=0)
+             / np.maximum(np.linalg.norm(w[0], axis=1), 1e-12) for w in states.values()]
+    return float(np.clip(np.mean(np.concatenate(paths)) / 2, 8, 120))
 
 
 def packed(values, kind: str) -> str:

@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 
 from .style import BLUE, FAINT, INK
 from .view import View, split, visible
 
 LIGHT = np.array([-0.45, 0.65, 0.61])       # direction of the light in view coordinates
+MIST = (0.90, 0.91, 0.93)       # what the back of the ball looks like
 AXES = {"$w_x$": (1, 0, 0), "$w_y$": (0, 1, 0), "$w_z$": (0, 0, 1)}
 
 
@@ -83,16 +85,23 @@ def curve(ax, w, view: View = View(), color=BLUE, width: float = 1.1, casimir=No
 
 
 def points(ax, w, view: View = View(), color=BLUE, size: float = 2.0, marker="o",
-           rasterized: bool = False, alpha: float = 1.0, zorder: float = 3.0,
-           edge="none", label=None) -> None:
+           rasterized: bool = False, zorder: float = 3.0, edge="none",
+           label=None) -> None:
     """Points w (k, 3), solid where they are seen and faint behind."""
     w = np.asarray(w, float).reshape(-1, 3)
     flat, seen = view.project(w), visible(w, view)
-    for mask, strength, level in ((~seen, 0.16, zorder - 1), (seen, 1.0, zorder)):
-        ax.scatter(flat[mask, 0], flat[mask, 1], s=size, c=[color], marker=marker,
-                   alpha=alpha * strength, zorder=level, edgecolors=edge,
-                   linewidths=0 if edge == "none" else 0.8, rasterized=rasterized,
-                   label=label if level == zorder else None)
+    for mask, shade, rim, level in ((~seen, misty(color), misty(edge), zorder - 1),
+                                    (seen, color, edge, zorder)):
+        ax.scatter(flat[mask, 0], flat[mask, 1], s=size, c=[shade], marker=marker, zorder=level,
+                   edgecolors=rim, linewidths=0 if edge == "none" else 0.8,
+                   rasterized=rasterized, label=label if level == zorder else None)
+
+
+def misty(color):
+    """`color` mixed with the ball's grey: opaque, so that many hidden points stay faint."""
+    if isinstance(color, str) and color == "none":
+        return color
+    return tuple(0.20 * np.array(to_rgb(color)) + 0.80 * np.array(MIST))
 
 
 def equilibria(ax, marks, view: View = View()) -> None:
