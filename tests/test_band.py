@@ -199,3 +199,11 @@ def test_band_mutants_are_caught(mutant, tmp_path):
             error = backward_error(dense_band(A, 1), x.ravel(), b.ravel())
             worst = max(worst, 1.0 if status or not np.isfinite(error) else error)
     assert worst > 1e-8
+
+
+@pytest.mark.parametrize("other", ["clang", "g++", "clang++"])
+@pytest.mark.parametrize("k", [1, 2, 3])
+def test_same_bits_from_every_compiler(make, other, k):
+    A, b = band_system(200, k, 2, random(k))
+    first, last = (solve_band(make(build, "band"), A, b, 1)[2] for build in ("gcc", other))
+    assert np.array_equal(first, last)

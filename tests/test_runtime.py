@@ -1,7 +1,10 @@
-"""Dense systems, the branch test and the single spin of the C runtime, against numpy."""
+"""Dense systems, the branch test, the single spin and frames of the C runtime, against numpy."""
+import shutil
+
 import numpy as np
 import pytest
-from support.filters import BUILDS, EVERY_BUILD, QUICK, backward_error, feed, make, positive, random  # noqa: F401
+from support.filters import (EVERY_BUILD, QUICK, RUNTIME, backward_error, compile_filter, feed, make,
+                             positive, random)  # noqa: F401
 
 
 # ---- dense ------------------------------------------------------------------------------
@@ -219,3 +222,110 @@ def test_own_spin_nasty(make, build):
     assert np.allclose(np.linalg.norm(m, axis=1), 1, atol=1e-15)
     bad = np.array([[np.nan, 0, 0], [0, np.inf, 0], [0, 0, np.nan]])
     assert not np.isfinite(own_spin(make(build, "spin"), w[:3], bad)[1]).all(axis=1).any()
+
+
+# ---- frames of the tangent plane ----------------------------------------------------------
+
+AXES = np.array([s * np.eye(3)[a] for a in range(3) for s in (1.0, -1.0)])
+EDGES = np.array([[0, 0, -1], [-0.0, -0.0, -0.0 - 1], [1e-8, 0, -1], [1e-300, -1e-300, -1],
+                  [1, 1, 0], [1, 1, -0.0], [1e-160, 0, 1e-160 * 0 + 1], [-1, 1e-17, -1e-17]])
+
+
+def frames(program, m, n):
+    out = feed(program, [len(m)], np.concatenate([m, n], axis=1)).reshape(-1, 3, 2, 3)
+    return out[:, 0], out[:, 1], out[:, 2]
+
+
+@pytest.mark.parametrize("build", EVERY_BUILD)
+def test_frame_is_orthonormal_and_right_handed(make, build):
+    """e1 x e2 = m/|m| for any length of m, along the axes and next to the poles."""
+    rng = random(4)
+    m = np.concatenate([AXES, EDGES, directions(rng, 200) * 10 ** rng.uniform(-9, 9, size=(200, 1))])
+    e, _, _ = frames(make(build, "frame"), m, m)
+    unit = m / np.linalg.norm(m, axis=1, keepdims=True)
+    assert np.allclose(np.einsum("nri,nsi->nrs", e, e), np.eye(2), atol=1e-15)
+    assert np.allclose(np.cross(e[:, 0], e[:, 1]), unit, atol=2e-15)
+
+
+@pytest.mark.parametrize("build", EVERY_BUILD)
+def test_leaf_frame_and_its_dual(make, build):
+    """n.E = 0, F.E = 1, F.m = 0: coordinates of v = E a + s m are F v, on hyperboloids too."""
+    rng = random(5)
+    casimirs = [np.diag(d) for d in ([1.0, 2, 4], [1, 1, -1], [1, -1, -1], [1, 0, 0], [-2, 3, 0])]
+    m = directions(rng, 300) * rng.uniform(0.1, 10, size=(300, 1))
+    n = np.array([casimirs[i % 5] @ m[i] for i in range(300)])
+    clear = np.abs(np.einsum("ni,ni->n", m, n)) > 0.05 * np.linalg.norm(m, axis=1) * np.linalg.norm(n, axis=1)
+    m, n = m[clear], n[clear]
+    _, E, F = frames(make(build, "frame"), m, n)
+    assert len(m) > 200
+    assert np.allclose(np.einsum("nri,ni->nr", E, n) / np.linalg.norm(n, axis=1)[:, None], 0, atol=1e-15)
+    assert np.allclose(np.einsum("nri,nsi->nrs", F, E), np.eye(2), atol=1e-13)
+    assert np.allclose(np.einsum("nri,ni->nr", F, m), 0, atol=1e-12)
+
+
+# ---- the tests' own teeth, and the bits ---------------------------------------------------
+
+MUTANTS = {
+    "no pivoting": ("dense", "smg_dense.h", "if (p != c) smg", "if (p < c) smg"),
+    "panel update misses a column": ("dense", "smg_dense.h", "l[7] * u[7 * n + j]", "l[6] * u[7 * n + j]"),
+    "determinant alone decides": ("eigen", "smg_small.h", "(smg_det2(D) > 0) & !negative_pair",
+                                  "(smg_det2(D) > 0) | (0 & negative_pair)"),
+    "only the last block looked at": ("eigen", "smg_eigen.h", "hi = l - 1, sweep = 0;", "return 1;"),
+    "wrong shift": ("eigen", "smg_eigen.h", "a[0] * b[1] - a[1] * b[0]", "a[0] * b[1] + a[1] * b[0]"),
+    "spin turns backwards": ("spin", "smg_spin.h", "(w[1] * g[2] - w[2] * g[1])", "(w[2] * g[1] - w[1] * g[2])"),
+    "spin forgets the sign of g.w": ("spin", "smg_spin.h", "d < 0 ? -t : t;", "t;"),
+}
+
+
+def worst_dense(program):
+    rng = random(11)
+    sizes = {n: rng.normal(size=(4, n, n)) for n in (4, 8, 40)}
+    for n, A in sizes.items():
+        A[0] = np.roll(np.eye(n), 1, axis=1)
+    found = {n: solve_dense(program, A, np.ones((4, n))) for n, A in sizes.items()}
+    return any(s.any() or not backward_error(sizes[n], x, np.ones((4, n))) < 1e-12
+               for n, (s, x) in found.items())
+
+
+def worst_eigen(program):
+    for n in (4, 8):
+        cases = np.array(list(eigen_cases(n, random(n))))
+        verdict = feed(program, [n, len(cases)], cases).astype(bool)
+        expected, gaps = (np.array(v) for v in zip(*(positive(A) for A in cases)))
+        if np.any((verdict != expected) & (gaps > 1e-9)):
+            return True
+    return False
+
+
+def worst_spin(program):
+    rng = random(12)
+    w, g = directions(rng, 50), 2 * directions(rng, 50)
+    _, m = own_spin(program, w, g)
+    return not np.all(np.linalg.norm(np.cross(m, w + np.cross(m, g)), axis=1) < 1e-12)
+
+
+JUDGES = {"dense": worst_dense, "eigen": worst_eigen, "spin": worst_spin}
+
+
+@pytest.mark.parametrize("mutant", MUTANTS)
+def test_mutants_are_caught(mutant, make, tmp_path):
+    """Each wrong line fails the comparison that the right one passes."""
+    name, header, old, new = MUTANTS[mutant]
+    shutil.copytree(RUNTIME, tmp_path / "runtime")
+    text = (tmp_path / "runtime" / header).read_text()
+    assert text.count(old) == 1
+    (tmp_path / "runtime" / header).write_text(text.replace(old, new))
+    assert not JUDGES[name](make("gcc", name))
+    assert JUDGES[name](compile_filter("gcc", name, 2, tmp_path, tmp_path / "runtime"))
+
+
+@pytest.mark.parametrize("other", ["clang", "g++", "clang++"])
+def test_same_bits_from_every_compiler(make, other):
+    rng = random(13)
+    A, b = rng.normal(size=(5, 20, 20)), rng.normal(size=(5, 20))
+    w, g = directions(rng, 50), directions(rng, 50)
+    for build in ("gcc", other):
+        last = (solve_dense(make(build, "dense"), A, b)[1], own_spin(make(build, "spin"), w, g)[1],
+                frames(make(build, "frame"), w, g)[2])
+        first = last if build == "gcc" else first
+    assert all(np.array_equal(a, b) for a, b in zip(first, last))

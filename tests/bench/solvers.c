@@ -63,7 +63,7 @@ static void band(int64_t n, int k, int periodic, int64_t repeats) {
         for (int e = 0; e < N * N; e++) B[e] = A[e];                               \
         for (int e = 0; e < N; e++) x[e] = b[e];                                   \
         if (smg_dense_solve(N, B, x)) exit(2);                                     \
-        sink = x[0], b[0] = (smg_real)r;                                           \
+        sink = x[0], b[0] = (smg_real)r, A[0] += (smg_real)1e-9;                   \
       }                                                                            \
       const double each = (now() - start) / REPEATS;                               \
       best = each < best ? each : best;                                            \
