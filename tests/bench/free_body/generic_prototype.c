@@ -24,8 +24,8 @@
 typedef struct generic {
   body_params p;
   double w[3], carry[3];
-  double older[4];
-  int64_t k, count;
+  double ha[3], older[4];
+  int64_t k;
   smg_report report;
   double u[ROWS][4];
 } generic;
@@ -45,16 +45,19 @@ ALWAYS vec cross(vec a, vec b) {
 ALWAYS double larger(double a, double b) { return a > b ? a : b; }
 ALWAYS double largest(vec a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
 
-/* b(m) = (1/kappa) dH/dm */
-ALWAYS vec field(const body_params *p, vec m) {
-  const double *a = p->inverse_moment;
+/* h b(m), b = (1/kappa) dH/dm; h times the parameters is formed once, at the start. */
+ALWAYS vec field(const generic *s, vec m) {
+  const double *a = s->ha;
   return (vec){a[0] * m.x, a[1] * m.y, a[2] * m.z};
 }
 
-/* Db(m): diagonal here; the generator leaves out the products with zero. */
-ALWAYS vec hessian(const body_params *p, vec m) {
+/* h X(m) + eps h DX(m)m, as the generator simplifies it: X = m x b is of degree two here. */
+ALWAYS vec image_near(vec m, vec b, double eps) { return scale(1 + 2 * eps, cross(m, b)); }
+
+/* h Db(m) and products with it: diagonal here; the generator leaves out the products with zero. */
+ALWAYS vec hessian(const generic *s, vec m) {
   (void)m;
-  return load(p->inverse_moment);
+  return load(s->ha);
 }
 ALWAYS vec times(vec B, vec v) { return (vec){B.x * v.x, B.y * v.y, B.z * v.z}; }
 /* m.adj(C)m */
@@ -75,7 +78,7 @@ static const double weights[9][9] = {{1},
 
 /* Rows older than two steps in pairs of lanes, through memory; the two newest by component. */
 ALWAYS vec predict(generic *s, double *q) {
-  const double(*row)[4] = s->u + s->k;
+  double(*const row)[4] = s->u + s->k;
   const double *c = weights[DEGREE], *l = row[0], *b = row[1], *t = s->older;
   double a[4];
   for (int i = 0; i < 4; i++) a[i] = c[DEGREE] * row[DEGREE][i];
@@ -87,27 +90,25 @@ ALWAYS vec predict(generic *s, double *q) {
 }
 
 ALWAYS vec sum(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z}; }
-ALWAYS double defect(vec S, double q) { return .5 - dot(S, S) * (.5 * q * q); }
 
 /* One Newton iteration from (u, q); returns the new u, and det T. */
-ALWAYS vec newton(const body_params *p, vec w, vec u, double *q, double *det) {
-  const double h = p->h;
-  const vec S = sum(w, u), m = scale(*q, S), b = field(p, m), B = hessian(p, m), n = scale(h, m), g = cross(n, b);
-  const double eps = defect(S, *q), beta = dot(m, b), mu = dot(m, u);
-  const vec C = {B.x - beta, B.y - beta, B.z - beta};
-  const vec e = add(g, cross(n, times(B, m))), r = sub(add(g, scale(eps, e)), u), k = scale(*q, n);
-  const double t = 1 + h * h * (*q * *q) * adjugate(C, m), i = 1 / t;
-  const vec a = add(r, scale(mu, m)), c = cross(k, times(C, a)), d = cross(k, times(C, c));
-  const double l = i * (*q * dot(g, add(a, c)));
-  *q += *q * (eps + *q * (mu + l));
-  *det = t;
-  return add(u, sub(add(r, scale(i, add(c, d))), scale(l, m)));
+ALWAYS vec newton(const generic *s, vec w, vec u, double *q, double *det, double *defect) {
+  const vec S = sum(w, u), m = scale(*q, S), b = field(s, m), B = hessian(s, m);
+  const double eps = .5 - dot(S, S) * (.5 * *q * *q), beta = dot(m, b), mu = dot(m, u);
+  const vec C = scale(*q, (vec){B.x - beta, B.y - beta, B.z - beta});
+  const double t = 1 + adjugate(C, m), i = 1 / t;
+  const vec g = image_near(m, b, eps), a = add(g, sub(scale(mu, m), u));
+  const vec c = add(a, cross(m, times(C, a))), d = cross(m, times(C, c));
+  const double gc = dot(g, c), l = (*q * i) * gc;
+  *q = (*q + *q * (eps + *q * mu)) + (*q * *q * (*q * i)) * gc;
+  *det = t, *defect = eps;
+  return sub(add(g, scale(i, d)), scale(l, m));
 }
 
 /* h X(m), m = q S */
-ALWAYS vec image(const body_params *p, vec S, double q) {
+ALWAYS vec image(const generic *s, vec S, double q) {
   const vec m = scale(q, S);
-  return cross(scale(p->h, m), field(p, m));
+  return cross(m, field(s, m));
 }
 
 ALWAYS void commit(generic *s, vec W, vec y, vec v, double q) {
@@ -119,7 +120,6 @@ ALWAYS void commit(generic *s, vec W, vec y, vec v, double q) {
   s->carry[0] = y.x - (W.x - s->w[0]), s->carry[1] = y.y - (W.y - s->w[1]), s->carry[2] = y.z - (W.z - s->w[2]);
   s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
   row[0] = v.x, row[1] = v.y, row[2] = v.z, row[3] = q;
-  s->count++;
 }
 
 /* Near a zero of W_i one unit of W_i lies below the round-off of u_i, and u may alternate between neighbours
@@ -138,8 +138,8 @@ __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int ev
   for (int k = evaluations; k < CAP; k++) {
     const vec S = sum(w, u);
     double q = 1 / sqrt(dot(S, S));
-    const vec v = image(&s->p, S, q), y = add(v, carry), V = add(w, y), d = sub(V, add(w, add(u, carry)));
-    if (!(largest(v) <= DBL_MAX)) return s->report.status = SMG_NOT_FINITE;
+    const vec v = image(s, S, q), y = add(v, carry), V = add(w, y), d = sub(v, u);
+    if (!(fabs(v.x) + fabs(v.y) + fabs(v.z) <= DBL_MAX)) return s->report.status = SMG_NOT_FINITE;
     const int late = k > evaluations + TRIES;
     const int done = within(fabs(d.x), V.x, v.x, late) & within(fabs(d.y), V.y, v.y, late) & within(fabs(d.z), V.z, v.z, late);
     s->report.iterations = k + 1, s->report.residual = largest(d);
@@ -148,21 +148,24 @@ __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int ev
       commit(s, V, y, v, q);
       return s->report.status = SMG_OK;
     }
-    double next = q;
-    u = largest(sub(v, u)) <= 64 * DBL_EPSILON * largest(v) ? v : newton(&s->p, w, u, &next, &det);
+    double next = q, defect;
+    u = largest(sub(v, u)) <= 64 * DBL_EPSILON * largest(v) ? v : newton(s, w, u, &next, &det, &defect);
   }
   return s->report.status = SMG_NO_CONVERGENCE;
 }
 
+ALWAYS double smaller(double a, double b) { return a < b ? a : b; }
+
 STEP smg_status PASTE(generic_step_, DEGREE)(generic *s) {
-  if (s->count <= DEGREE) return slow(s, (vec){0, 0, 0}, 0, 0);
   const vec w = load(s->w), carry = load(s->carry);
-  double q, det;
-  const vec p = predict(s, &q), u = newton(&s->p, w, p, &q, &det), S = sum(w, u), v = image(&s->p, S, q);
-  const vec y = add(v, carry), V = add(w, y), d = sub(V, add(w, add(u, carry)));
-  const double dx = fabs(d.x), dy = fabs(d.y), dz = fabs(d.z), change = larger(dx, larger(dy, dz));
-  if (!(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) && dz <= DBL_EPSILON * fabs(V.z) && det > .125 &&
-        fabs(defect(S, q)) <= 2 * DBL_EPSILON && change <= DBL_MAX))
+  double q, det, eps;
+  const vec p = predict(s, &q), u = newton(s, w, p, &q, &det, &eps), v = image(s, sum(w, u), q);
+  const vec y = add(v, carry), V = add(w, y);
+  const double dx = fabs(v.x - u.x), dy = fabs(v.y - u.y), dz = fabs(v.z - u.z), change = dx + dy + dz;
+  const double least = smaller(fabs(V.x), smaller(fabs(V.y), fabs(V.z)));
+  if (!(det > .125 && fabs(eps) < 1e-8)) return slow(s, (vec){0, 0, 0}, 1, 0);
+  if (!(change < DBL_EPSILON * least) && !(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) &&
+                                           dz <= DBL_EPSILON * fabs(V.z) && change <= DBL_MAX))
     return slow(s, v, 2, det);
   commit(s, V, y, v, q);
   s->report.iterations = 2, s->report.residual = change;
@@ -176,6 +179,7 @@ void PASTE(generic_start_, DEGREE)(void *state, const body_params *p, const doub
   memset(s, 0, sizeof *s);
   s->p = *p, s->k = ROWS - DEGREE - 1;
   memcpy(s->w, w, sizeof s->w);
+  for (int i = 0; i < 3; i++) s->ha[i] = p->h * p->inverse_moment[i];
 }
 void PASTE(generic_steps_, DEGREE)(void *state, int64_t n) {
   generic *s = (generic *)state;
