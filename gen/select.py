@@ -6,10 +6,9 @@ from dataclasses import replace
 from .errors import UsageError
 from .expr import Elem, Par, walk
 from .read import checks
-from .read.load import with_values
 from .read.problems import nearest
 from .read.tree import number_trouble
-from .read.values import defaults
+from .read.values import defaults, with_values
 from .spec import Lattice, Parameter, Spec
 
 

@@ -264,16 +264,17 @@ def on_leaf(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trou
     """Finite; on the sphere within `limits.SPHERE`; C not zero."""
     bad = np.flatnonzero(~np.isfinite(w).all(axis=1))
     if bad.size:
-        yield Trouble(at(path, part, bad[0]), codes.START, f"the start of `{family.name}[{bad[0]}]` "
-                      "is not finite")
+        yield Trouble(at(path, part, bad[0]), codes.START,
+                      f"the start of `{family.name}[{bad[0]}]` is not finite")
     elif family.kind == "sphere":
         yield from on_sphere(w, part, family, path, values)
     elif family.kind == "nambu":
         a = np.array([[number(e, values) for e in row] for row in family.casimir])
         zero = np.flatnonzero(np.einsum("ni,ij,nj->n", w, a, w) == 0)
         if zero.size:
-            yield Trouble(at(path, part, zero[0]), codes.OFF, f"C is zero at the start of `{family.name}"
-                          f"[{zero[0]}]`", "the method needs C different from zero")
+            yield Trouble(at(path, part, zero[0]), codes.OFF,
+                          f"C is zero at the start of `{family.name}[{zero[0]}]`",
+                          "the method needs C different from zero")
     elif not w.any(axis=1).all():
         zero = int(np.argmin(w.any(axis=1)))
         yield Trouble(at(path, part, zero), codes.OFF, f"`{family.name}[{zero}]` starts at zero",
@@ -290,9 +291,10 @@ def on_sphere(w, part, family: Family, path: tuple, values: dict) -> Iterator[Tr
     off = np.abs(length / r - 1)
     k = int(np.argmax(off))
     if not off[k] <= limits.SPHERE:
-        yield Trouble(at(path, part, k), codes.OFF, f"`{family.name}[{k}]` starts at length {length[k]:.15g}, "
-                      f"its sphere has radius {r[k]:.15g}", "write `normalise = true` to put it "
-                      "there, or give more digits")
+        yield Trouble(at(path, part, k), codes.OFF,
+                      f"`{family.name}[{k}]` starts at length {length[k]:.15g}, its sphere has "
+                      f"radius {r[k]:.15g}",
+                      "write `normalise = true` to put it there, or give more digits")
 
 
 def at(path: tuple, part, site: int) -> tuple:

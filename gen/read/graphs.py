@@ -8,6 +8,7 @@ from .files import Files
 from .formulas import Formulas
 from .names import identifier
 from .problems import Problems, nearest
+from .text import meaning
 from .tree import Node
 
 TABLE = "rows `i, j` or `i, j, weight, ...` with sites counted from 0"
@@ -25,6 +26,7 @@ class Graphs:
         name = identifier(self.problems, node.key, node.name, "graph")
         self.broken.add(name)
         node.table("file", "meaning")
+        meaning(node, "meaning")
         child = node.need("file", 'name the table of edges: `file = "edges.csv"`')
         rows = self.files.rows(child, 2, TABLE)
         if len(rows) > limits.EDGES or len(rows[0]) > 2 + limits.COLUMNS:

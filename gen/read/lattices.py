@@ -11,6 +11,7 @@ from .formulas import Formulas
 from .names import identifier
 from .problems import Problems, nearest
 from .syntax import Name, Number
+from .text import meaning
 from .tree import Node
 
 SHORT = {"chain": 1, "square": 2, "cubic": 3}
@@ -40,6 +41,7 @@ class Lattices:
         name = identifier(self.problems, node.key, node.name, "lattice")
         self.broken.add(name)
         node.table("size", "boundary", "sites", "bonds", "meaning")
+        meaning(node, "meaning")
         size = self.sizes(node.need("size", 'give the cells per direction: `size = ["n"]`'))
         periodic = self.boundaries(node, len(size))
         sites = node.get("sites").integer(1, limits.CELL) if node.has("sites") else 1

@@ -27,7 +27,7 @@ from .terms import TermReader
 from .text import meaning
 from .toml import document
 from .tree import Node
-from .values import defaults, integer
+from .values import defaults, filled, with_values
 
 SECTIONS = ("model", "space", "parameters", "formulas", "lattices", "graphs", "effects",
             "observables", "starts", "runs")
@@ -233,25 +233,3 @@ def digest(sources) -> str:
         data = text.encode("utf-8", "surrogatepass")
         h.update(f"{name}\0{len(data)}\0".encode() + data)
     return h.hexdigest()
-
-
-def with_values(spec: Spec, values: dict, given: dict) -> dict:
-    """`values` with those `given`; arrays of one repeated number follow their size."""
-    values = {**values, **given}
-    for p in spec.parameters:
-        if p.kind != "array":
-            continue
-        have = values[p.name]
-        if p.fill and p.name not in given or p.name in given and len(have) == 1:
-            size = integer(p.size, values)
-            if 0 < size <= limits.ARRAY:
-                values[p.name] = tuple(have[:1]) * size
-    return values
-
-
-def filled(spec: Spec) -> Spec:
-    """Defaults that are one repeated number, at the default size."""
-    values = with_values(spec, defaults(spec), {})
-    return replace(spec, parameters=tuple(
-        replace(p, default=values[p.name]) if p.kind == "array" else p
-        for p in spec.parameters))

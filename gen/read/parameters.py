@@ -58,11 +58,10 @@ class ParameterReader:
 
     def array(self, name: str, node: Node, default: Node, common: dict) -> Parameter:
         """A list with a size; or one number that every entry has."""
-        size = self.size(node, default)
         if node.has("vector") and node.get("vector").flag():
-            self.declared.vectors.add(name)
-            if not isinstance(default.raw, list) or len(default.raw) != 3:
-                default.wrong(codes.COUNT, f"the vector `{name}` needs three numbers")
+            size = self.vector(name, node, default)
+        else:
+            size = self.size(node)
         if isinstance(default.raw, list):
             values = tuple(float(e.number()) for e in default.entries())
             if not values:
@@ -70,12 +69,20 @@ class ParameterReader:
             return Parameter(name, "array", values, size, **common)
         return Parameter(name, "array", (float(default.number()),), size, fill=True, **common)
 
-    def size(self, node: Node, default: Node):
+    def vector(self, name: str, node: Node, default: Node) -> Num:
+        """Three numbers that formulas use as a vector."""
+        if node.has("size"):
+            node.get("size").wrong(codes.CONFLICT, f"the vector `{name}` has three entries",
+                                   "leave `size` out")
+        if not isinstance(default.raw, list) or len(default.raw) != 3:
+            default.wrong(codes.COUNT, f"the vector `{name}` needs three numbers")
+        self.declared.vectors.add(name)
+        return Num(3)
+
+    def size(self, node: Node):
         child = node.get("size")
         if child is not None:
             return self.formulas.count(child)
-        if node.has("vector") and isinstance(default.raw, list):
-            return Num(3)
         self.problems.fail(codes.MISSING, node.key, f"the array `{node.name}` has no `size`",
                            'give its length: `size = "n"`, or `vector = true` for a vector')
 

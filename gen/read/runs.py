@@ -76,11 +76,16 @@ class RunReader:
     def chosen(self, node: Node):
         if not node.has("effects"):
             return None
+        listed = node.get("effects")
         names = tuple(self.choice(e, self.effects, "effect")
-                      for e in node.get("effects").entries("list of effects"))
-        return self.unique(node.get("effects"), names)
+                      for e in listed.entries("list of effects"))
+        return self.unique(listed, names)
 
     def unique(self, node: Node, names: tuple) -> tuple:
+        """The names of a list: at least one, and each once."""
+        if not names:
+            node.wrong(codes.MISSING, f"`{node.label}` is empty", "leave it out, or name what "
+                       "you want")
         for name in names:
             if names.count(name) > 1:
                 node.wrong(codes.CLASH, f"`{name}` is listed twice", "name it once")

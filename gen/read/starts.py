@@ -38,11 +38,10 @@ class StartReader:
 
     def start(self, node: Node) -> Start:
         name = identifier(self.problems, node.key, node.name, "start")
+        families = self.declared.families
         if self.declared.hollow:
             self.formulas.silently()
-        families = self.declared.families
-        if not isinstance(node.raw, dict):
-            node.table()
+        meaning(node.table(), "meaning")
         if len(families) == 1 and not any(node.has(f) for f in families):
             (family,) = families.values()
             return Start(name, (self.family(node, family, ("meaning",)),))
@@ -51,7 +50,6 @@ class StartReader:
                                + ", ".join(families), "give each a table of its own: "
                                f"[{node.label}.{next(iter(families))}]")
         node.table(*families, "meaning")
-        meaning(node, "meaning")
         return Start(name, tuple(self.of(node, f) for f in families.values()))
 
     def of(self, node: Node, family: Family) -> FamilyStart:

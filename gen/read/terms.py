@@ -61,7 +61,8 @@ class TermReader:
             node.wrong(codes.INDEX, "a sum of energies takes all its vectors at bound indices",
                        "write `each(i of p, j of w)` for all combinations, or a graph for some")
         extra = {f: f"{f}_site" for f in sorted(fixed)}
-        over = Each(tuple(families) + tuple(extra.values()), tuple(families.values()) + tuple(extra))
+        over = Each(tuple(families) + tuple(extra.values()),
+                    tuple(families.values()) + tuple(extra))
         return over, moved(value, extra)
 
 

@@ -1,6 +1,9 @@
 """Values given to parameters: by a run's `set`, by a command, by a call."""
 from __future__ import annotations
 
+from dataclasses import replace
+
+from .. import limits
 from ..evaluate import evaluate
 from ..expr import Expr
 from ..spec import Parameter, Spec
@@ -50,3 +53,25 @@ def number(e: Expr, values: dict) -> float:
 def integer(e: Expr, values: dict) -> int:
     """The value of an integer formula."""
     return int(evaluate(e, values))
+
+
+def with_values(spec: Spec, values: dict, given: dict) -> dict:
+    """`values` with those `given`; arrays of one repeated number follow their size."""
+    values = {**values, **given}
+    for p in spec.parameters:
+        if p.kind != "array":
+            continue
+        have = values[p.name]
+        if p.fill and p.name not in given or p.name in given and len(have) == 1:
+            size = integer(p.size, values)
+            if 0 < size <= limits.ARRAY:
+                values[p.name] = tuple(have[:1]) * size
+    return values
+
+
+def filled(spec: Spec) -> Spec:
+    """Defaults that are one repeated number, at the default size."""
+    values = with_values(spec, defaults(spec), {})
+    return replace(spec, parameters=tuple(
+        replace(p, default=values[p.name]) if p.kind == "array" else p
+        for p in spec.parameters))
