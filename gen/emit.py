@@ -373,7 +373,7 @@ class Emitter:
                 solver_text += self.render("sweep.c.j2", **self.sweep_slots(), **slots)
         local_text = "".join(self.render("local.c.j2", f=f, linear=self.closed_form(f), solo=self.solo)
                              for f in self.chosen(self.plan.local))
-        solo = self.render("solo.c.j2", f=self.families[0], kernels=self.solo_adjugate(), local_text=local_text,
+        solo = self.render("solo.c.j2", f=self.families[0], kernels=self.solo_kernels(), local_text=local_text,
                            **slots) if self.solo else ""
         return self.render("step.c.j2", solo=solo, solver_text=solver_text, local_text=local_text,
                            needs_level=any(f.kind != "sphere" for f in self.families), **slots)
@@ -387,17 +387,23 @@ class Emitter:
                 and all(self.low.level(s.name) < SITE for t in self.effects for b in t.derived.hessian.values()
                         for s in b.free_symbols if s.name[0] != "v"))
 
-    def solo_adjugate(self) -> str:
-        """d.adj(B - beta 1) d, B the Hessian of the whole energy, with the zeros of B left out."""
-        B = sum((t.derived.hessian.get((0, 0), sp.zeros(3, 3)) for t in self.effects), sp.zeros(3, 3))
-        beta, d = sp.Symbol("beta", real=True), sp.Matrix(DIRECTION)
-        C = B - beta * sp.eye(3)
-        cofactor = [[C[(a + 1) % 3, (b + 1) % 3] * C[(a + 2) % 3, (b + 2) % 3]
-                     - C[(a + 1) % 3, (b + 2) % 3] * C[(a + 2) % 3, (b + 1) % 3] for b in range(3)] for a in range(3)]
-        kernel = self.low.kernel([sum(cofactor[a][b] * d[a] * d[b] for a in range(3) for b in range(3))], {})
-        return function(f"smg_real {self.M}_solo_adjugate",
-                        [f"const {self.M}_coefficients *c", "const smg_real *v0", "smg_real beta", "const smg_real *d"],
-                        [*kernel.lines, f"return {kernel.results[0]};"], ["c", "v0"])
+    def solo_kernels(self) -> str:
+        """Field b = dH/dm, B v, and d.adj(B - beta 1) d of the whole energy, B its Hessian."""
+        effects = [t.derived for t in self.effects if t.slots]
+        b = [sum(e.gradient[0][a] for e in effects) for a in range(3)]
+        B = sum((e.hessian.get((0, 0), sp.zeros(3, 3)) for e in effects), sp.zeros(3, 3))
+        d, beta = sp.Matrix(DIRECTION), sp.Symbol("beta", real=True)
+        return "\n\n".join([self.solo_kernel("smg_vec", "field", [], b),
+                            self.solo_kernel("smg_vec", "times", ["smg_vec d"], list(B * d)),
+                            self.solo_kernel("smg_real", "adjugate", ["smg_real beta", "smg_vec d"],
+                                             [adjugate_form(B - beta * sp.eye(3), d)])])
+
+    def solo_kernel(self, kind: str, name: str, more, expressions) -> str:
+        kernel = self.low.kernel(expressions, {})
+        result = f"smg_vec_of({', '.join(kernel.results)})" if kind == "smg_vec" else kernel.results[0]
+        body = [by_value(line) for line in [*kernel.lines, f"return {result};"]]
+        return function(f"{kind} {self.M}_solo_{name}", [f"const {self.M}_coefficients *c", "smg_vec m", *more],
+                        body, ["c", "m", *(x.split()[1] for x in more)])
 
     def sweep_slots(self):
         if not self.plan.rotation:
@@ -550,6 +556,21 @@ class Emitter:
         return self.render("abi.c.j2", assignments=lines, prototypes=PROTOTYPES(self.M),
                            effects=[e.name for e in self.spec.effects],
                            observables=[o.name for o in self.spec.observables], families=self.families)
+
+
+def adjugate_form(C, d):
+    """d.adj(C) d for a symmetric 3x3 matrix."""
+    def cofactor(a, b):
+        i, j, k, l = (a + 1) % 3, (a + 2) % 3, (b + 1) % 3, (b + 2) % 3
+        return C[i, k] * C[j, l] - C[i, l] * C[j, k]
+    return sum(cofactor(a, b) * d[a] * d[b] for a in range(3) for b in range(3))
+
+
+def by_value(line: str) -> str:
+    """The arrays v0 and d of a kernel as the vectors m and d by value."""
+    for axis in range(3):
+        line = line.replace(f"v0[{axis}]", f"m.{'xyz'[axis]}").replace(f"d[{axis}]", f"d.{'xyz'[axis]}")
+    return line
 
 
 def meetings(t, k: int, subs: int):

@@ -25,7 +25,7 @@
 /* A determinant below this fraction of its own terms is round-off. */
 #define SMG_ROUNDOFF (64 * SMG_EPS)
 
-SMG_INLINE smg_real smg_abs(smg_real a) { return a < 0 ? -a : a; }
+SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
 
 /* det A. */
 SMG_INLINE smg_real smg_det2(const smg_real *A) { return A[0] * A[3] - A[1] * A[2]; }
