@@ -17,6 +17,7 @@ from .loops import Loops, graph_name, indent, loop
 from .lower import CLOCK, PREPARE, SITE, Lowering
 from .indices import safe_indices
 from .plan import choose
+from .prune import without_uncalled
 from . import __version__ as VERSION
 from .resources import folder
 from .spec import Graph, Lattice, Sites, Spec
@@ -521,7 +522,7 @@ class Emitter:
         # last, for they list what the parts above asked for
         body |= dict(prepare=self.sizes_text() + "\n\n" + self.prepare_text(), clock=self.clock_text(),
                      tables=self.tables(), includes=self.includes())
-        return self.render("model.c.j2", **body, **self.banner())
+        return without_uncalled(self.render("model.c.j2", **body, **self.banner()))
 
     def header(self) -> str:
         return self.render(
