@@ -308,7 +308,7 @@ class Emitter:
                             for d in range(HISTORY))
         return dict(H=HISTORY, ROWS=ROWS, weights=weights, families=self.families, coupled=self.chosen(self.plan.coupled),
                     local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.rows,
-                    solver=self.plan.solver, newton=self.plan.newton, timed=self.low.uses_time, rotation=self.plan.rotation, orientation=self.spec.orientation,
+                    solver=self.plan.solver, newton=self.plan.newton, timed=self.low.is_timed(), rotation=self.plan.rotation, orientation=self.spec.orientation,
                     band=self.plan.band, wrap=self.plan.wrap)
 
     def arrays(self):

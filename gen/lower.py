@@ -172,6 +172,10 @@ class Lowering:
         value, leaves = scalar(e)
         return self.kernel([value], leaves)
 
+    def is_timed(self) -> bool:
+        """Does any kernel so far depend on time?"""
+        return self.uses_time or any(level == CLOCK for _, level in self.hoisted.values())
+
     def coefficients(self):
         """Hoisted values in dependency order: [(name, C text, level)]."""
         show = Printer(self.text)
