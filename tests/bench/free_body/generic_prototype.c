@@ -93,12 +93,12 @@ ALWAYS vec sum(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.
 
 /* One Newton iteration from (u, q); returns the new u, and det T. */
 ALWAYS vec newton(const generic *s, vec w, vec u, double *q, double *det, double *defect) {
-  const vec S = sum(w, u), m = scale(*q, S), b = field(s, m), B = hessian(s, m);
+  const vec S = sum(w, u), m = scale(*q, S), b = field(s, m), B = hessian(s, m), k = scale(*q, m);
   const double eps = .5 - dot(S, S) * (.5 * *q * *q), beta = dot(m, b), mu = dot(m, u);
-  const vec C = scale(*q, (vec){B.x - beta, B.y - beta, B.z - beta});
-  const double t = 1 + adjugate(C, m), i = 1 / t;
+  const vec C = {B.x - beta, B.y - beta, B.z - beta};
+  const double t = 1 + adjugate(C, k), i = 1 / t;
   const vec g = image_near(m, b, eps), a = add(g, sub(scale(mu, m), u));
-  const vec c = add(a, cross(m, times(C, a))), d = cross(m, times(C, c));
+  const vec c = add(a, cross(k, times(C, a))), d = cross(k, times(C, c));
   const double gc = dot(g, c), l = (*q * i) * gc;
   *q = (*q + *q * (eps + *q * mu)) + (*q * *q * (*q * i)) * gc;
   *det = t, *defect = eps;

@@ -284,14 +284,76 @@ ALWAYS void joint_early(body *s, int degree) {
   commit_wide(s, degree, V, v, s1);
 }
 
+/* 8. q = 1/|S| extrapolated, m = q S; Newton on the plane across m, where E v = h q m x C v - (h q X.v) m with
+ * C = I^-1 - (m.I^-1 m) has trace 0, so that (1 - E)^-1 = 1 + (E + E^2)/det(1 - E). */
+ALWAYS double dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+ALWAYS vec turn(vec k, vec C, vec a) {
+  const double x = C.x * a.x, y = C.y * a.y, z = C.z * a.z;
+  return (vec){k.y * z - k.z * y, k.z * x - k.x * z, k.x * y - k.y * x};
+}
+ALWAYS vec motion(vec D, vec m) { return (vec){D.x * (m.y * m.z), D.y * (m.z * m.x), D.z * (m.x * m.y)}; }
+ALWAYS vec tangent_image(const body *s, vec D, vec w, vec u, double *q) {
+  const double *A = s->p.inverse_moment, h = s->p.h, a0 = h * A[0], a1 = h * A[1], a2 = h * A[2];
+  const vec S = twice_midpoint(w, u), m = {*q * S.x, *q * S.y, *q * S.z}, k = {*q * m.x, *q * m.y, *q * m.z};
+  const vec o = motion(D, m);
+  const double eps = .5 - dot(S, S) * (.5 * *q * *q), f = 1 + 2 * eps, mu = dot(m, u);
+  const double beta = a0 * (m.x * m.x) + a1 * (m.y * m.y) + a2 * (m.z * m.z);
+  const vec C = {a0 - beta, a1 - beta, a2 - beta};
+  const double t = 1 + (C.y * C.z * (k.x * k.x) + C.z * C.x * (k.y * k.y) + C.x * C.y * (k.z * k.z)), i = 1 / t;
+  const vec g = {f * o.x, f * o.y, f * o.z};
+  const vec a = {g.x + (mu * m.x - u.x), g.y + (mu * m.y - u.y), g.z + (mu * m.z - u.z)};
+  const vec c = add(a, turn(k, C, a)), d = turn(k, C, c);
+  const double gc = dot(g, c), l = (*q * i) * gc;
+  *q = (*q + *q * (eps + *q * mu)) + (*q * *q * (*q * i)) * gc;
+  return (vec){(g.x + i * d.x) - l * m.x, (g.y + i * d.y) - l * m.y, (g.z + i * d.z) - l * m.z};
+}
+NEVER void iterate_tangent(body *s, int degree, vec u) {
+  const vec d = constants(&s->p), w = state(s);
+  vec V = add(w, u), U;
+  int k = 2;
+  do U = V, u = image(d, w, u), V = add(w, u), k++;
+  while (!stagnated(V, U) && k < CAP);
+  commit_wide(s, degree, V, u, sqrt(1 / square(add(w, V))));
+  s->count++;
+}
+ALWAYS vec predict_narrow(const body *s, int degree, double *q) {
+  const double(*r)[4] = (const double(*)[4])s->u + s->k;
+  const double *c = extrapolate[degree];
+  double t[4];
+  for (int i = 0; i < 4; i++) t[i] = c[degree] * r[degree][i];
+  for (int j = degree - 1; j >= 0; j--)
+    for (int i = 0; i < 4; i++) t[i] += c[j] * r[j][i];
+  *q = t[3];
+  return (vec){t[0], t[1], t[2]};
+}
+ALWAYS void push_narrow(body *s, int degree, vec W, vec u, double lane) {
+  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
+  if (s->k == 0) {
+    memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
+    s->k = ROWS - degree;
+  }
+  double *q = s->u[--s->k];
+  q[0] = u.x, q[1] = u.y, q[2] = u.z, q[3] = lane;
+}
+ALWAYS void tangent(body *s, int degree) {
+  if (s->count <= degree) { iterate_tangent(s, degree, (vec){0, 0, 0}); return; }
+  const vec D = constants(&s->p), w = state(s);
+  double q;
+  const vec p = predict_narrow(s, degree, &q), u = tangent_image(s, D, w, p, &q), S = twice_midpoint(w, u);
+  const vec v = motion(D, (vec){q * S.x, q * S.y, q * S.z}), V = add(w, v);
+  if (!(fabs(v.x - u.x) <= DBL_EPSILON * fabs(V.x) && fabs(v.y - u.y) <= DBL_EPSILON * fabs(V.y) &&
+        fabs(v.z - u.z) <= DBL_EPSILON * fabs(V.z))) { iterate_tangent(s, degree, v); return; }
+  push_narrow(s, degree, V, v, q);
+}
+
 #define DESIGN(kind, degree)                                     \
   STEP void kind##_##degree##_step(body *s) { kind(s, degree); } \
   static void kind##_##degree(void *s, int64_t n) {              \
     for (int64_t i = 0; i < n; i++) kind##_##degree##_step(s);   \
   }
 #define ENTRY(kind, degree) {#kind " " #degree, kind##_##degree},
-#define LIST(DO) DO(newton_once,5) DO(lanes, 12) DO(joint, 4) DO(joint, 5) DO(joint,6) DO(joint,7) DO(joint,8) \
-DO(joint_early, 4) DO(joint_early, 5) DO(joint_early,6) DO(joint_early,7) DO(joint_early,8)
+#define LIST(DO) DO(newton_once,5) DO(lanes, 12) DO(joint,6) DO(joint,7) \
+DO(joint_early,6) DO(joint_early,7) DO(tangent,5) DO(tangent,6) DO(tangent,7)
 LIST(DESIGN)
 const design hand_designs[] = {LIST(ENTRY)};
 const int hand_count = sizeof hand_designs / sizeof *hand_designs;
