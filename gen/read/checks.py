@@ -28,7 +28,7 @@ class Trouble:
     path: tuple
     code: str
     cause: str
-    mend: str = ""
+    mend: str
     part: object = None     # the Spin or Elem of the formula that is wrong
 
 
@@ -62,7 +62,7 @@ def sizes(spec: Spec, values: dict) -> Iterator[Trouble]:
                           "a family has at least one site")
         elif total > limits.SITES:
             yield Trouble(path, codes.LIMIT, f"the model would have {total} sites; at most "
-                          f"{limits.SITES} are allowed")
+                          f"{limits.SITES} are allowed", "choose smaller counts")
     for p in spec.parameters:
         if p.kind == "array":
             yield from array(p, values)
@@ -76,7 +76,7 @@ def array(p, values: dict) -> Iterator[Trouble]:
                       f"`{p.name}` would have {size} entries", "an array is not empty")
     elif size > limits.ARRAY:
         yield Trouble(("parameters", p.name, "size"), codes.LIMIT, f"`{p.name}` would have {size} "
-                      f"entries; at most {limits.ARRAY} are allowed")
+                      f"entries; at most {limits.ARRAY} are allowed", "choose a smaller size")
     elif have != size:
         yield Trouble(path, codes.COUNT, f"`{p.name}` has {have} entries, its size is {size}",
                       f"give {size} numbers, or one number that every entry has")
@@ -143,7 +143,8 @@ def casimir(family: Family, values: dict) -> Iterator[Trouble]:
     a = np.array([[number(e, values) for e in row] for row in family.casimir])
     if not np.isfinite(a).all() or not a.any():
         yield Trouble(("space", family.name, "C"), codes.CASIMIR,
-                      "C is zero or not finite with these values of the parameters")
+                      "C is zero or not finite with these values of the parameters",
+                      "choose other values")
 
 
 # Terms
@@ -159,7 +160,7 @@ def term_fits(spec: Spec, term: Term, path: tuple, key: str, values) -> Iterator
         if far >= counts[over.family]:
             yield Trouble(path + ("over",), codes.LATTICE, f"an edge names site {far}, but "
                           f"`{over.family}` has {plural(counts[over.family], 'site')} (0 to "
-                          f"{counts[over.family] - 1})")
+                          f"{counts[over.family] - 1})", "sites are counted from 0")
     ranges = {i: (0, counts[f] - 1) for i, f in families_of(over).items()}
     yield from accesses(term, counts, ranges, path + (key,), values)
 
@@ -195,14 +196,16 @@ def accesses(term: Term, counts: dict, ranges: dict, path: tuple, values) -> Ite
         if isinstance(e, Spin) and isinstance(e.slot, int) and e.slot >= counts[e.family]:
             yield Trouble(path, codes.INDEX, f"`{e.family}[{e.slot}]`, but `{e.family}` has "
                           f"{plural(counts[e.family], 'site')} (0 to {counts[e.family] - 1})",
-                          part=e)
+                          "sites are counted from 0", part=e)
         if isinstance(e, Elem):
             low, high = interval(e.index, ranges, values)
             if low < 0 or high >= len(values[e.name]):
                 span = f"{low}" if low == high else f"{low} to {high}"
                 yield Trouble(path, codes.INDEX, f"the index of `{e.name}` takes the values "
                               f"{span}, but it has {len(values[e.name])} entries "
-                              f"(0 to {len(values[e.name]) - 1})", part=e)
+                              f"(0 to {len(values[e.name]) - 1})",
+                              "give the array a larger `size`",
+                              part=e)
 
 
 def interval(e, ranges: dict, values: dict) -> tuple[int, int]:
@@ -254,7 +257,8 @@ def start_fits(part, family: Family, path: tuple, values: dict) -> Iterator[Trou
         [per_site(e, family, values) for e in part.value]
     columns = list(columns)
     if any(c is None for c in columns):
-        yield Trouble(path, codes.START, "an array is too short for this formula")
+        yield Trouble(path, codes.START, "an array is too short for this formula",
+                      "give the array one entry for each site")
         return
     w = np.stack(np.broadcast_arrays(*columns), axis=1).astype(float)
     yield from on_leaf(w, part, family, path, values)
@@ -265,7 +269,8 @@ def on_leaf(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trou
     bad = np.flatnonzero(~np.isfinite(w).all(axis=1))
     if bad.size:
         yield Trouble(at(path, part, bad[0]), codes.START,
-                      f"the start of `{family.name}[{bad[0]}]` is not finite")
+                      f"the start of `{family.name}[{bad[0]}]` is not finite",
+                      "mend the formula for this site; `i` counts from 0")
     elif family.kind == "sphere":
         yield from on_sphere(w, part, family, path, values)
     elif family.kind == "nambu":
@@ -329,7 +334,7 @@ def duration(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
         steps = integer(r.steps, values)
         if not 1 <= steps <= limits.STEPS:
             yield Trouble(path + ("steps",), codes.STEP, f"{steps} steps; a run has from 1 to "
-                          f"{limits.STEPS}")
+                          f"{limits.STEPS}", "choose another number of steps, or `time`")
         return
     time = number(r.time, values)
     if h < 0 < time:

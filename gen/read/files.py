@@ -65,7 +65,8 @@ class Files:
         try:
             text = path.read_bytes().decode("utf-8-sig")
         except (OSError, UnicodeDecodeError) as e:
-            node.wrong(codes.TABLE, f"`{name}` cannot be read: {reason(e)}")
+            node.wrong(codes.TABLE, f"`{name}` cannot be read: {reason(e)}",
+                       "it should be UTF-8 text: rows of numbers with commas between them")
         self.texts[name] = text.replace("\r\n", "\n")
         return self.texts[name]
 
@@ -88,7 +89,7 @@ class Files:
             node.wrong(codes.PATH, f"`{node.raw}` is not a file", HOME)
         if info.st_size > limits.TABLE_BYTES:
             node.wrong(codes.LIMIT, f"`{node.raw}` has {info.st_size} bytes; at most "
-                       f"{limits.TABLE_BYTES} are allowed")
+                       f"{limits.TABLE_BYTES} are allowed", "use a smaller table")
 
 
 def header(cells: list[str]) -> bool:

@@ -57,7 +57,7 @@ class Formulas:
             return self.count_of(parse(node.text(), self.problems))
         if not node.is_integer():
             node.wrong(codes.INTEGER, f"`{node.label}` must be an integer or a formula of "
-                       "integer parameters")
+                       "integer parameters", "such as `4`, `\"n\"` or `\"2*nx*ny\"`")
         return Num(node.number())
 
     def count_of(self, tree: Syntax) -> Expr:

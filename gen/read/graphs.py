@@ -31,7 +31,7 @@ class Graphs:
         rows = self.files.rows(child, 2, TABLE)
         if len(rows) > limits.EDGES or len(rows[0]) > 2 + limits.COLUMNS:
             child.wrong(codes.LIMIT, f"at most {limits.EDGES} edges with {limits.COLUMNS} "
-                        "weights are allowed")
+                        "weights are allowed", "use a smaller table")
         for i, j, *_ in rows:
             if not (isinstance(i, int) and isinstance(j, int) and i >= 0 and j >= 0) or i == j:
                 child.wrong(codes.TABLE, f"`{child.raw}` has an edge from {i} to {j}",

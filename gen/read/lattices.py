@@ -8,7 +8,7 @@ from ..expr import Expr
 from ..spec import Lattice
 from . import codes
 from .formulas import Formulas
-from .names import identifier
+from .names import identifier, plural
 from .problems import Problems, nearest
 from .syntax import Name, Number
 from .text import meaning
@@ -52,7 +52,7 @@ class Lattices:
     def sizes(self, node: Node) -> tuple[Expr, ...]:
         entries = node.entries("list of one size per direction", limits.DIMENSIONS)
         if not entries:
-            node.wrong(codes.COUNT, "a lattice has at least one direction")
+            node.wrong(codes.COUNT, "a lattice has at least one direction", 'write `size = ["n"]`')
         return tuple(self.formulas.count(e) for e in entries)
 
     def boundaries(self, node: Node, dimensions: int) -> tuple[bool, ...]:
@@ -60,7 +60,9 @@ class Lattices:
         if isinstance(child.raw, list):
             entries = child.entries()
             if len(entries) != dimensions:
-                child.wrong(codes.COUNT, f"{len(entries)} boundaries for {dimensions} directions")
+                child.wrong(codes.COUNT, f"{len(entries)} boundaries for "
+                            f"{plural(dimensions, 'direction')}", "give one for each, or "
+                            "one word for all")
             return tuple(self.boundary(e) for e in entries)
         return (self.boundary(child),) * dimensions
 
@@ -77,10 +79,12 @@ class Lattices:
             identifier(self.problems, child.key, child.name, "bond list")
             entries = child.entries("list of bonds", limits.BONDS)
             if not entries:
-                child.wrong(codes.BOND, f"`{child.label}` has no bonds")
+                child.wrong(codes.BOND, f"`{child.label}` has no bonds",
+                            "write `[{ offset = [1] }]`")
             lists[child.name] = tuple(self.bond(e, sites, dimensions) for e in entries)
             if len({len(b) for b in lists[child.name]}) > 1:
-                child.wrong(codes.BOND, "all bonds of a list join the same number of sites")
+                child.wrong(codes.BOND, "all bonds of a list join the same number of sites",
+                            "put the others into another list")
         return lists
 
     def bond(self, node: Node, sites: int, dimensions: int) -> tuple:
@@ -93,7 +97,8 @@ class Lattices:
             first = self.sub(node, "from", sites), (0,) * dimensions
             ends = first, (self.sub(node, "to", sites), self.offset(node, dimensions))
         if len(ends) < 2 or len(set(ends)) < len(ends):
-            node.wrong(codes.BOND, "a bond joins different sites")
+            node.wrong(codes.BOND, "a bond joins different sites",
+                       "write `from` and `to`, or an `offset` that is not zero")
         return ends
 
     def sub(self, node: Node, key: str, sites: int) -> int:
@@ -101,14 +106,16 @@ class Lattices:
             return 0
         child = node.get(key)
         if child.integer(0, limits.CELL) >= sites:
-            child.wrong(codes.BOND, f"a cell has sites 0 to {sites - 1}, not {child.raw}")
+            child.wrong(codes.BOND, f"a cell has sites 0 to {sites - 1}, not {child.raw}",
+                        "set `sites` to the number of sites in a cell")
         return child.raw
 
     def offset(self, node: Node, dimensions: int) -> tuple[int, ...]:
         child = node.need("offset", f"write `offset = {[0] * dimensions}`")
         entries = child.entries("list of one offset per direction")
         if len(entries) != dimensions:
-            child.wrong(codes.BOND, f"{len(entries)} offsets for {dimensions} directions")
+            child.wrong(codes.BOND, f"{plural(len(entries), 'offset')} for "
+                        f"{plural(dimensions, 'direction')}", "give one for each direction")
         return tuple(e.integer(-limits.REACH, limits.REACH) for e in entries)
 
     def end(self, node: Node, sites: int, dimensions: int) -> tuple:
@@ -116,9 +123,10 @@ class Lattices:
         entries = node.entries("list `[site, offset, ...]`")
         if len(entries) != 1 + dimensions:
             node.wrong(codes.BOND, f"a site is 1 + {dimensions} integers: its number in the "
-                       "cell, then the cell's offset")
+                       "cell, then the cell's offset", f"write `{[0] * (1 + dimensions)}`")
         if entries[0].integer(0, limits.CELL) >= sites:
-            entries[0].wrong(codes.BOND, f"a cell has sites 0 to {sites - 1}")
+            entries[0].wrong(codes.BOND, f"a cell has sites 0 to {sites - 1}",
+                             "set `sites` to the number of sites in a cell")
         return entries[0].raw, tuple(e.integer(-limits.REACH, limits.REACH)
                                      for e in entries[1:])
 
@@ -152,7 +160,7 @@ class Lattices:
     def matched(self, w, ends: int) -> tuple[str, ...]:
         if len(w.items) != ends:
             self.problems.fail(codes.OVER, w.head.span, f"these bonds join {ends} sites, but "
-                               f"{len(w.items)} are bound")
+                               f"{len(w.items)} are bound", "name one index for each site")
         return tuple(i.text for i, _ in w.items)
 
     def short(self, w, family: str) -> Lattice:
@@ -189,5 +197,5 @@ class Lattices:
         whole = isinstance(node, Number) and isinstance(node.value, int)
         if not whole or not 1 <= node.value <= limits.REACH:
             self.problems.fail(codes.BOND, node.span, "the distance of neighbours is a whole "
-                               f"number from 1 to {limits.REACH}")
+                               f"number from 1 to {limits.REACH}", self.form("chain"))
         return node.value

@@ -61,10 +61,11 @@ def identifier(problems: Problems, span: Span, name: str, what: str) -> str:
                       "a name is a letter followed by letters, digits and `_` (ASCII only)")
     if len(name) > limits.IDENTIFIER:
         problems.fail(codes.LIMIT, span, f"a name of {len(name)} characters; "
-                      f"at most {limits.IDENTIFIER} are allowed")
+                      f"at most {limits.IDENTIFIER} are allowed", "choose a shorter name")
     if name.endswith("_") or "__" in name or name.lower().startswith("smg_"):
-        problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}: names that end "
-                      "in `_`, hold `__` or start with `smg_` are kept for generated code")
+        problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}",
+                      "names that end in `_`, hold `__` or start with `smg_` are kept for "
+                      "generated code")
     if what not in OUTSIDE:
         reserved(problems, span, name, what)
     if name == "i" and what in DECLARED:

@@ -112,7 +112,8 @@ class OverReader:
         most = 2 + limits.COLUMNS if w.head.text == "edge" else limits.BOUND
         if len(w.items) > most:
             self.problems.fail(codes.LIMIT, w.items[most][0].span,
-                               f"at most {most} indices may be bound here")
+                               f"at most {most} indices may be bound here",
+                               "split the term into several effects")
 
     def expect(self, w: Written, count: int, form: str) -> list[str]:
         if len(w.items) != count:

@@ -65,7 +65,7 @@ class ParameterReader:
         if isinstance(default.raw, list):
             values = tuple(float(e.number()) for e in default.entries())
             if not values:
-                default.wrong(codes.COUNT, f"`{name}` has no entries")
+                default.wrong(codes.COUNT, f"`{name}` has no entries", "give at least one number")
             return Parameter(name, "array", values, size, **common)
         return Parameter(name, "array", (float(default.number()),), size, fill=True, **common)
 
@@ -75,7 +75,8 @@ class ParameterReader:
             node.get("size").wrong(codes.CONFLICT, f"the vector `{name}` has three entries",
                                    "leave `size` out")
         if not isinstance(default.raw, list) or len(default.raw) != 3:
-            default.wrong(codes.COUNT, f"the vector `{name}` needs three numbers")
+            default.wrong(codes.COUNT, f"the vector `{name}` needs three numbers",
+                          "write `default = [0.0, 0.0, 1.0]`")
         self.declared.vectors.add(name)
         return Num(3)
 
@@ -100,7 +101,8 @@ def bounded(section: Node, most: int, what: str) -> None:
     """Report a section with too many entries."""
     if len(section.raw) > most:
         section.problems.note(codes.LIMIT, section.key, f"{len(section.raw)} {what}; "
-                              f"at most {most} are allowed")
+                              f"at most {most} are allowed",
+                              "split the model, or use arrays and index families")
 
 
 class FormulaReader:
@@ -148,7 +150,7 @@ class FormulaReader:
                                    "already", "choose another name")
         if len(names) > limits.ARGUMENTS:
             self.problems.fail(codes.LIMIT, node.key, f"at most {limits.ARGUMENTS} arguments "
-                               "are allowed")
+                               "are allowed", "split the formula")
         return tuple(names)
 
     def acyclic(self, formula: Formula) -> None:

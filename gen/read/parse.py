@@ -52,7 +52,7 @@ class Parser:
     def found(self) -> str:
         return "the end" if self.now.kind == "end" else f"`{self.now.text}`"
 
-    def fail(self, cause: str, mend: str = ""):
+    def fail(self, cause: str, mend: str):
         self.problems.fail(codes.SYNTAX, self.now.span, cause, mend)
 
     def name(self, what: str) -> Token:

@@ -22,7 +22,7 @@ class Problems:
         self.seen: set = set()
         self.places: dict = {}      # (formula's place, Expr) -> place of that part
 
-    def note(self, code: str, span: Span, cause: str, mend: str = "") -> None:
+    def note(self, code: str, span: Span, cause: str, mend: str) -> None:
         """Record an error; raises SpecError when there are too many to be useful."""
         if (code, span) in self.seen:
             return
@@ -35,7 +35,7 @@ class Problems:
         self.found.append(Diagnostic(code, self.source.name, line, column, text,
                                      cause, mend, length))
 
-    def fail(self, code: str, span: Span, cause: str, mend: str = ""):
+    def fail(self, code: str, span: Span, cause: str, mend: str):
         """Record an error and leave what is being read."""
         self.note(code, span, cause, mend)
         raise Bad
@@ -70,5 +70,5 @@ def nearest(word: str, known, also=()) -> str:
     if close or word.lower() in folded:
         return f"did you mean `{folded.get(word.lower()) or close[0]}`?"
     if not known:
-        return ""
+        return "nothing of this kind is declared"
     return "known here: " + ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")

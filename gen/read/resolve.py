@@ -46,7 +46,7 @@ class Resolver:
             self.fail(codes.BIG, span, f"more than {limits.TREE} operations inside each other "
                       "(a sum has one for each term)", mend)
 
-    def fail(self, code: str, span: Span, cause: str, mend: str = ""):
+    def fail(self, code: str, span: Span, cause: str, mend: str):
         inside = self.scope.inside
         note = f" (in formula `{inside[-1]}`)" if inside else ""
         self.problems.fail(code, span, cause + note, mend)
@@ -78,7 +78,8 @@ class Resolver:
         if node.name == "t" and self.scope.time:
             return Typed(Time(), "s")
         if node.name == "t":
-            self.fail(codes.NOT_HERE, node.span, f"time `t` may not stand in {self.scope.place}")
+            self.fail(codes.NOT_HERE, node.span, f"time `t` may not stand in {self.scope.place}",
+                      "time enters through effects: `energy = \"B*cos(t)*w.z\"`")
         if node.name in FUNCTIONS:
             self.fail(codes.SYNTAX, node.span, f"`{node.name}` is a function without arguments",
                       f"write `{node.name}(...)`")
@@ -87,7 +88,8 @@ class Resolver:
     def unknown(self, name: str, span: Span):
         declared = self.scope.declared
         if name in declared.pending:
-            self.fail(codes.NOT_HERE, span, f"`{name}` may not stand in {self.scope.place}")
+            self.fail(codes.NOT_HERE, span, f"`{name}` may not stand in {self.scope.place}",
+                      nearest("", self.scope.known()))
         if name in declared.broken:
             raise Bad
         mend = SELDOM.get(name) or nearest(name, self.scope.known(), FUNCTIONS)
@@ -116,7 +118,7 @@ class Resolver:
         family = self.scope.declared.families[name]
         if not self.scope.families or self.scope.whole not in ("", name):
             self.fail(codes.NOT_HERE, span, f"`{name}` is a vector of the state, which may not "
-                      f"stand in {self.scope.place}")
+                      f"stand in {self.scope.place}", nearest("", self.scope.known()))
         return family
 
     # Indexing
@@ -128,7 +130,8 @@ class Resolver:
         if node.name in declared.parameters:
             return self.entry(node)
         if node.name in self.scope.known():
-            self.fail(codes.INDEX, node.head, f"`{node.name}` has no entries")
+            self.fail(codes.INDEX, node.head, f"`{node.name}` has no entries",
+                      "entries belong to arrays, such as `gamma[i]`, and to families, `w[i]`")
         return self.unknown(node.name, node.head)
 
     def spin(self, node: Item) -> Typed:
@@ -140,7 +143,8 @@ class Resolver:
         if owner != node.name:
             over = f"sites of `{owner}`" if owner else "something else"
             self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "
-                      f"not over the sites of `{node.name}`")
+                      f"not over the sites of `{node.name}`", "write `each(i of "
+                      f"{owner or 'p'}, k of {node.name})` or use a vector of its own family")
         return self.placed(Typed(Spin(node.name, slot), "v"), node)
 
     def placed(self, result: Typed, node: Syntax) -> Typed:
@@ -167,11 +171,12 @@ class Resolver:
     def entry(self, node: Item) -> Typed:
         p = self.scope.declared.parameters[node.name]
         if p.kind != "array":
-            self.fail(codes.INDEX, node.head, f"`{p.name}` is one number, it has no entries")
+            self.fail(codes.INDEX, node.head, f"`{p.name}` is one number, it has no entries",
+                      f"write `{p.name}`, or make it an array: `{{ default = 1.0, size = \"n\" }}`")
         index = self.resolve(node.index)
         if not integral(index.expr, self.scope.declared.parameters):
             self.fail(codes.INDEX, node.index.span, "an index is made of integers, integer "
-                      "parameters and indices with + - *")
+                      "parameters and indices with + - *", "such as `gamma[i]` or `gamma[2*i + 1]`")
         return self.placed(Typed(Elem(p.name, index.expr), "s", index.nodes + 1,
                                  index.depth + 1), node)
 
@@ -208,7 +213,7 @@ class Resolver:
         if result is None:
             self.misfit(op, kinds, sign, node)
         if op == "/" and args[1].value == 0:
-            self.fail(codes.VALUE, node.args[1].span, "this divides by zero")
+            self.fail(codes.VALUE, node.args[1].span, "this divides by zero", "divide by something else")
         if op == "^":
             self.exponent(args[1], node.args[1].span)
         value = self.folded(op, args, node.span)
@@ -220,7 +225,8 @@ class Resolver:
         wanted = [k for k, _ in SIGNATURES[op]]
         if len(kinds) not in {len(k) for k in wanted}:
             self.fail(codes.ARITY, sign, f"`{op}` takes {len(wanted[0])} argument"
-                      f"{'s' * (len(wanted[0]) > 1)}, not {len(kinds)}")
+                      f"{'s' * (len(wanted[0]) > 1)}, not {len(kinds)}",
+                      "it takes " + spoken(wanted[0]))
         shown = "-" if op == "neg" else op
         self.fail(codes.KIND, sign if isinstance(node, Operation) else
                   self.culprit(wanted, kinds, node),
@@ -261,7 +267,9 @@ class Resolver:
         except (ArithmeticError, ValueError, TypeError):
             value = math.nan
         if not math.isfinite(value) or abs(value) > limits.LARGEST:
-            self.fail(codes.VALUE, span, "this constant has no finite value of ordinary size")
+            self.fail(codes.VALUE, span, "this constant has no finite value of ordinary size",
+                      "write one that is defined, of size below "
+                      f"{limits.LARGEST:g}")
         return value
 
     # Named formulas
@@ -273,10 +281,14 @@ class Resolver:
         if len(node.args) != len(formula.args):
             self.fail(codes.ARITY, node.head, f"formula `{node.name}` takes "
                       f"{len(formula.args)} argument{'s' * (len(formula.args) != 1)}, "
-                      f"not {len(node.args)}")
+                      f"not {len(node.args)}", self.declaration(formula))
         args = {n: self.resolve(a) for n, a in zip(formula.args, node.args)}
         inner = Inner(self, formula, args)
         return inner.resolve(formula.body)
+
+    def declaration(self, formula) -> str:
+        arguments = f"({', '.join(formula.args)})" if formula.args else ""
+        return f"it is declared as `{formula.name}{arguments}`"
 
     METHODS = {Number: number, Name: name, Item: item, Component: component,
                Operation: operation, Call: call}

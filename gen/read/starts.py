@@ -76,7 +76,8 @@ class StartReader:
         for entry in node.get("vectors").entries("list of vectors"):
             row = entry.entries("vector of three numbers")
             if len(row) != 3:
-                entry.wrong(codes.START, f"a vector has three components, not {len(row)}")
+                entry.wrong(codes.START, f"a vector has three components, not {len(row)}",
+                            "write `[x, y, z]`")
             rows.append(tuple(float(c.number()) for c in row))
         return "vectors", tuple(rows)
 
@@ -121,7 +122,7 @@ class StartReader:
             "list of angles, as the other one is")] for k in FORMS["angles"])
         if len(theta) != len(phi):
             node.get("phi").wrong(codes.START, f"{len(phi)} angles phi for {len(theta)} angles "
-                                  "theta")
+                                  "theta", "give one of each for every site")
         if not isinstance(family.radius or Num(1), Num):
             node.get("theta").wrong(codes.START, "lists of angles need a radius that is a number",
                                     "give formulas in i, or vectors")

@@ -19,7 +19,7 @@ def checked(node: Node) -> str:
     text = node.text()
     if len(text.value) > limits.TEXT:
         node.wrong(codes.LIMIT, f"`{node.label}` has {len(text.value)} characters; at most "
-                   f"{limits.TEXT} are allowed")
+                   f"{limits.TEXT} are allowed", "say it more briefly, the rest in a comment")
     for mark in FORBIDDEN:
         k = text.value.find(mark)
         if k >= 0:

@@ -40,7 +40,7 @@ class Node:
     def span(self) -> Span:
         return self.marks[self.path].value if self.path in self.marks else Span(0, 1)
 
-    def wrong(self, code: str, cause: str, mend: str = ""):
+    def wrong(self, code: str, cause: str, mend: str):
         """Report this value and give it up."""
         self.problems.fail(code, self.span, cause, mend)
 
@@ -49,7 +49,8 @@ class Node:
     def table(self, *keys: str) -> "Node":
         """This node as a table whose keys are all among `keys` (any, when none given)."""
         if not isinstance(self.raw, dict):
-            self.wrong(codes.TYPE, f"`{self.label}` must be a table, not {describe(self.raw)}")
+            self.wrong(codes.TYPE, f"`{self.label}` must be a table, not {describe(self.raw)}",
+                       "write `[section]` or `name = { key = value }`")
         for child in self.items() if keys else ():
             if child.name not in keys:
                 where = f"`{self.label}` has no key" if self.path else "a spec has no section"
@@ -89,10 +90,11 @@ class Node:
 
     def entries(self, what: str = "list", most: int = limits.LIST) -> list["Node"]:
         if not isinstance(self.raw, list):
-            self.wrong(codes.TYPE, f"`{self.label}` must be a {what}, not {describe(self.raw)}")
+            self.wrong(codes.TYPE, f"`{self.label}` must be a {what}, not {describe(self.raw)}",
+                       "lists are written `[a, b, c]`")
         if len(self.raw) > most:
             self.wrong(codes.LIMIT, f"`{self.label}` has {len(self.raw)} entries; "
-                       f"at most {most} are allowed")
+                       f"at most {most} are allowed", "make it shorter, or use a file")
         return [Node(v, self.path + (k,), self.marks, self.problems)
                 for k, v in enumerate(self.raw)]
 
@@ -103,7 +105,8 @@ class Node:
                        "write it between quotes")
         if len(self.raw) > limits.STRING:
             self.wrong(codes.LIMIT, f"`{self.label}` has {len(self.raw)} characters; "
-                       f"at most {limits.STRING} are allowed")
+                       f"at most {limits.STRING} are allowed",
+                       "split it with names in [formulas]")
         return self.marks[self.path].text
 
     def string(self) -> str:
@@ -112,7 +115,7 @@ class Node:
     def flag(self) -> bool:
         if not isinstance(self.raw, bool):
             self.wrong(codes.TYPE, f"`{self.label}` must be true or false, "
-                       f"not {describe(self.raw)}")
+                       f"not {describe(self.raw)}", "write `true` or `false` without quotes")
         return self.raw
 
     def is_number(self) -> bool:
@@ -124,17 +127,21 @@ class Node:
     def number(self):
         """An int or a finite float of ordinary size."""
         if not self.is_number():
-            self.wrong(codes.TYPE, f"`{self.label}` must be a number, not {describe(self.raw)}")
+            self.wrong(codes.TYPE, f"`{self.label}` must be a number, not {describe(self.raw)}",
+                       "write a number without quotes, such as `1.0`")
         trouble = number_trouble(self.raw)
         if trouble:
-            self.wrong(codes.NUMBER, f"`{self.label}` {trouble}")
+            self.wrong(codes.NUMBER, f"`{self.label}` {trouble}",
+                       "write an ordinary number; choose other units if need be")
         return self.raw
 
     def integer(self, least: int, most: int) -> int:
         if not self.is_integer():
-            self.wrong(codes.TYPE, f"`{self.label}` must be an integer, not {describe(self.raw)}")
+            self.wrong(codes.TYPE, f"`{self.label}` must be an integer, not {describe(self.raw)}",
+                       f"write a whole number from {least} to {most}")
         if not least <= self.raw <= most:
-            self.wrong(codes.LIMIT, f"`{self.label}` must lie between {least} and {most}")
+            self.wrong(codes.LIMIT, f"`{self.label}` is {self.raw}",
+                       f"it must lie between {least} and {most}")
         return self.raw
 
 
