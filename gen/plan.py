@@ -22,7 +22,7 @@ FILL_LIMIT = 400_000       # blocks of a sparse factorisation that still fit
 class Plan:
     """method, the solver of the coupled part and what to say about it.
 
-    local, coupled: family names; solver: 'none', 'dense', 'band', 'sparse', 'rotation', 'plain';
+    local, coupled: family names; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
     rotation: rotation sweeps, alone or tried before Newton.
     """
@@ -101,7 +101,7 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     if method == "moser-veselov":
         require_free_body(spec, coupled)
     if not coupled:
-        return Plan(method, local, coupled, "none", "every site is solved alone, by Newton in closed form")
+        return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
     if solver == "rotation" and method != "spherical-midpoint":
         raise UsageError("solver 'rotation' belongs to the spherical midpoint; use newton or plain")
     if solver in ("rotation", "plain"):
