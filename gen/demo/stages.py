@@ -145,10 +145,12 @@ def print_table(lines) -> None:
     Console(width=max(console.width, 150)).print(table)
 
 
-def place(picture: Picture) -> int:
-    """Players in the order of PLAYED, before the rest as it comes."""
+def place(picture: Picture) -> tuple:
+    """Players in the order of PLAYED, figures as they come, small pictures before broad ones."""
     name = picture.name.removeprefix("player_")
-    return PLAYED.index(name) if picture.name.startswith("player_") else len(PLAYED)
+    if picture.name.startswith("player_"):
+        return 0, PLAYED.index(name)
+    return (1, 0) if picture.part == "figures" else (2, picture.size == "broad")
 
 
 def write_page(out: Path, lines, figures) -> Path:

@@ -12,7 +12,7 @@ from ..expr import Spin, Time, walk
 from ..library import build
 from ..plot.draw import outputs_for, plot, with_casimirs, write_page
 from ..plot.gallery import Picture
-from ..plot.pictures import draw_player
+from ..plot.pictures import draw_player, suitable
 from ..run import run
 from ..settings import settle
 from ..shipped import load_spec
@@ -183,7 +183,7 @@ PLAYED = ("irreversible_rigid_body", "point_vortices", "heisenberg_chain", "two_
 def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:
     """The picture that suits the result, and a player for some."""
     path = plot(result, "auto", out / f"system_{name}.svg")
-    size = "broad" if result.final.shape[0] > 60 else "small"
+    size = "broad" if suitable(result, False) == "chain" else "small"
     made = [Picture(f"system_{name}", path, spec.title or name, caption(result), size, "systems")]
     if name in PLAYED:
         path = write_page(draw_player(with_casimirs(result), start=0.3), out / f"player_{name}.html")

@@ -77,8 +77,10 @@ def draw_section(result):
 def draw_leaf(result):
     """Each site on its own leaf: the quadric with the Casimir that the spec declares."""
     matrices = casimirs_of(result)
-    cases = [{"title": label, "casimir": matrices.get(label.split("[")[0], np.eye(3)),
-              "curves": [w]} for label, w in labelled(states_of(result))[:9]]
+    states = states_of(result)
+    alone = sum(w.shape[1] for w in states.values()) == 1
+    cases = [{"title": first_line(result) if alone else label, "casimir": matrices.get(label.split("[")[0], np.eye(3)),
+              "curves": [w]} for label, w in labelled(states)[:9]]
     return surfaces.leaves(cases)
 
 

@@ -74,8 +74,7 @@ def describe(t, states, energy, title, facts, casimirs, joined, autoplay, view, 
             "backdrop": [packed(line, "<f4") for line in backdrop(cut, casimirs, reach)],
             "families": [family(i, name, w, reach, name in joined)
                          for i, (name, w) in enumerate(cut.items())],
-            "trail": 3 if sum(w.shape[1] for w in cut.values()) <= 4 else
-                     2 if sum(w.shape[1] for w in cut.values()) <= 30 else 0,
+            "trail": trail_choice(sum(w.shape[1] for w in cut.values())),
             "seconds": playing_time(cut), "autoplay": bool(autoplay)}
 
 
@@ -100,6 +99,11 @@ def largest_turn(w) -> float:
         return 0.0
     length = np.linalg.norm(w[:-1], axis=2)
     return float(np.max(np.linalg.norm(np.diff(w, axis=0), axis=2) / np.maximum(length, 1e-12)))
+
+
+def trail_choice(sites: int) -> int:
+    """Which trail is drawn at first: 3 whole, 2 medium, 1 short, 0 none."""
+    return 3 if sites <= 4 else 2 if sites <= 30 else 1 if sites <= 60 else 0
 
 
 def playing_time(states) -> float:
