@@ -346,6 +346,63 @@ ALWAYS void tangent(body *s, int degree) {
   push_narrow(s, degree, V, v, q);
 }
 
+/* 9. The same without square roots: s = 1/|S|^2 extrapolated, u = g = s p, p = h S x I^-1 S. With M = s Dp,
+ * S.M v = -g.v and M S = 2 g: across S the Newton matrix is 1 - E, E a = M a, E E a = M E a + 2 s (g.a) g,
+ * det(1 - E) = 1 + e2(M) - 2 s |g|^2, and again (1 - E)^-1 = 1 + (E + E^2)/det. */
+typedef struct pairs {
+  double xy, xz, yx, yz, zx, zy;
+} pairs;
+ALWAYS vec apply(pairs M, vec a) {
+  return (vec){M.xy * a.y + M.xz * a.z, M.yx * a.x + M.yz * a.z, M.zx * a.x + M.zy * a.y};
+}
+ALWAYS vec bilinear_image(vec D, vec w, vec u, double *scale) {
+  const double s = *scale, X = s * D.x, Y = s * D.y, Z = s * D.z;
+  const vec S = twice_midpoint(w, u);
+  const double xx = S.x * S.x, yy = S.y * S.y, zz = S.z * S.z, f = 2 - (xx + yy + zz) * s, sigma = dot(S, u), r = s * sigma;
+  const pairs M = {X * S.z, X * S.y, Y * S.z, Y * S.x, Z * S.y, Z * S.x};
+  const vec g = {M.xz * S.z * f, M.yz * S.z * f, M.zy * S.y * f};
+  const vec a = {g.x + (r * S.x - u.x), g.y + (r * S.y - u.y), g.z + (r * S.z - u.z)}, b = apply(M, a), e = apply(M, b);
+  const double t = 1 - (X * Y * zz + X * Z * yy + Y * Z * xx + 2 * s * dot(g, g)), i = 1 / t, ga = dot(g, a);
+  const double l = 2 * s * ga;
+  *scale = s * (f + 2 * s * (sigma + i * (ga + dot(g, b))));
+  return (vec){g.x + i * (b.x + (e.x + l * g.x)), g.y + i * (b.y + (e.y + l * g.y)), g.z + i * (b.z + (e.z + l * g.z))};
+}
+NEVER void iterate_bilinear(body *s, int degree, vec u) {
+  const vec d = constants(&s->p), w = state(s);
+  vec V = add(w, u), U;
+  int k = 2;
+  do U = V, u = image(d, w, u), V = add(w, u), k++;
+  while (!stagnated(V, U) && k < CAP);
+  push_narrow(s, degree, V, u, 1 / square(add(w, V)));
+  s->count++;
+}
+ALWAYS int settled(vec V, vec v, vec u) {
+  return fabs(v.x - u.x) <= DBL_EPSILON * fabs(V.x) && fabs(v.y - u.y) <= DBL_EPSILON * fabs(V.y) &&
+         fabs(v.z - u.z) <= DBL_EPSILON * fabs(V.z);
+}
+ALWAYS void bilinear(body *s, int degree) {
+  if (s->count <= degree) { iterate_bilinear(s, degree, (vec){0, 0, 0}); return; }
+  const vec D = constants(&s->p), w = state(s);
+  double q;
+  const vec p = predict_narrow(s, degree, &q), u = bilinear_image(D, w, p, &q), v = product(D, twice_midpoint(w, u), q);
+  const vec V = add(w, v);
+  if (!settled(V, v, u)) { iterate_bilinear(s, degree, v); return; }
+  push_narrow(s, degree, V, v, q);
+}
+/* 10. The same; a third evaluation in place before the loop is called. */
+ALWAYS void bilinear3(body *s, int degree) {
+  if (s->count <= degree) { iterate_bilinear(s, degree, (vec){0, 0, 0}); return; }
+  const vec D = constants(&s->p), w = state(s);
+  double q;
+  const vec p = predict_narrow(s, degree, &q);
+  vec u = bilinear_image(D, w, p, &q), v = product(D, twice_midpoint(w, u), q), V = add(w, v);
+  if (!settled(V, v, u)) {
+    u = v, v = product(D, twice_midpoint(w, u), q), V = add(w, v);
+    if (!settled(V, v, u)) { iterate_bilinear(s, degree, v); return; }
+  }
+  push_narrow(s, degree, V, v, q);
+}
+
 #define DESIGN(kind, degree)                                     \
   STEP void kind##_##degree##_step(body *s) { kind(s, degree); } \
   static void kind##_##degree(void *s, int64_t n) {              \
@@ -353,7 +410,7 @@ ALWAYS void tangent(body *s, int degree) {
   }
 #define ENTRY(kind, degree) {#kind " " #degree, kind##_##degree},
 #define LIST(DO) DO(newton_once,5) DO(lanes, 12) DO(joint,6) DO(joint,7) \
-DO(joint_early,6) DO(joint_early,7) DO(tangent,5) DO(tangent,6) DO(tangent,7)
+DO(joint_early,6) DO(joint_early,7) DO(tangent,5) DO(tangent,6) DO(tangent,7) DO(bilinear,5) DO(bilinear,6) DO(bilinear,7) DO(bilinear3,5) DO(bilinear3,6) DO(bilinear3,7)
 LIST(DESIGN)
 const design hand_designs[] = {LIST(ENTRY)};
 const int hand_count = sizeof hand_designs / sizeof *hand_designs;
