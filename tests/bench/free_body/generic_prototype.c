@@ -1,13 +1,15 @@
-/* What a generator can emit for one sphere: nothing here knows the rigid body but the kernels `field` and
- * `hessian`. Unknowns u = W - w and q = 1/|S|, S = w + W; m = q S; the step equation is u = h X(m), X = m x b(m).
+/* What a generator can emit for one sphere. Nothing here knows the rigid body but three kernels, which follow from
+ * b = (1/kappa) dH/dw by symbolic differentiation: hX = h m x b(m), its derivative, and e = h DX(m)m.
+ * Unknowns: u = W - w and q = 1/|S|, S = w + W = 2w + u; m = q S; the step equation is u = h X(m).
  *
- * Newton. With eps = (1 - q^2 |S|^2)/2 and e = h DX(m) m the linearised pair is
- *     (1 - E) d = r,   r = h X(m) + eps e - u,   E = h q DX(m) (1 - m m^T),   q <- q (1 + eps - q m.d).
- * On the plane across m, X is Hamiltonian: E v = h q m x C v - (q h X.v) m, C = B - (m.b) 1, B = Db, so E has
- * trace 0, det T = det(1 - E) = 1 + (h q)^2 m.adj(C)m, and by Cayley and Hamilton
- *     (1 - E)^-1 = 1 + (E + E^2)/det T:
- * two cross products instead of a matrix. T has a real eigenvalue <= 0 exactly when det T <= 0: that is the
- * branch check. Then u <- h X(m) once more, which must not change W by more than one unit in its last place. */
+ * Newton. With g = h X(m) + eps e, eps = (1 - q^2 |S|^2)/2, the linearised pair is
+ *     (1 - E) d = g - u,   E = M (1 - m m^T),   M = h q DX(m),   q <- q (1 + eps - q m.d).
+ * As m.X = 0 and div X = 0: m.M v = -q g.v, tr E = 0, E m = 0. With a = (1 - m m^T)(g - u):
+ *     E (g - u) = M a =: c,   E c = M c + q^2 (g.a) e,   det(1 - E) = 1 + e2(M) - q^2 g.e,
+ * e2 the sum of the principal 2 x 2 minors, and by Cayley and Hamilton (1 - E)^-1 = 1 + (E + E^2)/det(1 - E):
+ * no matrix is factored. The eigenvalues of T = 1 - E are 1 and 1 +- sqrt(-e2(E)), so that T has a real one
+ * <= 0 exactly when det T <= 0: that is the branch check.
+ * Then u <- h X(m) once more, which must not change W by more than one unit in its last place. */
 #include "body.h"
 #include "smidgen.h"
 
@@ -24,7 +26,7 @@
 typedef struct generic {
   body_params p;
   double w[3], carry[3];
-  double ha[3], older[4];
+  double constant[3], older[4];
   int64_t k;
   smg_report report;
   double u[ROWS][4];
@@ -39,31 +41,33 @@ ALWAYS vec add(vec a, vec b) { return (vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
 ALWAYS vec sub(vec a, vec b) { return (vec){a.x - b.x, a.y - b.y, a.z - b.z}; }
 ALWAYS vec scale(double c, vec a) { return (vec){c * a.x, c * a.y, c * a.z}; }
 ALWAYS double dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-ALWAYS vec cross(vec a, vec b) {
-  return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 ALWAYS double larger(double a, double b) { return a > b ? a : b; }
 ALWAYS double largest(vec a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
 
-/* h b(m), b = (1/kappa) dH/dm; h times the parameters is formed once, at the start. */
-ALWAYS vec field(const generic *s, vec m) {
-  const double *a = s->ha;
-  return (vec){a[0] * m.x, a[1] * m.y, a[2] * m.z};
+/* h X(m), X = m x b(m); what depends on parameters and h alone is formed once, at the start. */
+ALWAYS vec motion(const generic *s, vec m) {
+  const double *D = s->constant;
+  return (vec){D[0] * (m.y * m.z), D[1] * (m.z * m.x), D[2] * (m.x * m.y)};
 }
 
-/* h X(m) + eps h DX(m)m, as the generator simplifies it: X = m x b is of degree two here. */
-ALWAYS vec image_near(vec m, vec b, double eps) { return scale(1 + 2 * eps, cross(m, b)); }
+/* e = h DX(m)m, from g = h X(m): X has degree two here, and the generator finds e = 2 g. */
+ALWAYS vec radial(const generic *s, vec m, vec g) {
+  (void)s, (void)m;
+  return add(g, g);
+}
 
-/* h Db(m) and products with it: diagonal here; the generator leaves out the products with zero. */
-ALWAYS vec hessian(const generic *s, vec m) {
-  (void)m;
-  return load(s->ha);
+/* M = c h DX(m): the generator leaves out what is zero, here the diagonal. */
+typedef struct matrix {
+  double xy, xz, yx, yz, zx, zy;
+} matrix;
+ALWAYS matrix derivative(const generic *s, vec m, double c) {
+  const double *D = s->constant, x = c * D[0], y = c * D[1], z = c * D[2];
+  return (matrix){x * m.z, x * m.y, y * m.z, y * m.x, z * m.y, z * m.x};
 }
-ALWAYS vec times(vec B, vec v) { return (vec){B.x * v.x, B.y * v.y, B.z * v.z}; }
-/* m.adj(C)m */
-ALWAYS double adjugate(vec C, vec m) {
-  return C.y * C.z * (m.x * m.x) + C.z * C.x * (m.y * m.y) + C.x * C.y * (m.z * m.z);
+ALWAYS vec apply(matrix M, vec v) {
+  return (vec){M.xy * v.y + M.xz * v.z, M.yx * v.x + M.yz * v.z, M.zx * v.x + M.zy * v.y};
 }
+ALWAYS double minors(matrix M) { return -(M.xy * M.yx + M.xz * M.zx + M.yz * M.zy); }
 
 /* Row p: u_{n+1} = sum_j (-1)^j C(p+1, j+1) u_{n-j} */
 static const double weights[9][9] = {{1},
@@ -91,25 +95,22 @@ ALWAYS vec predict(generic *s, double *q) {
 
 ALWAYS vec sum(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z}; }
 
-/* One Newton iteration from (u, q); returns the new u, and det T. */
-ALWAYS vec newton(const generic *s, vec w, vec u, double *q, double *det, double *defect) {
-  const vec S = sum(w, u), m = scale(*q, S), b = field(s, m), B = hessian(s, m), k = scale(*q, m);
-  const double eps = .5 - dot(S, S) * (.5 * *q * *q), beta = dot(m, b), mu = dot(m, u);
-  const vec C = {B.x - beta, B.y - beta, B.z - beta};
-  const double t = 1 + adjugate(C, k), i = 1 / t;
-  const vec g = image_near(m, b, eps), a = add(g, sub(scale(mu, m), u));
-  const vec c = add(a, cross(k, times(C, a))), d = cross(k, times(C, c));
-  const double gc = dot(g, c), l = (*q * i) * gc;
-  *q = (*q + *q * (eps + *q * mu)) + (*q * *q * (*q * i)) * gc;
+/* One Newton iteration from (u, q); returns the new u, det T and eps. */
+ALWAYS vec newton(const generic *s, vec w, vec u, double *scale_, double *det, double *defect) {
+  const double q = *scale_;
+  const vec S = sum(w, u), m = scale(q, S), g0 = motion(s, m), e = radial(s, m, g0);
+  const double eps = .5 - dot(S, S) * (.5 * q * q), mu = dot(m, u);
+  const matrix M = derivative(s, m, q);
+  const double t = 1 + (minors(M) - (q * q) * dot(g0, e)), i = 1 / t;
+  const vec g = add(g0, scale(eps, e)), a = add(g, sub(scale(mu, m), u)), c = apply(M, a), d = apply(M, c);
+  const double ga = dot(g, a), gc = dot(g, c), l = (q * q) * ga;
+  *scale_ = (q + q * (eps + q * mu)) + (q * q * (q * i)) * (ga + gc);
   *det = t, *defect = eps;
-  return sub(add(g, scale(i, d)), scale(l, m));
+  return add(g, scale(i, add(c, add(d, scale(l, e)))));
 }
 
 /* h X(m), m = q S */
-ALWAYS vec image(const generic *s, vec S, double q) {
-  const vec m = scale(q, S);
-  return cross(m, field(s, m));
-}
+ALWAYS vec image(const generic *s, vec S, double q) { return motion(s, scale(q, S)); }
 
 ALWAYS void commit(generic *s, vec W, vec y, vec v, double q) {
   if (s->k == 0) {
@@ -179,7 +180,7 @@ void PASTE(generic_start_, DEGREE)(void *state, const body_params *p, const doub
   memset(s, 0, sizeof *s);
   s->p = *p, s->k = ROWS - DEGREE - 1;
   memcpy(s->w, w, sizeof s->w);
-  for (int i = 0; i < 3; i++) s->ha[i] = p->h * p->inverse_moment[i];
+  for (int i = 0; i < 3; i++) s->constant[i] = p->h * (p->inverse_moment[(i + 2) % 3] - p->inverse_moment[(i + 1) % 3]);
 }
 void PASTE(generic_steps_, DEGREE)(void *state, int64_t n) {
   generic *s = (generic *)state;
