@@ -1,0 +1,51 @@
+"""The arrays of a state: what the caller's memory holds."""
+from __future__ import annotations
+
+from .text import times
+
+HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
+ROWS = 64       # rows of history of a single sphere before they are moved back
+
+
+class MemoryParts:
+    """Names and sizes of the arrays; part of `Emitter`."""
+
+    def arrays(self):
+        """The arrays of the state: name, number of entries, meaning."""
+        n3, n1 = times(3, self.total), self.total
+        found = [("w", n3, "the state: 3 numbers per site"), ("carry", n3, "what w has lost to rounding"),
+                 ("u", n3, "increment W - w of the step under way")]
+        if self.solo:
+            found.append(("rows", str(4 * ROWS), "history: increment and 1/|w + W| of each step, newest first"))
+        if any(f.kind != "sphere" for f in self.families):
+            found.append(("level", n1, "|w| or C(w): the leaf each site is on"))
+        found.append(("m", n3, "the points where the field is taken") if self.plan.coupled else
+                     ("m", "0", "midpoints of coupled sites: none here"))
+        if self.plan.coupled:
+            found += [("mbar", n3, "midpoints (w + W)/2"), ("g", n3, "dH/dw at m"), ("r", n3, "residual"),
+                      ("kept", n3, "a solution whose branch is in doubt"), ("s", n1, "m = s mbar")]
+            found += self.matrix_arrays()
+        return [dict(name=a, size=b, meaning=c) for a, b, c in found]
+
+    def matrix_arrays(self):
+        bs, n = self.plan.block, self.total
+        frame = [("G", times(3 * bs, n), "dual rows of the Newton matrix"),
+                 ("S", times(3 * bs, n), "tangent columns"), ("x", times(bs, n), "right-hand side and solution")]
+        if not self.plan.newton:
+            return frame
+        return frame + [("A", self.matrix_size(), "Newton matrix"), ("work", self.work_size(), "its factorisation")]
+
+    def matrix_size(self) -> str:
+        bs2, n = self.plan.block ** 2, self.rows
+        if self.plan.solver == "dense":
+            return f"{bs2}*({n})*({n})"
+        if self.plan.solver == "band":
+            return f"{bs2 * (2 * self.plan.band + 1)}*({n})"
+        return str(bs2 * self.plan.pattern.blocks)
+
+    def work_size(self) -> str:
+        if self.plan.solver == "dense":
+            return f"smg_dense_worksize({self.plan.block}*({self.rows}))"
+        if self.plan.solver == "band":
+            return f"smg_band_worksize({self.rows}, {self.plan.band})"
+        return f"smg_sparse_worksize({self.plan.pattern.size})"
