@@ -17,6 +17,8 @@ _FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.tan
               sp.cosh: "cosh", sp.tanh: "tanh", sp.atan2: "atan2",
               derive.absolute: "fabs", derive.floor_: "floor", derive.power: "pow"}
 
+_RUNTIME = {derive.lesser: "smg_min", derive.greater: "smg_max"}
+
 _RELATIONS = {sp.StrictLessThan: "<", sp.LessThan: "<=", sp.StrictGreaterThan: ">",
               sp.GreaterThan: ">=", sp.Eq: "==", sp.Ne: "!="}
 
@@ -111,6 +113,9 @@ class Printer:
             return "(" + mark.join(self.test(a) for a in sorted(e.args, key=default_sort_key)) + ")"
         if isinstance(e, sp.Not):
             return f"!({self.test(e.args[0])})"
+        if isinstance(e, sp.ITE):       # a comparison of pieces
+            first, then, other = (self.test(a) for a in e.args)
+            return f"({first} ? {then} : {other})"
         return f"({self(e.lhs)} {_RELATIONS[type(e)]} {self(e.rhs)})"
 
     def call(self, e):
@@ -119,5 +124,7 @@ class Printer:
             return f"(smg_real)(({x} > 0) - ({x} < 0))", ATOM
         if isinstance(e, sp.Abs):
             return f"SMG_MATH(fabs)({self(e.args[0])})", ATOM
+        if type(e) in _RUNTIME:
+            return f"{_RUNTIME[type(e)]}({', '.join(self(a) for a in e.args)})", ATOM
         name = _FUNCTIONS[type(e)]
         return f"SMG_MATH({name})({', '.join(self(a) for a in e.args)})", ATOM

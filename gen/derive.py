@@ -49,6 +49,24 @@ class power(sp.Function):
         return sp.log(x) * power(x, p)
 
 
+class lesser(sp.Function):
+    """min(a, b), differentiated piece by piece; a function, since nested pieces grow exponentially."""
+    is_real = True
+
+    def _eval_derivative(self, s):
+        a, b = self.args
+        return sp.Piecewise((sp.diff(a, s), a <= b), (sp.diff(b, s), True))
+
+
+class greater(sp.Function):
+    """max(a, b), likewise."""
+    is_real = True
+
+    def _eval_derivative(self, s):
+        a, b = self.args
+        return sp.Piecewise((sp.diff(a, s), a >= b), (sp.diff(b, s), True))
+
+
 @dataclass(frozen=True)
 class Derived:
     """A term with its derivatives.
@@ -70,7 +88,7 @@ class Derived:
 _PLAIN = {
     "sqrt": sp.sqrt, "exp": sp.exp, "log": sp.log, "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
     "asin": sp.asin, "acos": sp.acos, "atan": sp.atan, "sinh": sp.sinh, "cosh": sp.cosh,
-    "tanh": sp.tanh, "atan2": sp.atan2, "abs": absolute, "floor": floor_,
+    "tanh": sp.tanh, "atan2": sp.atan2, "abs": absolute, "floor": floor_, "min": lesser, "max": greater,
     "<": sp.StrictLessThan, "<=": sp.LessThan, ">": sp.StrictGreaterThan, ">=": sp.GreaterThan,
     "==": sp.Eq, "!=": sp.Ne, "and": sp.And, "or": sp.Or, "not": sp.Not,
 }
@@ -127,12 +145,6 @@ class Algebra:
     def modulo(self, a, b):
         return a - b * floor_(a / b)
 
-    def minimum(self, a, b):
-        return sp.Piecewise((a, a <= b), (b, True))
-
-    def maximum(self, a, b):
-        return sp.Piecewise((a, a >= b), (b, True))
-
     def choose(self, test, a, b):
         if isinstance(a, tuple):
             return tuple(sp.Piecewise((x, test), (y, True)) for x, y in zip(a, b))
@@ -140,7 +152,7 @@ class Algebra:
 
 
 _SCALAR = {"+": "add", "-": "subtract", "neg": "negate", "*": "multiply", "/": "divide",
-           "^": "raise_to", "mod": "modulo", "min": "minimum", "max": "maximum", "if": "choose"}
+           "^": "raise_to", "mod": "modulo", "if": "choose"}
 
 
 def dot(a, b):
