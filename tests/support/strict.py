@@ -1,0 +1,83 @@
+"""The compilers that generated C must please, and a small driver that runs a model under sanitizers."""
+import shutil
+import subprocess
+
+from smidgen.resources import folder
+
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Wdouble-promotion",
+            "-Wvla", "-Werror")
+COMPILERS = {name: words for name, words in {
+    "gcc": ("-std=c11",), "clang": ("-std=c11",),
+    "g++": ("-x", "c++", "-std=c++17"), "clang++": ("-x", "c++", "-std=c++17")}.items()
+    if shutil.which(name)}
+# Doubles become long double on purpose there, of which clang (not gcc) would warn.
+REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE", "-Wno-double-promotion")}
+
+DRIVER = """
+#include <stdio.h>
+#include <stdlib.h>
+#include "{name}.h"
+
+static int fail(const char *what, int status) {{
+  printf("%s: %s\\n", what, smg_message((smg_status)status));
+  return 1;
+}}
+
+int main(void) {{
+  static const double start[] = {{ {start} }};
+  {arrays}
+  {name}_params p;
+  {name}_state s;
+  {name}_defaults(&p);
+  {assign}
+  const int64_t sites = {name}_sites(&p);
+  if (3 * sites != (int64_t)(sizeof start / sizeof *start)) return fail("size", SMG_BAD_PARAMETER);
+  smg_real *mem = (smg_real *)malloc({name}_memsize(&p));
+  smg_real *w = (smg_real *)malloc(sizeof(smg_real) * 3 * (size_t)sites);
+  smg_real sum[3 * {families}], extra = 0;
+  for (int64_t k = 0; k < 3 * sites; ++k) w[k] = start[k];
+  smg_status status = {name}_init(&s, &p, mem, w, 0.25, {h});
+  if (status != SMG_OK) return fail("init", status);
+  status = {name}_steps(&s, {count});
+  if (status != SMG_OK) return fail("steps", status);
+  {name}_field(&p, 0.5, s.w, w);
+  {name}_momentum(&p, s.w, sum);
+  {name}_casimirs(&p, s.w, w);
+  {observe}
+  printf("%.17g %.17g\\n", (double)({name}_energy(&p, 0.5, s.w) + 0 * (sum[0] + extra)), (double)s.w[0]);
+  free(mem);
+  free(w);
+  return 0;
+}}
+"""
+
+
+def compile_all(where, sources, compiler, *more, real="double"):
+    """Compile generated files to nothing; returns what the compiler said: '' when all is well."""
+    said = subprocess.run([compiler, *COMPILERS[compiler], *WARNINGS, *REALS[real], *more, "-I.",
+                           f"-I{folder('runtime')}", "-fsyntax-only", *sources],
+                          cwd=where, capture_output=True, text=True)
+    return said.stderr if said.returncode or said.stderr else ""
+
+
+def driver(model, h, w, scalars, arrays, count=50):
+    """C text of a program that steps a model from w and prints its energy and first component."""
+    names = [o.name for o in model.scene.observables]
+    return DRIVER.format(
+        name=model.name, h=repr(float(h)), count=count, start=", ".join(repr(float(x)) for x in w.ravel()),
+        families=len(model.scene.families),
+        arrays="\n  ".join(f"static const double {n}[] = {{{', '.join(repr(float(x)) for x in values)}}};"
+                           for n, values in arrays.items()),
+        assign="\n  ".join([f"p.{n} = {value!r};" for n, value in scalars.items()]
+                           + [f"p.{n} = {n};" for n in arrays]),
+        observe="\n  ".join(f"extra += {model.name}_observe_{n}(&p, 0.5, s.w);" for n in names))
+
+
+def run_sanitized(where, sources, compiler="gcc", real="double"):
+    """(exit status, output) of the program made of `sources` under ASan and UBSan."""
+    words = [compiler, "-std=c11", "-O0", "-ffp-contract=off", "-fsanitize=address,undefined",
+             "-fno-sanitize-recover=all", *REALS[real], "-I.", f"-I{folder('runtime')}", *sources,
+             "-o", "program", "-lm"]
+    subprocess.run(words, cwd=where, check=True, capture_output=True, text=True)
+    said = subprocess.run(["./program"], cwd=where, capture_output=True, text=True, timeout=120)
+    return said.returncode, said.stdout + said.stderr

@@ -1,0 +1,165 @@
+"""Generated C is C11 and C++17 without a warning, and clean under the sanitizers."""
+import subprocess
+
+import pytest
+from support import texts
+from support.strict import COMPILERS, REALS, WARNINGS, compile_all, driver, run_sanitized
+from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, few_quick,
+                             load, model)
+
+from smidgen.build import write_files
+from smidgen.emit import generate
+from smidgen.library import SOLVERS
+from smidgen.prune import without_uncalled
+from smidgen.resources import folder
+from smidgen.select import select
+from smidgen.start import parameter_values
+
+TEXTS = {"mixed": texts.MIXED, "pulse": texts.PULSE, "corners": texts.CORNERS, "field": texts.FIELD,
+         "glass": texts.GLASS, "open": texts.OPEN_CHAIN}
+COUPLED = ("heisenberg_chain", "j1j2_chain", "cubic_lattice", "honeycomb", "point_vortices",
+           "vortex_tracers", "two_bodies", "product")
+FEW = ("forced_rigid_body", "product")
+QUICK_TEXTS = ("corners",)
+
+
+def written(where, spec, method, solver="auto"):
+    """The files of a model in `where`; the names of its sources."""
+    files = generate(select(spec), method=method, solver=solver)
+    write_files(files, where)
+    return sorted(name for name in files if name.endswith(".c"))
+
+
+def refuses(spec, method, solver):
+    """Combinations that do not exist: each must be refused in a sentence."""
+    if method == VESELOV:
+        return spec.name not in FREE_BODIES
+    if solver == "newton":
+        return spec.name in ("cubic_lattice", "honeycomb")
+    return solver == "rotation" and method != SPHERICAL
+
+
+def check_clean(where, sources):
+    """Every compiler, both precisions; gcc with its optimiser, whose warnings need the flow of data."""
+    for compiler in COMPILERS:
+        for real in REALS:
+            said = compile_all(where, sources, compiler, real=real)
+            assert not said, f"{compiler} {real}:\n{said[:3000]}"
+    words = ["gcc", "-std=c11", *WARNINGS, "-O2", "-I.", "-c", "-o", "/dev/null"]
+    for source in sources:
+        said = subprocess.run([*words, f"-I{folder('runtime')}", source], cwd=where, capture_output=True, text=True)
+        assert said.returncode == 0, said.stderr[:3000]
+
+
+def test_all_four_compilers_are_here():
+    """One that is missing would pass in silence."""
+    assert sorted(COMPILERS) == ["clang", "clang++", "g++", "gcc"]
+
+
+@pytest.mark.quick
+def test_a_warning_is_an_error(tmp_path):
+    for bad in ("double f(float x) { return x * 2.0; }", "int g(long x) { return x; }",
+                "int h(int n) { int a[n]; return a[0]; }", "int k(int x) { int y; return x; }"):
+        (tmp_path / "bad.c").write_text(bad + "\n")
+        assert all(compile_all(tmp_path, ["bad.c"], compiler) for compiler in COMPILERS)
+
+
+@pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL])
+@pytest.mark.parametrize("name", few_quick(SPECS, FEW))
+def test_every_spec_compiles_clean(name, method, tmp_path):
+    check_clean(tmp_path, written(tmp_path, load(name), method))
+
+
+@pytest.mark.quick
+def test_moser_veselov_compiles_clean(tmp_path):
+    check_clean(tmp_path, written(tmp_path, load("free_rigid_body"), VESELOV))
+
+
+@pytest.mark.parametrize("solver", SOLVERS[1:])
+@pytest.mark.parametrize("name", [n if n in ("heisenberg_chain", "vortex_tracers", "product")
+                                  else pytest.param(n, marks=pytest.mark.long) for n in COUPLED])
+def test_every_solver_compiles_clean(name, solver, tmp_path):
+    if not refuses(load(name), SPHERICAL, solver):
+        check_clean(tmp_path, written(tmp_path, load(name), SPHERICAL, solver))
+
+
+@pytest.mark.parametrize("name", few_quick(TEXTS, QUICK_TEXTS))
+def test_unusual_specs_compile_clean(name, tmp_path):
+    check_clean(tmp_path, written(tmp_path, texts.read(TEXTS[name], tmp_path), SPHERICAL))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", COUPLED)
+def test_every_solver_of_the_classical_midpoint_compiles_clean(name, solver, tmp_path):
+    if not refuses(load(name), CLASSICAL, solver):
+        check_clean(tmp_path, written(tmp_path, load(name), CLASSICAL, solver))
+
+
+@pytest.mark.quick
+def test_what_nothing_calls_is_left_out():
+    """In chains, tables too; what a macro names stays."""
+    text = ("/* a */\nstatic inline double a(void) {\n  return b(t[0]);\n}\n"
+            "static double b(double x) {\n  if (x > 0) {\n    return x;\n  }\n  return b(-x);\n}\n"
+            "static const double t[2] = {1, 2};\n#define use d\n"
+            "static int d(int x) {\n  return x;\n}\nint e(void) { return use(1); }\n")
+    assert without_uncalled(text) == ("#define use d\nstatic int d(int x) {\n  return x;\n}\n"
+                                      "int e(void) { return use(1); }\n")
+
+
+# -- sanitizers -----------------------------------------------------------------------------------
+
+def sanitized(where, case, method, solver="auto", real="double", compiler="gcc"):
+    """50 steps of a program under ASan and UBSan; their numbers are those of the library."""
+    sources = written(where, case.spec, method, solver)
+    integrator = model(case, method, solver=solver, real=real)
+    values = parameter_values(integrator.scene, integrator.values_in)
+    free = [p for p in integrator.scene.parameters if not p.fixed]
+    scalars = {p.name: values[p.name] for p in free if p.kind != "array"}
+    arrays = {p.name: values[p.name] for p in free if p.kind == "array"}
+    (where / "main.c").write_text(driver(integrator, case.h, case.w, scalars, arrays))
+    status, said = run_sanitized(where, [*sources, "main.c"], compiler, real)
+    assert status == 0, said[:3000]
+    integrator.start(case.w.astype(integrator.real), t0=0.25, h=case.h).steps(50)
+    energy, first = (float(x) for x in said.split())
+    assert first == float(integrator.w[0, 0])
+    assert energy == float(integrator.energy(t=0.5))
+
+
+@pytest.mark.parametrize("name", few_quick(SPECS, ("product",)))
+def test_spherical_midpoint_runs_clean(name, tmp_path):
+    sanitized(tmp_path, begin(name), SPHERICAL)
+
+
+@pytest.mark.parametrize("name", ["irreversible_rigid_body", "nambu_a38", "two_bodies", "vortex_tracers",
+                                  "heisenberg_chain"])
+def test_classical_midpoint_runs_clean(name, tmp_path):
+    sanitized(tmp_path, begin(name), CLASSICAL)
+
+
+def test_moser_veselov_runs_clean(tmp_path):
+    sanitized(tmp_path, begin("free_rigid_body"), VESELOV, compiler="clang" if "clang" in COMPILERS else "gcc")
+
+
+@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
+@pytest.mark.parametrize("name", ["heisenberg_chain", "product", "point_vortices"])
+def test_every_solver_runs_clean(name, solver, tmp_path):
+    sanitized(tmp_path, begin(name), SPHERICAL, solver)
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_unusual_specs_run_clean(name, tmp_path):
+    sanitized(tmp_path, begin(texts.read(TEXTS[name], tmp_path)), SPHERICAL)
+
+
+def test_extended_precision_runs_clean(tmp_path):
+    sanitized(tmp_path, begin("product"), SPHERICAL, real="long double")
+
+
+@pytest.mark.quick
+def test_the_sanitizers_see(tmp_path):
+    """A read past the end and an overflow stop the program."""
+    for bad in ("double a[3] = {1}; int main(int n, char **v) { (void)v; return a[n + 2] > 0; }",
+                "int main(void) { volatile int n = 2147483647; volatile int m = n + 1; return m == 5; }"):
+        (tmp_path / "bad.c").write_text(bad + "\n")
+        assert run_sanitized(tmp_path, ["bad.c"])[0] != 0
