@@ -6,7 +6,7 @@ from pages import blocks, python, sh
 
 import smidgen
 from smidgen.demo import exact, experiments, paths, stages, systems
-from smidgen.plot import portraits
+from smidgen.plot import facts, portraits
 from smidgen.plot.equilibria import equilibria
 from smidgen.plot.figures import FIGURES
 from smidgen.shipped import load_spec, shipped
@@ -77,9 +77,17 @@ def test_conserved_momentum_is_found_from_the_field(name, axes):
 
 @pytest.mark.quick
 def test_energies_that_are_not_conserved_are_known():
-    assert systems.of_time(load_spec("forced_rigid_body"))
-    assert not systems.of_time(load_spec("free_rigid_body"))
-    assert systems.with_tracers(load_spec("vortex_tracers")) == {"transport"}
+    forced = load_spec("forced_rigid_body")
+    assert facts.of_time(forced) and not facts.of_time(forced, {"rotation"})
+    assert not facts.of_time(load_spec("free_rigid_body"))
+    assert facts.with_tracers(load_spec("vortex_tracers")) == {"transport"}
+
+
+@pytest.mark.quick
+def test_energy_of_tracers_is_left_out():
+    result = facts.with_facts(smidgen.run(load_spec("vortex_tracers"), steps=10, every=1))
+    energy, note = facts.conserved_energy(result)
+    assert np.array_equal(energy, result.values["energy.interaction"]) and "tracers" in note
 
 
 @pytest.mark.quick
@@ -94,8 +102,8 @@ def test_a_failed_line_fails_the_demo(monkeypatch, tmp_path, capsys):
 @pytest.mark.quick
 def test_lost_momentum_is_a_fault():
     spec = load_spec("heisenberg_chain")
-    result = smidgen.run(spec, "demo", steps=10, every=1,
-                         what=["states", "energy", "momentum", "casimirs"])
+    result = facts.with_facts(smidgen.run(spec, "demo", steps=10, every=1,
+                                          what=["states", "energy", "momentum", "casimirs"]))
     model = systems.started(smidgen.build(spec), result)
     assert systems.losses(model, spec, result) == ([], [])
     result.values["momentum.w"][3, 1] += 1e-6

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SmidgenError
-from ..expr import Spin, Time, walk
 from ..library import build
-from ..plot.draw import outputs_for, plot, with_casimirs, write_page
+from ..plot.draw import outputs_for, plot, write_page
+from ..plot.facts import conserved_energy, with_facts
 from ..plot.gallery import Picture
 from ..plot.pictures import draw_player, suitable
 from ..run import run
@@ -55,13 +55,13 @@ def checked(name: str, out: Path) -> Outcome:
     began = time.perf_counter()
     settings = settle(spec, chosen or None, what=outputs_for(spec))
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver)
-    result = run(spec, settings.run, what=settings.what, every=every(settings, model))
+    result = with_facts(run(spec, settings.run, what=settings.what, every=every(settings, model)))
     seconds = time.perf_counter() - began
     started(model, result)
     faults, notes = losses(model, spec, result)
     report = validate(spec, settings.run)
     faults += [f"{x.check}: {x.measured:.2e}, bound {x.bound}" for x in report.lines if not x.passed]
-    return Outcome(name, settings.method, settings.steps, energy_error(spec, result),
+    return Outcome(name, settings.method, settings.steps, energy_error(result),
                    momentum_error(model, spec, result), agreement(report), seconds,
                    "; ".join(faults or notes), not faults,
                    () if chosen else drawn(name, spec, result, out))
@@ -80,26 +80,10 @@ def agreement(report) -> float:
 
 # -- what is conserved ---------------------------------------------------------------------
 
-def of_time(spec) -> bool:
-    """Does an effect depend on the time?"""
-    return any(isinstance(node, Time) for e in spec.effects for node in walk(e.value))
-
-
-def with_tracers(spec) -> set[str]:
-    """Names of the effects that tracers feel: their energy is not conserved."""
-    tracers = {f.name for f in spec.families if f.tracer}
-    return {e.name for e in spec.effects
-            if any(isinstance(n, Spin) and n.family in tracers for n in walk(e.value))}
-
-
-def energy_error(spec, result) -> float:
+def energy_error(result) -> float:
     """max |H - H_0| over the outputs, H without what tracers feel; nan when H depends on t."""
-    if of_time(spec):
-        return np.nan
-    names = [n for n in result.values if n.startswith("energy.")]
-    kept = [result.values[n] for n in names if n.removeprefix("energy.") not in with_tracers(spec)]
-    energy = np.sum(np.asarray(kept, float), axis=0)
-    return float(np.abs(energy - energy[0]).max())
+    energy, _ = conserved_energy(result)
+    return np.nan if result.meta["driven"] else float(np.abs(energy - energy[0]).max())
 
 
 def conserved_axes(model, spec) -> np.ndarray:
@@ -158,10 +142,10 @@ def losses(model, spec, result):
     parts = np.abs(kappas(spec, model.values_in)).sum()
     if error > KEPT * max(1.0, parts):
         faults.append(f"momentum changes by {error:.1e}")
-    if of_time(spec):
+    if result.meta["driven"]:
         notes.append("H depends on time")
-    if with_tracers(spec):
-        notes.append("energy of what acts, without the tracers")
+    if result.meta["unconserved"]:
+        notes.append("energy without the tracers")
     return faults, notes + axes_note(model, spec)
 
 
@@ -186,7 +170,7 @@ def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:
     size = "broad" if suitable(result, False) == "chain" else "small"
     made = [Picture(f"system_{name}", path, spec.title or name, caption(result), size, "systems")]
     if name in PLAYED:
-        path = write_page(draw_player(with_casimirs(result), start=0.3), out / f"player_{name}.html")
+        path = write_page(draw_player(result, start=0.3), out / f"player_{name}.html")
         made.append(Picture(f"player_{name}", path, spec.title or name, caption(result)))
     return tuple(made)
 

@@ -5,6 +5,7 @@ import difflib
 from pathlib import Path
 
 from ..errors import UsageError
+from .facts import with_facts
 from .pictures import KINDS, kinds, suitable
 from .style import FORMATS, save, styled
 
@@ -66,13 +67,13 @@ def check_ending(path: Path) -> None:
 def result_of(source, run: str | None):
     """The Result that `source` means; a spec is run for it."""
     if hasattr(source, "values") and hasattr(source, "t"):
-        return with_casimirs(source)
+        return with_facts(source)
     from ..output import FORMATS as RESULTS, load_result
     if not hasattr(source, "families") and Path(source).suffix in RESULTS:
-        return with_casimirs(load_result(source))
+        return with_facts(load_result(source))
     from ..run import run as run_spec
     spec = loaded(source)
-    return with_casimirs(run_spec(spec, run, what=outputs_for(spec)))
+    return with_facts(run_spec(spec, run, what=outputs_for(spec)))
 
 
 def loaded(source):
@@ -86,30 +87,6 @@ def loaded(source):
 def outputs_for(spec) -> list[str]:
     """All that a picture may need."""
     return ["states", "energy", "momentum", "casimirs", *(o.name for o in spec.observables)]
-
-
-def with_casimirs(result):
-    """Add to the result's meta the matrix A of C = w.(A w)/2 of each Nambu family.
-
-    They are computed from the spec that the result carries (`meta["sources"]`); a result
-    without one is drawn from its numbers alone.
-    """
-    if "casimirs" in result.meta or not result.meta.get("sources"):
-        return result
-    from ..recorded import spec_of
-    spec = spec_of(result.meta["sources"])
-    result.meta["casimirs"] = matrices(spec, result.meta.get("values") or {})
-    return result
-
-
-def matrices(spec, values) -> dict:
-    """family -> 3 x 3 list, of the Nambu families of a spec."""
-    from ..start import casimir_matrices, sizes
-    known = {p.name for p in spec.parameters}
-    values = {n: v for n, v in values.items() if n in known}
-    every, places = casimir_matrices(spec, values), sizes(spec, values)
-    return {f.name: every[places[f.name][0]].tolist()
-            for f in spec.families if f.casimir is not None}
 
 
 def default_path(result, kind: str) -> Path:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import UsageError
 from . import chain, curves, player, portraits, surfaces
+from .facts import conserved_energy
 from .text import printable
 
 TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
@@ -35,13 +36,6 @@ def states_of(result) -> dict:
         raise UsageError("this result holds no states: run with --what states,energy "
                          "(or draw another kind: energy, invariants, observables)")
     return {name: np.asarray(w, float) for name, w in result.w.items()}
-
-
-def value_of(result, name: str) -> np.ndarray:
-    """A column of the result. Raises UsageError with what to ask the run for."""
-    if name not in result.values:
-        raise UsageError(f"this result holds no {name}: run with --what {name}")
-    return np.asarray(result.values[name], float)
 
 
 def on_spheres(result) -> bool:
@@ -112,9 +106,11 @@ def fitted_quadric(w) -> np.ndarray:
 
 def draw_energy(result):
     """Energy error over time, linear and symlog, and that of each effect."""
-    energy = value_of(result, "energy")
+    energy, note = conserved_energy(result)
+    if energy is None:
+        raise UsageError("this result holds no energy: run with --what energy")
     series = [(str(result.meta.get("method", "energy")), result.t, energy - energy[0])]
-    return curves.energy_errors(series, first_line(result))
+    return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note))
 
 
 def draw_effects(result):
@@ -132,10 +128,11 @@ def draw_invariants(result):
     values = result.values
     momenta = {n.removeprefix("momentum."): v for n, v in values.items()
                if n.startswith("momentum.")}
-    if "energy" not in values and "casimirs" not in values and not momenta:
+    energy, _ = conserved_energy(result)
+    if energy is None and "casimirs" not in values and not momenta:
         raise UsageError("this result holds no invariants: run with "
                          "--what energy,momentum,casimirs")
-    return curves.invariant_errors(result.t, values.get("energy"), momenta,
+    return curves.invariant_errors(result.t, energy, momenta,
                                    values.get("casimirs"), first_line(result))
 
 
@@ -180,8 +177,9 @@ def draw_player(result, start: float = 0.0) -> str:
     for name in states if matrices else ():
         matrices.setdefault(name, np.eye(3))
     joined = [n for n, w in states.items() if w.shape[1] > MANY and smooth(w[0]) and smooth(w[-1])]
-    return player.player_page(result.t, states, result.values.get("energy"), first_line(result),
-                              facts(result), matrices, joined, start=start)
+    energy, note = conserved_energy(result)
+    return player.player_page(result.t, states, energy, first_line(result), facts(result),
+                              matrices, joined, start=start, note=note)
 
 
 def smooth(spins) -> bool:

@@ -77,7 +77,7 @@
 
   // ---- drawing ----
   function ball() {
-    for (const r of data.radii) {
+    for (const r of [...data.radii].reverse()) {          // the largest first: the others on it
       const s = unit * r / reach, big = r === data.radii[data.radii.length - 1];
       g.beginPath(); g.arc(cx, cy, s, 0, 2 * Math.PI);
       if (big) {
@@ -219,7 +219,7 @@
       e.beginPath(); e.moveTo(left, Y(y)); e.lineTo(w - right, Y(y)); e.stroke();
       e.fillStyle = "#5b6570"; e.fillText(show(y), left - 7, Y(y));
     }
-    e.textAlign = "left"; e.fillText("energy H \u2212 H\u2080 (model units)", left, 7);
+    e.textAlign = "left"; e.fillText("energy H \u2212 H\u2080 (" + (data.note ? data.note + ", " : "") + "model units)", left, 7);
     e.textAlign = "center";
     e.fillText(show(times[0]), left, h - 9); e.fillText("time t (model units)", (left + w - right) / 2, h - 9);
     e.textAlign = "right"; e.fillText(show(times[frames - 1]), w - right, h - 9);

@@ -25,7 +25,8 @@ HUES = (203, 25, 160, 325, 40)      # of the long families, as their first colou
 
 
 def player_page(t, states, energy=None, title: str = "", facts: str = "", casimirs=None,
-                joined=(), autoplay: bool = False, view=(35, 22), start: float = 0.0) -> str:
+                joined=(), autoplay: bool = False, view=(35, 22), start: float = 0.0,
+                note: str = "") -> str:
     """The HTML text of a player.
 
     t (k,); states {family: (k, count, 3)}; energy (k,) or None; casimirs {family: (3, 3)}
@@ -39,7 +40,7 @@ def player_page(t, states, energy=None, title: str = "", facts: str = "", casimi
     page = Path(__file__).with_name("player.html").read_text(encoding="utf-8")
     slots = {"title": in_html(title or "Trajectory"), "style": asset("player.css"),
              "data": in_script(describe(t, states, energy, title, facts, casimirs or {}, joined,
-                                        autoplay, view, start)),
+                                        autoplay, view, start, note)),
              "script": asset("player.js")}
     return filled(page, slots)
 
@@ -56,7 +57,8 @@ def asset(name: str) -> str:
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
-def describe(t, states, energy, title, facts, casimirs, joined, autoplay, view, start) -> dict:
+def describe(t, states, energy, title, facts, casimirs, joined, autoplay, view, start,
+             note) -> dict:
     """All that the script reads, as plain data."""
     keep = frames_of(t, states)
     cut = {name: np.asarray(w, float)[keep] for name, w in states.items()}
@@ -66,7 +68,7 @@ def describe(t, states, energy, title, facts, casimirs, joined, autoplay, view, 
     ball = not casimirs
     error = None if energy is None else finite(np.asarray(energy, float)[keep] - float(energy[0]))
     low, high = strip_range(error)
-    return {"title": printable(title or "Trajectory"), "facts": printable(facts),
+    return {"title": printable(title or "Trajectory"), "facts": printable(facts), "note": printable(note),
             "t": packed(np.asarray(t, float)[keep], "<f8"),
             "error": None if error is None else packed(error, "<f8"), "low": low, "high": high,
             "quantum": reach / QUANTUM, "reach": reach, "ball": ball,
