@@ -21,12 +21,11 @@ typedef struct body_params {
   double h, inverse_moment[3];
 } body_params;
 
-/* u[k..] holds the increments of the last steps, newest first, and in the fourth lane 1/|S|^2 - 1/(4|w|^2). */
+/* u[k..] holds the increments of the last steps, newest first, and in the fourth lane what a design
+ * extrapolates beside them: 1/|S|^2, 1/|S|, or 1/|S|^2 - 1/(4|w|^2). */
 typedef struct body {
   double w[3];
-  double a;       /* 1/(4 |w|^2) */
-  double last[4], before[4], rest[4]; /* the newest row again */
-  int64_t k, count, evaluations;
+  int64_t k, count;
   body_params p;
   double u[ROWS][4];
 } body;

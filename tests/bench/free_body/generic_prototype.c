@@ -95,17 +95,19 @@ ALWAYS vec predict(generic *s, double *q) {
 
 ALWAYS vec sum(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z}; }
 
-/* One Newton iteration from (u, q); returns the new u, det T and eps. */
-ALWAYS vec newton(const generic *s, vec w, vec u, double *scale_, double *det, double *defect) {
-  const double q = *scale_;
+/* One Newton iteration from (u, q); returns the new u, det T, and the square of the change. The new q is off by
+ * an eighth of that square: below SMALL it is as good as rounded. */
+#define SMALL DBL_EPSILON
+ALWAYS vec newton(const generic *s, vec w, vec u, double *inverse, double *det, double *size) {
+  const double q = *inverse;
   const vec S = sum(w, u), m = scale(q, S), g0 = motion(s, m), e = radial(s, m, g0);
   const double eps = .5 - dot(S, S) * (.5 * q * q), mu = dot(m, u);
   const matrix M = derivative(s, m, q);
   const double t = 1 + (minors(M) - (q * q) * dot(g0, e)), i = 1 / t;
   const vec g = add(g0, scale(eps, e)), a = add(g, sub(scale(mu, m), u)), c = apply(M, a), d = apply(M, c);
   const double ga = dot(g, a), gc = dot(g, c), l = (q * q) * ga;
-  *scale_ = (q + q * (eps + q * mu)) + (q * q * (q * i)) * (ga + gc);
-  *det = t, *defect = eps;
+  *inverse = (q + q * (eps + q * mu)) + (q * q * (q * i)) * (ga + gc);
+  *det = t, *size = dot(a, a) + eps * eps;
   return add(g, scale(i, add(c, add(d, scale(l, e)))));
 }
 
@@ -134,7 +136,7 @@ ALWAYS int within(double d, double V, double v, int late) {
 
 /* Newton from u to stagnation with honest square roots: the first steps, hard steps, failures.
  * Where the residual v - u is round-off of u the next iterate is v itself. */
-__attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int evaluations, double det) {
+__attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int evaluations, double det, int known) {
   const vec w = load(s->w), carry = load(s->carry);
   for (int k = evaluations; k < CAP; k++) {
     const vec S = sum(w, u);
@@ -144,13 +146,15 @@ __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int ev
     const int late = k > evaluations + TRIES;
     const int done = within(fabs(d.x), V.x, v.x, late) & within(fabs(d.y), V.y, v.y, late) & within(fabs(d.z), V.z, v.z, late);
     s->report.iterations = k + 1, s->report.residual = largest(d);
-    if (done) {
+    if (done && known) {
       if (!(det > 0)) return s->report.status = SMG_WRONG_BRANCH;
       commit(s, V, y, v, q);
       return s->report.status = SMG_OK;
     }
-    double next = q, defect;
-    u = largest(sub(v, u)) <= 64 * DBL_EPSILON * largest(v) ? v : newton(s, w, u, &next, &det, &defect);
+    double next = q, size;
+    const int settled = largest(sub(v, u)) <= 64 * DBL_EPSILON * largest(v);
+    if (!settled || !known) u = newton(s, w, u, &next, &det, &size), known = 1;
+    if (settled) u = v;
   }
   return s->report.status = SMG_NO_CONVERGENCE;
 }
@@ -159,15 +163,15 @@ ALWAYS double smaller(double a, double b) { return a < b ? a : b; }
 
 STEP smg_status PASTE(generic_step_, DEGREE)(generic *s) {
   const vec w = load(s->w), carry = load(s->carry);
-  double q, det, eps;
-  const vec p = predict(s, &q), u = newton(s, w, p, &q, &det, &eps), v = image(s, sum(w, u), q);
+  double q, det, size;
+  const vec p = predict(s, &q), u = newton(s, w, p, &q, &det, &size), v = image(s, sum(w, u), q);
   const vec y = add(v, carry), V = add(w, y);
   const double dx = fabs(v.x - u.x), dy = fabs(v.y - u.y), dz = fabs(v.z - u.z), change = dx + dy + dz;
   const double least = smaller(fabs(V.x), smaller(fabs(V.y), fabs(V.z)));
-  if (!(det > .125 && fabs(eps) < 1e-8)) return slow(s, (vec){0, 0, 0}, 1, 0);
+  if (!(det > .125 && size < SMALL)) return slow(s, size < .01 ? u : (vec){0, 0, 0}, 1, 0, 0);
   if (!(change < DBL_EPSILON * least) && !(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) &&
                                            dz <= DBL_EPSILON * fabs(V.z) && change <= DBL_MAX))
-    return slow(s, v, 2, det);
+    return slow(s, v, 2, det, 1);
   commit(s, V, y, v, q);
   s->report.iterations = 2, s->report.residual = change;
   return s->report.status = SMG_OK;

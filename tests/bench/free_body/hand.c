@@ -1,3 +1,5 @@
+/* The designs. Each advances one step to stagnation; those that expect two evaluations call `iterate` when a
+ * third is needed. Degrees of extrapolation that do best were found by trial. */
 #include "body.h"
 
 #ifndef STEP
@@ -33,45 +35,47 @@ void body_start(body *s, const body_params *p, const double w[3]) {
   memset(s, 0, sizeof *s);
   s->p = *p;
   s->k = ROWS - MAX_DEGREE - 1;
-  s->a = .25 / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
   memcpy(s->w, w, sizeof s->w);
 }
 
-/* The newest increment last, so that the rest of the sum does not wait for it. */
-ALWAYS vec predict(const body *s, int degree, double *scale) {
-  const double(*q)[4] = s->u + s->k;
+ALWAYS vec predict(const body *s, int degree, double *lane) {
+  const double(*const row)[4] = (const double(*)[4])(s->u + s->k);
   const double *c = extrapolate[degree];
-  double t[4] = {c[degree] * q[degree][0], c[degree] * q[degree][1], c[degree] * q[degree][2], c[degree] * q[degree][3]};
-  for (int j = degree - 1; j >= 1; j--)
-    for (int i = 0; i < 4; i++) t[i] += c[j] * q[j][i];
-  *scale = s->a + (t[3] + c[0] * s->last[3]);
-  return (vec){t[0] + c[0] * s->last[0], t[1] + c[0] * s->last[1], t[2] + c[0] * s->last[2]};
+  double t[4];
+  for (int i = 0; i < 4; i++) t[i] = c[degree] * row[degree][i];
+  for (int j = degree - 1; j >= 0; j--)
+    for (int i = 0; i < 4; i++) t[i] += c[j] * row[j][i];
+  *lane = t[3];
+  return (vec){t[0], t[1], t[2]};
 }
 
-ALWAYS void push(body *s, int degree, vec u, double a, double scale) {
+ALWAYS void commit(body *s, int degree, vec W, vec u, double lane) {
+  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
   if (s->k == 0) {
     memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
     s->k = ROWS - degree;
   }
-  const double lane = (u.x * u.x + u.y * u.y + u.z * u.z) * a * scale;
-  double *q = s->u[--s->k];
-  q[0] = u.x, q[1] = u.y, q[2] = u.z, q[3] = lane;
-  s->last[0] = u.x, s->last[1] = u.y, s->last[2] = u.z, s->last[3] = lane;
+  double *row = s->u[--s->k];
+  row[0] = u.x, row[1] = u.y, row[2] = u.z, row[3] = lane;
 }
 
-/* One unit in the last place of its own component. */
-ALWAYS int same(double a, double b) { return fabs(a - b) <= DBL_EPSILON * fabs(a); }
-ALWAYS int stagnated(vec a, vec b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
+/* One unit in the last place of each component: W = w + v, from u to v. */
+ALWAYS int settled(vec W, vec v, vec u) {
+  return fabs(v.x - u.x) <= DBL_EPSILON * fabs(W.x) && fabs(v.y - u.y) <= DBL_EPSILON * fabs(W.y) &&
+         fabs(v.z - u.z) <= DBL_EPSILON * fabs(W.z);
+}
+ALWAYS double dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 ALWAYS vec add(vec a, vec b) { return (vec){a.x + b.x, a.y + b.y, a.z + b.z}; }
 ALWAYS vec state(const body *s) { return (vec){s->w[0], s->w[1], s->w[2]}; }
+ALWAYS vec twice_midpoint(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z}; }
 
 /* h (1/I_k - 1/I_j), cyclic */
 ALWAYS vec constants(const body_params *p) {
   const double *a = p->inverse_moment;
   return (vec){p->h * (a[2] - a[1]), p->h * (a[0] - a[2]), p->h * (a[1] - a[0])};
 }
-ALWAYS vec twice_midpoint(vec w, vec u) { return (vec){2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z}; }
-ALWAYS double square(vec S) { return S.x * S.x + S.y * S.y + S.z * S.z; }
+
+/* s h S x I^-1 S */
 ALWAYS vec product(vec d, vec S, double s) {
   return (vec){(d.x * s) * (S.y * S.z), (d.y * s) * (S.z * S.x), (d.z * s) * (S.x * S.y)};
 }
@@ -79,63 +83,51 @@ ALWAYS vec product(vec d, vec S, double s) {
 /* G(u) = h (S x I^-1 S)/|S|^2, S = 2 w + u. */
 ALWAYS vec image(vec d, vec w, vec u) {
   const vec S = twice_midpoint(w, u);
-  return product(d, S, 1 / square(S));
+  return product(d, S, 1 / dot(S, S));
 }
 
-/* The same with one step of Newton's reciprocal, s(2 - |S|^2 s), from a good s. */
-ALWAYS vec image_near(vec d, vec w, vec u, double s) {
-  const vec S = twice_midpoint(w, u);
-  const vec g = product(d, S, s);
-  const double f = 2 - square(S) * s;
-  return (vec){g.x * f, g.y * f, g.z * f};
-}
-
-ALWAYS void commit(body *s, int degree, vec W, vec u, double scale) {
-  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
-  s->a = .25 / square(W);
-  push(s, degree, u, s->a, scale);
-}
-ALWAYS void commit_plain(body *s, int degree, vec W, vec u) {
-  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
-  if (s->k == 0) {
-    memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
-    s->k = ROWS - degree;
-  }
-  double *q = s->u[--s->k];
-  q[0] = s->last[0] = u.x, q[1] = s->last[1] = u.y, q[2] = s->last[2] = u.z;
-}
-
-/* Fixed point to stagnation from any start. */
-NEVER void iterate(body *s, int degree, vec u, int evaluations) {
+/* Fixed point to stagnation from u. Near a zero of W_i one unit of W_i may lie below the round-off of u_i, and
+ * u may alternate between neighbours for ever: after some tries a few units of u_i count as stagnation too. */
+ALWAYS int alternates(double v, double u) { return fabs(v - u) <= 8 * DBL_EPSILON * fabs(v); }
+NEVER void iterate(body *s, int degree, vec v, int form) {
   const vec d = constants(&s->p), w = state(s);
-  vec V = add(w, u), U;
-  int k = evaluations;
-  do U = V, u = image(d, w, u), V = add(w, u), k++;
-  while (!stagnated(V, U) && k < CAP);
-  commit(s, degree, V, u, 1 / square(add(w, V)));
-  s->count++, s->evaluations += k;
+  vec u, W;
+  int k = 0, done;
+  do {
+    u = v, v = image(d, w, u), W = add(w, v);
+    done = settled(W, v, u) || (k > 20 && alternates(v.x, u.x) && alternates(v.y, u.y) && alternates(v.z, u.z));
+  } while (!done && ++k < CAP);
+  const vec S = add(w, W);
+  const double lane = 1 / dot(S, S);
+  commit(s, degree, W, v, form == 1 ? sqrt(lane) : form == 2 ? .25 * dot(v, v) / dot(w, w) * lane : lane);
+}
+
+/* The first steps: nothing to extrapolate from. */
+ALWAYS int early_step(body *s, int degree, int form) {
+  if (s->count > degree) return 0;
+  s->count++;
+  iterate(s, degree, (vec){0, 0, 0}, form);
+  return 1;
 }
 
 /* 1. Fixed point u <- G(u) from an extrapolation of high degree; the third evaluation is the rule. */
 ALWAYS void fixed_point(body *s, int degree) {
+  if (early_step(s, degree, 0)) return;
   const vec d = constants(&s->p), w = state(s);
   double unused;
-  vec u = predict(s, degree, &unused);
-  u = image(d, w, u);
-  vec V = image(d, w, u), U = add(w, u), Z = add(w, V);
-  if (!stagnated(Z, U)) {
-    u = image(d, w, V), U = Z, Z = add(w, u), V = u;
-    s->evaluations++;
-    if (!stagnated(Z, U)) { iterate(s, degree, u, 3); return; }
+  vec v = image(d, w, predict(s, degree, &unused)), u;
+  for (int k = 0; k < 2; k++) {
+    u = v, v = image(d, w, u);
+    const vec W = add(w, v);
+    if (settled(W, v, u)) { commit(s, degree, W, v, 0); return; }
   }
-  commit_plain(s, degree, Z, V);
-  s->evaluations += 2;
+  iterate(s, degree, v, 0);
 }
 
 /* 2. (1 - E + 2 (p/Q^2) S^T) x = r, E = D p/Q, p = h S x I^-1 S, Q = |S|^2: Newton by the adjugate. */
 ALWAYS vec newton_image(vec d, vec w, vec u) {
   const vec S = twice_midpoint(w, u);
-  const double x = S.x, y = S.y, z = S.z, s = 1 / square(S);
+  const double x = S.x, y = S.y, z = S.z, s = 1 / dot(S, S);
   const vec g = product(d, S, s);
   const double r0 = g.x - u.x, r1 = g.y - u.y, r2 = g.z - u.z;
   const double a = 2 * g.x * s, b = 2 * g.y * s, e = 2 * g.z * s, X = d.x * s, Y = d.y * s, Z = d.z * s;
@@ -150,13 +142,19 @@ ALWAYS vec newton_image(vec d, vec w, vec u) {
 }
 
 ALWAYS void newton_once(body *s, int degree) {
+  if (early_step(s, degree, 0)) return;
   const vec d = constants(&s->p), w = state(s);
   double unused;
-  const vec u = newton_image(d, w, predict(s, degree, &unused)), v = image(d, w, u);
-  const vec U = add(w, u), V = add(w, v);
-  if (!stagnated(V, U)) { iterate(s, degree, v, 2); return; }
-  commit_plain(s, degree, V, v);
-  s->evaluations += 2;
+  const vec u = newton_image(d, w, predict(s, degree, &unused)), v = image(d, w, u), W = add(w, v);
+  if (settled(W, v, u)) commit(s, degree, W, v, 0);
+  else iterate(s, degree, v, 0);
+}
+
+/* With one step of Newton's reciprocal, s(2 - |S|^2 s), from a good s. */
+ALWAYS vec image_near(vec d, vec w, vec u, double s) {
+  const vec S = twice_midpoint(w, u), g = product(d, S, s);
+  const double f = 2 - dot(S, S) * s;
+  return (vec){g.x * f, g.y * f, g.z * f};
 }
 
 /* 3. The scale s = 1/|S|^2 extrapolated beside u: no division before the update, and the Jacobian of the
@@ -171,63 +169,22 @@ ALWAYS vec corrected_image(vec d, vec w, vec u, double s) {
                g.z + ((e20 * e02 + e21 * e12) * r2 + ((e20 + e21 * e10) * r0 + (e21 + e20 * e01) * r1))};
 }
 
-ALWAYS void lanes(body *s, int degree) {
+ALWAYS void truncated(body *s, int degree) {
+  if (early_step(s, degree, 2)) return;
   const vec d = constants(&s->p), w = state(s);
-  double scale;
-  const vec p = predict(s, degree, &scale), u = corrected_image(d, w, p, scale), v = image_near(d, w, u, scale);
-  const vec U = add(w, u), V = add(w, v);
-  if (!stagnated(V, U)) { iterate(s, degree, v, 2); return; }
-  commit(s, degree, V, v, scale);
-  s->evaluations += 2;
+  double lane;
+  const vec p = predict(s, degree, &lane);
+  const double a = .25 / dot(w, w), scale = a + lane;
+  const vec u = corrected_image(d, w, p, scale), v = image_near(d, w, u, scale), W = add(w, v);
+  if (settled(W, v, u)) commit(s, degree, W, v, dot(v, v) * a * scale);
+  else iterate(s, degree, v, 2);
 }
 
-/* 4. The same; when the last evaluation leaves every bit of W, the next step need not wait for it: the
- * processor predicts the branch and goes on with W as it was. */
-ALWAYS void early(body *s, int degree) {
-  const vec d = constants(&s->p), w = state(s);
-  double scale;
-  const vec p = predict(s, degree, &scale), u = corrected_image(d, w, p, scale), v = image_near(d, w, u, scale);
-  const vec U = add(w, u), V = add(w, v);
-  s->evaluations += 2;
-  if (U.x == V.x && U.y == V.y && U.z == V.z) {
-    commit(s, degree, U, u, scale);
-    return;
-  }
-  if (!stagnated(V, U)) { s->evaluations -= 2; iterate(s, degree, v, 2); return; }
-  s->count++;
-  commit(s, degree, V, v, scale);
-}
-
-/* 5. Either iterate will do once the change is below one unit in the last place. */
-ALWAYS void early_ulp(body *s, int degree) {
-  const vec d = constants(&s->p), w = state(s);
-  double scale;
-  const vec p = predict(s, degree, &scale), u = corrected_image(d, w, p, scale), v = image_near(d, w, u, scale);
-  const vec U = add(w, u), V = add(w, v);
-  if (!stagnated(V, U)) { iterate(s, degree, v, 2); return; }
-  s->evaluations += 2;
-  commit(s, degree, U, u, scale);
-}
-
-/* 6. Newton on (u, s = 1/|S|^2) jointly: s extrapolated too, so that no division stands before the matrix;
- * rows older than two steps are summed in pairs of lanes, through memory, the rest by component. */
-ALWAYS vec predict_wide(body *s, int degree, double *scale) {
-  const double(*q)[4] = s->u + s->k;
-  const double *c = extrapolate[degree];
-  double *t = s->rest;
-  double a[4];
-  for (int i = 0; i < 4; i++) a[i] = c[degree] * q[degree][i];
-  for (int j = degree - 1; j >= 2; j--)
-    for (int i = 0; i < 4; i++) a[i] += c[j] * q[j][i];
-  for (int i = 0; i < 4; i++) t[i] = a[i];
-  const double *p = s->before, *l = s->last;
-  *scale = (t[3] + c[1] * p[3]) + c[0] * l[3];
-  return (vec){(t[0] + c[1] * p[0]) + c[0] * l[0], (t[1] + c[1] * p[1]) + c[0] * l[1], (t[2] + c[1] * p[2]) + c[0] * l[2]};
-}
+/* 4. Newton on (u, s) jointly, s extrapolated beside u: no division before the 3 x 3 matrix. */
 ALWAYS vec joint_image(vec d, vec w, vec u, double s, double *scale) {
   const vec S = twice_midpoint(w, u);
   const double x = S.x, y = S.y, z = S.z, X = d.x * s, Y = d.y * s, Z = d.z * s;
-  const double f = 2 - square(S) * s;
+  const double f = 2 - dot(S, S) * s;
   const double r0 = X * (y * z) * f - u.x, r1 = Y * (z * x) * f - u.y, r2 = Z * (x * y) * f - u.z;
   const double t = 2 * s, a = t * u.x, b = t * u.y, e = t * u.z;
   const double m00 = 1 + a * x, m01 = a * y - X * z, m02 = a * z - X * y;
@@ -240,53 +197,17 @@ ALWAYS vec joint_image(vec d, vec w, vec u, double s, double *scale) {
                u.y + i * (c1 * r0 + ((m00 * m22 - m02 * m20) * r1 + (m02 * m10 - m00 * m12) * r2)),
                u.z + i * (c2 * r0 + ((m01 * m20 - m00 * m21) * r1 + (m00 * m11 - m01 * m10) * r2))};
 }
-ALWAYS void commit_wide(body *s, int degree, vec W, vec u, double lane) {
-  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
-  if (s->k == 0) {
-    memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
-    s->k = ROWS - degree;
-  }
-  double *q = s->u[--s->k];
-  q[0] = u.x, q[1] = u.y, q[2] = u.z, q[3] = lane;
-  s->before[0] = s->last[0], s->before[1] = s->last[1], s->before[2] = s->last[2], s->before[3] = s->last[3];
-  s->last[0] = u.x, s->last[1] = u.y, s->last[2] = u.z, s->last[3] = lane;
-}
-NEVER void iterate_wide(body *s, int degree, vec u, int evaluations) {
-  const vec d = constants(&s->p), w = state(s);
-  vec V = add(w, u), U;
-  int k = evaluations;
-  do U = V, u = image(d, w, u), V = add(w, u), k++;
-  while (!stagnated(V, U) && k < CAP);
-  commit_wide(s, degree, V, u, 1 / square(add(w, V)));
-  s->count++, s->evaluations += k;
-}
 ALWAYS void joint(body *s, int degree) {
-  if (s->count <= degree) { iterate_wide(s, degree, (vec){0, 0, 0}, 1); return; }
+  if (early_step(s, degree, 0)) return;
   const vec d = constants(&s->p), w = state(s);
   double s0, s1;
-  const vec p = predict_wide(s, degree, &s0), u = joint_image(d, w, p, s0, &s1), v = image_near(d, w, u, s1);
-  const vec U = add(w, u), V = add(w, v);
-  if (!stagnated(V, U)) { iterate_wide(s, degree, v, 2); return; }
-  commit_wide(s, degree, V, v, s1);
-}
-ALWAYS void joint_early(body *s, int degree) {
-  if (s->count <= degree) { iterate_wide(s, degree, (vec){0, 0, 0}, 1); return; }
-  const vec d = constants(&s->p), w = state(s);
-  double s0, s1;
-  const vec p = predict_wide(s, degree, &s0), u = joint_image(d, w, p, s0, &s1), v = image_near(d, w, u, s1);
-  const vec U = add(w, u), V = add(w, v);
-  if (U.x == V.x && U.y == V.y && U.z == V.z) {
-    commit_wide(s, degree, U, u, s1);
-    return;
-  }
-  s->evaluations++;
-  if (!stagnated(V, U)) { iterate_wide(s, degree, v, 2); return; }
-  commit_wide(s, degree, V, v, s1);
+  const vec p = predict(s, degree, &s0), u = joint_image(d, w, p, s0, &s1), v = image_near(d, w, u, s1), W = add(w, v);
+  if (settled(W, v, u)) commit(s, degree, W, v, s1);
+  else iterate(s, degree, v, 0);
 }
 
-/* 8. q = 1/|S| extrapolated, m = q S; Newton on the plane across m, where E v = h q m x C v - (h q X.v) m with
+/* 5. q = 1/|S| extrapolated, m = q S; Newton on the plane across m, where E v = h q m x C v - (h q X.v) m with
  * C = I^-1 - (m.I^-1 m) has trace 0, so that (1 - E)^-1 = 1 + (E + E^2)/det(1 - E). */
-ALWAYS double dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 ALWAYS vec turn(vec k, vec C, vec a) {
   const double x = C.x * a.x, y = C.y * a.y, z = C.z * a.z;
   return (vec){k.y * z - k.z * y, k.z * x - k.x * z, k.x * y - k.y * x};
@@ -307,46 +228,17 @@ ALWAYS vec tangent_image(const body *s, vec D, vec w, vec u, double *q) {
   *q = (*q + *q * (eps + *q * mu)) + (*q * *q * (*q * i)) * gc;
   return (vec){(g.x + i * d.x) - l * m.x, (g.y + i * d.y) - l * m.y, (g.z + i * d.z) - l * m.z};
 }
-NEVER void iterate_tangent(body *s, int degree, vec u) {
-  const vec d = constants(&s->p), w = state(s);
-  vec V = add(w, u), U;
-  int k = 2;
-  do U = V, u = image(d, w, u), V = add(w, u), k++;
-  while (!stagnated(V, U) && k < CAP);
-  commit_wide(s, degree, V, u, sqrt(1 / square(add(w, V))));
-  s->count++;
-}
-ALWAYS vec predict_narrow(const body *s, int degree, double *q) {
-  const double(*r)[4] = (const double(*)[4])s->u + s->k;
-  const double *c = extrapolate[degree];
-  double t[4];
-  for (int i = 0; i < 4; i++) t[i] = c[degree] * r[degree][i];
-  for (int j = degree - 1; j >= 0; j--)
-    for (int i = 0; i < 4; i++) t[i] += c[j] * r[j][i];
-  *q = t[3];
-  return (vec){t[0], t[1], t[2]};
-}
-ALWAYS void push_narrow(body *s, int degree, vec W, vec u, double lane) {
-  s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
-  if (s->k == 0) {
-    memcpy(s->u + ROWS - degree, s->u, sizeof *s->u * (size_t)degree);
-    s->k = ROWS - degree;
-  }
-  double *q = s->u[--s->k];
-  q[0] = u.x, q[1] = u.y, q[2] = u.z, q[3] = lane;
-}
 ALWAYS void tangent(body *s, int degree) {
-  if (s->count <= degree) { iterate_tangent(s, degree, (vec){0, 0, 0}); return; }
+  if (early_step(s, degree, 1)) return;
   const vec D = constants(&s->p), w = state(s);
   double q;
-  const vec p = predict_narrow(s, degree, &q), u = tangent_image(s, D, w, p, &q), S = twice_midpoint(w, u);
-  const vec v = motion(D, (vec){q * S.x, q * S.y, q * S.z}), V = add(w, v);
-  if (!(fabs(v.x - u.x) <= DBL_EPSILON * fabs(V.x) && fabs(v.y - u.y) <= DBL_EPSILON * fabs(V.y) &&
-        fabs(v.z - u.z) <= DBL_EPSILON * fabs(V.z))) { iterate_tangent(s, degree, v); return; }
-  push_narrow(s, degree, V, v, q);
+  const vec p = predict(s, degree, &q), u = tangent_image(s, D, w, p, &q), S = twice_midpoint(w, u);
+  const vec v = motion(D, (vec){q * S.x, q * S.y, q * S.z}), W = add(w, v);
+  if (settled(W, v, u)) commit(s, degree, W, v, q);
+  else iterate(s, degree, v, 1);
 }
 
-/* 9. The same without square roots: s = 1/|S|^2 extrapolated, u = g = s p, p = h S x I^-1 S. With M = s Dp,
+/* 6. The same without square roots: s = 1/|S|^2 extrapolated, u = g = s p, p = h S x I^-1 S. With M = s Dp,
  * S.M v = -g.v and M S = 2 g: across S the Newton matrix is 1 - E, E a = M a, E E a = M E a + 2 s (g.a) g,
  * det(1 - E) = 1 + e2(M) - 2 s |g|^2, and again (1 - E)^-1 = 1 + (E + E^2)/det. */
 typedef struct pairs {
@@ -367,50 +259,39 @@ ALWAYS vec bilinear_image(vec D, vec w, vec u, double *scale) {
   *scale = s * (f + 2 * s * (sigma + i * (ga + dot(g, b))));
   return (vec){g.x + i * (b.x + (e.x + l * g.x)), g.y + i * (b.y + (e.y + l * g.y)), g.z + i * (b.z + (e.z + l * g.z))};
 }
-NEVER void iterate_bilinear(body *s, int degree, vec u) {
-  const vec d = constants(&s->p), w = state(s);
-  vec V = add(w, u), U;
-  int k = 2;
-  do U = V, u = image(d, w, u), V = add(w, u), k++;
-  while (!stagnated(V, U) && k < CAP);
-  push_narrow(s, degree, V, u, 1 / square(add(w, V)));
-  s->count++;
-}
-ALWAYS int settled(vec V, vec v, vec u) {
-  return fabs(v.x - u.x) <= DBL_EPSILON * fabs(V.x) && fabs(v.y - u.y) <= DBL_EPSILON * fabs(V.y) &&
-         fabs(v.z - u.z) <= DBL_EPSILON * fabs(V.z);
-}
 ALWAYS void bilinear(body *s, int degree) {
-  if (s->count <= degree) { iterate_bilinear(s, degree, (vec){0, 0, 0}); return; }
+  if (early_step(s, degree, 0)) return;
   const vec D = constants(&s->p), w = state(s);
   double q;
-  const vec p = predict_narrow(s, degree, &q), u = bilinear_image(D, w, p, &q), v = product(D, twice_midpoint(w, u), q);
-  const vec V = add(w, v);
-  if (!settled(V, v, u)) { iterate_bilinear(s, degree, v); return; }
-  push_narrow(s, degree, V, v, q);
+  const vec p = predict(s, degree, &q), u = bilinear_image(D, w, p, &q), v = product(D, twice_midpoint(w, u), q), W = add(w, v);
+  if (settled(W, v, u)) commit(s, degree, W, v, q);
+  else iterate(s, degree, v, 0);
 }
-/* 10. The same; a third evaluation in place before the loop is called. */
-ALWAYS void bilinear3(body *s, int degree) {
-  if (s->count <= degree) { iterate_bilinear(s, degree, (vec){0, 0, 0}); return; }
+
+/* 7. The same; when the second evaluation leaves every bit of W, the next step goes on from the first by branch
+ * prediction, without waiting for the second. */
+ALWAYS void foresight(body *s, int degree) {
+  if (early_step(s, degree, 0)) return;
   const vec D = constants(&s->p), w = state(s);
   double q;
-  const vec p = predict_narrow(s, degree, &q);
-  vec u = bilinear_image(D, w, p, &q), v = product(D, twice_midpoint(w, u), q), V = add(w, v);
-  if (!settled(V, v, u)) {
-    u = v, v = product(D, twice_midpoint(w, u), q), V = add(w, v);
-    if (!settled(V, v, u)) { iterate_bilinear(s, degree, v); return; }
-  }
-  push_narrow(s, degree, V, v, q);
+  const vec p = predict(s, degree, &q), u = bilinear_image(D, w, p, &q), v = product(D, twice_midpoint(w, u), q);
+  const vec U = add(w, u), W = add(w, v);
+  if (U.x == W.x && U.y == W.y && U.z == W.z) commit(s, degree, U, u, q);
+  else if (settled(W, v, u)) commit(s, degree, W, v, q);
+  else iterate(s, degree, v, 0);
 }
 
 #define DESIGN(kind, degree)                                     \
   STEP void kind##_##degree##_step(body *s) { kind(s, degree); } \
   static void kind##_##degree(void *s, int64_t n) {              \
-    for (int64_t i = 0; i < n; i++) kind##_##degree##_step(s);   \
+    for (int64_t i = 0; i < n; i++) kind##_##degree##_step((body *)s); \
   }
 #define ENTRY(kind, degree) {#kind " " #degree, kind##_##degree},
-#define LIST(DO) DO(newton_once,5) DO(lanes, 12) DO(joint,6) DO(joint,7) \
-DO(joint_early,6) DO(joint_early,7) DO(tangent,5) DO(tangent,6) DO(tangent,7) DO(bilinear,5) DO(bilinear,6) DO(bilinear,7) DO(bilinear3,5) DO(bilinear3,6) DO(bilinear3,7)
+#define LIST(DO)                                                                                                \
+  DO(fixed_point, 4) DO(fixed_point, 10) DO(fixed_point, 12) DO(fixed_point, 14) DO(newton_once, 4)            \
+  DO(newton_once, 5) DO(newton_once, 6) DO(truncated, 11) DO(truncated, 12) DO(joint, 5) DO(joint, 6)          \
+  DO(joint, 7) DO(tangent, 5) DO(tangent, 6) DO(bilinear, 5) DO(bilinear, 6) DO(bilinear, 7)   \
+  DO(foresight, 5) DO(foresight, 6)
 LIST(DESIGN)
 const design hand_designs[] = {LIST(ENTRY)};
 const int hand_count = sizeof hand_designs / sizeof *hand_designs;
