@@ -311,8 +311,8 @@ def flat_names(name: str, shape: tuple) -> list[str]:
 
 def csv_head(meta: dict, final, names) -> str:
     """Comment lines that a person reads, then the two that the reader needs, then the header."""
-    shown = ("title", "run", "method", "h", "steps", "orientation", "status")
-    lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if key in meta]
+    shown = ("spec", "title", "run", "method", "h", "steps", "orientation", "status")
+    lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if meta.get(key)]
     lines += [f"# final: {json.dumps(final.astype(float).ravel().tolist())}",
               f"# meta: {json.dumps(meta)}", ",".join(names)]
     return "\n".join(lines) + "\n"

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -300,6 +301,31 @@ def test_csv_is_plain(toy, tmp_path):
     assert "# orientation: 1" in lines and "# h: 0.125" in lines
     table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", skip_header=len(lines) - 5)
     assert table.shape == (5, len(header))
+
+
+@pytest.mark.parametrize("sites, good", [(29_998, True), (29_999, False)])
+def test_the_widest_table(toy, tmp_path, sites, good):
+    """step, t and one column a site: 30000 columns are text, one more is refused."""
+    given = dict(start="any", values={"n": sites}, what=["casimirs"], steps=1, out=tmp_path / "a.csv")
+    if good:
+        assert smidgen.run(toy, "demo", **given).meta["status"] == "complete"
+        assert smidgen.load_result(tmp_path / "a.csv").values["casimirs"].shape == (1, sites)
+    else:
+        with pytest.raises(OutputError, match="30001 columns.*h5"):
+            smidgen.run(toy, "demo", **given)
+
+
+@pytest.mark.parametrize("steps, good", [(2 ** 28 - 1, True), (2 ** 28, False)])
+def test_the_most_memory(steps, good):
+    """2 GiB of outputs are kept, an entry more is refused."""
+    layout, settings = {"energy": ((), np.dtype(float))}, SimpleNamespace(steps=steps, every=1)
+    check = sys.modules["smidgen.run"]._affordable
+    check(layout, settings, keep=False)
+    if good:
+        check(layout, settings, keep=True)
+    else:
+        with pytest.raises(smidgen.UsageError, match="2.0 GiB"):
+            check(layout, settings, keep=True)
 
 
 @pytest.mark.parametrize("name", ["a.txt", "a", "a.csv.gz"])
