@@ -131,7 +131,6 @@ def test_every_solver_gives_the_symplectic_step(name, solver):
                   solver=solver) < SYMPLECTIC
 
 
-@pytest.mark.xfail(raises=AttributeError, reason="the elimination of graphs is not emitted yet")
 @pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
 def test_a_graph_is_symplectic(solver, tmp_path):
     assert defect(begin(texts.read(texts.GLASS, tmp_path)), SPHERICAL, solver=solver) < SYMPLECTIC
