@@ -159,17 +159,14 @@ __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int ev
   return s->report.status = SMG_NO_CONVERGENCE;
 }
 
-ALWAYS double smaller(double a, double b) { return a < b ? a : b; }
-
 STEP smg_status PASTE(generic_step_, DEGREE)(generic *s) {
   const vec w = load(s->w), carry = load(s->carry);
   double q, det, size;
   const vec p = predict(s, &q), u = newton(s, w, p, &q, &det, &size), v = image(s, sum(w, u), q);
   const vec y = add(v, carry), V = add(w, y);
   const double dx = fabs(v.x - u.x), dy = fabs(v.y - u.y), dz = fabs(v.z - u.z), change = dx + dy + dz;
-  const double least = smaller(fabs(V.x), smaller(fabs(V.y), fabs(V.z)));
   if (!(det > .125 && size < SMALL)) return slow(s, size < .01 ? u : (vec){0, 0, 0}, 1, 0, 0);
-  if (!(change < DBL_EPSILON * least) && !(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) &&
+  if (!(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) &&
                                            dz <= DBL_EPSILON * fabs(V.z) && change <= DBL_MAX))
     return slow(s, v, 2, det, 1);
   commit(s, V, y, v, q);
