@@ -5,7 +5,8 @@ import re
 from pathlib import Path
 
 from ..errors import OutputError, UsageError
-from .say import say
+from .options import json_option
+from .say import printed, say
 
 EXAMPLES = """  smidgen new my_top                        a commented spec, my_top.toml
   smidgen new my_chain --from heisenberg_chain"""
@@ -17,6 +18,7 @@ def add(commands):
     parser.add_argument("name", metavar="NAME", help="a name; it becomes the prefix in C")
     parser.add_argument("--from", dest="source", metavar="SPEC", help="copy this shipped spec")
     parser.add_argument("--out", metavar="FILE", help="default: NAME.toml")
+    json_option(parser)
 
 
 def command(args):
@@ -36,7 +38,7 @@ def command(args):
     except OSError as problem:
         raise OutputError(f"cannot write {path}: {problem.strerror}") from None
     say(f"next: smidgen check {path}, then smidgen run {path}")
-    print(path)
+    printed({"spec": str(path)}) if args.json else print(path)
 
 
 def source_text(word) -> str:
