@@ -135,7 +135,7 @@ ALWAYS int within(double d, double V, double v, int late) {
 }
 
 /* Newton from u to stagnation with honest square roots: the first steps, hard steps, failures.
- * Where the residual v - u is round-off of u the next iterate is v itself. */
+ * Where the residual v - u is round-off of u, v itself is tried in turn with Newton. */
 __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int evaluations, double det, int known) {
   const vec w = load(s->w), carry = load(s->carry);
   for (int k = evaluations; k < CAP; k++) {
@@ -153,8 +153,8 @@ __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int ev
     }
     double next = q, size;
     const int settled = largest(sub(v, u)) <= 64 * DBL_EPSILON * largest(v);
-    if (!settled || !known) u = newton(s, w, u, &next, &det, &size), known = 1;
-    if (settled) u = v;
+    const vec n = newton(s, w, u, &next, &det, &size);
+    known = 1, u = settled && k % 2 ? v : n;
   }
   return s->report.status = SMG_NO_CONVERGENCE;
 }
@@ -166,8 +166,7 @@ STEP smg_status PASTE(generic_step_, DEGREE)(generic *s) {
   const vec y = add(v, carry), V = add(w, y);
   const double dx = fabs(v.x - u.x), dy = fabs(v.y - u.y), dz = fabs(v.z - u.z), change = dx + dy + dz;
   if (!(det > .125 && size < SMALL)) return slow(s, size < .01 ? u : (vec){0, 0, 0}, 1, 0, 0);
-  if (!(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) &&
-                                           dz <= DBL_EPSILON * fabs(V.z) && change <= DBL_MAX))
+  if (!(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) && dz <= DBL_EPSILON * fabs(V.z) && change <= DBL_MAX))
     return slow(s, v, 2, det, 1);
   commit(s, V, y, v, q);
   s->report.iterations = 2, s->report.residual = change;
