@@ -34,7 +34,12 @@ def colouring(lattices) -> Colouring:
                 candidate = Colouring(colours, weights, (0, *shift))
                 if usable(candidate) and separates(candidate, bonds):
                     return candidate
-    return Colouring(1, (0,) * dimension, (0,) * sites)
+    return one_colour(lattices[0])
+
+
+def one_colour(over) -> Colouring:
+    """All sites alike: cell by cell in their order."""
+    return Colouring(1, (0,) * len(over.size), (0,) * over.sites)
 
 
 def usable(candidate: Colouring) -> bool:

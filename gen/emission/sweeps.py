@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from ..colouring import colouring
+from ..colouring import colouring, one_colour
 from ..loops import indent, loop
 from ..lower import CLOCK
 from ..spec import Lattice, Sites
@@ -12,29 +12,33 @@ from ..spec import Lattice, Sites
 class SweepParts:
     """Loops of a sweep; part of `Emitter`."""
 
-    def sweep_loops(self):
-        """All sites of the swept families, those of a lattice by colour."""
+    def sweep_loops(self, what: str, result: str, coloured: bool):
+        """Calls of `what` for all sites of the swept families, on a lattice cell by cell or by colour."""
         lines = []
         for f in self.chosen(self.plan.coupled):
-            call = f"{self.M}_{f.name}_relax(s, h, {{}}, &change);"
+            call = f"{self.M}_{f.name}_{what}(s, h, {{}}, &{result});"
             lattice = self.lattice(f.name)
             if lattice is None:
                 lines += loop("site", f.count, [call.format("site")])
                 continue
             overs = [t.over for t, _ in self.roles(f.name) if isinstance(t.over, Lattice)]
+            colours = colouring(overs) if coloured else one_colour(lattice)
             cells = ", ".join(f"s{d}" for d in range(len(lattice.size)))
-            lines += self.loops.by_colour(lattice, colouring(overs),
+            lines += self.loops.by_colour(lattice, colours,
                                           lambda sub: [call.format(f"site, {sub}, {cells}")])
         return "\n".join(indent(lines))
 
     def sweep_slots(self):
         if not self.plan.rotation:
-            return dict(sweep_loops="", reach=None, place={})
-        return dict(sweep_loops=self.sweep_loops(), reach=self.reach(),
+            return dict(sweep_loops="", close_loops="", reach=None, place={})
+        return dict(sweep_loops=self.sweep_loops("relax", "change", True),
+                    close_loops=self.sweep_loops("close", "found", False), reach=self.reach(),
                     place={f: self.place(f) for f in self.plan.coupled})
 
     def reach(self):
         """Sum of the norms of the Hessian blocks in a row, where they are the same for all sites; else None."""
+        if any(f.kind == "nambu" for f in self.chosen(self.plan.coupled)):
+            return None
         found = {}
         for f in self.chosen(self.plan.coupled):
             rows = [0] * max([t.over.sites for t, _ in self.roles(f.name) if isinstance(t.over, Lattice)] or [1])
