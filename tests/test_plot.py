@@ -10,8 +10,8 @@ import pytest
 
 from smidgen.errors import UsageError
 from smidgen.output import Result
-from smidgen.plot import chain, curves, draw, equilibria, leaf, orbits, pictures, player, portraits
-from smidgen.plot import sphere, style, surfaces, text, view
+from smidgen.plot import chain, curves, draw, equilibria, leaf, orbits, overview, pictures, player
+from smidgen.plot import portraits, sphere, style, surfaces, text, view
 from smidgen.plot.gallery import Picture, Row, gallery
 
 pytestmark = pytest.mark.quick
@@ -303,6 +303,15 @@ def test_leaves_and_orbits(top):
                               for n, (A, w) in LEAVES.items()])
     assert len(figure.axes) == len(LEAVES)
     assert orbits.coadjoint_orbits([top.w["w"][:, 0], 0.5 * top.w["w"][:, 0]]).axes
+
+
+def test_overview_has_a_panel_for_each(top, ring):
+    w = top.w["w"] * np.array([1, 1, 2])
+    stretched = result({"w": w})
+    stretched.meta["casimirs"] = {"w": np.diag([1, 1, 0.25])}
+    figure = overview.overview([top, ring, stretched], columns=2)
+    assert len(figure.axes) == 3
+    assert all(len(ax.lines) > 0 for ax in figure.axes)
 
 
 def test_shading_is_a_ball():

@@ -10,10 +10,11 @@ import numpy as np
 from ..errors import RunError
 from ..library import METHODS, build
 from ..plot.equilibria import equilibria
+from ..plot.facts import with_facts
 from ..plot.portraits import on_manifold
 from ..run import run
 from ..settings import settle
-from ..shipped import load_spec
+from ..shipped import load_spec, shipped
 from ..start import casimir_matrices, initial_state
 from . import paths
 from .exact import free_body
@@ -24,6 +25,20 @@ STEPS = [2.0 ** -k for k in range(1, 10)]
 SPHERICAL, CLASSICAL, VESELOV = METHODS
 PERIOD = 2 * np.pi
 SECTIONS, CHAOTIC = 600, 1e5                    # periods of a section; growth that means chaos
+
+
+def every_system():
+    """The first run of every shipped spec, as far as a small picture shows it."""
+    found = []
+    for name in shipped():
+        spec = load_spec(name)
+        s = settle(spec)
+        steps = min(s.steps, 2000)
+        found.append(with_facts(run(spec, s.run, steps=steps, every=max(1, steps // 1000),
+                                    what=["states"])))
+    return {"results": found}, ("A trajectory of each, by the spherical midpoint method: whole paths, "
+                                "trails where there are many sites, closed curves of spins at "
+                                "five times, level sets of C for the Nambu systems.")
 
 
 def coadjoint_orbits():
@@ -316,7 +331,7 @@ def starts_on_leaf(A, w, more: int = 3):
 
 
 EXPERIMENTS = {f.__name__: f for f in (
-    coadjoint_orbits, free_body_portrait, free_body_errors, irreversible_portrait,
+    every_system, coadjoint_orbits, free_body_portrait, free_body_errors, irreversible_portrait,
     irreversible_trajectories, irreversible_energy, irreversible_energy_long, forced_sections,
     vortex_illustration, vortex_manifold, chain_curves, chain_evolution, chain_invariants,
     test_particles, nambu_leaves)}

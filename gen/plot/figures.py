@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable
 
-from . import chain, curves, orbits, portraits, surfaces
+from . import chain, curves, orbits, overview, portraits, surfaces
 from .style import VERMILION
 from .view import View
 
@@ -83,6 +83,7 @@ def test_particles(paths):
 
 
 FIGURES = {
+    "every_system": Entry(overview.overview, "Every shipped system", size="broad"),
     "coadjoint_orbits": Entry(orbits.coadjoint_orbits, "Coadjoint orbits of so(3)*"),
     "free_body_portrait": Entry(free_body_portrait, "Free rigid body"),
     "free_body_errors": Entry(free_body_errors, "Errors against the step length", size="broad"),
