@@ -246,6 +246,38 @@ def test_a_folder_that_cannot_be_written(top, tmp_path):
         draw.plot(top, "player", tmp_path / "file" / "a.html")
 
 
+SPOILT = {
+    "one output": lambda w: w[:1],
+    "nan": lambda w: np.where(np.arange(len(w))[:, None, None] == 5, np.nan, w),
+    "all nan": lambda w: w * np.nan,
+    "zero": lambda w: 0 * w,
+    "huge": lambda w: 1e200 * w,
+    "tiny": lambda w: 1e-200 * w,
+    "long double": lambda w: w.astype(np.longdouble),
+    "at rest": lambda w: 0 * w + [0, 0, 1],
+}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("how", SPOILT)
+def test_spoilt_results_are_drawn_or_refused(how, top, tmp_path):
+    w = SPOILT[how](top.w["w"])
+    k = len(w)
+    spoilt = result({"w": w}, energy=w[:, 0, 0], casimirs=w[:, :, 1],
+                    **{"momentum.w": w[:, 0], "mz": np.arange(k), "energy.rotation": np.ones(k)})
+    for kind in ("sphere", "energy", "invariants", "chain", "player"):
+        try:
+            draw.plot(spoilt, kind, tmp_path / ("a.html" if kind == "player" else "a.png"))
+        except UsageError as error:
+            assert how in ("all nan", "zero", "huge", "tiny") or "two outputs" in str(error)
+
+
+def test_a_player_without_a_leaf(top):
+    w = np.tile([[[1.0, 1.0, 0.3]]], (10, 1, 1))
+    page = player.player_page(top.t[:10], {"w": w}, casimirs={"w": np.diag([1.0, -1.0, 0.0])})
+    assert data_of(page)["backdrop"] == []
+
+
 # -- curves ----------------------------------------------------------------------------------
 
 def test_envelope_keeps_the_extremes():

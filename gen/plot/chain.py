@@ -26,7 +26,7 @@ def chain_image(t, w, title: str = ""):
     """
     keep, sites = thinned(len(t)), thinned(w.shape[1])
     part = np.asarray(w, float)[keep][:, sites]
-    unit = part / np.linalg.norm(part, axis=2, keepdims=True)
+    unit = part / np.maximum(np.linalg.norm(part, axis=2, keepdims=True), 1e-300)
     height = np.clip(unit[..., 2], -1, 1)
     shown_as = [(r"$\theta$ (rad)", np.arccos(height), "cividis", None, None),
                 (r"$\phi$ (rad)", np.arctan2(unit[..., 1], unit[..., 0]), "twilight", -np.pi, np.pi),

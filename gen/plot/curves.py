@@ -28,7 +28,8 @@ def envelope(t, y, bins: int = POINTS // 2):
 
 def smallest_scale(values) -> float:
     """Threshold below which a symlog axis is linear: the decade below half the smallest extent."""
-    extents = [np.nanmax(np.abs(v)) for v in values if np.size(v) and np.nanmax(np.abs(v)) > 0]
+    sizes = [np.abs(v)[np.isfinite(v)].max(initial=0) for v in values]
+    extents = [size for size in sizes if size > 0]
     return max(1e-17, 10.0 ** np.floor(np.log10(0.5 * min(extents)))) if extents else 1e-16
 
 

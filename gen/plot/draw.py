@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..errors import UsageError
 from .facts import with_facts
-from .pictures import KINDS, kinds, suitable
+from .pictures import KINDS, drawable, kinds, suitable
 from .style import FORMATS, save, styled
 
 
@@ -23,6 +23,7 @@ def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
     result = result_of(source, run)
     if len(result.t) == 0:
         raise UsageError("nothing to draw: the result holds no outputs")
+    result = drawable(result)
     chosen = suitable(result, is_page(out)) if kind == "auto" else kind
     path = Path(out) if out is not None else default_path(result, chosen)
     check_pair(chosen, path)

@@ -4,6 +4,8 @@ Each takes a Result (`meta`, `t`, `w`, `values`) and returns a figure; `player` 
 """
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from ..errors import UsageError
@@ -12,6 +14,7 @@ from .facts import conserved_energy
 from .text import printable
 
 TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
+SMALLEST, LARGEST = 1e-100, 1e100      # coordinates whose squares are still numbers
 MANY = 12           # sites from which on a family is drawn as a chain
 
 
@@ -36,6 +39,27 @@ def states_of(result) -> dict:
         raise UsageError("this result holds no states: run with --what states,energy "
                          "(or draw another kind: energy, invariants, observables)")
     return {name: np.asarray(w, float) for name, w in result.w.items()}
+
+
+def drawable(result):
+    """The result without outputs that are not finite.
+
+    Raises UsageError when none is left, and for states too large or too small to draw.
+    """
+    if not result.w:
+        return result
+    states = states_of(result)
+    good = np.all([np.isfinite(w).all(axis=(1, 2)) for w in states.values()], axis=0)
+    if not good.any():
+        raise UsageError("no output of this result is finite: there is nothing to draw")
+    size = max(float(np.abs(w[good]).max(initial=0)) for w in states.values())
+    if not SMALLEST < size < LARGEST:
+        raise UsageError(f"the largest coordinate of this result is {size:.3g}: "
+                         f"pictures show {SMALLEST:g} to {LARGEST:g}")
+    return dataclasses.replace(
+        result, step=result.step[good], t=result.t[good],
+        w={n: w[good] for n, w in states.items()},
+        values={n: np.asarray(v)[good] for n, v in result.values.items()})
 
 
 def on_spheres(result) -> bool:
@@ -155,6 +179,8 @@ def draw_components(result):
 def draw_chain(result):
     """theta, phi and w_z of the largest family, over site and time."""
     _, w = largest(result)
+    if len(result.t) < 2:
+        raise UsageError("a picture over time needs two outputs; this result holds one")
     return chain.chain_image(result.t, w, first_line(result))
 
 

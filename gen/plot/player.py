@@ -147,6 +147,14 @@ def backdrop(states, casimirs, reach) -> list[np.ndarray]:
     lines = []
     for name, A in casimirs.items():
         for site in range(min(states[name].shape[1], 4)):
-            grid = mesh(leaf_of(A, [states[name][:, site]]), 25, 49)
-            lines += [*grid[::4], *np.swapaxes(grid, 0, 1)[::4]]
+            lines += sheet_lines(A, states[name][:, site])
     return lines
+
+
+def sheet_lines(A, w) -> list[np.ndarray]:
+    """Coordinate lines of the leaf of one site w (k, 3); none where C = 0."""
+    try:
+        grid = mesh(leaf_of(A, [w]), 25, 49)
+    except UsageError:
+        return []
+    return [*grid[::4], *np.swapaxes(grid, 0, 1)[::4]]

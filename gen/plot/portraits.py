@@ -4,9 +4,12 @@ from __future__ import annotations
 import numpy as np
 
 from . import sphere
+from .chain import thinned
 from .style import BLUE, FAINT, GREEN, INK, PALETTE, VERMILION, new_figure, styled
 from .text import shown
 from .view import View
+
+POINTS = 100_000        # most points of all paths in one picture
 
 
 @styled
@@ -97,9 +100,10 @@ def several(paths, title: str = "", view: View = View(), radii=None):
     for r in radii[:-1]:
         t = np.linspace(0, 2 * np.pi, 121)
         ax.plot(r * np.cos(t), r * np.sin(t), color=FAINT, lw=0.7, ls=":", zorder=1.5)
+    most = max(2, POINTS // len(paths))
     for i, (label, w) in enumerate(paths):
         color = PALETTE[i % len(PALETTE)]
-        sphere.curve(ax, w, view, color, 0.9)
+        sphere.curve(ax, w[thinned(len(w), most)], view, color, 0.9)
         sphere.points(ax, w[-1:], view, color, 22, edge="white", zorder=5)
         if len(paths) <= 8:
             ax.plot([], [], "-", color=color, label=shown(label))
