@@ -52,7 +52,7 @@ def test_casimirs_do_not_drift(name, values):
     case = begin(name, **values)
     early, late = scatter(case, [case.w], (100_000, 1_000_000), casimirs)
     print(f"{name}: rms casimir error after 1e5, 1e6 steps: {early:.1e}, {late:.1e}")
-    assert late < 6 * max(early, EPSILON)
+    assert late < 6 * max(early, 4 * EPSILON)        # few sites: below some ulps the law is noise
     assert late < 40 * EPSILON
 
 
