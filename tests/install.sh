@@ -22,8 +22,9 @@ needed() {
   has_header suitesparse/klu.h || echo libsuitesparse-dev
 }
 
+sanitizes() { echo 'int main(void) { return 0; }' | clang -fsanitize=address -x c - -o /dev/null 2>/dev/null; }
 extras() {
-  has clang++ || echo clang
+  { has clang++ && sanitizes; } || echo clang libclang-rt-dev
   has chromium || echo chromium
 }
 
