@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 from numpy_systems import SYSTEMS, strengths
 from support import texts
-from support.growth import growth
+from support.measure import STEPS, hundred_steps
 from support.systems import (CLASSICAL, FREE_BODIES, QUICK, SHORT, SPECS, SPHERICAL, VESELOV, begin,
                              few_quick, model)
-from support.tangent import leaves_of
 
 from smidgen.errors import UsageError
 from smidgen.start import radii
 from smidgen.witness import Witness
 
 EPSILON = np.finfo(float).eps
-STEPS, AGREEMENT, SENSITIVE = 100, 1e-13, 10
 TEXTS = {"mixed": texts.MIXED, "pulse": texts.PULSE, "corners": texts.CORNERS, "open": texts.OPEN_CHAIN}
 
 
@@ -92,16 +90,6 @@ def test_a_wrong_coefficient_would_show():
 
 
 # -- a hundred steps ----------------------------------------------------------------------------
-
-def hundred_steps(case, method, **more):
-    """(largest distance from the witness, what round-off allows, growth of the tangent map)."""
-    compiled = model(case, method, **more).start(case.w.copy(), h=case.h)
-    states = [case.w] + [compiled.step().w.copy() for _ in range(STEPS)]
-    mine = Witness(case.spec, case.values).steps(case.w, 0.0, case.h, STEPS, method)
-    grown = growth(case, method, STEPS, leaves_of(case).radius)
-    allowed = AGREEMENT * max(1, np.abs(mine).max()) * (grown if grown > SENSITIVE else 1)
-    return np.abs(np.array(states) - mine).max(), allowed, grown
-
 
 def check_steps(case, method, **more):
     apart, allowed, grown = hundred_steps(case, method, **more)

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from support import texts
 from support.exact import dilation, linear_flow, pair_flow, rotation
+from support.measure import defect
 from support.systems import CLASSICAL, SPECS, SPHERICAL, VESELOV, begin, few_quick
-from support.tangent import (WIDTH, Leaves, LongStep, derivative, frame, leaves_of, long_start,
+from support.tangent import (Leaves, LongStep, derivative, frame, leaves_of, long_start,
                              poisson_defect)
 
 import smidgen
@@ -104,11 +105,6 @@ def test_the_tangent_of_the_step_is_that_of_the_witness():
 
 
 # -- the spherical midpoint ---------------------------------------------------------------------
-
-def defect(case, method, sites=None, steps=20, width=WIDTH, **more):
-    return poisson_defect(LongStep(case, method, t=0.3, **more), long_start(case, steps),
-                          leaves_of(case), sites, width)
-
 
 @pytest.mark.parametrize("name", few_quick(name for name in SPECS if name != TRACERS))
 def test_spherical_midpoint_is_symplectic(name):
