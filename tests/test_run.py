@@ -284,7 +284,7 @@ def test_a_section_repeats(toy, tmp_path):
 
 
 def test_the_metadata_tells_the_run(toy, tmp_path):
-    meta = smidgen.run(toy, "demo", values={"J": 2.5}, seed=4).meta
+    meta = smidgen.run(toy, "demo", start="any", values={"J": 2.5}, seed=4).meta
     assert meta["orientation"] == 1 and meta["h"] == 0.125 and meta["digest"] == toy.digest
     assert meta["values"]["J"] == 2.5 and meta["values"]["n"] == 3 and meta["set"] == {"J": 2.5}
     assert meta["effects"] == ["field"] and meta["chosen"] == {"solver": "exact"}
