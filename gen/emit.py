@@ -12,7 +12,7 @@ from .cprint import number
 from .emission.amalgamate import inline_runtime
 from .emission.families import FamilyParts
 from .emission.interface import InterfaceParts
-from .emission.memory import HISTORY, ROWS, MemoryParts
+from .emission.memory import ROWS, MemoryParts
 from .emission.solo import SoloParts
 from .emission.sums import SumParts
 from .emission.sweeps import SweepParts
@@ -66,9 +66,8 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, MemoryParts, Interfa
         return [f for f in self.families if f.name in names]
 
     def common(self):
-        weights = ", ".join("{" + ", ".join(str((-1) ** j * comb(d + 1, j + 1)) for j in range(d + 1)) + "}"
-                            for d in range(HISTORY))
-        return dict(H=HISTORY, ROWS=ROWS, weights=weights, families=self.families, coupled=self.chosen(self.plan.coupled),
+        return dict(H=self.history(), ROWS=ROWS, weights=extrapolation(self.history(), 1),
+                    weights_by_four=extrapolation(self.history(), 4), families=self.families, coupled=self.chosen(self.plan.coupled),
                     local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.rows,
                     solver=self.plan.solver, newton=self.plan.newton, timed=self.low.is_timed(), rotation=self.plan.rotation, orientation=self.spec.orientation,
                     band=self.plan.band, wrap=self.plan.wrap)
@@ -128,6 +127,12 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, MemoryParts, Interfa
         body |= dict(prepare=self.sizes_text() + "\n\n" + self.prepare_text(), clock=self.clock_text(),
                      tables=self.tables(), includes=self.includes())
         return without_uncalled(self.render("model.c.j2", **body, **self.banner()))
+
+
+def extrapolation(rows: int, times: int) -> str:
+    """Rows of extrapolation weights (-1)^j C(d+1, j+1) as a C initialiser, each weight `times` times."""
+    weights = [[(-1) ** j * comb(d + 1, j + 1) for j in range(d + 1) for _ in range(times)] for d in range(rows)]
+    return ", ".join("{" + ", ".join(map(str, row)) + "}" for row in weights)
 
 
 def generate(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto",

@@ -17,6 +17,7 @@ from .derive import scalar
 from .expr import Elem, Expr, Idx, Num, Op, Par, Time, Weight, walk
 from .spec import Spec
 
+STEP = object()     # stands for the step h among the leaves
 NUMBER, PREPARE, CLOCK, SITE = range(4)      # when a value is known
 
 
@@ -45,6 +46,8 @@ class Lowering:
     # -- leaves -----------------------------------------------------------------------------
     def level(self, name: str) -> int:
         node = self.leaves.get(name)
+        if node is STEP:
+            return PREPARE
         if isinstance(node, Time):
             return CLOCK
         if isinstance(node, Par):
@@ -58,6 +61,8 @@ class Lowering:
         node = self.leaves.get(name)
         if node is None:
             return component(name)
+        if node is STEP:
+            return "c->h"
         if isinstance(node, Time):
             self.uses_time = True
             return "c->t"
@@ -68,6 +73,11 @@ class Lowering:
         if isinstance(node, Weight):
             return f"weight_{node.name}"
         return self.entry(node)
+
+    def step_size(self):
+        """The symbol of h, signed by the orientation: known like a parameter once a trajectory begins."""
+        self.leaves["h"] = STEP
+        return sp.Symbol("h", real=True)
 
     def parameter(self, name: str) -> str:
         p = self.parameters[name]

@@ -6,7 +6,6 @@ from ..cprint import number
 from ..loops import indent
 from ..lower import CLOCK, PREPARE
 from ..spec import Graph, Lattice
-from .memory import HISTORY
 from .text import comment
 
 METHODS = {"spherical-midpoint": "spherical midpoint (symplectic, order 2)",
@@ -68,7 +67,7 @@ class InterfaceParts:
         return lines
 
     def sizes_text(self):
-        lines = ["k->p = *p;", "k->t = 0;", f"const {self.M}_coefficients *c = k;", "(void)c;"]
+        lines = ["k->p = *p;", "k->t = 0;", "k->h = 0;", f"const {self.M}_coefficients *c = k;", "(void)c;"]
         lines += [f"k->{name} = {text};" for text, name in self.low.integers.items()]
         return "\n".join([f"static void {self.M}_sizes({self.M}_coefficients *k, const {self.M}_params *p) {{",
                           *indent(lines), "}"])
@@ -93,7 +92,7 @@ class InterfaceParts:
 
     def header(self) -> str:
         return self.render(
-            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=HISTORY, solo=self.solo,
+            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=self.history(), solo=self.solo,
             integer_names=list(self.low.integers.values()), effects=[e.name for e in self.spec.effects],
             hoisted_names=[name for name, _, _ in self.low.coefficients()],
             observables=[o.name for o in self.spec.observables], **self.banner())

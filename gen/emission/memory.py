@@ -4,11 +4,15 @@ from __future__ import annotations
 from .text import times
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
+SOLO = 9        # the same of a single sphere, where another row costs less than another iteration
 ROWS = 64       # rows of history of a single sphere before they are moved back
 
 
 class MemoryParts:
     """Names and sizes of the arrays; part of `Emitter`."""
+
+    def history(self) -> int:
+        return SOLO if self.solo else HISTORY
 
     def arrays(self):
         """The arrays of the state: name, number of entries, meaning."""

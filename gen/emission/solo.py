@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from ..kernels import DIRECTION, function
+from ..derive import scalar
+from ..kernels import function
 from ..lower import SITE
 
 
@@ -19,34 +20,85 @@ class SoloParts:
                         for s in b.free_symbols if s.name[0] != "v"))
 
     def solo_kernels(self) -> str:
-        """Field b = dH/dm, B v, and d.adj(B - beta 1) d of the whole energy, B its Hessian."""
-        effects = [t.derived for t in self.effects if t.slots]
-        b = [sum(e.gradient[0][a] for e in effects) for a in range(3)]
-        B = sum((e.hessian.get((0, 0), sp.zeros(3, 3)) for e in effects), sp.zeros(3, 3))
-        d, beta = sp.Matrix(DIRECTION), sp.Symbol("beta", real=True)
-        return "\n\n".join([self.solo_kernel("smg_vec", "field", [], b),
-                            self.solo_kernel("smg_vec", "times", ["smg_vec d"], list(B * d)),
-                            self.solo_kernel("smg_real", "adjugate", ["smg_real beta", "smg_vec d"],
-                                             [adjugate_form(B - beta * sp.eye(3), d)])])
+        """h X(m), its derivative times q in a struct of its non-zero entries, and e = h DX(m) m."""
+        m = sp.Matrix(sp.symbols("v0x v0y v0z", real=True))
+        kappa, leaves = scalar(self.spec.families[0].kappa)
+        self.low.leaves.update(leaves)
+        X = m.cross(sp.Matrix([sum(t.derived.gradient[0][a] for t in self.effects if t.slots) for a in range(3)]))
+        X = (X * self.low.step_size() / kappa).applyfunc(self.low.number_values).applyfunc(lambda e: shorter(e, m))
+        D = X.jacobian(m).applyfunc(lambda e: shorter(e, m))
+        entries = [(a, b) for a in range(3) for b in range(3) if D[a, b] != 0]
+        return "\n\n".join([self.solo_vector("motion", ["smg_vec m"], list(X)), self.solo_radial(X, D, m),
+                            self.solo_matrix(entries), self.solo_derivative(D, entries),
+                            self.solo_apply(entries), self.solo_minors(entries)])
 
-    def solo_kernel(self, kind: str, name: str, more, expressions) -> str:
+    def solo_function(self, kind: str, name: str, arguments, body) -> str:
+        declared = [f"const {self.M}_coefficients *c", *arguments]
+        return function(f"{kind} {self.M}_solo_{name}", declared, [by_value(line) for line in body],
+                        ["c", *(x.split()[1] for x in arguments)])
+
+    def solo_vector(self, name: str, arguments, expressions) -> str:
         kernel = self.low.kernel(expressions, {})
-        result = f"smg_vec_of({', '.join(kernel.results)})" if kind == "smg_vec" else kernel.results[0]
-        body = [by_value(line) for line in [*kernel.lines, f"return {result};"]]
-        return function(f"{kind} {self.M}_solo_{name}", [f"const {self.M}_coefficients *c", "smg_vec m", *more],
-                        body, ["c", "m", *(x.split()[1] for x in more)])
+        return self.solo_function("smg_vec", name, arguments,
+                                  [*kernel.lines, f"return smg_vec_of({', '.join(kernel.results)});"])
+
+    def solo_radial(self, X, D, m) -> str:
+        """e = DX m; for a field homogeneous of degree p this is p X."""
+        e = D * m
+        for degree in range(1, 9):
+            if all(sp.expand(e[a] - degree * X[a]) == 0 for a in range(3)):
+                return self.solo_function("smg_vec", "radial", ["smg_vec m", "smg_vec g"],
+                                          [f"return smg_vec_scale({degree}, g);"])
+        return self.solo_vector("radial", ["smg_vec m", "smg_vec g"], [shorter(x, m) for x in e])
+
+    def solo_matrix(self, entries) -> str:
+        members = ", ".join(f"e{a}{b}" for a, b in entries) or "none"
+        return f"typedef struct {self.M}_solo_matrix {{\n  smg_real {members};\n}} {self.M}_solo_matrix;"
+
+    def solo_derivative(self, D, entries) -> str:
+        q = sp.Symbol("q", real=True)
+        kernel = self.low.kernel([q * D[a, b] for a, b in entries], {})
+        body = [*kernel.lines, f"{self.M}_solo_matrix D;"]
+        body += [f"D.e{a}{b} = {result};" for (a, b), result in zip(entries, kernel.results)]
+        return self.solo_function(f"{self.M}_solo_matrix", "derivative", ["smg_vec m", "smg_real q"],
+                                  [*body, "return D;"])
+
+    def solo_apply(self, entries) -> str:
+        rows = [" + ".join(f"D.e{a}{b}*v.{'xyz'[b]}" for a, b in entries if a == row) or "0" for row in range(3)]
+        return (f"static inline smg_vec {self.M}_solo_apply({self.M}_solo_matrix D, smg_vec v) {{\n"
+                f"  return smg_vec_of({', '.join(rows)});\n}}")
+
+    def solo_minors(self, entries) -> str:
+        """e2(D): the sum of the principal 2x2 minors."""
+        terms = []
+        for a, b in ((0, 1), (0, 2), (1, 2)):
+            if (a, a) in entries and (b, b) in entries:
+                terms.append(f"+ D.e{a}{a}*D.e{b}{b}")
+            if (a, b) in entries and (b, a) in entries:
+                terms.append(f"- D.e{a}{b}*D.e{b}{a}")
+        text = " ".join(terms).removeprefix("+ ") or "0"
+        return (f"static inline smg_real {self.M}_solo_minors({self.M}_solo_matrix D) {{\n"
+                f"  return {text};\n}}")
 
 
-def adjugate_form(C, d):
-    """d.adj(C) d for a symmetric 3x3 matrix."""
-    def cofactor(a, b):
-        i, j, k, l = (a + 1) % 3, (a + 2) % 3, (b + 1) % 3, (b + 2) % 3
-        return C[i, k] * C[j, l] - C[i, l] * C[j, k]
-    return sum(cofactor(a, b) * d[a] * d[b] for a in range(3) for b in range(3))
+def shorter(e, m):
+    """A polynomial in m with its coefficients collected, where that takes fewer operations."""
+    expanded = sp.expand(e)
+    if not expanded.is_polynomial(*m) or len(sp.Add.make_args(expanded)) > 40:
+        return e
+    collected = sum(c * sp.prod(x ** k for x, k in zip(m, powers)) for powers, c in sp.Poly(expanded, *m).terms())
+    return min((e, collected), key=lambda x: work(x, m))
+
+
+def work(e, m) -> int:
+    """Operations that remain when all that is free of m is known."""
+    known = sp.Symbol("known", real=True)
+    rest = e.replace(lambda x: not x.is_Atom and not (x.free_symbols & set(m)), lambda x: known)
+    return int(sp.count_ops(rest))
 
 
 def by_value(line: str) -> str:
-    """The arrays v0 and d of a kernel as the vectors m and d by value."""
+    """The array v0 of a kernel as the vector m by value."""
     for axis in range(3):
-        line = line.replace(f"v0[{axis}]", f"m.{'xyz'[axis]}").replace(f"d[{axis}]", f"d.{'xyz'[axis]}")
+        line = line.replace(f"v0[{axis}]", f"m.{'xyz'[axis]}")
     return line
