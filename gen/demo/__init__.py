@@ -4,5 +4,5 @@
     systems.py       one line of the table: a spec, its run, its comparison, its picture
     experiments.py   the runs behind the figures
     exact.py         the free body's solution in Jacobi's functions
-    paths.py         trajectories that cover a sphere evenly; indicators of chaos
+    paths.py         trajectories that cover a sphere evenly
 """

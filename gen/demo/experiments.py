@@ -13,9 +13,12 @@ from ..plot.equilibria import equilibria
 from ..plot.facts import with_facts
 from ..plot.portraits import on_manifold
 from ..run import run
+from ..sections import (CHAOTIC, UNDECIDED, census, exponent, fit_curve, flow_stroboscope, growth,
+                        judge_exponent, stroboscope)
 from ..settings import settle
 from ..shipped import load_spec, shipped
 from ..start import casimir_matrices, initial_state
+from ..witness import Witness
 from . import paths
 from .exact import free_body
 
@@ -24,7 +27,7 @@ TENSORS = {"(1, 2, 4)": (1.0, 2.0, 4.0), "(1, 4/3, 2)": (1.0, 4 / 3, 2.0)}
 STEPS = [2.0 ** -k for k in range(1, 10)]
 SPHERICAL, CLASSICAL, VESELOV = METHODS
 PERIOD = 2 * np.pi
-SECTIONS, CHAOTIC = 600, 1e5                    # periods of a section; growth that means chaos
+CENSUS, CENSUS_PERIODS = 60, 300                # starts and periods of the chaotic fraction
 
 
 def every_system():
@@ -158,34 +161,57 @@ def irreversible_energy_long():
 
 
 def forced_sections():
-    """Sections at eps = 0.01 and 0.07; an orbit is chaotic when small separations explode."""
+    """Sections at eps = 0.01 and 0.07 by the compiled spherical midpoint, h = 2 pi/20."""
+    def orbit(eps):
+        return stroboscope(build(load_spec("forced_rigid_body"), values={"eps": eps}), PERIOD, 20)
+    return section_figure(orbit, "Spherical midpoint, generated code, h = 2\u03c0/20", 1000)
+
+
+def forced_sections_flow():
+    """The same sections by the witness's flow, which shares no line with the compiler."""
+    def orbit(eps):
+        witness = Witness(load_spec("forced_rigid_body"), {"eps": eps})
+        return flow_stroboscope(witness, PERIOD, tol=1e-10)
+    return section_figure(orbit, "The witness's flow, tolerance 1e-10", 300)
+
+
+def section_figure(orbit_of, source: str, periods: int):
+    """(arguments, caption); orbit_of: eps -> orbit(w, periods). The same starts for every source."""
     panels, words = [], []
     for eps in (0.01, 0.07):
-        orbits = section_orbits(eps)
-        chaotic = [w for w, growth in orbits if growth > CHAOTIC]
-        regular = [w for w, growth in orbits if growth <= CHAOTIC]
-        panels.append((f"\u03b5 = {eps:g}", regular, chaotic))
-        words.append(f"at \u03b5 = {eps:g} {len(chaotic)} of {len(orbits)}")
+        orbit = orbit_of(eps)
+        drawn = [(orbit(w, periods), w) for w in section_starts()]
+        chaotic = [is_chaotic(orbit, points) for points, _ in drawn]
+        panels.append((f"\u03b5 = {eps:g}",
+                       [p for (p, _), bad in zip(drawn, chaotic) if not bad],
+                       [orbit(w, 4 * periods) for (_, w), bad in zip(drawn, chaotic) if bad]))
+        words.append(section_words(orbit, eps))
     return {"panels": panels}, (
-        f"State at every multiple of 2\u03c0, {SECTIONS} periods (chaotic orbits ten times as many), "
-        f"h = 2\u03c0/20, spherical midpoint. Orbits along which a separation grows more than {CHAOTIC:g}-fold: {'; '.join(words)}.")
+        f"{source}: states at the multiples of 2\u03c0, {periods} periods, chaotic orbits four times as "
+        f"many. {' '.join(words)}")
 
 
-def section_orbits(eps: float):
-    """[(points (k, 3), growth of a separation)] of orbits that cover the sphere.
+def section_words(orbit, eps: float) -> str:
+    """The thickness of a curve, and how many starts spread over the sphere are chaotic."""
+    start = np.array([np.cos(0.3), 0.0, np.sin(0.3)])
+    found = census(orbit, paths.spiral(CENSUS), CENSUS_PERIODS)
+    return (f"\u03b5 = {eps:g}: the curve through (cos 0.3, 0, sin 0.3) is thin to "
+            f"{fit_curve(orbit(start, 600)).thickness:.1e}; chaotic are {found.count(CHAOTIC)} of "
+            f"{CENSUS} starts spread over the sphere ({found.count(UNDECIDED)} undecided).")
 
-    A chaotic orbit is followed ten times longer, to show what it fills.
-    """
-    model = build(load_spec("forced_rigid_body"), values={"eps": eps})
-    growths = []
 
-    def trace(w):
-        growths.append(paths.separation(model, w[None], PERIOD / 20, SECTIONS, 20))
-        periods = SECTIONS * (10 if growths[-1] > CHAOTIC else 1)
-        return paths.path(model, w[None], PERIOD / 20, periods, 20)[:, 0]
+def section_starts():
+    """Starts along two arcs through the stable axes, on both sides, and beside the saddles."""
+    arc = np.linspace(0.04, np.pi / 2 - 0.04, 12)
+    front = np.stack([np.cos(arc), 0 * arc, np.sin(arc)], axis=1)
+    saddles = np.array([[np.sin(0.02), s * np.cos(0.02), 0.0] for s in (1, -1)])
+    return np.concatenate([front, front * [1, 1, -1], front * [-1, 1, 1], saddles])
 
-    saddles = [np.array([0.02, s * np.sqrt(1 - 0.02**2), 0.0]) for s in (1, -1)]
-    return list(zip(paths.covering(trace, 0.09, saddles, most=90), growths))
+
+def is_chaotic(orbit, points) -> bool:
+    """Does a separation along the orbit grow faster than any regular one?"""
+    periods = len(points) - 1
+    return judge_exponent(exponent(growth(orbit, points)), periods) == CHAOTIC
 
 
 def vortex_illustration():
@@ -333,5 +359,6 @@ def starts_on_leaf(A, w, more: int = 3):
 EXPERIMENTS = {f.__name__: f for f in (
     every_system, coadjoint_orbits, free_body_portrait, free_body_errors, irreversible_portrait,
     irreversible_trajectories, irreversible_energy, irreversible_energy_long, forced_sections,
+    forced_sections_flow,
     vortex_illustration, vortex_manifold, chain_curves, chain_evolution, chain_invariants,
     test_particles, nambu_leaves)}

@@ -1,4 +1,4 @@
-"""Trajectories for pictures: paths of a compiled model, starts spread evenly, chaos."""
+"""Trajectories for pictures: paths of a compiled model, starts spread evenly."""
 from __future__ import annotations
 
 import numpy as np
@@ -74,13 +74,3 @@ def closed(curve, tolerance: float = 0.02) -> np.ndarray:
     stay = np.flatnonzero(away[end:] >= tolerance)
     end += int(np.argmin(away[end:end + (int(stay[0]) if len(stay) else 1)]))
     return np.concatenate([curve[:end + 1], curve[:1]])
-
-
-def separation(model, w, h: float, outputs: int, every: int, offset: float = 1e-9) -> float:
-    """Growth of a small separation over a section: about `outputs` when regular, far more
-    when chaotic."""
-    nudged = np.array(w, float) + offset * tangents(np.asarray(w[0], float))[0]
-    nudged /= np.linalg.norm(nudged, axis=1, keepdims=True)
-    one = path(model, w, h, outputs, every)
-    two = path(model, nudged, h, outputs, every)
-    return float(np.linalg.norm(two - one, axis=2).max() / np.linalg.norm(nudged - w))

@@ -26,7 +26,7 @@ LEAD = ("Every spec that comes with smidgen, compiled to C, run, and compared wi
         "the same method. Time: generating, compiling and running, in seconds.")
 COMPARED = ("free_rigid_body:classical", "free_rigid_body:moser_veselov",
             "irreversible_rigid_body:classical")        # runs of other methods, in the table too
-SLOW = ("forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
+SLOW = ("forced_sections_flow", "forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
 
 
 def main(arguments=None) -> int:
@@ -52,9 +52,8 @@ def chosen(only: str) -> list[tuple[str, str]]:
     unknown = wanted - set(systems()) - set(EXPERIMENTS)
     if unknown:
         raise UsageError(f"no system or figure {', '.join(sorted(unknown))}")
-    figures = sorted(EXPERIMENTS, key=lambda name: name not in SLOW)
-    tasks = [("figure", n) for n in figures if n in SLOW]
-    tasks += [("system", n) for n in systems()] + [("figure", n) for n in figures if n not in SLOW]
+    tasks = [("figure", n) for n in SLOW] + [("system", n) for n in systems()]
+    tasks += [("figure", n) for n in EXPERIMENTS if n not in SLOW]
     return [task for task in tasks if not wanted or task[1] in wanted]
 
 

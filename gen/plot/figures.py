@@ -92,6 +92,7 @@ FIGURES = {
     "irreversible_energy": Entry(irreversible_energy, "Energy drift"),
     "irreversible_energy_long": Entry(irreversible_energy, "Energy drift, ten times longer"),
     "forced_sections": Entry(forced_sections, "Poincar\u00e9 sections of the forced body", "broad"),
+    "forced_sections_flow": Entry(forced_sections, "The same sections by the witness", "broad"),
     "vortex_illustration": Entry(portraits.manifold_illustration, "The invariant manifold"),
     "vortex_manifold": Entry(vortex_manifold, "Vortices on the invariant manifold"),
     "chain_curves": Entry(chain_curves, "Heisenberg chain on the sphere", size="broad"),
