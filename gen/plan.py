@@ -112,11 +112,13 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     if plan is not None:
         return plan
     if solver == "newton":
-        raise UsageError("a Newton matrix of this size and coupling would not fit; use solver rotation or plain")
+        other = "rotation or plain" if method == "spherical-midpoint" else "plain"
+        raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
+                         f"a sparse factorisation and models of few sites; here use solver {other}")
     if method != "spherical-midpoint":
-        return Plan(method, local, coupled, "plain", "the factorisation would not fit: plain fixed point")
+        return Plan(method, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point")
     return Plan(method, local, coupled, "rotation",
-                "the factorisation would not fit: rotation sweeps, one spin after the other", rotation=True)
+                "the coupling is no chain and of many sites: rotation sweeps, one spin after the other", rotation=True)
 
 
 def newton_plan(spec: Spec, method: str, local, coupled):

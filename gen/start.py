@@ -101,6 +101,8 @@ def initial_state(spec: Spec, start: str | Start | None = None, values: dict | N
     env, places = parameter_values(spec, values), sizes(spec, values)
     start = find_start(spec, start)
     given = {s.family: s for s in start.families}
+    if seed is not None and all(s.kind != "random" for s in start.families):
+        raise UsageError(f"a seed is for random starts, and nothing of start '{start.name}' is random")
     parts = []
     for number, family in enumerate(spec.families):
         if family.name not in given:

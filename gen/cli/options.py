@@ -43,6 +43,8 @@ def assignment(text: str) -> tuple[str, object]:
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
         raise argparse.ArgumentTypeError(f"'{text}' is not NAME=VALUE, such as J=2 or g=1,1,-1")
+    if "=" in value:
+        raise argparse.ArgumentTypeError(f"'{text}' sets more than one parameter: give --set for each")
     parts = [number(part, f"--set {name.strip()}") for part in value.split(",")]
     return name.strip(), parts[0] if len(parts) == 1 else parts
 

@@ -30,9 +30,11 @@ class TermReader:
 
     def term(self, node: Node, key: str, what: str, taken) -> Term:
         name = identifier(self.problems, node.key, node.name, what)
-        if name in taken or name in COLUMNS or name in self.declared.families:
-            self.problems.fail(codes.CLASH, node.key, f"`{name}` is the name of another output",
-                               "choose another name")
+        bearer = ("a family" if name in self.declared.families else "an effect" if name in taken else
+                  "an output" if name in COLUMNS else None)
+        if bearer:
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` is the name of {bearer} already",
+                               f"the outputs of a run stand side by side: choose another name for the {what}")
         node.table("over", key, "meaning", "unit")
         over = self.over_reader.read(node.get("over").text() if node.has("over") else None)
         formula = node.need(key, f'give its {key}: `{key} = "..."`')
