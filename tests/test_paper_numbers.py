@@ -3,11 +3,13 @@
 Reference: solutions in 20 digits and more, computed apart from this program; the systems are
 those of McLachlan, Modin, Verdier, "A minimal-variable symplectic integrator on spheres".
 """
+import importlib
+
 import mpmath as mp
 import pytest
 from support.bodies import STEPS, TENSORS, band, drift, energy_errors, largest_error, start_length
 from support.elliptic import constants, curve, period, solution
-from support.systems import CLASSICAL, SHORT, SPHERICAL, VESELOV
+from support.systems import CLASSICAL, SHORT, SPECS, SPHERICAL, VESELOV
 
 pytestmark = pytest.mark.quick
 METHODS = (SPHERICAL, CLASSICAL, VESELOV)
@@ -135,3 +137,37 @@ def test_classical_midpoint_drifts():
 def test_spherical_midpoint_stays_in_its_band_for_long():
     """Ten times as long, and the band is the same to a part in ten thousand."""
     assert band(200000) == pytest.approx(band(20000), rel=1e-4)
+
+
+# -- the page -----------------------------------------------------------------------------------
+
+@pytest.fixture
+def written(root, monkeypatch):
+    """The program that writes docs/numbers.md."""
+    monkeypatch.syspath_prepend(str(root / "tests" / "bench"))
+    return importlib.import_module("paper_numbers")
+
+
+def test_the_page_is_that_of_its_table(written):
+    """docs/numbers.md is made of docs/numbers.csv and of nothing else."""
+    assert written.page(written.read_table()) == written.PAGE.read_text()
+
+
+def test_the_page_has_the_errors_of_today(written, table):
+    kept = written.Table(written.read_table(), "error")
+    for (tensor, method), errors in table.items():
+        shown = [kept(tensor, SHORT[method], f"2^-{k}", "error") for k in range(1, 10)]
+        assert shown == pytest.approx(errors, rel=THREE_DIGITS)
+
+
+def test_the_page_covers_every_system(written):
+    """No line of the page breaks what it promises."""
+    rows = written.read_table()
+    agreement, defects = (written.Table(rows, name) for name in ("agreement", "defect"))
+    assert agreement.systems() == SPECS
+    assert {name.split(",")[0] for name in defects.systems()} == {*SPECS, "spin_in_field"}
+    for row in defects.rows:
+        coincides = row.method == "CM" and row.system in written.WHY
+        assert row.value > 1e-8 if row.method == "CM" and not coincides else row.value < 1e-12
+    for name in SPECS:
+        assert agreement(name, "SM", "100", "apart") <= agreement(name, "SM", "100", "allowed")

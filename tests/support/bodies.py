@@ -3,6 +3,7 @@ import numpy as np
 
 import smidgen
 from smidgen.start import initial_state
+from smidgen.witness import Witness
 
 from .elliptic import curve
 from .systems import CLASSICAL, SPHERICAL, load
@@ -24,6 +25,21 @@ def largest_error(moments, method, h, end=10.0):
     states = np.array([top.step().w[0].copy() for _ in range(count)])
     exact = curve(moments, h * np.arange(1, count + 1))
     return float(np.sqrt(np.sum((states - exact)**2, axis=1)).max())
+
+
+def ratios_over_starts(moments, angles, h=2.0**-5, end=10.0):
+    """CM/SM, the ratio of largest errors on [0, end], for starts (cos a, 0, sin a)."""
+    values, found = {f"I{k}": moment for k, moment in enumerate(moments, 1)}, []
+    flow, times = Witness(load("free_rigid_body"), values), h * np.arange(1, round(end / h) + 1)
+    for a in angles:
+        w = np.array([[np.cos(a), 0, np.sin(a)]])
+        exact, errors = flow.flow(w, 0.0, times), []
+        for method in (CLASSICAL, SPHERICAL):
+            top = body(moments, method).start(w.copy(), h=h)
+            states = np.array([top.step().w.copy() for _ in times])
+            errors.append(np.sqrt(np.sum((states - exact)**2, axis=2)).max())
+        found.append(float(errors[0] / errors[1]))
+    return found
 
 
 def irreversible(method, **more):

@@ -16,7 +16,7 @@ SPHERICAL, CLASSICAL, VESELOV = METHODS
 SHORT = {SPHERICAL: "SM", CLASSICAL: "CM", VESELOV: "DMV"}
 QUICK = ("free_rigid_body", "forced_rigid_body", "nambu_a31", "nambu_a34", "nambu_a36", "nambu_a38",
          "nambu_a39", "product", "two_bodies")      # small C, a moment to compile
-FREE_BODIES = ("free_rigid_body", "lagrange")      # what Moser-Veselov accepts
+FREE_BODIES = ("free_rigid_body",)      # what Moser-Veselov accepts
 
 
 @dataclass(frozen=True)
