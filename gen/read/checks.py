@@ -14,7 +14,7 @@ import numpy as np
 from .. import limits
 from ..errors import UsageError
 from ..evaluate import evaluate
-from ..expr import Elem, Idx, Num, Par, Spin, walk
+from ..expr import Elem, Idx, Num, Op, Par, Spin, walk
 from ..spec import Family, Graph, Lattice, Run, Spec, Term
 from . import codes
 from .names import plural
@@ -165,6 +165,20 @@ def term_fits(spec: Spec, term: Term, path: tuple, key: str, values) -> Iterator
     yield from accesses(term, counts, ranges, path + (key,), values)
 
 
+def all_sites(over: Lattice) -> str:
+    """The number of a lattice's sites as a formula."""
+    return "*".join(([str(over.sites)] if over.sites > 1 else []) + [factor(s) for s in over.size])
+
+
+def factor(e) -> str:
+    """A count as a factor of a product."""
+    if not isinstance(e, Op):
+        return str(e.value) if isinstance(e, Num) else e.name
+    if e.op == "*":
+        return "*".join(map(factor, e.args))
+    return f"(-{factor(e.args[0])})" if e.op == "neg" else f"({f' {e.op} '.join(map(factor, e.args))})"
+
+
 def lattice(over: Lattice, count: int, path: tuple, values: dict) -> Iterator[Trouble]:
     size = [integer(s, values) for s in over.size]
     sites = math.prod(size) * over.sites
@@ -174,8 +188,7 @@ def lattice(over: Lattice, count: int, path: tuple, values: dict) -> Iterator[Tr
     elif sites != count:
         cells = " x ".join(map(str, size)) + (f" x {over.sites}" if over.sites > 1 else "")
         yield Trouble(path, codes.LATTICE, f"the lattice has {cells} = {sites} sites, "
-                      f"`{over.family}` has {count}", "make the counts equal, say "
-                      "`sphere = \"nx*ny\"`")
+                      f"`{over.family}` has {count}", f"make the counts equal, say `sphere = \"{all_sites(over)}\"`")
     else:
         yield from loops(over, size, path)
 

@@ -12,7 +12,7 @@ from .tree import Node, number_trouble
 
 CELL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\Z", re.ASCII)
 PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*\Z", re.ASCII)
-HOME = "name a file that lies beside the spec or in a folder below it, such as `edges.csv`"
+HOME = "name a file that lies beside the spec or in a folder below it, such as `tables/edges.csv`"
 
 
 class Files:

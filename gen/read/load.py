@@ -83,6 +83,7 @@ class Reader:
 
     def spec(self) -> Spec:
         self.root = document(self.text, self.problems).table(*SECTIONS)
+        self.problems.finish()          # what an unknown section was to declare is missing everywhere
         self.marks = self.root.marks
         spec = self.sections()
         self.problems.finish()

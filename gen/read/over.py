@@ -66,7 +66,9 @@ class OverParser(Parser):
         while self.at(","):
             self.take()
             found.append(item())
-        self.expect(")", "at the end of this list")
+        if not self.at(")"):
+            self.fail("`,` or `)` is missing in this list", f"{self.found()} stands here")
+        self.take()
         return found
 
     def indexed(self) -> tuple[Token, Optional[Token]]:
@@ -174,10 +176,16 @@ class OverReader:
         if w.target is None:
             self.problems.fail(codes.OVER, w.head.span, "`bond` needs a lattice",
                                "write `bond(i, j) of chain(n, periodic)`")
+        if w.target.text in self.graphs.known.keys() | self.graphs.broken:
+            self.problems.fail(codes.OVER, w.head.span, f"`{w.target.text}` is a graph, with edges",
+                               f"write `edge(...) of {w.target.text}`")
         return self.lattices.over(w, self)
 
     def edge(self, w: Written) -> Over:
         if w.target is None or w.args is not None or w.member:
             self.problems.fail(codes.OVER, w.head.span, "`edge` needs a graph",
                                "write `edge(i, j) of g` with a table [graphs.g]")
+        if w.target.text in self.lattices.known.keys() | self.lattices.broken:
+            self.problems.fail(codes.OVER, w.head.span, f"`{w.target.text}` is a lattice, with bonds",
+                               f"write `bond(...) of {w.target.text}`")
         return self.graphs.over(w, self)

@@ -46,7 +46,7 @@ class Parser:
 
     def expect(self, text: str, what: str) -> Token:
         if not self.at(text):
-            self.fail(f"`{text}` is missing {what}", f"{self.found()} stands here")
+            self.fail(f"`{text}` is missing {what}", self.misplaced() or f"{self.found()} stands here")
         return self.take()
 
     def found(self) -> str:
@@ -67,7 +67,18 @@ class Parser:
         mend = "an operator such as `*` is missing"
         if self.at(")", "]"):
             mend = "there is one bracket too many"
-        self.fail(f"{self.found()} does not continue the formula", mend)
+        self.fail(f"{self.found()} does not continue the formula", self.misplaced() or mend)
+
+    def misplaced(self) -> str:
+        """What to write in place of a comma or an index that stands wrongly here."""
+        before, after = self.tokens[max(self.k - 1, 0)], self.tokens[min(self.k + 1, len(self.tokens) - 1)]
+        if self.at(",") and before.kind == after.kind == "number":
+            return f"decimals are written with a point: `{before.text}.{after.text}`"
+        if self.at(","):
+            return "commas stand between the arguments of a function only"
+        if self.at("[") and before.text in ("x", "y", "z", "]"):
+            return "the index stands first, the component last: `w[i].z`"
+        return ""
 
     # Expressions
 
@@ -129,7 +140,8 @@ class Parser:
         if self.at("("):
             return self.parenthesis()
         if self.now.kind != "name" or self.at("and", "or", "not", "of", "on"):
-            self.fail("a number, name or `(` is missing", f"{self.found()} stands here")
+            self.fail("a number, name or `(` is missing", "vectors are written `vec(x, y, z)`"
+                      if self.at("[") else f"{self.found()} stands here")
         name = self.take()
         if self.at("("):
             return self.call(name)

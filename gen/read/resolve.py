@@ -7,6 +7,7 @@ from .. import limits
 from ..expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Weight
 from . import codes
 from .arithmetic import CONSTANT
+from .guesses import SELDOM, meant
 from .names import FUNCTIONS
 from .problems import Bad, Problems, nearest
 from .scope import Scope, Typed, is_single
@@ -14,12 +15,6 @@ from .source import Span
 from .syntax import Call, Component, Item, Name, Number, Operation, Syntax
 
 WORDS = {"s": "number", "v": "vector", "b": "condition"}
-SELDOM = {"ln": "the natural logarithm is `log`", "arctan": "write `atan`",
-          "arcsin": "write `asin`", "arccos": "write `acos`", "arctan2": "write `atan2`",
-          "length": "write `norm`", "pow": "write `a^b`", "fabs": "write `abs`",
-          "sum": "sums come from `over`", "sgn": "write `if(x < 0, -1, 1)`",
-          "sign": "write `if(x < 0, -1, 1)`", "heaviside": "write `if(x < 0, 0, 1)`",
-          "where": "write `if(condition, a, b)`"}
 
 
 class Resolver:
@@ -92,8 +87,7 @@ class Resolver:
                       nearest("", self.scope.known()))
         if name in declared.broken:
             raise Bad
-        mend = SELDOM.get(name) or nearest(name, self.scope.known(), FUNCTIONS)
-        self.fail(codes.UNKNOWN_NAME, span, f"`{name}` is not declared", mend)
+        self.fail(codes.UNKNOWN_NAME, span, f"`{name}` is not declared", meant(name, self.scope))
 
     def parameter(self, node: Name) -> Typed:
         p = self.scope.declared.parameters[node.name]

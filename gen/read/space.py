@@ -10,7 +10,7 @@ from . import codes
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .parameters import bounded
-from .problems import Problems
+from .problems import Bad, Problems
 from .quadratic import NotPolynomial, matrix
 from .scope import Declared, Scope
 from .tree import Node
@@ -58,6 +58,8 @@ class SpaceReader:
         given = [k for k in KINDS if node.has(k)]
         if len(given) != 1:
             node.table(*(KINDS + KEYS["sphere"] + ("C",)))
+            if not given and any(n.name not in KEYS["sphere"] + ("C",) for n in node.items()):
+                raise Bad       # the unknown key was to be the kind
             node.wrong(codes.MISSING if not given else codes.CONFLICT,
                        f"`{node.label}` must have exactly one of sphere, r3, nambu",
                        'write `{ sphere = "n" }`, `{ r3 = 1 }` or `{ nambu = 1, C = "..." }`')

@@ -59,9 +59,15 @@ def bounded(node: Node) -> Node:
 
 
 HINTS = {"illegal character '\\n'": "a string ends on the line where it begins",
-         "invalid value": "strings stand in quotes; a point needs a digit before and after it",
+         "invalid value": "strings and formulas stand in quotes; a point needs a digit before and after it",
          "expected newline or end of document after a statement":
-             "one `key = value` a line; strings stand in quotes"}
+             "one `key = value` a line; strings and formulas stand in quotes",
+         "unclosed inline table": "inside { } commas stand between the entries, and quotes around formulas: "
+                                  "`{ sphere = \"2*n\" }`",
+         "expected ']' at the end of a table declaration":
+             "a section is named `[effects.NAME]`, with letters, digits and `_` in NAME",
+         "expected '=' after a key in a key/value pair":
+             "a key is one word, or stands in quotes: `\"f(a, b)\" = \"a + b\"`"}
 
 
 def complaint(message: str, text: str, problems: Problems):
