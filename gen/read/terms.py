@@ -41,12 +41,20 @@ class TermReader:
         value = self.formulas.scalar(formula.text(), self.scope(over, what))
         if key == "energy" and not isinstance(over, Once):
             over, value = self.summed(formula, over, value)
+        if key == "energy" and len(self.tracers(value)) > 1:
+            formula.wrong(codes.NOT_HERE, "this energy joins two tracers, which act on none",
+                          "join each tracer to families that are no tracers")
         return Term(name, over, value, meaning(node, "meaning"), meaning(node, "unit"))
 
     def scope(self, over: Over, what: str) -> Scope:
         weights = frozenset(n for n, _ in over.columns) if isinstance(over, Graph) else frozenset()
         return Scope(self.declared, f"an {what}", time=True, indices=families_of(over),
                      weights=weights)
+
+    def tracers(self, value) -> set:
+        """The vectors of tracers that `value` depends on."""
+        return {(e.family, e.slot) for e in walk(value)
+                if isinstance(e, Spin) and self.declared.families[e.family].tracer}
 
     def summed(self, node: Node, over: Over, value):
         """In a sum of energies every vector stands at a bound index.
