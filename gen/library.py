@@ -105,9 +105,10 @@ class Integrator:
     def start(self, w=None, t0: float = 0.0, h: float = None, seed: int = None) -> "Integrator":
         """Begin a trajectory at time t0 with step h (negative: backward).
 
-        w: an array of shape (sites, 3), the name of a start of the spec, or None for its
-        only one; seed replaces the seed of random starts. Raises UsageError for a wrong
-        shape, a start off its sphere or no h, RunError for what the C refuses.
+        w: an array of shape (sites, 3), which the steps change in place, the name of a start
+        of the spec, or None for its only one; seed replaces the seed of random starts. Raises
+        UsageError for a wrong shape, a start off its sphere or no h, RunError for what the C
+        refuses.
         """
         if h is None or not math.isfinite(h) or h == 0:
             raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")

@@ -1,0 +1,137 @@
+"""Specs as users write them from the page of the language alone: they read, run and validate.
+
+What the compiler makes of them is compared with equations of motion written by hand in the
+words of each field, so that the sense of the motion is tested too.
+"""
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import smidgen
+from smidgen.validate import validate
+
+USER = Path(__file__).parent / "user"
+SPECS = ["coupled_tops", "j1j2_chain", "kicked_spin", "kitaev_honeycomb", "signed_vortices", "spin_glass"]
+QUICK = ("kicked_spin", "signed_vortices")
+STEPS = 20
+
+
+def path(name: str) -> str:
+    return str(USER / f"{name}.toml")
+
+
+each = pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.quick) if n in QUICK else n
+                                        for n in SPECS])
+
+
+def test_none_is_left_out():
+    assert sorted(p.stem for p in USER.glob("*.toml")) == SPECS
+
+
+@each
+def test_check(command, name):
+    said = command("check", path(name))
+    assert said.returncode == 0 and ": good." in said.stdout, said.stderr
+
+
+@each
+def test_twenty_steps(name):
+    """Every output comes, finite, and every site stays on its sphere."""
+    spec = smidgen.load(path(name))
+    observables = [o.name for o in spec.observables]
+    result = smidgen.run(spec, steps=STEPS, every=5,
+                         what=["states", "energy", "momentum", "casimirs", *observables])
+    assert list(result.step) == [0, 5, 10, 15, 20] and sorted(result.w) == sorted(f.name for f in spec.families)
+    assert observables and all(np.isfinite(result.values[o]).all() for o in observables)
+    casimirs = result.values["casimirs"]
+    assert np.ptp(casimirs, axis=0).max() <= 1e-14 * casimirs.max()
+
+
+@each
+def test_validate(name):
+    report = validate(smidgen.load(path(name)), steps=STEPS, points=2)
+    assert report.passed, report.text()
+
+
+# Equations of motion by hand
+
+def runge_kutta(f, w, time, steps):
+    """The classical fourth-order method; its error is far below the midpoint's here."""
+    h = time / steps
+    for k in range(steps):
+        t = k * h
+        a = f(t, w)
+        b = f(t + h / 2, w + h / 2 * a)
+        c = f(t + h / 2, w + h / 2 * b)
+        w = w + h / 6 * (a + 2 * b + 2 * c + f(t + h, w + h * c))
+    return w
+
+
+def tops(t, w):
+    """Euler's equations, the momentum of each top crossed with its angular velocity."""
+    turning = w / np.array([[1, 2, 3], [1.5, 1.5, 0.8]])
+    turning[:, 2] += 0.4 * w[::-1, 2]
+    return np.cross(w, turning)
+
+
+def kicked(t, w):
+    """m' = -m x B with B = -dH/dm, pulses of area 1.3 at multiples of 2."""
+    since = (t + 1) % 2 - 1
+    pulse = 1.3 * np.exp(-(since / 0.1)**2 / 2) / (0.1 * np.sqrt(2 * np.pi))
+    x, y, z = w.T
+    field = np.stack([pulse - 0.4 * x, 0.4 * y, 2 * z], axis=-1)
+    return -np.cross(w, field)
+
+
+def vortices(t, w):
+    """Fluid mechanics: x_j' = sum_k G_k x_k cross x_j / (4 pi (1 - x_j.x_k))."""
+    g, rate = [1.0, 1.0, -0.6], np.zeros((3, 3))
+    for j in range(3):
+        for k in {0, 1, 2} - {j}:
+            rate[j] += g[k] * np.cross(w[k], w[j]) / (4 * np.pi * (1 - w[j] @ w[k]))
+    return rate
+
+
+def kitaev(t, w):
+    """Angular momenta, {S_x, S_y} = S_z: S' = dH/dS cross S; 4 x 3 cells, sites a and b of each."""
+    a, b = (w.reshape(3, 4, 2, 3)[:, :, k] for k in (0, 1))
+    gradient = np.full((3, 4, 2, 3), -0.2 / np.sqrt(3))
+    for axis, strength, turn in ((0, -1.0, None), (1, -1.0, 1), (2, -1.2, 0)):
+        other = b if turn is None else np.roll(b, 1, axis=turn)
+        back = a if turn is None else np.roll(a, -1, axis=turn)
+        for site, vector in ((0, other), (1, back)):
+            gradient[:, :, site] += 0.1 * vector
+            gradient[:, :, site, axis] += strength * vector[:, :, axis]
+    return np.cross(gradient.reshape(-1, 3), w)
+
+
+def glass(t, w):
+    """S' = S x dH/dS on the edges of the file."""
+    gradient = np.tile([0, 0, -0.05], (24, 1))
+    for i, j, c in np.loadtxt(USER / "spin_glass_edges.csv", delimiter=",", skiprows=2):
+        gradient[int(i)] -= c * w[int(j)]
+        gradient[int(j)] -= c * w[int(i)]
+    return np.cross(w, gradient)
+
+
+def chain(t, w):
+    """S' = S x dH/dS with neighbours, next neighbours, an easy axis and a modulated field."""
+    near, far = (np.roll(w, k, axis=0) + np.roll(w, -k, axis=0) for k in (1, 2))
+    gradient = -near + 0.4 * far
+    gradient[:, 2] -= 0.3 * w[:, 2] + 0.3 * np.cos(2 * np.pi * np.arange(20) / 20)
+    return np.cross(w, gradient)
+
+
+@pytest.mark.parametrize("name, motion", [
+    ("coupled_tops", tops), ("j1j2_chain", chain), pytest.param("kicked_spin", kicked, marks=pytest.mark.quick),
+    ("kitaev_honeycomb", kitaev), pytest.param("signed_vortices", vortices, marks=pytest.mark.quick),
+    ("spin_glass", glass)])
+def test_the_motion_is_that_of_the_field(name, motion):
+    """The distance from the flow of the equations by hand falls by four when h is halved."""
+    spec = smidgen.load(path(name))
+    model = smidgen.build(spec)
+    start = model.start(spec.runs[0].start, h=0.02).w.copy()
+    exact = runge_kutta(motion, start, 0.8, 800)
+    coarse, fine = (np.abs(model.start(start.copy(), h=h).steps(round(0.8 / h)).w - exact).max() for h in (0.02, 0.01))
+    assert np.abs(exact - start).max() > 0.05 and coarse < 1e-2 and 3.8 < coarse / fine < 4.2
