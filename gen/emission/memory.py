@@ -4,7 +4,7 @@ from __future__ import annotations
 from .text import times
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
-SOLO = 9        # the same of a single sphere, where another row costs less than another iteration
+SOLO = 8        # the same of a single sphere, where another row costs less than another iteration
 ROWS = 64       # rows of history of a single sphere before they are moved back
 
 

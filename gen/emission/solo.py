@@ -86,14 +86,17 @@ def shorter(e, m):
     expanded = sp.expand(e)
     if not expanded.is_polynomial(*m) or len(sp.Add.make_args(expanded)) > 40:
         return e
-    collected = sum(c * sp.prod(x ** k for x, k in zip(m, powers)) for powers, c in sp.Poly(expanded, *m).terms())
-    return min((e, collected), key=lambda x: work(x, m))
+    terms = sp.Poly(expanded, *m).terms()
+    monomials = [sp.prod(x ** k for x, k in zip(m, powers)) for powers, _ in terms]
+    bare = sum(sp.Symbol(f"known{k}") * monomial for k, monomial in enumerate(monomials))
+    if sp.count_ops(bare) < work(e, m):
+        return sum(c * monomial for (_, c), monomial in zip(terms, monomials))
+    return e
 
 
 def work(e, m) -> int:
     """Operations that remain when all that is free of m is known."""
-    known = sp.Symbol("known", real=True)
-    rest = e.replace(lambda x: not x.is_Atom and not (x.free_symbols & set(m)), lambda x: known)
+    rest = e.replace(lambda x: not x.is_Atom and not (x.free_symbols & set(m)), lambda x: sp.Dummy())
     return int(sp.count_ops(rest))
 
 

@@ -12,6 +12,9 @@
   void generic_steps_##d(void *state, int64_t n);
 GENERIC(5) GENERIC(6)
 
+void generated_start(void *state, const body_params *p, const double *w);
+void generated_steps(void *state, int64_t n);
+
 typedef struct contender {
   const char *name;
   void (*start)(void *state, const body_params *p, const double *w);
@@ -22,7 +25,8 @@ typedef struct contender {
 } contender;
 
 static void hand_start(void *state, const body_params *p, const double *w) { body_start((body *)state, p, w); }
-static const contender generics[] = {{"generic 5", generic_start_5, generic_steps_5, sizeof(body_params), 0, 0},
+static const contender generics[] = {{"generated", generated_start, generated_steps, 0},
+                                     {"generic 5", generic_start_5, generic_steps_5, sizeof(body_params), 0, 0},
                                      {"generic 6", generic_start_6, generic_steps_6, sizeof(body_params), 0, 0}};
 static const body_params params = {.1, {1, .5, .25}};
 
