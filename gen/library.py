@@ -15,10 +15,11 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from . import limits
 from .build import Built, build_library
 from .errors import BuildError, RunError, UsageError
 from .spec import Spec
-from .start import find_start, initial_state, parameter_values, sizes
+from .start import find_start, initial_state, parameter_values, radii, sizes
 
 # smg_status of runtime/smidgen.h: number -> (name, what happened)
 STATUS = {
@@ -237,7 +238,16 @@ class Integrator:
         self._status = status.value
         if not self._state:
             name, meaning = STATUS.get(status.value, ("no memory", "there is not enough memory"))
-            raise RunError(f"{self.name} cannot start: {name}: {meaning}", status.value)
+            raise RunError(f"{self.name} cannot start: {name}: {meaning}{self._off()}", status.value)
+
+    def _off(self) -> str:
+        """Where a start lies farthest off its sphere."""
+        length, radius = np.linalg.norm(self.w, axis=1), radii(self.scene, self.values_in)
+        off = np.abs(length - radius) / radius
+        if not np.any(off > limits.SPHERE):
+            return ""
+        site = int(np.nanargmax(off))
+        return f" (site {site}: |w| = {length[site]:.15g}, its sphere has radius {radius[site]:.15g})"
 
     def _fail(self, status):
         if status == 0:

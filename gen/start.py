@@ -214,6 +214,11 @@ def _table(spec, name):
     path = (folder / name).resolve()
     if not path.is_relative_to(folder):
         raise UsageError(f"start file '{name}' is outside the folder of the spec")
+    return state_table(path, name)
+
+
+def state_table(path: Path, name: str) -> np.ndarray:
+    """The array of a .npy file, or the rows of a .csv file; `name` is what errors call it."""
     try:
         if path.stat().st_size > limits.TABLE_BYTES:
             raise ValueError(f"it has more than {limits.TABLE_BYTES} bytes")
@@ -221,18 +226,24 @@ def _table(spec, name):
             return np.array(np.load(path, allow_pickle=False), dtype=float)
         return np.loadtxt(path, delimiter=",", ndmin=2, skiprows=_header_lines(path))
     except (OSError, ValueError, EOFError, TypeError) as problem:
-        raise UsageError(f"cannot read the start file '{name}': {problem}") from None
+        said = getattr(problem, "strerror", None) or problem
+        raise UsageError(f"cannot read the start file '{name}': {said}") from None
 
 
 def _header_lines(path):
-    """1 when the first line holds column names instead of numbers."""
+    """How many lines to skip: up to the first row, when that holds column names instead of numbers."""
     with open(path, encoding="utf-8") as text:
-        first = text.readline().split("#")[0].strip()
-    try:
-        [float(cell) for cell in first.split(",") if first]
-    except ValueError:
-        return 1
+        for number, line in enumerate(text, 1):
+            if cells := line.split("#")[0].strip():
+                return 0 if _are_numbers(cells.split(",")) else number
     return 0
+
+
+def _are_numbers(cells) -> bool:
+    try:
+        return bool([float(cell) for cell in cells])
+    except ValueError:
+        return False
 
 
 def _on_manifold(family, one, w, radius):

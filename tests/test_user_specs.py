@@ -12,7 +12,8 @@ import smidgen
 from smidgen.validate import validate
 
 USER = Path(__file__).parent / "user"
-SPECS = ["coupled_tops", "j1j2_chain", "kicked_spin", "kitaev_honeycomb", "signed_vortices", "spin_glass"]
+SPECS = ["coupled_tops", "j1j2_chain", "kicked_spin", "kitaev_honeycomb", "mixed_families", "signed_vortices",
+         "spin_glass", "triangular_chirality"]
 QUICK = ("kicked_spin", "signed_vortices")
 STEPS = 20
 
@@ -135,3 +136,51 @@ def test_the_motion_is_that_of_the_field(name, motion):
     exact = runge_kutta(motion, start, 0.8, 800)
     coarse, fine = (np.abs(model.start(start.copy(), h=h).steps(round(0.8 / h)).w - exact).max() for h in (0.02, 0.01))
     assert np.abs(exact - start).max() > 0.05 and coarse < 1e-2 and 3.8 < coarse / fine < 4.2
+
+
+# What a user gives beside the spec
+
+TRIANGLE = "0,0,1\n0,1,0\n1,0,0\n"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("head", ["", "x,y,z\n", "# by hand\n\nx, y, z\n"])
+def test_a_start_from_a_file(command, tmp_path, head):
+    (tmp_path / "here.csv").write_text(head + TRIANGLE)
+    said = command("run", path("signed_vortices"), "--start", "here.csv", "--steps", 1, "--out", "a.npz")
+    assert said.returncode == 0, said.stderr
+    np.testing.assert_array_equal(smidgen.load_result(tmp_path / "a.npz").w["x"][0], [[0, 0, 1], [0, 1, 0], [1, 0, 0]])
+
+
+@pytest.mark.quick
+def test_a_start_off_its_sphere_is_named(command, tmp_path):
+    (tmp_path / "here.csv").write_text(TRIANGLE.replace("0,1,0", "0,0.9,0"))
+    said = command("run", path("signed_vortices"), "--start", "here.csv")
+    assert said.returncode == 4 and "site 1: |w| = 0.9, its sphere has radius 1" in said.stderr
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("words, told", [
+    (["signed_vortices", "--seed", 4], "nothing of start 'triangle' is random"),
+    (["kitaev_honeycomb", "--set", "nx=2,ny=2"], "give --set for each"),
+    (["kitaev_honeycomb", "--solver", "newton"], "use solver rotation or plain"),
+    (["kicked_spin", "--h", "0.03"], "the nearest are 19.98 (666 steps) and 20.01 (667 steps)")])
+def test_what_a_run_refuses(command, words, told):
+    said = command("run", path(words[0]), *words[1:])
+    assert said.returncode == 2 and told in said.stderr and "Traceback" not in said.stderr
+
+
+def test_nested_pieces_stay_small():
+    """The least of eight numbers is a line of C, not all the orders in which they can lie."""
+    inner = "w[0].x"
+    for k in range(1, 8):
+        inner = f"{('min', 'max')[k % 2]}(w[{k % 3}].{'xyz'[k % 3]} + {k / 16}, {inner})"
+    text = "\n".join(['[model]', 'name = "pieces"', '[space]', 'w = { sphere = 3 }', '[effects.e]',
+                      f'energy = "w[0].z*w[1].x + w[2].y + 0.1*({inner})^2"', '[starts.s]', 'random = 1'])
+    spec = smidgen.load_text(text)
+    model = smidgen.build(spec)
+    w = model.start("s", h=0.1).w.copy()
+    least = w[0, 0]
+    for k in range(1, 8):
+        least = (min, max)[k % 2](w[k % 3, k % 3] + k / 16, least)
+    assert model.energy(w) == pytest.approx(w[0, 2] * w[1, 0] + w[2, 1] + 0.1 * least**2, rel=1e-14)

@@ -135,13 +135,8 @@ def refuse_choices(args):
 
 def start_of(word: str):
     """A name, or the rows of a file."""
-    import numpy as np
-    if not word.endswith((".csv", ".npy")):
-        return word
-    try:
-        return np.load(word) if word.endswith(".npy") else np.loadtxt(word, delimiter=",", ndmin=2)
-    except (OSError, ValueError) as problem:
-        raise UsageError(f"cannot read the start file {word}: {problem}") from None
+    from ..start import state_table
+    return state_table(Path(word), word) if word.endswith((".csv", ".npy")) else word
 
 
 def report(args, result, code: int):
