@@ -19,7 +19,6 @@ needed() {
   { has cc && has g++ && has_header math.h; } || echo gcc g++ libc6-dev
   has pkg-config || echo pkg-config
   has_header gsl/gsl_multiroots.h || echo libgsl-dev
-  has_header suitesparse/klu.h || echo libsuitesparse-dev
 }
 
 sanitizes() { echo 'int main(void) { return 0; }' | clang -fsanitize=address -x c - -o /dev/null 2>/dev/null; }
