@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from ..errors import Exit, SmidgenError
+from ..read.names import plural
 from .options import json_option, spec_argument
 from .say import printed, say
 
@@ -47,7 +48,7 @@ def facts(word: str) -> dict:
     families = {name: count for name, (_, count) in sizes(spec).items()}
     steps = {run.name: settle(spec, run.name).steps for run in spec.runs}
     text = f"{word}: good. {spec.title or spec.name}: " + ", ".join(
-        [f"{count} sites {name}" for name, count in families.items()]
+        [f"{plural(count, 'site')} {name}" for name, count in families.items()]
         + [f"effects {', '.join(e.name for e in spec.effects)}",
            f"runs {', '.join(steps) or 'none'}"])
     return {"spec": word, "ok": True, "name": spec.name, "families": families,
