@@ -141,9 +141,11 @@ class Loops:
         head = [f"const int64_t e = {model}_{name}_{side}[row];",
                 f"const int64_t {i} = {model}_{name}_edge[e][0];",
                 f"const int64_t {j} = {model}_{name}_edge[e][1];"]
-        return loop("row", f"{model}_{name}_{side}_row[site + 1]",
-                    head + self.weights(over) + body(Instance({i: i, j: j})),
-                    start=f"{model}_{name}_{side}_row[site]")
+        sites = 1 + max((max(e) for e in over.edges), default=0)     # later sites have no edge and no row
+        return block(f"if (site < {sites})", loop(
+            "row", f"{model}_{name}_{side}_row[site + 1]",
+            head + self.weights(over) + body(Instance({i: i, j: j})),
+            start=f"{model}_{name}_{side}_row[site]"))
 
     def gather_lattice(self, over: Lattice, slot, body, placed: bool = False):
         lines = [] if placed else self.cell_of_site(over)

@@ -47,7 +47,7 @@ class Plan:
 
 
 def coupled_families(spec: Spec) -> tuple:
-    """Families with a term that joins several of their sites, or with sites that feel each other."""
+    """Families with a term that joins several of their sites, and those whose midpoints move tracers."""
     tracers = {f.name for f in spec.families if f.tracer}
     coupled = set()
     for effect in spec.effects:
@@ -56,7 +56,7 @@ def coupled_families(spec: Spec) -> tuple:
         passive = [s for s in slots if s[0] in tracers]
         if len(passive) > 1:
             raise UsageError(f"effect '{effect.name}' joins two tracers; tracers act on none")
-        if not passive and len(active) > 1:
+        if passive or len(active) > 1:
             coupled.update(f for f, _ in active)
     return tuple(f.name for f in spec.families if f.name in coupled)
 
@@ -89,7 +89,7 @@ def reach(over) -> int:
 def chain_band(spec: Spec, coupled) -> tuple:
     """(width, cyclic) when all coupling is along one-dimensional lattices of one family."""
     overs = list(joint_overs(spec))
-    if len(coupled) != 1 or not all(isinstance(o, Lattice) and len(o.size) == 1 for o in overs):
+    if len(coupled) != 1 or not overs or not all(isinstance(o, Lattice) and len(o.size) == 1 for o in overs):
         return 0, False
     return max(reach(o) for o in overs), any(o.periodic[0] for o in overs)
 

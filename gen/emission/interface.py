@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from .. import __version__ as VERSION
+from .. import limits
 from ..cprint import number
 from ..loops import indent
 from ..lower import CLOCK, PREPARE
@@ -42,13 +43,14 @@ class InterfaceParts:
 
     def checks(self):
         """Sizes that must hold for the loops and the solver."""
-        lines = [f"if ({f.count} < 1) return SMG_BAD_PARAMETER;" for f in self.families]
+        lines = [outside(f.count, 1) for f in self.families]
         for t in [*self.effects, *self.observables]:
+            lines += [f"if ({self.by_name[f].count} <= {k}) return SMG_BAD_PARAMETER;"
+                      for f, k in t.slots if isinstance(k, int)]
             if isinstance(t.over, Lattice):
                 lines += self.lattice_checks(t)
             if isinstance(t.over, Graph):
-                top = max((max(e) for e in t.over.edges), default=-1)
-                lines.append(f"if ({self.by_name[t.slots[0][0]].count} <= {top}) return SMG_BAD_PARAMETER;")
+                lines += self.graph_checks(t)
         if self.plan.solver == "band":
             lines.append(f"if ({self.rows} < {2 * self.plan.band + 1}) return SMG_BAD_PARAMETER;")
         if self.plan.solver == "sparse":
@@ -60,11 +62,16 @@ class InterfaceParts:
         lines = []
         for d, n in enumerate(sizes):
             far = max(abs(offset[d]) for bond in t.over.bonds for _, offset in bond)
-            lines.append(f"if ({n} < {max(1, far)}) return SMG_BAD_PARAMETER;")
+            lines.append(outside(n, max(1, far)))
         product = "*".join([*sizes, str(t.over.sites)])
         for family in dict.fromkeys(f for f, _ in t.slots):
             lines.append(f"if ({self.by_name[family].count} != {product}) return SMG_BAD_PARAMETER;")
         return lines
+
+    def graph_checks(self, t):
+        """Every family that an edge meets has the sites that the graph names."""
+        top = max((max(e) for e in t.over.edges), default=-1)
+        return [f"if ({self.by_name[f].count} <= {top}) return SMG_BAD_PARAMETER;" for f, _ in t.slots]
 
     def sizes_text(self):
         lines = ["k->p = *p;", "k->t = 0;", "k->h = 0;", f"const {self.M}_coefficients *c = k;", "(void)c;"]
@@ -123,6 +130,11 @@ class InterfaceParts:
         return self.render("abi.c.j2", assignments=lines, prototypes=PROTOTYPES(self.M),
                            effects=[e.name for e in self.spec.effects],
                            observables=[o.name for o in self.spec.observables], families=self.families)
+
+
+def outside(size: str, least: int) -> str:
+    """The check of a size; beyond `limits.SITES` the products of sizes could overflow."""
+    return f"if ({size} < {least} || {size} > {limits.SITES}) return SMG_BAD_PARAMETER;"
 
 
 def PROTOTYPES(M: str):
