@@ -22,6 +22,7 @@ from pathlib import Path
 
 from . import __version__
 from .errors import BuildError, MissingTool
+from .features import chosen_features
 from .resources import HERE, folder
 from .spec import Spec
 
@@ -48,21 +49,21 @@ class Built:
 
 
 def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto",
-                  real: str = "double", native: bool = False, generate=None) -> Built:
+                  real: str = "double", native: bool = False, features=(), generate=None) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
     real: "double" or "long double"; native: -march=native, whose bits differ between
-    machines. Raises MissingTool without a C compiler and BuildError when it refuses.
+    machines; features: names of `features.FEATURES`. Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
     """
-    compiler = find_compiler()
+    features, compiler = chosen_features(features), find_compiler()
     flags = (*FLAGS, *SHARED, *REALS[real], *(("-march=native",) if native else ()))
-    key = digest(_identity(spec), method, solver, generator_digest(),
+    key = digest(_identity(spec), method, solver, features, generator_digest(),
                  compiler_version(compiler), flags, native and platform.processor())
     place = cache_folder() / f"{spec.name}-{key[:32]}"
     try:
         with _lock(place):
             if not (place / "built.json").exists():
-                _build_into(place, generate or _generate, spec, method, solver, compiler, flags)
+                _build_into(place, generate or _generate, (spec, method, solver, features), compiler, flags)
             os.utime(place)
         facts = json.loads((place / "built.json").read_text())
     except OSError as problem:
@@ -127,9 +128,9 @@ def _identity(spec: Spec) -> str:
     return repr(dataclasses.replace(spec, path="", sources=()))
 
 
-def _generate(spec, method, solver):
+def _generate(spec, method, solver, features):
     from .emit import generate
-    return generate(spec, method=method, solver=solver)
+    return generate(spec, method, solver, features=features)
 
 
 @contextlib.contextmanager
@@ -140,10 +141,10 @@ def _lock(place: Path):
         yield
 
 
-def _build_into(place, generate, spec, method, solver, compiler, flags):
+def _build_into(place, generate, wanted, compiler, flags):
     work = Path(tempfile.mkdtemp(prefix=".building-", dir=place.parent))
     try:
-        made = generate(spec, method, solver)
+        made = generate(*wanted)
         files, notes = split_notes(made)
         write_files(files, work)
         compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags)

@@ -17,6 +17,7 @@ from .emission.solo import SoloParts
 from .emission.sums import SumParts
 from .emission.sweeps import SweepParts
 from .emission.tables import graph_tables, pattern_tables
+from .features import chosen_features
 from .indices import safe_indices
 from .kernels import term_kernels
 from .loops import Loops, graph_name
@@ -44,7 +45,8 @@ def environment() -> Environment:
 class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, MemoryParts, InterfaceParts):
     """Emission of one model with one method."""
 
-    def __init__(self, spec: Spec, method: str, solver: str):
+    def __init__(self, spec: Spec, method: str, solver: str, features=()):
+        self.features = chosen_features(features)
         self.spec = safe_indices(spec)
         self.method = method
         self.plan = choose(self.spec, method, solver)
@@ -136,12 +138,13 @@ def extrapolation(rows: int, times: int) -> str:
 
 
 def generate(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto",
-             amalgamate: bool = False) -> Files:
+             amalgamate: bool = False, features=()) -> Files:
     """The C files of a model: {name}.h, {name}.c, {name}_abi.c; `.notes` says what was chosen.
 
-    `amalgamate` puts the runtime into the two files that a program needs.
+    `amalgamate` puts the runtime into the two files that a program needs; features: names of
+    `features.FEATURES`.
     """
-    emitter = Emitter(spec, method, solver)
+    emitter = Emitter(spec, method, solver, features)
     source = emitter.source()
     name = spec.name
     files = Files({f"{name}.h": emitter.header(), f"{name}.c": source, f"{name}_abi.c": emitter.abi()})

@@ -19,11 +19,11 @@ from .spec import Spec
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([A-Za-z0-9_.]+)"', re.MULTILINE)
 
 
-def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False):
+def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=()):
     """Write the C of a selected spec to the folder `where`; returns (files, notes)."""
     from .emit import generate
     files, notes = split_notes(generate(spec, method=method, solver=solver,
-                                        amalgamate=amalgamate))
+                                        amalgamate=amalgamate, features=features))
     linked = {name: text for name, text in files.items() if not name.endswith("_abi.c")}
     if not amalgamate:
         linked.update(runtime_headers(linked))
@@ -43,12 +43,12 @@ def runtime_headers(files: dict) -> dict:
     return found
 
 
-def export_library(spec: Spec, where, method: str, solver: str):
+def export_library(spec: Spec, where, method: str, solver: str, features=()):
     """Build lib<model>.a with headers and a .pc file below `where`; returns (files, notes)."""
     where, name = Path(where), spec.name
     include, lib = where / "include", where / "lib"
     with tempfile.TemporaryDirectory(prefix="smidgen-") as work:
-        files, notes = export_sources(spec, work, method, solver)
+        files, notes = export_sources(spec, work, method, solver, features=features)
         headers = {f.name: f.read_text() for f in files if f.suffix == ".h"}
         _write(headers, include)
         _write({f"{name}.pc": pkgconfig(spec)}, lib / "pkgconfig")

@@ -36,11 +36,11 @@ SOLVERS = ("auto", "newton", "rotation", "plain")
 
 
 def build(spec: Spec, method: str = "spherical-midpoint", effects=None, values=None,
-          solver: str = "auto", real: str = "double", native: bool = False) -> "Integrator":
+          solver: str = "auto", real: str = "double", native: bool = False, features=()) -> "Integrator":
     """Compile `spec` (or take the build from the cache) and return an Integrator.
 
     effects: names of the effects to keep, None for all; values: parameter values by name;
-    real: "double" or "long double". Raises UsageError for a name that is not known,
+    real: "double" or "long double"; features: names of `features.FEATURES`. Raises UsageError for a name that is not known,
     MissingTool and BuildError as `build_library` does.
     """
     choose("method", method, METHODS)
@@ -48,7 +48,7 @@ def build(spec: Spec, method: str = "spherical-midpoint", effects=None, values=N
     choose("real", real, ("double", "long double"))
     scene = scene_of(spec, effects, values)
     known = parameter_values(spec, values)
-    built = build_library(scene, method, solver, real, native)
+    built = build_library(scene, method, solver, real, native, features)
     return Integrator(spec, scene, built, known, method, solver)
 
 

@@ -32,7 +32,7 @@ class Counting:
     def __init__(self, source=model.SOURCE):
         self.calls, self.source = 0, source
 
-    def __call__(self, spec, method, solver):
+    def __call__(self, spec, method, solver, features):
         self.calls += 1
         return {"toy.h": model.HEADER, "toy_abi.c": self.source}, {"solver": "exact"}
 

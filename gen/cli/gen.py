@@ -1,7 +1,7 @@
 """`smidgen gen` and `smidgen build`: the C of a spec, and libraries of it."""
 from __future__ import annotations
 
-from .options import json_option, model_options, spec_argument
+from .options import feature_option, json_option, model_options, spec_argument
 from .say import notes_line, printed, say
 
 GEN = """  smidgen gen heisenberg_chain --out chain
@@ -16,6 +16,7 @@ def add(commands):
     parser = commands.add("gen", gen, "write the C of a spec", GEN)
     spec_argument(parser)
     model_options(parser)
+    feature_option(parser)
     parser.add_argument("--out", default=".", metavar="DIR", help="where to; default: here")
     parser.add_argument("--amalgamate", action="store_true",
                         help="inline the runtime: one .h and one .c, nothing else")
@@ -23,6 +24,7 @@ def add(commands):
     parser = commands.add("build", build, "compile a spec", BUILD)
     spec_argument(parser)
     model_options(parser)
+    feature_option(parser)
     parser.add_argument("--out", metavar="DIR", help="install a static library, its headers "
                         "and a pkg-config file below DIR")
     parser.add_argument("--native", action="store_true",
@@ -49,7 +51,7 @@ def gen(args):
     """Write the files; their paths are the data."""
     from ..export import export_sources
     scene, method, solver = scene_of(args)
-    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate)
+    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate, args.features)
     report(args, scene, method, notes, files)
 
 
@@ -59,9 +61,9 @@ def build(args):
     from ..export import export_library
     scene, method, solver = scene_of(args)
     if args.out:
-        files, notes = export_library(scene, args.out, method, solver)
+        files, notes = export_library(scene, args.out, method, solver, args.features)
     else:
-        built = build_library(scene, method, solver, args.real, args.native)
+        built = build_library(scene, method, solver, args.real, args.native, args.features)
         files, notes = [built.library], built.notes
     report(args, scene, method, notes, files)
 

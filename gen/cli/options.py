@@ -5,6 +5,7 @@ import argparse
 import math
 
 from ..errors import UsageError
+from ..features import FEATURES
 from ..given import constant
 from ..library import METHODS, SOLVERS
 
@@ -23,6 +24,12 @@ def model_options(parser):
     parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="values",
                         metavar="NAME=VALUE", help="a parameter; a list as 1,2,3; repeatable")
+
+
+def feature_option(parser):
+    """--with: what the C shall have beyond the step."""
+    parser.add_argument("--with", type=names, default=(), dest="features", metavar="A,B",
+                        help=f"what the C shall have beyond the step: {', '.join(FEATURES)}")
 
 
 def json_option(parser):
