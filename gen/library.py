@@ -18,6 +18,7 @@ import numpy as np
 from . import limits
 from .build import Built, build_library
 from .errors import BuildError, RunError, UsageError
+from .saved import Saved
 from .spec import Spec
 from .start import find_start, initial_state, parameter_values, radii, sizes
 
@@ -168,6 +169,29 @@ class Integrator:
         self._c.report(self._state, ctypes.byref(n), ctypes.byref(r), ctypes.byref(site))
         return {"iterations": n.value, "residual": r.value, "site": site.value}
 
+    def save(self) -> np.ndarray:
+        """All that decides later steps, to go on with the same bits: `saved.Saved` reads it."""
+        self._started()
+        out = np.empty(self._c.savesize(self._state), self.real)
+        self._c.save(self._state, out.ctypes.data)
+        return out
+
+    def restore(self, saved: np.ndarray) -> "Integrator":
+        """Be where `save` was called, after a start with the same parameter values.
+
+        Raises RunError for what no `save` of this model wrote; the state is then as it was.
+        """
+        self._started()
+        saved = np.ascontiguousarray(saved, self.real)
+        size = self._c.savesize(self._state)
+        status = self._c.restore(self._state, saved.ctypes.data) if saved.shape == (size,) else 5
+        if status:
+            raise RunError(f"no saved state of {self.name}: {STATUS[status][1]}", status)
+        head = Saved.of(saved)
+        self.t0, self.h, self.count, self._status = head.t0, head.h, head.count, 0
+        self._c.state(self._state, self.w.ctypes.data)
+        return self
+
     def values(self, out=None) -> np.ndarray:
         """All conserved quantities and observables, in the order of `columns`."""
         self._started()
@@ -295,6 +319,8 @@ def _functions(library, name):
         "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
         "steps": (ctypes.c_int, [pointer, integer, pointer]),
         "time": (real, [pointer]), "sites": (integer, [pointer]),
+        "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
+        "restore": (ctypes.c_int, [pointer, pointer]),
         "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),
         "casimirs": (None, [pointer, pointer]), "report": (None, [pointer] * 4),
         "field": (None, [pointer, real, pointer, pointer]),

@@ -76,6 +76,22 @@ int toy_abi_steps(void *v, int64_t count, int64_t *done) {
   }
   return 0;
 }
+int64_t toy_abi_savesize(void *v) { return 10 + 3 * ((toy *)v)->n; }
+void toy_abi_save(void *v, smg_real *out) {      /* the head of templates/save.c.j2, then w */
+  toy *s = v;
+  const smg_real head[10] = {(smg_real)(10 + 3 * s->n), (smg_real)(10 + 3 * s->n), (smg_real)s->t0, (smg_real)s->h,
+                             (smg_real)(s->count / 4294967296), (smg_real)(s->count % 4294967296)};
+  memcpy(out, head, sizeof head);
+  memcpy(out + 10, s->w, (size_t)s->n * 3 * sizeof *s->w);
+}
+int toy_abi_restore(void *v, const smg_real *in) {
+  toy *s = v;
+  if (in[0] != (smg_real)(10 + 3 * s->n)) return SMG_BAD_PARAMETER;
+  s->t0 = (double)in[2]; s->h = (double)in[3];
+  s->count = (int64_t)in[4] * 4294967296 + (int64_t)in[5];
+  memcpy(s->w, in + 10, (size_t)s->n * 3 * sizeof *s->w);
+  return SMG_OK;
+}
 double toy_abi_time(void *v) { toy *s = v; return s->t0 + (double)s->count * s->h; }
 int64_t toy_abi_sites(void *v) { return ((toy *)v)->n; }
 void toy_abi_state(void *v, smg_real *w) { toy *s = v; memcpy(w, s->w, (size_t)s->n * 3 * sizeof *w); }
@@ -92,9 +108,10 @@ void toy_abi_casimirs(void *v, smg_real *out) {
   for (int64_t i = 0; i < s->n; i++)
     out[i] = s->w[3*i]*s->w[3*i] + s->w[3*i+1]*s->w[3*i+1] + s->w[3*i+2]*s->w[3*i+2];
 }
-void toy_abi_report(void *v, int *iterations, double *residual, int64_t *site) {
+void toy_abi_report(void *v, int *iterations, double *residual, int64_t *site, int64_t *partner, double *reached) {
   toy *s = v;
   *iterations = 4; *residual = s->last ? 0.25 : 1e-17; *site = s->last ? 1 : -1;
+  *partner = -1; *reached = 0;
 }
 void toy_abi_field(void *v, double t, const smg_real *w, smg_real *b) {
   toy *s = v; (void)t; (void)w;

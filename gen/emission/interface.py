@@ -24,7 +24,7 @@ class InterfaceParts:
                      for t in self.observables]
         energy = " + ".join(f"{self.M}_energy_{t.derived.term.name}(p, t, w)" for t in self.effects)
         return self.render("interface.c.j2", defaults=self.defaults(), arrays=self.arrays(), solo=self.solo,
-                           checks=self.checks(), energies=energies, energy_sum=energy or "0",
+                           saved=self.saved(), checks=self.checks(), energies=energies, energy_sum=energy or "0",
                            field_sums=self.sums(self.effects, self.gradient_body("w", "b")), **self.common())
 
     def defaults(self):
@@ -142,6 +142,8 @@ def PROTOTYPES(M: str):
             "double t0, double h, int *status)",
             f"int {M}_abi_steps(void *s, int64_t count, int64_t *done)", f"double {M}_abi_time(void *s)",
             f"int64_t {M}_abi_sites(void *s)", f"void {M}_abi_state(void *s, smg_real *w)",
+            f"int64_t {M}_abi_savesize(void *s)", f"void {M}_abi_save(void *s, smg_real *out)",
+            f"int {M}_abi_restore(void *s, const smg_real *in)",
             f"void {M}_abi_values(void *s, smg_real *out)", f"void {M}_abi_casimirs(void *s, smg_real *out)",
             f"void {M}_abi_report(void *s, int *iterations, double *residual, int64_t *site)",
             f"void {M}_abi_field(void *s, double t, const smg_real *w, smg_real *b)",

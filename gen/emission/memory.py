@@ -6,6 +6,7 @@ from .text import times
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
 SOLO = 8        # the same of a single sphere, where another row costs less than another iteration
 ROWS = 64       # rows of history of a single sphere before they are moved back
+SAVED = ("w", "carry")      # what a step reads and the step before wrote: all else is scratch
 
 
 class MemoryParts:
@@ -30,6 +31,10 @@ class MemoryParts:
                       ("kept", n3, "a solution whose branch is in doubt"), ("s", n1, "m = s mbar")]
             found += self.matrix_arrays()
         return [dict(name=a, size=b, meaning=c) for a, b, c in found]
+
+    def saved(self):
+        """The arrays that decide later steps; the history comes on top."""
+        return [a for a in self.arrays() if a["name"] in SAVED]
 
     def matrix_arrays(self):
         bs, n = self.plan.block, self.total
