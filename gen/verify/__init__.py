@@ -1,0 +1,21 @@
+"""The certificate of an integrator: yes or no to each property that it should have, with the number.
+
+    certificate = smidgen.verify(spec, "demo")
+    print(certificate.text())
+    certificate.passed, certificate.to_json()
+
+Each check lives in a file of its own, takes a `case.Case` and a `subject.Subject` and returns
+rows. docs/verify.md says what is measured, and why no wrong integrator gets through.
+"""
+from __future__ import annotations
+
+
+def verify(spec, run=None, *, tier="normal", **given):
+    """Measure the generated integrator of a run; returns a `certificate.Certificate`.
+
+    tier: "quick", "normal", or a number of steps, the length of the round-off measurement.
+    given: method, solver, h, effects, values, start, seed in place of what the run says.
+    Raises UsageError for wrong names; what the integrator refuses or misses is a row that says no.
+    """
+    from .certificate import certify
+    return certify(spec, run, tier=tier, **given)

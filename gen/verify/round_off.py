@@ -1,0 +1,84 @@
+"""Growth of round-off: a random walk, sqrt(N), and no drift, N.
+
+The rms change of every conserved quantity, over many starts and sites, after N, 10 N and 100 N
+steps. Its exponent is the steepest of a fit through the three and of the last decade, in which a
+drift that begins below a unit in the last place comes out.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import RunError
+from .case import EPS, Case
+from .row import Row, at_most, not_applicable
+
+EXPONENT = 0.6
+SAMPLES = 64            # starts times sites; an exponent is then known to 0.05
+AGAIN = 4               # times as many where the first look says no
+FLOOR = 1.0             # ulps of change at the end below which there is no law to see
+WORK = {"quick": 10**6, "normal": 2 * 10**7}    # steps of single sites
+SHORTEST = 10
+
+
+def round_off(case: Case, subject, known) -> list[Row]:
+    """One row: the largest exponent of Casimirs and of integrals."""
+    steps = length(case)
+    if steps < SHORTEST:
+        return [not_applicable("round-off", f"too few steps for a law; a longer run shows it")]
+    try:
+        worst = steepest(case, subject, known, steps, SAMPLES)
+        if worst[0] > EXPONENT:
+            worst = steepest(case, subject, known, steps, AGAIN * SAMPLES)
+    except RunError as error:
+        return [not_applicable("round-off", f"orbits cannot be followed for {100 * steps} steps: {error}")]
+    exponent, name, rms = worst
+    note = f"{name}: rms {', '.join(f'{x:.2g}' for x in rms)} ulp after {steps}, {10 * steps}, {100 * steps} steps"
+    return [at_most("round-off", exponent, EXPONENT, note)]
+
+
+def starts_of(case: Case, samples) -> int:
+    """At least 4, for sites of one orbit are not independent."""
+    return max(4, -(-samples // case.sites))
+
+
+def length(case: Case) -> int:
+    """N: what the tier allows, to one digit."""
+    tier = case.settings_tier
+    most = tier if isinstance(tier, int) else WORK[tier] // (starts_of(case, SAMPLES) * case.sites)
+    steps = max(most // 100, 1)
+    unit = 10 ** (len(str(steps)) - 1)
+    return steps // unit * unit
+
+
+def steepest(case: Case, subject, known, steps, samples):
+    """(exponent, name of the quantity, its three rms changes in ulps)."""
+    starts = np.array([case.nudged(0.1) for _ in range(starts_of(case, samples))])
+    counts = [steps, 10 * steps, 100 * steps]
+    ends = subject.run(starts, 0.0, case.h, counts)
+    found = [(*law(rms), name, rms) for name, rms in changes(case, known, starts, ends)]
+    exponent, name, rms = max((x for x in found), key=lambda x: x[0])
+    return exponent, name, rms
+
+
+def changes(case: Case, known, starts, ends):
+    """(name, rms change in ulps after each count) of the Casimirs and of every kind of integral."""
+    leaves = case.leaves
+    gap = (leaves.values(ends) - leaves.values(starts)) / leaves.sizes(starts)
+    yield "casimirs", rms_of(gap)
+    for name, found in known.items():
+        gaps = [(one(ends) - one(starts)) / one.size(starts[0]) for one in found]
+        if gaps:
+            yield name, rms_of(np.stack(gaps, axis=-1))
+
+
+def rms_of(gap) -> np.ndarray:
+    """Over starts and sites or integrals, for each count; in ulps."""
+    return np.sqrt(np.mean(np.square(gap, dtype=float), axis=(1, 2))) / EPS
+
+
+def law(rms):
+    """(exponent,) of N in the changes; 0 below the floor."""
+    if not rms[-1] > FLOOR:
+        return (0.0 if np.isfinite(rms[-1]) else np.inf,)
+    logs = np.log10(np.maximum(rms, FLOOR / 10))
+    return (float(max((logs[2] - logs[0]) / 2, logs[2] - logs[1])),)
