@@ -17,6 +17,7 @@ from .emission.solo import SoloParts
 from .emission.sums import SumParts
 from .emission.sweeps import SweepParts
 from .emission.tables import graph_tables, pattern_tables
+from .emission.tangent import TangentParts
 from .features import chosen_features
 from .indices import safe_indices
 from .kernels import term_kernels
@@ -42,7 +43,7 @@ def environment() -> Environment:
                        keep_trailing_newline=True)
 
 
-class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, MemoryParts, InterfaceParts):
+class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, MemoryParts, InterfaceParts):
     """Emission of one model with one method."""
 
     def __init__(self, spec: Spec, method: str, solver: str, features=()):
@@ -80,7 +81,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, MemoryParts, Interfa
         graphs = {graph_name(t.over): t.over for t in [*self.effects, *self.observables]
                   if isinstance(t.over, Graph)}
         for name, over in graphs.items():
-            found += graph_tables(self.M, name, over, self.plan.rotation or bool(self.tracers))
+            found += graph_tables(self.M, name, over, self.plan.rotation or bool(self.tracers) or "tangent" in self.features)
         if self.plan.solver == "sparse":
             found += pattern_tables(self.M, self.plan.pattern)
         return found
@@ -123,7 +124,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, MemoryParts, Interfa
 
     def source(self) -> str:
         kernels = "\n\n".join(t for k in [*self.effects, *self.observables] for t in k.text)
-        body = dict(kernels=kernels, sites=self.sites_text(), sums=self.gathers(), step=self.step(),
+        body = dict(kernels=kernels, sites=self.sites_text(), sums=self.gathers(), step=self.step(), tangent=self.tangent(),
                     interface=self.interface())
         # last, for they list what the parts above asked for
         body |= dict(prepare=self.sizes_text() + "\n\n" + self.prepare_text(), clock=self.clock_text(),

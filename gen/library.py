@@ -221,6 +221,33 @@ class Integrator:
         self._c.field(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out
 
+    def tangent(self, v) -> np.ndarray:
+        """Carry tangent vectors through the step just taken: dw before it -> dW after it, in place.
+
+        v: (sites, 3) or (columns, sites, 3); an array that C can work on is changed in place, and what
+        comes back is it. The step is W = w + h X(m), so that (I - K) dW = (I + K) dw with K = (h/2) DX(m) P',
+        and the derivative of the leaf where it moves with w. Raises UsageError before the first step, for a
+        wrong shape and without the feature "tangent", RunError for what the C refuses; v is then as it was.
+        """
+        self._started()
+        if not hasattr(self._c, "tangent"):
+            raise UsageError("no tangent map in this build: build(..., features=('tangent',))")
+        if self.count == 0:
+            raise UsageError("no step taken yet: the tangent map is that of the step just taken")
+        array = _real_array(v, self.real)
+        if array.shape[-2:] != (self.sites, 3) or array.ndim not in (2, 3):
+            raise UsageError(f"tangent vectors of {self.name} have shape ({self.sites}, 3) or "
+                             f"(columns, {self.sites}, 3), not {np.shape(v)}")
+        carried = array.copy()
+        status = self._c.tangent(self._state, carried.ctypes.data, array.size // (3 * self.sites))
+        if status:
+            name, meaning = STATUS.get(status, ("no memory", "there is not enough memory"))
+            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status, self.count, **self.report())
+        if not array.flags.writeable:
+            return carried
+        array[...] = carried
+        return array
+
     def close(self) -> None:
         """Give the memory of the trajectory back."""
         if self._state:
@@ -305,6 +332,14 @@ def _packed(scene, values):
     return np.array(scalars or [0.0]), arrays
 
 
+def _real_array(v, real):
+    """`v` itself if C can work on it, else a copy. Raises UsageError for what is no array of numbers."""
+    try:
+        return np.ascontiguousarray(v, dtype=real)
+    except (TypeError, ValueError):
+        raise UsageError("tangent vectors are an array of numbers") from None
+
+
 def _loaded(path):
     try:
         return ctypes.CDLL(str(path))
@@ -326,6 +361,8 @@ def _functions(library, name):
         "field": (None, [pointer, real, pointer, pointer]),
         "energy": (None, [pointer, real, pointer, pointer]), "free": (None, [pointer]),
     }
+    if hasattr(library, f"{name}_abi_tangent"):
+        types["tangent"] = (ctypes.c_int, [pointer, pointer, integer])
     found = SimpleNamespace()
     for word, (result, arguments) in types.items():
         function = getattr(library, f"{name}_abi_{word}")

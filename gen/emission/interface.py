@@ -101,7 +101,7 @@ class InterfaceParts:
         return self.render(
             "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=self.history(), solo=self.solo,
             integer_names=list(self.low.integers.values()), effects=[e.name for e in self.spec.effects],
-            hoisted_names=[name for name, _, _ in self.low.coefficients()],
+            hoisted_names=[name for name, _, _ in self.low.coefficients()], tangent=self.tangent_header(),
             observables=[o.name for o in self.spec.observables], **self.banner())
 
     def declare(self, p):
@@ -127,7 +127,7 @@ class InterfaceParts:
         lines = [f"a->p.{p.name} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
                  for k, p in enumerate(scalars)]
         lines += [f"a->p.{p.name} = arrays[{k}];" for k, p in enumerate(arrays)]
-        return self.render("abi.c.j2", assignments=lines, prototypes=PROTOTYPES(self.M),
+        return self.render("abi.c.j2", assignments=lines, prototypes=PROTOTYPES(self.M, self.features), tangent="tangent" in self.features,
                            effects=[e.name for e in self.spec.effects],
                            observables=[o.name for o in self.spec.observables], families=self.families)
 
@@ -137,8 +137,9 @@ def outside(size: str, least: int) -> str:
     return f"if ({size} < {least} || {size} > {limits.SITES}) return SMG_BAD_PARAMETER;"
 
 
-def PROTOTYPES(M: str):
-    return [f"void *{M}_abi_new(const double *scalars, const double *const *arrays, const smg_real *w, "
+def PROTOTYPES(M: str, features=()):
+    tangent = [f"int {M}_abi_tangent(void *s, smg_real *v, int64_t columns)"] if "tangent" in features else []
+    return [*tangent, f"void *{M}_abi_new(const double *scalars, const double *const *arrays, const smg_real *w, "
             "double t0, double h, int *status)",
             f"int {M}_abi_steps(void *s, int64_t count, int64_t *done)", f"double {M}_abi_time(void *s)",
             f"int64_t {M}_abi_sites(void *s)", f"void {M}_abi_state(void *s, smg_real *w)",
