@@ -15,7 +15,9 @@ from .library import Integrator, build                          # noqa: E402
 from .output import Result, load_result                         # noqa: E402
 from .read import load, load_text                               # noqa: E402
 from .run import Interrupted, repeat, run                       # noqa: E402
+from .resume import resume                                      # noqa: E402
+from .checkpoint import CheckpointError                         # noqa: E402
 
-__all__ = ["BuildError", "Integrator", "Interrupted", "MissingTool", "OutputError", "Result",
+__all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "MissingTool", "OutputError", "Result",
            "RunError", "SmidgenError", "SpecError", "UsageError", "ValidationError", "build",
-           "load", "load_result", "load_text", "repeat", "run"]
+           "load", "load_result", "load_text", "repeat", "resume", "run"]

@@ -19,11 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
+from .durable import sync_folder
 from .errors import OutputError, UsageError
 
 CSV_COLUMNS = 30_000        # widest table that is written as text
 FORMATS = (".csv", ".npz", ".h5")
-RESERVED = ("step", "t", "meta", "final", "energy", "casimirs")
+RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
 
 
 @dataclass
@@ -32,8 +33,9 @@ class Result:
 
     meta: everything about the run. step, t: shape (k,). w: family -> (k, count, 3), None
     when states were not asked for. values: name -> (k,) or (k, m). final: the last state,
-    shape (sites, 3), at meta["done"] steps. summary: the last time t, the largest
-    changes over the outputs (errors), seconds of stepping and writing.
+    shape (sites, 3), at meta["done"] steps. substeps: rows step, t, k of the steps that were
+    taken as 2^k smaller ones, shape (m, 3), None when that was not asked for. summary: the
+    last time t, the largest changes over the outputs (errors), seconds of stepping and writing.
     """
     meta: dict
     step: np.ndarray
@@ -41,6 +43,7 @@ class Result:
     w: dict | None
     values: dict
     final: np.ndarray | None = None
+    substeps: np.ndarray | None = None
     summary: dict = field(default_factory=dict)
 
 
@@ -60,8 +63,9 @@ def result_of(meta: dict, columns: dict) -> Result:
     """Sort `columns` (name -> array) into a Result."""
     columns = dict(columns)
     step, t, final = columns.pop("step"), columns.pop("t"), columns.pop("final", None)
+    substeps = columns.pop("substeps", None)
     states = {f: columns.pop(f) for f in meta["families"] if f in columns}
-    return Result(meta, step, t, states or None, columns, final)
+    return Result(meta, step, t, states or None, columns, final, substeps)
 
 
 def known_format(path) -> str:
@@ -72,9 +76,19 @@ def known_format(path) -> str:
     return suffix
 
 
-def open_sink(path, meta: dict, layout: dict):
-    """A sink for the file `path`; layout: column -> (shape of one entry, dtype)."""
-    return _SINKS[known_format(path)](Path(path), meta, layout)
+def open_sink(path, meta: dict, layout: dict, work=None):
+    """A sink for the file `path`; layout: column -> (shape of one entry, dtype).
+
+    work: the folder for what is not complete, by default that of `path`.
+    """
+    return _SINKS[known_format(path)](Path(path), meta, layout, work)
+
+
+def check_layout(path, layout: dict) -> None:
+    """Raise OutputError when the format of `path` cannot hold these columns."""
+    count = sum(int(np.prod(shape, dtype=int)) for shape, _ in layout.values())
+    if known_format(path) == ".csv" and count > CSV_COLUMNS:
+        raise OutputError(f"cannot write {path}: {count} columns are too many for .csv; use .h5 or .npz")
 
 
 class MemorySink:
@@ -97,10 +111,11 @@ class MemorySink:
 class FileSink:
     """Writes beside `path` and renames at the end; every failure is an OutputError."""
 
-    def __init__(self, path: Path, meta: dict, layout: dict):
+    def __init__(self, path: Path, meta: dict, layout: dict, work=None):
         self.path, self.meta, self.layout = path, meta, layout
+        check_layout(path, layout)
         with self._guard():
-            self.work = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
+            self.work = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=work or path.parent))
             self.file = self.work / path.name
             self._begin()
 
@@ -109,13 +124,15 @@ class FileSink:
         with self._guard():
             self._append(chunk)
 
-    def close(self, meta: dict, final: np.ndarray) -> None:
-        """Finish with the final metadata and state; the file gets its name here."""
+    def close(self, meta: dict, extras: dict) -> None:
+        """Finish with the final metadata and the arrays `extras` that are no columns (final,
+        substeps); the file gets its name here, when all of it is on the disk."""
         with self._guard():
-            self._finish(meta, final)
+            self._finish(meta, extras)
             with open(self.file, "rb") as done:
                 os.fsync(done.fileno())
             os.replace(self.file, self.path)
+            sync_folder(self.path.parent)
         shutil.rmtree(self.work, ignore_errors=True)
 
     def abandon(self) -> None:
@@ -156,8 +173,6 @@ class CsvSink(FileSink):
 
     def _begin(self):
         names = [n for name in self.layout for n in flat_names(name, self.layout[name][0])]
-        if len(names) > CSV_COLUMNS:
-            raise ValueError(f"{len(names)} columns are too many for .csv; use .h5 or .npz")
         self.names, self.body = names, open(self.work / "body", "w", encoding="ascii")
         self.formats = ["%d"] + ["%.17g" if self.layout["t"][1] == np.float64 else "%.21g"] \
             * (len(names) - 1)
@@ -166,10 +181,10 @@ class CsvSink(FileSink):
         rows = [np.asarray(chunk[n]).reshape(len(chunk["t"]), -1) for n in self.layout]
         np.savetxt(self.body, np.concatenate(rows, axis=1), self.formats, delimiter=",")
 
-    def _finish(self, meta, final):
+    def _finish(self, meta, extras):
         self.body.close()
         with open(self.file, "wb") as out, open(self.work / "body", "rb") as body:
-            out.write(csv_head(meta, final, self.names).encode())
+            out.write(csv_head(meta, extras, self.names).encode())
             shutil.copyfileobj(body, out)
 
     def _release(self):
@@ -191,14 +206,14 @@ class NpzSink(FileSink):
         for name, rows in chunk.items():
             self.raw[name].write(np.ascontiguousarray(rows).data)
 
-    def _finish(self, meta, final):
+    def _finish(self, meta, extras):
         self._release()
         with zipfile.ZipFile(self.file, "w") as archive:
             for name, (shape, kind) in self.layout.items():
                 with _member(archive, name) as out, open(self.raw[name].name, "rb") as body:
                     _npy_header(out, (self.rows, *shape), kind)
                     shutil.copyfileobj(body, out)
-            for name, value in (("final", final), ("meta", np.array(json.dumps(meta)))):
+            for name, value in (*extras.items(), ("meta", np.array(json.dumps(meta)))):
                 with _member(archive, name) as out:
                     np.lib.format.write_array(out, value, allow_pickle=False)
 
@@ -228,9 +243,10 @@ class H5Sink(FileSink):
         self.h5.flush()
         self.disk.check()
 
-    def _finish(self, meta, final):
+    def _finish(self, meta, extras):
         import h5py
-        self.h5.create_dataset("final", data=final)
+        for name, value in extras.items():
+            self.h5.create_dataset(name, data=value)
         self.h5.create_dataset("meta", data=json.dumps(meta), dtype=h5py.string_dtype())
         self._release()
         self.disk.check()
@@ -309,12 +325,12 @@ def flat_names(name: str, shape: tuple) -> list[str]:
     return [f"{name}[{i}]" for i in range(shape[0])]
 
 
-def csv_head(meta: dict, final, names) -> str:
-    """Comment lines that a person reads, then the two that the reader needs, then the header."""
+def csv_head(meta: dict, extras: dict, names) -> str:
+    """Comment lines that a person reads, then those that the reader needs, then the header."""
     shown = ("spec", "title", "run", "method", "h", "steps", "orientation", "status")
     lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if meta.get(key)]
-    lines += [f"# final: {json.dumps(final.astype(float).ravel().tolist())}",
-              f"# meta: {json.dumps(meta)}", ",".join(names)]
+    lines += [f"# {name}: {json.dumps(rows.astype(float).ravel().tolist())}" for name, rows in extras.items()]
+    lines += [f"# meta: {json.dumps(meta)}", ",".join(names)]
     return "\n".join(lines) + "\n"
 
 
@@ -351,7 +367,9 @@ def _read_csv(path):
     meta = json.loads(comments["meta"])
     table = np.loadtxt(path, delimiter=",", skiprows=skip, ndmin=2)
     columns = _columns_of(table, line.rstrip("\n").split(","))
-    columns["final"] = np.array(json.loads(comments["final"])).reshape(-1, 3)
+    for name in ("final", "substeps"):
+        if name == "final" or name in comments:
+            columns[name] = np.array(json.loads(comments[name]), float).reshape(-1, 3)
     return meta, columns
 
 

@@ -16,19 +16,20 @@ class Recorder:
     """Collects outputs in buffers and hands them to the sinks; keeps the errors' extremes."""
 
     def __init__(self, model, layout, sinks):
-        self.model, self.sinks, self.rows = model, sinks, 0
-        entry = sum(kind.itemsize * math.prod(shape) for shape, kind in layout.values())
-        self.capacity = max(1, min(4096, CHUNK // entry))
+        self.model, self.sinks, self.rows, self.begun = model, sinks, 0, False
+        self.capacity = max(1, min(4096, CHUNK // entry_size(layout)))
         self.buffers = {n: np.empty((self.capacity, *shape), kind)
                         for n, (shape, kind) in layout.items()}
         self.state = model.state()
         self.values, self.casimirs = model.values(), model.casimirs()
         self.errors = Extremes(model, self.values, self.casimirs)
+        self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
         self.picks = [(n, f) for n, f in outputs_of(model).items() if n in layout]
         self.states = any(f in layout for f in model.families)
 
     def record(self) -> None:
         """One output: the present step."""
+        self.begun = True
         self.model.values(self.values)
         self.model.casimirs(self.casimirs)
         self.errors.see(self.values, self.casimirs)
@@ -45,6 +46,19 @@ class Recorder:
             model.state(self.state)
         for name, pick in self.picks:
             buffers[name][row] = pick(self)
+
+    def split(self, k: int) -> None:
+        """The step to the present state was taken as 2^k smaller ones."""
+        self.substeps.append((self.model.count, self.model.t, k))
+
+    def facts(self) -> dict:
+        """What a resumed run must know beside the state and the rows."""
+        return {"largest": self.errors.largest, "substeps": self.substeps}
+
+    def go_on(self, facts: dict) -> None:
+        """Be where `facts` were taken."""
+        self.begun = True
+        self.errors.largest, self.substeps = dict(facts["largest"]), [tuple(row) for row in facts["substeps"]]
 
     def flush(self) -> None:
         """Hand the buffered outputs on."""
@@ -72,6 +86,11 @@ class Extremes:
     def _raise(self, what, value):
         if not value <= self.largest[what]:         # NaN must not be lost
             self.largest[what] = float(value)
+
+
+def entry_size(layout: dict) -> int:
+    """Bytes of one output."""
+    return sum(kind.itemsize * math.prod(shape) for shape, kind in layout.values())
 
 
 def outputs_of(model) -> dict:

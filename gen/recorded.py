@@ -13,7 +13,7 @@ ASKED = ("start", "method", "solver", "h", "steps", "every", "section", "what", 
 def recorded(meta: dict):
     """(spec, run's name, settings) of a result's metadata. Raises UsageError, SpecError."""
     try:
-        settings = {key: meta[key] for key in ASKED}
+        settings = {**{key: meta[key] for key in ASKED}, "substeps": meta.get("substeps", False)}
         sources = [(str(name), str(text)) for name, text in meta["sources"]]
         return spec_of(sources), meta["run"] or None, {**settings, "values": meta["set"]}
     except (KeyError, TypeError, ValueError) as problem:

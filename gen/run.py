@@ -14,13 +14,16 @@ import time as clock
 import numpy as np
 
 from . import __version__
+from .checkpoint import refuse_unfinished
 from .errors import UsageError
 from .library import Integrator, build
 from .output import MemorySink, load_result, open_sink, result_of
-from .record import Recorder, columns_of
+from .record import Recorder, columns_of, entry_size
+from .safe import SafeSink
 from .settings import Settings, settle
 from .spec import Spec
 from .start import find_start
+from .substeps import RESCUED, substep
 
 MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
 PATIENCE = 0.05         # seconds in C at most, so that Ctrl-C and the progress are prompt
@@ -39,11 +42,14 @@ def run(spec: Spec, name: str | None = None, *, out=None, keep: bool | None = No
     """Run `spec` and return a Result.
 
     name: a run of the spec, by default its first. given: any of start (a name or an array),
-    method, solver, h, steps or time, every or section, what, effects, values, seed, in
-    place of what the run says. out: a file .csv, .npz or .h5. keep: hold the outputs in
-    memory; by default when there is no `out`. progress: a function of the steps done.
-    Raises RunError (its `result` holds what was computed), UsageError, OutputError.
+    method, solver, h, steps or time, every or section, what, effects, values, seed,
+    checkpoint (steps; needs `out`), substeps (True: take a step that fails as up to 2^10
+    smaller ones), in place of what the run says. out: a file .csv, .npz or .h5. keep: hold
+    the outputs in memory; by default when there is no `out`. progress: a function of the
+    steps done. Raises RunError (its `result` holds what was computed), UsageError, OutputError.
     """
+    if out is None and given.get("checkpoint"):
+        raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
     settings = settle(spec, name, real=real, native=native, **given)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
                   real, native)
@@ -58,41 +64,95 @@ def repeat(path, out=None, **options):
     return run(spec, name, out=out, **{**settings, **options})
 
 
-def execute(model: Integrator, settings: Settings, out, keep: bool, progress=None):
-    """Step a started model through the run and write the outputs."""
+def execute(model: Integrator, settings: Settings, out, keep: bool, progress=None, place=None):
+    """Step a started model through the run and write the outputs.
+
+    place: (folder, newest state) of a run to go on with, as `resume` finds them.
+    """
     layout = columns_of(model, settings.what)
     _affordable(layout, settings, keep)
     sinks = [MemorySink(layout)] if keep else []
     if out is not None:
-        sinks.append(open_sink(out, describe(model, settings), layout))
+        sinks.append(_file_sink(out, model, settings, layout, place))
     recorder = Recorder(model, layout, sinks)
     began = clock.perf_counter()
     try:
-        status, error = advance(model, settings, recorder, progress or (lambda done: None))
-        return _finish(model, settings, recorder, sinks, status, error, began)
+        began -= _go_on(model, recorder, sinks, place)
+        status, error = advance(model, settings, recorder, progress or (lambda done: None),
+                                lambda: _save(model, recorder, began))
+        return _finish(model, settings, recorder, status, error, began)
     except BaseException:
         for sink in sinks:
             getattr(sink, "abandon", lambda: None)()
         raise
 
 
-def advance(model, settings, recorder, progress):
-    """(status, error) after stepping to the end, to a failure or to Ctrl-C."""
-    pace = Pace()
+def _file_sink(out, model, settings, layout, place):
+    """The sink of a file: with checkpoints, or one that writes as the run goes."""
+    meta = describe(model, settings)
+    if place:
+        return SafeSink(out, meta, layout, place[0])
+    if settings.checkpoint:
+        return SafeSink(out, meta, layout)
+    refuse_unfinished(out)
+    return open_sink(out, meta, layout)
+
+
+def _go_on(model, recorder, sinks, place) -> float:
+    """Be where a run was stopped; returns the seconds it had taken. The recorder has seen the start."""
+    if not place:
+        return 0.0
+    safe = sinks[-1]
+    facts, arrays = place[1] or ({"count": None, "rows": 0, "seconds": 0.0}, None)
+    safe.go_on(facts)
+    if arrays is None:
+        return 0.0
+    for sink in sinks[:-1]:
+        for chunk in safe.chunks():
+            sink.write(chunk)
+    model.restore(arrays["state"])
+    recorder.go_on(facts)
+    return facts["seconds"]
+
+
+def advance(model, settings, recorder, progress, save):
+    """(status, error) after stepping to the end, to a failure or to Ctrl-C; save() makes a checkpoint."""
+    pace, stops = Pace(), [settings.every] + [settings.checkpoint] * bool(settings.checkpoint)
     with on_interrupt() as interrupted:
-        recorder.record()
+        if not recorder.begun:
+            recorder.record()
+            save()
         while model.count < settings.steps:
             if interrupted():
                 return "interrupted", None
-            goal = min(settings.steps, (model.count // settings.every + 1) * settings.every)
+            goal = min(settings.steps, *((model.count // every + 1) * every for every in stops))
             asked = min(goal - model.count, pace.size)
             if pace.timed(model.advance, asked) < asked:
                 error = model.failure()
-                return f"failed: {error}", error
+                if not (settings.substeps and _rescued(model, recorder, error)):
+                    return f"failed: {error}", error
             if model.count % settings.every == 0:
                 recorder.record()
+            if settings.checkpoint and model.count % settings.checkpoint == 0:
+                save()
             progress(model.count)
     return "complete", None
+
+
+def _rescued(model, recorder, error) -> bool:
+    """Was the step that failed taken as smaller ones?"""
+    k = substep(model) if error.status in RESCUED else None
+    if k is not None:
+        recorder.split(k)
+    return k is not None
+
+
+def _save(model, recorder, began) -> None:
+    """A checkpoint, for a sink that makes them: all rows, then the state that goes with them."""
+    for sink in recorder.sinks:
+        if isinstance(sink, SafeSink):
+            recorder.flush()
+            sink.save(model.count, model.save(), {**recorder.facts(), "seconds": clock.perf_counter() - began})
 
 
 class Pace:
@@ -115,8 +175,7 @@ class Pace:
 
 
 def _affordable(layout, settings, keep):
-    entry = sum(kind.itemsize * math.prod(shape) for shape, kind in layout.values())
-    total = entry * (settings.steps // settings.every + 1)
+    total = entry_size(layout) * (settings.steps // settings.every + 1)
     if keep and total > MEMORY:
         raise UsageError(f"the outputs take {total / 2 ** 30:.1f} GiB of memory: write them to "
                          "a file (out=\"result.h5\"), or give a larger every")
@@ -125,7 +184,7 @@ def _affordable(layout, settings, keep):
 def describe(model: Integrator, settings: Settings, status: str = "running") -> dict:
     """The metadata of a run: all that is needed to repeat it."""
     spec, built = model.spec, model.built
-    facts = {k: v for k, v in dataclasses.asdict(settings).items() if k not in ("values", "start")}
+    facts = {k: v for k, v in dataclasses.asdict(settings).items() if k not in ("values", "start", "checkpoint")}
     start, scene = settings.start, model.scene
     if not isinstance(start, str):
         start = find_start(spec, None).name if start is None else np.asarray(start).tolist()
@@ -147,18 +206,28 @@ def _plain(values: dict) -> dict:
             for k, v in values.items()}
 
 
-def _finish(model, settings, recorder, sinks, status, error, began):
+def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
-    meta, final = describe(model, settings, status), model.state()
-    for sink in sinks:
-        if not isinstance(sink, MemorySink):
-            sink.close(meta, final)
-    memory = [s.columns for s in sinks if isinstance(s, MemorySink)]
+    meta, extras = describe(model, settings, status), {"final": model.state()}
+    if settings.substeps:
+        extras["substeps"] = np.array(recorder.substeps, float).reshape(-1, 3)
+    memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
+    _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
-    result = result_of(meta, {**(memory[0] if memory else empty), "final": final})
-    result.summary = {"t": model.t, "errors": recorder.errors.largest,
+    result = result_of(meta, {**(memory[0] if memory else empty), **extras})
+    result.summary = {"t": model.t, "errors": recorder.errors.largest, "substeps": len(recorder.substeps),
                       "seconds": clock.perf_counter() - began}
     return _outcome(result, status, error)
+
+
+def _close(model, recorder, meta, extras, began):
+    """Give the files their names. A run with checkpoints is safe before; interrupted, it may go on."""
+    for sink in recorder.sinks:
+        if isinstance(sink, SafeSink):
+            _save(model, recorder, began)
+            sink.close(meta, extras, recorder.capacity, keep=meta["status"] == "interrupted")
+        elif not isinstance(sink, MemorySink):
+            sink.close(meta, extras)
 
 
 def _outcome(result, status, error):

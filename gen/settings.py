@@ -22,7 +22,8 @@ KINDS = ("states", "energy", "momentum", "casimirs")
 @dataclasses.dataclass(frozen=True)
 class Settings:
     """A run with every choice made. every: steps between outputs; start: a name or an
-    array; section: the stroboscopic period when every came from one."""
+    array; section: the stroboscopic period when every came from one; substeps: take a step
+    that fails as smaller ones; checkpoint: steps between two checkpoints, None for none."""
     run: str
     start: object
     method: str
@@ -37,11 +38,14 @@ class Settings:
     seed: int | None
     real: str = "double"
     native: bool = False
+    substeps: bool = False
+    checkpoint: int | None = None
 
 
 def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
-           values=None, seed=None, real="double", native=False) -> Settings:
+           values=None, seed=None, real="double", native=False, substeps=None,
+           checkpoint=None) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = find_run(spec, name)
     values = {**dict(base.values), **(values or {})}
@@ -61,7 +65,8 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         number_of_steps(steps, time, h, env), interval(every, section, h), section,
         chosen_outputs(spec, tuple(what or base.what)),
         base.effects if effects is None else tuple(effects), values,
-        None if seed is None else whole(seed, "a seed"), real, native)
+        None if seed is None else whole(seed, "a seed"), real, native,
+        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint))
 
 
 def _read(spec: Spec, what: str, value):
@@ -144,6 +149,14 @@ def interval(every, section, h: float) -> int:
     if not 1 <= every <= limits.EVERY:
         raise UsageError(f"every must be from 1 to {limits.EVERY} steps, not {every}")
     return every
+
+
+def cadence(given, otherwise) -> int | None:
+    """Steps between checkpoints: what is given, else what the run says."""
+    steps = otherwise if given is None else whole(given, "checkpoint")
+    if steps is not None and not 1 <= steps <= limits.EVERY:
+        raise UsageError(f"checkpoint must be from 1 to {limits.EVERY} steps, not {steps}")
+    return steps
 
 
 def chosen_outputs(spec: Spec, what) -> tuple[str, ...]:

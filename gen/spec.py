@@ -170,6 +170,8 @@ class Run:
     solver: str = "auto"
     values: tuple[tuple[str, object], ...] = ()     # parameter values this run sets
     meaning: str = ""
+    checkpoint: Optional[int] = None    # steps between checkpoints of a run that writes a file
+    substeps: bool = False              # take a step that fails as smaller ones
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from ..checkpoint import folder_of
 from ..errors import Exit, RunError, UsageError
 from .options import json_option, model_options, names, spec_argument, whole
 from .say import notes_line, printed, say
@@ -14,7 +15,9 @@ EXAMPLES = """  smidgen run heisenberg_chain
   smidgen run heisenberg_chain demo --set n=1000 --h 0.05 --time 100 --out chain.h5
   smidgen run top.toml --effects kinetic --steps 1e6 --every 1000 --out top.csv
   smidgen run top.toml --steps 100 --out -       a table on stdout
-  smidgen run --repeat chain.h5 --out again.h5   the same run again"""
+  smidgen run --repeat chain.h5 --out again.h5   the same run again
+  smidgen run top.toml --steps 1e9 --every 1e5 --checkpoint 1e6 --out top.h5
+  smidgen run --resume top.h5                    go on where that one was stopped"""
 
 
 def add(commands):
@@ -39,6 +42,11 @@ def add(commands):
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
+    parser.add_argument("--checkpoint", type=whole, metavar="N", help="every N steps, make safe what is computed: "
+                        "a run that is killed goes on from there")
+    parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
+    parser.add_argument("--substeps", action="store_true", default=None,
+                        help="take a step that fails as up to 1024 smaller ones, and say so")
     json_option(parser)
 
 
@@ -86,12 +94,29 @@ def go(args, out):
     from ..progress import progress
     from ..run import run
     from ..settings import settle
+    if args.resume is not None:
+        return go_on(args)
+    if args.checkpoint and args.out in (None, "-"):
+        raise UsageError("checkpoints need a file: --out result.h5")
     if out is not None:
         known_format(out)
     spec, name, given = asked(args)
     total = settle(spec, name, **given).steps
     with progress(total, spec.name) as tick:
         return run(spec, name, out=out, keep=False, progress=tick, **given)
+
+
+def go_on(args):
+    """The rest of a run that was stopped."""
+    from ..progress import progress
+    from ..resume import resume, saved_run
+    if args.spec is not None or args.repeat is not None or args.out is not None:
+        raise UsageError("--resume takes all from the file: leave SPEC, --out and --repeat out")
+    refuse_choices(args, "--resume goes on with a run as it was: only --json goes with it")
+    meta = saved_run(args.resume)
+    args.out = args.resume
+    with progress(meta["steps"], meta["spec"]) as tick:
+        return resume(args.resume, progress=tick, tell=lambda text: say(f"note: {text}"))
 
 
 def asked(args):
@@ -115,7 +140,7 @@ def asked(args):
 
 
 CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "section", "what",
-           "seed")
+           "seed", "checkpoint", "substeps")
 
 
 def choices(args) -> dict:
@@ -127,10 +152,10 @@ def choices(args) -> dict:
     return given
 
 
-def refuse_choices(args):
-    """A repeated run is the run as it was."""
+def refuse_choices(args, said="--repeat repeats a run as it was: only --out and --json go with it"):
+    """A repeated run is the run as it was, and so is one that goes on."""
     if args.values or args.start or any(getattr(args, w) is not None for w in CHOICES):
-        raise UsageError("--repeat repeats a run as it was: only --out and --json go with it")
+        raise UsageError(said)
 
 
 def start_of(word: str):
@@ -161,9 +186,23 @@ def lines(args, result):
            f"{meta['steps']} steps to t = {result.summary['t']:.10g} in {result.summary['seconds']:.2f} s")
     if meta["chosen"]:
         yield f"chosen: {notes_line(meta['chosen'])}"
-    yield "largest change over the outputs: " + ", ".join(
-        f"{name} {value:.3g}" for name, value in errors.items())
+    if errors:
+        yield "largest change over the outputs: " + ", ".join(
+            f"{name} {value:.3g}" for name, value in errors.items())
+    yield from split_lines(result)
     if meta["status"] != "complete":
         yield f"status: {meta['status']}"
     if args.out not in (None, "-"):
         yield f"wrote {args.out}"
+        if folder_of(args.out).is_dir():
+            yield f"go on with: smidgen run --resume {args.out}"
+
+
+def split_lines(result):
+    """What sub-stepping did."""
+    if not result.summary["substeps"]:
+        return
+    step, t, k = result.substeps[0]
+    yield (f"warning: {result.summary['substeps']} steps failed and were taken in parts, the first to step {step:.0f} "
+           f"(t = {t:.10g}) in {2 ** int(k)}: where the step changes, the method is not one symplectic map of a "
+           "fixed step, and what it keeps over long times is not known")

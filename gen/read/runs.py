@@ -14,7 +14,8 @@ from .values import ValueReader
 
 METHODS = ("spherical-midpoint", "classical-midpoint", "moser-veselov")
 SOLVERS = ("auto", "newton", "rotation", "plain")
-KEYS = ("start", "method", "h", "time", "steps", "effects", "set", "solver", "output", "meaning")
+KEYS = ("start", "method", "h", "time", "steps", "effects", "set", "solver", "output", "meaning",
+        "checkpoint", "substeps")
 
 
 class RunReader:
@@ -41,7 +42,16 @@ class RunReader:
         return Run(name, start, self.word(node, "method", METHODS), h, *self.duration(node),
                    **self.output(node), effects=self.chosen(node),
                    solver=self.word(node, "solver", SOLVERS),
-                   values=self.values(node), meaning=meaning(node, "meaning"))
+                   values=self.values(node), meaning=meaning(node, "meaning"), **self.safety(node))
+
+    def safety(self, node: Node) -> dict:
+        """checkpoint, substeps."""
+        found = {}
+        if node.has("checkpoint"):
+            found["checkpoint"] = node.get("checkpoint").integer(1, limits.EVERY)
+        if node.has("substeps"):
+            found["substeps"] = node.get("substeps").flag()
+        return found
 
     def choice(self, node: Node, known, what: str) -> str:
         word = node.string()

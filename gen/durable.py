@@ -1,0 +1,36 @@
+"""Files that a kill, a power cut or a full disk leaves whole: the old one or the new one."""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+FRESH = ".new"      # the ending of a file that is not complete
+
+
+def write_new(path: Path, data: bytes) -> None:
+    """Write `data` beside `path`, put it on the disk, then give it its name. Raises OSError;
+    what `path` was before is then as it was."""
+    fresh = path.with_name(path.name + FRESH)
+    try:
+        with open(fresh, "wb", 0) as out:
+            _write_all(out, memoryview(data))
+            os.fsync(out.fileno())
+        os.replace(fresh, path)
+    except OSError:
+        fresh.unlink(missing_ok=True)
+        raise
+    sync_folder(path.parent)
+
+
+def _write_all(out, data):
+    while len(data):
+        data = data[out.write(data):]
+
+
+def sync_folder(folder: Path) -> None:
+    """Put the names in `folder` on the disk: only then does a rename outlast a power cut."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
