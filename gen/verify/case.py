@@ -68,7 +68,7 @@ class Case:
             return [0.0]
         span = self.h * max(self.settings.steps, 1)
         dice = np.random.Generator(np.random.PCG64(SEED))
-        found = [0.0, *(float(span * x) for x in np.sort(dice.uniform(size=CANDIDATES)))]
+        found = [0.0, *(float(np.round(span * x * 1024) / 1024) for x in np.sort(dice.uniform(size=CANDIDATES)))]
         return sorted(found, key=lambda t: -self.change(t))
 
     def change(self, t: float) -> float:

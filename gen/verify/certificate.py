@@ -84,7 +84,8 @@ class Certificate:
 
 
 def shown(x) -> str:
-    return "" if x is None else f"{x:.3g}"
+    """Three digits after the leading one: an order of 1.999 is not 2."""
+    return "" if x is None else f"{x:.4g}"
 
 
 def finite(data):

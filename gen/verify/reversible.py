@@ -5,6 +5,8 @@ of the last place of extended precision.
 """
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from .case import Case, ulp
@@ -15,9 +17,15 @@ ULPS = 32
 
 def reversible(case: Case, subject) -> list[Row]:
     """The worst return of all states, steps and precisions, in ulps of the largest component."""
-    found = [returned(subject, x, t, h)
+    found = [returned(subject, x, t, short(h))
              for w, t, h in case.trials() for x in (w, case.long(w))]
     return [at_most("reversible", max(found), ULPS)]
+
+
+def short(h: float, bits: int = 24) -> float:
+    """h rounded so that t + h is exact at the times of a case: the way back begins there."""
+    fraction, power = math.frexp(h)
+    return math.ldexp(round(math.ldexp(fraction, bits)), power - bits)
 
 
 def returned(subject, w, t, h) -> float:
