@@ -224,25 +224,45 @@ class Integrator:
     def tangent(self, v) -> np.ndarray:
         """Carry tangent vectors through the step just taken: dw before it -> dW after it, in place.
 
-        v: (sites, 3) or (columns, sites, 3); an array that C can work on is changed in place, and what
-        comes back is it. The step is W = w + h X(m), so that (I - K) dW = (I + K) dw with K = (h/2) DX(m) P',
-        and the derivative of the leaf where it moves with w. Raises UsageError before the first step, for a
-        wrong shape and without the feature "tangent", RunError for what the C refuses; v is then as it was.
+        v: (sites, 3) or (columns, sites, 3); an array that C can work on is changed in place, and it comes
+        back. The step is W = w + h X(m), so that on spheres (I - K) dW = (I + K) dw with K = (h/2) DX(m) P';
+        where the leaf moves with w, on R^3 and Nambu factors, its derivative is in it. Raises UsageError
+        before the first step, for a wrong shape and without the feature "tangent", RunError for what the C
+        refuses; v is then as it was.
         """
         self._started()
+        if self.count == 0 and self._state:
+            raise UsageError("no step taken yet: the tangent map is that of the step just taken")
+        return self._carry(v, 0)
+
+    def carry(self, v, count: int) -> np.ndarray:
+        """`count` steps, tangent vectors carried through each: v of shape ([columns,] sites, 3), in place.
+
+        Where a step or its tangent map fails, RunError: w is the state before the step that failed, and v
+        is as it was before the call.
+        """
+        if count < 0:
+            raise UsageError("a number of steps from 0 up; a negative h runs backward")
+        return self._carry(v, count) if count else v
+
+    def _carry(self, v, count):
         if not hasattr(self._c, "tangent"):
             raise UsageError("no tangent map in this build: build(..., features=('tangent',))")
-        if self.count == 0:
-            raise UsageError("no step taken yet: the tangent map is that of the step just taken")
         array = _real_array(v, self.real)
         if array.shape[-2:] != (self.sites, 3) or array.ndim not in (2, 3):
             raise UsageError(f"tangent vectors of {self.name} have shape ({self.sites}, 3) or "
                              f"(columns, {self.sites}, 3), not {np.shape(v)}")
-        carried = array.copy()
-        status = self._c.tangent(self._state, carried.ctypes.data, array.size // (3 * self.sites))
+        carried, done = array.copy(), ctypes.c_int64(0)
+        status = self._c.tangent(self._state, carried.ctypes.data, array.size // (3 * self.sites), count,
+                                 ctypes.byref(done))
+        self.count += done.value
+        self._c.state(self._state, self.w.ctypes.data)
+        self._status = status if status < 100 else 0
+        self._fail(self._status)
         if status:
-            name, meaning = STATUS.get(status, ("no memory", "there is not enough memory"))
-            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status, self.count, **self.report())
+            name, meaning = STATUS.get(status - 100, ("no memory", "there is not enough memory"))
+            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - 100, self.count,
+                           site=self.report()["site"])
         if not array.flags.writeable:
             return carried
         array[...] = carried
@@ -362,7 +382,7 @@ def _functions(library, name):
         "energy": (None, [pointer, real, pointer, pointer]), "free": (None, [pointer]),
     }
     if hasattr(library, f"{name}_abi_tangent"):
-        types["tangent"] = (ctypes.c_int, [pointer, pointer, integer])
+        types["tangent"] = (ctypes.c_int, [pointer, pointer, integer, integer, pointer])
     found = SimpleNamespace()
     for word, (result, arguments) in types.items():
         function = getattr(library, f"{name}_abi_{word}")

@@ -138,7 +138,7 @@ def outside(size: str, least: int) -> str:
 
 
 def PROTOTYPES(M: str, features=()):
-    tangent = [f"int {M}_abi_tangent(void *s, smg_real *v, int64_t columns)"] if "tangent" in features else []
+    tangent = [f"int {M}_abi_tangent(void *s, smg_real *v, int64_t columns, int64_t count, int64_t *done)"] if "tangent" in features else []
     return [*tangent, f"void *{M}_abi_new(const double *scalars, const double *const *arrays, const smg_real *w, "
             "double t0, double h, int *status)",
             f"int {M}_abi_steps(void *s, int64_t count, int64_t *done)", f"double {M}_abi_time(void *s)",
