@@ -1,0 +1,198 @@
+/* The step equation in extended precision, from the field (1/kappa) dH/dw alone:
+ *
+ *   F(u) = u - h X(m),  X_i = orientation * (A m_i) x b_i(m),  m_i = P_i(w_i + u_i/2),
+ *
+ * P the projection of the method, b the field of a long-double build. Moser-Veselov divides h X by
+ * q = (1 + sqrt(1 - h^2 |b|^2))/2. Also the branch of solutions that begins with u = 0 at h = 0. */
+#ifndef FUZZ_EQUATION_H
+#define FUZZ_EQUATION_H
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define SITES 64 /* largest model */
+#define SMALL 20 /* sites of the largest model whose branch is followed */
+
+enum { SPHERICAL, CLASSICAL, VESELOV };
+enum { ON_SPHERE, ON_R3, ON_NAMBU };
+
+typedef long double real;
+
+typedef struct equation {
+  const void *p;
+  int64_t sites;
+  int method, kind[SITES];
+  real casimir[9], level[SITES], orientation, t, h, w[3 * SITES];
+} equation;
+
+void reference_field(const void *p, real t, const real *w, real *b);
+
+static real dot(const real *a, const real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(real *c, const real *a, const real *b) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* n = grad C(v) = A v on a Nambu factor, v elsewhere. */
+static void normal(const equation *e, int64_t i, const real *v, real *n) {
+  for (int a = 0; a < 3; a++) n[a] = e->kind[i] == ON_NAMBU ? dot(e->casimir + 3 * a, v) : v[a];
+}
+
+/* |v|^2 or 2 C(v) */
+static real casimir(const equation *e, int64_t i, const real *v) {
+  real n[3];
+  normal(e, i, v, n);
+  return dot(v, n);
+}
+
+/* The point where the field is taken. */
+static void project(const equation *e, int64_t i, const real *mbar, real *m) {
+  const real c = casimir(e, i, mbar);
+  real s = e->method == SPHERICAL ? sqrtl(e->level[i] / c) : 1;
+  if (e->kind[i] == ON_R3 && !(e->level[i] > 0)) s = 1; /* the zero vector stays */
+  for (int a = 0; a < 3; a++) m[a] = s * mbar[a];
+}
+
+/* x = h X at the midpoint of w and w + u; size_i: |h| |n_i| |b_i|, the terms of the product. */
+static void increment(const equation *e, real h, const real *u, real *x, real *size) {
+  real m[3 * SITES], b[3 * SITES];
+  for (int64_t i = 0; i < e->sites; i++) {
+    real mbar[3];
+    for (int a = 0; a < 3; a++) mbar[a] = e->w[3 * i + a] + u[3 * i + a] / 2;
+    project(e, i, mbar, m + 3 * i);
+  }
+  reference_field(e->p, e->t, m, b);
+  for (int64_t i = 0; i < e->sites; i++) {
+    real n[3], k = e->orientation * h;
+    const real b2 = dot(b + 3 * i, b + 3 * i);
+    if (e->method == VESELOV) k /= (1 + sqrtl(1 - h * h * b2)) / 2;
+    normal(e, i, m + 3 * i, n);
+    cross(x + 3 * i, n, b + 3 * i);
+    for (int a = 0; a < 3; a++) x[3 * i + a] *= k;
+    size[i] = fabsl(k) * sqrtl(dot(n, n) * b2);
+  }
+}
+
+static real largest(const real *x, int64_t n) {
+  real most = 0;
+  for (int64_t k = 0; k < n; k++)
+    if (!(fabsl(x[k]) <= most)) most = fabsl(x[k]);
+  return most;
+}
+
+/* Adds to size_i what rounding W does to h X_i, in units: sum_k |d(h X_i)/dW_k| |w| of the site of k. Near a fold, with
+ * W near -w or a field of large derivatives, no W of this precision leaves less. */
+static void sensitivity(const equation *e, real *u, real *size) {
+  real x[3 * SITES], y[3 * SITES], spare[SITES];
+  increment(e, e->h, u, x, spare);
+  for (int64_t k = 0; k < 3 * e->sites; k++) {
+    const real *w = e->w + 3 * (k / 3), kept = u[k], unit = sqrtl(dot(w, w));
+    real most[SITES] = {0};
+    for (int sign = -1; sign < 2; sign += 2) {
+      u[k] = kept + sign * 0x1p-50L * unit;
+      increment(e, e->h, u, y, spare);
+      for (int64_t i = 0; i < e->sites; i++) {
+        const real d[3] = {y[3 * i] - x[3 * i], y[3 * i + 1] - x[3 * i + 1], y[3 * i + 2] - x[3 * i + 2]};
+        most[i] = fmaxl(most[i], sqrtl(dot(d, d)) * 0x1p50L);
+      }
+    }
+    u[k] = kept;
+    for (int64_t i = 0; i < e->sites; i++) size[i] += most[i];
+  }
+}
+
+/* ---- the branch from h = 0 ---------------------------------------------------------------- */
+
+/* Gauss elimination with partial pivoting: x = A^-1 x. Returns the sign of det A, 0 when singular. */
+static int eliminate(int n, real (*A)[3 * SMALL], real *x, real *y) {
+  int sign = 1;
+  for (int c = 0; c < n; c++) {
+    int p = c;
+    for (int i = c + 1; i < n; i++)
+      if (fabsl(A[i][c]) > fabsl(A[p][c])) p = i;
+    if (!(fabsl(A[p][c]) > 0)) return 0;
+    for (int j = 0; p != c && j < n; j++) {
+      const real t = A[p][j];
+      A[p][j] = A[c][j], A[c][j] = t;
+    }
+    if (p != c) {
+      real t = x[p];
+      x[p] = x[c], x[c] = t, t = y[p], y[p] = y[c], y[c] = t, sign = -sign;
+    }
+    if (A[c][c] < 0) sign = -sign;
+    for (int i = c + 1; i < n; i++) {
+      const real l = A[i][c] / A[c][c];
+      for (int j = c; j < n; j++) A[i][j] -= l * A[c][j];
+      x[i] -= l * x[c], y[i] -= l * y[c];
+    }
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    for (int j = i + 1; j < n; j++) x[i] -= A[i][j] * x[j], y[i] -= A[i][j] * y[j];
+    x[i] /= A[i][i], y[i] /= A[i][i];
+  }
+  return sign;
+}
+
+/* One Newton iteration of F(u) = 0, the Jacobian by differences. `along` becomes h du/dh.
+ * Returns the size of the change, or -1 where det J <= 0 or a value is not finite. */
+static real newton(const equation *e, real h, real *u, real *along) {
+  const int n = 3 * (int)e->sites;
+  static real J[3 * SMALL][3 * SMALL];
+  real x[3 * SITES], moved[3 * SITES], size[SITES], r[3 * SMALL];
+  increment(e, h, u, x, size);
+  for (int j = 0; j < n; j++) {
+    const real kept = u[j], d = 1e-10L * (1e-3L * largest(e->w, n) + fabsl(e->w[j]) + fabsl(u[j]));
+    u[j] += d;
+    increment(e, h, u, moved, size);
+    u[j] = kept;
+    for (int i = 0; i < n; i++) J[i][j] = (i == j) - (moved[i] - x[i]) / d;
+  }
+  for (int i = 0; i < n; i++) r[i] = x[i] - u[i], along[i] = x[i];
+  if (!(largest(r, n) < LDBL_MAX) || eliminate(n, J, r, along) <= 0) return -1;
+  for (int i = 0; i < n; i++) u[i] += r[i];
+  return largest(r, n);
+}
+
+/* Newton at s*h from the guess u; 1 when it contracts at once, so that no other branch is met. */
+static int corrected(const equation *e, real s, real *u, real *along) {
+  const real size = largest(e->w, 3 * e->sites);
+  real last = INFINITY;
+  for (int it = 0; it < 7; it++) {
+    const real change = newton(e, s * e->h, u, along);
+    if (!(change >= 0) || (it == 0 && change > 0.02L * size) || (it > 0 && change > last / 4 && change > 1e-14L * size))
+      return 0;
+    if (change <= 1e-15L * size) return 1;
+    last = change;
+  }
+  return 0;
+}
+
+/* The solution at h that continuation from h = 0 reaches, in steps that adapt: 1. 0 when the branch ends before, at
+ * *s of h; -1 when it takes too many steps to tell. */
+static int follow(const equation *e, real *u, real *s) {
+  const int64_t n = 3 * e->sites;
+  real along[3 * SITES] = {0}, guess[3 * SITES], size[SITES], step = 0.0625L;
+  memset(u, 0, sizeof(real) * (size_t)n);
+  increment(e, e->h, u, along, size);
+  if (!(largest(along, n) < LDBL_MAX)) return 0;
+  while (step * largest(along, n) > 0.05L * largest(e->w, n)) step /= 2;
+  *s = 0;
+  int k = 0;
+  for (; k < 4000 && *s < 1 && step > 1e-9L * *s; k++) {
+    const real next = *s + step < 1 ? *s + step : 1, rise = *s > 0 ? (next - *s) / *s : next;
+    real slope[3 * SITES];
+    for (int64_t q = 0; q < n; q++) guess[q] = u[q] + rise * along[q];
+    if (corrected(e, next, guess, slope)) {
+      memcpy(u, guess, sizeof(real) * (size_t)n), memcpy(along, slope, sizeof(real) * (size_t)n);
+      *s = next, step *= 2;
+    } else
+      step /= 2;
+  }
+  return *s >= 1 ? 1 : k < 4000 ? 0 : -1;
+}
+
+#endif
