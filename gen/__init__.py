@@ -17,7 +17,8 @@ from .read import load, load_text                               # noqa: E402
 from .run import Interrupted, repeat, run                       # noqa: E402
 from .resume import resume                                      # noqa: E402
 from .checkpoint import CheckpointError                         # noqa: E402
+from .verify import verify                                      # noqa: E402
 
 __all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "MissingTool", "OutputError", "Result",
            "RunError", "SmidgenError", "SpecError", "UsageError", "ValidationError", "build",
-           "load", "load_result", "load_text", "repeat", "resume", "run"]
+           "load", "load_result", "load_text", "repeat", "resume", "run", "verify"]

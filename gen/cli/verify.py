@@ -1,0 +1,74 @@
+"""`smidgen verify`: the certificate of a generated integrator."""
+from __future__ import annotations
+
+import argparse
+import sys
+
+from ..errors import Exit, OutputError
+from .options import model_options, spec_argument, whole
+from .say import say
+
+EXAMPLES = """  smidgen verify heisenberg_chain --set n=10
+  smidgen verify top.toml demo --json top.json      and: smidgen gen top.toml --certificate top.json
+  smidgen verify top.toml --quick
+  smidgen verify top.toml --long 1e7                round-off over ten million steps"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("verify", command, "certify the generated code: order, symplecticity, "
+                          "reversibility, symmetry, integrals, round-off", EXAMPLES)
+    spec_argument(parser)
+    model_options(parser)
+    tier = parser.add_mutually_exclusive_group()
+    tier.add_argument("--quick", action="store_true", help="fewer states, shorter runs")
+    tier.add_argument("--long", type=steps, metavar="N", help="measure the growth of round-off over N steps")
+    parser.add_argument("--h", help="the step")
+    parser.add_argument("--start", help="a start of the spec")
+    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    parser.add_argument("--json", metavar="FILE", dest="file", help="write the certificate as JSON; - for stdout")
+
+
+def steps(text: str) -> int:
+    """A number of steps from 1000 up."""
+    found = whole(text)
+    if found < 1000:
+        raise argparse.ArgumentTypeError("at least 1000 steps")
+    return found
+
+
+def command(args):
+    """The table; exit code 5 when a row says no."""
+    from ..shipped import load_spec
+    from ..verify import verify
+    given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
+             if getattr(args, w) is not None}
+    certificate = verify(load_spec(args.spec), args.run, tier=args.long or ("quick" if args.quick else "normal"),
+                         values=dict(args.values), **given)
+    if args.file != "-":
+        show(certificate)
+    if args.file:
+        write(certificate.to_json(), args.file)
+    if certificate.passed:
+        return Exit.OK
+    say(f"smidgen: not certified: {', '.join(r.name for r in certificate.rows if r.verdict == 'no')}")
+    return Exit.VALIDATION
+
+
+def show(certificate):
+    """The table; coloured on a terminal only."""
+    from rich.console import Console
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 140)
+    console.print(certificate.table())
+
+
+def write(text: str, file: str):
+    """The JSON to a file or to stdout."""
+    if file == "-":
+        print(text, end="")
+        return
+    try:
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(text)
+    except OSError as problem:
+        raise OutputError(f"cannot write {file}: {problem.strerror}") from None
