@@ -55,7 +55,7 @@ static void print_parameters(const P *p) {{
 /* Kind and squared radius of every site; 0 when the model counts other sites. */
 static int sites_of(const P *p, equation *e) {{
   int64_t site = 0;
-  (void)p;
+  (void)p, e->strongest = 0;
   {sites}
   e->sites = site;
   return site == model_sites(p);
@@ -122,7 +122,7 @@ def prints(spec):
 
 def site_lines(model):
     line = ("for (int64_t i = 0; i < {0}; i++, site++) e->kind[site] = {1}, "
-            "e->level[site] = (real)({3}) * (real)({3});")
+            "e->level[site] = (real)({3}) * (real)({3}), e->strongest = fmaxl(e->strongest, fabsl(e->h / (real)({2})));")
     return "\n  ".join(line.format(count, KINDS[kind], kappa, radius)
                        for count, kind, kappa, radius in model.families)
 

@@ -24,7 +24,7 @@ typedef struct equation {
   const void *p;
   int64_t sites;
   int method, kind[SITES];
-  real casimir[9], level[SITES], orientation, t, h, w[3 * SITES];
+  real casimir[9], level[SITES], strongest, orientation, t, h, w[3 * SITES]; /* strongest: the largest |h/kappa| */
 } equation;
 
 void reference_field(const void *p, real t, const real *w, real *b);
