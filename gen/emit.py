@@ -117,10 +117,12 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, Memory
     def includes(self):
         names = ["smg_site.h", "smg_spin.h"]
         if self.plan.newton:
-            names.append(f"smg_{self.plan.solver}.h")
+            names += [f"smg_{self.plan.solver}.h", "smg_follow.h"]
+        if any(not self.closed_form(f) for f in self.chosen(self.plan.local)):
+            names.append("smg_follow.h")
         if self.solo:
             names.append("smg_vec.h")
-        return names
+        return list(dict.fromkeys(names))
 
     def source(self) -> str:
         kernels = "\n\n".join(t for k in [*self.effects, *self.observables] for t in k.text)

@@ -56,16 +56,19 @@ class BuildError(SmidgenError):
 class RunError(SmidgenError):
     """A step failed. `status` is the runtime's `smg_status` as an integer.
 
-    `step` counts the steps that were done before; `iterations`, `residual` and `site`
-    are those of the runtime's report (site -1: not tied to one).
+    `step` counts the steps that were done before; `iterations`, `residual`, `site`, `partner`
+    (-1: not tied to one) and `reached` (the part of h with a solution) are those of the runtime's
+    report; `rate` is |h b|, the angle by which the field turns the site in a step.
     """
     exit_code = Exit.STEP
 
     def __init__(self, message: str, status: int = 0, step: int = 0,
-                 iterations: int = 0, residual: float = 0.0, site: int = -1):
+                 iterations: int = 0, residual: float = 0.0, site: int = -1,
+                 partner: int = -1, reached: float = 0.0, rate: float = 0.0):
         super().__init__(message)
         self.status, self.step = status, step
-        self.iterations, self.residual, self.site = iterations, residual, site
+        self.iterations, self.residual = iterations, residual
+        self.site, self.partner, self.reached, self.rate = site, partner, reached, rate
 
 
 class ValidationError(SmidgenError):

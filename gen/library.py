@@ -25,7 +25,7 @@ from .start import find_start, initial_state, parameter_values, radii, sizes
 # smg_status of runtime/smidgen.h: number -> (name, what happened)
 STATUS = {
     1: ("no convergence", "the step equation did not converge"),
-    2: ("no solution", "the step equation has no solution for this state and step"),
+    2: ("no solution", "the branch of solutions from this state ends before this step"),
     3: ("wrong branch", "the solution found is not connected to the state as h goes to 0"),
     4: ("not finite", "a value is not finite"),
     5: ("bad parameter", "a parameter or a size is out of range"),
@@ -163,11 +163,12 @@ class Integrator:
         return out
 
     def report(self) -> dict:
-        """Of the last step: iterations, residual (in units of w), site (-1: none)."""
+        """Of the last step: iterations, residual (in units of w), site and partner (-1: none), and
+        reached, the part of h up to which its branch of solutions was followed (0: it was not)."""
         self._started()
-        n, r, site = ctypes.c_int(0), ctypes.c_double(0), ctypes.c_int64(-1)
-        self._c.report(self._state, ctypes.byref(n), ctypes.byref(r), ctypes.byref(site))
-        return {"iterations": n.value, "residual": r.value, "site": site.value}
+        found = (ctypes.c_int(0), ctypes.c_double(0), ctypes.c_int64(-1), ctypes.c_int64(-1), ctypes.c_double(0))
+        self._c.report(self._state, *map(ctypes.byref, found))
+        return dict(zip(("iterations", "residual", "site", "partner", "reached"), (f.value for f in found)))
 
     def save(self) -> np.ndarray:
         """All that decides later steps, to go on with the same bits: `saved.Saved` reads it."""
@@ -230,7 +231,6 @@ class Integrator:
         before the first step, for a wrong shape and without the feature "tangent", RunError for what the C
         refuses; v is then as it was.
         """
-        self._started()
         if self.count == 0 and self._state:
             raise UsageError("no step taken yet: the tangent map is that of the step just taken")
         return self._carry(v, 0)
@@ -246,10 +246,11 @@ class Integrator:
         return self._carry(v, count) if count else v
 
     def _carry(self, v, count):
+        self._started()
         if not hasattr(self._c, "tangent"):
             raise UsageError("no tangent map in this build: build(..., features=('tangent',))")
         array = _real_array(v, self.real)
-        if array.shape[-2:] != (self.sites, 3) or array.ndim not in (2, 3):
+        if array.ndim not in (2, 3) or array.shape[-2:] != (self.sites, 3):
             raise UsageError(f"tangent vectors of {self.name} have shape ({self.sites}, 3) or "
                              f"(columns, {self.sites}, 3), not {np.shape(v)}")
         carried, done = array.copy(), ctypes.c_int64(0)
@@ -325,10 +326,30 @@ class Integrator:
             return
         name, meaning = STATUS.get(status, (f"status {status}", "unknown"))
         found = self.report()
-        where = f" at site {found['site']}" if found["site"] >= 0 else ""
-        raise RunError(f"step {self.count + 1} from t = {self.t:.17g}: {name}: {meaning}{where} "
-                       f"(residual {found['residual']:.3g} after {found['iterations']} "
-                       "iterations)", status, self.count, **found)
+        found["rate"] = self._rate(found["site"])
+        raise RunError(f"step {self.count + 1} from t = {self.t:.17g}: {name}: {meaning}"
+                       f"{why(found)}{advice(status, found, self.h)}", status, self.count, **found)
+
+    def _rate(self, site: int) -> float:
+        """|h b|, the angle by which the field turns `site` in a step; of the fastest one for -1."""
+        b = np.asarray(self.field(self.state()), float)
+        turns = abs(self.h) * np.hypot(np.hypot(b[:, 0], b[:, 1]), b[:, 2])
+        return float(turns[site] if site >= 0 else turns.max())
+
+
+def why(found: dict) -> str:
+    """What a failed step reports: sites, residual, iterations, h times the local rate."""
+    sites = [str(found[k]) for k in ("site", "partner") if found[k] >= 0]
+    where = f" at site {sites[0]}" if len(sites) == 1 else f" at sites {' and '.join(sites)}" if sites else ""
+    return (f"{where} (residual {found['residual']:.3g} after {found['iterations']} iterations, "
+            f"h times the local rate {found['rate']:.3g})")
+
+
+def advice(status: int, found: dict, h: float) -> str:
+    """What to try after a step that failed."""
+    if status == 2 and 0 < found["reached"] < 1:
+        return f"; from here steps exist up to |h| = {abs(h) * found['reached']:.6g}: take a smaller one"
+    return f"; try a smaller step, |h| below {abs(h) / 2:.3g}" if status in (1, 2, 3, 7) else ""
 
 
 def value_columns(scene: Spec) -> list[str]:
@@ -377,7 +398,7 @@ def _functions(library, name):
         "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
         "restore": (ctypes.c_int, [pointer, pointer]),
         "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),
-        "casimirs": (None, [pointer, pointer]), "report": (None, [pointer] * 4),
+        "casimirs": (None, [pointer, pointer]), "report": (None, [pointer] * 6),
         "field": (None, [pointer, real, pointer, pointer]),
         "energy": (None, [pointer, real, pointer, pointer]), "free": (None, [pointer]),
     }

@@ -66,9 +66,10 @@ static inline int64_t smg_quotient(int64_t a, int64_t b) { return (a - smg_mod(a
 #define SMG_MAX DBL_MAX
 #endif
 
-/* How far an iterate moved: relative to each component's own size, and absolutely. */
+/* How far an iterate moved: relative to each component's own size, and absolutely; and the size of
+ * the products that increments are made of, h (1/kappa) |grad C| |dH/dw|: their round-off stays. */
 typedef struct smg_change {
-  smg_real relative, absolute;
+  smg_real relative, absolute, terms;
 } smg_change;
 
 /* Takes in one component: r = its change, own = the size of what it is made of. */
@@ -78,12 +79,18 @@ static inline void smg_change_add(smg_change *d, smg_real r, smg_real own) {
   if (a > d->relative * own || a != a) d->relative = a / own;
 }
 
+/* The largest component, and NaN where there is one. */
+static inline smg_real smg_largest(const smg_real *a) {
+  const smg_real x = smg_abs(a[0]), y = smg_abs(a[1]), z = smg_abs(a[2]);
+  return smg_max(x, smg_max(y, z));
+}
+
 /* Stagnation: every component moves by at most an ulp of its own size; or the motion is down to
- * round-off of the whole (`scale`) and its relative size falls no more. A component of 1e-300
+ * round-off of the whole (`scale`, or the terms of the increments) and its relative size falls no more. A component of 1e-300
  * that still converges at its own rate keeps the iteration going. */
 static inline int smg_settled(const smg_change *now, const smg_change *last, smg_real scale) {
   if (now->relative <= SMG_EPS) return 1;
-  return now->absolute <= 8 * SMG_EPS * scale && now->relative >= last->relative / 2;
+  return now->absolute <= 8 * SMG_EPS * smg_max(scale, now->terms) && now->relative >= last->relative / 2;
 }
 
 /* Kahan: w + carry := w + carry + u, with the rounding error of w kept in carry. */

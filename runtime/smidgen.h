@@ -23,27 +23,31 @@ typedef double smg_real;
 typedef enum smg_status {
   SMG_OK = 0,
   SMG_NO_CONVERGENCE = 1, /* the iteration limit came before stagnation */
-  SMG_NO_SOLUTION = 2,    /* proved: the step equation has no solution here */
-  SMG_WRONG_BRANCH = 3,   /* converged, but not to the solution connected to h = 0 */
+  SMG_NO_SOLUTION = 2,    /* the branch of solutions from W = w at h = 0 ends before this h: in closed form, or followed
+                             to its fold, to the centre of a sphere, or to infinity */
+  SMG_WRONG_BRANCH = 3,   /* a solution, but not the one connected to W = w at h = 0 */
   SMG_NOT_FINITE = 4,     /* NaN or infinity in the state, the parameters or the field */
   SMG_BAD_PARAMETER = 5,  /* a parameter or a size out of range (kappa = 0, n < 1, ...) */
   SMG_OFF_MANIFOLD = 6,   /* a start off its sphere by more than 1e-12 (relative), or c = 0 */
   SMG_SINGULAR = 7        /* the Newton matrix could not be factored */
 } smg_status;
 
-/* What the last step did; on failure, where and how badly. site is -1 if not tied to one. */
+/* What the last step did; on failure, where and how badly. site is -1 if not tied to one, and so is
+ * partner, the site that is in it with the first; reached is the part of h up to which solutions were
+ * followed, 0 when none were. */
 typedef struct smg_report {
   smg_status status;
   int iterations;
   smg_real residual; /* max norm of the step equation's residual, in units of w */
-  int64_t site;
+  int64_t site, partner;
+  smg_real reached;
 } smg_report;
 
 static inline const char *smg_message(smg_status status) {
   static const char *const text[] = {
       "ok",
       "the step equation did not converge",
-      "the step equation has no solution for this state and step",
+      "the branch of solutions from this state ends before this step",
       "the iteration converged to a solution that is not connected to the state",
       "a value is not finite",
       "a parameter or size is out of range",

@@ -131,7 +131,7 @@ def test_no_strength_is_refused():
 
 # -- collapse ---------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("h", [0.01, 0.002])
+@pytest.mark.parametrize("h", [0.002, 0.001])
 def test_a_collapse_ends_in_a_typed_error(h):
     """On the way in the steps follow the flow; at the end no step exists, and the state is kept."""
     strengths, w = collapse_start()

@@ -77,26 +77,33 @@ def test_any_other_spin_has_a_step_of_every_size(angle, strength):
     assert model.w[0, 2] == cos(angle)
 
 
-# -- no convergence -------------------------------------------------------------------------------
+# -- no solution: a branch that ends ----------------------------------------------------------------
 
 def hard_chain(h):
-    """A rough chain of 24 spins; a step of 0.05 exists, one of 40 does not converge."""
+    """A rough chain of 24 spins; a step of 0.05 exists, one of 40 does not."""
     chain = smidgen.build(load("heisenberg_chain"), values={"n": 24})
     w = np.random.default_rng(5).normal(size=(24, 3))
     return chain.start(w / np.linalg.norm(w, axis=1)[:, None], h=h)
 
 
 @pytest.mark.quick
-def test_no_convergence_leaves_the_state_and_a_smaller_step_goes_on():
+def test_a_branch_that_ends_leaves_the_state_and_a_smaller_step_goes_on():
     """The refused state is a good start: in half the steps the chain goes on from it."""
     chain = hard_chain(0.05).steps(20)
     moved = chain.w.copy()
     chain.start(moved, h=40.0)
-    error = refused(chain, NO_CONVERGENCE)
+    error = refused(chain, NO_SOLUTION)
     assert 0 <= error.site < 24 and error.residual > 1e-12 and error.iterations > 0
+    limit = 40.0 * error.reached
+    chain.start(moved.copy(), h=limit).step()       # as far as the branch was followed there is a step
+    chain.start(moved, h=1.001 * limit + 1e-3)
+    assert refused(chain, NO_SOLUTION).reached == pytest.approx(limit / chain.h, rel=1e-3)
+    chain.start(moved, h=40.0)
     on, fresh = chain.start(moved.copy(), h=0.025).steps(20).w.copy(), hard_chain(0.05).steps(20)
     assert on.tobytes() == fresh.start(fresh.w.copy(), h=0.025).steps(20).w.tobytes()
 
+
+# -- no convergence -------------------------------------------------------------------------------
 
 def test_sweeps_that_do_not_settle_say_where():
     """The residual is largest at the site that the report names: no other site is named by default."""

@@ -59,7 +59,15 @@ class FamilyParts:
             self.h_over(f, kappa), self.level(f, radius), LEVELS[f.kind])
 
     def casimir(self, f):
-        """C v, the gradient of C(v) = v.C v/2, as three sums over the non-zero entries."""
+        """C v, the gradient of C(v) = v.C v/2, in the model's own precision."""
+        rows, leaves = self.casimir_rows(f)
+        kernel = self.low.kernel(rows, leaves)
+        fix = [t.replace("v0[", "v[") for t in kernel.results]
+        kernel.lines = [line.replace("v0[", "v[") for line in kernel.lines]
+        return kernel, tuple(fix)
+
+    def casimir_rows(self, f):
+        """Three sums over the non-zero entries of C, in the symbols v0x, v0y, v0z."""
         entries = [low_entry for row in f.casimir for low_entry in row]
         values, leaves = [], {}
         for e in entries:
@@ -67,11 +75,7 @@ class FamilyParts:
             values.append(value)
             leaves.update(more)
         v = sp.symbols("v0x v0y v0z", real=True)
-        rows = [sum(values[3 * r + k] * v[k] for k in range(3)) for r in range(3)]
-        kernel = self.low.kernel(rows, leaves)
-        fix = [t.replace("v0[", "v[") for t in kernel.results]
-        kernel.lines = [line.replace("v0[", "v[") for line in kernel.lines]
-        return kernel, tuple(fix)
+        return [sum(values[3 * r + k] * v[k] for k in range(3)) for r in range(3)], leaves
 
     def h_over(self, f, kappa):
         """h/kappa, as a product with a hoisted inverse where kappa is the same for all sites."""

@@ -146,7 +146,8 @@ def PROTOTYPES(M: str, features=()):
             f"int64_t {M}_abi_savesize(void *s)", f"void {M}_abi_save(void *s, smg_real *out)",
             f"int {M}_abi_restore(void *s, const smg_real *in)",
             f"void {M}_abi_values(void *s, smg_real *out)", f"void {M}_abi_casimirs(void *s, smg_real *out)",
-            f"void {M}_abi_report(void *s, int *iterations, double *residual, int64_t *site)",
+            f"void {M}_abi_report(void *s, int *iterations, double *residual, int64_t *site, int64_t *partner, "
+            "double *reached)",
             f"void {M}_abi_field(void *s, double t, const smg_real *w, smg_real *b)",
             f"void {M}_abi_energy(void *s, double t, const smg_real *w, smg_real *e)",
             f"void {M}_abi_free(void *s)"]

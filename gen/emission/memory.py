@@ -30,6 +30,8 @@ class MemoryParts:
             found += [("mbar", n3, "midpoints (w + W)/2"), ("g", n3, "dH/dw at m"), ("r", n3, "residual"),
                       ("kept", n3, "a solution whose branch is in doubt"), ("s", n1, "m = s mbar")]
             found += self.matrix_arrays()
+            if self.plan.newton:
+                found.append(("curve", times(15, self.total), "a branch of solutions followed: its point, tangent, changes"))
         return [dict(name=a, size=b, meaning=c) for a, b, c in found]
 
     def saved(self):

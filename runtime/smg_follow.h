@@ -1,0 +1,163 @@
+/* smidgen runtime: the branch of solutions of a step, followed from W = w at h = 0.
+ *
+ * The midpoints y of a step of the part p of h solve
+ *
+ *     F(y, p) = w + (p h/2) X(P(y)) - y = 0,     0 <= p <= 1.
+ *
+ * Their curve (y, p) begins at (w, 0) and is followed by its arclength, with the tangent (t, q):
+ * J t = q dF/dp, J = -dF/dy. Where q changes its sign the curve turns back: a fold, and beyond it
+ * the branch has no solution. Nor has it where a midpoint runs into the centre of its sphere, where
+ * P has no direction: there the curve ends. Predictor along the tangent, Newton across it; Allgower and Georg,
+ * Numerical Continuation Methods (1990), chapter 6. */
+#ifndef SMG_FOLLOW_H
+#define SMG_FOLLOW_H
+
+#include "smg_site.h"
+
+#define SMG_MAX_POINTS 600   /* points of a curve */
+#define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system */
+#define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried */
+#define SMG_CENTRE (smg_real)1e-5 /* a midpoint so near the centre, in radii, is there */
+#define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
+
+/* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, or says why not. */
+typedef struct smg_curve {
+  void *of;
+  smg_status (*newton)(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *c);
+  int64_t n;
+  const smg_real *w;          /* where it begins */
+  smg_real scale;             /* the unit of y */
+  smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: n numbers each */
+  smg_real p, q;
+  smg_real reached;           /* the largest part of h that the branch has a solution for */
+  int64_t site, partner;      /* the two sites that move most where the branch turns back, or -1 */
+} smg_curve;
+
+/* (t, q) of unit length along (c, 1), on the side of the tangent before; returns the cosine between them. */
+static inline smg_real smg_curve_turn(smg_curve *f, smg_real unit) {
+  smg_real size = 1, along = f->q;
+  for (int64_t k = 0; k < f->n; ++k) {
+    size += (f->c[k] * unit) * (f->c[k] * unit);
+    along += f->t[k] * f->c[k] * unit;
+  }
+  const smg_real length = SMG_MATH(sqrt)(size), side = along < 0 ? -1 : 1;
+  for (int64_t k = 0; k < f->n; ++k) f->t[k] = side * f->c[k] * unit / length;
+  f->q = side / length;
+  return side * along / length;
+}
+
+/* Newton from (x, p) across the tangent, or at this p when `fixed`; returns the iterations, 0 when they fail. */
+static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, int fixed) {
+  const smg_real unit = 1 / f->scale;
+  smg_real last = pace / 2;
+  for (int it = 1; it <= SMG_MAX_CORRECTIONS; ++it) {
+    if (f->newton(f->of, *p, f->x, f->a, f->c) != SMG_OK) return 0;
+    smg_real ta = 0, tc = f->q, size = 0;
+    for (int64_t k = 0; k < f->n; ++k) {
+      ta += f->t[k] * f->a[k] * unit;
+      tc += f->t[k] * f->c[k] * unit;
+    }
+    const smg_real dp = fixed ? 0 : -ta / tc;
+    for (int64_t k = 0; k < f->n; ++k) {
+      const smg_real d = f->a[k] + f->c[k] * dp;
+      size += (d * unit) * (d * unit);
+      f->x[k] += d;
+    }
+    *p += dp;
+    const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
+    if (!(moved <= last)) return 0; /* farther than half the last time, or not a number */
+    if (moved <= (smg_real)1e-9) return it;
+    last = moved / 2;
+  }
+  return 0;
+}
+
+/* One pace along the tangent; 0 when it must be shorter. A pace across p = 1 ends at p = 1. */
+static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
+  const int landing = f->q > 0 && f->p + pace * f->q >= 1;
+  const smg_real s = landing ? (1 - f->p) / f->q : pace;
+  smg_real p = landing ? 1 : f->p + s * f->q;
+  for (int64_t k = 0; k < f->n; ++k) f->x[k] = f->y[k] + s * f->t[k] * f->scale;
+  const int its = smg_curve_correct(f, &p, s, landing);
+  if (its == 0) return 0;
+  for (int64_t k = 0; k < f->n; ++k) f->a[k] = f->t[k]; /* to go back to, when the curve bends too much */
+  const smg_real q = f->q;
+  if (smg_curve_turn(f, 1 / f->scale) < (smg_real)0.8) {
+    for (int64_t k = 0; k < f->n; ++k) f->t[k] = f->a[k];
+    f->q = q;
+    return 0;
+  }
+  for (int64_t k = 0; k < f->n; ++k) f->y[k] = f->x[k];
+  f->p = p;
+  return its;
+}
+
+/* How far y has gone, in units of the state. */
+static inline smg_real smg_curve_size(const smg_curve *f) {
+  smg_real most = 0;
+  for (int64_t k = 0; k < f->n; ++k) most = smg_max(most, smg_abs(f->y[k]));
+  return most / f->scale;
+}
+
+/* The site that moves most along the tangent, leaving out one. */
+static inline int64_t smg_curve_mover(const smg_curve *f, int64_t but) {
+  int64_t site = -1;
+  smg_real most = 0;
+  for (int64_t k = 0; k < f->n; ++k)
+    if (k / 3 != but && smg_abs(f->t[k]) > most) {
+      most = smg_abs(f->t[k]);
+      site = k / 3;
+    }
+  return site;
+}
+
+/* A curve that no pace can follow any more: does it end in the centre of a sphere? */
+static inline smg_status smg_curve_end(smg_curve *f) {
+  for (int64_t k = 0; k < f->n; k += 3)
+    if (smg_dot(f->y + k, f->y + k) < SMG_CENTRE * SMG_CENTRE * smg_dot(f->w + k, f->w + k)) {
+      f->site = k / 3;
+      f->partner = -1;
+      return SMG_NO_SOLUTION;
+    }
+  return SMG_NO_CONVERGENCE;
+}
+
+/* From w: SMG_OK with y the midpoints at p = 1; SMG_NO_SOLUTION when the branch turns back before, and goes
+ * back to half the part it reached, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
+ * SMG_NO_CONVERGENCE when it could not be followed. */
+static inline smg_status smg_follow(smg_curve *f) {
+  smg_real pace = (smg_real)0.1;
+  int folded = 0;
+  f->p = f->reached = 0;
+  f->site = f->partner = -1;
+  for (int64_t k = 0; k < f->n; ++k) {
+    f->y[k] = f->w[k];
+    f->t[k] = 0;
+  }
+  f->q = 1;
+  const smg_status begun = f->newton(f->of, 0, f->y, f->a, f->c);
+  if (begun != SMG_OK) return begun;
+  (void)smg_curve_turn(f, 1 / f->scale);
+  const int64_t points = f->n > SMG_CURVE_WORK / SMG_MAX_POINTS ? 1 + SMG_CURVE_WORK / f->n : SMG_MAX_POINTS;
+  for (int64_t point = 0; point < points; ++point) {
+    const int its = smg_curve_pace(f, pace);
+    if (its == 0) {
+      pace /= 4;
+      if (pace < (smg_real)1e-7) return smg_curve_end(f);
+      continue;
+    }
+    if (its <= 4) pace *= (smg_real)1.5;
+    if (f->p > f->reached) f->reached = f->p;
+    if (f->q < 0 && !folded) {
+      folded = 1;
+      f->site = smg_curve_mover(f, -1);
+      f->partner = smg_curve_mover(f, f->site);
+    }
+    if (f->p >= 1) return folded ? SMG_WRONG_BRANCH : SMG_OK;
+    if (folded && f->p < f->reached / 2) return SMG_NO_SOLUTION;
+    if (smg_curve_size(f) > SMG_FARTHEST) return SMG_NO_SOLUTION;
+  }
+  return SMG_NO_CONVERGENCE;
+}
+
+#endif
