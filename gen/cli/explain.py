@@ -1,0 +1,33 @@
+"""`smidgen explain`: what is conserved, from the spec alone."""
+from __future__ import annotations
+
+from .options import json_option, model_options, spec_argument
+from .say import printed
+
+EXAMPLES = """  smidgen explain heisenberg_chain
+  smidgen explain free_rigid_body classical
+  smidgen explain top.toml --set I2=1 --effects rotation --json"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("explain", command, "say what is conserved and what the method keeps", EXAMPLES)
+    spec_argument(parser)
+    model_options(parser)
+    json_option(parser)
+
+
+def command(args):
+    """One sentence a line."""
+    from ..settings import find_run
+    from ..shipped import load_spec
+    from ..symmetry import explain
+    spec = load_spec(args.spec)
+    run = find_run(spec, args.run)
+    report = explain(spec, {**dict(run.values), **dict(args.values)}, args.method or run.method,
+                     run.effects if args.effects is None else args.effects)
+    if args.json:
+        return printed(report.as_dict())
+    print(f"{report.spec}, {report.method}:")
+    for sentence in report.words():
+        print(sentence)
