@@ -1,0 +1,93 @@
+"""`make coverage`: run the tests with counters in the C, and write docs/coverage.md."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+if __name__ == "__main__":
+    sys.path.insert(0, str(HERE.parent))
+
+from covered.gather import counts  # noqa: E402
+from mutants.judge import test_files  # noqa: E402
+from mutants.report import code, table  # noqa: E402
+
+ROOT = HERE.parent.parent
+LEAST = 0.95
+# Without these: long runs, other compilers' warnings, and tests that plant faults in a copy.
+NOT_RUN = re.compile(r"round_off|generated_c|user_specs|validate|test_witness")
+DESELECTED = "not mutants and not every_compiler and not free_of_warnings"
+
+
+def measure(place: Path) -> tuple[dict, str]:
+    """(counts of all headers, the last line of pytest). Raises RuntimeError when a test fails."""
+    data, shims = place / "data", place / "bin"
+    shims.mkdir()
+    for name in ("gcc", "cc"):
+        shutil.copy(HERE / "shim.sh", shims / name)
+    env = {**os.environ, "REAL_GCC": shutil.which("gcc"), "GCOV_PREFIX": str(data), "OPENBLAS_NUM_THREADS": "1",
+           "PATH": f"{shims}:{os.environ['PATH']}", "CC": ""}
+    files = [f for f in test_files(ROOT) if not NOT_RUN.search(f)]
+    said = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long", "-k", DESELECTED,
+                           f"--basetemp={place / 'tmp'}", *files], cwd=ROOT, env=env, capture_output=True, text=True)
+    if said.returncode not in (0, 1):
+        raise RuntimeError(said.stdout[-3000:] + said.stderr[-1000:])
+    return counts(data, ROOT / "runtime"), said.stdout.strip().splitlines()[-1]
+
+
+def missing(header: str, taken: dict) -> list:
+    """(line number, its text, how many of its branches were taken, of how many), for each line that lacks some."""
+    text = (ROOT / "runtime" / header).read_text().split("\n")
+    return [(n, text[n - 1].strip(), sum(c > 0 for c in b), len(b)) for n, b in sorted(taken.items()) if b and 0 in b]
+
+
+def reasons() -> dict:
+    return {entry["code"]: entry["reason"] for entry in tomllib.loads((HERE / "reasons.toml").read_text()).get("branch", [])}
+
+
+def rows(found: dict) -> list:
+    """(header, taken, branches, per cent) of every header of the runtime; one that nothing includes has no branch."""
+    table_rows = []
+    for header in sorted(p.name for p in (ROOT / "runtime").glob("*.h")):
+        branches = [c for b in found.get(header, {}).values() for c in b]
+        taken = sum(c > 0 for c in branches)
+        table_rows.append((header, taken, len(branches), f"{100 * taken / len(branches):.1f}" if branches else
+                           "no branch" if header in found else "not compiled"))
+    return table_rows
+
+
+def page(found: dict) -> tuple[str, float, list]:
+    """(docs/coverage.md, part of the branches taken, lines without a reason)."""
+    per_header = rows(found)
+    taken, total = (sum(r[k] for r in per_header) for k in (1, 2))
+    lacking = [(h, *m) for h in sorted(found) for m in missing(h, found[h])]
+    why = reasons()
+    text = [
+        "# Branch coverage of the runtime\n",
+        "Written by `make coverage`: gcov's counts over the generated models and the test programs that the tests build, "
+        "added up by header, line and branch.\n",
+        f"**{100 * taken / total:.1f} %** of {total} branches are taken.\n",
+        table(("header", "taken", "branches", "%"), [*per_header, ("all", taken, total, f"{100 * taken / total:.1f}")]) + "\n",
+        "## What no test takes\n",
+        table(("header", "code", "taken", "why not all"),
+              [(h, code(line), f"{a} of {b}", why.get(line, "")) for h, _, line, a, b in lacking]) + "\n"]
+    return "\n".join(text), taken / total, [line for _, _, line, _, _ in lacking if line not in why]
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory(prefix="coverage-") as place:
+        found, last = measure(Path(place))
+    text, part, bare = page(found)
+    (ROOT / "docs/coverage.md").write_text(text)
+    print(text, last, sep="\n")
+    if bare:
+        print("no reason in tests/covered/reasons.toml:", *bare, sep="\n  ")
+    return int(part < LEAST or bool(bare))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,118 @@
+"""Do the tests notice? They run in the copy of the tree, the cheapest and sharpest first, to the first failure."""
+import json
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from .plant import Tree
+
+# Tests of what lies beside the step: reading, running, drawing, packing. They are not run.
+BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read|mutants|covered|"
+                    r"determinism|paper_numbers|build|run|settings|linking|fuzz_grammar|parse|pages)\b")
+RUNTIME = re.compile(r"test_(runtime|band|sparse|follow|wide|unit)")     # of the headers alone
+# In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
+STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
+          r"test_(effort|newton)", r"test_(agreement|properties|branch|statuses|hard_cases)", r"test_(symplectic|tangent)",
+          r"test_(hard|round_off|certificate|verify|unusual)", r"test_(validate|user_specs|advice)", r"", r"runs_clean")
+LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
+ROOM = 8 << 30      # bytes of memory of a test process
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """caught: by which test (and how, when it crashed or hung), or None; seconds that it took."""
+    caught: str | None
+    seconds: float = 0.0
+
+
+def test_files(tree: Path) -> list[str]:
+    """The files of tests that are run, relative to the tree."""
+    found = sorted(p for p in (tree / "tests").rglob("test_*.py") if not BESIDE.search(p.stem))
+    return [str(p.relative_to(tree)) for p in found]
+
+
+def stage(name: str) -> int:
+    return next((k for k, pattern in enumerate(STAGES) if pattern and re.search(pattern, name)), STAGES.index(""))
+
+
+def order_of(seconds: dict, runtime: bool) -> tuple[list[str], list[str]]:
+    """(the sharp tests, the rest) in the order of running; those of the headers only when one was changed."""
+    names = [n for n in seconds if seconds[n] <= LONGEST and (runtime or not RUNTIME.search(n))]
+    names.sort(key=lambda n: (not RUNTIME.search(n), stage(n), seconds[n]))
+    sharp = [n for n in names if RUNTIME.search(n) or stage(n) < 3]
+    return sharp, [n for n in names if n not in set(sharp)]
+
+
+def limited():
+    """A process group of its own, no core files, no more memory than it may have."""
+    os.setsid()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_AS, (ROOM, ROOM))
+
+
+def run_tests(tree: Tree, files, order, first: bool, limit: float):
+    """(exit status, or None past `limit` seconds; the log's lines). `order`: {test: its limit}, None for all."""
+    log, listing = tree.place / "log", tree.place / "order"
+    log.write_text("")
+    listing.write_text(json.dumps(order))
+    words = [sys.executable, "-m", "pytest", "-q", "-p", "mutants.order", "-p", "no:cacheprovider", "-p", "no:faulthandler",
+             "-p", "no:xdist", "-m", "not long", f"--basetemp={tree.place / 'tmp'}", *(["-x"] if first else []), *files]
+    env = tree.environment() | {"MUTANT_LOG": str(log)} | ({} if order is None else {"MUTANT_ORDER": str(listing)})
+    with open(tree.place / "said", "w") as said:
+        process = subprocess.Popen(words, cwd=tree.tree, env=env, stdout=said, stderr=said, preexec_fn=limited)
+        try:
+            status = process.wait(limit)
+        except subprocess.TimeoutExpired:
+            status = None
+        kill_group(process)
+    return status, [json.loads(line) for line in log.read_text().splitlines()]
+
+
+def kill_group(process) -> None:
+    """Also what a test has started and left behind."""
+    try:
+        os.killpg(process.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+    process.wait()
+
+
+def baseline(tree: Tree, files) -> tuple[dict, list]:
+    """Seconds of every test that passes on the tree as it is, and the names of those that do not."""
+    status, lines = run_tests(tree, files, None, first=False, limit=3000)
+    if status not in (0, 1):
+        raise RuntimeError("the tests do not run on the unchanged tree:\n" + (tree.place / "said").read_text()[-3000:])
+    done = {e["ends"]: e for e in lines if "ends" in e}
+    failed = sorted({e["ends"] for e in lines if e.get("outcome") == "failed"})
+    return {n: e["seconds"] for n, e in done.items() if e["outcome"] == "passed" and n not in failed}, failed
+
+
+def judge(tree: Tree, seconds: dict, runtime: bool) -> str | None:
+    """What notices the planted fault: the name of a test; None when all pass."""
+    for names in order_of(seconds, runtime):
+        files = list(dict.fromkeys(n.partition("::")[0] for n in names))
+        order = {n: max(30.0, 15 * seconds[n]) for n in names}
+        limit = 300 + 6 * sum(seconds[n] for n in names)
+        found = caught(tree, *run_tests(tree, files, order, first=True, limit=limit)) if names else None
+        if found:
+            return found
+    return None
+
+
+def caught(tree: Tree, status, lines) -> str | None:
+    """The test that failed, crashed or hung; None when all passed."""
+    if status == 0:
+        return None
+    failed = [e["ends"] for e in lines if e.get("outcome") == "failed"]
+    if failed:
+        return failed[0]
+    if status in (4, 5):        # no such test, or none at all
+        raise RuntimeError((tree.place / "said").read_text()[-3000:])
+    under_way = [e["begins"] for e in lines if "begins" in e]
+    how = "crash" if status is not None and status < 0 else "hang" if status in (1, None) else "collection"
+    return f"{how} in {under_way[-1] if under_way else 'collecting'}"

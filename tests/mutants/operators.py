@@ -1,0 +1,136 @@
+"""Candidates everywhere: each operator, index, coefficient, comparison, constant and statement of the code.
+
+An operator is (kind, pattern, change): wherever the pattern matches in a line of code, `change`
+of the match gives the text that takes its place; None means no mutant there.
+"""
+import hashlib
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from .masks import code_lines
+from .rules import RULES
+
+PLACES = ("templates/*.j2", "runtime/*.h", "gen/derive.py", "gen/lower.py", "gen/loops.py", "gen/kernels.py",
+          "gen/cprint.py", "gen/ordering.py", "gen/emit.py", "gen/emission/*.py")
+
+# What cannot be wrong, only slow, wordy or elsewhere in memory: no faults are planted there.
+SPARED = (
+    ("runtime/smidgen.h", r".", "types, statuses and messages; no arithmetic"),
+    ("templates/model.*", r".", "the frame of a file: declarations and comments"),
+    ("gen/emission/amalgamate.py", r".", "copies the runtime into the file; tests/test_build.py compiles it"),
+    ("gen/emission/text.py", r"comment|plain|return plain", "text of comments"),
+    ("*", r"SMG_MAX_NEWTON|SMG_MAX_SWEEPS|SMG_TRIED_SWEEPS|SMG_REST|SMG_STAGES|SMG_EIGEN_PATIENCE|SMG_PANEL\b"
+          r"|SMG_MAX_POINTS|SMG_CURVE_WORK|SMG_MAX_CORRECTIONS|^HISTORY|^SOLO|^ROWS|MOST_", "how long an iteration may take, how much it remembers: any value is right"),
+    ("gen/emission/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
+    ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
+    ("gen/emission/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
+    ("runtime/smg_eigen.h", r"SMG_ROUNDOFF", "a cheap proof tried first; what it leaves open the eigenvalues decide"),
+    ("gen/emission/memory.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
+    ("gen/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
+)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One changed line: `old` -> `new` is line number `line` (from 1) of `file`, relative to the tree."""
+    kind: str
+    file: str
+    line: int
+    old: str
+    new: str
+    id: str
+
+
+def turn(pairs):
+    """A change that swaps each text of a pair for the other."""
+    both = {**dict(pairs), **{b: a for a, b in pairs}}
+    return lambda m: both.get(m[0])
+
+
+def cycle(texts):
+    after = dict(zip(texts, (*texts[1:], texts[0])))
+    return lambda m: after.get(m[0])
+
+
+def bumped(m):
+    return str(int(m[0]) + 1)
+
+
+def other_number(m):
+    return {"0": "1", "0.0": "1.0"}.get(m[0]) or (str(float(m[0]) * 2) if "." in m[0] else bumped(m))
+
+
+AFTER = r"(?<=[\w\])}] )"       # a binary operator stands between blanks, after an operand
+OPERATORS = (
+    ("sign", AFTER + r"[+-](?= [\w({\[*-])", turn([("+", "-")])),
+    ("sign", AFTER + r"[+-]=(?= )", turn([("+=", "-=")])),
+    ("sign", r"(?<=[(=,?:] )-(?=[a-zA-Z({])|(?<=\()-(?=[a-zA-Z({])", lambda m: ""),
+    ("coefficient", r"(?<![\w.\[])\d+\.\d+(?![\w.])", other_number),
+    ("coefficient", r"(?<![\w.\[+] )(?<![\w.\[])[2-9](?= \* (?!\())|(?<=[\w\])}] / )[2-9]\b", bumped),
+    ("comparison", AFTER + r"(<=|>=|<|>|==|!=)(?= )",
+     lambda m: {"<": ">=", ">": "<=", "<=": ">", ">=": "<", "==": "!=", "!=": "=="}[m[0]]),
+    ("comparison", r"(?<=; )(?P<a>\w+) (<|<=|>|>=) (?=[^;]*; )",
+     lambda m: f"{m['a']} {turn([('<', '<='), ('>', '>=')])(re.match('.*', m[2]))} "),
+    ("index", r"(?<=\w\[)[0-2](?=\])", cycle("012")),
+    ("index", r"(?<=[a-zA-Z]\.)[xyz]\b", cycle("xyz")),
+    ("index", r"\b3 \* (k|i|n|l|r)\b(?=[^*]*[\],)])", lambda m: f"3 * {m[1]} + 1"),
+    ("index", r"\b(?P<a>\w+) \* n \+ (?P<b>\w+)\b", lambda m: f"{m['b']} * n + {m['a']}"),
+    ("index", r"(?<=range\()\w+(?=\))|(?<=range\()len\(\w+\)", lambda m: f"{m[0]} - 1"),
+    ("constant", r"(?<= = )[01](?=[,;])|(?<=return )[01](?=[;,])", turn([("0", "1")])),
+    ("constant", r"(?<= [+-] )1(?![\w.])", lambda m: "2"),
+    ("constant", r"(?<=^#define )(?P<a>\w+ .*?)(?P<b>\d+)(?=[ )]|$)", lambda m: f"{m['a']}{int(m['b']) + 1}"),
+    ("operator", AFTER + r"[*/](?= [\w({])", turn([("*", "/")])),
+    ("operator", AFTER + r"(&&|\|\||and|or)(?= )", turn([("&&", "||"), ("and", "or")])),
+    ("operator", r"\bsmg_(min|max)\b(?=\(\w+->)|[&|]=", turn([("smg_min", "smg_max"), ("&=", "|=")])),
+    ("statement", r"^ +(?!return)(\*?[\w>.-]+(\[[^\]]*\])? [-+*/&|]?= [^;{}]*|[\w{}. ]+\([^;{}]*\));(?= *$)", lambda m: ";"),
+)
+
+
+def places(root: Path) -> list[Path]:
+    """The files where faults are planted."""
+    return sorted({p for pattern in PLACES for p in root.glob(pattern) if p.name != "__init__.py"})
+
+
+def spared(file: str, line: str):
+    """The reason why this line is left alone, or None."""
+    for pattern, text, reason in SPARED:
+        if Path(file).match(pattern) and re.search(text, line):
+            return reason
+    return None
+
+
+def changes(file: str, shown: str):
+    """(kind, start, end, new text) of every operator and rule that fits a line of code."""
+    for kind, pattern, change in OPERATORS:
+        for m in re.finditer(pattern, shown):
+            new = change(m)
+            if new is not None and not (kind == "statement" and not file.endswith((".h", ".j2"))):
+                yield kind, m.start(), m.end(), new
+    for kind, where, pattern, new in RULES:
+        if Path(file).match(where):
+            for m in re.finditer(pattern, shown):
+                yield kind, m.start(), m.end(), m.expand(new)
+
+
+def mutants_of(root: Path, path: Path):
+    """All candidates of one file, in the order of its lines."""
+    file, text, seen = str(path.relative_to(root)), path.read_text(), {}
+    for number, (line, shown) in enumerate(zip(text.split("\n"), code_lines(path.name, text)), 1):
+        if not shown.strip() or spared(file, line):
+            continue
+        seen[line] = seen.get(line, 0) + 1      # equal lines are told apart by their order
+        for kind, start, end, put in changes(file, shown):
+            new = line[:start] + put + line[end:]
+            if new != line:
+                name = repr((file, line, seen[line], start, new)).encode()
+                yield Mutant(kind, file, number, line, new, f"{kind}-{hashlib.sha256(name).hexdigest()[:8]}")
+
+
+def candidates(root: Path) -> list[Mutant]:
+    """Every mutant of the tree, each text once: a rule's kind goes before an operator's."""
+    found = {}
+    for path in places(root):
+        for m in mutants_of(root, path):
+            found[m.file, m.line, m.new] = m     # rules come last
+    return list(found.values())

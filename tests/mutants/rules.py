@@ -1,0 +1,142 @@
+r"""Faults of the kinds that integrators suffer from, as patterns: they follow the code when it moves.
+
+Each rule is (kind, files, pattern, new text): wherever the pattern matches in a line of code of such
+a file, the new text (which may use groups, \1) is one mutant. A pattern that matches nowhere any
+more is reported by `run.py --list` and by the tests.
+"""
+
+STEP = "templates/*.j2"
+C = "[tr][eu]*/*.[jh]*"         # templates/*.j2 and runtime/*.h
+BAND = "runtime/smg_band.h"
+
+# The field belongs to t0 + (count + 1/2) h; what depends on time is computed anew every step.
+TIME = (
+    (STEP, r"\(\(smg_real\)s->count \+ \(smg_real\)0\.5\)", r"(smg_real)s->count"),
+    (STEP, r"\(\(smg_real\)s->count \+ \(smg_real\)0\.5\)", r"((smg_real)s->count + (smg_real)1)"),
+    (STEP, r"\(\(smg_real\)s->count \+ \(smg_real\)0\.5\)", r"(smg_real)0.5"),
+    (STEP, r"(_clock\(&s->c, )\(smg_real\)s->t0 \+ ", r"\1"),
+    (STEP, r"(_clock\(&s->c, \(smg_real\)s->t0) \+ .*(\);)", r"\1\2"),
+    (STEP, r"_clock\(c, t\)", r"_clock(c, 0)"),
+    (STEP, r"_begin\(&k, p, t\)", r"_begin(&k, p, 0)"),
+    (STEP, r"return s->t0 \+ \(double\)s->count \* s->h", r"return s->t0"),
+    (STEP, r"return s->t0 \+ \(double\)s->count", r"return s->t0 + (double)(s->count - 1)"),
+    (STEP, r"\+\+s->count;", r";"),
+    ("gen/lower.py", r"return CLOCK", r"return PREPARE"),
+    ("gen/lower.py", r"max\(self\.when\(a\) for a in early\)", r"min(self.when(a) for a in early)"),
+    ("gen/emission/interface.py", r'"k->t = t;"', r'"k->t = 0;"'),
+    ("gen/emission/interface.py", r"level == CLOCK\]", r"level == CLOCK][:-1]"),
+)
+
+# J_ij = delta_ij + G_i (d2H/dw_i dw_j) S_j^T, its own part from the curvature of C, and what corrects with it.
+JACOBIAN = (
+    ("templates/family.c.j2", r"smg_dot\(F \+ 3 \* r, turn\)", r"(0 * smg_dot(F + 3 * r, turn))"),
+    ("templates/family.c.j2", r" \+ k \* smg_dot\(n, turn\)", r" + 0 * smg_dot(n, turn)"),
+    ("templates/family.c.j2", r"\(smg_dot\(n, res\) \+ ", r"(0 * smg_dot(n, res) + "),
+    ("templates/family.c.j2", r"G\[3 \* l \+ a\] = k \* row\[a\]", r"G[3 * l + a] = 0 * row[a]"),
+    ("templates/family.c.j2", r'\{\{ "s \* " if BS == 2 \}\}', r""),
+    ("templates/family.c.j2", r" \+ gamma \* m\[b\]", r""),
+    ("templates/family.c.j2", r"S\[b\] \* a\[0\] \+ ", r""),
+    ("runtime/smg_site.h", r" - a \* n\[q\]", r""),
+    ("templates/newton.c.j2", r"_block_add\(s, row, column, block\)", r"_block_add(s, row, row, block)"),
+    ("templates/newton.c.j2", r"( +)(\{\{ M \}\}_block_add\(s, row, column, block\);)", r"\1if ((row) != (column)) \2"),
+    ("templates/newton.c.j2", r"( +)(\{\{ M \}\}_block_add\(s, row, column, block\);)", r"\1if ((row) <= (column)) \2"),
+    ("templates/newton.c.j2", r"at\[k\] \+= block", r"at[k] = block"),
+    ("templates/newton.c.j2", r"^\{\{ blocks \}\}", r""),
+    ("templates/local.c.j2", r"J\[SMG_BS \* n \+ l\] \+= smg_dot\(G \+ 3 \* n, y\)", r"(void)n"),
+    ("templates/local.c.j2", r"J\[SMG_BS \* n \+ l\] -= 0\.5 \* u\[n\] \* bend", r"(void)bend"),
+    ("templates/solo.c.j2", r"eps \+ q \* mu", r"eps"),
+    ("templates/solo.c.j2", r"smg_vec_add\(g0, smg_vec_scale\(eps, e\)\)", r"g0"),
+    ("templates/solo.c.j2", r" - \(q \* q\) \* smg_vec_dot\(g0, e\)", r""),
+    ("templates/solo.c.j2", r"smg_vec_add\(d, smg_vec_scale\(l, e\)\)", r"d"),
+    ("templates/solo.c.j2", r"\(ga \+ gb\)", r"ga"),
+    ("templates/solo.c.j2", r"\{\{ M \}\}_solo_minors\(D\)", r"0 * {{ M }}_solo_minors(D)"),
+    ("templates/solo.c.j2", r" - \(0\.5 \* q \* q \* q\) \* aa", r" - 0 * aa"),
+    ("gen/derive.py", r"if not block\.is_zero_matrix:", r"if k == l and not block.is_zero_matrix:"),
+    ("gen/derive.py", r"if not block\.is_zero_matrix:", r"if k <= l and not block.is_zero_matrix:"),
+    ("gen/derive.py", r"sp\.diff\(row\[a\], column\[b\]\)", r"sp.diff(row[a], column[b]) if a == b else sp.S.Zero"),
+    ("gen/kernels.py", r"hessian\[pair\]\[a, b\] \* DIRECTION\[b\] for b in range\(3\)",
+     r"hessian[pair][a, b] * DIRECTION[b] for b in range(2)"),
+    ("gen/emission/sums.py", r"for k, l in t\.derived\.hessian", r"for k, l in list(t.derived.hessian)[1:]"),
+    ("gen/emission/sums.py", r"if \(k, k\) in t\.derived\.hessian:", r"if k > 0 and (k, k) in t.derived.hessian:"),
+    ("gen/emission/solo.py", r"\(\(0, 1\), \(0, 2\), \(1, 2\)\)", r"((0, 1), (0, 2))"),
+    ("gen/emission/solo.py", r"if a == row\)", r"if a == row == b)"),
+    ("gen/emission/solo.py", r"X\.jacobian\(m\)", r"X.jacobian(m).multiply_elementwise(sp.eye(3))"),
+)
+
+# The solution must be the one connected to W = w at h = 0.
+BRANCH = (
+    (STEP, r"positive \? SMG_OK : SMG_WRONG_BRANCH", r"SMG_OK"),
+    (STEP, r"\*sure = smg_positive\{\{ BS \}\}\(J\);", r"*sure = 1;"),
+    (STEP, r"status == SMG_OK && sure\)", r"status == SMG_OK)"),
+    (STEP, r"if \(!\(det > 0\)\) return SMG_WRONG_BRANCH;", r""),
+    (STEP, r" && det > 0\.125", r""),
+    (STEP, r"status == SMG_OK && apart <= s->scale \* SMG_MATH\(sqrt\)\(SMG_EPS\)", r"status == SMG_OK"),
+    (STEP, r"found\.row \* found\.stretch < 1", r"1"),
+    (STEP, r"if \(!\(s->x\[k\] < 1\)\) return", r"if (0) return"),
+    (STEP, r"\*positive = smg_dense_positive\(order, s->A, s->work\);", r"*positive = 1;"),
+    (STEP, r"if \(turn < 0\) return SMG_NO_SOLUTION;", r""),
+    (STEP, r"sure \? SMG_OK : ", r"1 ? SMG_OK : "),
+    (STEP, r"if \(status == SMG_WRONG_BRANCH\) break;", r"if (status == SMG_WRONG_BRANCH) return SMG_OK;"),
+    (STEP, r"status = SMG_WRONG_BRANCH;", r"status = SMG_OK;"),
+    ("runtime/*.h", r"\*ok &= (smg_block_positive\([^)]*\));", r"(void)\1;"),
+    ("runtime/smg_small.h", r" & !negative_pair", r""),
+    ("runtime/smg_small.h", r"\(smg_det2\(D\) > 0\) & ", r""),
+    ("runtime/smg_small.h", r"if \(!\(c > 0\)\) return 0;", r""),
+    ("runtime/smg_small.h", r"return s <= 0 \|\| .*;", r"return 1;"),
+    ("runtime/smg_eigen.h", r"if \(!smg_positive2\(D\)\) return 0;", r"(void)D;"),
+    ("runtime/smg_eigen.h", r"return sum < 1;", r"return sum < 9;"),
+    ("runtime/smg_eigen.h", r"(else if \(!\(s > SMG_ROUNDOFF .*\)\)) return 0;", r"\1 work[i * n + j] = 1;"),
+    ("runtime/smg_eigen.h", r"if \(n == 2\) return smg_positive2\(A\);", r"if (n == 2) return smg_det2(A) > 0;"),
+    ("runtime/smg_follow.h", r"return SMG_(NO_SOLUTION|WRONG_BRANCH);", r"return SMG_OK;"),
+    ("runtime/smg_spin.h", r"if \(k >= 1 && d >= 0 && d <= 0\) return 0;", r""),
+)
+
+TOLERANCE = (
+    (C, r"(?<!\(sqrt\)\()(?<!NEGLIGIBLE \()(?<!EPS \* )\bSMG_EPS\b", r"(1000000 * SMG_EPS)"),
+    (C, r"SMG_MATH\(sqrt\)\(SMG_EPS\)", r"4"),
+    (C, r"(?<=define SMG_NEGLIGIBLE ).*", r"1e-3"),
+    (C, r"\bSMG_ROUNDOFF\b(?= \*)", r"(100000000 * SMG_ROUNDOFF)"),
+    (C, r"\b1e-(12|9|5)\b(?! *\*/)", r"1e-3"),
+    (C, r"(?<=size < )0\.01\b", r"1e9"),
+    (C, r"(?<=det > )0\.125\b", r"1e-30"),
+    (C, r"\bit > 6\b", r"it > 0"),
+)
+
+# A lattice, a ring or a remainder that closes at the wrong place.
+WRAP = (
+    ("runtime/smg_site.h", r"x < 0 \? x \+ n :", r"x < 0 ? 0 :"),
+    ("runtime/smg_site.h", r"x < 0 \? x \+ n :", r"x < 0 ? x + n - 1 :"),
+    ("runtime/smg_site.h", r": x >= n \? x - n :", r": x >= n ? n - 1 :"),
+    ("runtime/smg_site.h", r": x >= n \? x - n :", r": x > n ? x - n :"),
+    ("runtime/smg_site.h", r"\? r \+ b : r;", r"? r + b - 1 : r;"),
+    ("runtime/smg_site.h", r"\(r < 0\) != \(b < 0\) \? r \+ b : r", r"(r < 0) != (b < 0) ? r : r"),
+    ("runtime/smg_site.h", r"\(a - smg_mod\(a, b\)\) / b", r"a / b"),
+    ("templates/newton.c.j2", r"d -= \{\{ order \}\};", r"d -= {{ order }} - 1;"),
+    ("templates/newton.c.j2", r"d \+= \{\{ order \}\};", r"d += {{ order }} - 1;"),
+    ("gen/loops.py", r"'\+' if shift > 0 else '-'", r"'-' if shift > 0 else '+'"),
+    ("gen/loops.py", r"'-' if shift > 0 else '\+'", r"'+' if shift > 0 else '-'"),
+    ("gen/loops.py", r"size = self\.low\.size\(over\.size\[d\]\)", r"size = self.low.size(over.size[0])"),
+    ("gen/loops.py", r"\{self\.low\.size\(over\.size\[d\]\)\}\*", r"{self.low.size(over.size[-1])}*"),
+    ("gen/loops.py", r"abs\(shift\)", r"1"),
+    ("gen/loops.py", r"smg_wrap\(\{moved\}, \{size\}\)", r"smg_wrap({moved}, {size} - 1)"),
+    ("gen/loops.py", r"r\{d\} % \{size\}", r"r{d} % ({size} - 1)"),
+    ("gen/loops.py", r"site % \{over\.sites\}", r"(site + 1) % {over.sites}"),
+    ("gen/loops.py", r"\}\*\(colour - \(", r"}*(colour + ("),
+    ("gen/loops.py", r'start=f"\{i\} \+ 1"', r'start=f"{i}"'),
+    ("gen/loops.py", r'start="site \+ 1"', r'start="site"'),
+    ("gen/lower.py", r"smg_mod\(\{args\[0\]\}, \{args\[1\]\}\)", r"({args[0]} % {args[1]})"),
+    (BAND, r"q->E\[e \* \(SMG_BS \+ 1\)\] = -1", r"q->E[e * (SMG_BS + 1)] = 1"),
+    (BAND, r"border \+ 2 \* SMG_BB", r"border"),
+    (BAND, r"smg_block_add\(q->E, q->U\);", r""),
+    (BAND, r"smg_block_add\(q->F, border\);", r"(void)border;"),
+    (BAND, r"if \(d > k\) d -= n;", r""),
+    (BAND, r"if \(d < -k\) d \+= n;", r""),
+    (BAND, r"c < 0 \? c \+ n - m : c - m", r"c < 0 ? c + k : c - m"),
+    (BAND, r"c < 0 \? c \+ n - m : c - m", r"c < 0 ? c + n - m : 0"),
+    (BAND, r"t - s \+ k\) \* SMG_BB", r"s - t + k) * SMG_BB"),
+    (BAND, r"next = i \+ 1 \+ k", r"next = i + k"),
+    (BAND, r"next >= n - 2 \* k && next < n - k", r"next >= n - k && next < n - k"),
+)
+
+KINDS = {"time": TIME, "jacobian": JACOBIAN, "branch": BRANCH, "tolerance": TOLERANCE, "wrap": WRAP}
+RULES = tuple((kind, *rule) for kind, rules in KINDS.items() for rule in rules)
