@@ -33,7 +33,7 @@ KEPT = 300      # builds that the cache keeps; the ones unused longest go first
 DOWNSTREAM = {"cli", "plot", "witness", "library.py", "run.py", "settings.py",
               "given.py", "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "verify", "demo",
               "checkpoint.py", "durable.py", "resume.py", "safe.py", "saved.py", "substeps.py",
-              "lyapunov.py", "__pycache__"}     # no part of the generator
+              "lyapunov.py", "symmetry", "advice", "__pycache__"}     # no part of the generator
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,0 +1,37 @@
+"""`smidgen advise`: the largest safe step for the start of a run."""
+from __future__ import annotations
+
+from .options import json_option, model_options, spec_argument, whole
+from .run import start_of
+from .say import printed
+
+EXAMPLES = """  smidgen advise point_vortices
+  smidgen advise heisenberg_chain random --seed 5 --set n=20
+  smidgen advise top.toml demo --h 0.5 --json"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("advise", command, "estimate the largest safe step of a run, and say why", EXAMPLES)
+    spec_argument(parser)
+    model_options(parser)
+    parser.add_argument("--h", help="the step to compare with; its sign is that of the advice")
+    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
+    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    json_option(parser)
+
+
+def command(args):
+    """The advice in sentences."""
+    from ..advice import advise
+    from ..shipped import load_spec
+    given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "seed")
+             if getattr(args, w) is not None}
+    if args.start is not None:
+        given["start"] = start_of(args.start)
+    advice = advise(load_spec(args.spec), args.run, values=dict(args.values), **given)
+    if args.json:
+        return printed(advice.as_dict())
+    print(f"{advice.spec} {advice.run}, {advice.method}:".replace(" ,", ","))
+    for sentence in advice.words():
+        print(sentence)
