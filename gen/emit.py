@@ -18,6 +18,7 @@ from .emission.sums import SumParts
 from .emission.sweeps import SweepParts
 from .emission.tables import graph_tables, pattern_tables
 from .emission.tangent import TangentParts
+from .emission.wide import WideParts
 from .features import chosen_features
 from .indices import safe_indices
 from .kernels import term_kernels
@@ -43,7 +44,7 @@ def environment() -> Environment:
                        keep_trailing_newline=True)
 
 
-class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, MemoryParts, InterfaceParts):
+class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WideParts, MemoryParts, InterfaceParts):
     """Emission of one model with one method."""
 
     def __init__(self, spec: Spec, method: str, solver: str, features=()):
@@ -73,7 +74,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, Memory
                     weights_by_four=extrapolation(self.history(), 4), families=self.families, coupled=self.chosen(self.plan.coupled),
                     local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.rows,
                     solver=self.plan.solver, newton=self.plan.newton, timed=self.low.is_timed(), rotation=self.plan.rotation, orientation=self.spec.orientation,
-                    band=self.plan.band, wrap=self.plan.wrap)
+                    band=self.plan.band, wrap=self.plan.wrap, extended=self.extended, plain_sums="plain-sums" in self.features)
 
     def tables(self):
         found = [f"static const double {self.M}_table_{name}[] = {{{', '.join(number(x) for x in values)}}};"
@@ -126,7 +127,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, Memory
 
     def source(self) -> str:
         kernels = "\n\n".join(t for k in [*self.effects, *self.observables] for t in k.text)
-        body = dict(kernels=kernels, sites=self.sites_text(), sums=self.gathers(), step=self.step(), tangent=self.tangent(),
+        body = dict(kernels=kernels, sites=self.sites_text(), sums=self.gathers(), wide=self.wide_text(), step=self.step(), tangent=self.tangent(),
                     interface=self.interface())
         # last, for they list what the parts above asked for
         body |= dict(prepare=self.sizes_text() + "\n\n" + self.prepare_text(), clock=self.clock_text(),

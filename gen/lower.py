@@ -31,6 +31,7 @@ class Kernel:
 
 class Lowering:
     """Collects hoisted values while it turns expressions into C text for one model."""
+    printer, real, holder = Printer, "smg_real", "c"     # how numbers are written, their type, and what holds hoisted ones
 
     def __init__(self, spec: Spec):
         self.spec = spec
@@ -156,7 +157,7 @@ class Lowering:
             return -self.remember(-e, level)
         if e not in self.hoisted:
             self.hoisted[e] = (f"k{len(self.hoisted)}", level)
-        name = f"c->{self.hoisted[e][0]}"
+        name = f"{self.holder}->{self.hoisted[e][0]}"
         return sp.Symbol(name, real=True)
 
     def number_values(self, e):
@@ -171,9 +172,9 @@ class Lowering:
         work = [self.hoist(self.number_values(sp.sympify(e))) for e in expressions]
         names = (sp.Symbol(f"x{n}", real=True) for n in count())
         shared, results = sp.cse(work, symbols=names, order="canonical")
-        show = Printer(self.text)
+        show = self.printer(self.text)
         lines = [f"const int {show(s)} = {show.test(e)};" if isinstance(e, Boolean) else
-                 f"const smg_real {show(s)} = {show(e)};" for s, e in shared]
+                 f"const {self.real} {show(s)} = {show(e)};" for s, e in shared]
         operations = sum(int(sp.count_ops(e)) for e in [e for _, e in shared] + results)
         return Kernel(lines, [show(r) for r in results], operations)
 
@@ -188,7 +189,7 @@ class Lowering:
 
     def coefficients(self):
         """Hoisted values in dependency order: [(name, C text, level)]."""
-        show = Printer(self.text)
+        show = self.printer(self.text)
         return [(name, show(e), level) for e, (name, level) in self.hoisted.items()]
 
 

@@ -102,7 +102,8 @@ class InterfaceParts:
             "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=self.history(), solo=self.solo,
             integer_names=list(self.low.integers.values()), effects=[e.name for e in self.spec.effects],
             hoisted_names=[name for name, _, _ in self.low.coefficients()], tangent=self.tangent_header(),
-            observables=[o.name for o in self.spec.observables], **self.banner())
+            observables=[o.name for o in self.spec.observables], extended=self.extended,
+            wide_names=self.wide_names(), **self.banner())
 
     def declare(self, p):
         kind = {"int": "int64_t ", "real": "double ", "array": "const double *"}[p.kind]

@@ -32,6 +32,7 @@ class MemoryParts:
             found += self.matrix_arrays()
             if self.plan.newton:
                 found.append(("curve", times(15, self.total), "a branch of solutions followed: its point, tangent, changes"))
+        found += self.wide_arrays()
         return [dict(name=a, size=b, meaning=c) for a, b, c in found]
 
     def saved(self):
