@@ -165,9 +165,9 @@ class Folder:
         return sorted((p for p in found if p and p.kind == kind), key=lambda p: p.number)
 
     def put(self, kind: str, number: int, facts: dict, arrays: dict) -> None:
-        """Write a part. Raises OSError."""
+        """Write a part. Raises OSError. The names of rows reach the disk with that of the next state."""
         data = packed(facts, arrays)
-        write_new(self.path / f"{kind}-{number:018d}-{digest_of(data)}.h5", data)
+        write_new(self.path / f"{kind}-{number:018d}-{digest_of(data)}.h5", data, name_too=kind != "rows")
 
     def run(self) -> dict:
         """The metadata of the run. Raises CheckpointError."""

@@ -7,9 +7,9 @@ from pathlib import Path
 FRESH = ".new"      # the ending of a file that is not complete
 
 
-def write_new(path: Path, data: bytes) -> None:
+def write_new(path: Path, data: bytes, name_too: bool = True) -> None:
     """Write `data` beside `path`, put it on the disk, then give it its name. Raises OSError;
-    what `path` was before is then as it was."""
+    what `path` was before is then as it was. name_too: put the name on the disk as well."""
     fresh = path.with_name(path.name + FRESH)
     try:
         with open(fresh, "wb", 0) as out:
@@ -19,7 +19,8 @@ def write_new(path: Path, data: bytes) -> None:
     except OSError:
         fresh.unlink(missing_ok=True)
         raise
-    sync_folder(path.parent)
+    if name_too:
+        sync_folder(path.parent)
 
 
 def _write_all(out, data):

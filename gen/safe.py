@@ -43,7 +43,8 @@ class SafeSink:
     def chunks(self):
         """All rows, part by part."""
         for part in self.folder.parts("rows"):
-            yield part.read()[1]
+            arrays = part.read()[1]
+            yield {name: arrays[name] for name in self.layout}
 
     def close(self, meta: dict, extras: dict, capacity: int, keep: bool = False) -> None:
         """Put the result together as a run without checkpoints would have written it.

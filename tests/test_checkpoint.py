@@ -1,0 +1,197 @@
+"""Stop and go on: a saved state has all the bits, and a run that is killed ends as an unbroken one."""
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.checkpoint import folder_of
+from smidgen.features import FEATURES
+from smidgen.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, PAST, REST, SCALE, SIZE, Saved
+from support import crash
+from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
+from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model
+
+
+# The saved state
+
+def goes_on(one, other, w, h, before=37, after=50):
+    """Does `other`, restored after `before` steps of `one`, end with the same bits?"""
+    one.start(w.copy(), h=h).steps(before)
+    saved = one.save()
+    one.steps(after)
+    other.start(w.copy(), h=0.5 * h).restore(saved)
+    assert other.count == before and other.h == h
+    np.testing.assert_array_equal(other.save(), saved)
+    other.steps(after)
+    np.testing.assert_array_equal(other.save(), one.save())
+    np.testing.assert_array_equal(other.w, one.w)
+    assert other.t == one.t
+
+
+@pytest.mark.parametrize("name", SPECS)
+def test_every_spec_goes_on(name):
+    case = begin(name)
+    goes_on(model(case), model(case), case.w, case.h)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("feature", [None, *FEATURES])
+@pytest.mark.parametrize("method", [CLASSICAL, VESELOV, "spherical-midpoint"])
+@pytest.mark.parametrize("name", SPECS)
+def test_every_method_and_feature_goes_on(name, method, feature):
+    if (method == VESELOV and name not in FREE_BODIES) or not accepts(name, method):
+        pytest.skip("no such method for this spec")
+    case, more = begin(name), {"features": [feature]} if feature else {}
+    try:
+        one = model(case, method, **more)
+    except smidgen.UsageError as refusal:
+        pytest.skip(f"no such feature for this spec: {refusal}")
+    goes_on(one, model(case, method, **more), case.w, case.h)
+
+
+@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
+@pytest.mark.parametrize("real", ["double", "long double"])
+def test_every_solver_goes_on(solver, real):
+    case = begin("heisenberg_chain", n=12)
+    goes_on(*(model(case, solver=solver, real=real) for _ in range(2)), case.w, case.h)
+
+
+def test_the_rest_from_sweeps_goes_on():
+    """While sweeps do not settle, their trial is put off: the count of that is part of the state."""
+    case = begin("heisenberg_chain", n=12)
+    one, other = model(case), model(case)
+    one.start(case.w.copy(), h=1.5).steps(3)
+    assert one.save()[REST] > 0
+    goes_on(one, other, case.w, 1.5, before=3, after=300)
+
+
+@pytest.mark.parametrize("before", [0, 1, 3, 8, 57, 64, 129])
+def test_any_place_in_the_history_goes_on(before):
+    """The rows of a single sphere move in their array; where they stand decides nothing."""
+    case = begin("irreversible_rigid_body")
+    goes_on(model(case), model(case), case.w, case.h, before=before, after=100)
+
+
+@pytest.fixture
+def chain():
+    """A ring of 12 spins after 20 steps."""
+    case = begin("heisenberg_chain", n=12)
+    return model(case).start(case.w, h=case.h).steps(20)
+
+
+def test_counts_beyond_the_integers_of_a_double(chain):
+    saved = chain.save()
+    for count in (2 ** 53 + 1, 2 ** 62 + 2 ** 31 + 5, 2 ** 63 - 1):
+        saved[COUNT_HIGH], saved[COUNT_LOW] = divmod(count, 2 ** 32)
+        assert chain.restore(saved).count == count
+        np.testing.assert_array_equal(chain.save(), saved)
+        assert Saved.of(saved).count == count
+
+
+@pytest.mark.parametrize("place, values", [
+    (SIZE, [0, 1e9, np.nan]), (PAST, [0, 11]), (H, [0, np.inf]), (COUNT_HIGH, [-1, 0.5, 2.0 ** 31]),
+    (COUNT_LOW, [-1, 0.5, 2.0 ** 32]), (HISTORY, [-1, 8, 2.5]), (DEGREE, [-2, 7, 0.5]), (REST, [-1, 256, 1.5]),
+    (SCALE, [-1, np.nan]), (HEAD, [np.nan, np.inf]), (HEAD + 36, [np.nan]), (-1, [-np.inf])])
+def test_what_cannot_be_a_saved_state_is_refused(chain, place, values):
+    before = chain.save()
+    for value in values:
+        wrong = before.copy()
+        wrong[place] = value
+        with pytest.raises(smidgen.RunError, match="no saved state"):
+            chain.restore(wrong)
+        np.testing.assert_array_equal(chain.save(), before)
+    with pytest.raises(smidgen.RunError, match="no saved state"):
+        chain.restore(before[:-1])
+    chain.restore(before).steps(1)
+
+
+def test_the_edges_of_a_saved_state(chain):
+    saved = chain.save()
+    for place, value in ((REST, 255), (HISTORY, 7), (DEGREE, 6), (SCALE, 0)):
+        edge = saved.copy()
+        edge[place] = value
+        np.testing.assert_array_equal(chain.restore(edge).save(), edge)
+
+
+# Runs
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_checkpoints_leave_no_trace_in_the_result(tmp_path, suffix, unbroken):
+    out = tmp_path / f"a{suffix}"
+    result = chain_run(out)
+    same_as_unbroken(out, unbroken)
+    assert result.summary["errors"] == unbroken[suffix][1]["errors"]
+
+
+def operations(path) -> int:
+    """How many operations on the disk a whole run takes."""
+    def count():
+        deadly = crash.Deadly()
+        chain_run(path)
+        path.with_suffix(".count").write_text(str(deadly.count))
+    assert crash.forked(count) == 0
+    number = int(path.with_suffix(".count").read_text())
+    path.with_suffix(".count").unlink()
+    path.unlink()
+    return number
+
+
+@pytest.mark.parametrize("suffix, part", [(".h5", 1), (".npz", 0.3), (".csv", 0.3)])
+def test_killed_at_every_operation_on_the_disk(tmp_path, patient_disk, suffix, part, unbroken):
+    """In the middle of each write, before and after each fsync, rename and removal. part: of the operations, from the last on; the formats differ only when the result is put together."""
+    out = tmp_path / f"a{suffix}"
+    total = operations(out)
+    assert total > 50
+    for at in range(total - int(part * total), total):
+        assert crash.forked(lambda: crash.Deadly(at) and chain_run(out) and 0) == -signal.SIGKILL
+        crash.begin_or_resume(out, chain_run)
+        same_as_unbroken(out, unbroken)
+        out.unlink()
+
+
+def test_killed_again_and_again(tmp_path, patient_disk, unbroken):
+    """Also while it goes on: each life lasts an operation more."""
+    out, lives = tmp_path / "a.h5", 0
+    for at in range(3, 100):
+        def live(at=at):
+            crash.Deadly(at)
+            crash.begin_or_resume(out, chain_run)
+        lives += 1
+        if crash.forked(live) == 0:
+            break
+    assert lives > 5
+    same_as_unbroken(out, unbroken)
+
+
+def killed_at_random(tmp_path, unbroken, seed, count):
+    """Resumes that are killed at random instants till the run is complete; over and over."""
+    out, begins = tmp_path / "a.h5", time.perf_counter()
+    chain_run(out, checkpoint=3)
+    longest = time.perf_counter() - begins
+    out.unlink()
+    kills = 0
+    for seconds in crash.instants(seed, count, longest):
+        def act():
+            crash.begin_or_resume(out, lambda path: chain_run(path, checkpoint=3))
+        kills += crash.killed_after(seconds, act) == -signal.SIGKILL
+        if out.exists() and not folder_of(out).exists():
+            same_as_unbroken(out, unbroken)
+            out.unlink()
+    crash.begin_or_resume(out, chain_run)
+    same_as_unbroken(out, unbroken)
+    return kills
+
+
+def test_killed_at_random_instants(tmp_path, unbroken):
+    assert killed_at_random(tmp_path, unbroken, seed=1, count=5) >= 1
+
+
+@pytest.mark.long
+def test_killed_at_a_hundred_random_instants(tmp_path, unbroken):
+    """Each kill is followed at once by a resume that runs to the end."""
+    for seed in range(100):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        killed_at_random(folder, unbroken, seed, 1)
