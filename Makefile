@@ -4,7 +4,7 @@ VENV   := .venv
 PY     := $(VENV)/bin/python
 PYTEST := $(PY) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench clean
+.PHONY: demo test quick test-long bench hard clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.demo --out out/demo
@@ -24,6 +24,10 @@ bench: $(VENV)/ready
 $(VENV)/ready: tests/install.sh requirements.txt requirements-test.txt pyproject.toml setup.py
 	PYTHON="$(PYTHON)" sh tests/install.sh $(VENV)
 	@touch $@
+
+# The hard cases, one by one, beside what each must show; writes docs/hard.md. TIER=quick or long: one tier, printed only.
+hard: $(VENV)/ready-test
+	PYTHONPATH=tests $(PY) -m hard.table $(if $(TIER),--tier $(TIER))
 
 # What only the tests use: other compilers, a browser. Tests say so when one is missing.
 $(VENV)/ready-test: $(VENV)/ready

@@ -1,0 +1,208 @@
+r"""Chains: stiff, large, and spin waves
+
+*Spin waves.* H = -J sum w_i.w_{i+1} - K sum z_i^2 - B sum z_i, strength kappa: about w = e_z the field is
+-(1/kappa)(2 J cos k u, 2 J + 2 K + B), so that u = x + i y turns at kappa omega = 2 J (1 - cos k) + 2 K + B, without damping.
+At any polar angle theta the helix u_j = sin(theta) exp(i k j), z_j = cos(theta) turns rigidly,
+
+    kappa omega(z) = (2 J (1 - cos k) + 2 K) z + B.
+
+By symmetry a step turns it by phi; its midpoint has the height z/rho, rho^2 = 1 - sin^2(theta) sin^2(phi/2), and the length
+of the increment gives
+
+    tan(phi/2) = (h/(2 rho)) omega(z/rho);      theta -> 0:    tan(phi/2) = h omega/2.
+
+*Stiff chains.* The Landau-Lifshitz equation on n points with h/ds^2 = 16: no fixed point contracts there; Newton does.
+"""
+import json
+import subprocess
+import sys
+from math import atan, cos, pi, sin
+
+import mpmath as mp
+import numpy as np
+from support.systems import load as shipped
+
+import smidgen
+
+from .case import EPS, NO_CONVERGENCE, Row, attempt, below, between, case, near, refused, same_bits, status_of, typed
+from .geometry import build, largest, load, polar, turns
+
+N = 24
+
+
+def helix(k, theta):
+    """u_j = sin(theta) exp(i k j)."""
+    return polar(theta, k * np.arange(N))
+
+
+def omega(k, z, J, K, B, kappa):
+    """Rate of the helix at height z."""
+    return ((2 * J * (1 - cos(k)) + 2 * K) * z + B) / kappa
+
+
+def discrete(h, k, theta, *values):
+    """phi of the step of a helix."""
+    z, r2 = mp.cos(theta), mp.sin(theta)**2
+    rho = lambda phi: mp.sqrt(1 - r2 * mp.sin(phi / 2)**2)
+    law = lambda phi: mp.sin(phi / 2) - mp.cos(phi / 2) * h / (2 * rho(phi)) * omega(k, z / rho(phi), *values)
+    return mp.findroot(law, (mp.mpf(0), mp.pi), solver="anderson", tol=1e-40)
+
+
+@case("spin waves of a chain")
+def dispersion():
+    """The exact discrete frequency at every wave number, small and large amplitude; the flow's as h goes to 0; no damping."""
+    # broken by: a neighbour missed at the wrap, a factor 2 of K, kappa left out, a midpoint off the sphere, damping
+    values = (1.0, 0.3, 0.2, 1.5)
+    model = build("spin_wave", n=N, **dict(zip(("J", "K", "B", "kappa"), values)))
+    for h in (0.1, 1.0):
+        for theta in (1e-6, 0.6):
+            worst, height = 0.0, 0.0
+            for p in range(N // 2 + 1):
+                k = 2 * pi * p / N
+                w = helix(k, theta)
+                model.start(w.copy(), h=h).step()
+                worst = max(worst, largest(turns(w, model.w) - float(discrete(h, k, theta, *values))))
+                height = max(height, largest(np.hypot(model.w[:, 0], model.w[:, 1]) / sin(theta) - 1))
+            yield below(f"h = {h}, theta = {theta}: angle of a step off, largest of {N // 2 + 1} wave numbers", worst, 32 * EPS)
+            yield below(f"h = {h}, theta = {theta}: change of the amplitude", height, 32 * EPS)
+    for p in (1, 7, 12):
+        k = 2 * pi * p / N
+        w, found = helix(k, 1e-6), []
+        for count in (100, 200, 400):
+            model.start(w.copy(), h=0.5 / count).steps(count)
+            found.append(2 * turns(w, model.w).mean())
+        better = [(4 * b - a) / 3 for a, b in zip(found, found[1:])]
+        yield near(f"k = 2 pi {p}/{N}: omega, from h to 0", (16 * better[1] - better[0]) / 15, omega(k, 1.0, *values), 1e-9)
+
+
+@case("spin waves with a stiff easy axis")
+def stiff_axis():
+    """K h up to 1e4: the exact angle of a helix, and of a small wave 2 atan(h omega/2), in one step."""
+    # broken by: an iteration that contracts only for K h < 1, a Newton matrix without the anisotropy
+    h, k = 1.0, 2 * pi * 3 / N
+    for K in (10.0, 1e2, 1e4):
+        values = (1.0, K, 0.0, 1.0)
+        model = build("spin_wave", n=N, J=1.0, K=K, B=0.0, kappa=1.0)
+        for theta in (1e-6, 0.3, 1.0):
+            w = helix(k, theta)
+            error = attempt(model.start(w.copy(), h=h))
+            found = turns(w, model.w) if error is None else np.full(N, np.nan)
+            exact = float(discrete(h, k, theta, *values))
+            yield below(f"K h = {K:g}, theta = {theta:g}: off the angle {exact:.10f}", largest(found - exact), 64 * EPS)
+        yield near(f"K h = {K:g}: the small wave is Cayley's", float(discrete(h, k, 1e-6, *values)), 2 * atan(h * omega(k, 1.0, *values) / 2), 1e-6)
+
+
+# -- stiff exchange ---------------------------------------------------------------------------------
+
+def stiff(steps_of_ds2, n=100):
+    """The Landau-Lifshitz curve at the smooth start, h = steps_of_ds2 ds^2, solved by Newton."""
+    i = np.arange(n)
+    w = polar(0.7 + 0.3 * np.sin(6 * pi * i / n), 2 * pi * i / n)
+    model = smidgen.build(shipped("landau_lifshitz"), values={"n": n}, solver="newton")
+    return model.start(w, h=steps_of_ds2 * (2 * pi / n)**2)
+
+
+def stiff_rows(count):
+    """Iterations, energy in two halves and momentum over `count` steps."""
+    model = stiff(16)
+    first, spin = model.energy(), model.w.sum(axis=0)
+    span = first - 100 / (2 * pi / 100)**2      # against all parallel: what there is to lose
+    iterations, errors = [], []
+    for _ in range(count):
+        model.step()
+        iterations.append(model.report()["iterations"])
+        errors.append(abs((model.energy() - first) / span))
+    yield below(f"most iterations of {count} steps", max(iterations), 6)
+    yield below("energy error of the first half, of the energy above all parallel", max(errors[:count // 2]), 0.25)
+    yield below("energy error of the second half over that of the first", max(errors[count // 2:]) / max(errors[:count // 2]), 1.5)
+    yield below("change of the total spin", largest(model.w.sum(axis=0) - spin), 4 * 16 * EPS * np.sqrt(100 * count))      # h/ds^2 products of size 1, rounded, a spin and step
+    yield below("off the spheres", largest(np.sum(model.w**2, axis=1) - 1), 8 * EPS + EPS * np.sqrt(count))
+
+
+@case("stiff chain, h/ds^2 = 16")
+def stiff_chain():
+    """Newton in at most six iterations a step; the orbit bounded, the energy error without a trend."""
+    # broken by: a wrong Jacobian (linear convergence: tens of iterations), a stagnation test that round-off never meets
+    yield from stiff_rows(300)
+
+
+@case("stiff chain, h/ds^2 = 16, long run", tier="long")
+def stiff_chain_long():
+    """The same over ten thousand steps."""
+    yield from stiff_rows(10_000)
+
+
+# -- no convergence ---------------------------------------------------------------------------------
+
+@case("no convergence is said")
+def no_convergence():
+    """Plain iteration, asked for by name, where it does not contract: typed, with residual, step and site; the state untouched."""
+    # broken by: returning the last iterate as a solution, writing to the state, a status that claims there is no solution
+    i = np.arange(N)
+    w = polar(0.7 + 0.3 * np.sin(6 * pi * i / N), 2 * pi * i / N)
+    model = smidgen.build(load("spin_wave"), values={"n": N, "J": -1.0}, solver="plain").start(w.copy(), h=1.5)
+    yield from refused("h = 1.5", model, NO_CONVERGENCE, set(range(N)))
+    report, text = model.report(), str(attempt(model))
+    yield between("its residual", report["residual"], 1e-12, 10)
+    yield between("its iterations", report["iterations"], 2, 10_000)
+    for word in ("step 1", "residual", "at site"):
+        yield Row("the message", f"names {word!r}", text.split(";")[0], word in text)
+    by_newton = smidgen.build(load("spin_wave"), values={"n": N, "J": -1.0}, solver="newton").start(w.copy(), h=1.5)
+    yield Row("the same step by Newton", "ok", status_of(attempt(by_newton)), by_newton.count == 1)
+
+
+@case("a step far too large for a rough chain")
+def too_large():
+    """From rest, and after ten good steps with their history: a typed end, the state untouched; the next start goes on."""
+    # broken by: the last iterate taken for a solution, a history or a carry spoilt by the failure
+    model = build("spin_wave", n=N, J=-1.0)
+    w = np.random.default_rng(5).normal(size=(N, 3))
+    w /= np.linalg.norm(w, axis=1)[:, None]
+    error = attempt(model.start(w.copy(), h=40.0))
+    yield typed("h = 40", error)
+    yield same_bits("h = 40: the state after it", model.w, w)
+    whole = model.start(w.copy(), h=0.05).steps(20).w.copy()
+    yield same_bits("twenty steps of 0.05 afterwards, twice", model.start(w.copy(), h=0.05).steps(20).w, whole)
+
+
+# -- a million spins --------------------------------------------------------------------------------
+
+PROBE = """
+import json, resource, sys, time
+import numpy as np, smidgen
+from smidgen.resources import folder
+n, count = int(sys.argv[1]), int(sys.argv[2])
+t = 2*np.pi*np.arange(n)/n
+theta, phi = 0.7 + 0.3*np.sin(3*t), t
+w = np.stack([np.sin(theta)*np.cos(phi), np.sin(theta)*np.sin(phi), np.cos(theta)], axis=1)
+model = smidgen.build(smidgen.load(folder("specs") / "heisenberg_chain.toml"), values={"n": n})
+peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+before, spin = peak(), w.sum(axis=0)
+model.start(w, h=0.1)
+start = time.process_time()
+model.steps(count)
+took = time.process_time() - start
+print(json.dumps({"time": took/(n*count), "memory": (peak() - before)/n,
+                  "spin": float(np.abs(model.w.sum(axis=0) - spin).max()),
+                  "norm": float(np.abs(np.sum(model.w**2, axis=1) - 1).max())}))
+"""
+
+
+def probe(n, count):
+    """Seconds a spin and step, bytes a spin, change of the total spin, in a process of its own."""
+    said = subprocess.run([sys.executable, "-c", PROBE, str(n), str(count)], capture_output=True, text=True, check=True)
+    return json.loads(said.stdout)
+
+
+@case("a million spins", tier="long")
+def million():
+    """Time and memory a spin as at ten thousand; total spin and norms kept."""
+    # broken by: a matrix or a table of n^2 (100 times the time and memory), a sum that loses digits with n
+    count = 20
+    small, large = probe(100_000, 10 * count), probe(1_000_000, count)
+    yield below("time a spin and step, n = 1e6 over 1e5", large["time"] / small["time"], 2.5)
+    yield below("memory a spin, n = 1e6 over 1e5", large["memory"] / small["memory"], 1.5)
+    yield below("bytes a spin, n = 1e6", large["memory"], 1500, "60 vectors")
+    for n, found in ((1e5, small), (1e6, large)):
+        yield below(f"n = {n:g}: change of the total spin", found["spin"], 8 * EPS * np.sqrt(n * 10 * count))
+        yield below(f"n = {n:g}: off the spheres", found["norm"], 16 * EPS)
