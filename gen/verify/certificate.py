@@ -18,7 +18,6 @@ from .reversible import reversible
 from .round_off import round_off
 from .row import CLAIMS, NO, UNITS, Row, refused
 from .subject import emitted, fingerprint
-from .symmetries import rotation_axes
 from .symplectic import symplectic
 from .tangent import tangent
 from .witness_check import witness_check
@@ -124,12 +123,11 @@ def rows_of(case: Case, subject):
         subject.step(case.w, 0.0, case.h)
     except RunError as error:
         return [refused("steps", str(error))]
-    axes = rotation_axes(case)
-    known = known_integrals(case, axes)
+    known = known_integrals(case)
     checks = {"casimirs": lambda: casimirs(case, subject), "order": lambda: order(case, subject),
               "symplectic": lambda: symplectic(case, subject), "tangent map": lambda: tangent(case, subject),
               "reversible": lambda: reversible(case, subject),
-              "equivariant": lambda: equivariant(case, subject, axes),
+              "equivariant": lambda: equivariant(case, subject, known.actions),
               "momentum": lambda: integrals(case, subject, known),
               "round-off": lambda: round_off(case, subject, known),
               "residual": lambda: witness_check(case, subject)}

@@ -65,10 +65,11 @@ def changes(case: Case, known, starts, ends):
     leaves = case.leaves
     gap = (leaves.values(ends) - leaves.values(starts)) / leaves.sizes(starts)
     yield "casimirs", rms_of(gap)
-    for name, found in known.items():
-        gaps = [(one(ends) - one(starts)) / one.size(starts[0]) for one in found]
+    for name, found in known.by_row().items():
+        gaps = [[np.concatenate([one.changes(a, b) for one in found]) for a, b in zip(starts, row)]
+                for row in ends if found]
         if gaps:
-            yield name, rms_of(np.stack(gaps, axis=-1))
+            yield name, rms_of(np.array(gaps))
 
 
 def rms_of(gap) -> np.ndarray:
