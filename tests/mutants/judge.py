@@ -13,14 +13,13 @@ from .plant import Tree
 
 # Tests of what lies beside the step: reading, running, drawing, packing. They are not run.
 BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read|mutants|covered|"
-                    r"determinism|paper_numbers|build|run|settings|linking|fuzz_grammar|parse|pages)\b")
+                    r"determinism|witness|paper_numbers|build|run|settings|linking|fuzz_grammar|parse|pages)\b")
 RUNTIME = re.compile(r"test_(runtime|band|sparse|follow|wide|unit)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
           r"test_(effort|newton)", r"test_(agreement|properties|branch|statuses|hard_cases)", r"test_(symplectic|tangent)",
           r"test_(hard|round_off|certificate|verify|unusual)", r"test_(validate|user_specs|advice)", r"", r"runs_clean")
 LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
-ROOM = 8 << 30      # bytes of memory of a test process
 
 
 @dataclass(frozen=True)
@@ -49,10 +48,9 @@ def order_of(seconds: dict, runtime: bool) -> tuple[list[str], list[str]]:
 
 
 def limited():
-    """A process group of its own, no core files, no more memory than it may have."""
+    """A process group of its own, and no core files."""
     os.setsid()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_AS, (ROOM, ROOM))
 
 
 def run_tests(tree: Tree, files, order, first: bool, limit: float):

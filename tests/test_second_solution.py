@@ -1,0 +1,136 @@
+"""Steps whose equation has several solutions end in the one connected to h = 0, or in a refusal.
+
+The guess is put on another solution: the newest increment of the history is made to lead there, so
+that the predictor begins where no orbit would take it. Every solver must leave that place or say no.
+"""
+import subprocess
+from math import asin, cos, pi, sin, tan
+
+import numpy as np
+import pytest
+
+import smidgen
+from smidgen.emit import generate
+from smidgen.errors import RunError
+from smidgen.read import load_text
+from smidgen.resources import folder
+
+pytestmark = pytest.mark.quick
+OK, WRONG_BRANCH = 0, 3
+
+# -- one top: three solutions -------------------------------------------------------------------
+
+TOP = """
+[model]
+name = "top"
+[space]
+w = {{ sphere = 1{radius} }}
+[effects.axis]
+energy = "w.z^2/2"
+[starts.any]
+random = 1
+"""
+TOPS = {"one unit sphere": ("", 1.0), "another radius": (", radius = 1.5", 1.5)}
+
+
+def tangents(z, h):
+    """t = tan(phi/2) of every solution W = R(phi) w of a unit top with w.z = z, ascending.
+
+    2 tan(phi/2) (z^2 + (1 - z^2) cos^2(phi/2)) = h z, that is z^2 t^3 - (h z/2) t^2 + t - h z/2 = 0.
+    """
+    found = np.roots([z * z, -h * z / 2, 1, -h * z / 2])
+    return np.sort(found[np.abs(found.imag) < 1e-9].real)
+
+
+@pytest.mark.parametrize("which", TOPS)
+def test_a_top_takes_the_smallest_of_three_angles(which):
+    """From rest, at steps far beyond the fold too: the first solution, or none."""
+    radius, size = TOPS[which]
+    one, dice = smidgen.build(load_text(TOP.format(radius=radius))), np.random.default_rng(3)
+    taken = refused = 0
+    for _ in range(2000):
+        z, h = 10 ** dice.uniform(-2, -0.3), 10 ** dice.uniform(0, 3)
+        t = tangents(z, h * size)
+        start = size * np.array([[np.sqrt(1 - z * z), 0, z]])
+        try:
+            after = one.start(start, h=h).step().w[0]
+        except RunError:
+            refused += 1
+            assert len(t) == 1      # the branch has folded, what is left lies elsewhere
+            continue
+        angle = abs(np.arctan2(after[1], after[0]))
+        assert angle == pytest.approx(2 * np.arctan(t[0]), abs=1e-7)    # near a fold half the digits are lost
+        taken += len(t) == 3
+    assert taken > 200 and refused > 200
+
+
+# -- pairs of vortices: two solutions -----------------------------------------------------------
+
+PAIR = "-log(2 - 2*dot(w[i], w[j]))/(4*pi)"
+HEAD = '[model]\nname = "pairs"\n[space]\nw = {{ sphere = {n} }}\n{more}[effects.interaction]\nover = "{over}"\n' \
+       'energy = "{energy}"\n[starts.any]\nrandom = 1\n'
+SOLVERS = {     # solver asked for -> (solver chosen, pairs, model)
+    "dense": ("auto", 2, HEAD.format(n=4, more="", over="edge(i, j, k) of g", energy="k*" + PAIR)),
+    "band": ("newton", 3, HEAD.format(n='"n"', more="[parameters]\nn = 6\n", over="bond(i, j) of chain(n, open)",
+                                      energy="(1 - mod(i, 2))*" + PAIR)),
+    "sparse": ("newton", 8, HEAD.format(n=16, more="", over="edge(i, j, k) of g", energy="k*" + PAIR)),
+    "rotation": ("rotation", 2, HEAD.format(n=4, more="", over="edge(i, j, k) of g", energy="k*" + PAIR)),
+    "plain": ("plain", 2, HEAD.format(n=4, more="", over="edge(i, j, k) of g", energy="k*" + PAIR)),
+}
+DRIVER = """
+#include "pairs.c"
+#include <stdio.h>
+int main(void) {{
+  static double mem[1000000];
+  double w[] = {{{w}}}, u[] = {{{u}}};
+  pairs_params p; pairs_state s;
+  pairs_defaults(&p);
+  if (pairs_init(&s, &p, mem, w, 0, {h}) != SMG_OK) return 2;
+  for (int k = 0; k < {size}; ++k) s.past[0][k] = u[k];
+  s.history = 1;
+  s.degree = 0;
+  printf("%d", (int)pairs_step(&s));
+  for (int k = 0; k < {size}; ++k) printf(" %.17g", s.w[k]);
+  return 0;
+}}
+"""
+
+
+def pair(a, angle):
+    """Two vortices about the z axis at colatitude a, turned by -angle."""
+    x, y = sin(a) * cos(angle), -sin(a) * sin(angle)
+    return [[x, y, cos(a)], [-x, -y, cos(a)]]
+
+
+def step_from(solver, w, u, h, place):
+    """(status, W) of one step whose prediction is w + u."""
+    asked, pairs, text = SOLVERS[solver]
+    (place / "edges.csv").write_text("i,j,k\n" + "".join(f"{2 * k},{2 * k + 1},1\n" for k in range(pairs)))
+    (place / "model.toml").write_text(text.replace("[effects", '[graphs.g]\nfile = "edges.csv"\n[effects', 1)
+                                      if "of g" in text else text)
+    files = generate(smidgen.load(place / "model.toml"), solver=asked)
+    assert files.notes["solver"] == solver
+    numbers = [", ".join(repr(float(x)) for x in np.ravel(v)) for v in (w, u)]
+    main = DRIVER.format(w=numbers[0], u=numbers[1], h=repr(h), size=np.size(w))
+    for name, content in {**files, "main.c": main}.items():
+        (place / name).write_text(content)
+    subprocess.run(["gcc", "-O1", "-std=c11", "-ffp-contract=off", f"-I{folder('runtime')}", "-I.", "main.c", "-lm",
+                    "-o", "program"], cwd=place, check=True)
+    said = subprocess.run(["./program"], cwd=place, capture_output=True, text=True, check=True).stdout.split()
+    return int(said[0]), np.array(said[1:], float).reshape(np.shape(w))
+
+
+@pytest.mark.parametrize("wrong", [1, 2])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_pair_led_to_its_second_solution(solver, wrong, tmp_path):
+    """sin(theta) = h/(4 pi sin(a) tan(a)): theta is connected to h = 0, pi - theta is not; one pair or two
+    are led to the latter, the others to the former."""
+    a, h = 0.15, 0.15
+    theta, pairs = asin(h / (4 * pi * sin(a) * tan(a))), SOLVERS[solver][1]
+    w = np.concatenate([pair(a, 0)] * pairs)
+    right = np.concatenate([pair(a, theta)] * pairs)
+    led = np.concatenate([pair(a, pi - theta)] * wrong + [pair(a, theta)] * (pairs - wrong))
+    status, after = step_from(solver, w, led - w, h, tmp_path)
+    distance = np.abs(after - (right if status == OK else w)).max()
+    assert status in (OK, WRONG_BRANCH)
+    assert distance < 1e-12 if status == OK else distance == 0
