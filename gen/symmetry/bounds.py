@@ -4,7 +4,7 @@ Operations are counted, not seconds: the answer is the same on every machine.
 """
 from __future__ import annotations
 
-PRODUCTS = 200_000      # products of terms
+PRODUCTS = 100_000      # products of terms
 TERMS = 60              # terms of the energy that are written out one by one
 EQUATIONS = 20_000      # linear equations
 ROOTS = 2000            # entries of such equations, where they hold square roots

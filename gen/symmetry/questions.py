@@ -39,11 +39,14 @@ def ask(spec, values: dict, on_sphere: bool) -> Asked:
     numbers, places = parameter_values(spec, values), sizes(spec, values)
     tables = {name: numbers[name] for name, _ in spec.tables}
     sums, terms = orbits(spec.effects), written_out(spec.effects, numbers, places)
+
     def read(which, given, sphere):
-        return attempt(lambda: torques(spec, which, given, tables, Budget(), sphere))
-    return Asked(spec, numbers, places, read(sums, numbers, True),
-                 None if terms is None else read(terms, numbers, True), read(sums, None, True),
-                 read(terms if terms is not None else sums, numbers, on_sphere))
+        return None if which is None else attempt(lambda: torques(spec, which, given, tables, Budget(), sphere))
+    now = read(sums, numbers, True)
+    if now is None:                     # the other readings are no easier
+        return Asked(spec, numbers, places, None, None, None, None)
+    return Asked(spec, numbers, places, now, read(terms, numbers, True), read(sums, None, True),
+                 read(terms or sums, numbers, on_sphere))
 
 
 def attempt(question):
