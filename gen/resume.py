@@ -78,5 +78,5 @@ def _complete(path):
         raise CheckpointError(f"nothing was saved of {Path(path)}: a run that can go on is one with checkpoints, "
                               "`smidgen run SPEC --checkpoint 10000 --out result.h5`")
     result.summary = {"t": result.meta["h"] * result.meta["done"], "errors": {}, "seconds": 0.0,
-                      "substeps": 0 if result.substeps is None else len(result.substeps)}
+                      "in_parts": 0 if result.substeps is None else len(result.substeps)}
     return result

@@ -200,9 +200,9 @@ def lines(args, result):
 
 def split_lines(result):
     """What sub-stepping did."""
-    if not result.summary["substeps"]:
+    if not result.summary["in_parts"]:
         return
     step, t, k = result.substeps[0]
-    yield (f"warning: {result.summary['substeps']} steps failed and were taken in parts, the first to step {step:.0f} "
+    yield (f"warning: {result.summary['in_parts']} steps failed and were taken in parts, the first to step {step:.0f} "
            f"(t = {t:.10g}) in {2 ** int(k)}: where the step changes, the method is not one symplectic map of a "
            "fixed step, and what it keeps over long times is not known")
