@@ -123,7 +123,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
             names.append("smg_follow.h")
         if self.solo:
             names.append("smg_vec.h")
-        return list(dict.fromkeys(names))
+        return list(dict.fromkeys([*names, *self.wide_includes()]))
 
     def source(self) -> str:
         kernels = "\n\n".join(t for k in [*self.effects, *self.observables] for t in k.text)

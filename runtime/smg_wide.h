@@ -58,7 +58,7 @@ static inline void smg_wide_commit(smg_real *w, smg_real *carry, smg_real hi, sm
 #ifdef __FAST_MATH__
 #error "sums of two doubles are no sums under -ffast-math"
 #endif
-#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD == 2 || FLT_EVAL_METHOD < 0)
 #error "sums of two doubles need doubles without excess precision: leave SMG_DOUBLE_DOUBLE out"
 #endif
 

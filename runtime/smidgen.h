@@ -1,7 +1,7 @@
 /* smidgen runtime: scalar type, statuses and the report every step fills.
  *
  * Everything here is C11 that is also C++; no allocation, no globals, no I/O.
- * Define SMG_LONG_DOUBLE for the same text in extended precision. */
+ * Define SMG_LONG_DOUBLE for the same text in extended precision, SMG_QUAD for quadruple (gcc, -lquadmath). */
 #ifndef SMIDGEN_H
 #define SMIDGEN_H
 
@@ -14,6 +14,11 @@
 typedef long double smg_real;
 #define SMG_EPS LDBL_EPSILON
 #define SMG_MATH(f) f##l
+#elif defined(SMG_QUAD)
+#include <quadmath.h>
+__extension__ typedef __float128 smg_real;
+#define SMG_EPS ((smg_real)1.925929944387235853055977942584927319e-34) /* 2^-112 */
+#define SMG_MATH(f) f##q
 #else
 typedef double smg_real;
 #define SMG_EPS DBL_EPSILON

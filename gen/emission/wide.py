@@ -11,6 +11,9 @@ from .text import times
 from .wideprint import WideLowering
 
 
+_CALLS = re.compile(r"smg_wide_(exp|log|a?sin|a?cos|a?tan|atan2|sinh|cosh|tanh|floor|pow)\(")
+
+
 class WideParts:
     """Wide kernels; part of `Emitter`. They exist when `features` holds "extended"."""
 
@@ -52,6 +55,10 @@ class WideParts:
 
     def wide_values(self, when: int):
         return [f"wide->{name} = {text};" for name, text, level in self.wide_low.coefficients() if level == when]
+
+    def wide_includes(self):
+        """The elementary functions, where a wide kernel calls one."""
+        return ["smg_wide_math.h"] if self.extended and _CALLS.search(self.wide_text()) else []
 
     def wide_names(self):
         """Hoisted members of the struct of wide coefficients."""

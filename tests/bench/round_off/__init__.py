@@ -1,0 +1,1 @@
+"""Programs and page of the study of round-off."""

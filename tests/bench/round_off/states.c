@@ -1,0 +1,46 @@
+/* States of one trajectory, w with its carry, after N1, N2, .. steps: each number as two doubles.
+ *
+ *     states h N1 N2 ..  < start       the start: the number of sites, then x y z of each
+ *
+ * MODEL names the generated header, M its functions; the same text in any precision of smg_real. */
+#include MODEL
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define PASTE(a, b) a##b
+#define NAME(m, what) PASTE(m, what)
+#define F(what) NAME(M, what)
+
+static void show(const F(_state) * s, int64_t n) {
+  for (int64_t k = 0; k < n; ++k) {
+    const smg_real w = s->w[k];
+    const double hi = (double)w, lo = (double)((w - (smg_real)hi) + s->carry[k]);
+    printf(" %.17g %.17g", hi, lo);
+  }
+  printf("\n");
+  fflush(stdout);
+}
+
+int main(int count, char **words) {
+  F(_params) p;
+  F(_state) s;
+  int sites = 0;
+  double x;
+  F(_defaults)(&p);
+  if (scanf("%d", &sites) != 1) return 1;
+  smg_real *w = (smg_real *)calloc(3 * (size_t)sites, sizeof *w);
+  void *memory = malloc(F(_memsize)(&p));
+  for (int k = 0; k < 3 * sites; ++k) {
+    if (scanf("%lf", &x) != 1) return 1;
+    w[k] = x;
+  }
+  smg_status status = F(_init)(&s, &p, memory, w, 0, atof(words[1]));
+  for (int k = 2; k < count && status == SMG_OK; ++k) {
+    status = F(_steps)(&s, atoll(words[k]) - s.count);
+    show(&s, 3 * sites);
+  }
+  free(memory);
+  free(w);
+  return (int)status;
+}
