@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .case import Case, ulp
+from .case import EPS, Case, size
 from .reversible import stretch
 from .row import Row, at_most, not_applicable
 from .symmetries import Action
@@ -22,11 +22,11 @@ def equivariant(case: Case, subject, actions) -> list[Row]:
 
 
 def apart(case: Case, subject, w, t, h, action: Action) -> float:
-    """|step(R w) - R step(w)| in ulps that the step may stretch."""
+    """|step(R w) - R step(w)| in ulps of double that the step may stretch: the axis is a double."""
     after = subject.step(w, t, h)
     there = action(case, w, ANGLE)
     gap = float(np.abs(subject.step(there, t, h) - action(case, after, ANGLE)).max())
-    return gap / (max(ulp(w), ulp(there)) * stretch(subject, w, after, t, h))
+    return gap / (EPS * max(size(w), size(there)) * stretch(subject, w, after, t, h))
 
 
 def said(case: Case, actions) -> str:

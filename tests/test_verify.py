@@ -1,0 +1,262 @@
+"""Certificates: yes for what is generated, and the right no for each impostor."""
+import json
+
+import numpy as np
+import pytest
+from support import impostors as wrong, texts
+from support.systems import CLASSICAL, SPECS, VESELOV, load
+
+import smidgen
+from smidgen.errors import RunError, UsageError, ValidationError
+from smidgen.settings import settle
+from smidgen.verify.certificate import certify
+from smidgen.verify.row import CLAIMS, NO, NOT_APPLICABLE, YES, at_most, at_least
+from smidgen.verify.subject import emitted
+
+SIZES = {"heisenberg_chain": {"n": 10}, "honeycomb": {"nx": 2, "ny": 2}, "j1j2_chain": {"n": 10},
+         "landau_lifshitz": {"n": 12}, "cubic_lattice": {"nx": 2, "ny": 2, "nz": 2},
+         "test_particles": {"n": 5}, "vortex_tracers": {"m": 4}}
+SHORT = 1000            # steps of round-off where something else is looked at
+quick = pytest.mark.quick
+
+
+def said(certificate, verdict):
+    """The names of the rows with this verdict."""
+    return {row.name for row in certificate.rows if row.verdict == verdict}
+
+
+def judged(system, impostor, tier=SHORT, values=None, run=None, **more):
+    """The certificate of an impostor in the place of the generated code for a system's spec."""
+    certificate = certify(load(system.name), run, tier=tier, subject=impostor, values=values, **more)
+    print(certificate.text())
+    return certificate
+
+
+def generated(spec, **given):
+    return emitted(spec, settle(spec, None, **given))
+
+
+# -- yes ---------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=quick) if n in ("free_rigid_body", "nambu_a34") else n
+                                  for n in SPECS])
+def test_every_shipped_spec_is_certified(name):
+    certificate = smidgen.verify(load(name), tier="quick", values=SIZES.get(name, {}))
+    print(certificate.text())
+    assert said(certificate, NO) == set()
+    assert {"order", "symplectic", "tangent map", "tangent symplectic", "reversible", "casimirs", "field",
+            "energy formula", "step", "residual"} <= said(certificate, YES)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", SPECS)
+def test_every_shipped_spec_is_certified_at_length(name):
+    certificate = smidgen.verify(load(name), values=SIZES.get(name, {}))
+    print(certificate.text())
+    assert said(certificate, NO) == set()
+
+
+@pytest.mark.parametrize("text", [texts.FIELD, texts.MIXED, texts.PULSE, texts.OPEN_CHAIN])
+def test_specs_beyond_the_shipped_ones_are_certified(text):
+    """Strengths of both signs, radii, reversed bracket, time, open ends."""
+    certificate = smidgen.verify(texts.read(text), tier="quick")
+    print(certificate.text())
+    assert said(certificate, NO) == set()
+
+
+@pytest.mark.parametrize("name", ["free_rigid_body", "point_vortices", "two_bodies", "test_particles"])
+def test_no_false_alarm_at_other_states(name):
+    spec, values = load(name), SIZES.get(name, {})
+    for seed in range(5):
+        assert said(certify(spec, tier=SHORT, values=values, seed_of_checks=seed), NO) == set()
+
+
+@pytest.mark.parametrize("h", [0.01, 0.4, -0.1])
+def test_any_step_is_certified(h):
+    assert said(smidgen.verify(load("point_vortices"), tier=SHORT, h=h), NO) == set()
+
+
+def test_what_a_system_has_is_found():
+    chain = smidgen.verify(load("heisenberg_chain"), tier=SHORT, values={"n": 6})
+    assert chain.row("equivariant").note == "all rotations" and chain.row("momentum").verdict == YES
+    assert chain.row("energy").verdict == NOT_APPLICABLE
+    body = smidgen.verify(load("free_rigid_body"), tier=SHORT)
+    assert said(body, YES) >= {"energy", "quadratic integrals"} and "no rotation" in body.row("equivariant").note
+    field = smidgen.verify(texts.read(texts.FIELD), tier=SHORT)
+    assert field.row("equivariant").note.replace("-", "") == "about (0.36, 0.48, 0.8)" and field.row("energy").verdict == YES
+    assert "time" in smidgen.verify(load("forced_rigid_body"), tier=SHORT).row("energy").note
+    tracers = smidgen.verify(load("vortex_tracers"), tier=SHORT, values={"m": 2})
+    assert said(tracers, YES) >= {"symplectic", "tracers' area", "momentum"}
+
+
+# -- no: methods -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("name, run", [("irreversible_rigid_body", "classical"), ("point_vortices", None)])
+def test_the_classical_midpoint_is_not_symplectic(name, run):
+    """Its own generated code, judged as what it is: no for what it is not, nothing else."""
+    certificate = smidgen.verify(load(name), run, tier=SHORT, method=CLASSICAL)
+    assert {"symplectic", "tangent symplectic"} == said(certificate, NO)
+    assert certificate.row("symplectic").measured > 1e-8
+    assert said(certificate, YES) >= {"order", "reversible", "casimirs", "step", "residual", "field"}
+    assert certificate.row("energy").verdict == NOT_APPLICABLE       # nobody claims it
+    with pytest.raises(ValidationError, match="symplectic"):
+        certificate.check()
+
+
+@quick
+def test_the_classical_midpoint_that_coincides_is_symplectic():
+    """On the Heisenberg algebra it is the spherical midpoint: no prejudice."""
+    assert smidgen.verify(load("nambu_a31"), tier=SHORT, method=CLASSICAL).row("symplectic").verdict == YES
+
+
+@quick
+def test_moser_veselov_is_certified_on_the_free_body():
+    assert smidgen.verify(load("free_rigid_body"), tier=SHORT, method=VESELOV).passed
+
+
+WITNESS = {"step", "residual"}
+METHODS = [
+    # system, impostor, rows that must say no, rows that must say yes all the same
+    (wrong.IrreversibleBody, wrong.ClassicalMidpoint, {"symplectic"}, {"order", "reversible", "casimirs"}),
+    (wrong.IrreversibleBody, wrong.GeodesicMidpoint, {"symplectic"}, {"order", "reversible", "casimirs"}),
+    (wrong.Chain, wrong.ClassicalMidpoint, {"symplectic"}, {"order", "reversible", "momentum", "casimirs"}),
+    (wrong.Chain, wrong.GeodesicMidpoint, {"symplectic", "momentum"}, {"order", "reversible", "casimirs"}),
+    (wrong.Chain, wrong.FrozenSublattices, {"symplectic", "momentum"}, {"order", "reversible", "casimirs"}),
+    (wrong.Chain, wrong.AxisSplitting, {"momentum", "equivariant"}, {"order", "reversible", "casimirs", "symplectic"}),
+    (wrong.FreeBody, wrong.ProjectedMidpoint, {"energy", "quadratic integrals", "symplectic", "reversible"}, {"order", "casimirs"}),
+    (wrong.IrreversibleBody, wrong.ProjectedMidpoint, {"symplectic", "reversible"}, {"order", "casimirs"}),
+    (wrong.IrreversibleBody, wrong.RenormalisedEuler, {"order", "symplectic", "reversible"}, {"casimirs"}),
+    (wrong.Chain, wrong.RenormalisedEuler, {"order", "symplectic", "reversible", "momentum"}, {"casimirs", "equivariant"}),
+    (wrong.IrreversibleBody, wrong.ExplicitMidpoint, {"casimirs", "symplectic", "reversible"}, {"order"}),
+]
+
+
+@pytest.mark.parametrize("system, impostor, no, yes", METHODS, ids=lambda x: getattr(x, "__name__", None))
+def test_another_method_in_its_place_is_refused(system, impostor, no, yes):
+    values = {"n": 8} if system is wrong.Chain else None
+    certificate = judged(system, impostor(system()), values=values)
+    assert no | WITNESS <= said(certificate, NO)
+    assert yes | {"field", "energy formula"} <= said(certificate, YES)
+
+
+def test_frozen_sublattices_keep_the_energy():
+    """Exactly, which makes them hard to refuse: only the tangent map and the momentum tell."""
+    chain = wrong.FrozenSublattices(wrong.Chain())
+    w = np.array(wrong.unit(np.random.default_rng(1).standard_normal((8, 3))))
+    after = chain.run(w[None], 0.0, 0.1, [1000])[0, 0]
+    assert abs(chain.energy(after, 0) - chain.energy(w, 0)) < 1e-12
+    row = judged(wrong.Chain(), chain, values={"n": 8}).row("symplectic")
+    assert row.measured > 1e-5
+
+
+def test_an_iteration_left_early_drifts():
+    certificate = judged(wrong.IrreversibleBody(), wrong.EarlyStop(wrong.IrreversibleBody()), tier=10000)
+    assert {"round-off", "residual"} <= said(certificate, NO)
+    assert certificate.row("round-off").measured > 0.8
+
+
+# -- no: generated code with a fault -----------------------------------------------------------
+
+@pytest.mark.parametrize("spec", [load("forced_rigid_body"), texts.read(texts.PULSE), texts.read(texts.MIXED)],
+                         ids=lambda s: s.name)
+def test_a_frozen_time_shows_as_order_one(spec):
+    certificate = certify(spec, tier=SHORT, subject=wrong.compiled(spec, wrong.frozen_time))
+    print(certificate.text())
+    assert {"order", "reversible", "step", "residual"} <= said(certificate, NO)
+    assert certificate.row("order").measured == pytest.approx(1, abs=0.1)
+    assert said(certificate, YES) >= {"symplectic", "casimirs", "field"}
+
+
+def test_a_frozen_time_shows_where_it_is_weak():
+    """A hundred thousandth of the energy depends on time, and nothing of it at the start."""
+    text = texts.PULSE.replace("2*exp(-(t - 1)^2)*w.x + sin(3*t)*w.y^2", "1e-5*cos(3*t)*w.x")
+    spec = texts.read(text)
+    assert smidgen.verify(spec, tier=SHORT).passed
+    certificate = certify(spec, tier=SHORT, subject=wrong.compiled(spec, wrong.frozen_time))
+    print(certificate.text())
+    assert certificate.row("order").verdict == NO and certificate.row("order").measured < 1.5
+
+
+def test_a_reversed_bracket_is_refused():
+    spec = load("point_vortices")
+    certificate = certify(spec, tier=SHORT, subject=wrong.compiled(spec, wrong.turned_round))
+    assert {"order", "step", "residual"} == said(certificate, NO)
+    assert said(certificate, YES) >= {"symplectic", "reversible", "momentum", "field", "tangent map"}
+
+
+@pytest.mark.parametrize("name, effect", [("product", "coupling"), ("forced_rigid_body", "loading"), ("j1j2_chain", "far")])
+def test_a_wrong_sign_with_its_hessian_is_refused(name, effect):
+    """The step is a perfect symplectic map of another system."""
+    spec, values = load(name), SIZES.get(name, {})
+    certificate = certify(spec, tier=SHORT, values=values, subject=generated(wrong.wrong_sign(spec, effect), values=values))
+    print(certificate.text())
+    assert {"order", "field", "energy formula", "step", "residual"} <= said(certificate, NO)
+    assert said(certificate, YES) >= {"symplectic", "tangent map", "tangent symplectic", "reversible", "casimirs"}
+
+
+def test_a_small_turn_is_refused():
+    """A millionth of h, symplectic and on the spheres: the flow and the interpreter tell."""
+    spec = load("irreversible_rigid_body")
+    certificate = certify(spec, tier=SHORT, subject=wrong.Lopsided(generated(spec)))
+    assert {"order", "step", "residual"} <= said(certificate, NO)
+    assert said(certificate, YES) >= {"symplectic", "casimirs", "field"}
+
+
+def test_a_tangent_of_another_step_is_refused():
+    spec = load("irreversible_rigid_body")
+    subject = generated(spec)
+    assert "tangent map" in said(certify(spec, tier=SHORT, subject=wrong.WrongTangent(subject)), NO)
+    rough = certify(spec, tier=SHORT, subject=wrong.RoughTangent(subject))
+    assert said(rough, NO) == {"tangent symplectic"}
+
+
+def test_tracers_of_the_classical_midpoint_are_not_carried_by_area():
+    certificate = smidgen.verify(load("vortex_tracers"), tier=SHORT, values={"m": 3}, method=CLASSICAL)
+    assert {"symplectic", "tracers' area"} <= said(certificate, NO)
+
+
+@quick
+def test_a_step_that_fails_is_a_no():
+    class Refuses(wrong.Impostor):
+        def motion(self, w, t, h):
+            raise RunError("step 1: no convergence")
+    certificate = judged(wrong.FreeBody(), Refuses(wrong.FreeBody()))
+    assert said(certificate, NO) == {"steps"} and not certificate.passed
+
+
+@quick
+def test_a_step_that_is_not_finite_is_a_no():
+    class Lost(wrong.Impostor):
+        def motion(self, w, t, h):
+            return w * np.nan
+    assert not judged(wrong.FreeBody(), Lost(wrong.FreeBody())).passed
+    for row in (at_most("order", np.nan, 1), at_least("order", np.nan, 1), at_most("order", np.inf, 1)):
+        assert row.verdict == NO
+
+
+def test_every_row_has_said_no_here():
+    """The impostors above meet each property that a certificate states."""
+    met = {x for _, _, no, _ in METHODS for x in no} | WITNESS
+    met |= {"steps", "round-off", "field", "energy formula", "tangent map", "tangent symplectic", "tracers' area"}
+    assert met == set(CLAIMS)
+
+
+# -- JSON, the command, the header -------------------------------------------------------------
+
+@quick
+def test_the_json_says_all():
+    certificate = smidgen.verify(load("free_rigid_body"), tier=SHORT, values={"I2": 1.5})
+    data = json.loads(certificate.to_json())
+    assert data["format"] == "smidgen certificate" and data["version"] == 1 and data["passed"] is True
+    assert data["values"] == {"I2": 1.5} and data["spec_digest"] == load("free_rigid_body").digest
+    assert data["flags"] and data["compiler"] and len(data["generator_digest"]) == 64
+    rows = {row["name"]: row for row in data["rows"]}
+    assert rows["order"]["measured"] == certificate.row("order").measured       # all digits
+    assert rows["momentum"]["measured"] is None and rows["momentum"]["verdict"] == NOT_APPLICABLE
+
+
+@quick
+def test_wrong_words_are_errors_of_usage():
+    for given in ({"tier": "thorough"}, {"tier": 10}, {"tier": True}, {"method": "euler"}, {"effects": ["none"]}):
+        with pytest.raises(UsageError):
+            smidgen.verify(load("free_rigid_body"), **given)
