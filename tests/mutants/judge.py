@@ -13,12 +13,16 @@ from .plant import Tree
 
 # Tests of what lies beside the step: reading, running, drawing, packing. They are not run.
 BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read|mutants|covered|"
-                    r"determinism|witness|paper_numbers|build|run|settings|linking|fuzz_grammar|parse|pages)\b")
+                    r"determinism|witness|paper_numbers|build|run|settings|linking|checkpoint|full_disk|resume|explain|symmetry|advis|verify_cli|fuzz_grammar|parse|pages)\b")
 RUNTIME = re.compile(r"test_(runtime|band|sparse|follow|wide|unit)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
-          r"test_(effort|newton)", r"test_(agreement|properties|branch|statuses|hard_cases)", r"test_(symplectic|tangent)",
+          r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)", r"test_(symplectic|tangent)",
           r"test_(hard|round_off|certificate|verify|unusual)", r"test_(validate|user_specs|advice)", r"", r"runs_clean")
+# Before these: the tests that were made for faults of a kind.
+MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled", "jacobian": r"test_effort|test_tangent",
+            "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed",
+            "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular"}
 LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
 
 
@@ -39,11 +43,12 @@ def stage(name: str) -> int:
     return next((k for k, pattern in enumerate(STAGES) if pattern and re.search(pattern, name)), STAGES.index(""))
 
 
-def order_of(seconds: dict, runtime: bool) -> tuple[list[str], list[str]]:
+def order_of(seconds: dict, kind: str, runtime: bool) -> tuple[list[str], list[str]]:
     """(the sharp tests, the rest) in the order of running; those of the headers only when one was changed."""
+    made = re.compile(MADE_FOR.get(kind, "(?!)"))
     names = [n for n in seconds if seconds[n] <= LONGEST and (runtime or not RUNTIME.search(n))]
-    names.sort(key=lambda n: (not RUNTIME.search(n), stage(n), seconds[n]))
-    sharp = [n for n in names if RUNTIME.search(n) or stage(n) < 3]
+    names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), seconds[n]))
+    sharp = [n for n in names if made.search(n) or RUNTIME.search(n) or stage(n) < 3]
     return sharp, [n for n in names if n not in set(sharp)]
 
 
@@ -90,9 +95,9 @@ def baseline(tree: Tree, files) -> tuple[dict, list]:
     return {n: e["seconds"] for n, e in done.items() if e["outcome"] == "passed" and n not in failed}, failed
 
 
-def judge(tree: Tree, seconds: dict, runtime: bool) -> str | None:
+def judge(tree: Tree, seconds: dict, kind: str, runtime: bool) -> str | None:
     """What notices the planted fault: the name of a test; None when all pass."""
-    for names in order_of(seconds, runtime):
+    for names in order_of(seconds, kind, runtime):
         files = list(dict.fromkeys(n.partition("::")[0] for n in names))
         order = {n: max(30.0, 15 * seconds[n]) for n in names}
         limit = 300 + 6 * sum(seconds[n] for n in names)

@@ -87,7 +87,7 @@ class Trial:
         runtime = mutant.file.startswith("runtime/")
         if tree.digests("few", "syntax") is None:
             return "does not compile", ""
-        found = judge(tree, self.seconds, runtime or mutant.file == "gen/ordering.py")
+        found = judge(tree, self.seconds, mutant.kind, runtime or mutant.file == "gen/ordering.py")
         if found:
             return "caught", found
         return ("changes nothing", "") if self.same(tree, mutant) else ("survived", "")
