@@ -108,14 +108,17 @@ def advice_for(model, w, t: float, h: float, run: str = "", stated: bool = True)
 
 
 def local_rate(equation: StepEquation) -> float:
-    """The fastest rate at the start: the spectral radius of DX, or for many sites of the field alone."""
+    """The fastest rate at the start, 1/time: sqrt(r^2 + v^2), r the spectral radius of DX P' in the tangent
+    planes and v the largest |X|/|w|. A spin at an angle a to a field B has r = B cos a, v = B sin a, and turns
+    with the rate B. For many sites the largest |b|."""
     w = equation.w
     y = np.linalg.norm(equation.rate(w, 0.0), axis=1)
     if w.size > UNKNOWNS:
         b = np.linalg.norm(np.asarray(equation.model.field(w, equation.t), float), axis=1)
         return float(np.max(b * np.linalg.norm(equation.casimir, 2, axis=(1, 2))))
-    moving = y / np.where(equation.length > 0, equation.length, 1)
-    return float(max(np.max(np.abs(np.linalg.eigvals(equation.slope(w, 0.0)))), np.max(moving)))
+    spins = np.max(np.abs(np.linalg.eigvals(equation.slope(w, 0.0))))
+    moves = np.max(y / np.where(equation.length > 0, equation.length, 1))
+    return float(np.hypot(spins, moves))
 
 
 def _followed(model, equation, cap) -> dict:
@@ -147,7 +150,7 @@ def _partners(branch: Branch) -> tuple:
     """The sites that the null vector moves most: one or two."""
     size = np.linalg.norm(branch.null, axis=1)
     order = np.argsort(-size)[:2]
-    return tuple(int(k) for k in order if size[k] > PARTNER * size[order[0]])
+    return tuple(sorted(int(k) for k in order if size[k] > PARTNER * size[order[0]]))
 
 
 def _named(model, sites) -> str:

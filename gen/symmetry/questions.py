@@ -57,14 +57,18 @@ def attempt(question):
         return None
 
 
-def space(asked: Asked, key, rows, size: int):
-    """The null space of rows(torques): of the writing-out where there is one, else orbit by orbit.
+def space(asked: Asked, key, rows, size: int, most=None):
+    """The null space of rows(torques): orbit by orbit, then of the writing-out where there is one.
 
-    key: what is asked, so that it is worked out once.
+    key: what is asked, so that it is worked out once; most: how large the space can be at most,
+    where that is known: once it is reached nothing more is tried.
     """
     if key not in asked.answers:
-        found = [_null_space(t, rows, size) for t in (asked.now, asked.written) if t is not None]
-        asked.answers[key] = max((f for f in found if f is not None), key=len, default=None)
+        best = None if asked.now is None else _null_space(asked.now, rows, size)
+        if asked.written is not None and (best is None or most is None or len(best) < most):
+            more = _null_space(asked.written, rows, size)
+            best = max((f for f in (best, more) if f is not None), key=len, default=None)
+        asked.answers[key] = best
     return asked.answers[key]
 
 

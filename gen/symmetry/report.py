@@ -66,10 +66,11 @@ def explain(spec, values=None, method: str = "spherical-midpoint", effects=None)
     scene = select(spec, None if effects is None else tuple(effects), dict(values or {}))
     asked = ask(scene, {}, on_sphere=method == SPHERICAL)
     undecided: list = []
-    turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families))
-    rotations, always, mixed = _rotations(asked, turns, undecided)
+    seen = attempt(lambda: unchanged(asked.spec, asked.values))
+    turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families), seen)
+    rotations, always, mixed = _rotations(asked, turns, seen, undecided)
     changes = time_dependent(asked)
-    integrals = [*_linear(asked, method, undecided), *_quadratic(asked, method, undecided),
+    integrals = [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
                  *energy_integral(asked, method, changes), *_casimirs(asked)]
     if changes is None:
         undecided.append("whether H depends on time")
@@ -92,11 +93,10 @@ def _unique(integrals) -> list:
 
 # Rotations
 
-def _rotations(asked: Asked, turns, undecided):
+def _rotations(asked: Asked, turns, seen, undecided):
     if turns is None:
         undecided.append("which rotations leave H unchanged")
         return [], [], []
-    seen = attempt(lambda: unchanged(asked.spec, asked.values))
     if seen is not None and seen > len(turns):
         undecided.append(f"numerically {seen} independent rotations seem to leave H unchanged; {len(turns)} "
                          "could be proved")
@@ -135,9 +135,11 @@ def directions(axes) -> np.ndarray:
 
 # Linear integrals: sum_f a_f . sum kappa w
 
-def _linear(asked: Asked, method, undecided):
+def _linear(asked: Asked, method, turns, undecided):
     names = asked.families
     rows = lambda t: conserved.linear_rows(t, names, "own")     # noqa: E731
+    if not any(f.tracer for f in asked.spec.families):
+        asked.answers["own"] = turns        # every rotation has its integral
     basis = space(asked, "own", rows, 3 * len(names))
     if basis is None:
         undecided.append("which linear integrals there are")
@@ -145,7 +147,7 @@ def _linear(asked: Asked, method, undecided):
     alone = {}
     for f, name in enumerate(names):
         mine = lambda t: conserved.own_rows(t, name)            # noqa: E731
-        alone[f] = space(asked, ("own", name), mine, 3) or []
+        alone[f] = space(asked, ("own", name), mine, 3, len(_of_family(basis, f))) or []
         for axis in spaces.neat(alone[f]) if alone[f] and asked.places[name][1] > 1 else ():
             yield _own_linear(asked, method, name, axis, mine)
     grouped, mixed = grouped_axes(basis, len(names))
@@ -154,6 +156,11 @@ def _linear(asked: Asked, method, undecided):
             yield _sum_linear(asked, method, _pattern(a, chosen, len(names)), rows)
     for v in mixed:
         yield _sum_linear(asked, method, v, rows)
+
+
+def _of_family(basis, f) -> list:
+    """What of a space belongs to one family: an integral of each site is one of their sum."""
+    return spaces.common_axes(basis, len(basis[0]) // 3, (f,)) if basis else []
 
 
 def _sum_linear(asked, method, vector, rows):
