@@ -36,6 +36,13 @@ def test_every_spec_goes_on(name):
     goes_on(model(case), model(case), case.w, case.h)
 
 
+@pytest.mark.parametrize("feature", FEATURES)
+@pytest.mark.parametrize("name", ["forced_rigid_body", "two_bodies"])
+def test_every_feature_goes_on(name, feature):
+    case = begin(name)
+    goes_on(*(model(case, features=[feature]) for _ in range(2)), case.w, case.h)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("feature", [None, *FEATURES])
 @pytest.mark.parametrize("method", [CLASSICAL, VESELOV, "spherical-midpoint"])
