@@ -43,7 +43,7 @@ SMG_INLINE int smg_tri_row(smg_tri *q, const smg_real *a, const smg_real *b, int
   smg_block_subapply(r, a, q->r);
   if (border) smg_block_submul(E, a, q->E);
   if (smg_block_inverse(inverse, D, before)) return 1;
-  *ok &= smg_block_positive(D);
+  smg_block_pivot(ok, D);
   smg_block_mul(q->U, inverse, a + 2 * SMG_BB);
   smg_block_apply(q->r, inverse, r);
   if (border) smg_block_mul(q->E, inverse, E);
@@ -95,7 +95,7 @@ SMG_INLINE void smg_tri_begin(smg_tri *q) {
 
 /* Open chain: row 0 has no L, row n-1 no U. */
 static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, smg_real *work,
-                                   int *pivots_ok) {
+                                   int *pivots) {
   smg_tri q;
   smg_tri_begin(&q);
   smg_real row[3 * SMG_BB] = {0};
@@ -106,7 +106,7 @@ static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, sm
   const int64_t failed = smg_tri_rows(&q, 1, n, 0, A, x, work, &ok);
   if (failed) return failed;
   smg_tri_back(0, n - 1, NULL, work, x);
-  *pivots_ok = ok;
+  *pivots = ok;
   return 0;
 }
 
@@ -135,7 +135,7 @@ SMG_INLINE int smg_tri_join(smg_tri *q, const smg_real *a, const smg_real *borde
 SMG_INLINE int smg_tri_close(const smg_tri *q, smg_real *z, int *ok) {
   smg_real inverse[SMG_BB];
   if (smg_block_inverse(inverse, q->S, q->before)) return 1;
-  *ok &= smg_block_positive(q->S);
+  smg_block_pivot(ok, q->S);
   smg_block_apply(z, inverse, q->s);
   return 0;
 }
@@ -170,7 +170,7 @@ static inline int64_t smg_tri_ring_down(smg_tri *q, int64_t n, const smg_real *A
 }
 
 static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, smg_real *work,
-                                   int *pivots_ok) {
+                                   int *pivots) {
   smg_tri q;
   smg_tri_begin(&q);
   int ok = 1;
@@ -182,7 +182,7 @@ static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, sm
   smg_tri_back(n - 2, n - 1, z, work, x);
   smg_tri_back(filled, n - 2, NULL, work, x);
   smg_tri_back(0, filled, z, work, x);
-  *pivots_ok = ok;
+  *pivots = ok;
   return 0;
 }
 
@@ -253,7 +253,7 @@ SMG_INLINE int smg_band_scale(int k, int border, smg_real *work, smg_real *x, co
                               int *ok) {
   smg_real inverse[SMG_BB];
   if (smg_block_inverse(inverse, q->W[k], q->before)) return 1;
-  *ok &= smg_block_positive(q->W[k]);
+  smg_block_pivot(ok, q->W[k]);
   SMG_UNROLL for (int c = 0; c < k; c++) {
     smg_block_mul(work + c * SMG_BB, inverse, q->W[k + 1 + c]);
     if (border) smg_block_mul(work + (k + c) * SMG_BB, inverse, q->E[c]);
@@ -323,7 +323,7 @@ static inline int64_t smg_band_close(int k, smg_band_border *q, smg_real *z, int
   smg_real inverse[SMG_BB], hat[SMG_BB];
   for (int p = 0; p < k; p++) {
     if (smg_block_inverse(inverse, q->S[p][p], q->before[p])) return 1 + p;
-    *ok &= smg_block_positive(q->S[p][p]);
+    smg_block_pivot(ok, q->S[p][p]);
     smg_block_apply(z + p * SMG_BS, inverse, q->s[p]);
     for (int t = p + 1; t < k; t++) {
       smg_block_mul(hat, inverse, q->S[p][t]);
@@ -386,7 +386,7 @@ static inline int64_t smg_band_ring_down(int64_t n, int k, const smg_real *A, sm
 }
 
 static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work,
-                                 int *pivots_ok) {
+                                 int *pivots) {
   smg_band_border q;
   const int64_t m = n - k;
   int64_t filled = 0, failed;
@@ -397,17 +397,17 @@ static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_rea
   smg_band_back(k, m, m - k, m, z, work, x);
   smg_band_back(k, m, filled, m - k, NULL, work, x);
   smg_band_back(k, m, 0, filled, z, work, x);
-  *pivots_ok = ok;
+  *pivots = ok;
   return 0;
 }
 
 static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work,
-                                 int *pivots_ok) {
+                                 int *pivots) {
   int ok = 1;
   const int64_t failed = smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, &ok);
   if (failed) return failed;
   smg_band_back(k, n, 0, n, NULL, work, x);
-  *pivots_ok = ok;
+  *pivots = ok;
   return 0;
 }
 
@@ -415,14 +415,42 @@ static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_rea
  * 1..SMG_BAND_MAX); x holds b and receives the solution, work has smg_band_worksize(n, k) reals.
  * n >= 2k+1 when periodic, n >= 1 otherwise.
  * Returns 0, or 1 + the block row whose pivot is singular to round-off (x is then spoilt).
- * *pivots_ok: no pivot block has a real eigenvalue <= 0. */
+ * *pivots: 1 when no pivot block has a real eigenvalue <= 0, else 2 or -2, the sign of the determinant. */
 SMG_INLINE int64_t smg_band_solve(int64_t n, int k, int periodic, const smg_real *A, smg_real *x,
-                                  smg_real *work, int *pivots_ok) {
-  *pivots_ok = 0;
-  if (k == 1) return periodic ? smg_tri_ring(n, A, x, work, pivots_ok)
-                              : smg_tri_open(n, A, x, work, pivots_ok);
-  return periodic ? smg_band_ring(n, k, A, x, work, pivots_ok)
-                  : smg_band_open(n, k, A, x, work, pivots_ok);
+                                  smg_real *work, int *pivots) {
+  *pivots = 0;
+  if (k == 1) return periodic ? smg_tri_ring(n, A, x, work, pivots)
+                              : smg_tri_open(n, A, x, work, pivots);
+  return periodic ? smg_band_ring(n, k, A, x, work, pivots)
+                  : smg_band_open(n, k, A, x, work, pivots);
+}
+
+/* ---- what the matrix of a step shows of its branch ------------------------------------- */
+
+/* The largest row sum of abs(A - I); NaN where there is one. */
+static inline smg_real smg_band_bound(int64_t n, int k, const smg_real *A) {
+  smg_real most = 0;
+  for (int64_t row = 0; row < n * SMG_BS; row++) {
+    const smg_real *at = A + row / SMG_BS * (2 * k + 1) * SMG_BB + row % SMG_BS * SMG_BS;
+    smg_real sum = 0;
+    for (int d = 0; d < 2 * k + 1; d++)
+      for (int e = 0; e < SMG_BS; e++) sum += smg_abs(at[d * SMG_BB + e] - (d == k && e == row % SMG_BS));
+    if (!(sum <= most) && most == most) most = sum;
+  }
+  return most;
+}
+
+/* True when x.A x >= x.x/4 for all x: (A + A^T)/2 - I/4 has positive pivots. A and x are spoilt. */
+static inline int smg_band_coercive(int64_t n, int k, int wrap, smg_real *A, smg_real *x, smg_real *work) {
+  int positive = 0;
+  for (int64_t i = 0; i < n; i++) {
+    smg_real *row = A + i * (2 * k + 1) * SMG_BB;
+    smg_block_mirror(row + k * SMG_BB, row + k * SMG_BB);
+    smg_block_lower(row + k * SMG_BB);
+    for (int d = 1; d <= k; d++)
+      if (wrap || i + d < n) smg_block_mirror(row + (k + d) * SMG_BB, A + ((i + d) % n * (2 * k + 1) + k - d) * SMG_BB);
+  }
+  return smg_band_solve(n, k, wrap, A, x, work, &positive) == 0 && positive == 1;
 }
 
 #endif

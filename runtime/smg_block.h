@@ -108,4 +108,22 @@ SMG_INLINE int smg_block_inverse(smg_real *C, const smg_real *D, smg_real before
   return 0;
 }
 
+/* Takes a pivot block into *pivots: 1 while no pivot has a real eigenvalue <= 0; after one that has, 2 or -2 by the
+ * sign of the determinant so far. */
+SMG_INLINE void smg_block_pivot(int *pivots, const smg_real *D) {
+  if (!smg_block_positive(D) && *pivots == 1) *pivots = 2;
+  if (!(smg_block_det(D) > 0)) *pivots = -*pivots;
+}
+
+/* A and its mirror image B become their common mean: A = B^T. */
+SMG_INLINE void smg_block_mirror(smg_real *A, smg_real *B) {
+  for (int r = 0; r < SMG_BS; r++)
+    for (int e = 0; e < SMG_BS; e++) A[r * SMG_BS + e] = B[e * SMG_BS + r] = (A[r * SMG_BS + e] + B[e * SMG_BS + r]) / 2;
+}
+
+/* A - I/4 of a diagonal block. */
+SMG_INLINE void smg_block_lower(smg_real *A) {
+  for (int r = 0; r < SMG_BS; r++) A[r * SMG_BS + r] -= (smg_real)0.25;
+}
+
 #endif

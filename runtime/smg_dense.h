@@ -1,11 +1,11 @@
-/* smidgen runtime: dense systems, LU with partial pivoting (smg_eigen.h has their branch test).
+/* smidgen runtime: dense systems, LU with partial pivoting.
  *
  * Written so that a constant n unrolls; large n goes by panels of columns, so that each pass
  * over the rest of the matrix does SMG_PANEL updates at once. */
 #ifndef SMG_DENSE_H
 #define SMG_DENSE_H
 
-#include "smg_eigen.h"
+#include "smg_small.h"
 
 #define SMG_PANEL 8
 
@@ -92,6 +92,47 @@ SMG_INLINE void smg_dense_substitute(int64_t n, const smg_real *A, smg_real *x) 
     for (int64_t j = i + 1; j < n; j++) x[i] -= A[i * n + j] * x[j];
     x[i] /= A[i * n + i];
   }
+}
+
+/* The sign of det A by elimination, A destroyed. */
+static inline int smg_dense_sign(int64_t n, smg_real *A) {
+  int sign = 1;
+  for (int64_t c = 0; c < n; c++) {
+    const int64_t p = smg_dense_pivot(n, A, c);
+    if ((p != c) != !(A[p * n + c] > 0)) sign = -sign;
+    for (int64_t j = c; j < n; j++) {
+      const smg_real t = A[p * n + j];
+      A[p * n + j] = A[c * n + j], A[c * n + j] = t;
+    }
+    for (int64_t i = c + 1; i < n; i++) {
+      const smg_real l = A[i * n + c] / A[c * n + c];
+      for (int64_t j = c + 1; j < n; j++) A[i * n + j] -= l * A[c * n + j];
+    }
+  }
+  return sign;
+}
+
+/* The largest row sum of abs(A - I); NaN where there is one. */
+static inline smg_real smg_dense_bound(int64_t n, const smg_real *A) {
+  smg_real most = 0;
+  for (int64_t i = 0; i < n; i++) {
+    smg_real sum = 0;
+    for (int64_t j = 0; j < n; j++) sum += smg_abs(A[i * n + j] - (i == j));
+    if (!(sum <= most) && most == most) most = sum;
+  }
+  return most;
+}
+
+/* True when x.A x >= x.x/4 for all x, by the Cholesky factors of (A + A^T)/2 - I/4 in place of A. */
+static inline int smg_dense_coercive(int64_t n, smg_real *A) {
+  for (int64_t i = 0; i < n; i++)
+    for (int64_t j = 0; j <= i; j++) {
+      smg_real sum = (A[i * n + j] + A[j * n + i]) / 2 - (i == j ? (smg_real)0.25 : 0);
+      for (int64_t k = 0; k < j; k++) sum -= A[i * n + k] * A[j * n + k];
+      if (i == j && !(sum > 0)) return 0;
+      A[i * n + j] = i == j ? SMG_MATH(sqrt)(sum) : sum / A[j * n + j];
+    }
+  return 1;
 }
 
 /* Solves A x = b: A (n x n, row-major) is destroyed, x holds b and receives the solution.

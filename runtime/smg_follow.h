@@ -4,8 +4,8 @@
  *
  *     F(y, p) = w + (p h/2) X(P(y)) - y = 0,     0 <= p <= 1.
  *
- * Their curve (y, p) begins at (w, 0) and is followed by its arclength, with the tangent (t, q):
- * J t = q dF/dp, J = -dF/dy. Where q changes its sign the curve turns back: a fold, and beyond it
+ * Their curve (y, p) begins at (w, 0) and is followed by its arclength in units of w and of the natural step,
+ * which moves w by its own size; with the tangent (t, q): J t = q dF/dp, J = -dF/dy. Where q changes its sign the curve turns back: a fold, and beyond it
  * the branch has no solution. Nor has it where a midpoint runs into the centre of its sphere, where
  * P has no direction: there the curve ends. Predictor along the tangent, Newton across it; Allgower and Georg,
  * Numerical Continuation Methods (1990), chapter 6. */
@@ -15,26 +15,30 @@
 #include "smg_site.h"
 
 #define SMG_MAX_POINTS 600   /* points of a curve */
+#define SMG_STRAIGHT (smg_real)0.2 /* a correction may be this part of the pace, or of the correction before */
+#define SMG_ALONG (smg_real)0.95   /* least cosine between the tangents of neighbouring points */
 #define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system */
 #define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried */
 #define SMG_CENTRE (smg_real)1e-5 /* a midpoint so near the centre, in radii, is there */
 #define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
 
-/* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, or says why not. */
+/* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J, or says why not. */
 typedef struct smg_curve {
   void *of;
-  smg_status (*newton)(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *c);
+  smg_status (*newton)(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *c, int *sign);
   int64_t n;
   const smg_real *w;          /* where it begins */
   smg_real scale;             /* the unit of y */
   smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: n numbers each */
-  smg_real p, q;
+  smg_real p, q, span;        /* part of h, its tangent, and how many natural steps h has: p counts in them */
   smg_real reached;           /* the largest part of h that the branch has a solution for */
+  int sign;                   /* of det J */
   int64_t site, partner;      /* the two sites that move most where the branch turns back, or -1 */
 } smg_curve;
 
 /* (t, q) of unit length along (c, 1), on the side of the tangent before; returns the cosine between them. */
-static inline smg_real smg_curve_turn(smg_curve *f, smg_real unit) {
+static inline smg_real smg_curve_turn(smg_curve *f) {
+  const smg_real unit = 1 / (f->scale * f->span);
   smg_real size = 1, along = f->q;
   for (int64_t k = 0; k < f->n; ++k) {
     size += (f->c[k] * unit) * (f->c[k] * unit);
@@ -48,41 +52,43 @@ static inline smg_real smg_curve_turn(smg_curve *f, smg_real unit) {
 
 /* Newton from (x, p) across the tangent, or at this p when `fixed`; returns the iterations, 0 when they fail. */
 static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, int fixed) {
-  const smg_real unit = 1 / f->scale;
-  smg_real last = pace / 2;
+  const smg_real unit = 1 / f->scale, own = unit / f->span;
+  smg_real last = pace * SMG_STRAIGHT;
   for (int it = 1; it <= SMG_MAX_CORRECTIONS; ++it) {
-    if (f->newton(f->of, *p, f->x, f->a, f->c) != SMG_OK) return 0;
+    if (f->newton(f->of, *p, f->x, f->a, f->c, &f->sign) != SMG_OK) return 0;
     smg_real ta = 0, tc = f->q, size = 0;
     for (int64_t k = 0; k < f->n; ++k) {
       ta += f->t[k] * f->a[k] * unit;
-      tc += f->t[k] * f->c[k] * unit;
+      tc += f->t[k] * f->c[k] * own;
     }
-    const smg_real dp = fixed ? 0 : -ta / tc;
+    const smg_real dp = fixed ? 0 : -ta / tc; /* in natural steps */
     for (int64_t k = 0; k < f->n; ++k) {
-      const smg_real d = f->a[k] + f->c[k] * dp;
+      const smg_real d = f->a[k] + f->c[k] * (dp / f->span);
       size += (d * unit) * (d * unit);
       f->x[k] += d;
     }
-    *p += dp;
+    *p += dp / f->span;
     const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
-    if (!(moved <= last)) return 0; /* farther than half the last time, or not a number */
-    if (moved <= (smg_real)1e-9) return it;
-    last = moved / 2;
+    if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
+    if (moved <= (fixed ? (smg_real)1e-9 : (smg_real)1e-5)) return it;
+    last = moved * SMG_STRAIGHT;
   }
   return 0;
 }
 
 /* One pace along the tangent; 0 when it must be shorter. A pace across p = 1 ends at p = 1. */
 static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
-  const int landing = f->q > 0 && f->p + pace * f->q >= 1;
-  const smg_real s = landing ? (1 - f->p) / f->q : pace;
-  smg_real p = landing ? 1 : f->p + s * f->q;
+  const smg_real rate = f->q / f->span;
+  const int landing = rate > 0 && f->p + pace * rate >= 1;
+  const smg_real s = landing ? (1 - f->p) / rate : pace;
+  smg_real p = landing ? 1 : f->p + s * rate;
   for (int64_t k = 0; k < f->n; ++k) f->x[k] = f->y[k] + s * f->t[k] * f->scale;
   const int its = smg_curve_correct(f, &p, s, landing);
   if (its == 0) return 0;
   for (int64_t k = 0; k < f->n; ++k) f->a[k] = f->t[k]; /* to go back to, when the curve bends too much */
   const smg_real q = f->q;
-  if (smg_curve_turn(f, 1 / f->scale) < (smg_real)0.8) {
+  /* along one curve det J has the sign of q: otherwise it is another one */
+  if (!(smg_curve_turn(f) >= SMG_ALONG) || (f->sign < 0) != (f->q < 0)) {
     for (int64_t k = 0; k < f->n; ++k) f->t[k] = f->a[k];
     f->q = q;
     return 0;
@@ -122,6 +128,13 @@ static inline smg_status smg_curve_end(smg_curve *f) {
   return SMG_NO_CONVERGENCE;
 }
 
+/* The natural steps in h, at least one: how far h would move w, in units of w, if it were a small step. */
+static inline smg_real smg_curve_span(const smg_curve *f) {
+  smg_real size = 1;
+  for (int64_t k = 0; k < f->n; ++k) size = smg_max(size, smg_abs(f->c[k]) / f->scale);
+  return size;
+}
+
 /* From w: SMG_OK with y the midpoints at p = 1; SMG_NO_SOLUTION when the branch turns back before, and goes
  * back to half the part it reached, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
  * SMG_NO_CONVERGENCE when it could not be followed. */
@@ -135,9 +148,10 @@ static inline smg_status smg_follow(smg_curve *f) {
     f->t[k] = 0;
   }
   f->q = 1;
-  const smg_status begun = f->newton(f->of, 0, f->y, f->a, f->c);
+  const smg_status begun = f->newton(f->of, 0, f->y, f->a, f->c, &f->sign);
   if (begun != SMG_OK) return begun;
-  (void)smg_curve_turn(f, 1 / f->scale);
+  f->span = smg_curve_span(f);
+  (void)smg_curve_turn(f);
   const int64_t points = f->n > SMG_CURVE_WORK / SMG_MAX_POINTS ? 1 + SMG_CURVE_WORK / f->n : SMG_MAX_POINTS;
   for (int64_t point = 0; point < points; ++point) {
     const int its = smg_curve_pace(f, pace);

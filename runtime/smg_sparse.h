@@ -35,7 +35,7 @@ SMG_INLINE int smg_sparse_scale(int32_t i, int32_t diag, int32_t last, const int
   const smg_real b[3] = {r[0], r[1], r[SMG_BS - 1]};
   smg_real inverse[SMG_BB];
   if (smg_block_inverse(inverse, D, smg_block_scale(A + (int64_t)diag * SMG_BB))) return 1;
-  *ok &= smg_block_positive(D);
+  smg_block_pivot(ok, D);
   smg_block_apply(r, inverse, b);
   for (int32_t p = diag + 1; p < last; p++)
     smg_block_mul(A + (int64_t)p * SMG_BB, inverse, row + (int64_t)col[p] * SMG_BB);
@@ -54,12 +54,12 @@ static inline void smg_sparse_back(int32_t n, const int32_t *rowptr, const int32
  * between blocks. A is overwritten; x holds b and receives the solution; work has
  * smg_sparse_worksize(n) reals.
  * Returns 0, or 1 + the row (in that order) whose pivot is singular to round-off.
- * *pivots_ok: no pivot block has a real eigenvalue <= 0. */
+ * *pivots: 1 when no pivot block has a real eigenvalue <= 0, else 2 or -2, the sign of the determinant. */
 static inline int32_t smg_sparse_solve(int32_t n, const int32_t *rowptr, const int32_t *col,
                                        const int32_t *diag, smg_real *A, smg_real *x, smg_real *work,
-                                       int *pivots_ok) {
+                                       int *pivots) {
   int ok = 1;
-  *pivots_ok = 0;
+  *pivots = 0;
   for (int32_t i = 0; i < n; i++) {
     smg_real *r = x + (int64_t)i * SMG_BS;
     smg_sparse_load(rowptr[i], rowptr[i + 1], col, A, work);
@@ -68,8 +68,40 @@ static inline int32_t smg_sparse_solve(int32_t n, const int32_t *rowptr, const i
     if (smg_sparse_scale(i, diag[i], rowptr[i + 1], col, A, r, work, &ok)) return 1 + i;
   }
   smg_sparse_back(n, rowptr, col, diag, A, x);
-  *pivots_ok = ok;
+  *pivots = ok;
   return 0;
+}
+
+/* The largest row sum of abs(A - I); NaN where there is one. */
+static inline smg_real smg_sparse_bound(int32_t n, const int32_t *rowptr, const int32_t *diag, const smg_real *A) {
+  smg_real most = 0;
+  for (int32_t row = 0; row < n * SMG_BS; row++) {
+    const int32_t i = row / SMG_BS, r = row % SMG_BS;
+    smg_real sum = 0;
+    for (int32_t p = rowptr[i]; p < rowptr[i + 1]; p++)
+      for (int e = 0; e < SMG_BS; e++) sum += smg_abs(A[(int64_t)p * SMG_BB + r * SMG_BS + e] - (p == diag[i] && e == r));
+    if (!(sum <= most) && most == most) most = sum;
+  }
+  return most;
+}
+
+/* Where block (i, j) lies. */
+static inline int64_t smg_sparse_place(const int32_t *rowptr, const int32_t *col, int32_t i, int32_t j) {
+  int32_t p = rowptr[i];
+  while (col[p] != j) p++;
+  return (int64_t)p * SMG_BB;
+}
+
+/* True when x.A x >= x.x/4 for all x: (A + A^T)/2 - I/4 has positive pivots. A and x are spoilt. */
+static inline int smg_sparse_coercive(int32_t n, const int32_t *rowptr, const int32_t *col, const int32_t *diag,
+                                      smg_real *A, smg_real *x, smg_real *work) {
+  int positive = 0;
+  for (int32_t i = 0; i < n; i++) {
+    for (int32_t p = diag[i]; p < rowptr[i + 1]; p++)
+      smg_block_mirror(A + (int64_t)p * SMG_BB, A + smg_sparse_place(rowptr, col, col[p], i));
+    smg_block_lower(A + (int64_t)diag[i] * SMG_BB);
+  }
+  return smg_sparse_solve(n, rowptr, col, diag, A, x, work, &positive) == 0 && positive == 1;
 }
 
 #endif

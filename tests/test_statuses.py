@@ -74,7 +74,7 @@ def test_any_other_spin_has_a_step_of_every_size(angle, strength):
     expected = 2 * a / ((4 + a) + sqrt((4 + a) ** 2 - 16 * r * r * a))      # the same, without cancellation
     chord = np.hypot(*(model.w[0, :2] - tilted(angle)[0, :2])) / (2 * r)    # sin(phi/2)
     assert chord ** 2 == pytest.approx(expected, rel=1e-13)
-    assert model.w[0, 2] == cos(angle)
+    assert abs(model.w[0, 2] - cos(angle)) <= (0 if strength < 2 else 5e-16)    # strong fields: W from the midpoint
 
 
 # -- no solution: a branch that ends ----------------------------------------------------------------

@@ -57,7 +57,7 @@ class MemoryParts:
 
     def work_size(self) -> str:
         if self.plan.solver == "dense":
-            return f"smg_dense_worksize({self.plan.block}*({self.rows}))"
+            return self.matrix_size()
         if self.plan.solver == "band":
             return f"smg_band_worksize({self.rows}, {self.plan.band})"
         return f"smg_sparse_worksize({self.plan.pattern.size})"

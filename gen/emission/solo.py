@@ -24,11 +24,12 @@ class SoloParts:
         m = sp.Matrix(sp.symbols("v0x v0y v0z", real=True))
         kappa, leaves = scalar(self.spec.families[0].kappa)
         self.low.leaves.update(leaves)
-        X = m.cross(sp.Matrix([sum(t.derived.gradient[0][a] for t in self.effects if t.slots) for a in range(3)]))
-        X = (X * self.low.step_size() / kappa).applyfunc(self.low.number_values).applyfunc(lambda e: shorter(e, m))
+        b = sp.Matrix([sum(t.derived.gradient[0][a] for t in self.effects if t.slots) for a in range(3)])
+        b = (b * self.low.step_size() / kappa).applyfunc(self.low.number_values).applyfunc(lambda e: shorter(e, m))
+        X = m.cross(b).applyfunc(lambda e: shorter(e, m))
         D = X.jacobian(m).applyfunc(lambda e: shorter(e, m))
         entries = [(a, b) for a in range(3) for b in range(3) if D[a, b] != 0]
-        return "\n\n".join([self.solo_vector("motion", ["smg_vec m"], list(X)), self.solo_radial(X, D, m),
+        return "\n\n".join([self.solo_motion(X, b, m), self.solo_radial(X, D, m),
                             self.solo_matrix(entries), self.solo_derivative(D, entries),
                             self.solo_apply(entries), self.solo_minors(entries)])
 
@@ -41,6 +42,15 @@ class SoloParts:
         kernel = self.low.kernel(expressions, {})
         return self.solo_function("smg_vec", name, arguments,
                                   [*kernel.lines, f"return smg_vec_of({', '.join(kernel.results)});"])
+
+    def solo_motion(self, X, b, m) -> str:
+        """h X(m). As m x b it stays tangent whatever the coefficients are rounded to; three single
+        products, a free body's, need less work and what rounding leaves, d mx my mz, averages out."""
+        if all(len(sp.Add.make_args(sp.expand(x))) == 1 for x in X):
+            return self.solo_vector("motion", ["smg_vec m"], list(X))
+        kernel = self.low.kernel(list(b), {})
+        return self.solo_function("smg_vec", "motion", ["smg_vec m"],
+                                  [*kernel.lines, f"return smg_vec_cross(m, smg_vec_of({', '.join(kernel.results)}));"])
 
     def solo_radial(self, X, D, m) -> str:
         """e = DX m; for a field homogeneous of degree p this is p X."""

@@ -21,7 +21,7 @@ int main(void) {
     int ok = -1;
     pipe_take(blocks, A), pipe_take(n * SMG_BS, x);
     pipe_put((double)solve(n, k, (int)periodic, A, x, work, &ok));
-    pipe_put((double)ok);
+    pipe_put(ok == 1);
     pipe_give(n * SMG_BS, x);
   }
   free(A), free(x), free(work);

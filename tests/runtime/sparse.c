@@ -18,7 +18,7 @@ int main(void) {
   int ok = -1;
   pipe_take(blocks * SMG_BB, A), pipe_take(n * SMG_BS, x);
   pipe_put((double)smg_sparse_solve((int32_t)n, rowptr, col, diag, A, x, work, &ok));
-  pipe_put((double)ok);
+  pipe_put(ok == 1);
   pipe_give(n * SMG_BS, x);
   free(rowptr), free(col), free(diag), free(A), free(x), free(work);
   return 0;
