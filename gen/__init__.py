@@ -20,5 +20,16 @@ from .checkpoint import CheckpointError                         # noqa: E402
 from .verify import verify                                      # noqa: E402
 
 __all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "MissingTool", "OutputError", "Result",
-           "RunError", "SmidgenError", "SpecError", "UsageError", "ValidationError", "build",
+           "RunError", "SmidgenError", "SpecError", "UsageError", "ValidationError", "advise", "build", "explain",
            "load", "load_result", "load_text", "repeat", "resume", "run", "verify"]
+
+
+def __getattr__(name):
+    """`explain` and `advise`, which need sympy, are imported when they are asked for."""
+    if name == "explain":
+        from .symmetry import explain
+        return explain
+    if name == "advise":
+        from .advice import advise
+        return advise
+    raise AttributeError(f"module 'smidgen' has no attribute '{name}'")

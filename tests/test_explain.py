@@ -3,6 +3,7 @@ import json
 
 import numpy as np
 import pytest
+from pages import blocks, python, sh
 from support.explain_specs import planted, text
 from support.systems import SPECS, load
 
@@ -319,3 +320,9 @@ def test_command(command):
     data = json.loads(command("explain", "free_rigid_body", "moser_veselov", "--json").stdout)
     assert data["method"] == "moser-veselov" and data["integrals"][0]["kept"]
     assert command("explain", "free_rigid_body", "--effects", "no").returncode == 2
+
+
+def test_the_page(tmp_path):
+    sh("smidgen new spins\n" + "".join(blocks("explain.md", "sh")), tmp_path)
+    said = [python(program, tmp_path) for program in blocks("explain.md", "python")]
+    assert "linear sum w.x True" in said[0] and "('w',)" in said[0]
