@@ -20,12 +20,11 @@ SPARED = (
     ("templates/model.*", r".", "the frame of a file: declarations and comments"),
     ("gen/emission/amalgamate.py", r".", "copies the runtime into the file; tests/test_build.py compiles it"),
     ("gen/emission/text.py", r"comment|plain|return plain", "text of comments"),
-    ("*", r"SMG_MAX_NEWTON|SMG_MAX_SWEEPS|SMG_TRIED_SWEEPS|SMG_REST|SMG_STAGES|SMG_EIGEN_PATIENCE|SMG_PANEL\b"
+    ("*", r"SMG_MAX_NEWTON|SMG_MAX_SWEEPS|SMG_TRIED_SWEEPS|SMG_REST|SMG_STAGES|SMG_LATE|SMG_FARTHEST|SMG_STRAIGHT|SMG_ALONG|SMG_PANEL\b"
           r"|SMG_MAX_POINTS|SMG_CURVE_WORK|SMG_MAX_CORRECTIONS|^HISTORY|^SOLO|^ROWS|MOST_", "how long an iteration may take, how much it remembers: any value is right"),
     ("gen/emission/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
     ("gen/emission/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
-    ("runtime/smg_eigen.h", r"SMG_ROUNDOFF", "a cheap proof tried first; what it leaves open the eigenvalues decide"),
     ("gen/emission/memory.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
     ("gen/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
 )

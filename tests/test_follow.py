@@ -1,0 +1,66 @@
+"""The curve of solutions of a step, followed on curves that are known (tests/runtime/follow.c)."""
+import numpy as np
+import pytest
+from support.filters import EVERY_BUILD, feed, make  # noqa: F401
+
+OK, NO_CONVERGENCE, NO_SOLUTION, WRONG_BRANCH, SINGULAR = 0, 1, 2, 3, 7
+FAR = 1e300
+FOLD = (2, -2, 0)           # p = 2x - 2x^2 turns back at x = p = 1/2
+S_CURVE = (3, -4.1, 1.6)    # turns back at p = 0.677, and forth again at p = 0.460
+
+
+def follow(program, coefficients, d=0.0, limit=FAR, n=6, w0=0.0):
+    """status, reached, site, partner, x, x/2."""
+    return feed(program, [n, w0, *coefficients, d, limit])
+
+
+@pytest.mark.parametrize("build", EVERY_BUILD)
+@pytest.mark.parametrize("coefficients, x", [((1, 0, 0), 1.0), ((0.01, 0, 0), 100.0), ((1, 0, 1), 0.682327803828019),
+                                             ((50, 0, 0), 0.02)])
+def test_a_curve_without_a_fold_ends_at_its_solution(make, build, coefficients, x):
+    found = follow(make(build, "follow"), coefficients)
+    assert list(found[:4]) == [OK, 1, -1, -1]
+    assert found[4] == pytest.approx(x, rel=1e-8) and found[5] == pytest.approx(x / 2, rel=1e-8)
+
+
+@pytest.mark.parametrize("build", EVERY_BUILD)
+def test_a_fold_is_no_solution(make, build):
+    """It is known to a pace how far the branch goes; the sites that move are named, the faster one first."""
+    found = follow(make(build, "follow"), FOLD)
+    assert list(found[[0, 2, 3]]) == [NO_SOLUTION, 0, 1]
+    assert 0.45 < found[1] <= 0.5 + 1e-9
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("build", ["gcc", "gcc-sanitized"])
+def test_what_lies_behind_a_fold_is_another_branch(make, build):
+    found = follow(make(build, "follow"), S_CURVE)
+    assert found[0] == WRONG_BRANCH and found[1] == 1
+    assert np.polyval([*S_CURVE[::-1], 0], found[4]) == pytest.approx(1, abs=1e-6) and found[4] > 1.2
+
+
+@pytest.mark.quick
+def test_a_curve_to_infinity_is_no_solution(make):
+    """p = x/(1 + 2x) comes to 1/2 at infinity only."""
+    found = follow(make("gcc-sanitized", "follow"), (1, 0, 0), d=2.0)
+    assert found[0] == NO_SOLUTION and 0.49 < found[1] < 0.5 and found[4] > 1e5
+
+
+@pytest.mark.quick
+def test_a_curve_that_ends_in_the_centre_is_no_solution(make):
+    """From w = (-1, 0, 0) to 0 at half of h, where no Newton matrix exists; anywhere else it is just the end."""
+    found = follow(make("gcc-sanitized", "follow"), (0.5, 0, 0), limit=1 - 1e-7, w0=-1.0)
+    assert list(found[[0, 2, 3]]) == [NO_SOLUTION, 0, -1] and found[1] == pytest.approx(0.5, abs=1e-5)
+    found = follow(make("gcc-sanitized", "follow"), (0.5, 0, 0), limit=0.8, w0=-1.0)
+    assert found[0] == NO_CONVERGENCE and found[1] == pytest.approx(0.4, abs=1e-5)
+
+
+@pytest.mark.quick
+def test_a_curve_that_cannot_begin(make):
+    assert follow(make("gcc-sanitized", "follow"), (1, 0, 0), limit=-1.0)[0] == SINGULAR
+
+
+@pytest.mark.quick
+def test_a_large_system_takes_fewer_points(make):
+    found = follow(make("gcc", "follow"), (1, 0, 0), n=12_000)
+    assert list(found[:2]) == [OK, 1] and found[4] == pytest.approx(1, rel=1e-8)
