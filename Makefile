@@ -4,7 +4,7 @@ VENV   := .venv
 PY     := $(VENV)/bin/python
 PYTEST := $(PY) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench hard clean
+.PHONY: demo test quick test-long bench hard mutants coverage clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.demo --out out/demo
@@ -28,6 +28,14 @@ $(VENV)/ready: tests/install.sh requirements.txt requirements-test.txt pyproject
 # The hard cases, one by one, beside what each must show; writes docs/hard.md. TIER=quick or long: one tier, printed only.
 hard: $(VENV)/ready-test
 	PYTHONPATH=tests $(PY) -m hard.table $(if $(TIER),--tier $(TIER))
+
+# Faults planted one at a time, and the tests that notice them (half an hour); writes docs/mutants.md.
+mutants: $(VENV)/ready-test
+	$(PY) tests/mutants/run.py
+
+# Which branches of runtime/ the tests take (some minutes); writes docs/coverage.md.
+coverage: $(VENV)/ready-test
+	$(PY) tests/covered/run.py
 
 # What only the tests use: other compilers, a browser. Tests say so when one is missing.
 $(VENV)/ready-test: $(VENV)/ready
