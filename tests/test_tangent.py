@@ -19,6 +19,7 @@ from smidgen.build import build_library
 from smidgen.derive import derive, hessian_blocks
 from smidgen.emit import generate
 from smidgen.errors import RunError, UsageError
+from smidgen.features import FEATURES
 from smidgen.library import Integrator, scene_of
 
 TANGENT = ("tangent",)
@@ -26,9 +27,11 @@ AGREES, SYMPLECTIC = 1e-9, 1e-12
 LOCAL = ("forced_rigid_body", "free_rigid_body", "irreversible_rigid_body", "lagrange", "nambu_a31", "nambu_a34",
          "nambu_a36", "nambu_a38", "nambu_a39", "test_particles")    # every site alone: the solver has no say
 LATTICES = ("cubic_lattice", "honeycomb")       # no matrix
+PLAIN = ("product", "two_bodies", "heisenberg_chain")   # plain sweeps of the others: only `long` looks
 TRACERS = "vortex_tracers"
 SMALL_H = {("landau_lifshitz", "plain"): 0.02}  # part of its h at which plain sweeps contract
 quick = pytest.mark.quick
+few_compilers = [pytest.param(c, marks=() if c in ("gcc", "clang++") else pytest.mark.long) for c in COMPILERS]
 
 
 def cases():
@@ -37,7 +40,8 @@ def cases():
     for name in SPECS:
         for method in (SPHERICAL, CLASSICAL, *([VESELOV] if name in FREE_BODIES else [])):
             for solver in ("auto",) if name in LOCAL else solvers(name, method):
-                marks = quick if name in ("forced_rigid_body", "nambu_a34") and method == SPHERICAL else ()
+                marks = [quick] if name in ("forced_rigid_body", "nambu_a34") and method == SPHERICAL else []
+                marks += [pytest.mark.long] if solver == "plain" and name not in PLAIN else []
                 found.append(pytest.param(name, method, solver, marks=marks, id=f"{name}-{method}-{solver}"))
     return found
 
@@ -61,9 +65,9 @@ class Step:
         return self.model.tangent(v.copy())
 
 
-def long_step(case, method=SPHERICAL, solver="auto", h=None):
+def long_step(case, method=SPHERICAL, solver="auto", h=None, features=TANGENT):
     model = smidgen.build(case.spec, method=method, values=case.values, solver=solver, real="long double",
-                          features=TANGENT)
+                          features=features)
     return Step(model, case.h if h is None else h)
 
 
@@ -204,6 +208,17 @@ def test_in_double_precision(name):
     one = smidgen.build(case.spec, values=case.values, features=TANGENT)
     one.start(w.astype(float), h=case.h, t0=0.3).step()
     assert np.abs(one.tangent(v) - expected).max() < 1e-13 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("feature", sorted(set(FEATURES) - {"tangent"}))
+@pytest.mark.parametrize("name", ["forced_rigid_body", "product"])
+def test_beside_other_features(name, feature):
+    case = begin(name)
+    one = smidgen.build(case.spec, values=case.values, features=("tangent", feature))
+    alone = smidgen.build(case.spec, values=case.values, features=TANGENT)
+    v = np.random.default_rng(0).standard_normal((2, *case.w.shape))
+    expected, found = (m.start(case.w.copy(), h=case.h).carry(v.copy(), 3) for m in (alone, one))
+    assert np.abs(found - expected).max() < 1e-13 * np.abs(expected).max()
 
 
 # -- the symplectic form ------------------------------------------------------------------------
@@ -445,7 +460,7 @@ PLANS = [("free_rigid_body", SPHERICAL, "auto"), ("free_rigid_body", VESELOV, "a
          ("two_bodies", SPHERICAL, "plain"), (TRACERS, SPHERICAL, "auto"), (TRACERS, CLASSICAL, "plain")]
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", few_compilers)
 @pytest.mark.parametrize("name, method, solver", PLANS)
 def test_compiles_without_a_warning(name, method, solver, compiler, tmp_path):
     sources = written(begin(name), tmp_path, method, solver)
@@ -453,7 +468,7 @@ def test_compiles_without_a_warning(name, method, solver, compiler, tmp_path):
         assert compile_all(tmp_path, sources, compiler, real=real) == ""
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler", few_compilers)
 def test_a_graph_compiles_without_a_warning(compiler, tmp_path):
     case = begin(texts.read(texts.GLASS, tmp_path))
     for solver in ("newton", "rotation", "plain"):

@@ -1,4 +1,5 @@
 """Generated integrators in programs of others: the page docs/linking.md, and what it promises."""
+import math
 import re
 import shutil
 from pathlib import Path
@@ -45,6 +46,15 @@ def test_the_library_of_the_page(folder):
     said = sh(blocks(PAGE, "sh")[1], folder).splitlines()[-1]
     energy, spin = map(float, re.findall(r"-?\d+\.\d+e[+-]\d+", said))
     assert said.startswith("t = 1000") and abs(energy) < 1e-6 and abs(spin) < 1e-12
+
+
+@pytest.mark.quick
+def test_the_tangent_map_of_the_page(folder):
+    """The rate of an unstable axis, known in closed form, from the program."""
+    shutil.copy(HERE / "growth.c", folder)
+    commands = next(b for b in blocks(PAGE, "sh") if "growth" in b)
+    rate = 20 * math.atanh(0.05 * math.sqrt((1 - 1 / 2) * (1 / 2 - 1 / 4)))
+    assert sh(commands, folder).splitlines()[-1] == f"|v| grows like exp({rate:.6f} t)"
 
 
 def test_the_library_may_be_moved(folder):
