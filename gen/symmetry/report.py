@@ -98,7 +98,7 @@ def _rotations(asked: Asked, turns, seen, undecided):
         undecided.append("which rotations leave H unchanged")
         return [], [], []
     if seen is not None and seen > len(turns):
-        undecided.append(f"numerically {seen} independent rotations seem to leave H unchanged; {len(turns)} "
+        undecided.append(f"{seen} independent rotations seem to leave H unchanged in floating point, {len(turns)} "
                          "could be proved")
     grouped, mixed = grouped_axes(turns, len(asked.families))
     always = [all(holds(asked.always, lambda t: conserved.linear_rows(t, asked.families, "all"),

@@ -41,7 +41,7 @@ def _rotations(r):
         yield f"H is unchanged by {turn} of {_whose(r, names)}{_scope(r, always)}."
     for one in r.mixed:
         turns = ", ".join(f"{name} about {axis_name(a)}" for name, a in one.items())
-        yield f"H is unchanged when families turn together, each about its own axis: {turns}."
+        yield f"H is unchanged when families turn together, each about its own axis: {turns}{_scope(r, False)}."
     if not (r.rotations or r.mixed or any("rotations" in u for u in r.undecided)):
         yield "No rotation leaves H unchanged, of all vectors or of one family."
 
