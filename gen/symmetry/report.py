@@ -10,8 +10,8 @@ from ..library import METHODS, choose
 from ..select import select
 from ..start import casimir_matrices, kappas
 from . import conserved, spaces
-from .energies import energy_form, energy_integral, parity, time_dependent
-from .integrals import CLASSICAL, SPHERICAL, WHY, Integral
+from .kept_energy import energy_form, energy_integral, parity, time_dependent
+from .integrals import SPHERICAL, WHY, Integral
 from .look import unchanged
 from .names import axis_text, form_text, number
 from .questions import Asked, ask, attempt, holds, space

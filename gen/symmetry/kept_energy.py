@@ -10,7 +10,7 @@ from ..start import casimir_matrices
 from . import polynomial as poly
 from .conserved import PAIRS
 from .energy import Energy
-from .integrals import CLASSICAL, SPHERICAL, VESELOV, WHY, Integral
+from .integrals import CLASSICAL, VESELOV, WHY, Integral
 from .orbits import passive
 from .questions import Asked, attempt
 
