@@ -19,14 +19,21 @@ from .spec import Spec
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([A-Za-z0-9_.]+)"', re.MULTILINE)
 
 
-def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=()):
-    """Write the C of a selected spec to the folder `where`; returns (files, notes)."""
+def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), certificate=None):
+    """Write the C of a selected spec to the folder `where`; returns (files, notes).
+
+    certificate: a JSON file of `smidgen verify`, for the header's comment. Raises UsageError for one
+    of other code.
+    """
     from .emit import generate
     files, notes = split_notes(generate(spec, method=method, solver=solver,
                                         amalgamate=amalgamate, features=features))
     linked = {name: text for name, text in files.items() if not name.endswith("_abi.c")}
     if not amalgamate:
         linked.update(runtime_headers(linked))
+    if certificate is not None:
+        from .verify.embed import with_certificate
+        linked = with_certificate(linked, spec, method, solver, features, certificate)
     _write(linked, Path(where))
     return [Path(where) / name for name in linked], notes
 

@@ -260,3 +260,95 @@ def test_wrong_words_are_errors_of_usage():
     for given in ({"tier": "thorough"}, {"tier": 10}, {"tier": True}, {"method": "euler"}, {"effects": ["none"]}):
         with pytest.raises(UsageError):
             smidgen.verify(load("free_rigid_body"), **given)
+
+
+# -- the header --------------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """(file, data) of a certificate of the free body."""
+    file = tmp_path_factory.mktemp("certificate") / "top.json"
+    certificate = smidgen.verify(load("free_rigid_body"), tier=SHORT)
+    file.write_text(certificate.to_json())
+    return file, json.loads(certificate.to_json())
+
+
+def test_the_header_carries_the_certificate(made, command, tmp_path):
+    file, data = made
+    assert command("gen", "free_rigid_body", "--out", "plain").returncode == 0
+    done = command("gen", "free_rigid_body", "--out", "sure", "--certificate", file)
+    assert done.returncode == 0, done.stderr
+    plain, sure = ((tmp_path / where / "free_rigid_body.h").read_text() for where in ("plain", "sure"))
+    block, rest = sure.split("*/", 1)
+    assert rest == plain.split("*/", 1)[1] and "Certificate: yes" in block
+    for row in data["rows"]:
+        assert (f" *   {row['name']:20} yes" in block) == (row["verdict"] == YES)
+    assert all(row["note"] not in block for row in data["rows"] if row["note"])
+
+
+def test_the_certificate_of_other_code_is_refused(made, command):
+    file, _ = made
+    for words in (["heisenberg_chain"], ["free_rigid_body", "--method", CLASSICAL],
+                  ["free_rigid_body", "--set", "I2=1.5"], ["free_rigid_body", "--with", "extended"]):
+        done = command("gen", *words, "--certificate", file)
+        assert done.returncode == 2 and "the certificate is of another spec" in done.stderr
+
+
+HOSTILE = {
+    "another generator": lambda d: d.update(generator_digest="0" * 64),
+    "a comment's end as a name": lambda d: d["rows"][0].update(name="*/ int main(void) {} /*"),
+    "a comment's end as a verdict": lambda d: d["rows"][0].update(verdict="yes */"),
+    "a relation of its own": lambda d: d["rows"][1].update(relation="*/"),
+    "text as a number": lambda d: d["rows"][1].update(measured="1e-16 */"),
+    "NaN": lambda d: d["rows"][1].update(measured=float("nan")),
+    "infinity": lambda d: d["rows"][1].update(measured=float("inf")),
+    "a truth as a number": lambda d: d["rows"][1].update(measured=True),
+    "a verdict that the numbers deny": lambda d: d["rows"][1].update(measured=0.5),
+    "a yes without numbers": lambda d: d["rows"][2].update(measured=None, bound=None, relation=""),
+    "a whole that the rows deny": lambda d: d.update(passed=False),
+    "the same row twice": lambda d: d["rows"].append(d["rows"][0]),
+    "no rows": lambda d: d.update(rows=[]),
+    "rows that are none": lambda d: d.update(rows={"order": 2}),
+    "a row that is none": lambda d: d.update(rows=[["order"]]),
+    "another format": lambda d: d.update(format="certificate"),
+    "another version": lambda d: d.update(version=2),
+    "h as text": lambda d: d.update(h="0.1 */"),
+    "huge": lambda d: d.update(pad="x" * (1 << 20)),
+}
+
+
+@pytest.mark.parametrize("fault", HOSTILE)
+def test_a_hostile_certificate_is_refused(made, tmp_path, fault):
+    from smidgen.select import select
+    from smidgen.verify.embed import read_certificate
+    file, data = made
+    scene = select(load("free_rigid_body"))
+    assert read_certificate(file, scene, "spherical-midpoint", "auto")
+    data = json.loads(json.dumps(data))
+    HOSTILE[fault](data)
+    bad = tmp_path / "bad.json"
+    bad.write_text(json.dumps(data))
+    with pytest.raises(UsageError, match="bad.json"):
+        read_certificate(bad, scene, "spherical-midpoint", "auto")
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", "\x00\xff", "[" * 100000, "9" * 5000], ids=range(6))
+def test_what_is_no_certificate_is_refused(tmp_path, text):
+    from smidgen.select import select
+    from smidgen.verify.embed import read_certificate
+    (tmp_path / "bad.json").write_text(text, encoding="latin-1")
+    for name in ("bad.json", "missing.json", "."):
+        with pytest.raises(UsageError):
+            read_certificate(tmp_path / name, select(load("free_rigid_body")), "spherical-midpoint", "auto")
+
+
+def test_the_command(command, tmp_path):
+    done = command("verify", "free_rigid_body", "--quick", "--json", "top.json")
+    assert done.returncode == 0 and "symplectic" in done.stdout and "\x1b" not in done.stdout
+    assert json.loads((tmp_path / "top.json").read_text())["passed"] is True
+    done = command("verify", "irreversible_rigid_body", "classical", "--long", "1e3", "--json", "-")
+    assert done.returncode == 5 and "not certified: symplectic" in done.stderr
+    assert json.loads(done.stdout)["passed"] is False
+    assert command("verify", "free_rigid_body", "--quick", "--json", "no/such/folder").returncode == 8
+    for words in (["--long", "10"], ["--quick", "--long", "1e4"], ["--h", "0"], ["nosuchrun"]):
+        assert command("verify", "free_rigid_body", *words).returncode == 2

@@ -20,6 +20,7 @@ def add(commands):
     parser.add_argument("--out", default=".", metavar="DIR", help="where to; default: here")
     parser.add_argument("--amalgamate", action="store_true",
                         help="inline the runtime: one .h and one .c, nothing else")
+    parser.add_argument("--certificate", metavar="FILE", help="the JSON of `smidgen verify`, for the header's comment")
     json_option(parser)
     parser = commands.add("build", build, "compile a spec", BUILD)
     spec_argument(parser)
@@ -51,7 +52,8 @@ def gen(args):
     """Write the files; their paths are the data."""
     from ..export import export_sources
     scene, method, solver = scene_of(args)
-    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate, args.features)
+    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate, args.features,
+                                  args.certificate)
     report(args, scene, method, notes, files)
 
 

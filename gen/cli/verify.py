@@ -5,7 +5,7 @@ import argparse
 import sys
 
 from ..errors import Exit, OutputError
-from .options import model_options, spec_argument, whole
+from .options import feature_option, model_options, spec_argument, whole
 from .say import say
 
 EXAMPLES = """  smidgen verify heisenberg_chain --set n=10
@@ -20,6 +20,7 @@ def add(commands):
                           "reversibility, symmetry, integrals, round-off", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
+    feature_option(parser)
     tier = parser.add_mutually_exclusive_group()
     tier.add_argument("--quick", action="store_true", help="fewer states, shorter runs")
     tier.add_argument("--long", type=steps, metavar="N", help="measure the growth of round-off over N steps")
@@ -44,7 +45,7 @@ def command(args):
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
              if getattr(args, w) is not None}
     certificate = verify(load_spec(args.spec), args.run, tier=args.long or ("quick" if args.quick else "normal"),
-                         values=dict(args.values), **given)
+                         values=dict(args.values), features=args.features, **given)
     if args.file != "-":
         show(certificate)
     if args.file:

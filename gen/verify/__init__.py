@@ -14,7 +14,7 @@ def verify(spec, run=None, *, tier="normal", **given):
     """Measure the generated integrator of a run; returns a `certificate.Certificate`.
 
     tier: "quick", "normal", or a number of steps, the length of the round-off measurement.
-    given: method, solver, h, effects, values, start, seed in place of what the run says.
+    given: features of the generated C, and method, solver, h, effects, values, start, seed in place of what the run says.
     Raises UsageError for wrong names; what the integrator refuses or misses is a row that says no.
     """
     from .certificate import certify

@@ -7,6 +7,7 @@ import json
 from .. import __version__
 from ..build import compiler_version, find_compiler, generator_digest
 from ..errors import RunError, UsageError, ValidationError
+from ..features import chosen_features
 from ..settings import settle
 from ..spec import Spec
 from .case import SEED, Case
@@ -98,15 +99,16 @@ def finite(data):
     return data
 
 
-def certify(spec: Spec, run=None, *, tier="normal", subject=None, seed_of_checks=SEED, **given) -> Certificate:
+def certify(spec: Spec, run=None, *, tier="normal", features=(), subject=None, seed_of_checks=SEED,
+            **given) -> Certificate:
     """All checks of one run; `subject` in place of the generated code. Arguments as `verify`."""
     if not (tier in STATES or isinstance(tier, int) and not isinstance(tier, bool) and tier >= 1000):
         raise UsageError("tier is \"quick\", \"normal\" or a number of steps from 1000 up")
     settings = settle(spec, run, **lengthened(spec, run, given))
     case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks)
     case.settings_tier = tier
-    subject = emitted(spec, settings) if subject is None else subject
-    return Certificate(tuple(rows_of(case, subject)), facts_of(case, tier))
+    subject = emitted(spec, settings, chosen_features(features)) if subject is None else subject
+    return Certificate(tuple(rows_of(case, subject)), facts_of(case, tier, features))
 
 
 def lengthened(spec, run, given) -> dict:
@@ -143,11 +145,11 @@ def guarded(name, check):
         return [refused(name, str(error))]
 
 
-def facts_of(case: Case, tier) -> dict:
+def facts_of(case: Case, tier, features=()) -> dict:
     """What was examined and with what."""
     s = case.settings
     return {"spec": case.spec.name, "spec_digest": case.spec.digest, "run": s.run, "method": s.method,
-            "solver": s.solver, "fingerprint": fingerprint(case.scene, s.method, s.solver),
+            "solver": s.solver, "features": sorted(features), "fingerprint": fingerprint(case.scene, s.method, s.solver, features),
             "effects": [e.name for e in case.scene.effects], "values": plain(s.values), "h": s.h,
             "probe": case.probe, "steps": s.steps, "start": s.start if isinstance(s.start, str) else None,
             "sites": case.sites, "tier": tier, "generator": __version__, "generator_digest": generator_digest(),

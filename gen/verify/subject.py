@@ -44,7 +44,6 @@ class Emitted:
 
     def __init__(self, double: Integrator, extended: Integrator, varied: Integrator | None = None):
         self.double, self.extended, self.varied = double, extended, varied
-        self._begun = {}
 
     def step(self, w, t, h):
         return self._of(w).start(w.copy(), t0=t, h=h).step().state()
@@ -59,7 +58,7 @@ class Emitted:
         return out
 
     def tangent(self, w, t, h, v):
-        if not hasattr(self.varied, "tangent"):
+        if self.varied is None:
             return None
         return np.array(self.varied.start(w.copy(), t0=t, h=h).step().tangent(np.array(v, float)))
 
@@ -80,15 +79,17 @@ class Emitted:
         return one
 
 
-def emitted(spec: Spec, s: Settings) -> Emitted:
+def emitted(spec: Spec, s: Settings, features=()) -> Emitted:
     """The generated code of a run, compiled as users get it; and twice more to be measured."""
-    def made(real, features=()):
-        return build(spec, s.method, s.effects, s.values, s.solver, real, s.native, features)
-    varied = made("double", ("tangent",)) if hasattr(Integrator, "tangent") else None
-    return Emitted(made("double"), made("long double"), varied)
+    def made(real, *more):
+        return build(spec, s.method, s.effects, s.values, s.solver, real, s.native, (*features, *more))
+    return Emitted(made("double"), made("long double"), made("double", "tangent"))
 
 
-def fingerprint(scene: Spec, method: str, solver: str) -> str:
-    """Digest of what decides the generated text: the selected spec, the method, the solver."""
+def fingerprint(scene: Spec, method: str, solver: str, features=()) -> str:
+    """Digest of what decides the text of a step: the selected spec, method, solver, features.
+
+    The tangent map is certified with every step, and leaves the step as it is.
+    """
     from ..build import _identity
-    return digest(_identity(scene), method, solver)
+    return digest(_identity(scene), method, solver, tuple(sorted(set(features) - {"tangent"})))
