@@ -2,6 +2,7 @@
 import math
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 from support.filters import EVERY_BUILD, feed, make, random  # noqa: F401
@@ -121,3 +122,43 @@ def check_row(row, a, b, high, unit):
     w, total = found[16], found[17]
     assert abs(w - (a + b)) <= 16 * unit * size and abs(total - (a + b)) <= 16 * unit * size + abs(b - Fraction(row[0]))
     assert list(row[-5:-2]) == [a < b, a == b, 1] and not row[-2:].any()
+
+
+# -- their elementary functions -----------------------------------------------------------------
+
+NAMES = "exp log sin cos tan asin acos atan sinh cosh tanh floor".split()
+PART = ("log", "asin", "acos")      # these take b itself, in (0, 1)
+
+
+def mp_values(a, b):
+    """The results of tests/runtime/wide_math.c to 50 digits."""
+    wide = 9 * b - 4
+    return [*(getattr(mpmath, n)(a) for n in NAMES), *(getattr(mpmath, n)(b if n in PART else wide) for n in NAMES),
+            mpmath.atan2(a, b - mpmath.mpf(1) / 2), a**wide]
+
+
+@pytest.mark.parametrize("build", [b for b in EVERY_BUILD if b.values[0] != "gcc-long-double"])
+@pytest.mark.parametrize("kind, error", [("wide_math", 1e-18), ("two_doubles_math", 1e-29)])
+def test_elementary_functions(make, build, kind, error):
+    """To the error that the header promises, relative to the larger of 1 and the result."""
+    rng, low = random(9), kind == "two_doubles_math"
+    hi = rng.uniform(0.01, 0.99, (60, 2))
+    hi[0] = 0.3, 0.999
+    lo = hi * EPSILON / 2 * rng.uniform(-0.9, 0.9, hi.shape) * low
+    out = feed(make(build, kind), [60], np.stack([hi[:, 0], lo[:, 0], hi[:, 1], lo[:, 1]], axis=1))
+    with mpmath.workdps(50):
+        for k, row in enumerate(out[:60 * 52].reshape(60, -1, 2)):
+            a, b = (mpmath.mpf(hi[k, c]) + mpmath.mpf(lo[k, c]) for c in (0, 1))
+            for mine, other in zip(row, mp_values(a, b)):
+                found = mpmath.mpf(mine[0]) + mpmath.mpf(mine[1])
+                assert abs(found - other) <= error * max(1, abs(other)) * (1 if abs(other) < 10 else 4)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("kind", ["wide_math", "two_doubles_math"])
+def test_edges_of_elementary_functions(make, kind):
+    """Of two doubles exp ends where a double does; log 0, far tanh, a floor by a hair, odd powers, 0."""
+    edges = feed(make("gcc", kind), [1], [0.5, 0, 0.5, 0])[52:].reshape(-1, 2)[:, 0]
+    assert edges[0] == np.inf and edges[1] == 0 and edges[2] == -np.inf
+    assert list(edges[3:5]) == [1, -1] and list(edges[6:]) == [-8, 0, 0]
+    assert edges[5] == (2 if kind == "two_doubles_math" else 2 + (np.finfo(np.longdouble).nmant < 60))

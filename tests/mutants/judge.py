@@ -13,8 +13,8 @@ from .plant import Tree
 
 # Tests of what lies beside the step: reading, running, drawing, packing. They are not run.
 BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read|mutants|covered|"
-                    r"determinism|witness|paper_numbers|build|run|settings|linking|checkpoint|full_disk|resume|explain|symmetry|advis|verify_cli|fuzz_grammar|parse|pages)\b")
-RUNTIME = re.compile(r"test_(runtime|band|sparse|follow|wide|unit)")     # of the headers alone
+                    r"determinism|witness|paper_numbers|build|run|settings|linking|full_disk|explain|symmetry|advice|verify_cli|fuzz|fuzz_grammar|parse|pages)\b")
+RUNTIME = re.compile(r"test_(runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
           r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)", r"test_(symplectic|tangent)",
