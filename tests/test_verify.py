@@ -3,6 +3,7 @@ import json
 
 import numpy as np
 import pytest
+from pages import DOCS, blocks, python, sh
 from support import impostors as wrong, texts
 from support.systems import CLASSICAL, SPECS, VESELOV, load
 
@@ -352,3 +353,10 @@ def test_the_command(command, tmp_path):
     assert command("verify", "free_rigid_body", "--quick", "--json", "no/such/folder").returncode == 8
     for words in (["--long", "10"], ["--quick", "--long", "1e4"], ["--h", "0"], ["nosuchrun"]):
         assert command("verify", "free_rigid_body", *words).returncode == 2
+
+
+def test_the_page_runs(tmp_path):
+    sh("smidgen new spins\n" + "".join(blocks("verify.md", "sh")), tmp_path)
+    assert "symplectic" in python(blocks("verify.md", "python")[0], tmp_path)
+    page = (DOCS / "verify.md").read_text()
+    assert all(f"| {name} |" in page or name in ("field", "energy formula") for name in CLAIMS)
