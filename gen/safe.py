@@ -80,7 +80,7 @@ class SafeSink:
             raise OutputError(f"{said}{self._way_on()}") from None
 
     def _way_on(self) -> str:
-        if not self.folder or not self.folder.parts("run"):
+        if not self.folder or not self.folder.path.is_dir() or not self.folder.parts("run"):
             return ""
         return (f". The first {self.saved or 0} steps are safe in {self.folder.path}: when this is mended, go on "
                 f"with `smidgen run --resume {self.out}`")

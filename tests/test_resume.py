@@ -276,10 +276,9 @@ def test_the_command(command, tmp_path):
     words = ["run", "free_rigid_body", "--steps", 10 ** 6, "--every", 70_000]
     assert command(*words, "--out", "whole.h5").returncode == 0
     out = tmp_path / "a.h5"
-    begun = subprocess.Popen([sys.executable, "-m", "smidgen", *map(str, words), "--out", str(out), "--checkpoint", "1000"])
-    while begun.poll() is None and not (out.parent / "a.h5.checkpoint").exists():
+    begun = subprocess.Popen([sys.executable, "-m", "smidgen", *map(str, words), "--out", str(out), "--checkpoint", "20000"])
+    while begun.poll() is None and not list(tmp_path.glob("a.h5.checkpoint/state-*.h5")):
         time.sleep(0.01)
-    time.sleep(0.2)
     begun.kill()
     assert begun.wait() == -signal.SIGKILL
     refusal = command(*words, "--out", "a.h5")

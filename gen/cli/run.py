@@ -194,7 +194,7 @@ def lines(args, result):
         yield f"status: {meta['status']}"
     if args.out not in (None, "-"):
         yield f"wrote {args.out}"
-        if folder_of(args.out).is_dir():
+        if meta["status"] == "interrupted" and folder_of(args.out).is_dir():
             yield f"go on with: smidgen run --resume {args.out}"
 
 
