@@ -9,26 +9,28 @@ FOLD = (2, -2, 0)           # p = 2x - 2x^2 turns back at x = p = 1/2
 S_CURVE = (3, -4.1, 1.6)    # turns back at p = 0.677, and forth again at p = 0.460
 
 
-def follow(program, coefficients, d=0.0, limit=FAR, n=6, w0=0.0):
-    """status, reached, site, partner, x, x/2."""
-    return feed(program, [n, w0, *coefficients, d, limit])
+def follow(program, coefficients, d=0.0, limit=FAR, n=6, w0=1.0, own=0, side=1):
+    """status, reached, site, partner, how far the component `own` and the one beside it went."""
+    return feed(program, [n, own, side, w0, *coefficients, d, limit])
 
 
 @pytest.mark.parametrize("build", EVERY_BUILD)
 @pytest.mark.parametrize("coefficients, x", [((1, 0, 0), 1.0), ((0.01, 0, 0), 100.0), ((1, 0, 1), 0.682327803828019),
                                              ((50, 0, 0), 0.02)])
 def test_a_curve_without_a_fold_ends_at_its_solution(make, build, coefficients, x):
-    found = follow(make(build, "follow"), coefficients)
-    assert list(found[:4]) == [OK, 1, -1, -1]
-    assert found[4] == pytest.approx(x, rel=1e-8) and found[5] == pytest.approx(x / 2, rel=1e-8)
+    for own, side in ((0, 1), (0, -1), (5, 1), (5, -1)):
+        found = follow(make(build, "follow"), coefficients, own=own, side=side)
+        assert list(found[:4]) == [OK, 1, -1, -1]
+        assert found[4:] == pytest.approx([side * x, side * x / 2], rel=1e-8)
 
 
 @pytest.mark.parametrize("build", EVERY_BUILD)
 def test_a_fold_is_no_solution(make, build):
     """It is known to a pace how far the branch goes; the sites that move are named, the faster one first."""
-    found = follow(make(build, "follow"), FOLD)
-    assert list(found[[0, 2, 3]]) == [NO_SOLUTION, 0, 1]
-    assert 0.45 < found[1] <= 0.5 + 1e-9
+    for own, side in ((0, 1), (1, -1), (3, 1), (5, -1)):
+        found = follow(make(build, "follow"), FOLD, own=own, side=side)
+        assert list(found[[0, 2, 3]]) == [NO_SOLUTION, own // 3, 1 - own // 3]
+        assert 0.45 < found[1] <= 0.5 + 1e-9
 
 
 @pytest.mark.quick
@@ -47,11 +49,13 @@ def test_a_curve_to_infinity_is_no_solution(make):
 
 
 @pytest.mark.quick
-def test_a_curve_that_ends_in_the_centre_is_no_solution(make):
-    """From w = (-1, 0, 0) to 0 at half of h, where no Newton matrix exists; anywhere else it is just the end."""
-    found = follow(make("gcc-sanitized", "follow"), (0.5, 0, 0), limit=1 - 1e-7, w0=-1.0)
-    assert list(found[[0, 2, 3]]) == [NO_SOLUTION, 0, -1] and found[1] == pytest.approx(0.5, abs=1e-5)
-    found = follow(make("gcc-sanitized", "follow"), (0.5, 0, 0), limit=0.8, w0=-1.0)
+@pytest.mark.parametrize("own", [0, 5])
+def test_a_curve_that_ends_in_the_centre_is_no_solution(make, own):
+    """A site from (-1, 0, 0) to 0 at half of h, where no Newton matrix exists; anywhere else it is just the end."""
+    program = make("gcc-sanitized", "follow")
+    found = follow(program, (0.5, 0, 0), limit=1 - 1e-7, w0=-1.0, own=own)
+    assert list(found[[0, 2, 3]]) == [NO_SOLUTION, own // 3, -1] and found[1] == pytest.approx(0.5, abs=1e-5)
+    found = follow(program, (0.5, 0, 0), limit=0.8, w0=-1.0, own=own)
     assert found[0] == NO_CONVERGENCE and found[1] == pytest.approx(0.4, abs=1e-5)
 
 
