@@ -14,6 +14,7 @@
 
 #define SITES 64 /* largest model */
 #define SMALL 20 /* sites of the largest model whose branch is followed */
+#define EFFORT 2000 /* Newton iterations that the search for a branch may take */
 
 enum { SPHERICAL, CLASSICAL, VESELOV };
 enum { ON_SPHERE, ON_R3, ON_NAMBU };
@@ -137,6 +138,13 @@ static int eliminate(int n, real (*A)[3 * SMALL], real *x, real *y) {
   return sign;
 }
 
+/* |mbar| of a site, by which differences must be small where W is near -w; never 0. */
+static real midpoint_size(const equation *e, int64_t i, const real *u) {
+  const real *w = e->w + 3 * i;
+  const real mbar[3] = {w[0] + u[3 * i] / 2, w[1] + u[3 * i + 1] / 2, w[2] + u[3 * i + 2] / 2};
+  return sqrtl(dot(mbar, mbar)) + 1e-7L * sqrtl(dot(w, w)) + 1e-25L * largest(e->w, 3 * e->sites);
+}
+
 /* One Newton iteration of F(u) = 0, the Jacobian by differences. `along` becomes h du/dh.
  * Returns the size of the change, or -1 where det J <= 0 or a value is not finite. */
 static real newton(const equation *e, real h, real *u, real *along) {
@@ -145,7 +153,7 @@ static real newton(const equation *e, real h, real *u, real *along) {
   real x[3 * SITES], moved[3 * SITES], size[SITES], r[3 * SMALL];
   increment(e, h, u, x, size);
   for (int j = 0; j < n; j++) {
-    const real kept = u[j], d = 1e-10L * (1e-3L * largest(e->w, n) + fabsl(e->w[j]) + fabsl(u[j]));
+    const real kept = u[j], d = 1e-9L * midpoint_size(e, j / 3, u);
     u[j] += d;
     increment(e, h, u, moved, size);
     u[j] = kept;
@@ -158,10 +166,11 @@ static real newton(const equation *e, real h, real *u, real *along) {
 }
 
 /* Newton at s*h from the guess u; 1 when it contracts at once, so that no other branch is met. */
-static int corrected(const equation *e, real s, real *u, real *along) {
+static int corrected(const equation *e, real s, real *u, real *along, int *spent) {
   const real size = largest(e->w, 3 * e->sites);
   real last = INFINITY;
   for (int it = 0; it < 7; it++) {
+    ++*spent;
     const real change = newton(e, s * e->h, u, along);
     if (!(change >= 0) || (it == 0 && change > 0.02L * size) || (it > 0 && change > last / 4 && change > 1e-14L * size))
       return 0;
@@ -171,28 +180,50 @@ static int corrected(const equation *e, real s, real *u, real *along) {
   return 0;
 }
 
-/* The solution at h that continuation from h = 0 reaches, in steps that adapt: 1. 0 when the branch ends before, at
- * *s of h; -1 when it takes too many steps to tell. */
-static int follow(const equation *e, real *u, real *s) {
+/* A walk along the branch from *s to the end `to`, in steps that adapt: 1. 0 when it ends before in a fold, where du/dh
+ * grows without bound; -1 when it cannot tell. */
+static int walk(const equation *e, real *u, real *along, real *s, real to, real step) {
   const int64_t n = 3 * e->sites;
-  real along[3 * SITES] = {0}, guess[3 * SITES], size[SITES], step = 0.0625L;
-  memset(u, 0, sizeof(real) * (size_t)n);
-  increment(e, e->h, u, along, size);
-  if (!(largest(along, n) < LDBL_MAX)) return 0;
-  while (step * largest(along, n) > 0.05L * largest(e->w, n)) step /= 2;
-  *s = 0;
-  int k = 0;
-  for (; k < 4000 && *s < 1 && step > 1e-9L * *s; k++) {
-    const real next = *s + step < 1 ? *s + step : 1, rise = *s > 0 ? (next - *s) / *s : next;
-    real slope[3 * SITES];
+  const real sign = to > *s ? 1 : -1, size = largest(e->w, n);
+  int spent = 0;
+  while (spent < EFFORT && sign * (to - *s) > 0 && step > 1e-9L * *s) {
+    const real next = sign * (to - *s) > step ? *s + sign * step : to, rise = *s > 0 ? (next - *s) / *s : next;
+    real guess[3 * SITES], slope[3 * SITES];
     for (int64_t q = 0; q < n; q++) guess[q] = u[q] + rise * along[q];
-    if (corrected(e, next, guess, slope)) {
+    if (corrected(e, next, guess, slope, &spent)) {
       memcpy(u, guess, sizeof(real) * (size_t)n), memcpy(along, slope, sizeof(real) * (size_t)n);
       *s = next, step *= 2;
     } else
       step /= 2;
   }
-  return *s >= 1 ? 1 : k < 4000 ? 0 : -1;
+  if (!(sign * (to - *s) > 0)) return 1;
+  for (int64_t i = 0; i < e->sites; i++)
+    if (midpoint_size(e, i, u) < 1e-5L * size) return -1; /* W near -w: no differences are taken there */
+  return spent < EFFORT && largest(along, n) > 100 * size ? 0 : -1;
+}
+
+/* The solution at h that the branch from u = 0, h = 0 leads to; *s: how far it goes. */
+static int follow(const equation *e, real *u, real *s) {
+  real along[3 * SITES] = {0}, size[SITES], step = 0.0625L;
+  memset(u, 0, sizeof(real) * (size_t)(3 * e->sites));
+  increment(e, e->h, u, along, size);
+  if (!(largest(along, 3 * e->sites) < LDBL_MAX)) return 0;
+  while (step * largest(along, 3 * e->sites) > 0.05L * largest(e->w, 3 * e->sites)) step /= 2;
+  *s = 0;
+  return walk(e, u, along, s, 1, step);
+}
+
+/* Does the branch through the solution u of h lead back to u = 0? It must where h is so small that u is the only one. */
+static int leads_back(const equation *e, const real *solution) {
+  const int64_t n = 3 * e->sites;
+  real u[3 * SITES], along[3 * SITES], rest[3 * SITES] = {0}, size[SITES], s = 1;
+  int spent = 0;
+  memcpy(u, solution, sizeof(real) * (size_t)n);
+  increment(e, e->h, rest, along, size);
+  const real end = fminl(0.5L, 1e-3L * largest(e->w, n) / largest(along, n));
+  if (!corrected(e, 1, u, along, &spent)) return -1;
+  const int found = walk(e, u, along, &s, end, 0.0625L);
+  return found <= 0 ? found : largest(u, n) < 0.1L * largest(e->w, n);
 }
 
 #endif
