@@ -18,7 +18,7 @@ from smidgen.library import STATUS
 TIERS = ("quick", "long")
 CASES: list["Case"] = []
 EPS = float(np.finfo(float).eps)
-NO_CONVERGENCE, NO_SOLUTION, OFF_MANIFOLD = 1, 2, 6
+NO_CONVERGENCE, NO_SOLUTION, WRONG_BRANCH, OFF_MANIFOLD = 1, 2, 3, 6
 
 
 @dataclass(frozen=True)
@@ -111,9 +111,9 @@ def status_of(error: RunError | None) -> str:
     return "ok" if error is None else STATUS.get(error.status, (f"status {error.status}",))[0]
 
 
-def ends(what: str, error: RunError | None, status: int) -> Row:
-    """A run must end in one named status."""
-    return Row(what, STATUS[status][0], status_of(error), error is not None and error.status == status)
+def ends(what: str, error: RunError | None, *statuses: int) -> Row:
+    """A run must end in a named status, or in one of several."""
+    return Row(what, " or ".join(STATUS[s][0] for s in statuses), status_of(error), error is not None and error.status in statuses)
 
 
 def typed(what: str, error: RunError | None) -> Row:
@@ -121,10 +121,10 @@ def typed(what: str, error: RunError | None) -> Row:
     return Row(what, "a named status", status_of(error), error is not None and error.status in STATUS)
 
 
-def refused(what: str, model, status: int, sites=None) -> Iterator[Row]:
-    """The next step of a started model fails with `status`, names a site and leaves every bit and the time alone."""
+def refused(what: str, model, status, sites=None) -> Iterator[Row]:
+    """The next step of a started model fails with `status` (or one of several), names sites and leaves every bit and the time alone."""
     w, t, count = model.state(), model.t, model.count
-    yield ends(what, attempt(model), status)
+    yield ends(what, attempt(model), *(status if isinstance(status, tuple) else (status,)))
     yield same_bits(f"{what}: the state after it", model.state(), w)
     yield same(f"{what}: time and count", (model.t, model.count), (t, count))
     if sites is not None:

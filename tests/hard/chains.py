@@ -168,7 +168,7 @@ def too_large():
 # -- a million spins --------------------------------------------------------------------------------
 
 PROBE = """
-import json, resource, sys, time
+import json, math, resource, sys, time
 import numpy as np, smidgen
 from smidgen.resources import folder
 n, count = int(sys.argv[1]), int(sys.argv[2])
@@ -177,13 +177,14 @@ theta, phi = 0.7 + 0.3*np.sin(3*t), t
 w = np.stack([np.sin(theta)*np.cos(phi), np.sin(theta)*np.sin(phi), np.cos(theta)], axis=1)
 model = smidgen.build(smidgen.load(folder("specs") / "heisenberg_chain.toml"), values={"n": n})
 peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-before, spin = peak(), w.sum(axis=0)
+total = lambda w: np.array([math.fsum(column) for column in w.T])
+before, spin = peak(), total(w)
 model.start(w, h=0.1)
 start = time.process_time()
 model.steps(count)
 took = time.process_time() - start
 print(json.dumps({"time": took/(n*count), "memory": (peak() - before)/n,
-                  "spin": float(np.abs(model.w.sum(axis=0) - spin).max()),
+                  "spin": float(np.abs(total(model.w) - spin).max()),
                   "norm": float(np.abs(np.sum(model.w**2, axis=1) - 1).max())}))
 """
 

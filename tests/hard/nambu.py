@@ -47,7 +47,7 @@ def orbit(k, u, h):
 def blow_up():
     """The discrete orbit on its hyperbola, step by step; no solution at the exact step, before any Inf."""
     # broken by: a projection left out (another orbit), a midpoint with c C(mbar) <= 0 accepted, an Inf, an end too early
-    for k, d, h in ((1.0, -0.4, 0.02), (1.0, -1.2, 0.1), (0.01, -1.0, 1.0)):
+    for k, d, h in ((1.0, -0.4, 0.02), (1.0, -1.2, 0.1), (0.1, -1.0, 0.3)):
         w = on_the_line(k, d)
         law = orbit(mp.mpf(k), mp.asinh(mp.tan(mp.mpf(d))), mp.mpf(h))
         one, what = model(begin("lagrange")).start(w.copy(), h=h), f"k = {k}, d = {d}, h = {h}"
