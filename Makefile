@@ -29,7 +29,7 @@ $(VENV)/ready: tests/install.sh requirements.txt requirements-test.txt pyproject
 hard: $(VENV)/ready-test
 	PYTHONPATH=tests $(PY) -m hard.table $(if $(TIER),--tier $(TIER))
 
-# Faults planted one at a time, and the tests that notice them (half an hour); writes docs/mutants.md.
+# Faults planted one at a time, and the tests that notice them (an hour; goes on where it was stopped); writes docs/mutants.md.
 mutants: $(VENV)/ready-test
 	$(PY) tests/mutants/run.py
 

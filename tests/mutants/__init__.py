@@ -2,8 +2,8 @@
 
     python tests/mutants/run.py [--seed 1] [--jobs 2] [--only ID] [--list]        (or: make mutants)
 
-A mutant is one changed line of a template, of the runtime or of a module of the generator that
-decides C. Candidates come from two sources (`operators.py`: every operator, index, coefficient,
+A mutant is one changed line of a template or of the runtime (--generator: of a module of the generator
+that decides C). Candidates come from two sources (`operators.py`: every operator, index, coefficient,
 comparison and constant in the code; `rules.py`: faults of the kinds that integrators suffer from,
 written as patterns, so that they follow the code when it moves). A seed draws a number of each kind,
 file after file in turn. Each drawn mutant is planted in a copy of the tree (`plant.py`); what no
@@ -15,5 +15,6 @@ A mutant that no test notices is compared with the original: when the generated 
 method and solver compiles to the same object code, nothing was changed and the next one is drawn.
 Any other is a survivor; `explained.toml` must say why it does no harm.
 
+What is found out is kept at once (`record.py`): a run that is interrupted goes on where it stopped.
 The outcome is written to docs/mutants.csv (all) and docs/mutants.md (summary and survivors).
 """

@@ -17,12 +17,21 @@ BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|
 RUNTIME = re.compile(r"test_(runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
-          r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)", r"test_(symplectic|tangent)",
-          r"test_(hard|round_off|certificate|verify|unusual)", r"test_(validate|user_specs|advice)", r"", r"runs_clean")
-# Before these: the tests that were made for faults of a kind.
+          r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)",
+          r"test_(symplectic|tangent)", r"test_(hard|round_off|certificate|verify|unusual)",
+          r"test_(validate|user_specs|advice)", r"", r"runs_clean")
+SHARP = 3       # stages that are run before the quick tier
+# Before these: the tests that were made for faults of a kind, or for what a file does.
 MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled", "jacobian": r"test_effort|test_tangent",
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed",
-            "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular"}
+            "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
+            "templates/tangent.c.j2": r"test_tangent|test_lyapunov", "templates/wide.c.j2": r"wide|round_off|extended",
+            "templates/save.c.j2": r"test_(checkpoint|resume|substeps)", "templates/sweep.c.j2": r"lattice|chain|sweep|glass",
+            "templates/local.c.j2": r"product|tracers|local|decoupled", "templates/solo.c.j2": r"rigid_body|solo|top",
+            "templates/newton.c.j2": r"chain|vortices|graph|newton", "templates/interface.c.j2": r"test_interface|energy|momentum",
+            "templates/family.c.j2": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable",
+            "runtime/smg_follow.h": r"follow", "runtime/smg_band.h": r"band|branch", "runtime/smg_sparse.h": r"sparse|branch",
+            "runtime/smg_dense.h": r"dense|branch", "runtime/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
 LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
 
 
@@ -43,13 +52,15 @@ def stage(name: str) -> int:
     return next((k for k, pattern in enumerate(STAGES) if pattern and re.search(pattern, name)), STAGES.index(""))
 
 
-def order_of(seconds: dict, kind: str, runtime: bool) -> tuple[list[str], list[str]]:
-    """(the sharp tests, the rest) in the order of running; those of the headers only when one was changed."""
-    made = re.compile(MADE_FOR.get(kind, "(?!)"))
-    names = [n for n in seconds if seconds[n] <= LONGEST and (runtime or not RUNTIME.search(n))]
-    names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), seconds[n]))
-    sharp = [n for n in names if made.search(n) or RUNTIME.search(n) or stage(n) < 3]
-    return sharp, [n for n in names if n not in set(sharp)]
+def order_of(tests: dict, mutant) -> list[list[str]]:
+    """The sharp tests, the quick tier's others, the rest, each in the order of running; of the headers only for a fault there."""
+    runtime = mutant.file.startswith("runtime/") or mutant.file == "gen/ordering.py"
+    made = re.compile("|".join(words for of, words in MADE_FOR.items() if of == mutant.kind or mutant.file.startswith(of)) or "(?!)")
+    names = [n for n, (seconds, _) in tests.items() if seconds <= LONGEST and (runtime or not RUNTIME.search(n))]
+    names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), tests[n][0]))
+    sharp = [n for n in names if made.search(n) or RUNTIME.search(n) or stage(n) < SHARP]
+    quick = [n for n in names if n not in set(sharp) and tests[n][1]]
+    return [sharp, quick, [n for n in names if n not in {*sharp, *quick}]]
 
 
 def limited():
@@ -85,26 +96,23 @@ def kill_group(process) -> None:
     process.wait()
 
 
-def baseline(tree: Tree, files) -> tuple[dict, list]:
-    """Seconds of every test that passes on the tree as it is, and the names of those that do not."""
-    status, lines = run_tests(tree, files, None, first=False, limit=3000)
-    if status not in (0, 1):
-        raise RuntimeError("the tests do not run on the unchanged tree:\n" + (tree.place / "said").read_text()[-3000:])
+def baseline(tree: Tree, file: str) -> dict:
+    """Of a file of tests on the tree as it is: {"tests": {those that pass: (seconds, in the quick tier)}, "failing": [..]}."""
+    status, lines = run_tests(tree, [file], None, first=False, limit=1500)
+    if status not in (0, 1, 5):
+        raise RuntimeError(f"{file} does not run on the unchanged tree:\n" + (tree.place / "said").read_text()[-3000:])
     done = {e["ends"]: e for e in lines if "ends" in e}
     failed = sorted({e["ends"] for e in lines if e.get("outcome") == "failed"})
-    return {n: e["seconds"] for n, e in done.items() if e["outcome"] == "passed" and n not in failed}, failed
+    passed = {n: (e["seconds"], e["quick"]) for n, e in done.items() if e["outcome"] == "passed" and n not in failed}
+    return {"tests": passed, "failing": failed}
 
 
-def judge(tree: Tree, seconds: dict, kind: str, runtime: bool) -> str | None:
-    """What notices the planted fault: the name of a test; None when all pass."""
-    for names in order_of(seconds, kind, runtime):
-        files = list(dict.fromkeys(n.partition("::")[0] for n in names))
-        order = {n: max(30.0, 15 * seconds[n]) for n in names}
-        limit = 300 + 6 * sum(seconds[n] for n in names)
-        found = caught(tree, *run_tests(tree, files, order, first=True, limit=limit)) if names else None
-        if found:
-            return found
-    return None
+def judge(tree: Tree, tests: dict, names) -> str | None:
+    """Which of the named tests notices the planted fault; None when all pass. `tests`: {name: (seconds, quick)}."""
+    files = list(dict.fromkeys(n.partition("::")[0] for n in names))
+    order = {n: max(60.0, 20 * tests[n][0]) for n in names}
+    limit = 600 + 10 * sum(tests[n][0] for n in names)
+    return caught(tree, *run_tests(tree, files, order, first=True, limit=limit)) if names else None
 
 
 def caught(tree: Tree, status, lines) -> str | None:

@@ -11,8 +11,9 @@ from pathlib import Path
 from .masks import code_lines
 from .rules import RULES
 
-PLACES = ("templates/*.j2", "runtime/*.h", "gen/derive.py", "gen/lower.py", "gen/loops.py", "gen/kernels.py",
-          "gen/cprint.py", "gen/ordering.py", "gen/emit.py", "gen/emission/*.py")
+STEP = ("templates/*.j2", "runtime/*.h")       # the C as it is written
+GENERATOR = ("gen/derive.py", "gen/lower.py", "gen/loops.py", "gen/kernels.py", "gen/cprint.py", "gen/ordering.py",
+             "gen/emit.py", "gen/emission/*.py")     # what decides the rest of it
 
 # What cannot be wrong, only slow, wordy or elsewhere in memory: no faults are planted there.
 SPARED = (
@@ -91,9 +92,9 @@ OPERATORS = (
 ARITHMETIC = ("sign", "operator", "constant", "coefficient")
 
 
-def places(root: Path) -> list[Path]:
+def places(root: Path, patterns=(*STEP, *GENERATOR)) -> list[Path]:
     """The files where faults are planted."""
-    return sorted({p for pattern in PLACES for p in root.glob(pattern) if p.name != "__init__.py"})
+    return sorted({p for pattern in patterns for p in root.glob(pattern) if p.name != "__init__.py"})
 
 
 def spared(file: str, line: str):
@@ -138,10 +139,17 @@ def mutants_of(root: Path, path: Path):
                 yield Mutant(kind, file, number, line, new, f"{kind}-{hashlib.sha256(name).hexdigest()[:8]}")
 
 
-def candidates(root: Path) -> list[Mutant]:
-    """Every mutant of the tree, each text once: a rule's kind goes before an operator's."""
+def stale(root: Path) -> list:
+    """The rules that fit no line of code any more."""
+    lines = [(p.relative_to(root), code_lines(p.name, p.read_text())) for p in places(root)]
+    return [rule for rule in RULES if not any(
+        file.match(rule[1]) and any(re.search(rule[2], line) for line in code) for file, code in lines)]
+
+
+def candidates(root: Path, patterns=STEP) -> list[Mutant]:
+    """Every mutant of the files that fit the patterns, each text once: a rule's kind goes before an operator's."""
     found = {}
-    for path in places(root):
+    for path in places(root, patterns):
         for m in mutants_of(root, path):
             found[m.file, m.line, m.new] = m     # rules come last
     return list(found.values())

@@ -37,6 +37,7 @@ def pytest_runtest_logstart(nodeid, location):
 
 
 def pytest_runtest_setup(item):
+    item.user_properties.append(("quick", item.get_closest_marker("quick") is not None))
     faulthandler.dump_traceback_later(item.config.limits.get(item.nodeid, FREE), exit=True)
 
 
@@ -44,4 +45,5 @@ def pytest_runtest_logreport(report):
     if report.when == "teardown":
         faulthandler.cancel_dump_traceback_later()
     if report.when == "call" or report.outcome != "passed":
-        note(ends=report.nodeid, outcome=report.outcome, seconds=report.duration, when=report.when)
+        note(ends=report.nodeid, outcome=report.outcome, seconds=report.duration, when=report.when,
+             quick=dict(report.user_properties).get("quick", False))

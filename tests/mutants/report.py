@@ -85,7 +85,7 @@ def page(outcomes, trial, seed: int, candidates: int) -> str:
     none = ["None.\n"]
     return "\n".join([
         "# Mutants\n", "Written by `make mutants`; every mutant with its fate is in [mutants.csv](mutants.csv).\n",
-        f"Of {candidates} faults that could be planted in the templates, the runtime and the generator, seed {seed} drew "
+        f"Of {candidates} faults that could be planted in the templates and the runtime, seed {seed} drew "
         f"{len(counted)}; the tests caught **{len(counted) - len(lived)}** ({100 * (1 - len(lived) / max(1, len(counted))):.1f} %). "
         "A test that compares the text of generated C with a stored one was not asked, nor one that only compiles it.\n",
         f"Passed over: {sum(o.what == 'does not compile' for o in passed)} that no longer generate or compile a model, "

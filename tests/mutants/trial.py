@@ -1,0 +1,93 @@
+"""One mutant is tried: planted in a copy of the tree, looked at by the compiler, run through the tests, healed."""
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import Queue
+
+from .judge import LONGEST, baseline, judge, order_of
+from .plant import Tree
+from .record import Record
+from .report import Outcome
+
+
+class Trial:
+    """The trees of the jobs, what the unchanged tree gives, and what is known from before."""
+
+    def __init__(self, root: Path, place: Path, jobs: int, record: Record):
+        self.trees, self.jobs, self.record = Queue(), jobs, record
+        for k in range(jobs):
+            self.trees.put(Tree(root, place / str(k)))
+        self.lock, self.plain, self.known = threading.Lock(), {}, record.tried()
+
+    def measure(self, files, say) -> None:
+        """Which tests pass on the unchanged tree, and how long each takes; those measured before are not run again."""
+        measured = self.record.unchanged(files)
+        with ThreadPoolExecutor(self.jobs) as pool:
+            for file, found in pool.map(self.measure_one, [f for f in files if f not in measured]):
+                measured[file] = found
+                say(f"{file}: {len(found['tests'])} pass, {len(found['failing'])} do not")
+        self.tests = {name: of for m in measured.values() for name, of in m["tests"].items()}
+        self.failing = sorted(name for m in measured.values() for name in m["failing"])
+        self.dear = [name for name, (seconds, _) in self.tests.items() if seconds > LONGEST]
+
+    def measure_one(self, file: str):
+        found = self.with_tree(lambda tree: baseline(tree, file))
+        self.record.keep({file: found})
+        return file, found
+
+    def with_tree(self, work):
+        tree = self.trees.get()
+        try:
+            return work(tree)
+        finally:
+            self.trees.put(tree)
+
+    def __call__(self, mutant) -> Outcome:
+        if mutant.id in self.known:
+            return self.known[mutant.id]
+        outcome = self.with_tree(lambda tree: self.on(tree, mutant))
+        self.record.add(outcome)
+        return outcome
+
+    def on(self, tree: Tree, mutant) -> Outcome:
+        began = time.monotonic()
+        tree.plant(mutant)
+        try:
+            what, by = self.verdict(tree, mutant)
+        finally:
+            tree.heal(mutant)
+        return Outcome(mutant, what, by, time.monotonic() - began)
+
+    def verdict(self, tree: Tree, mutant):
+        """('caught', by which test), ('does not compile', ''), ('changes nothing', '') or ('survived', '')."""
+        sharp, *others = order_of(self.tests, mutant)
+        if tree.digests("few", "syntax") is None:
+            return "does not compile", ""
+        found = judge(tree, self.tests, sharp)
+        if not found and self.same(tree, mutant):
+            return "changes nothing", ""
+        for names in others:
+            found = found or judge(tree, self.tests, names)
+        return ("caught", found) if found else ("survived", "")
+
+    def same(self, tree: Tree, mutant) -> bool:
+        """Is the object code of every model what it is without the fault? A few models first: most faults show there."""
+        if tree.digests("few", "objects") != self.without(tree, mutant, "few", "objects"):
+            return False
+        now, before = tree.digests("all", "text"), self.without(tree, mutant, "all", "text")
+        if now is None or now.keys() != before.keys():
+            return False
+        differ = [name for name in now if now[name] != before[name]]
+        if mutant.file.startswith("runtime/"):
+            differ = list(now)
+        return not differ or tree.digests("all", "objects", *differ) == self.without(tree, mutant, "all", "objects", *differ)
+
+    def without(self, tree: Tree, mutant, *what):
+        """The digests of the tree as it is without the fault; kept, for others will ask."""
+        with self.lock:
+            if what not in self.plain:
+                tree.heal(mutant)
+                self.plain[what] = tree.digests(*what)
+                tree.plant(mutant)
+            return self.plain[what]
