@@ -4,7 +4,7 @@ VENV   := .venv
 PY     := $(VENV)/bin/python
 PYTEST := $(PY) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench hard mutants coverage clean
+.PHONY: demo test quick test-long bench hard mutants coverage fuzz clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.demo --out out/demo
@@ -36,6 +36,11 @@ mutants: $(VENV)/ready-test
 # Which branches of runtime/ the tests take (some minutes); writes docs/coverage.md.
 coverage: $(VENV)/ready-test
 	$(PY) tests/covered/run.py
+
+# Random specs, Hamiltonians and steps for MINUTES; what they find lies in out/fuzz, what reaches new code joins the corpus.
+fuzz: $(VENV)/ready-test
+	$(PY) -m pip install --quiet -r tests/fuzz/requirements.txt
+	cd tests && ../$(PY) -m fuzz.run --minutes $(or $(MINUTES),10) $(if $(SEED),--seed $(SEED))
 
 # What only the tests use: other compilers, a browser. Tests say so when one is missing.
 $(VENV)/ready-test: $(VENV)/ready

@@ -1,6 +1,6 @@
 """Random Hamiltonians: generated C against the witness, to what round-off of the data allows.
 
-    python -m fuzz.differential [--count 500] [--seed 0]
+    python -m fuzz.differential [--count 500 | --seconds 60] [--seed 0]
 
 Compared at random states and times: energy, each effect, field, observables, momentum, Casimirs;
 then some steps of a modest h by a random method and solver. A mismatch prints the spec.
@@ -163,20 +163,28 @@ def check(text, files, seed=0):
     return pair
 
 
+def tried(seed):
+    """Is the random Hamiltonian of this seed the same in C and in the witness? Says what is not."""
+    text, files = random_spec(random.Random(seed))
+    try:
+        check(text, files, seed)
+    except Exception as problem:        # the fuzzer goes on; whatever it met is shown
+        print(f"seed {seed}: {type(problem).__name__}: {problem}\n{text}", flush=True)
+        return False
+    return True
+
+
 def main(words=None):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=500)
+    parser.add_argument("--seconds", type=float, help="in place of a count")
     parser.add_argument("--seed", type=int, default=0)
     args = parser.parse_args(words)
-    bad, begin = 0, time.time()
-    for seed in range(args.seed, args.seed + args.count):
-        text, files = random_spec(random.Random(seed))
-        try:
-            check(text, files, seed)
-        except Exception as problem:        # the fuzzer goes on; whatever it met is shown
-            bad += 1
-            print(f"seed {seed}: {type(problem).__name__}: {problem}\n{text}", flush=True)
-    print(f"{args.count} random Hamiltonians in {time.time() - begin:.0f} s, {bad} mismatches")
+    begin, count, bad = time.monotonic(), 0, 0
+    while time.monotonic() - begin < args.seconds if args.seconds else count < args.count:
+        bad += not tried(args.seed + count)
+        count += 1
+    print(f"{count} random Hamiltonians in {time.monotonic() - begin:.0f} s, {bad} mismatches")
     return bad != 0
 
 
