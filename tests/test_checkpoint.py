@@ -193,12 +193,3 @@ def killed_at_random(tmp_path, unbroken, seed, count):
 
 def test_killed_at_random_instants(tmp_path, unbroken):
     assert killed_at_random(tmp_path, unbroken, seed=1, count=5) >= 1
-
-
-@pytest.mark.long
-def test_killed_at_a_hundred_random_instants(tmp_path, unbroken):
-    """Each kill is followed at once by a resume that runs to the end."""
-    for seed in range(100):
-        folder = tmp_path / str(seed)
-        folder.mkdir()
-        killed_at_random(folder, unbroken, seed, 1)
