@@ -1,1 +1,1 @@
-"""Programs and page of the study of round-off."""
+"""The study of round-off: programs that measure, what they measure, and the page of it."""

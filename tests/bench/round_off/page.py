@@ -1,5 +1,84 @@
 """The page docs/round_off.md from its tables."""
+from string import Template
+
+from .growth import LONGER, LONGEST
+from .rows import exponent, small
+
+LAW = 0.6       # the largest exponent that passes for sqrt(N)
 
 
-def write_page(growth, cost, prose, page):
-    """Stub."""
+def page(growth, cost, prose: str) -> str:
+    """The text of docs/round_off.md: the prose with its tables."""
+    machines = sorted({r.machine for r in growth} | {r.machine for r in cost})
+    return Template(prose).substitute(
+        machines="; ".join(machines), free=growth_table(growth, "free", "H"), free_w=growth_table(growth, "free", "|w|^2"),
+        lanes=growth_table(growth, "lanes", "H"), lanes_w=growth_table(growth, "lanes", "|w|^2"),
+        irreversible=growth_table(growth, "irreversible", "|w|^2"), chain_8=growth_table(growth, "chain of 8", "|w|^2"),
+        chain_100=growth_table(growth, "chain of 100", "|w|^2"), distance=growth_table(growth, "distance", "|dw|"),
+        free_cost=cost_table(cost, "free"), irreversible_cost=cost_table(cost, "irreversible"),
+        chain_cost=cost_table(cost, "chain of 100"), lanes_cost=cost_table(cost, "lanes"),
+        verdict=verdict(growth, cost, "free"), lanes_verdict=verdict(growth, cost, "lanes"))
+
+
+def in_order(values):
+    """The different ones among `values`, first come first."""
+    return list(dict.fromkeys(values))
+
+
+def table(head, body) -> str:
+    """A table in Markdown."""
+    return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *body))
+
+
+def chosen(rows, **asked):
+    """The rows whose fields have these values."""
+    return [r for r in rows if all(getattr(r, k) == v for k, v in asked.items())]
+
+
+def power(n: int) -> str:
+    return f"10{str(len(str(n)) - 1).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+
+
+def growth_table(rows, name, quantity) -> str:
+    """rms after each number of steps, a line for each variant, with the exponent; n: other than the first count."""
+    rows = chosen(rows, table=name, quantity=quantity)
+    steps = sorted({r.steps for r in rows})
+    body = []
+    for variant in in_order(r.variant for r in rows):
+        mine = chosen(rows, variant=variant)
+        cells = {r.steps: f"{r.rms:.2g}" + (f" ({r.orbits})" if r.orbits != mine[0].orbits else "") for r in mine}
+        body.append([variant, str(mine[0].orbits), *(cells.get(n, "") for n in steps), f"{exponent(mine):.2f}"])
+    return table(["", "of", *map(power, steps), "exponent"], body)
+
+
+def cost_table(rows, name) -> str:
+    """Nanoseconds, a line for each variant."""
+    rows = chosen(rows, table=name)
+    base = next(r.median for r in rows if "carry" in r.variant or r.variant == "default")
+    return table(["", "median ns", "least", "greatest", "ratio"],
+                 [[r.variant, f"{r.median:.1f}", f"{r.least:.1f}", f"{r.greatest:.1f}", f"{r.median / base:.2f}"]
+                  for r in sorted(rows, key=lambda r: r.median)])
+
+
+def meets(rows) -> bool:
+    """rms dH <= 1e-18 sqrt(N) at 1e7 and 1e8 steps, exponent at most LAW."""
+    late = [r for r in rows if r.steps in (LONGER, LONGEST)]
+    return len(late) == 2 and small(late) and exponent(rows) <= LAW
+
+
+def verdict(growth, cost, name) -> str:
+    """Which variants keep the law, what the late rms is in units of sqrt(N), and which of them costs least."""
+    lines, passed = [], []
+    for variant in in_order(r.variant for r in chosen(growth, table=name)):
+        rows = chosen(growth, table=name, quantity="H", variant=variant)
+        late = ", ".join(f"{r.rms / r.steps**0.5:.1e}" for r in rows if r.steps in (LONGER, LONGEST))
+        passed += [variant] if meets(rows) else []
+        lines.append(f"- {variant}: rms dH/√N = {late}; exponent {exponent(rows):.2f}: {'kept' if meets(rows) else 'not kept'}.")
+    found = min(chosen_any(cost, name, passed), key=lambda r: r.median, default=None)
+    cheapest = f"**{found.variant}**, {found.median:.1f} ns" if found else "none"
+    return "\n".join([*lines, "", f"The cheapest that keeps it: {cheapest}."])
+
+
+def chosen_any(cost, name, variants):
+    """The costs of these variants."""
+    return [r for r in chosen(cost, table=name) if r.variant in variants]
