@@ -31,7 +31,7 @@ typedef struct smg_curve {
   smg_real scale;             /* the unit of y */
   smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: n numbers each */
   smg_real p, q, span;        /* part of h, its tangent, and how many natural steps h has: p counts in them */
-  smg_real reached;           /* the largest part of h that the branch has a solution for */
+  smg_real reached;           /* the part of h up to which it has a solution: the whole, or up to its first fold */
   int sign;                   /* of det J */
   int64_t site, partner;      /* the two sites that move most where the branch turns back, or -1 */
 } smg_curve;
@@ -161,7 +161,7 @@ static inline smg_status smg_follow(smg_curve *f) {
       continue;
     }
     if (its <= 4) pace *= (smg_real)1.5;
-    if (f->p > f->reached) f->reached = f->p;
+    if (!folded && f->p > f->reached) f->reached = f->p;
     if (f->q < 0 && !folded) {
       folded = 1;
       f->site = smg_curve_mover(f, -1);
