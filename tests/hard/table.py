@@ -17,13 +17,14 @@ from pathlib import Path
 from string import Template
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from .case import CASES, TIERS, Case, Row
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
-SUBJECTS = ("vortices", "rings", "spins", "bodies", "chains", "strengths", "nambu", "edges")
+SUBJECTS = ("vortices", "rings", "spins", "bodies", "chains", "rough", "strengths", "nambu", "edges")
 MODULES = {name: importlib.import_module(f"{__package__}.{name}") for name in SUBJECTS}
 
 
@@ -50,7 +51,7 @@ def table_of(one: Case, rows: list[Row], took: float) -> Table:
     for name, share in (("", 1), ("measured of", 14), ("must be", 10), ("is", 10)):
         table.add_column(name, ratio=share, overflow="fold")
     for row in rows:
-        table.add_row("[green]✓[/]" if row.holds else "[bold red]✗[/]", row.what, row.criterion, row.measured)
+        table.add_row("[green]✓[/]" if row.holds else "[bold red]✗[/]", *map(escape, (row.what, row.criterion, row.measured)))
     return table
 
 
@@ -65,7 +66,7 @@ def measure(cases) -> list[Line]:
     failed = [line for line in found if line.holds != "yes"]
     console.print(f"{len(cases)} cases, {len(found)} rows, {len(failed)} failed, none skipped")
     for line in failed:
-        console.print(f"[red]failed[/] {line.case}: {line.what}: must be {line.criterion}, is {line.measured}")
+        console.print(f"[red]failed[/] {escape(f'{line.case}: {line.what}: must be {line.criterion}, is {line.measured}')}")
     return found
 
 
