@@ -1,0 +1,142 @@
+"""Edges of the C runtime that no step comes to by itself: fills that decay on one side, matrices at the edge of
+what is coercive, curves that cannot be followed, numbers beyond the numbers."""
+import numpy as np
+import pytest
+from support.filters import feed, make, random  # noqa: F401
+
+pytestmark = pytest.mark.quick
+INF = np.inf
+
+
+# -- rings --------------------------------------------------------------------------------------
+
+def ring(n, k, bs, below, above):
+    """A ring of diagonal blocks I, blocks `below` and `above` times I at the distances 1 .. k; and the full matrix."""
+    A, full = np.zeros((n, 2 * k + 1, bs, bs)), np.zeros((n, bs, n, bs))
+    for i in range(n):
+        for d in range(-k, k + 1):
+            A[i, d + k] = np.eye(bs) * (1 if d == 0 else below / k if d < 0 else above / k)
+            full[i, :, (i + d) % n] += A[i, d + k]
+    return A, full.reshape(n * bs, n * bs)
+
+
+@pytest.mark.parametrize("below, above", [(1e-3, 0.9), (0.9, 1e-3), (1e-3, 1e-3)])
+@pytest.mark.parametrize("bs", [2, 3])
+@pytest.mark.parametrize("k", [1, 2, 3])
+def test_a_fill_that_decays_on_one_side_only_is_kept(make, k, bs, below, above):
+    A, full = ring(200, k, bs, below, above)
+    b = random(k).normal(size=(200, bs))
+    found = feed(make("gcc-sanitized", "band", bs), [200, k, 1, 1], A, b)
+    assert list(found[:2]) == [0, 1]
+    assert np.abs(full @ found[2:] - b.ravel()).max() < 1e-13 * np.abs(found[2:]).max()
+
+
+@pytest.mark.parametrize("bs", [2, 3])
+@pytest.mark.parametrize("k", [1, 2, 3])
+def test_a_long_ring_names_its_singular_row(make, k, bs):
+    for row in (0, 10, 150, 199):
+        A, _ = ring(200, k, bs, 0, 0)
+        A[row, k, 0, 0] = 0
+        assert feed(make("gcc-sanitized", "band", bs), [200, k, 1, 1], A, np.ones((200, bs)))[0] == 1 + row
+
+
+# -- matrices -----------------------------------------------------------------------------------
+
+def shown(program, shape, A):
+    """(bound, coercive, pivots)"""
+    return feed(program, shape, A)
+
+
+SHAPES = {"ring": [1, 6, 1, 1], "open": [1, 6, 1, 0], "wide ring": [1, 6, 2, 1],
+          "graph": [2, 6, 6, *range(7), *range(6), *range(6)]}
+
+
+def diagonal(shape, bs, entries):
+    """The blocks of a diagonal matrix of six rows of blocks."""
+    blocks = np.array([np.diag(e) for e in entries.reshape(6, bs)])
+    if shape[0] == 2:
+        return blocks
+    A = np.zeros((6, 2 * shape[2] + 1, bs, bs))
+    A[:, shape[2]] = blocks
+    return A
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("bs", [2, 3])
+def test_an_eigenvalue_of_a_quarter_is_not_coercive(make, bs, shape):
+    """The matrix less I/4 is singular then, and is found so."""
+    entries = np.full(6 * bs, 2.0)
+    assert list(shown(make("gcc-sanitized", "shown", bs), SHAPES[shape], diagonal(SHAPES[shape], bs, entries))) == [1, 1, 1]
+    entries[2 * bs + 1] = 0.25
+    assert list(shown(make("gcc-sanitized", "shown", bs), SHAPES[shape], diagonal(SHAPES[shape], bs, entries))) == [1, 0, 1]
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("place", [0, 1, 5])
+@pytest.mark.parametrize("bs", [2, 3])
+def test_one_nan_is_enough(make, bs, place, shape):
+    """Wherever it stands: what comes after it does not cover it."""
+    entries = np.full(6 * bs, 2.0)
+    entries[place * bs] = np.nan
+    bound, coercive, pivots = shown(make("gcc-sanitized", "shown", bs), SHAPES[shape], diagonal(SHAPES[shape], bs, entries))
+    assert np.isnan(bound) and coercive == 0 and pivots == 0
+
+
+def test_a_cubic_whose_minimum_rounds_to_nothing(make):
+    """det(s I + D) = s^3 + s^2 - 1e-30 s + 1 is positive for all s >= 0."""
+    D = np.array([[1, 1, 0], [1e-30, 0, 1], [1, 0, 0]])
+    assert feed(make("gcc-sanitized", "shown", 3), [0], D)[2] == 1
+
+
+# -- curves -------------------------------------------------------------------------------------
+
+OK, NO_CONVERGENCE = 0, 1
+
+
+def followed(program, n=6, s=1.0, b=0.0, part=1.0, sign=1):
+    """(status, reached, how far the first component went)"""
+    return feed(program, [n, s, b, part, sign])
+
+
+@pytest.mark.parametrize("part", [1, 0.95, 0.81, 0.5])
+def test_a_slow_correction_takes_shorter_paces(make, part):
+    """The end is found to the tolerance of a landing, however many corrections it took."""
+    status, reached, far = followed(make("gcc-sanitized", "curve"), b=1.0, part=part)
+    assert (status, reached) == (OK, 1) and far == pytest.approx(2, abs=1e-8)
+
+
+def test_another_curve_is_not_followed(make):
+    """The sign of det J tells the curves apart: with the wrong one no point is taken."""
+    status, reached, far = followed(make("gcc-sanitized", "curve"), sign=-1)
+    assert status == NO_CONVERGENCE and (reached, far) == (0, 0)
+
+
+def test_a_large_system_runs_out_of_points(make):
+    """600 000 components leave eleven points, too few for a hundred natural steps; 6 have all that are needed."""
+    assert followed(make("gcc", "curve"), s=100.0)[0] == OK
+    status, reached, _ = followed(make("gcc", "curve"), n=600_000, s=100.0)
+    assert status == NO_CONVERGENCE and 0 < reached < 1
+
+
+# -- wide numbers -------------------------------------------------------------------------------
+
+PAIRS = [((1, 1e-17), (1, -1e-17), 0, 0), ((1, -1e-17), (1, 1e-17), 1, 0), ((1, 1e-17), (1, 1e-17), 0, 1), ((2, 0), (1, 0), 0, 0),
+         ((1, 0), (2, 0), 1, 0), ((INF, 0), (1, 0), 0, 0), ((np.nan, 0), (1, 0), 0, 0), ((1, 0), (np.nan, 0), 0, 0)]
+
+
+@pytest.mark.parametrize("kind", ["wide", "two_doubles"])
+def test_pairs_are_compared_by_both_parts(make, kind):
+    """A high part decides unless it is the same; what is no number is neither less nor equal."""
+    rows = feed(make("gcc", kind), [len(PAIRS)], [[*a, *b] for a, b, _, _ in PAIRS]).reshape(len(PAIRS), -1)
+    if kind == "two_doubles" or np.finfo(np.longdouble).nmant > 60:
+        assert [tuple(row[-5:-3]) for row in rows] == [(less, equal if kind == "two_doubles" else equal or np.isnan([*a, *b]).any())
+                                                       for a, b, less, equal in PAIRS]
+
+
+def test_pairs_beyond_the_numbers(make):
+    """As the C library has it: log inf, an overflow, atan2 of the largest numbers; a series of NaN ends."""
+    def at(a, b):
+        return feed(make("gcc-sanitized", "two_doubles_edges"), [a, b])
+    assert at(INF, 1.0)[0] == INF
+    assert at(1e300, 2.0)[1] == INF and at(1e300, -2.0)[1] == 0 and at(-1e300, 3.0)[1] == -INF
+    assert at(1.5e308, 1.5e308)[2] == np.pi / 4 and np.isnan(at(np.nan, 1.0)[[0, 2, 3]]).all()
