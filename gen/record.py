@@ -7,6 +7,7 @@ import numpy as np
 
 from .errors import UsageError
 from .library import Integrator
+from .nearness import Nearest
 from .output import RESERVED
 
 CHUNK = 2 ** 22         # bytes of outputs between two writes
@@ -23,6 +24,7 @@ class Recorder:
         self.state = model.state()
         self.values, self.casimirs = model.values(), model.casimirs()
         self.errors = Extremes(model, self.values, self.casimirs)
+        self.nearest = Nearest(model)
         self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
         self.picks = [(n, f) for n, f in outputs_of(model).items() if n in layout]
         self.states = any(f in layout for f in model.families)
@@ -33,6 +35,7 @@ class Recorder:
         self.model.values(self.values)
         self.model.casimirs(self.casimirs)
         self.errors.see(self.values, self.casimirs)
+        self.nearest.see(self.model)
         if self.sinks:
             self._fill(self.rows)
             self.rows += 1

@@ -216,7 +216,7 @@ def _finish(model, settings, recorder, status, error, began):
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
     result = result_of(meta, {**(memory[0] if memory else empty), **extras})
     result.summary = {"t": model.t, "errors": recorder.errors.largest, "in_parts": len(recorder.substeps),
-                      "seconds": clock.perf_counter() - began}
+                      "nearest": recorder.nearest.fact(), "seconds": clock.perf_counter() - began}
     return _outcome(result, status, error)
 
 

@@ -190,6 +190,7 @@ def lines(args, result):
         yield "largest change over the outputs: " + ", ".join(
             f"{name} {value:.3g}" for name, value in errors.items())
     yield from split_lines(result)
+    yield from near_lines(result)
     if meta["status"] != "complete":
         yield f"status: {meta['status']}"
     if args.out not in (None, "-"):
@@ -206,3 +207,11 @@ def split_lines(result):
     yield (f"warning: {result.summary['in_parts']} steps failed and were taken in parts, the first to step {step:.0f} "
            f"(t = {t:.10g}) in {2 ** int(k)}: where the step changes, the method is not one symplectic map of a "
            "fixed step, and what it keeps over long times is not known")
+
+
+def near_lines(result):
+    """A midpoint that came near the centre of its sphere."""
+    near = result.summary.get("nearest")
+    if near:
+        yield (f"warning: the step to step {near['step']} (t = {near['t']:.10g}) had its midpoint at site {near['site']} within "
+               f"{near['rho']:.2g} radii of the centre, where steps cease to exist; take a smaller h (smidgen advise tells how small)")
