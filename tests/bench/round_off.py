@@ -12,13 +12,12 @@ from pathlib import Path
 
 from machine import machine
 from round_off.costs import costs
-from round_off.growth import RUNS, measured
+from round_off.growth import TABLES, measured
 from round_off.page import page
 from round_off.rows import Cost, Growth, keep_row, read_rows
 
 HERE = Path(__file__).resolve().parent
 DOCS = HERE.parent.parent / "docs"
-TABLES = (*RUNS, "distance", "cost")
 
 
 def measure(table: str, where: Path, docs: Path):

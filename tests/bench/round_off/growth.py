@@ -12,17 +12,18 @@ from .rows import Growth
 
 H = 0.1
 SHORT, MIDDLE, LONGER, LONGEST = 10**5, 10**6, 10**7, 10**8
-ALL = (SHORT, MIDDLE, LONGER, LONGEST)
+ALL, FEW = (SHORT, MIDDLE, LONGER, LONGEST), (10**4, SHORT, MIDDLE)
 MODELS = {"free": ("free_rigid_body", "1 2 4 0"), "irreversible": ("irreversible_rigid_body", "1 2 4 0.6666666666666666")}
 # table -> variant -> runs: so many orbits, their numbers of steps
 RUNS = {
-    "free": {PLAIN: [(40, ALL[:3]), (8, ALL[3:])], DEFAULT: [(40, ALL)], LONG: [(40, ALL)],
-             PAIRS: [(40, ALL[:3]), (8, ALL[3:])]},
+    "free": {PLAIN: [(40, ALL[:3]), (8, ALL[3:])], DEFAULT: [(40, ALL)], LONG: [(40, ALL[:3]), (16, ALL[3:])],
+             PAIRS: [(40, ALL[:2]), (8, ALL[2:3]), (4, ALL[3:])]},
     "lanes": {variant: [(40, ALL)] for variant in LANES},
-    "irreversible": {PLAIN: [(8, ALL[:3])], DEFAULT: [(8, ALL)], LONG: [(8, ALL)], PAIRS: [(8, ALL[:3])]},
-    "chain of 8": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL)], LONG: [(8, ALL[:3])], PAIRS: [(8, ALL[:2])]},
-    "chain of 100": {v: [(100, (10**4, SHORT, MIDDLE))] for v in (PLAIN, DEFAULT, LONG, PAIRS)},
+    "irreversible": {PLAIN: [(8, ALL[:3])], DEFAULT: [(8, ALL)], LONG: [(8, ALL[:3]), (4, ALL[3:])], PAIRS: [(8, ALL[:2])]},
+    "chain of 8": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL[:3])], LONG: [(8, ALL[:3])], PAIRS: [(8, ALL[:2])]},
+    "chain of 100": {PLAIN: [(100, FEW[:2])], DEFAULT: [(100, FEW)], LONG: [(100, FEW)], PAIRS: [(100, FEW[:2])]},
 }
+TABLES = (*RUNS, "distance", "cost")
 CHAINS = {"chain of 8": "random", "chain of 100": "smooth"}     # the start
 NEAR, FAR = (10**3, 10**4, SHORT, MIDDLE), (10**3, 10**4, SHORT, MIDDLE, LONGER)
 
@@ -69,8 +70,7 @@ def chains(table, where: Path, runs):
         for n, steps in runs[variant]:
             start = initial_state(smidgen.load(folder("specs") / "heisenberg_chain.toml"), CHAINS[table], {"n": n})
             found = ask(path, [H, *steps], f"{n} {words(start)}").reshape(1, len(steps), 2)[:, :, 1]
-            for row in rows_of(table, "|w|^2", variant, n, steps, found):
-                yield row
+            yield from rows_of(table, "|w|^2", variant, n, steps, found)
 
 
 def states(where: Path, variant, starts, steps, real=""):

@@ -2,7 +2,7 @@
  *
  *     lanes [N ..]  < starts       prints ns per step and trajectory; with N: dH and d|w|^2 of each start after N steps
  *
- * Every step: start values from the last six increments; Newton for u = h X(m), m = S/|S|, S = 2w + u, of the kind
+ * Every step: start values from the last seven increments; Newton for u = h X(m), m = S/|S|, S = 2w + u, of the kind
  * (1 - E)^-1 (F(u) - u), E = h DX(m) (1 - m m^T)/|S|, no status and no branch check; then
  *     PLAIN  v = h X(m) once more, W = w + (v + carry);
  *     WIDE   V = h X(m) at m = P(w + carry + v/2) in pairs of doubles, plus the first-order remainder E d/(1 - E),
@@ -130,19 +130,20 @@ static inline void last(real h, vec *w, vec *carry, vec *v) {
 }
 #endif
 
-typedef struct { vec w, carry, past[6]; real h; long count; } bodies;
+typedef struct { vec w, carry, past[7]; real h; long count; } bodies;
 
 static inline void step(bodies *s) {
   const vec *p = s->past;
-  vec u = add(sub(mul(all(6), add(p[0], p[4])), mul(all(15), add(p[1], p[3]))), sub(mul(all(20), p[2]), p[5]));
-  for (int k = 0; k < (s->count < 8 ? 8 : NEWTON); ++k) { /* the first steps have no increments to extrapolate */
+  const vec even = add(mul(all(7), sub(p[0], p[5])), mul(all(21), sub(p[4], p[1]))), odd = mul(all(35), sub(p[2], p[3]));
+  vec u = add(add(even, odd), p[6]);
+  for (int k = 0; k < (s->count < 9 ? 8 : NEWTON); ++k) { /* the first steps have no increments to extrapolate */
     const vec S = add(mul(all(2), s->w), u);
     const real q = 1 / root(dot(S, S));
     const vec m = mul(q, S);
     u = add(u, resolve(s->h, m, q, sub(motion(s->h, m), u)));
   }
   last(s->h, &s->w, &s->carry, &u);
-  for (int k = 5; k > 0; --k) s->past[k] = s->past[k - 1];
+  for (int k = 6; k > 0; --k) s->past[k] = s->past[k - 1];
   s->past[0] = u;
   ++s->count;
 }
@@ -163,7 +164,7 @@ static void begin(bodies *s, double start[LANES][4]) {
     for (int k = 0; k < 3; ++k) {
       (&s->w.x)[k][l] = start[l][k];
       (&s->carry.x)[k][l] = 0;
-      for (int j = 0; j < 6; ++j) (&s->past[j].x)[k][l] = 0;
+      for (int j = 0; j < 7; ++j) (&s->past[j].x)[k][l] = 0;
     }
     s->h[l] = start[l][3];
   }
