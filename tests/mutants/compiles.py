@@ -4,7 +4,8 @@
 
 Exit status 1: something is not generated or not compiled; stderr says what. The digests, a JSON
 object by name, are of the C without comments (text; syntax: looked at by the compiler too) or of
-the object code (objects). Where something is compiled, the test programs of the runtime are, too.
+the object code (objects). For the objects, and where `headers` is among the names, the test programs
+of the runtime are compiled, too.
 """
 import hashlib
 import itertools
@@ -89,7 +90,7 @@ def filter_digest(name: str, bs: int, place: Path, how: str) -> str:
     """Of one test program, compiled with all the warnings that its test asks for."""
     words = [*WARNINGS, f"-DSMG_BS={bs}", f"-I{folder('runtime')}", f"-I{HERE / 'runtime'}"]
     (place / f"{name}.c").write_text((HERE / "runtime" / f"{name}.c").read_text())
-    return digest([compiled(words, place, f"{name}.c", True)])
+    return digest([compiled(words, place, f"{name}.c", how == "objects")])
 
 
 def digest(parts) -> str:
@@ -105,7 +106,7 @@ def digests(which: str, how: str, names) -> dict:
             made = model_digest(one, Path(place), how) if not names or name in names else None
             if made is not None:
                 found[name] = made
-        for name, bs in FILTERS if how != "text" and not names else ():
+        for name, bs in FILTERS if "headers" in names or how == "objects" and not names else ():
             found[f"{name}{bs}"] = filter_digest(name, bs, Path(place), how)
     return found
 

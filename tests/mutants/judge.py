@@ -6,15 +6,15 @@ import resource
 import signal
 import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 from .plant import Tree
 
-# Tests of what lies beside the step: reading, running, drawing, packing. They are not run.
-BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read|mutants|covered|"
-                    r"determinism|witness|paper_numbers|build|run|settings|linking|full_disk|explain|symmetry|advice|verify_cli|fuzz|fuzz_grammar|parse|pages)\b")
-RUNTIME = re.compile(r"test_(runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone
+# Tests of what lies beside the step (reading, running, drawing, packing), and dear ones that ask again what others ask.
+BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read|mutants|covered|parse|pages|"
+                    r"determinism|witness|paper_numbers|build|run|settings|linking|stop|full_disk|hundred_kills|explain|symmetry|"
+                    r"advice|verify\w*|fuzz\w*|resume|substeps|generated_c)\b")
+RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
           r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)",
@@ -33,13 +33,6 @@ MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoup
             "runtime/smg_follow.h": r"follow", "runtime/smg_band.h": r"band|branch", "runtime/smg_sparse.h": r"sparse|branch",
             "runtime/smg_dense.h": r"dense|branch", "runtime/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
 LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """caught: by which test (and how, when it crashed or hung), or None; seconds that it took."""
-    caught: str | None
-    seconds: float = 0.0
 
 
 def test_files(tree: Path) -> list[str]:
@@ -107,23 +100,24 @@ def baseline(tree: Tree, file: str) -> dict:
     return {"tests": passed, "failing": failed}
 
 
-def judge(tree: Tree, tests: dict, names) -> str | None:
-    """Which of the named tests notices the planted fault; None when all pass. `tests`: {name: (seconds, quick)}."""
+def judge(tree: Tree, tests: dict, names) -> tuple[str, str] | None:
+    """(which of the named tests notices the planted fault, how); None when all pass. `tests`: {name: (seconds, quick)}."""
     files = list(dict.fromkeys(n.partition("::")[0] for n in names))
     order = {n: max(60.0, 20 * tests[n][0]) for n in names}
     limit = 600 + 10 * sum(tests[n][0] for n in names)
     return caught(tree, *run_tests(tree, files, order, first=True, limit=limit)) if names else None
 
 
-def caught(tree: Tree, status, lines) -> str | None:
-    """The test that failed, crashed or hung; None when all passed."""
+def caught(tree: Tree, status, lines) -> tuple[str, str] | None:
+    """(test, how): the one that failed (how is empty), crashed or hung; None when all passed."""
     if status == 0:
         return None
     failed = [e["ends"] for e in lines if e.get("outcome") == "failed"]
     if failed:
-        return failed[0]
+        return failed[0], ""
     if status in (4, 5):        # no such test, or none at all
         raise RuntimeError((tree.place / "said").read_text()[-3000:])
     under_way = [e["begins"] for e in lines if "begins" in e]
-    how = "crash" if status is not None and status < 0 else "hang" if status in (1, None) else "collection"
-    return f"{how} in {under_way[-1] if under_way else 'collecting'}"
+    if not under_way:
+        raise RuntimeError("no test has begun:\n" + (tree.place / "said").read_text()[-3000:])
+    return under_way[-1], "crash" if status is not None and status < 0 else "hang"

@@ -1,8 +1,8 @@
 """What was tried before, on this very code: an interrupted run goes on where it stopped.
 
 A folder named by the digest of gen/, templates/ and runtime/ holds `outcomes.jsonl`, a line a mutant
-written as soon as it is known, and `tests.json`, what each file of tests gave on the unchanged tree.
-A mutant that survived is tried again when the tests have changed since.
+written as soon as it is known. A mutant that survived is tried again when the tests have changed since.
+Beside it, `tests.json` has what each file of tests gave on an unchanged tree, and in how many seconds.
 """
 import hashlib
 import json
@@ -52,14 +52,14 @@ class Record:
 
     def unchanged(self, files) -> dict:
         """{file of tests: {"seconds": {test: s}, "failing": [test]}} of those measured as they are now."""
-        path = self.place / "tests.json"
+        path = self.place.parent / "tests.json"
         known = json.loads(path.read_text()) if path.exists() else {}
         return {f: known[f] for f in files if f in known and known[f]["digest"] == digest([self.root / f])}
 
     def keep(self, measured: dict) -> None:
         """Add what files of tests gave on the unchanged tree."""
         with self.lock:
-            path = self.place / "tests.json"
+            path = self.place.parent / "tests.json"
             known = json.loads(path.read_text()) if path.exists() else {}
             known |= {f: m | {"digest": digest([self.root / f])} for f, m in measured.items()}
             path.write_text(json.dumps(known))

@@ -74,7 +74,7 @@ def survivor(o: Outcome) -> str:
 
 def killers(counted) -> list:
     """(file of tests, how many mutants it caught first)."""
-    files = [o.by.rpartition(" ")[2].partition("::")[0].removeprefix("tests/") for o in counted if o.what == "caught"]
+    files = [o.by.partition("::")[0].removeprefix("tests/") for o in counted if o.what == "caught"]
     return sorted(((f, files.count(f)) for f in set(files)), key=lambda r: (-r[1], r[0]))
 
 

@@ -10,6 +10,8 @@ from .plant import Tree
 from .record import Record
 from .report import Outcome
 
+HEADERS = ("headers", "free_rigid_body/spherical-midpoint/auto", "heisenberg_chain/spherical-midpoint/auto")   # use them all
+
 
 class Trial:
     """The trees of the jobs, what the unchanged tree gives, and what is known from before."""
@@ -18,7 +20,7 @@ class Trial:
         self.trees, self.jobs, self.record = Queue(), jobs, record
         for k in range(jobs):
             self.trees.put(Tree(root, place / str(k)))
-        self.lock, self.plain, self.known = threading.Lock(), {}, record.tried()
+        self.lock, self.plain, self.known, self.sound = threading.Lock(), {}, record.tried(), {}
 
     def measure(self, files, say) -> None:
         """Which tests pass on the unchanged tree, and how long each takes; those measured before are not run again."""
@@ -62,14 +64,26 @@ class Trial:
     def verdict(self, tree: Tree, mutant):
         """('caught', by which test), ('does not compile', ''), ('changes nothing', '') or ('survived', '')."""
         sharp, *others = order_of(self.tests, mutant)
-        if tree.digests("few", "syntax") is None:
+        if tree.digests("few", "syntax", *(HEADERS if mutant.file.startswith("runtime/") else ())) is None:
             return "does not compile", ""
-        found = judge(tree, self.tests, sharp)
+        found = self.noticed(tree, mutant, sharp)
         if not found and self.same(tree, mutant):
             return "changes nothing", ""
         for names in others:
-            found = found or judge(tree, self.tests, names)
+            found = found or self.noticed(tree, mutant, names)
         return ("caught", found) if found else ("survived", "")
+
+    def noticed(self, tree: Tree, mutant, names) -> str | None:
+        """The test that notices, and how if it did not just fail; one that fails without the fault as well is left out."""
+        while found := judge(tree, self.tests, names := [n for n in names if self.sound.get(n, True)]):
+            if found[0] not in self.sound:
+                tree.heal(mutant)
+                self.sound[found[0]] = judge(tree, self.tests, found[:1]) is None
+                tree.plant(mutant)
+            if self.sound[found[0]]:
+                return f"{found[0]} ({found[1]})" if found[1] else found[0]
+            self.failing.append(found[0])
+        return None
 
     def same(self, tree: Tree, mutant) -> bool:
         """Is the object code of every model what it is without the fault? A few models first: most faults show there."""
