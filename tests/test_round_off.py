@@ -1,6 +1,14 @@
 """Round-off walks at random: over 1e5, 1e6 and more steps it grows like sqrt(N), not like N."""
+import subprocess
+import sys
+
 import numpy as np
 import pytest
+from bench.round_off.costs import in_turns
+from bench.round_off.growth import RUNS, TABLES, measured
+from bench.round_off.page import meets, page, verdict
+from bench.round_off.programs import DEFAULT, LANES, LONG, PAIRS, PLAIN
+from bench.round_off.rows import Cost, Growth, exponent, keep_row, read_rows, small
 from support.measure import casimirs, energy, scatter, start_points
 from support.systems import CLASSICAL, VESELOV, begin, model
 
@@ -70,3 +78,105 @@ def test_round_off_does_not_drift_for_long():
     found = scatter(one, orbits, 0.1, (100_000, 1_000_000, 10_000_000), energy)
     print("rms energy error after 1e5, 1e6, 1e7 steps:", *(f"{e:.1e}" for e in found))
     assert found[2] < 6 * found[1] and found[2] < 2e-14
+
+
+# ---- the study of docs/round_off.md: its programs at small N, its judgement, its page -------------------------------
+
+def found(where, table, quantity, variant, orbits, steps):
+    """The rows of one variant of a table, of few orbits and steps."""
+    rows = list(measured(table, where, {variant: [(orbits, steps)]}))
+    return [r for r in rows if r.quantity == quantity]
+
+
+@pytest.mark.quick
+def test_the_default_keeps_the_law_of_the_study(tmp_path):
+    """rms dH <= 1e-18 sqrt(N) of forty orbits at 1e4 and 1e5 steps."""
+    rows = found(tmp_path, "free", "H", DEFAULT, 40, (10**4, 10**5))
+    assert [r.steps for r in rows] == [10**4, 10**5] and small(rows) and all(r.rms > 1e-20 for r in rows)
+
+
+@pytest.mark.parametrize("variant, size", [(PLAIN, 1e-16), (LONG, 1e-21), (PAIRS, 1e-31)])
+def test_the_other_variants_are_as_large_as_their_digits(variant, size, tmp_path):
+    rows = found(tmp_path, "free", "H", variant, 8, (10**4, 10**5))
+    assert small(rows, size) and not small(rows, size / 1000)
+    assert small(rows) == (variant != PLAIN)        # the judgement says no to sums without a carry
+
+
+@pytest.mark.parametrize("variant", LANES)
+def test_lanes_keep_the_law_for_a_while(variant, tmp_path):
+    rows = found(tmp_path, "lanes", "H", variant, 8, (10**4, 10**5))
+    assert len(rows) == 2 and small(rows)
+
+
+@pytest.mark.parametrize("table, orbits, variant, size", [("irreversible", 8, DEFAULT, 1e-17), ("irreversible", 8, LONG, 1e-20),
+                                                          ("chain of 8", 8, DEFAULT, 1e-17), ("chain of 8", 8, LONG, 1e-19)])
+def test_lengths_walk_at_random(table, orbits, variant, size, tmp_path):
+    rows = found(tmp_path, table, "|w|^2", variant, orbits, (10**3, 10**4))
+    assert small(rows, size) and all(r.orbits == orbits and r.rms > 0 for r in rows)
+
+
+@pytest.mark.long
+def test_the_study_reaches_far(tmp_path):
+    """Forty orbits to 1e7 steps: small, and no drift."""
+    rows = found(tmp_path, "free", "H", DEFAULT, 40, (10**5, 10**6, 10**7))
+    assert small(rows) and exponent(rows) <= 0.6
+
+
+@pytest.mark.long
+def test_distance_to_quadruple_precision_grows_like_the_three_halves(tmp_path):
+    from bench.round_off.growth import distance
+    rows = list(distance("distance", tmp_path, (10**3, 10**4, 10**5), (10**3, 10**4, 10**5), count=4))
+    default = [r for r in rows if r.variant == DEFAULT]
+    assert 1.2 < exponent(default) < 1.8 and default[0].rms < 1e-14
+    assert all(r.rms < 1e-24 for r in rows if r.variant == PAIRS)
+
+
+def rows_like(table, variant, law, scale):
+    return [Growth(table, "H", variant, 40, n, scale * n**law, 0.0, "any") for n in (10**5, 10**6, 10**7, 10**8)]
+
+
+@pytest.mark.quick
+def test_the_judgement_says_no():
+    """Too large, or too steep although small."""
+    assert meets(rows_like("free", "a", 0.5, 0.99e-18)) and not meets(rows_like("free", "a", 0.5, 1.01e-18))
+    assert not meets(rows_like("free", "a", 0.7, 1e-22)) and not meets(rows_like("free", "a", 0.5, 1e-19)[:3])
+
+
+@pytest.mark.quick
+def test_the_cheapest_that_keeps_the_law_is_named():
+    rows = [*rows_like("free", "slow", 0.5, 1e-19), *rows_like("free", "fast", 0.5, 5e-19), *rows_like("free", "bad", 1, 1e-20)]
+    cost = [Cost("free", v, 3, t, t, t, "any") for v, t in (("slow", 9.0), ("fast", 4.0), ("bad", 1.0))]
+    assert "**fast**, 4.0 ns" in verdict(rows, cost, "free")
+    assert "none" in verdict(rows[8:], cost, "free")
+
+
+@pytest.mark.quick
+def test_rows_are_kept_once(tmp_path):
+    path, rows = tmp_path / "rows.csv", rows_like("free", "a", 0.5, 1e-19)
+    for row in (*rows, *rows_like("free", "a", 0.5, 2e-19)[:1]):
+        keep_row(path, row)
+    kept = read_rows(path, Growth)
+    assert len(kept) == 4 and kept[0].rms == 2 * rows[0].rms and kept[1:] == rows[1:]
+
+
+@pytest.mark.quick
+def test_programs_take_turns(tmp_path):
+    path = tmp_path / "count"
+    path.write_text(f"#!/bin/sh\necho x >> {tmp_path}/calls\nwc -l < {tmp_path}/calls\n")
+    path.chmod(0o755)
+    assert in_turns({"a": path, "b": path}, 3) == {"a": [1, 3, 5], "b": [2, 4, 6]}
+
+
+@pytest.mark.quick
+def test_the_page_is_of_its_tables(root):
+    docs, prose = root / "docs", root / "tests" / "bench" / "round_off.md.in"
+    rows, cost = read_rows(docs / "round_off.csv", Growth), read_rows(docs / "round_off_cost.csv", Cost)
+    assert page(rows, cost, prose.read_text()) == (docs / "round_off.md").read_text()
+    assert {r.table for r in rows} == set(TABLES) - {"cost"}
+    assert {(r.table, r.variant) for r in rows if r.table in RUNS} == {(t, v) for t in RUNS for v in RUNS[t]}
+
+
+@pytest.mark.quick
+def test_an_unknown_table_is_refused(root):
+    said = subprocess.run([sys.executable, str(root / "tests" / "bench" / "round_off.py"), "nothing"], capture_output=True, text=True)
+    assert said.returncode == 2 and "no table nothing" in said.stderr and "Traceback" not in said.stderr

@@ -2,9 +2,12 @@
 from string import Template
 
 from .growth import LONGER, LONGEST
+from .programs import DEFAULT, LANES
 from .rows import exponent, small
 
 LAW = 0.6       # the largest exponent that passes for sqrt(N)
+BASES = (DEFAULT, next(iter(LANES)))    # what costs are compared with
+NOTHING = "(not measured yet)"
 
 
 def page(growth, cost, prose: str) -> str:
@@ -40,45 +43,51 @@ def power(n: int) -> str:
 
 
 def growth_table(rows, name, quantity) -> str:
-    """rms after each number of steps, a line for each variant, with the exponent; n: other than the first count."""
+    """rms after each number of steps, with the exponent; in brackets: over how many orbits, where fewer."""
     rows = chosen(rows, table=name, quantity=quantity)
+    if not rows:
+        return NOTHING
     steps = sorted({r.steps for r in rows})
     body = []
     for variant in in_order(r.variant for r in rows):
         mine = chosen(rows, variant=variant)
         cells = {r.steps: f"{r.rms:.2g}" + (f" ({r.orbits})" if r.orbits != mine[0].orbits else "") for r in mine}
         body.append([variant, str(mine[0].orbits), *(cells.get(n, "") for n in steps), f"{exponent(mine):.2f}"])
-    return table(["", "of", *map(power, steps), "exponent"], body)
+    return table(["", "over", *map(power, steps), "exponent"], body)
 
 
 def cost_table(rows, name) -> str:
     """Nanoseconds, a line for each variant."""
     rows = chosen(rows, table=name)
-    base = next(r.median for r in rows if "carry" in r.variant or r.variant == "default")
-    return table(["", "median ns", "least", "greatest", "ratio"],
+    base = next((r.median for r in rows if r.variant in BASES), None)
+    return NOTHING if base is None else table(["", "median ns", "least", "greatest", "ratio"],
                  [[r.variant, f"{r.median:.1f}", f"{r.least:.1f}", f"{r.greatest:.1f}", f"{r.median / base:.2f}"]
                   for r in sorted(rows, key=lambda r: r.median)])
 
 
+def late(rows) -> list:
+    """The rows at 1e7 and 1e8 steps."""
+    return [r for r in rows if r.steps in (LONGER, LONGEST)]
+
+
 def meets(rows) -> bool:
     """rms dH <= 1e-18 sqrt(N) at 1e7 and 1e8 steps, exponent at most LAW."""
-    late = [r for r in rows if r.steps in (LONGER, LONGEST)]
-    return len(late) == 2 and small(late) and exponent(rows) <= LAW
+    return len(late(rows)) == 2 and small(late(rows)) and exponent(rows) <= LAW
 
 
 def verdict(growth, cost, name) -> str:
-    """Which variants keep the law, what the late rms is in units of sqrt(N), and which of them costs least."""
-    lines, passed = [], []
-    for variant in in_order(r.variant for r in chosen(growth, table=name)):
-        rows = chosen(growth, table=name, quantity="H", variant=variant)
-        late = ", ".join(f"{r.rms / r.steps**0.5:.1e}" for r in rows if r.steps in (LONGER, LONGEST))
-        passed += [variant] if meets(rows) else []
-        lines.append(f"- {variant}: rms dH/√N = {late}; exponent {exponent(rows):.2f}: {'kept' if meets(rows) else 'not kept'}.")
-    found = min(chosen_any(cost, name, passed), key=lambda r: r.median, default=None)
-    cheapest = f"**{found.variant}**, {found.median:.1f} ns" if found else "none"
-    return "\n".join([*lines, "", f"The cheapest that keeps it: {cheapest}."])
+    """How each variant stands to the law, and which of those that keep it costs least."""
+    rows = chosen(growth, table=name, quantity="H")
+    mine = {v: chosen(rows, variant=v) for v in in_order(r.variant for r in rows)}
+    costs = [r for r in chosen(cost, table=name) if r.variant in mine and meets(mine[r.variant])]
+    best = min(costs, key=lambda r: r.median, default=None)
+    said = f"**{best.variant}**, {best.median:.1f} ns" if best else "none"
+    return "\n".join([*(f"- {v}: {standing(r)}" for v, r in mine.items()), "", f"The cheapest that keeps it: {said}."])
 
 
-def chosen_any(cost, name, variants):
-    """The costs of these variants."""
-    return [r for r in chosen(cost, table=name) if r.variant in variants]
+def standing(rows) -> str:
+    """rms dH/sqrt(N) at 1e7 and 1e8 steps, the exponent, and whether each is within the law."""
+    sizes = " and ".join(f"{r.rms / r.steps**0.5:.1e}" for r in late(rows))
+    size = "small enough" if small(late(rows)) else "too large"
+    steep = "a walk" if exponent(rows) <= LAW else "steeper than a walk"
+    return f"rms dH/√N = {sizes}, {size}; exponent {exponent(rows):.2f}, {steep}."
