@@ -30,8 +30,9 @@ MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoup
             "templates/local.c.j2": r"product|tracers|local|decoupled", "templates/solo.c.j2": r"rigid_body|solo|top",
             "templates/newton.c.j2": r"chain|vortices|graph|newton", "templates/interface.c.j2": r"test_interface|energy|momentum",
             "templates/family.c.j2": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable",
-            "runtime/smg_follow.h": r"follow", "runtime/smg_band.h": r"band|branch", "runtime/smg_sparse.h": r"sparse|branch",
+            "runtime/smg_site.h": r"units|frame", "runtime/smg_follow.h": r"follow|curve", "runtime/smg_band.h": r"band|branch", "runtime/smg_sparse.h": r"sparse|branch",
             "runtime/smg_dense.h": r"dense|branch", "runtime/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
+OTHER_BUILDS = re.compile(r"\[(.*-)?(clang|g\+\+|gcc-long-double)")      # the same again, by another compiler
 LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
 
 
@@ -51,7 +52,7 @@ def order_of(tests: dict, mutant) -> list[list[str]]:
     made = re.compile("|".join(words for of, words in MADE_FOR.items() if of == mutant.kind or mutant.file.startswith(of)) or "(?!)")
     names = [n for n, (seconds, _) in tests.items() if seconds <= LONGEST and (runtime or not RUNTIME.search(n))]
     names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), tests[n][0]))
-    sharp = [n for n in names if made.search(n) or RUNTIME.search(n) or stage(n) < SHARP]
+    sharp = [n for n in names if (made.search(n) or RUNTIME.search(n) or stage(n) < SHARP) and not OTHER_BUILDS.search(n)]
     quick = [n for n in names if n not in set(sharp) and tests[n][1]]
     return [sharp, quick, [n for n in names if n not in {*sharp, *quick}]]
 
