@@ -23,8 +23,9 @@ import numpy as np
 from support.systems import load as shipped
 
 import smidgen
+from smidgen.witness import Witness
 
-from .case import EPS, NO_CONVERGENCE, Row, attempt, below, between, case, near, refused, same_bits, status_of, typed
+from .case import EPS, NO_CONVERGENCE, Row, attempt, below, between, case, near, refused, same, same_bits, status_of, typed
 from .geometry import build, largest, load, polar, turns
 
 N = 24
@@ -90,6 +91,30 @@ def stiff_axis():
             exact = float(discrete(h, k, theta, *values))
             yield below(f"K h = {K:g}, theta = {theta:g}: off the angle {exact:.10f}", largest(found - exact), 64 * EPS)
         yield near(f"K h = {K:g}: the small wave is Cayley's", float(discrete(h, k, 1e-6, *values)), 2 * atan(h * omega(k, 1.0, *values) / 2), 1e-6)
+
+
+@case("a stiff easy axis over many steps")
+def stiff_axis_long():
+    """K h = 50 and 1e4, every spin at its own angle: every step solved, sum z kept, the energy error within the range of the
+    exchange energy, 2 J n: without exchange a step keeps every z, and only exchange can pay for a change."""
+    # broken by: sweeps without Newton (no convergence), a stop that is relative to the field, damping (n K = 240000 to lose)
+    for K, h, count in ((100.0, 0.5, 2000), (1e4, 1.0, 2000)):
+        values = {"n": N, "J": 1.0, "K": K, "B": 0.0, "kappa": 1.0}
+        one, interpreter, what = build("spin_wave", **values), Witness(load("spin_wave"), values), f"K h = {K * h:g}"
+        i = np.arange(N)
+        one.start(polar(0.7 + 0.3 * np.sin(6 * pi * i / N), 2 * pi * i / N), h=h)
+        energy, spin, errors, left = one.energy(), one.w[:, 2].sum(), [], 0.0
+        for n in range(count):
+            before = one.w.copy()
+            if attempt(one) is not None:
+                break
+            errors.append(abs(one.energy() - energy))
+            rho = np.linalg.norm(before + one.w, axis=1).min() / 2
+            left = max(left, interpreter.residual(before, one.w, n * h, h) / (EPS * (1 + 2 * h * (K + 1) / rho))) if n < 50 else left
+        yield same(f"{what}: steps", one.count, count)
+        yield below(f"{what}: residual of fifty steps by the interpreter, in units of its round-off", left, 4)
+        yield below(f"{what}: energy error", max(errors, default=np.nan), 2 * N, "2 J n")
+        yield below(f"{what}: change of sum z", abs(one.w[:, 2].sum() - spin), 4 * EPS * np.sqrt(N * count))
 
 
 # -- stiff exchange ---------------------------------------------------------------------------------

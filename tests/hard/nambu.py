@@ -60,6 +60,24 @@ def blow_up():
         yield below(f"{what}: half way, off the law, of the largest component", largest(half - exact) / largest(exact), 4 * EPS * len(law))
 
 
+@case("outside the domain of a Nambu step")
+def outside():
+    """The very first step, on either side of exp(u) = 2/(h k): solved where there is a solution, refused where there is none.
+    At 0.95 of the limit on h one step makes the state twenty times as large."""
+    # broken by: a solution on the other sheet (c C(mbar) < 0), a limit on h instead of the state, a write to the state
+    for k, u in ((1.0, 0.5), (0.1, 2.0), (30.0, -1.0)):
+        w, limit = place(k, mp.mpf(u)), float(2 / (k * mp.e**u))
+        for part in (0.5, 0.9, 0.95):
+            one = model(begin("lagrange")).start(w.copy(), h=part * limit)
+            error = attempt(one)
+            exact = place(k, orbit(mp.mpf(k), mp.mpf(u), mp.mpf(part * limit))[1])
+            # u to round-off: the coefficient of h, 1 - part, is known to eps cosh(u)^2
+            off = largest(one.w - exact) / largest(exact) if error is None else float("nan")
+            yield below(f"k = {k}, u = {u}: {part} of the limit, off the law", off, 32 * EPS * float(mp.cosh(u))**2 / (1 - part))
+        for part in (1.001, 2.0, 100.0):
+            yield from refused(f"k = {k}, u = {u}: {part} of the limit", model(begin("lagrange")).start(w.copy(), h=part * limit), NO_SOLUTION, {0})
+
+
 @case("Lagrange: the time of the blow-up")
 def when():
     """The flow's: y(t) = k tan(k t + d), from steps extrapolated to h = 0; the error falls by 4."""

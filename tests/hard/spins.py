@@ -28,8 +28,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import smidgen
+from smidgen.nearness import NEAR
 
-from .case import EPS, NO_SOLUTION, attempt, below, case, near, ratio, refused
+from .case import EPS, NO_SOLUTION, attempt, below, case, near, ratio, refused, same
 from .geometry import build, largest, load, polar, turns
 
 RATES = (1e-8, 0.1, 1.0, 1.99, 2.0, 2.5, 10.0, 1e3, 1e6)       # lambda h
@@ -78,6 +79,19 @@ def near_the_centre():
             error = attempt(model.start(w.copy(), h=rate))
             found = -turns(w, model.w)[0] % (2 * pi) if error is None else float("nan")
             yield near(f"w_z = {off:g}, lambda h = {rate!r}: angle", found, exact_turn(rate, w[0]), EPS * (4 + 4 * sensitivity(rate, w[0])))
+
+
+@case("one spin in a field: a warning near the centre")
+def warning():
+    """A run says when a midpoint comes within 0.1 of the centre, and how near: rho^2 = 1 - r^2 sin^2(phi/2)."""
+    # broken by: no warning, one by h alone (at other angles the same h is harmless), a distance taken from w
+    for off, rate in ((1e-3, 1.99999), (1e-3, 2.5), (1e-6, 10.0), (0.5, 10.0), (0.02, 1.99), (0.02, 1.0)):
+        w = np.array([[np.sqrt(1 - off * off), 0.0, off]])
+        rho = mp.sqrt(1 - (1 - mp.mpf(off)**2) * mp.sin(exact_turn(rate, w[0]) / 2)**2)
+        said = smidgen.run(load("spin_in_field"), start=w, h=rate, steps=1).summary["nearest"]
+        yield same(f"w_z = {off:g}, lambda h = {rate}, rho = {float(rho):.3g}: warned", said is not None, bool(rho < NEAR))
+        if said:
+            yield ratio(f"w_z = {off:g}, lambda h = {rate}: the distance it names", said["rho"], rho, 1e-12)
 
 
 @case("one spin exactly perpendicular to its field")
