@@ -124,15 +124,16 @@ def unit(w, W, h):
 def start_rows(seed):
     """One start: before its end, behind it, and in parts."""
     one, chain = branch(seed), model(begin("heisenberg_chain", n=N))
-    what = f"start {seed}, {'a centre' if one.centre else 'a fold'} at h = {one.end:.6f}"
+    what = f"start {seed}, which ends in a {'centre' if one.centre else 'fold'}"
     for part, W in zip(BEFORE, one.solutions):
         error = attempt(chain.start(one.w.copy(), h=part * one.end))
         off = largest(chain.w - W) / unit(one.w, W, part * one.end) if error is None else np.inf
-        yield below(f"{what}: off the solution at {part} of it, in units of its round-off", off, 1)
+        yield below(f"{what}: off the solution at {part} of the end, in units of its round-off", off, 1)
     for part in BEHIND:
         status = (NO_SOLUTION, NO_CONVERGENCE if one.centre else WRONG_BRANCH)
-        yield from refused(f"{what}: {part} of it", chain.start(one.w.copy(), h=part * one.end), status)
-        yield between(f"{what}: {part} of it: up to where steps exist, over the end", chain.report()["reached"] * part, 0.99, 1 + 1e-6)
+        yield from refused(f"{what}: {part} of the end", chain.start(one.w.copy(), h=part * one.end), status)
+        yield between(f"{what}: {part} of the end: the h up to which steps exist", chain.report()["reached"] * part * one.end,
+                      0.99 * one.end, one.end * (1 + 1e-6))
 
 
 def proved(seed) -> bool:
