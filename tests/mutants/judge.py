@@ -13,7 +13,7 @@ from .plant import Tree
 # Tests of what lies beside the step (reading, running, drawing, packing), and dear ones that ask again what others ask.
 BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read|mutants|covered|parse|pages|"
                     r"determinism|witness|paper_numbers|build|run|settings|linking|stop|full_disk|hundred_kills|explain|symmetry|"
-                    r"advice|verify\w*|fuzz\w*|resume|substeps|generated_c)\b")
+                    r"advice|verify\w*|fuzz\w*|resume|generated_c)\b")
 RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
