@@ -37,6 +37,9 @@ def guarded(args) -> int:
         if getattr(args, "json", False):
             printed({"error": describe(error)})
         return int(error.exit_code)
+    except MemoryError:
+        print("smidgen: there is not enough memory for this: choose fewer sites or a smaller array, or fewer outputs", file=sys.stderr)
+        return int(Exit.USAGE)
     except KeyboardInterrupt:
         print("smidgen: interrupted", file=sys.stderr)
         return int(Exit.INTERRUPTED)

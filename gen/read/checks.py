@@ -22,6 +22,9 @@ from .terms import families_of
 from .values import integer, number
 
 
+BLOCK = 1 << 18         # sites looked at together
+
+
 @dataclass(frozen=True)
 class Trouble:
     """Something wrong with the value at `path`."""
@@ -63,20 +66,24 @@ def sizes(spec: Spec, values: dict) -> Iterator[Trouble]:
         elif total > limits.SITES:
             yield Trouble(path, codes.LIMIT, f"the model would have {total} sites; at most "
                           f"{limits.SITES} are allowed", "choose smaller counts")
+    entries = 0
     for p in spec.parameters:
         if p.kind == "array":
-            yield from array(p, values)
+            entries += max(0, integer(p.size, values))
+            yield from array(p, values, entries)
 
 
-def array(p, values: dict) -> Iterator[Trouble]:
+def array(p, values: dict, entries: int) -> Iterator[Trouble]:
+    """entries: of this array and of those before it."""
     size, have = integer(p.size, values), len(values[p.name])
     path = ("parameters", p.name, "default")
     if size < 1:
         yield Trouble(("parameters", p.name, "size"), codes.COUNT,
                       f"`{p.name}` would have {size} entries", "an array is not empty")
-    elif size > limits.ARRAY:
+    elif entries > limits.ARRAY:
+        before = f", with the arrays before it {entries}" if entries > size else ""
         yield Trouble(("parameters", p.name, "size"), codes.LIMIT, f"`{p.name}` would have {size} "
-                      f"entries; at most {limits.ARRAY} are allowed", "choose a smaller size")
+                      f"entries{before}; at most {limits.ARRAY} are allowed", "choose a smaller size")
     elif have != size:
         yield Trouble(path, codes.COUNT, f"`{p.name}` has {have} entries, its size is {size}",
                       f"give {size} numbers, or one number that every entry has")
@@ -84,17 +91,40 @@ def array(p, values: dict) -> Iterator[Trouble]:
 
 # Strengths, radii, Casimirs
 
-def per_site(e, family: Family, values: dict):
-    """The values of a formula in i at all sites; one value when it does not name i.
+def blocks(family: Family, values: dict) -> Iterator[np.ndarray]:
+    """The indices of all sites in pieces: a formula over them takes the memory of one piece."""
+    count = integer(family.count, values)
+    return (np.arange(k, min(k + BLOCK, count)) for k in range(0, count, BLOCK))
 
-    None when an array is too short for it.
-    """
-    needed = any(isinstance(n, Idx) for n in walk(e))
-    i = np.arange(integer(family.count, values) if needed else 1)
+
+def per_site(e, i: np.ndarray, values: dict):
+    """The values of a formula in i at these sites; None when an array is too short for it."""
     try:
         return np.broadcast_to(np.asarray(evaluate(e, {**values, "i": i}), float), i.shape)
     except UsageError:
         return None
+
+
+def with_arrays(values: dict, *formulas) -> dict:
+    """The values, with numpy arrays for the lists that the formulas name."""
+    names = {n.name for e in formulas for n in walk(e) if isinstance(n, Elem)}
+    return {**values, **{name: np.asarray(values[name], float) for name in names}}
+
+
+def first_bad(e, family: Family, values: dict, bad):
+    """(site, value) of the first site where bad(value) holds; () when there is none; None when an array is too short."""
+    values = with_arrays(values, e)
+    for i in blocks(family, values):
+        x = per_site(e, i, values)
+        if x is None:
+            return None
+        with np.errstate(all="ignore"):
+            found = np.flatnonzero(bad(x))
+        if found.size:
+            return i[found[0]], x[found[0]]
+        if not any(isinstance(n, Idx) for n in walk(e)):
+            break
+    return ()
 
 
 def too_short(family: Family, path: tuple, e, values: dict) -> Trouble:
@@ -107,15 +137,13 @@ def too_short(family: Family, path: tuple, e, values: dict) -> Trouble:
 
 def strength(family: Family, values: dict) -> Iterator[Trouble]:
     path, e = ("space", family.name, "kappa"), family.kappa
-    k = per_site(e, family, values)
-    if k is None or listed(e) and len(values[e.name]) != len(k):
+    bad = first_bad(e, family, values, lambda k: ~np.isfinite(k) | (np.abs(k) > limits.LARGEST)
+                    | (np.abs(k) < limits.SMALLEST))
+    if bad is None or listed(e) and len(values[e.name]) != integer(family.count, values):
         yield too_short(family, path, e, values)
-        return
-    bad = np.flatnonzero(~np.isfinite(k) | (k == 0) | (np.abs(k) > limits.LARGEST)
-                         | (np.abs(k) < limits.SMALLEST))
-    if bad.size:
+    elif bad:
         yield Trouble(path, codes.KAPPA, f"the strength of `{family.name}[{bad[0]}]` is "
-                      f"{k[bad[0]]:g}", "a strength is finite and not zero, of either sign")
+                      f"{bad[1]:g}", "a strength is finite and not zero, of either sign")
 
 
 def listed(e) -> bool:
@@ -127,14 +155,12 @@ def radius(family: Family, values: dict) -> Iterator[Trouble]:
     if family.radius is None:
         return
     path = ("space", family.name, "radius")
-    r = per_site(family.radius, family, values)
-    if r is None:
+    bad = first_bad(family.radius, family, values, lambda r: ~(np.isfinite(r) & (r > 0)))
+    if bad is None:
         yield too_short(family, path, family.radius, values)
-        return
-    bad = np.flatnonzero(~(np.isfinite(r) & (r > 0)))
-    if bad.size:
+    elif bad:
         yield Trouble(path, codes.RADIUS, f"the radius of `{family.name}[{bad[0]}]` is "
-                      f"{r[bad[0]]:g}", "a radius is positive")
+                      f"{bad[1]:g}", "a radius is positive")
 
 
 def casimir(family: Family, values: dict) -> Iterator[Trouble]:
@@ -266,51 +292,62 @@ def start_fits(part, family: Family, path: tuple, values: dict) -> Iterator[Trou
         return
     if part.kind == "random":
         return
-    columns = zip(*part.value) if part.kind == "vectors" else \
-        [per_site(e, family, values) for e in part.value]
-    columns = list(columns)
+    if part.kind == "vectors":
+        yield from on_leaf(np.array(part.value, dtype=float), np.arange(count), part, family, path, values)
+        return
+    values = with_arrays(values, *part.value, *[family.radius] * (family.radius is not None))
+    for i in blocks(family, values):
+        troubles = list(block_fits(i, part, family, path, values))
+        yield from troubles
+        if troubles:
+            return
+
+
+def block_fits(i, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
+    """A start by formulas at the sites i."""
+    columns = [per_site(e, i, values) for e in part.value]
     if any(c is None for c in columns):
         yield Trouble(path, codes.START, "an array is too short for this formula",
                       "give the array one entry for each site")
         return
-    w = np.stack(np.broadcast_arrays(*columns), axis=1).astype(float)
-    yield from on_leaf(w, part, family, path, values)
+    yield from on_leaf(np.stack(columns, axis=1), i, part, family, path, values)
 
 
-def on_leaf(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
-    """Finite; on the sphere within `limits.SPHERE`; C not zero."""
+def on_leaf(w, i, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
+    """w at the sites i: finite; on the sphere within `limits.SPHERE`; C not zero."""
     bad = np.flatnonzero(~np.isfinite(w).all(axis=1))
     if bad.size:
-        yield Trouble(at(path, part, bad[0]), codes.START,
-                      f"the start of `{family.name}[{bad[0]}]` is not finite",
+        k = i[bad[0]]
+        yield Trouble(at(path, part, k), codes.START,
+                      f"the start of `{family.name}[{k}]` is not finite",
                       "mend the formula for this site; `i` counts from 0")
     elif family.kind == "sphere":
-        yield from on_sphere(w, part, family, path, values)
+        yield from on_sphere(w, i, part, family, path, values)
     elif family.kind == "nambu":
         a = np.array([[number(e, values) for e in row] for row in family.casimir])
         zero = np.flatnonzero(np.einsum("ni,ij,nj->n", w, a, w) == 0)
         if zero.size:
-            yield Trouble(at(path, part, zero[0]), codes.OFF,
-                          f"C is zero at the start of `{family.name}[{zero[0]}]`",
+            k = i[zero[0]]
+            yield Trouble(at(path, part, k), codes.OFF,
+                          f"C is zero at the start of `{family.name}[{k}]`",
                           "the method needs C different from zero")
     elif not w.any(axis=1).all():
-        zero = int(np.argmin(w.any(axis=1)))
+        zero = i[int(np.argmin(w.any(axis=1)))]
         yield Trouble(at(path, part, zero), codes.OFF, f"`{family.name}[{zero}]` starts at zero",
                       "start away from zero, where the bracket vanishes")
 
 
-def on_sphere(w, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
-    r = per_site(family.radius, family, values)
+def on_sphere(w, i, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
     length = np.sqrt((w * w).sum(axis=1))
     if part.normalise:
-        yield from directions(length, part, family, path)
+        yield from directions(length, i, part, family, path)
         return
-    length, r = np.broadcast_arrays(length, r)
+    r = per_site(family.radius, i, values)
     off = np.abs(length / r - 1)
     k = int(np.argmax(off))
     if not off[k] <= limits.SPHERE:
-        yield Trouble(at(path, part, k), codes.OFF,
-                      f"`{family.name}[{k}]` starts at length {length[k]:.15g}, its sphere has "
+        yield Trouble(at(path, part, i[k]), codes.OFF,
+                      f"`{family.name}[{i[k]}]` starts at length {length[k]:.15g}, its sphere has "
                       f"radius {r[k]:.15g}",
                       "write `normalise = true` to put it there, or give more digits")
 
@@ -320,8 +357,8 @@ def at(path: tuple, part, site: int) -> tuple:
     return path + ("vectors", int(site)) if part.kind == "vectors" else path
 
 
-def directions(length, part, family: Family, path: tuple) -> Iterator[Trouble]:
-    zero = np.flatnonzero(length == 0)
+def directions(length, i, part, family: Family, path: tuple) -> Iterator[Trouble]:
+    zero = i[np.flatnonzero(length == 0)]
     if zero.size:
         yield Trouble(at(path, part, zero[0]), codes.OFF, f"`{family.name}[{zero[0]}]` starts "
                       "at zero, which has no direction", "give any other vector")

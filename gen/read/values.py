@@ -58,15 +58,16 @@ def integer(e: Expr, values: dict) -> int:
 
 def with_values(spec: Spec, values: dict, given: dict) -> dict:
     """`values` with those `given`; arrays of one repeated number follow their size."""
-    values = {**values, **given}
+    values, room = {**values, **given}, limits.ARRAY
     for p in spec.parameters:
         if p.kind != "array":
             continue
         have = values[p.name]
         if p.fill and p.name not in given or p.name in given and len(have) == 1:
             size = integer(p.size, values)
-            if 0 < size <= limits.ARRAY:
+            if 0 < size <= room:
                 values[p.name] = tuple(have[:1]) * size
+        room -= len(values[p.name])
     return values
 
 
