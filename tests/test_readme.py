@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+import smidgen
 from pages import python, sh
 from smidgen.resources import folder
 
@@ -44,6 +45,17 @@ def test_linking(place):
     subprocess.run(["gcc", "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "main.c", "two_tops.c", "-lm", "-o", "main"],
                    cwd=place, check=True)
     assert subprocess.run(["./main"], cwd=place).returncode == 0
+
+
+def test_the_certificate_that_is_shown(place):
+    """The same verdicts and criteria of the same properties."""
+    shown = (ROOT / "README.md").read_text().partition("property  ")[2].partition("\n\n")[0].splitlines()[1:]
+    certificate = smidgen.verify(smidgen.load(place / "two_tops.toml"), tier="quick")
+    assert certificate.passed and len(shown) > 5
+    for line in shown:
+        name, *said = re.split(r"  +", line.strip())
+        row = certificate.row(name)
+        assert row.verdict in said and (row.measured is None or row.criterion in said), line
 
 
 @pytest.mark.quick
