@@ -19,13 +19,14 @@ RUNS = {
     "free": {PLAIN: [(40, ALL[:3]), (8, ALL[3:])], DEFAULT: [(40, ALL)], LONG: [(40, ALL[:3]), (8, ALL[3:])],
              PAIRS: [(40, ALL[:2]), (8, ALL[2:3]), (4, ALL[3:])]},
     "lanes": {variant: [(40, ALL[:3]), (16, ALL[3:])] for variant in LANES},
-    "irreversible": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL[:3]), (4, ALL[3:])], LONG: [(8, ALL[:3])], PAIRS: [(8, ALL[:2])]},
+    "irreversible": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL[:3]), (4, ALL[3:])], LONG: [(8, ALL[:3]), (2, ALL[3:])],
+                     PAIRS: [(8, ALL[:2])]},
     "chain of 8": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL[:3])], LONG: [(8, ALL[:3])], PAIRS: [(8, ALL[:2])]},
-    "chain of 100": {PLAIN: [(100, FEW[:2])], DEFAULT: [(100, FEW)], LONG: [(100, FEW)], PAIRS: [(100, FEW[:2])]},
+    "chain of 100": {PLAIN: [(100, FEW[:2])], DEFAULT: [(100, FEW)], LONG: [(100, FEW[:2])], PAIRS: [(100, FEW[:2])]},
 }
 TABLES = (*RUNS, "distance", "cost")
 CHAINS = {"chain of 8": "random", "chain of 100": "smooth"}     # the start
-NEAR, FAR = (10**3, 10**4, SHORT, MIDDLE), (10**3, 10**4, SHORT, MIDDLE, LONGER)
+NEAR, FAR = (10**3, 10**4, SHORT), (10**3, 10**4, SHORT, MIDDLE, LONGER)
 
 
 def orbits(count, seed=5):
@@ -43,7 +44,7 @@ def rows_of(table, quantity, variant, orbits, steps, found):
 
 
 def bodies(table, where: Path, runs):
-    """dH and d|w|^2 of one rigid body. H of the irreversible body is no constant of the map."""
+    """dH and d|w| of one rigid body. H of the irreversible body is no constant of the map."""
     name, constants = MODELS[table]
     for variant in runs:
         path = program(where, name, variant, "body.c")
@@ -51,26 +52,26 @@ def bodies(table, where: Path, runs):
             found = ask(path, [*constants.split(), *steps], words(orbits(count))).reshape(count, len(steps), 2)
             if table == "free":
                 yield from rows_of(table, "H", variant, count, steps, found[:, :, 0])
-            yield from rows_of(table, "|w|^2", variant, count, steps, found[:, :, 1])
+            yield from rows_of(table, "|w|", variant, count, steps, found[:, :, 1] / 2)     # |w| = 1: d|w| = d|w|^2/2
 
 
 def in_lanes(table, where: Path, runs):
-    """dH and d|w|^2 of the free body, eight orbits in the lanes of vectors."""
+    """dH and d|w| of the free body, eight orbits in the lanes of vectors."""
     for variant in runs:
         for count, steps in runs[variant]:
             found = ask(lanes(where, variant), steps, words(orbits(count))).reshape(count, len(steps), 2)
             yield from rows_of(table, "H", variant, count, steps, found[:, :, 0])
-            yield from rows_of(table, "|w|^2", variant, count, steps, found[:, :, 1])
+            yield from rows_of(table, "|w|", variant, count, steps, found[:, :, 1] / 2)     # |w| = 1: d|w| = d|w|^2/2
 
 
 def chains(table, where: Path, runs):
-    """d|w_i|^2 over the spins of a ring."""
+    """d|w_i| over the spins of a ring."""
     for variant in runs:
         path = program(where, "heisenberg_chain", variant, "chain.c")
         for n, steps in runs[variant]:
             start = initial_state(smidgen.load(folder("specs") / "heisenberg_chain.toml"), CHAINS[table], {"n": n})
             found = ask(path, [H, *steps], f"{n} {words(start)}").reshape(1, len(steps), 2)[:, :, 1]
-            yield from rows_of(table, "|w|^2", variant, n, steps, found)
+            yield from rows_of(table, "|w|", variant, n, steps, found / 2)
 
 
 def states(where: Path, variant, starts, steps, real=""):

@@ -14,12 +14,13 @@ def page(growth, cost, prose: str) -> str:
     """The text of docs/round_off.md: the prose with its tables."""
     machines = sorted({r.machine for r in growth} | {r.machine for r in cost})
     return Template(prose).substitute(
-        machines="; ".join(machines), free=growth_table(growth, "free", "H"), free_w=growth_table(growth, "free", "|w|^2"),
-        lanes=growth_table(growth, "lanes", "H"), lanes_w=growth_table(growth, "lanes", "|w|^2"),
-        irreversible=growth_table(growth, "irreversible", "|w|^2"), chain_8=growth_table(growth, "chain of 8", "|w|^2"),
-        chain_100=growth_table(growth, "chain of 100", "|w|^2"), distance=growth_table(growth, "distance", "|dw|"),
+        machines="; ".join(machines), free=growth_table(growth, "free", "H"), free_w=growth_table(growth, "free", "|w|"),
+        lanes=growth_table(growth, "lanes", "H"), lanes_w=growth_table(growth, "lanes", "|w|"),
+        irreversible=growth_table(growth, "irreversible", "|w|"), chain_8=growth_table(growth, "chain of 8", "|w|"),
+        chain_100=growth_table(growth, "chain of 100", "|w|"), distance=growth_table(growth, "distance", "|dw|"),
         free_cost=cost_table(cost, "free"), irreversible_cost=cost_table(cost, "irreversible"),
         chain_cost=cost_table(cost, "chain of 100"), lanes_cost=cost_table(cost, "lanes"),
+        irreversible_standing=standings(growth, "irreversible", "|w|"), chain_standing=standings(growth, "chain of 8", "|w|"),
         verdict=verdict(growth, cost, "free"), lanes_verdict=verdict(growth, cost, "lanes"))
 
 
@@ -76,18 +77,27 @@ def meets(rows) -> bool:
 
 
 def verdict(growth, cost, name) -> str:
-    """How each variant stands to the law, and which of those that keep it costs least."""
-    rows = chosen(growth, table=name, quantity="H")
-    mine = {v: chosen(rows, variant=v) for v in in_order(r.variant for r in rows)}
-    costs = [r for r in chosen(cost, table=name) if r.variant in mine and meets(mine[r.variant])]
-    best = min(costs, key=lambda r: r.median, default=None)
+    """How each variant stands to the law of dH, and which of those that keep it costs least."""
+    kept = {v for v, rows in by_variant(growth, name, "H").items() if meets(rows)}
+    best = min((r for r in chosen(cost, table=name) if r.variant in kept), key=lambda r: r.median, default=None)
     said = f"**{best.variant}**, {best.median:.1f} ns" if best else "none"
-    return "\n".join([*(f"- {v}: {standing(r)}" for v, r in mine.items()), "", f"The cheapest that keeps it: {said}."])
+    return f"{standings(growth, name, 'H')}\n\nThe cheapest that keeps it: {said}."
+
+
+def by_variant(growth, name, quantity) -> dict:
+    """The rows of each variant."""
+    rows = chosen(growth, table=name, quantity=quantity)
+    return {v: chosen(rows, variant=v) for v in in_order(r.variant for r in rows)}
+
+
+def standings(growth, name, quantity) -> str:
+    """A line for each variant that was followed to 1e7 steps."""
+    return "\n".join(f"- {v}: {standing(r)}" for v, r in by_variant(growth, name, quantity).items() if late(r))
 
 
 def standing(rows) -> str:
-    """rms dH/sqrt(N) at 1e7 and 1e8 steps, the exponent, and whether each is within the law."""
+    """rms/sqrt(N) at 1e7 and 1e8 steps, the exponent, and whether each is within the law."""
     sizes = " and ".join(f"{r.rms / r.steps**0.5:.1e}" for r in late(rows))
-    size = "small enough" if small(late(rows)) else "too large"
+    size = "at most 1e-18" if small(late(rows)) else "more than 1e-18"
     steep = "a walk" if exponent(rows) <= LAW else "steeper than a walk"
-    return f"rms dH/√N = {sizes}, {size}; exponent {exponent(rows):.2f}, {steep}."
+    return f"rms/√N = {sizes}, {size}; exponent {exponent(rows):.2f}, {steep}."
