@@ -16,7 +16,7 @@ ALL, FEW = (SHORT, MIDDLE, LONGER, LONGEST), (10**4, SHORT, MIDDLE)
 MODELS = {"free": ("free_rigid_body", "1 2 4 0"), "irreversible": ("irreversible_rigid_body", "1 2 4 0.6666666666666666")}
 # table -> variant -> runs: so many orbits, their numbers of steps
 RUNS = {
-    "free": {PLAIN: [(40, ALL[:3]), (8, ALL[3:])], DEFAULT: [(40, ALL)], LONG: [(40, ALL[:3]), (8, ALL[3:])],
+    "free": {PLAIN: [(40, ALL[:3]), (8, ALL[3:])], DEFAULT: [(40, ALL)], LONG: [(40, ALL)],
              PAIRS: [(40, ALL[:2]), (8, ALL[2:3]), (4, ALL[3:])]},
     "lanes": {variant: [(40, ALL[:3]), (16, ALL[3:])] for variant in LANES},
     "irreversible": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL[:3]), (4, ALL[3:])], LONG: [(8, ALL[:3]), (2, ALL[3:])],
