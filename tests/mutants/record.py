@@ -1,8 +1,8 @@
-"""What was tried before, on this very code: an interrupted run goes on where it stopped.
+"""What was tried before: an interrupted run goes on where it stopped.
 
-A folder named by the digest of gen/, templates/ and runtime/ holds `outcomes.jsonl`, a line a mutant
-written as soon as it is known. A mutant that survived is tried again when the tests have changed since.
-Beside it, `tests.json` has what each file of tests gave on an unchanged tree, and in how many seconds.
+`outcomes.jsonl` receives a line a mutant as soon as its outcome is known. It holds as long as the file in
+which the fault was planted stays as it is; that of one that survived, as long as the tests do, too.
+`tests.json` has what each file of tests gave on the unchanged tree, and in how many seconds.
 """
 import hashlib
 import json
@@ -13,8 +13,6 @@ from pathlib import Path
 from .operators import Mutant
 from .report import Outcome
 
-CODE = ("gen", "templates", "runtime")
-
 
 def digest(files) -> str:
     """Of the contents of files, in order of their names."""
@@ -24,17 +22,13 @@ def digest(files) -> str:
     return both.hexdigest()[:16]
 
 
-def sources(root: Path, folders, suffixes=(".py", ".j2", ".h", ".c", ".toml")) -> list[Path]:
-    return [p for folder in folders for p in (root / folder).rglob("*") if p.suffix in suffixes and p.is_file()]
-
-
 class Record:
     """Outcomes by mutant, and tests by file; safe to use from several threads."""
 
     def __init__(self, root: Path, place: Path):
-        self.root, self.place = root, place / digest(sources(root, CODE))
+        self.root, self.place = root, place
         self.place.mkdir(parents=True, exist_ok=True)
-        self.tests = digest(p for p in sources(root, ["tests"]) if "mutants" not in p.parts)
+        self.tests = digest(p for p in (root / "tests").rglob("*.*") if p.suffix in (".py", ".c", ".h") and "mutants" not in p.parts)
         self.lock = threading.Lock()
 
     def tried(self) -> dict:
@@ -42,24 +36,26 @@ class Record:
         path, found = self.place / "outcomes.jsonl", {}
         for line in path.read_text().splitlines() if path.exists() else ():
             entry = json.loads(line)
-            if entry["what"] != "survived" or entry.pop("tests") == self.tests:
+            file = self.root / entry["mutant"]["file"]
+            if file.exists() and digest([file]) == entry["code"] and (entry["what"] != "survived" or entry["tests"] == self.tests):
                 found[entry["mutant"]["id"]] = Outcome(Mutant(**entry["mutant"]), entry["what"], entry["by"], entry["seconds"])
         return found
 
     def add(self, outcome: Outcome) -> None:
+        code = digest([self.root / outcome.mutant.file])
         with self.lock, open(self.place / "outcomes.jsonl", "a") as out:
-            out.write(json.dumps(asdict(outcome) | {"tests": self.tests}) + "\n")
+            out.write(json.dumps(asdict(outcome) | {"code": code, "tests": self.tests}) + "\n")
 
     def unchanged(self, files) -> dict:
         """{file of tests: {"seconds": {test: s}, "failing": [test]}} of those measured as they are now."""
-        path = self.place.parent / "tests.json"
+        path = self.place / "tests.json"
         known = json.loads(path.read_text()) if path.exists() else {}
         return {f: known[f] for f in files if f in known and known[f]["digest"] == digest([self.root / f])}
 
     def keep(self, measured: dict) -> None:
         """Add what files of tests gave on the unchanged tree."""
         with self.lock:
-            path = self.place.parent / "tests.json"
+            path = self.place / "tests.json"
             known = json.loads(path.read_text()) if path.exists() else {}
             known |= {f: m | {"digest": digest([self.root / f])} for f, m in measured.items()}
             path.write_text(json.dumps(known))

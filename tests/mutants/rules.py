@@ -72,7 +72,7 @@ BRANCH = (
     (STEP, r"if \(bound <= SMG_CONTRACTS\) return 1;", r"if (bound <= 100 * SMG_CONTRACTS) return 1;"),
     (STEP, r"return smg_(dense|band|sparse)_coercive\(.*\);", r"return 1;"),
     (STEP, r" \|\| \(bound <= SMG_CLEAR && smg_coercive\{\{ BS \}\}\(J\)\)", r" || bound <= SMG_CLEAR"),
-    (STEP, r"if \(!\{\{ M \}\}_solo_sure\(det\)\) return SMG_WRONG_BRANCH;", r""),
+    (STEP, r"if \(!\{\{ M \}\}_solo_sure\(det\)( \|\| .*)?\) return SMG_WRONG_BRANCH;", r""),
     (STEP, r"\{\{ M \}\}_solo_sure\(det\) && ", r""),
     (STEP, r"return smg_abs\(det - .*;", r"return det > 0;"),
     (STEP, r"status == SMG_OK && apart <= s->scale \* SMG_MATH\(sqrt\)\(SMG_EPS\)", r"status == SMG_OK"),
