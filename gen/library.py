@@ -20,7 +20,7 @@ from .build import Built, build_library
 from .errors import BuildError, RunError, UsageError
 from .saved import Saved
 from .spec import Spec
-from .start import find_start, initial_state, parameter_values, radii, sizes
+from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
 
 # smg_status of runtime/smidgen.h: number -> (name, what happened)
 STATUS = {
@@ -313,7 +313,11 @@ class Integrator:
             raise RunError(f"{self.name} cannot start: {name}: {meaning}{self._off()}", status.value)
 
     def _off(self) -> str:
-        """Where a start lies farthest off its sphere."""
+        """Which strength is wrong, or where a start lies farthest off its sphere."""
+        try:
+            kappas(self.scene, self.values_in)
+        except UsageError as refusal:
+            return f" ({refusal})"
         length, radius = np.linalg.norm(self.w, axis=1), radii(self.scene, self.values_in)
         off = np.abs(length - radius) / radius
         if not np.any(off > limits.SPHERE):

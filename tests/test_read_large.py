@@ -21,13 +21,25 @@ def read(text):
     return done.stdout
 
 
-def test_strengths_and_radii_of_very_many_sites():
-    assert read(HEAD.format(count=limits.SITES // 4, more=', kappa = "1 + i", radius = "2 + sin(i)"')) == "a spec\n"
+def test_strengths_and_radii_of_a_hundred_million_sites():
+    assert read(HEAD.format(count=limits.SITES, more=', kappa = "1 + i", radius = "2 + sin(i)"')) == "a spec\n"
 
 
-@pytest.mark.long
-def test_a_start_of_a_hundred_million_sites():
-    assert read(HEAD.format(count=limits.SITES, more="") + FORMULAS) == "a spec\n"
+def test_starts_of_very_many_sites():
+    """A hundred of them: reading looks at as many sites as a bounded number of operations pays for."""
+    starts = "".join(FORMULAS.replace("starts.s", f"starts.s{k}") for k in range(limits.STARTS))
+    assert read(HEAD.format(count=limits.SITES, more="") + starts) == "a spec\n"
+
+
+def test_a_fault_beyond_what_reading_looks_at_is_found_when_it_is_used(monkeypatch):
+    monkeypatch.setattr(checks, "WORK", 0)
+    monkeypatch.setattr(checks, "LEAST", 5)
+    spec = smidgen.load_text(HEAD.format(count=9, more=', kappa = "7 - i"') + "[starts.s]\nrandom = 1\n")
+    with pytest.raises(smidgen.RunError, match="cannot start.*kappa of site 7 is 0"):
+        smidgen.run(spec, h=0.1, steps=1)
+    spec = smidgen.load_text(HEAD.format(count=9, more="") + '[starts.s]\nx = "if(i == 6, 2, 1)"\ny = "0"\nz = "0"\n')
+    with pytest.raises(smidgen.UsageError, match="site 6 of 'w' starts at"):
+        smidgen.run(spec, h=0.1, steps=1)
 
 
 def test_arrays_are_limited_together():

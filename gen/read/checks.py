@@ -23,6 +23,8 @@ from .values import integer, number
 
 
 BLOCK = 1 << 18         # sites looked at together
+WORK = 2_000_000        # operations of a formula over sites: so far it is looked at here, the rest when a run starts
+LEAST = 1000            # sites that are looked at, whatever the formula
 
 
 @dataclass(frozen=True)
@@ -91,9 +93,11 @@ def array(p, values: dict, entries: int) -> Iterator[Trouble]:
 
 # Strengths, radii, Casimirs
 
-def blocks(family: Family, values: dict) -> Iterator[np.ndarray]:
-    """The indices of all sites in pieces: a formula over them takes the memory of one piece."""
-    count = integer(family.count, values)
+def blocks(family: Family, values: dict, *formulas) -> Iterator[np.ndarray]:
+    """The indices of the sites where these formulas are looked at, in pieces: reading takes bounded time and memory
+    however many sites there are. The first site with a fault is mostly among the first ones; `start.py` sees all."""
+    operations = sum(sum(1 for _ in walk(e)) for e in formulas)
+    count = min(integer(family.count, values), max(LEAST, WORK // operations))
     return (np.arange(k, min(k + BLOCK, count)) for k in range(0, count, BLOCK))
 
 
@@ -114,7 +118,7 @@ def with_arrays(values: dict, *formulas) -> dict:
 def first_bad(e, family: Family, values: dict, bad):
     """(site, value) of the first site where bad(value) holds; () when there is none; None when an array is too short."""
     values = with_arrays(values, e)
-    for i in blocks(family, values):
+    for i in blocks(family, values, e):
         x = per_site(e, i, values)
         if x is None:
             return None
@@ -296,7 +300,7 @@ def start_fits(part, family: Family, path: tuple, values: dict) -> Iterator[Trou
         yield from on_leaf(np.array(part.value, dtype=float), np.arange(count), part, family, path, values)
         return
     values = with_arrays(values, *part.value, *[family.radius] * (family.radius is not None))
-    for i in blocks(family, values):
+    for i in blocks(family, values, *part.value):
         troubles = list(block_fits(i, part, family, path, values))
         yield from troubles
         if troubles:

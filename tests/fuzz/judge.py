@@ -10,7 +10,7 @@ from smidgen.spec import Spec
 SECONDS = 5         # of processor time for one text of at most FILE_BYTES; well below one is usual
 
 
-def judge(text: str):
+def judge(text: str, seconds: float = SECONDS):
     """The Spec or the SpecError of a text; anything else that happens is a failure of the reader."""
     begin = time.process_time()
     try:
@@ -19,18 +19,18 @@ def judge(text: str):
     except SpecError as error:
         check_error(error, text)
         found = error
-    assert time.process_time() - begin < SECONDS
+    assert time.process_time() - begin < seconds
     return found
 
 
-def judge_bytes(data: bytes):
+def judge_bytes(data: bytes, seconds: float = SECONDS):
     """The same for the content of a file."""
     try:
         text = decoded(data, "spec.toml")
     except SpecError as error:
         assert [d.code for d in error.diagnostics] == ["E102"]
         return error
-    return judge(text)
+    return judge(text, seconds)
 
 
 def check_error(error: SpecError, text: str) -> None:

@@ -32,7 +32,7 @@ def arcs(data: bytes) -> set:
 
     sys.settrace(call)
     try:
-        judge_bytes(data)
+        judge_bytes(data, seconds=float("inf"))     # what is watched line by line takes its time
     finally:
         sys.settrace(None)
     return found
