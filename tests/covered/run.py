@@ -18,9 +18,9 @@ from mutants.report import code, table  # noqa: E402
 
 ROOT = HERE.parent.parent
 LEAST = 0.95
-# Without these: long runs, builds that are not counted, and tests that plant faults in a copy or kill a run.
-NOT_RUN = re.compile(r"round_off|generated_c|user_specs|validate|witness|resume|lyapunov|linking|fuzz")
-DESELECTED = "not mutants and not every_compiler and not free_of_warnings and not sanitized and not clang and not g++"
+# Without these: what takes the same branches again at length, other compilers, and tests that plant faults in a copy.
+NOT_RUN = re.compile(r"round_off|user_specs|validate|lyapunov|linking|tangent|symplectic|checkpoint|substeps|hard_suite|interface")
+DESELECTED = "not mutants and not every_compiler and not free_of_warnings and not clang and not g++ and not runs_clean"
 
 
 def measure(place: Path) -> tuple[dict, str]:

@@ -1,8 +1,12 @@
 #!/bin/sh
 # Stands for gcc: counts branches, and moves the notes of the compiler to where the counts will be.
-# What a sanitizer adds are branches of its own: such builds are left as they are.
 for word in "$@"; do
-  case "$word" in -fsyntax-only | --version | c++ | -fsanitize=*) exec "$REAL_GCC" "$@" ;; esac
+  case "$word" in -fsyntax-only | --version | c++) exec "$REAL_GCC" "$@" ;; esac
+done
+# What a sanitizer adds are branches of its own: it is left out.
+for word in "$@"; do
+  shift
+  case "$word" in -fsanitize=* | -fno-sanitize-recover=*) ;; *) set -- "$@" "$word" ;; esac
 done
 "$REAL_GCC" "$@" --coverage -O0 -fprofile-abs-path -fkeep-inline-functions "-DSMG_INLINE=static inline" || exit
 out=a.out before=
