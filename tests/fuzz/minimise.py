@@ -13,7 +13,7 @@ from smidgen import read
 from .judge import judge_bytes
 
 READER = str(Path(read.__file__).parent)
-LONGEST = 2000          # bytes of an input that is kept
+LONGEST = 4096          # bytes of an input that is looked at
 DEFECT = "defect"       # so begin the names of inputs that broke something once: they stay as they are
 
 
