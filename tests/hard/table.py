@@ -4,6 +4,7 @@
     PYTHONPATH=tests python -m hard.table --tier quick   # the quick tier, printed only
     PYTHONPATH=tests python -m hard.table --page         # the page from docs/hard.csv
     PYTHONPATH=tests python -m hard.table ring           # the cases whose name holds "ring", printed only
+    PYTHONPATH=tests python -m hard.table ring --merge   # the same, and their rows replaced in the page
 
 The exit code is 1 when a row does not hold.
 """
@@ -86,6 +87,13 @@ def read_table() -> list[Line]:
         return [Line(**row) for row in csv.DictReader(file)]
 
 
+def merged(lines) -> list[Line]:
+    """The rows of docs/hard.csv with those of the cases in `lines` replaced, in the order of the cases."""
+    new = {line.case for line in lines}
+    old = [line for line in read_table() if line.case not in new] if (DOCS / "hard.csv").exists() else []
+    return [line for c in CASES for line in (*lines, *old) if line.case == c.name]
+
+
 def cell(text: str) -> str:
     """A text that a Markdown table takes as it is."""
     return text.replace("|", "\\|").replace("*", "\\*").replace("<", "&lt;")
@@ -128,6 +136,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("word", nargs="?", default="", help="only cases whose name holds it")
     parser.add_argument("--tier", choices=TIERS, help="only this tier")
+    parser.add_argument("--merge", action="store_true", help="put the rows of these cases into the table and the page")
     parser.add_argument("--page", action="store_true", help="only write the page from the table")
     asked = parser.parse_args()
     if asked.page:
@@ -136,8 +145,8 @@ def main() -> int:
     if not cases:
         parser.error(f"no case holds '{asked.word}'")
     lines = measure(cases)
-    if len(cases) == len(CASES):
-        write_table(lines)
+    if asked.merge or len(cases) == len(CASES):
+        write_table(merged(lines))
         write_page()
     return int(any(line.holds != "yes" for line in lines))
 
