@@ -18,9 +18,9 @@ from mutants.report import code, table  # noqa: E402
 
 ROOT = HERE.parent.parent
 LEAST = 0.95
-# Without these: what takes the same branches again at length, other compilers, and tests that plant faults in a copy.
-NOT_RUN = re.compile(r"round_off|user_specs|validate|lyapunov|linking|tangent|symplectic|checkpoint|substeps|hard_suite|interface")
-DESELECTED = "not mutants and not every_compiler and not free_of_warnings and not clang and not g++ and not runs_clean"
+# The tests of the headers, and of steps that come to their edges; without other compilers and copies with faults.
+RUN = re.compile(r"edges_of_runtime|test_(runtime|band|sparse|follow|shown|units|agreement|statuses|second_solution)")
+DESELECTED = "not mutants and not clang and not g++"
 
 
 def measure(place: Path) -> tuple[dict, str]:
@@ -31,7 +31,7 @@ def measure(place: Path) -> tuple[dict, str]:
         shutil.copy(HERE / "shim.sh", shims / name)
     env = {**os.environ, "REAL_GCC": shutil.which("gcc"), "GCOV_PREFIX": str(data), "OPENBLAS_NUM_THREADS": "1",
            "PATH": f"{shims}:{os.environ['PATH']}", "CC": ""}
-    files = [f for f in test_files(ROOT) if not NOT_RUN.search(f)]
+    files = [f for f in test_files(ROOT) if RUN.search(f)]
     said = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long", "-k", DESELECTED,
                            f"--basetemp={place / 'tmp'}", *files], cwd=ROOT, env=env, capture_output=True, text=True)
     if said.returncode not in (0, 1):

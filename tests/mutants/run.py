@@ -17,8 +17,8 @@ from mutants.report import Outcome, write  # noqa: E402
 from mutants.trial import Trial  # noqa: E402
 
 ROOT = HERE.parent.parent
-DRAWN = {"sign": 8, "coefficient": 8, "time": 6, "jacobian": 7, "branch": 8, "tolerance": 6, "wrap": 6,
-         "comparison": 6, "index": 7, "operator": 5, "constant": 4, "statement": 5}
+DRAWN = {"sign": 7, "coefficient": 6, "time": 5, "jacobian": 5, "branch": 6, "tolerance": 5, "wrap": 5,
+         "comparison": 5, "index": 6, "operator": 4, "constant": 4, "statement": 4}
 
 
 def drawn(found, kind: str, seed: int) -> list:
