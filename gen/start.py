@@ -225,11 +225,25 @@ def state_table(path: Path, name: str) -> np.ndarray:
         if path.stat().st_size > limits.TABLE_BYTES:
             raise ValueError(f"it has more than {limits.TABLE_BYTES} bytes")
         if path.suffix == ".npy":
-            return np.array(np.load(path, allow_pickle=False), dtype=float)
+            return _loaded(path)
         return np.loadtxt(path, delimiter=",", ndmin=2, skiprows=_header_lines(path))
     except (OSError, ValueError, EOFError, TypeError) as problem:
         said = getattr(problem, "strerror", None) or problem
         raise UsageError(f"cannot read the start file '{name}': {said}") from None
+
+
+def _loaded(path):
+    """The numbers of a .npy file. It is mapped: a head that promises more than the file holds costs nothing."""
+    try:
+        with np.errstate(over="ignore"):        # a shape beyond all integers
+            found = np.load(path, mmap_mode="r", allow_pickle=False)
+        if found.dtype.kind not in "fiu":
+            raise TypeError
+        return np.array(found, dtype=float)
+    except OSError:
+        raise
+    except Exception:       # of what a damaged head is taken for, numpy gives no list
+        raise ValueError("it is no .npy file of real numbers") from None
 
 
 def _header_lines(path):
