@@ -84,11 +84,11 @@ def test_start_tables(folder, data):
     started(folder, "s.csv", data)
 
 
-def given_state(folder, data):
-    """The array that a .npy file given to a run holds, or the refusal."""
-    (folder / "s.npy").write_bytes(data)
+def given_state(folder, data, name="s.npy"):
+    """The array that a file given to a run holds, or the refusal."""
+    (folder / name).write_bytes(data)
     try:
-        assert state_table(folder / "s.npy", "s.npy").dtype == float
+        assert state_table(folder / name, name).dtype == float
     except smidgen.UsageError as refusal:
         check_print(str(refusal))
         return str(refusal)
@@ -98,6 +98,13 @@ def given_state(folder, data):
 @given(data=ARRAYS)
 def test_arrays(folder, data):
     given_state(folder, data)
+
+
+@pytest.mark.filterwarnings("ignore:.*input contained no data")
+@MANY
+@given(data=TABLES)
+def test_rows(folder, data):
+    given_state(folder, data, "given.csv")
 
 
 def test_good_files_are_good(folder):
