@@ -34,14 +34,7 @@ def language(seconds, seed):
     bad = python("fuzz.guided", OUT / "live", CORPUS, TESTS.parent / "specs", f"-max_total_time={seconds:.0f}", f"-seed={seed}",
                  "-max_len=2000", "-timeout=20", "-rss_limit_mb=2048", f"-dict={OUT / 'tokens.dict'}",
                  f"-artifact_prefix={OUT / 'found'}/", log="language.log")
-    return join_corpus(TESTS.parent / "specs", TESTS / "bad") or bad
-
-
-def join_corpus(*more):
-    """What is new among the search's inputs and in more folders; libFuzzer's merge leaves few to look at closely."""
-    (OUT / "merged").mkdir(exist_ok=True)
-    bad = python("fuzz.guided", "-merge=1", OUT / "merged", OUT / "live", *more, log="merge.log")
-    return python("fuzz.minimise", CORPUS, OUT / "merged", log="language.log") or bad
+    return python("fuzz.minimise", CORPUS, OUT / "live", TESTS.parent / "specs", log="language.log") or bad
 
 
 def hamiltonians(seconds, seed):
