@@ -101,24 +101,37 @@ def baseline(tree: Tree, file: str) -> dict:
     return {"tests": passed, "failing": failed}
 
 
-def judge(tree: Tree, tests: dict, names) -> tuple[str, str] | None:
-    """(which of the named tests notices the planted fault, how); None when all pass. `tests`: {name: (seconds, quick)}."""
+def listed(tests: dict, names) -> tuple[list, dict, float]:
+    """(their files, {test: seconds it may take}, seconds for all) of tests by name. `tests`: {name: (seconds, quick)}."""
     files = list(dict.fromkeys(n.partition("::")[0] for n in names))
-    order = {n: max(60.0, 20 * tests[n][0]) for n in names}
-    limit = 600 + 10 * sum(tests[n][0] for n in names)
+    return files, {n: max(60.0, 20 * tests[n][0]) for n in names}, 600 + 10 * sum(tests[n][0] for n in names)
+
+
+def judge(tree: Tree, tests: dict, names) -> str | None:
+    """Which of the named tests notices the planted fault, and how if it did not just fail; None when all pass."""
+    files, order, limit = listed(tests, names)
     return caught(tree, *run_tests(tree, files, order, first=True, limit=limit)) if names else None
 
 
-def caught(tree: Tree, status, lines) -> tuple[str, str] | None:
-    """(test, how): the one that failed (how is empty), crashed or hung; None when all passed."""
+def failing(tree: Tree, tests: dict, names) -> list[str]:
+    """Those of the named tests that do not pass on the tree as it is; one that is no longer there does not."""
+    names, gone = [n for n in names if n in tests], [n for n in names if n not in tests]
+    files, order, limit = listed(tests, names)
+    lines = run_tests(tree, files, order, first=False, limit=limit)[1] if names else []
+    passed = {e["ends"] for e in lines if e.get("outcome") == "passed"} - {e["ends"] for e in lines if e.get("outcome") == "failed"}
+    return gone + [n for n in names if n not in passed]
+
+
+def caught(tree: Tree, status, lines) -> str | None:
+    """The test that failed, or "test (crash)", "test (hang)"; None when all passed."""
     if status == 0:
         return None
     failed = [e["ends"] for e in lines if e.get("outcome") == "failed"]
     if failed:
-        return failed[0], ""
+        return failed[0]
     if status in (4, 5):        # no such test, or none at all
         raise RuntimeError((tree.place / "said").read_text()[-3000:])
     under_way = [e["begins"] for e in lines if "begins" in e]
     if not under_way:
         raise RuntimeError("no test has begun:\n" + (tree.place / "said").read_text()[-3000:])
-    return under_way[-1], "crash" if status is not None and status < 0 else "hang"
+    return f"{under_way[-1]} ({'crash' if status is not None and status < 0 else 'hang'})"

@@ -1,7 +1,8 @@
 """What was tried before: an interrupted run goes on where it stopped.
 
-`outcomes.jsonl` receives a line a mutant as soon as its outcome is known. It holds as long as the file in
-which the fault was planted stays as it is; that of one that survived, as long as the tests do, too.
+`outcomes.jsonl` receives a line a mutant as soon as its outcome is known. That a test notices a fault holds as
+long as the line is there and the test passes without the fault; that none does, as long as the file in which it is
+planted and the tests stay as they are.
 `tests.json` has what each file of tests gave on the unchanged tree, and in how many seconds.
 """
 import hashlib
@@ -37,7 +38,8 @@ class Record:
         for line in path.read_text().splitlines() if path.exists() else ():
             entry = json.loads(line)
             file = self.root / entry["mutant"]["file"]
-            if file.exists() and digest([file]) == entry["code"] and (entry["what"] != "survived" or entry["tests"] == self.tests):
+            same = file.exists() and digest([file]) == entry["code"] and entry["tests"] == self.tests
+            if same or entry["what"] == "caught":
                 found[entry["mutant"]["id"]] = Outcome(Mutant(**entry["mutant"]), entry["what"], entry["by"], entry["seconds"])
         return found
 

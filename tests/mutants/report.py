@@ -23,6 +23,11 @@ class Outcome:
     def counts(self) -> bool:
         return self.what in ("caught", "survived")
 
+    @property
+    def test(self) -> str:
+        """The test that noticed it."""
+        return self.by.removesuffix(" (crash)").removesuffix(" (hang)")
+
 
 def explanations() -> dict:
     return tomllib.loads((HERE / "explained.toml").read_text())

@@ -5,12 +5,21 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import Queue
 
-from .judge import LONGEST, baseline, judge, order_of
+from smidgen.features import FEATURES
+from smidgen.library import METHODS
+
+from .judge import LONGEST, baseline, failing, judge, order_of
 from .plant import Tree
 from .record import Record
 from .report import Outcome
 
-HEADERS = ("headers", "free_rigid_body/spherical-midpoint/auto", "heisenberg_chain/spherical-midpoint/auto")   # use them all
+# Together they use every template and header.
+SPHERICAL, CLASSICAL, VESELOV = METHODS
+MODELS = tuple("/".join(words) for words in (
+    ("free_rigid_body", SPHERICAL, "auto"), ("free_rigid_body", VESELOV, "auto"), ("product", SPHERICAL, "rotation"),
+    ("cubic_lattice", SPHERICAL, "auto"), ("glass", SPHERICAL, "newton"), ("heisenberg_chain", CLASSICAL, "auto"),
+    ("heisenberg_chain", SPHERICAL, "auto", *FEATURES)))
+
 
 
 class Trial:
@@ -20,7 +29,7 @@ class Trial:
         self.trees, self.jobs, self.record = Queue(), jobs, record
         for k in range(jobs):
             self.trees.put(Tree(root, place / str(k)))
-        self.lock, self.plain, self.known, self.sound = threading.Lock(), {}, record.tried(), {}
+        self.lock, self.plain, self.known = threading.Lock(), {}, record.tried()
 
     def measure(self, files, say) -> None:
         """Which tests pass on the unchanged tree, and how long each takes; those measured before are not run again."""
@@ -50,6 +59,7 @@ class Trial:
             return self.known[mutant.id]
         outcome = self.with_tree(lambda tree: self.on(tree, mutant))
         self.record.add(outcome)
+        self.known[mutant.id] = outcome
         return outcome
 
     def on(self, tree: Tree, mutant) -> Outcome:
@@ -64,26 +74,24 @@ class Trial:
     def verdict(self, tree: Tree, mutant):
         """('caught', by which test), ('does not compile', ''), ('changes nothing', '') or ('survived', '')."""
         sharp, *others = order_of(self.tests, mutant)
-        if tree.digests("few", "syntax", *(HEADERS if mutant.file.startswith("runtime/") else ())) is None:
+        if tree.digests("few", "syntax", *MODELS, *(["headers"] if mutant.file.startswith("runtime/") else [])) is None:
             return "does not compile", ""
-        found = self.noticed(tree, mutant, sharp)
+        found = judge(tree, self.tests, sharp)
         if not found and self.same(tree, mutant):
             return "changes nothing", ""
         for names in others:
-            found = found or self.noticed(tree, mutant, names)
+            found = found or judge(tree, self.tests, names)
         return ("caught", found) if found else ("survived", "")
 
-    def noticed(self, tree: Tree, mutant, names) -> str | None:
-        """The test that notices, and how if it did not just fail; one that fails without the fault as well is left out."""
-        while found := judge(tree, self.tests, names := [n for n in names if self.sound.get(n, True)]):
-            if found[0] not in self.sound:
-                tree.heal(mutant)
-                self.sound[found[0]] = judge(tree, self.tests, found[:1]) is None
-                tree.plant(mutant)
-            if self.sound[found[0]]:
-                return f"{found[0]} ({found[1]})" if found[1] else found[0]
-            self.failing.append(found[0])
-        return None
+    def unsound(self, outcomes) -> list[str]:
+        """The tests that noticed a fault and fail without one as well: they are not asked again, nor believed."""
+        noticed = sorted({o.test for o in outcomes if o.what == "caught"})
+        wrong = self.with_tree(lambda tree: failing(tree, self.tests, noticed))
+        for name in wrong:
+            self.tests.pop(name, None)
+        self.known = {id: o for id, o in self.known.items() if o.test not in wrong}
+        self.failing += wrong
+        return wrong
 
     def same(self, tree: Tree, mutant) -> bool:
         """Is the object code of every model what it is without the fault? A few models first: most faults show there."""
