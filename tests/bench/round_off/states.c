@@ -36,6 +36,7 @@ int main(int count, char **words) {
     w[k] = x;
   }
   smg_status status = F(_init)(&s, &p, memory, w, 0, atof(words[1]));
+  for (int k = 0; k < 3 * sites && status == SMG_OK; ++k) s.w[k] = w[k]; /* not put on the sphere to more digits than given */
   for (int k = 2; k < count && status == SMG_OK; ++k) {
     status = F(_steps)(&s, atoll(words[k]) - s.count);
     show(&s, 3 * sites);
