@@ -97,7 +97,7 @@ def standings(growth, name, quantity) -> str:
 
 def standing(rows) -> str:
     """rms/sqrt(N) at 1e7 and 1e8 steps, the exponent, and whether each is within the law."""
-    sizes = " and ".join(f"{r.rms / r.steps**0.5:.1e}" for r in late(rows))
+    sizes = " and ".join(f"{r.rms / r.steps**0.5:.2e}" for r in late(rows))
     size = "at most 1e-18" if small(late(rows)) else "more than 1e-18"
     steep = "at most" if exponent(rows) <= LAW else "more than"
     return f"rms/√N = {sizes}, {size}; exponent {exponent(rows):.2f}, {steep} {LAW}."
