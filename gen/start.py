@@ -263,7 +263,7 @@ def _are_numbers(cells) -> bool:
 
 
 def _on_manifold(family, one, w, radius):
-    """w on its spheres: scaled there when the start says so, otherwise refused if off."""
+    """w on its spheres: scaled there when the start says so or when it is off by a few digits, otherwise refused."""
     if family.kind != "sphere":
         if one.normalise:
             raise UsageError(f"'{family.name}' is no sphere: nothing to normalise to")
@@ -279,4 +279,4 @@ def _on_manifold(family, one, w, radius):
         raise UsageError(f"site {site} of '{family.name}' starts at |w| = {length[site]:.17g}, "
                              f"off its sphere of radius {radius[site]:.17g}; correct it or "
                              "write normalise = true")
-    return w
+    return np.where((off > 8 * np.finfo(float).eps)[:, None], w * (radius / length)[:, None], w)

@@ -427,16 +427,19 @@ SMG_INLINE int64_t smg_band_solve(int64_t n, int k, int periodic, const smg_real
 
 /* ---- what the matrix of a step shows of its branch ------------------------------------- */
 
-/* The largest row sum of abs(A - I); NaN where there is one. */
+/* The sum of abs(A - I) over a row. */
+static inline smg_real smg_band_row_sum(int k, const smg_real *A, int64_t row) {
+  const smg_real *at = A + row / SMG_BS * (2 * k + 1) * SMG_BB + row % SMG_BS * SMG_BS;
+  smg_real sum = 0;
+  for (int d = 0; d < 2 * k + 1; d++)
+    for (int e = 0; e < SMG_BS; e++) sum += smg_abs(at[d * SMG_BB + e] - (d == k && e == row % SMG_BS));
+  return sum;
+}
+
+/* The largest of them; NaN where there is one. */
 static inline smg_real smg_band_bound(int64_t n, int k, const smg_real *A) {
   smg_real most = 0;
-  for (int64_t row = 0; row < n * SMG_BS; row++) {
-    const smg_real *at = A + row / SMG_BS * (2 * k + 1) * SMG_BB + row % SMG_BS * SMG_BS;
-    smg_real sum = 0;
-    for (int d = 0; d < 2 * k + 1; d++)
-      for (int e = 0; e < SMG_BS; e++) sum += smg_abs(at[d * SMG_BB + e] - (d == k && e == row % SMG_BS));
-    if (!(sum <= most) && most == most) most = sum;
-  }
+  for (int64_t row = 0; row < n * SMG_BS; row++) most = smg_max(most, smg_band_row_sum(k, A, row));
   return most;
 }
 

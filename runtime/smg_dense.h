@@ -112,14 +112,17 @@ static inline int smg_dense_sign(int64_t n, smg_real *A) {
   return sign;
 }
 
-/* The largest row sum of abs(A - I); NaN where there is one. */
+/* The sum of abs(A - I) over row i. */
+static inline smg_real smg_dense_row_sum(int64_t n, const smg_real *A, int64_t i) {
+  smg_real sum = 0;
+  for (int64_t j = 0; j < n; j++) sum += smg_abs(A[i * n + j] - (i == j));
+  return sum;
+}
+
+/* The largest of them; NaN where there is one. */
 static inline smg_real smg_dense_bound(int64_t n, const smg_real *A) {
   smg_real most = 0;
-  for (int64_t i = 0; i < n; i++) {
-    smg_real sum = 0;
-    for (int64_t j = 0; j < n; j++) sum += smg_abs(A[i * n + j] - (i == j));
-    if (!(sum <= most) && most == most) most = sum;
-  }
+  for (int64_t i = 0; i < n; i++) most = smg_max(most, smg_dense_row_sum(n, A, i));
   return most;
 }
 

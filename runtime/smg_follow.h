@@ -19,7 +19,9 @@
 #define SMG_ALONG (smg_real)0.95   /* least cosine between the tangents of neighbouring points */
 #define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system */
 #define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried */
-#define SMG_CENTRE (smg_real)1e-5 /* a midpoint so near the centre, in radii, is there */
+#define SMG_CENTRE (smg_real)1e-7 /* a midpoint so near the centre, in radii, is there */
+#define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up */
+#define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still */
 #define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
 
 /* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J, or says why not. */
@@ -30,6 +32,7 @@ typedef struct smg_curve {
   const smg_real *w;          /* where it begins */
   smg_real scale;             /* the unit of y */
   smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: n numbers each */
+  smg_real slope;             /* dq/ds over the pace before */
   smg_real p, q, span;        /* part of h, its tangent, and how many natural steps h has: p counts in them */
   smg_real reached;           /* the part of h up to which it has a solution: the whole, or up to its first fold */
   int sign;                   /* of det J */
@@ -70,10 +73,18 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     *p += dp / f->span;
     const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
-    if (moved <= (fixed ? (smg_real)1e-9 : (smg_real)1e-5)) return it;
+    if (moved <= (fixed ? (smg_real)1e-9 : smg_min((smg_real)1e-5, pace / 10))) return it;
     last = moved * SMG_STRAIGHT;
   }
   return 0;
+}
+
+/* May p have fallen between two points at which it rises? There q, as a parabola that begins with the slope before,
+ * dips below a quarter of its ends: two folds close to each other lie there, or none. */
+static inline int smg_curve_dips(const smg_curve *f, smg_real q, smg_real s) {
+  const smg_real bend = ((f->q - q) / s - f->slope) / s; /* q + slope x + bend x^2 */
+  if (!(s > SMG_DIP && q > 0 && f->q > 0 && f->slope < 0 && f->q > q + f->slope * s)) return 0;
+  return -f->slope < 2 * bend * s && q - f->slope * f->slope / (4 * bend) < smg_min(q, f->q) / 4;
 }
 
 /* One pace along the tangent; 0 when it must be shorter. A pace across p = 1 ends at p = 1. */
@@ -88,12 +99,13 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   for (int64_t k = 0; k < f->n; ++k) f->a[k] = f->t[k]; /* to go back to, when the curve bends too much */
   const smg_real q = f->q;
   /* along one curve det J has the sign of q: otherwise it is another one */
-  if (!(smg_curve_turn(f) >= SMG_ALONG) || (f->sign < 0) != (f->q < 0)) {
+  if (!(smg_curve_turn(f) >= SMG_ALONG) || (f->sign < 0) != (f->q < 0) || smg_curve_dips(f, q, s)) {
     for (int64_t k = 0; k < f->n; ++k) f->t[k] = f->a[k];
     f->q = q;
     return 0;
   }
   for (int64_t k = 0; k < f->n; ++k) f->y[k] = f->x[k];
+  f->slope = (f->q - q) / s;
   f->p = p;
   return its;
 }
@@ -141,7 +153,7 @@ static inline smg_real smg_curve_span(const smg_curve *f) {
 static inline smg_status smg_follow(smg_curve *f) {
   smg_real pace = (smg_real)0.1;
   int folded = 0;
-  f->p = f->reached = 0;
+  f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
   for (int64_t k = 0; k < f->n; ++k) {
     f->y[k] = f->w[k];
@@ -157,7 +169,7 @@ static inline smg_status smg_follow(smg_curve *f) {
     const int its = smg_curve_pace(f, pace);
     if (its == 0) {
       pace /= 4;
-      if (pace < (smg_real)1e-7) return smg_curve_end(f);
+      if (pace < SMG_LEAST) return smg_curve_end(f);
       continue;
     }
     if (its <= 4) pace *= (smg_real)1.5;

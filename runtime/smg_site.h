@@ -27,10 +27,17 @@ SMG_INLINE void smg_unit_frame(const smg_real *m, smg_real *e1, smg_real *e2) {
   e2[2] = -m[1];
 }
 
-/* The same for m of any length > 0. */
+/* u = m/|m|; the z axis where m = 0, which has no direction. */
+SMG_INLINE void smg_unit(const smg_real *m, smg_real *u) {
+  const smg_real size = smg_norm(m), scale = 1 / size;
+  for (int k = 0; k < 3; ++k) u[k] = size > (smg_real)1e-280 ? scale * m[k] : size > 0 ? m[k] / size : k == 2;
+  if (size != size) u[0] = u[1] = u[2] = size;
+}
+
+/* The frame for m of any length. */
 SMG_INLINE void smg_frame(const smg_real *m, smg_real *e1, smg_real *e2) {
-  const smg_real scale = 1 / SMG_MATH(sqrt)(smg_dot(m, m));
-  const smg_real u[3] = {scale * m[0], scale * m[1], scale * m[2]};
+  smg_real u[3];
+  smg_unit(m, u);
   smg_unit_frame(u, e1, e2);
 }
 
@@ -66,16 +73,16 @@ static inline int64_t smg_quotient(int64_t a, int64_t b) { return (a - smg_mod(a
 #define SMG_MAX DBL_MAX
 #endif
 
-/* How far an iterate moved: relative to each component's own size, and absolutely; and the size of
- * the products that increments are made of, h (1/kappa) |grad C| |dH/dw|: their round-off stays. */
+/* How far an iterate moved: relative to each component's own size, and absolutely, a small site of R^3 as
+ * if it were as large as the others; and the size of the products that increments are made of, h (1/kappa) |grad C| |dH/dw|: their round-off stays. */
 typedef struct smg_change {
   smg_real relative, absolute, terms;
 } smg_change;
 
-/* Takes in one component: r = its change, own = the size of what it is made of. */
-static inline void smg_change_add(smg_change *d, smg_real r, smg_real own) {
-  const smg_real a = SMG_MATH(fabs)(r);
-  if (a > d->absolute || a != a) d->absolute = a; /* NaN comes in and stays */
+/* Takes in one component: r = its change, own = the size of what it is made of, up = smg_up of its site. */
+static inline void smg_change_add(smg_change *d, smg_real r, smg_real own, smg_real up) {
+  const smg_real a = SMG_MATH(fabs)(r), b = up * a;
+  if (b > d->absolute || b != b) d->absolute = b; /* NaN comes in and stays */
   if (a > d->relative * own || a != a) d->relative = a / own;
 }
 
@@ -83,6 +90,12 @@ static inline void smg_change_add(smg_change *d, smg_real r, smg_real own) {
 static inline smg_real smg_largest(const smg_real *a) {
   const smg_real x = smg_abs(a[0]), y = smg_abs(a[1]), z = smg_abs(a[2]);
   return smg_max(x, smg_max(y, z));
+}
+
+/* How much smaller than `scale` a site is, within the range of numbers. */
+static inline smg_real smg_up(smg_real scale, const smg_real *w) {
+  const smg_real size = smg_largest(w);
+  return size > 0 ? smg_min(scale / size, (smg_real)1e290) : 1;
 }
 
 /* Stagnation: every component moves by at most an ulp of its own size; or the motion is down to

@@ -27,6 +27,18 @@
 
 SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
 
+/* |a|, also where the squares leave the range of a double. */
+SMG_INLINE smg_real smg_norm(const smg_real *a) {
+  const smg_real square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+  if (square > (smg_real)1e-280 && square < (smg_real)1e280) return SMG_MATH(sqrt)(square);
+  smg_real most = 0;
+  for (int k = 0; k < 3; k++) most = smg_abs(a[k]) > most ? smg_abs(a[k]) : most;
+  if (!(square - square == 0) && !(most > 0 && most - most == 0)) return square; /* NaN, infinity */
+  if (!(most > 0)) return 0;
+  const smg_real x = a[0] / most, y = a[1] / most, z = a[2] / most;
+  return most * SMG_MATH(sqrt)(x * x + y * y + z * z);
+}
+
 /* det A. */
 SMG_INLINE smg_real smg_det2(const smg_real *A) { return A[0] * A[3] - A[1] * A[2]; }
 

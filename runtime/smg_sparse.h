@@ -72,16 +72,19 @@ static inline int32_t smg_sparse_solve(int32_t n, const int32_t *rowptr, const i
   return 0;
 }
 
-/* The largest row sum of abs(A - I); NaN where there is one. */
+/* The sum of abs(A - I) over a row. */
+static inline smg_real smg_sparse_row_sum(const int32_t *rowptr, const int32_t *diag, const smg_real *A, int32_t row) {
+  const int32_t i = row / SMG_BS, r = row % SMG_BS;
+  smg_real sum = 0;
+  for (int32_t p = rowptr[i]; p < rowptr[i + 1]; p++)
+    for (int e = 0; e < SMG_BS; e++) sum += smg_abs(A[(int64_t)p * SMG_BB + r * SMG_BS + e] - (p == diag[i] && e == r));
+  return sum;
+}
+
+/* The largest of them; NaN where there is one. */
 static inline smg_real smg_sparse_bound(int32_t n, const int32_t *rowptr, const int32_t *diag, const smg_real *A) {
   smg_real most = 0;
-  for (int32_t row = 0; row < n * SMG_BS; row++) {
-    const int32_t i = row / SMG_BS, r = row % SMG_BS;
-    smg_real sum = 0;
-    for (int32_t p = rowptr[i]; p < rowptr[i + 1]; p++)
-      for (int e = 0; e < SMG_BS; e++) sum += smg_abs(A[(int64_t)p * SMG_BB + r * SMG_BS + e] - (p == diag[i] && e == r));
-    if (!(sum <= most) && most == most) most = sum;
-  }
+  for (int32_t row = 0; row < n * SMG_BS; row++) most = smg_max(most, smg_sparse_row_sum(rowptr, diag, A, row));
   return most;
 }
 

@@ -43,6 +43,10 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   const smg_real k = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
   const smg_real d = (w[0] * g[0] + w[1] * g[1] + w[2] * g[2]) / r;
   smg_real ratio;
+  if (!(r > 0)) { /* nothing to turn */
+    for (int e = 0; e < 3; e++) m[e] = w[e];
+    return 1;
+  }
   const smg_real rho = smg_own_rho(k, d, &ratio);
   if (k >= 1 && d >= 0 && d <= 0) return 0;
   const smg_real unit = k > 1 ? 1 / k : 1; /* only the direction counts; keeps strong fields in range */
@@ -50,7 +54,7 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   m[0] = a * w[0] + unit * (w[1] * g[2] - w[2] * g[1]) + s * g[0];
   m[1] = a * w[1] + unit * (w[2] * g[0] - w[0] * g[2]) + s * g[1];
   m[2] = a * w[2] + unit * (w[0] * g[1] - w[1] * g[0]) + s * g[2];
-  const smg_real scale = r / SMG_MATH(sqrt)(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+  const smg_real scale = r / smg_norm(m);
   for (int e = 0; e < 3; e++) m[e] *= scale;
   return 1;
 }

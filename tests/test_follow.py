@@ -54,7 +54,7 @@ def test_a_curve_to_infinity_is_no_solution(make):
 def test_a_curve_that_ends_in_the_centre_is_no_solution(make, own):
     """A site from (-1, 0, 0) to 0 at half of h, where no Newton matrix exists; anywhere else it is just the end."""
     program = make("gcc-sanitized", "follow")
-    found = follow(program, (0.5, 0, 0), limit=1 - 1e-7, w0=-1.0, own=own)
+    found = follow(program, (0.5, 0, 0), limit=1 - 1e-9, w0=-1.0, own=own)
     assert list(found[[0, 2, 3]]) == [NO_SOLUTION, own // 3, -1] and found[1] == pytest.approx(0.5, abs=1e-5)
     found = follow(program, (0.5, 0, 0), limit=0.8, w0=-1.0, own=own)
     assert found[0] == NO_CONVERGENCE and found[1] == pytest.approx(0.4, abs=1e-5)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 class Model:
     """A spec, the method, and what the step equation needs to know about each family.
 
-    families: (count, kind, kappa, radius) in order, as C expressions; share: of all the steps.
+    families: (count, kind, kappa, radius) in order, as C expressions; share: of all the steps; closed: a linear field of each
+    site by itself, whose one branch is known in closed form (runtime/smg_spin.h).
     """
     spec: str
     families: tuple
@@ -20,6 +21,7 @@ class Model:
     orientation: int = 1
     casimir: tuple = (1, 0, 0, 0, 1, 0, 0, 0, 1)
     share: float = 1.0
+    closed: bool = False
     files: dict = field(default_factory=dict)
 
 
@@ -170,12 +172,12 @@ SPHERE = (("1", "sphere", "1", "1"),)
 MODELS = {
     "body": Model(spec("body", BODY), SPHERE, share=4),
     "forced": Model(spec("forced", FORCED), (("1", "sphere", "p->k", "1"),), share=4),
-    "field": Model(spec("field", FIELD), (("1", "sphere", "p->k", "1"),), share=4),
+    "field": Model(spec("field", FIELD), (("1", "sphere", "p->k", "1"),), share=4, closed=True),
     "vortices": Model(spec("vortices", VORTICES), (("4", "sphere", "p->gamma[i]", "1"),), share=2),
     "chain6": Model(spec("chain6", CHAIN.format(n="{ default = 6, fixed = true }")), (("6", "sphere", "1", "1"),), share=1),
     "chain20": Model(spec("chain20", CHAIN.format(n="20")), (("p->n", "sphere", "1", "1"),), share=0.5),
     "top": Model(spec("top", TOP), (("1", "r3", "p->k", "0"),), share=4),
-    "r3_field": Model(spec("r3_field", R3_FIELD), (("3", "r3", "1", "0"),), share=2),
+    "r3_field": Model(spec("r3_field", R3_FIELD), (("3", "r3", "1", "0"),), share=2, closed=True),
     "r3_pair": Model(spec("r3_pair", R3_PAIR), (("2", "r3", "p->gamma[i]", "0"),), share=2),
     "nambu": Model(spec("nambu", NAMBU), (("1", "nambu", "1", "0"),), share=3,
                    casimir=(0, 0, 1, 0, 2, 0, 1, 0, 0)),

@@ -140,7 +140,7 @@ static void scales(const equation *e, real *u, int fully, real *x, real *scale) 
 static real residual_of(const equation *e, const real *u, const real *x, const real *scale) {
   real most = 0;
   for (int64_t k = 0; k < 3 * e->sites; k++) {
-    const real r = fabsl(u[k] - x[k]), unit = DBL_EPSILON * scale[k / 3];
+    const real r = fabsl(u[k] - x[k]), unit = DBL_EPSILON * scale[k / 3] + 4 * DBL_TRUE_MIN;
     if (r > 0 && !(r <= most * unit)) most = r / unit;
     if (r != r) return r;
   }
@@ -153,7 +153,7 @@ static real norm_of(const equation *e, const real *u) {
   for (int64_t i = 0; i < e->sites; i++) {
     const real *w = e->w + 3 * i;
     const real W[3] = {w[0] + u[3 * i], w[1] + u[3 * i + 1], w[2] + u[3 * i + 2]};
-    const real off = fabsl(sqrtl(dot(W, W)) - sqrtl(dot(w, w))), unit = DBL_EPSILON * sqrtl(dot(w, w));
+    const real off = fabsl(sqrtl(dot(W, W)) - sqrtl(dot(w, w))), unit = DBL_EPSILON * sqrtl(dot(w, w)) + 4 * DBL_TRUE_MIN;
     if (e->kind[i] != ON_NAMBU && off > 0 && !(off <= most * unit)) most = off / unit;
     if (off != off) return off;
   }
@@ -169,7 +169,7 @@ static void check_equation(const trial *t, const equation *e, real *u) {
     all.ill++;
     scales(e, u, 1, x, scale);
     r = residual_of(e, u, x, scale);
-    if (!(largest(scale, e->sites) <= LDBL_MAX)) { /* rounding of W leads to where there is no field */
+    if (largest(u, 3 * e->sites) <= LDBL_MAX && !(largest(scale, e->sites) + r <= LDBL_MAX)) { /* rounding leads to where there is no field */
       all.undecided++;
       return;
     }
@@ -219,7 +219,7 @@ static void judge(trial *t, equation *e, smg_status status, int64_t branches, di
     true_state(&t->s, e->sites, W);
     for (int64_t k = 0; k < 3 * e->sites; k++) u[k] = W[k] - e->w[k];
     check_equation(t, e, u);
-    if (chosen && rate(e) > 0.1L) check_branch(t, e, u);
+    if (chosen && !CLOSED && rate(e) > 0.1L) check_branch(t, e, u);
   } else if (chosen && status == SMG_NO_SOLUTION)
     check_refusal(t, e, "said to have no solution, yet continuation reaches");
   else if (chosen && status == SMG_NOT_FINITE && rate(e) < 1e3L && e->strongest < 1e300L)

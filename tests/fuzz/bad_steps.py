@@ -31,6 +31,7 @@ GLUE = """#include "{name}.h"
 #define NAME "{name}"
 #define METHOD {method}
 #define ORIENTATION {orientation}
+#define CLOSED {closed}
 #define CASIMIR {{{casimir}}}
 #define ARRAY_ROOM {room}
 typedef {name}_params P;
@@ -135,7 +136,7 @@ def glue(model, spec, header):
                'for (int j = 0; j < a->history; j++) if (!SAME(past[j], row)) return "past";')
     text, room = draws(spec)
     return GLUE.format(
-        name=spec.name, method=METHODS[model.method], orientation=model.orientation, draws=text, room=room, prints=prints(spec),
+        name=spec.name, method=METHODS[model.method], orientation=model.orientation, closed=int(model.closed), draws=text, room=room, prints=prints(spec),
         casimir=", ".join(map(str, model.casimir)), sites=site_lines(model), history=history,
         fields="\n  ".join(f'if (memcmp(&a->{f}, &b->{f}, sizeof a->{f})) return "{f}";' for f in fields))
 

@@ -58,14 +58,18 @@ static void project(const equation *e, int64_t i, const real *mbar, real *m) {
   for (int a = 0; a < 3; a++) m[a] = s * mbar[a];
 }
 
-/* x = h X at the midpoint of w and w + u; size_i: |h| |n_i| |b_i|, the terms of the product. */
-static void increment(const equation *e, real h, const real *u, real *x, real *size) {
-  real m[3 * SITES], b[3 * SITES];
+/* m, where the field is taken, for the increments u. */
+static void midpoints(const equation *e, const real *u, real *m) {
   for (int64_t i = 0; i < e->sites; i++) {
     real mbar[3];
     for (int a = 0; a < 3; a++) mbar[a] = e->w[3 * i + a] + u[3 * i + a] / 2;
     project(e, i, mbar, m + 3 * i);
   }
+}
+
+/* x = h X at m; size_i: |h| |n_i| |b_i|, the terms of the product. */
+static void product(const equation *e, real h, const real *m, real *x, real *size) {
+  real b[3 * SITES];
   reference_field(e->p, e->t, m, b);
   for (int64_t i = 0; i < e->sites; i++) {
     real n[3], k = e->orientation * h;
@@ -78,6 +82,12 @@ static void increment(const equation *e, real h, const real *u, real *x, real *s
   }
 }
 
+static void increment(const equation *e, real h, const real *u, real *x, real *size) {
+  real m[3 * SITES];
+  midpoints(e, u, m);
+  product(e, h, m, x, size);
+}
+
 static real largest(const real *x, int64_t n) {
   real most = 0;
   for (int64_t k = 0; k < n; k++)
@@ -85,25 +95,34 @@ static real largest(const real *x, int64_t n) {
   return most;
 }
 
-/* Adds to size_i what rounding W does to h X_i, in units: sum_k |d(h X_i)/dW_k| |w| of the site of k. Near a fold, with
- * W near -w or a field of large derivatives, no W of this precision leaves less. */
-static void sensitivity(const equation *e, real *u, real *size) {
+/* Adds to size_i what rounding the numbers v does to h X_i = map(v)_i, in units: sum_k |d(h X_i)/dv_k| |w| of the site of k. */
+static void sensitive(const equation *e, void (*map)(const equation *, real, const real *, real *, real *), real *v, real *size) {
   real x[3 * SITES], y[3 * SITES], spare[SITES];
-  increment(e, e->h, u, x, spare);
+  map(e, e->h, v, x, spare);
   for (int64_t k = 0; k < 3 * e->sites; k++) {
-    const real *w = e->w + 3 * (k / 3), kept = u[k], unit = sqrtl(dot(w, w));
+    const real *w = e->w + 3 * (k / 3), kept = v[k], unit = sqrtl(dot(w, w));
     real most[SITES] = {0};
     for (int sign = -1; sign < 2; sign += 2) {
-      u[k] = kept + sign * 0x1p-50L * unit;
-      increment(e, e->h, u, y, spare);
+      v[k] = kept + sign * 0x1p-50L * unit;
+      map(e, e->h, v, y, spare);
       for (int64_t i = 0; i < e->sites; i++) {
         const real d[3] = {y[3 * i] - x[3 * i], y[3 * i + 1] - x[3 * i + 1], y[3 * i + 2] - x[3 * i + 2]};
-        most[i] = fmaxl(most[i], sqrtl(dot(d, d)) * 0x1p50L);
+        const real moved = sqrtl(dot(d, d)) * 0x1p50L;
+        if (!(moved <= most[i])) most[i] = moved == moved ? moved : INFINITY;
       }
     }
-    u[k] = kept;
+    v[k] = kept;
     for (int64_t i = 0; i < e->sites; i++) size[i] += most[i];
   }
+}
+
+/* The same for W: near a fold, with W near -w or a field of large derivatives, no W of this precision leaves less. And for
+ * the point m where the field is taken: of two vortices at the distance l the formula itself loses 1/l^2. */
+static void sensitivity(const equation *e, real *u, real *size) {
+  real m[3 * SITES];
+  midpoints(e, u, m);
+  sensitive(e, increment, u, size);
+  sensitive(e, product, m, size);
 }
 
 /* ---- the branch from h = 0 ---------------------------------------------------------------- */

@@ -14,8 +14,8 @@ static void pair(smg_real a, smg_real b) {
   pipe_put((double)smg_min(a, b));
   pipe_put((double)smg_max(a, b));
   pipe_put((double)smg_largest(three));
-  smg_change_add(&change, a, 1);
-  smg_change_add(&change, b, 2);
+  smg_change_add(&change, a, 1, 1);
+  smg_change_add(&change, b, 2, 1);
   pipe_put((double)change.relative);
   pipe_put((double)change.absolute);
   pipe_put(smg_settled(&change, &last, 1));
