@@ -140,3 +140,35 @@ def test_pairs_beyond_the_numbers(make):
     assert at(INF, 1.0)[0] == INF
     assert at(1e300, 2.0)[1] == INF and at(1e300, -2.0)[1] == 0 and at(-1e300, 3.0)[1] == -INF
     assert at(1.5e308, 1.5e308)[2] == np.pi / 4 and np.isnan(at(np.nan, 1.0)[[0, 2, 3]]).all()
+
+
+# -- vectors of any length ----------------------------------------------------------------------
+
+def vectors(program, m, scale=1.0):
+    """A row (length, unit vector, how much smaller than scale, frame, status and midpoint of a spin) per vector."""
+    m = np.atleast_2d(np.array(m, float))
+    return feed(program, [len(m)], np.column_stack([m, np.full(len(m), scale)])).reshape(len(m), -1)
+
+
+@pytest.mark.parametrize("size", [1, 1e-300, 1e-160, 1e-140, 1e140, 1e160, 1e300])
+def test_a_vector_of_any_length_has_its_direction(make, size):
+    """Also where the squares of its components leave the range of a double."""
+    unit = np.array([[2, -3, 6], [0, 0, -7], [6, 2, 3]]) / 7
+    rows = vectors(make("gcc-sanitized", "norm"), size * unit)
+    assert np.allclose(rows[:, 0], size, rtol=1e-14, atol=0) and np.allclose(rows[:, 1:4], unit, atol=1e-14)
+    e1, e2 = rows[:, 5:8], rows[:, 8:11]
+    assert np.allclose(np.cross(e1, e2), unit, atol=1e-14)
+    assert rows[:, 11].all() and np.allclose(np.linalg.norm(rows[:, 12:] / size, axis=1), 1, atol=1e-14)
+
+
+def test_no_length_no_direction(make):
+    """The axis of z stands in; a spin of no length has nothing to turn; what is no number stays so."""
+    rows = vectors(make("gcc-sanitized", "norm"), [[0, 0, 0], [np.nan, 0, 0], [0, 1, np.nan], [INF, 0, 0], [INF, np.nan, 1]])
+    assert list(rows[0, :5]) == [0, 0, 0, 1, 1] and list(rows[0, 11:]) == [1, 0, 0, 0]
+    assert np.isnan(rows[[1, 2, 4], :4]).all()
+    assert rows[3, 0] == INF and not np.isfinite(rows[3, 1:4]).all()
+
+
+def test_how_much_smaller_a_site_is(make):
+    program = make("gcc-sanitized", "norm")
+    assert vectors(program, [0, -0.5, 0.25], 8.0)[0, 4] == 16 and vectors(program, [0, 1e-300, 0], 1e10)[0, 4] == 1e290
