@@ -51,10 +51,6 @@ SMG_INLINE void smg_leaf_frame(const smg_real *m, const smg_real *n, smg_real *E
   }
 }
 
-/* The smaller and the larger; what is not a number stays so. */
-SMG_INLINE smg_real smg_min(smg_real a, smg_real b) { return a <= b || a != a ? a : b; }
-SMG_INLINE smg_real smg_max(smg_real a, smg_real b) { return a >= b || a != a ? a : b; }
-
 /* The cell x - n, x or x + n that lies in [0, n); |offset| is at most n. */
 static inline int64_t smg_wrap(int64_t x, int64_t n) {
   return x < 0 ? x + n : x >= n ? x - n : x;

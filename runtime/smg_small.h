@@ -27,6 +27,10 @@
 
 SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
 
+/* The smaller and the larger; what is not a number stays so. */
+SMG_INLINE smg_real smg_min(smg_real a, smg_real b) { return a <= b || a != a ? a : b; }
+SMG_INLINE smg_real smg_max(smg_real a, smg_real b) { return a >= b || a != a ? a : b; }
+
 /* |a|, also where the squares leave the range of a double. */
 SMG_INLINE smg_real smg_norm(const smg_real *a) {
   const smg_real square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
