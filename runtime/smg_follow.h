@@ -19,7 +19,9 @@
 #define SMG_ALONG (smg_real)0.95   /* least cosine between the tangents of neighbouring points */
 #define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system */
 #define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried */
-#define SMG_CENTRE (smg_real)1e-7 /* a midpoint so near the centre, in radii, is there */
+#define SMG_CENTRE (smg_real)1e-6 /* a midpoint so near the centre, in radii, is there */
+#define SMG_INWARD (smg_real)2e-5 /* so is one that comes no nearer, but moves straight towards it: it would */
+#define SMG_MISS (smg_real)0.01   /* pass at this part of its distance, which is many of the shortest paces */
 #define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up */
 #define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still */
 #define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
@@ -73,7 +75,7 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     *p += dp / f->span;
     const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
-    if (moved <= (fixed ? (smg_real)1e-9 : smg_min((smg_real)1e-5, pace / 10))) return it;
+    if (moved <= (fixed ? (smg_real)1e-9 : smg_min((smg_real)1e-5, smg_max(pace / 10, SMG_LEAST)))) return it;
     last = moved * SMG_STRAIGHT;
   }
   return 0;
@@ -129,10 +131,19 @@ static inline int64_t smg_curve_mover(const smg_curve *f, int64_t but) {
   return site;
 }
 
+/* Does the midpoint y of a site of this radius run into the centre, along the tangent t? */
+static inline int smg_curve_inward(const smg_real *y, const smg_real *t, smg_real radius) {
+  smg_real across[3];
+  smg_cross(across, y, t);
+  const smg_real rho2 = smg_dot(y, y), miss2 = smg_dot(across, across), speed2 = smg_dot(t, t);
+  if (rho2 < SMG_CENTRE * SMG_CENTRE * radius * radius) return 1;
+  return rho2 < SMG_INWARD * SMG_INWARD * radius * radius && smg_dot(y, t) < 0 && miss2 <= SMG_MISS * SMG_MISS * rho2 * speed2;
+}
+
 /* A curve that no pace can follow any more: does it end in the centre of a sphere? */
 static inline smg_status smg_curve_end(smg_curve *f) {
   for (int64_t k = 0; k < f->n; k += 3)
-    if (smg_dot(f->y + k, f->y + k) < SMG_CENTRE * SMG_CENTRE * smg_dot(f->w + k, f->w + k)) {
+    if (smg_curve_inward(f->y + k, f->t + k, SMG_MATH(sqrt)(smg_dot(f->w + k, f->w + k)))) {
       f->site = k / 3;
       f->partner = -1;
       return SMG_NO_SOLUTION;
@@ -148,7 +159,7 @@ static inline smg_real smg_curve_span(const smg_curve *f) {
 }
 
 /* From w: SMG_OK with y the midpoints at p = 1; SMG_NO_SOLUTION when the branch turns back before, and goes
- * back to half the part it reached, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
+ * back to half the part it reached or gives out, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
  * SMG_NO_CONVERGENCE when it could not be followed. */
 static inline smg_status smg_follow(smg_curve *f) {
   smg_real pace = (smg_real)0.1;
@@ -169,7 +180,7 @@ static inline smg_status smg_follow(smg_curve *f) {
     const int its = smg_curve_pace(f, pace);
     if (its == 0) {
       pace /= 4;
-      if (pace < SMG_LEAST) return smg_curve_end(f);
+      if (pace < SMG_LEAST) return folded ? SMG_NO_SOLUTION : smg_curve_end(f);
       continue;
     }
     if (its <= 4) pace *= (smg_real)1.5;
@@ -183,7 +194,7 @@ static inline smg_status smg_follow(smg_curve *f) {
     if (folded && f->p < f->reached / 2) return SMG_NO_SOLUTION;
     if (smg_curve_size(f) > SMG_FARTHEST) return SMG_NO_SOLUTION;
   }
-  return SMG_NO_CONVERGENCE;
+  return folded ? SMG_NO_SOLUTION : SMG_NO_CONVERGENCE;
 }
 
 #endif

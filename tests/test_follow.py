@@ -43,6 +43,14 @@ def test_what_lies_behind_a_fold_is_another_branch(make, build):
 
 
 @pytest.mark.quick
+def test_a_curve_that_gives_out_behind_its_fold_is_no_solution(make):
+    """The fold, x = p = 1/2, is met before p = 1, whatever comes behind it."""
+    found = follow(make("gcc-sanitized", "follow"), FOLD, limit=0.6)
+    assert found[0] == NO_SOLUTION and 0.45 < found[1] <= 0.5 + 1e-9
+    assert follow(make("gcc-sanitized", "follow"), FOLD, limit=0.4)[0] == NO_CONVERGENCE
+
+
+@pytest.mark.quick
 def test_a_curve_to_infinity_is_no_solution(make):
     """p = x/(1 + 2x) comes to 1/2 at infinity only."""
     found = follow(make("gcc-sanitized", "follow"), (1, 0, 0), d=2.0)
@@ -56,6 +64,9 @@ def test_a_curve_that_ends_in_the_centre_is_no_solution(make, own):
     program = make("gcc-sanitized", "follow")
     found = follow(program, (0.5, 0, 0), limit=1 - 1e-9, w0=-1.0, own=own)
     assert list(found[[0, 2, 3]]) == [NO_SOLUTION, own // 3, -1] and found[1] == pytest.approx(0.5, abs=1e-5)
+    found = follow(program, (0.5, 0, 0), limit=1 - 1e-5, w0=-1.0, own=own)      # straight towards it
+    assert list(found[[0, 2, 3]]) == [NO_SOLUTION, own // 3, -1]
+    assert follow(program, (0.5, 0, 0), limit=1 - 1e-4, w0=-1.0, own=own)[0] == NO_CONVERGENCE
     found = follow(program, (0.5, 0, 0), limit=0.8, w0=-1.0, own=own)
     assert found[0] == NO_CONVERGENCE and found[1] == pytest.approx(0.4, abs=1e-5)
 
