@@ -77,7 +77,7 @@ BRANCH = (
     (STEP, r"return smg_abs\(det - .*;", r"return det > 0;"),
     (STEP, r"status == SMG_OK && apart <= s->scale \* SMG_MATH\(sqrt\)\(SMG_EPS\)", r"status == SMG_OK"),
     (STEP, r"found\.row \* found\.stretch < 1", r"1"),
-    (STEP, r"if \(!\(s->x\[k\] < 1\)\) return", r"if (0) return"),
+    (STEP, r"if \(!\(s->x\[k\] < 1\)\) ", r"if (0) "),
     (STEP, r"if \(status == SMG_WRONG_BRANCH\) break;", r"if (status == SMG_WRONG_BRANCH) return SMG_OK;"),
     (STEP, r"status = SMG_WRONG_BRANCH;", r"status = SMG_OK;"),
     ("runtime/smg_block.h", r"&& \*pivots == 1\) \*pivots = 2;", r"&& *pivots == 1) *pivots = 1;"),
