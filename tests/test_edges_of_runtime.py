@@ -118,6 +118,44 @@ def test_a_large_system_runs_out_of_points(make):
     assert status == NO_CONVERGENCE and 0 < reached < 1
 
 
+S_CURVE = (3, -4.1, 1.6, 0)         # p = 3x - 4.1 x^2 + 1.6 x^3 turns back at p = 0.677, and forth again at p = 0.460
+NO_SOLUTION, WRONG_BRANCH = 2, 3
+
+
+def along(program, curve, n=6):
+    """The status, and how far p came, of a curve p(x) that tests/runtime/follow.c knows."""
+    return feed(program, [n, 0, 1, 1, *curve, 1e300])[:2]
+
+
+def dip(depth):
+    """p' = 12 ((x - 1/2)^2 - depth): two folds at 1/2 +- sqrt(depth), or none; p = 1 at about x = 1."""
+    return 12 * (0.25 - depth), -6, 4, 0
+
+
+@pytest.mark.parametrize("depth, status", [(1e-2, WRONG_BRANCH), (1e-4, WRONG_BRANCH), (1e-6, WRONG_BRANCH), (-1e-6, OK),
+                                           (-1e-4, OK), (-1e-2, OK)])
+def test_two_folds_close_to_each_other_are_seen(make, depth, status):
+    """However flat the curve is there, and no fold is claimed where it just rises slowly."""
+    found = along(make("gcc-sanitized", "follow"), dip(depth))
+    fold = 0.5 - 6 * depth + 8 * max(depth, 0) ** 1.5
+    assert found[0] == status and found[1] == pytest.approx(1 if status == OK else fold, abs=0.005)
+
+
+def test_a_branch_that_gives_out_behind_its_fold_has_no_solution(make):
+    """The 21 points of a large system end between the folds; a small one comes to p = 1 behind them."""
+    assert along(make("gcc", "follow"), S_CURVE)[0] == WRONG_BRANCH
+    status, reached = along(make("gcc", "follow"), S_CURVE, n=300_000)
+    assert status == NO_SOLUTION and reached == pytest.approx(0.677, abs=0.01)
+
+
+def test_what_runs_into_the_centre(make):
+    """So near that it is there; or nearer than 2e-5 and straight towards it, within a hundredth: not beside, not away."""
+    y, near = [1e-5, 0, 0], [1e-7, 0, 0]
+    rows = [[*near, 0, 1, 0, 1], [*y, -1, 0, 0, 1], [*y, -1, 0.005, 0, 1], [*y, -1, 0.05, 0, 1], [*y, 1, 0, 0, 1], [*y, 0, 1, 0, 1],
+            [*y, -1, 0, 0, 0.1]]
+    assert list(feed(make("gcc-sanitized", "inward"), [len(rows)], rows)) == [1, 1, 1, 0, 0, 0, 0]
+
+
 # -- wide numbers -------------------------------------------------------------------------------
 
 PAIRS = [((1, 1e-17), (1, -1e-17), 0, 0), ((1, -1e-17), (1, 1e-17), 1, 0), ((1, 1e-17), (1, 1e-17), 0, 1), ((2, 0), (1, 0), 0, 0),
