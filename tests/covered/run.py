@@ -19,7 +19,7 @@ from mutants.report import code, table  # noqa: E402
 ROOT = HERE.parent.parent
 LEAST = 0.95
 # The tests of the headers, and of steps that come to their edges; without other compilers and copies with faults.
-RUN = re.compile(r"edges_of_runtime|test_(runtime|band|sparse|follow|shown|units|agreement|statuses|second_solution)")
+RUN = re.compile(r"edges_of_runtime|test_(runtime|band|sparse|follow|shown|units|statuses)")
 DESELECTED = "not mutants and not clang and not g++"
 
 
