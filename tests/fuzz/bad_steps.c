@@ -222,7 +222,8 @@ static void judge(trial *t, equation *e, smg_status status, int64_t branches, di
     if (chosen && !CLOSED && rate(e) > 0.1L) check_branch(t, e, u);
   } else if (chosen && status == SMG_NO_SOLUTION)
     check_refusal(t, e, "said to have no solution, yet continuation reaches");
-  else if (chosen && status == SMG_NOT_FINITE && rate(e) < 1e3L && e->strongest < 1e300L)
+  else if (chosen && status == SMG_NOT_FINITE && rate(e) < 1e3L && e->strongest < 1e300L &&
+           largest(e->w, 3 * e->sites) < 1e75L) /* fourth powers of w are numbers */
     check_refusal(t, e, "said not to be finite, yet continuation reaches");
 }
 
