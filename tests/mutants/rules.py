@@ -66,12 +66,12 @@ JACOBIAN = (
 # The solution must be the one connected to W = w at h = 0.
 BRANCH = (
     (STEP, r"(?<!\w)sure \? SMG_OK : ", r"1 ? SMG_OK : "),
-    (STEP, r"(\*sure = )bound <= .*;", r"\1 1;"),
+    (STEP, r"(\*sure = )\w+ <= .*;", r"\1 1;"),
     (STEP, r"status == SMG_OK && sure\)", r"status == SMG_OK)"),
     (STEP, r"if \(!\(bound <= SMG_CLEAR\)\) return 0;", r""),
     (STEP, r"if \(bound <= SMG_CONTRACTS\) return 1;", r"if (bound <= 100 * SMG_CONTRACTS) return 1;"),
     (STEP, r"return smg_(dense|band|sparse)_coercive\(.*\);", r"return 1;"),
-    (STEP, r" \|\| \(bound <= SMG_CLEAR && smg_coercive\{\{ BS \}\}\(J\)\)", r" || bound <= SMG_CLEAR"),
+    (STEP, r" \|\| \((\w+ <= SMG_CLEAR) && smg_coercive\{\{ BS \}\}\(J\)\)", r" || \1"),
     (STEP, r"if \(!\{\{ M \}\}_solo_sure\(det\)( \|\| .*)?\) return SMG_WRONG_BRANCH;", r""),
     (STEP, r"\{\{ M \}\}_solo_sure\(det\) && ", r""),
     (STEP, r"return smg_abs\(det - .*;", r"return det > 0;"),
