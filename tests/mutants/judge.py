@@ -47,14 +47,13 @@ def stage(name: str) -> int:
 
 
 def order_of(tests: dict, mutant) -> list[list[str]]:
-    """The sharp tests, the quick tier's others, the rest, each in the order of running; of the headers only for a fault there."""
+    """The sharp tests and the quick tier's others, both in the order of running; of the headers only for a fault there."""
     runtime = mutant.file.startswith("runtime/") or mutant.file == "gen/ordering.py"
     made = re.compile("|".join(words for of, words in MADE_FOR.items() if of == mutant.kind or mutant.file.startswith(of)) or "(?!)")
     names = [n for n, (seconds, _) in tests.items() if seconds <= LONGEST and (runtime or not RUNTIME.search(n))]
     names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), tests[n][0]))
     sharp = [n for n in names if (made.search(n) or RUNTIME.search(n) or stage(n) < SHARP) and not OTHER_BUILDS.search(n)]
-    quick = [n for n in names if n not in set(sharp) and tests[n][1]]
-    return [sharp, quick, [n for n in names if n not in {*sharp, *quick}]]
+    return [sharp, [n for n in names if n not in set(sharp) and tests[n][1]]]
 
 
 def limited():
