@@ -19,25 +19,58 @@ def test_sites_of_every_kind_at_a_large_step(h, tmp_path):
 
 
 def newton_matrix(case, W, h):
-    """J = 1 - (h/2) DX(m) DP in the planes across the midpoints m of w and W, P(y) = y/|y|: shape (2 sites, 2 sites)."""
+    """J = 1 - (h/2) DX(m) DP in the planes across the midpoints m of w and W, P(y) = r y/|y|: shape (2 sites, 2 sites)."""
     n, y = len(W), (case.w + W) / 2
-    rho = np.linalg.norm(y, axis=1)
-    m = y / rho[:, None]
-    across = np.zeros((n, 3, n, 2))
+    shrink = np.linalg.norm(W, axis=1) / np.linalg.norm(y, axis=1)
+    m, across = y * shrink[:, None], np.zeros((n, 3, n, 2))
     for i in range(n):
         across[i, :, i] = np.linalg.svd(m[i:i + 1])[2][1:].T
     T = across.reshape(3 * n, 2 * n)
     field = Witness(case.spec, case.values).jacobian(m.copy(), h / 2)[0]
-    return np.eye(2 * n) - h / 2 * T.T @ np.asarray(field, float).reshape(3 * n, 3 * n) @ T / np.repeat(rho, 2)
+    return np.eye(2 * n) - h / 2 * T.T @ np.asarray(field, float).reshape(3 * n, 3 * n) @ T * np.repeat(shrink, 2)
+
+
+def followed(case, h, **more):
+    """Was the branch of the step followed from h = 0, and should it have been: is J not coercive?"""
+    one = model(case, SPHERICAL, **more).start(case.w.copy(), h=h).step()
+    J = newton_matrix(case, one.w, h)
+    least = np.linalg.eigvalsh((J + J.T) / 2).min()
+    assert abs(least - 0.25) > 0.01
+    return one.report()["reached"] == 1, bool(least < 0.25)
 
 
 def test_a_matrix_that_is_not_coercive_has_its_branch_followed(tmp_path):
     """Sites of a random graph: the step is accepted as it stands while x.J x >= x.x/4, and followed from h = 0 beyond."""
-    case, seen = begin(texts.read(texts.GLASS, tmp_path)), set()
-    for h in (0.9, 1.0, 1.1, 1.2):
-        one = model(case, SPHERICAL, solver="newton").start(case.w.copy(), h=h).step()
-        J = newton_matrix(case, one.w, h)
-        least = np.linalg.eigvalsh((J + J.T) / 2).min()
-        seen.add(coercive := bool(least > 0.25))
-        assert abs(least - 0.25) > 0.01 and one.report()["reached"] == (0 if coercive else 1)
-    assert seen == {True, False}
+    seen = [followed(begin(texts.read(texts.GLASS, tmp_path)), h, solver="newton") for h in (0.9, 1.0, 1.1, 1.2)]
+    assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
+
+
+TOP = """
+[model]
+name = "far_top"
+[space]
+w = { sphere = 1, radius = 1.5 }
+[effects.axis]
+energy = "w.z^2/2"
+[starts.any]
+random = 1
+[runs.one]
+start = "any"
+h = 0.1
+time = 1
+"""
+
+
+def test_a_site_alone_has_its_branch_followed(tmp_path):
+    seen = [followed(begin(texts.read(TOP, tmp_path)), h) for h in (1.0, 1.8, 2.4)]
+    assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
+
+
+def test_only_the_site_that_was_given_with_fewer_digits_is_put_on_its_sphere():
+    """A step of 1e-30 moves nothing: what differs is what the start has put right."""
+    case = begin("heisenberg_chain", n=6)
+    near = case.w.copy()
+    near[1] *= 1 + 5e-13
+    one = model(case, SPHERICAL).start(near, h=1e-30).step()
+    assert np.abs(np.delete(one.w - case.w, 1, axis=0)).max() < 1e-20
+    assert abs(np.linalg.norm(one.w[1]) - 1) < 5e-16
