@@ -128,6 +128,8 @@ def caught(tree: Tree, status, lines) -> str | None:
     failed = [e["ends"] for e in lines if e.get("outcome") == "failed"]
     if failed:
         return failed[0]
+    if status is not None and -status in (signal.SIGTERM, signal.SIGKILL, signal.SIGINT, signal.SIGHUP):
+        raise RuntimeError("the tests were ended from outside")
     if status in (4, 5):        # no such test, or none at all
         raise RuntimeError((tree.place / "said").read_text()[-3000:])
     under_way = [e["begins"] for e in lines if "begins" in e]
