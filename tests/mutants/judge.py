@@ -13,13 +13,13 @@ from .plant import Tree
 # Tests of what lies beside the step (reading, running, drawing, packing), and dear ones that ask again what others ask.
 BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read\w*|hard_suite|mutants|covered|parse|pages|"
                     r"determinism|witness|paper_numbers|build|run|settings|linking|stop|full_disk|hundred_kills|explain|symmetry|"
-                    r"advice|verify\w*|fuzz\w*|resume|generated_c)\b")
+                    r"advice|verify\w*|fuzz\w*|resume)\b")
 RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
           r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)",
           r"test_(symplectic|tangent)", r"test_(hard|round_off|certificate|verify|unusual)",
-          r"test_(validate|user_specs|advice)", r"", r"runs_clean")
+          r"runs?_clean", r"test_(validate|user_specs|advice)", r"")
 SHARP = 3       # stages that are run before the quick tier
 # Before these: the tests that were made for faults of a kind, or for what a file does.
 MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled", "jacobian": r"test_effort|test_tangent",
@@ -33,6 +33,7 @@ MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoup
             "runtime/smg_site.h": r"units|frame", "runtime/smg_follow.h": r"follow|curve", "runtime/smg_band.h": r"band|branch", "runtime/smg_sparse.h": r"sparse|branch",
             "runtime/smg_dense.h": r"dense|branch", "runtime/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
 OTHER_BUILDS = re.compile(r"\[(.*-)?(clang|g\+\+|gcc-long-double)")      # the same again, by another compiler
+SANITIZED = re.compile(r"runs?_clean")     # whole models, built with sanitizers
 LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
 
 
@@ -47,13 +48,13 @@ def stage(name: str) -> int:
 
 
 def order_of(tests: dict, mutant) -> list[list[str]]:
-    """The sharp tests and the quick tier's others, both in the order of running; of the headers only for a fault there."""
+    """The sharp tests; the quick tier's others and models with sanitizers; both in the order of running; of the headers only for a fault there."""
     runtime = mutant.file.startswith("runtime/") or mutant.file == "gen/ordering.py"
     made = re.compile("|".join(words for of, words in MADE_FOR.items() if of == mutant.kind or mutant.file.startswith(of)) or "(?!)")
     names = [n for n, (seconds, _) in tests.items() if seconds <= LONGEST and (runtime or not RUNTIME.search(n))]
     names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), tests[n][0]))
     sharp = [n for n in names if (made.search(n) or RUNTIME.search(n) or stage(n) < SHARP) and not OTHER_BUILDS.search(n)]
-    return [sharp, [n for n in names if n not in set(sharp) and tests[n][1]]]
+    return [sharp, [n for n in names if n not in set(sharp) and (tests[n][1] or SANITIZED.search(n))]]
 
 
 def limited():
