@@ -74,3 +74,8 @@ def test_only_the_site_that_was_given_with_fewer_digits_is_put_on_its_sphere():
     one = model(case, SPHERICAL).start(near, h=1e-30).step()
     assert np.abs(np.delete(one.w - case.w, 1, axis=0)).max() < 1e-20
     assert abs(np.linalg.norm(one.w[1]) - 1) < 5e-16
+
+
+def test_all_pairs_have_their_branch_followed():
+    seen = [followed(begin("point_vortices"), h) for h in (3.0, 3.5, 4.0)]
+    assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
