@@ -37,6 +37,13 @@ SMG_INLINE smg_real smg_own_rho(smg_real k, smg_real d, smg_real *ratio) {
   return below > 0 ? t : size / t;
 }
 
+/* A field g whose square is beyond the range of a double, by its direction: as strong as that, its
+ * strength no longer counts. What is not finite becomes NaN. */
+static inline void smg_shorten(smg_real *g) {
+  const smg_real scale = (smg_real)1e100 / smg_norm(g);
+  for (int e = 0; e < 3; e++) g[e] *= scale;
+}
+
 /* m, |m| = r, for the spin w, |w| = r > 0, and g = (h/2) b; W = w + 2 m x g follows. Returns 0
  * when the step has no solution (rho = 0), else 1; what is not finite makes m not finite. */
 static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g, smg_real *m) {
@@ -57,6 +64,18 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   const smg_real scale = r / smg_norm(m);
   for (int e = 0; e < 3; e++) m[e] *= scale;
   return 1;
+}
+
+/* Stretches u = h m x b until |w + carry + u| = |w + carry|, |w| = r, where it is off by round-off: (w + carry + u/2).u = 0.
+ * u stays across b. One much shorter than w is left as it is: so is its round-off. */
+static inline void smg_stretch(const smg_real *w, const smg_real *carry, smg_real r, smg_real *u) {
+  smg_real along = 0, size = (smg_real)0.25;
+  for (int e = 0; e < 3; e++) {
+    const smg_real x = u[e] / r;
+    along += x * (2 * (w[e] + carry[e]) / r + x);
+    size += x * x;
+  }
+  for (int e = 0; e < 3; e++) u[e] -= along / size * u[e];
 }
 
 #endif

@@ -79,3 +79,34 @@ def test_only_the_site_that_was_given_with_fewer_digits_is_put_on_its_sphere():
 def test_all_pairs_have_their_branch_followed():
     seen = [followed(begin("point_vortices"), h) for h in (3.0, 3.5, 4.0)]
     assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
+
+
+FIELD = """
+[model]
+name = "one_spin"
+[space]
+w = { sphere = 1 }
+[parameters]
+b = { vector = true, default = [0.0, 0.0, 1.0] }
+[effects.field]
+energy = "-dot(b, w)"
+[starts.any]
+random = 1
+[runs.one]
+start = "any"
+h = 0.1
+time = 1
+"""
+
+
+@pytest.mark.parametrize("strength", [1.0, 1e3, 1e100, 1e149])
+def test_a_spin_in_a_field_of_any_strength(strength, tmp_path):
+    """W = 2 (w.m) m - w with the midpoint m; in a strong field m lies along it: W is w turned half round."""
+    axis = np.array([0.6, 0.0, 0.8])
+    case = begin(texts.read(FIELD, tmp_path), b=list(strength * axis))
+    for h in (0.1, -1.5, 1e20):
+        W, w = model(case, SPHERICAL).start(case.w.copy(), h=h).step().w[0], case.w[0]
+        assert abs(W @ W - w @ w) < 1e-15
+        assert abs(axis @ (W - w)) < 1e-15
+        if strength >= 1e100:
+            assert np.allclose(W, 2 * (w @ axis) * axis - w, rtol=0, atol=1e-15)
