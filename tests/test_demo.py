@@ -17,7 +17,6 @@ FREE_BODY = {(1, 2, 4): (-0.45036353307, -0.09362899306, 0.88792246270),
 
 # -- the exact solution ----------------------------------------------------------------------
 
-@pytest.mark.quick
 @pytest.mark.parametrize("m", [0.0, 0.26, 0.52, 0.999])
 def test_jacobi_functions_are_those_of_mpmath(m):
     u = np.linspace(-9, 9, 37)
@@ -26,13 +25,11 @@ def test_jacobi_functions_are_those_of_mpmath(m):
         assert np.allclose(values, known, atol=2e-14, rtol=0)
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("moments", FREE_BODY)
 def test_free_body_at_ten(moments):
     assert np.allclose(exact.free_body(moments, 1.1, [10.0])[0], FREE_BODY[moments], atol=1e-11)
 
 
-@pytest.mark.quick
 def test_free_body_has_another_form_elsewhere():
     with pytest.raises(ValueError):
         exact.free_body((1, 2, 4), 0.3, [0.0])
@@ -40,7 +37,6 @@ def test_free_body_has_another_form_elsewhere():
 
 # -- paths -----------------------------------------------------------------------------------
 
-@pytest.mark.quick
 def test_covering_leaves_no_gap():
     def parallel(w):
         t = np.linspace(0, 2 * np.pi, 200)
@@ -52,7 +48,6 @@ def test_covering_leaves_no_gap():
     assert rest.max() <= 0.3 and len(curves) < 30
 
 
-@pytest.mark.quick
 def test_closed_stops_after_one_turn():
     t = np.linspace(0, 7 * np.pi, 5000)
     circle = np.stack([np.cos(t), np.sin(t), 0 * t], axis=1)
@@ -64,7 +59,6 @@ def test_closed_stops_after_one_turn():
 
 # -- what the table says ---------------------------------------------------------------------
 
-@pytest.mark.quick
 @pytest.mark.parametrize("name, axes", [("heisenberg_chain", "xyz"), ("point_vortices", "xyz"),
                                         ("free_rigid_body", ""), ("nambu_a36", ""),
                                         ("vortex_tracers", "xyz")])
@@ -75,7 +69,6 @@ def test_conserved_momentum_is_found_from_the_field(name, axes):
     assert "".join(x for x, kept in zip("xyz", found) if kept) == axes
 
 
-@pytest.mark.quick
 def test_energies_that_are_not_conserved_are_known():
     forced = load_spec("forced_rigid_body")
     assert facts.of_time(forced) and not facts.of_time(forced, {"rotation"})
@@ -83,14 +76,12 @@ def test_energies_that_are_not_conserved_are_known():
     assert facts.with_tracers(load_spec("vortex_tracers")) == {"transport"}
 
 
-@pytest.mark.quick
 def test_energy_of_tracers_is_left_out():
     result = facts.with_facts(smidgen.run(load_spec("vortex_tracers"), steps=10, every=1))
     energy, note = facts.conserved_energy(result)
     assert np.array_equal(energy, result.values["energy.interaction"]) and "tracers" in note
 
 
-@pytest.mark.quick
 def test_a_failed_line_fails_the_demo(monkeypatch, tmp_path, capsys):
     broken = systems.Outcome("free_rigid_body", note="</td><script>")
     monkeypatch.setattr(stages, "perform", lambda tasks, out, jobs: {tasks[0]: broken})
@@ -99,7 +90,6 @@ def test_a_failed_line_fails_the_demo(monkeypatch, tmp_path, capsys):
     assert "<script>" not in (tmp_path / "index.html").read_text()
 
 
-@pytest.mark.quick
 def test_lost_momentum_is_a_fault():
     spec = load_spec("heisenberg_chain")
     result = facts.with_facts(smidgen.run(spec, "demo", steps=10, every=1,
@@ -112,13 +102,11 @@ def test_lost_momentum_is_a_fault():
     assert len(faults) == 2 and "momentum" in faults[1]
 
 
-@pytest.mark.quick
 def test_a_spec_that_cannot_be_read_is_a_failed_line(tmp_path):
     outcome = systems.system("no_such_spec", tmp_path)
     assert not outcome.passed and "UsageError" in outcome.note
 
 
-@pytest.mark.quick
 def test_tasks():
     everything = stages.chosen("")
     assert {n for k, n in everything if k == "figure"} == set(FIGURES) == set(experiments.EXPERIMENTS)
@@ -140,7 +128,6 @@ def test_small_demo(tmp_path, capsys):
 
 # -- figures ---------------------------------------------------------------------------------
 
-@pytest.mark.quick
 def test_figure_data_fits_its_function():
     """Both rigid-body energies to three digits, and the figure drawn from them."""
     data, caption = experiments.irreversible_energy()
@@ -149,7 +136,6 @@ def test_figure_data_fits_its_function():
     assert len(FIGURES["irreversible_energy"].draw(**data).axes) == 2
 
 
-@pytest.mark.quick
 def test_irreversible_body_has_more_equilibria_than_poles():
     """grad H = mu w with w_k(1 + w_k)/I_k = mu w_k: each w_k is 0 or mu I_k - 1, here solved."""
     model = smidgen.build(load_spec("irreversible_rigid_body")).start(h=0.1)
@@ -166,7 +152,6 @@ def test_irreversible_body_has_more_equilibria_than_poles():
     assert all(min(np.linalg.norm(w - v) for v, _ in found) < 1e-5 for w in expected)
 
 
-@pytest.mark.quick
 def test_starts_on_a_leaf_stay_on_it():
     A = np.diag([1.0, -1.0, 0.5])
     starts = experiments.starts_on_leaf(A, np.array([1.0, 0.4, -0.6]))
@@ -174,7 +159,6 @@ def test_starts_on_a_leaf_stay_on_it():
     assert len(starts) == 4 and np.allclose(level, level[0])
 
 
-@pytest.mark.quick
 def test_singular_points_of_the_manifold_are_those_where_vortices_meet():
     for w, kind in experiments.manifold_marks():
         four = portraits.on_manifold(np.arccos(w[2]), np.arctan2(w[1], w[0]))

@@ -41,14 +41,12 @@ def text_of(name, method=SPHERICAL, **values):
     return generate(select(load(name), values=values), method=method)
 
 
-@pytest.mark.quick
 def test_two_folders_two_seeds_another_order(elsewhere):
     first = digests(folder("specs"), FEW, "1")
     assert first == digests(elsewhere, FEW[::-1], "2")
     assert len(first) == 3 * len(FEW)
 
 
-@pytest.mark.quick
 def test_alone_or_after_others(elsewhere):
     together = digests(folder("specs"), FEW, "random")
     for name in FEW[1:3]:
@@ -73,7 +71,6 @@ def test_every_spec_under_many_seeds(elsewhere, method):
     assert digests(elsewhere, SPECS[3:] + SPECS[:3], "random", method) == first
 
 
-@pytest.mark.quick
 def test_unusual_specs(tmp_path):
     """Conditionals, time, strengths of both signs, graphs: in two folders, under two seeds."""
     found = []

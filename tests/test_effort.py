@@ -8,8 +8,6 @@ import pytest
 from support import texts
 from support.systems import CLASSICAL, SPHERICAL, VESELOV, begin, model
 
-pytestmark = pytest.mark.quick
-
 
 def case_of(name, folder):
     """A shipped spec (chains of 20 sites), or one of tests/support/texts.py."""

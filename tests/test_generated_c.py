@@ -4,8 +4,8 @@ import subprocess
 import pytest
 from support import texts
 from support.strict import COMPILERS, REALS, WARNINGS, compile_all, driver, run_sanitized
-from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, few_quick,
-                             load, model)
+from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, load,
+                             model)
 
 from smidgen.build import write_files
 from smidgen.emit import generate
@@ -20,8 +20,6 @@ TEXTS = {"mixed": texts.MIXED, "pulse": texts.PULSE, "corners": texts.CORNERS, "
          "glass": texts.GLASS, "open": texts.OPEN_CHAIN}
 COUPLED = ("heisenberg_chain", "j1j2_chain", "cubic_lattice", "honeycomb", "point_vortices",
            "vortex_tracers", "two_bodies", "product")
-FEW = ("forced_rigid_body", "product")
-QUICK_TEXTS = ("corners",)
 
 
 def written(where, spec, method, solver="auto"):
@@ -66,7 +64,6 @@ def test_all_four_compilers_are_here():
     assert sorted(COMPILERS) == ["clang", "clang++", "g++", "gcc"]
 
 
-@pytest.mark.quick
 def test_a_warning_is_an_error(tmp_path):
     for bad in ("double f(float x) { return x * 2.0; }", "int g(long x) { return x; }",
                 "int h(int n) { int a[n]; return a[0]; }", "int k(int x) { int y; return x; }"):
@@ -75,12 +72,11 @@ def test_a_warning_is_an_error(tmp_path):
 
 
 @pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL])
-@pytest.mark.parametrize("name", few_quick(SPECS, FEW))
+@pytest.mark.parametrize("name", SPECS)
 def test_every_spec_compiles_clean(name, method, tmp_path):
     check_clean(tmp_path, written(tmp_path, load(name), method))
 
 
-@pytest.mark.quick
 def test_moser_veselov_compiles_clean(tmp_path):
     check_clean(tmp_path, written(tmp_path, load("free_rigid_body"), VESELOV))
 
@@ -92,7 +88,7 @@ def test_every_solver_compiles_clean(name, solver, tmp_path):
     check_combination(tmp_path, load(name), SPHERICAL, solver)
 
 
-@pytest.mark.parametrize("name", few_quick(TEXTS, QUICK_TEXTS))
+@pytest.mark.parametrize("name", TEXTS)
 def test_unusual_specs_compile_clean(name, tmp_path):
     check_clean(tmp_path, written(tmp_path, texts.read(TEXTS[name], tmp_path), SPHERICAL))
 
@@ -104,7 +100,6 @@ def test_every_solver_of_the_classical_midpoint_compiles_clean(name, solver, tmp
     check_combination(tmp_path, load(name), CLASSICAL, solver)
 
 
-@pytest.mark.quick
 def test_what_nothing_calls_is_left_out():
     """In chains, tables too; what a macro names stays."""
     text = ("/* a */\nstatic inline double a(void) {\n  return b(t[0]);\n}\n"
@@ -134,7 +129,7 @@ def sanitized(where, case, method, solver="auto", real="double", compiler="gcc")
     assert energy == float(integrator.energy(t=0.5))
 
 
-@pytest.mark.parametrize("name", few_quick(SPECS, ("product",)))
+@pytest.mark.parametrize("name", SPECS)
 def test_spherical_midpoint_runs_clean(name, tmp_path):
     sanitized(tmp_path, begin(name), SPHERICAL)
 
@@ -164,7 +159,6 @@ def test_extended_precision_runs_clean(tmp_path):
     sanitized(tmp_path, begin("product"), SPHERICAL, real="long double")
 
 
-@pytest.mark.quick
 def test_the_sanitizers_see(tmp_path):
     """A read past the end and an overflow stop the program."""
     for bad in ("double a[3] = {1}; int main(int n, char **v) { (void)v; return a[n + 2] > 0; }",

@@ -14,7 +14,6 @@ from smidgen.plot import chain, curves, draw, equilibria, leaf, orbits, overview
 from smidgen.plot import portraits, sphere, style, surfaces, text, view
 from smidgen.plot.gallery import Picture, Row, gallery
 
-pytestmark = pytest.mark.quick
 INERTIA = np.array([1.0, 2.0, 4.0])
 HOSTILE = "</script><script>alert('1')</script>&\"$x_{$\\frac\u202e\x00 <b>"
 

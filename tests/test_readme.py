@@ -22,14 +22,12 @@ def place(tmp_path):
     return tmp_path
 
 
-@pytest.mark.quick
 def test_commands(place):
     sh(blocks("sh")[0], place)
     for name in ("tops.csv", "tops.html", "two_tops.h", "two_tops.c"):
         assert (place / name).stat().st_size > 1000
 
 
-@pytest.mark.quick
 def test_python(place):
     time, *state = python(blocks("python")[0], place).replace("[", " ").replace("]", " ").split()
     assert abs(float(time) - 100) < 1e-9
@@ -38,7 +36,6 @@ def test_python(place):
         assert abs(sum(x * x for x in w[k:k + 3]) - 1) < 1e-7     # printed to eight digits
 
 
-@pytest.mark.quick
 def test_linking(place):
     sh("smidgen gen two_tops.toml --amalgamate --out .", place)
     (place / "main.c").write_text(blocks("c")[0])
@@ -58,7 +55,6 @@ def test_the_certificate_that_is_shown(place):
         assert row.verdict in said and (row.measured is None or row.criterion in said), line
 
 
-@pytest.mark.quick
 def test_links_lead_somewhere():
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         for target in re.findall(r"\]\(([^)#]+)", page.read_text()):

@@ -15,7 +15,6 @@ from smidgen.errors import RunError
 from smidgen.read import load_text
 from smidgen.resources import folder
 
-pytestmark = pytest.mark.quick
 OK, WRONG_BRANCH = 0, 3
 
 # -- one top: three solutions -------------------------------------------------------------------

@@ -20,7 +20,6 @@ WEAK, STRONG = bench.WEAK, bench.STRONG
 # Part of the sphere that is chaotic at eps = 0.07, sampled with 60 starts: docs/sections.md
 # has 0.141 from a thousand, and this is 0.141 +- 1.96 sqrt(0.141 (1 - 0.141)/60).
 CHAOTIC_PART = (0.053, 0.229)
-quick = pytest.mark.quick
 
 
 @pytest.fixture(scope="module")
@@ -50,12 +49,10 @@ def oval(count, wobble=0.0):
 
 # -- the thickness of known curves --------------------------------------------------------------
 
-@quick
 def test_an_analytic_curve_is_thin_to_round_off():
     assert fit_curve(oval(2000)).thickness < 1e-14
 
 
-@quick
 @pytest.mark.parametrize("wobble", [1e-12, 1e-8, 1e-4])
 def test_thickness_measures_the_scatter_that_was_put_in(wobble):
     curve = fit_curve(oval(2000, wobble))
@@ -63,14 +60,12 @@ def test_thickness_measures_the_scatter_that_was_put_in(wobble):
     assert curve.thickness < curve.largest < 6 * wobble
 
 
-@quick
 def test_a_drift_is_thickness():
     points, turn = oval(2000), 1e-6 * np.linspace(0, 1, 2000)
     drifting = unit(points + turn[:, None] * [0, 0, 1])
     assert 1e-7 < fit_curve(drifting).thickness < 1e-6
 
 
-@quick
 def test_more_terms_do_not_follow_scatter():
     cloud = unit(np.array([1, 0, 0]) + 0.2 * rng().standard_normal((400, 3)))
     assert fit_curve(cloud).thickness > 0.05
@@ -78,14 +73,12 @@ def test_more_terms_do_not_follow_scatter():
     assert many > 1.1 * few         # 129 terms through 260 points: the fitted ones look thinner
 
 
-@quick
 def test_distances_are_from_the_curve():
     curve, shift = fit_curve(oval(2000)), 1e-5
     away = curve.distances(unit(oval(500) + [0, 0, shift]))
     assert 0.3 * shift < np.max(away) < 3 * shift
 
 
-@quick
 def test_chart_gives_points_back():
     points = oval(300)
     chart = chart_of(points)
@@ -93,7 +86,6 @@ def test_chart_gives_points_back():
     assert abs(np.mean(chart.polar(points)[1]**2) - 1) < 0.01
 
 
-@quick
 @pytest.mark.parametrize("points, words", [
     (np.tile([0.6, 0, 0.8], (100, 1)), "one point"),
     (oval(20), "too few"),
@@ -105,7 +97,6 @@ def test_what_is_no_closed_curve_is_refused(points, words):
         fit_curve(points)
 
 
-@quick
 def test_widest_gap_goes_round():
     assert widest_gap(np.array([0.1, 3.0, 6.2])) == pytest.approx(6.2 - 3.0)
     assert widest_gap(np.array([3.0, 3.1])) == pytest.approx(2 * np.pi - 0.1)
@@ -113,7 +104,6 @@ def test_widest_gap_goes_round():
 
 # -- the indicators on known orbits -------------------------------------------------------------
 
-@quick
 def test_weighted_average_beats_the_plain_one():
     angles = 2 * np.pi * GOLDEN * np.arange(1000)
     values = np.exp(np.cos(angles))
@@ -122,14 +112,12 @@ def test_weighted_average_beats_the_plain_one():
     assert birkhoff_average(np.ones((7, 2))) == pytest.approx(1)
 
 
-@quick
 def test_digits_tell_rotation_from_noise():
     noise = unit(rng().standard_normal((1000, 3)))
     assert judge_digits(birkhoff_digits(oval(1000)), 1000) == REGULAR
     assert judge_digits(birkhoff_digits(noise), 1000) == CHAOTIC
 
 
-@quick
 def test_exponent_at_the_saddle_is_that_of_the_linearised_method(forced):
     """At (0, 1, 0), eps = 0: lambda^2 = (1/I1 - 1/I2)(1/I2 - 1/I3) = 1/16, and one step
     multiplies by the Cayley map (1 + h lambda/2)/(1 - h lambda/2)."""
@@ -139,14 +127,12 @@ def test_exponent_at_the_saddle_is_that_of_the_linearised_method(forced):
     assert exponent(logs[1:]) == pytest.approx(20 * 2 * np.arctanh(h / 8), rel=1e-6)
 
 
-@quick
 def test_exponent_of_the_flow_at_the_saddle(forced):
     orbit = bench.exact(forced, eps=0.0)
     logs = growth(orbit, orbit(np.array([0.0, 1, 0]), 4 * BLOCK))
     assert exponent(logs[1:]) == pytest.approx(bench.PERIOD / 4, rel=1e-6)
 
 
-@quick
 def test_judges_at_their_edges():
     T = 1000
     powers = [judge_exponent(p * np.log(T) / T, T) for p in (1.99, 2.01, 3.99, 4.01)]
@@ -155,7 +141,6 @@ def test_judges_at_their_edges():
     assert digits == [CHAOTIC, UNDECIDED, UNDECIDED, REGULAR]
 
 
-@quick
 def test_census_joins_the_verdicts():
     T = 1000
     low, middle, high = 0.001, 3 * np.log(T) / T, 0.2
@@ -167,7 +152,6 @@ def test_census_joins_the_verdicts():
     assert found.interval[0] < 1 / 7 and found.interval[1] > 4 / 7
 
 
-@quick
 def test_score_interval():
     """0 of n gives [0, z^2/(n + z^2)]; the two ends mirror each other."""
     z = 1.959964
@@ -184,28 +168,23 @@ def thickness(orbit, w, periods=1000):
     return fit_curve(orbit(w, periods)).thickness
 
 
-@quick
 @pytest.mark.parametrize("w", [w for _, w in bench.CURVES], ids=[n for n, _ in bench.CURVES])
 def test_curves_of_the_spherical_midpoint_are_thin(forced, w):
     assert thickness(bench.generated(forced, eps=WEAK), w) < THIN
 
 
-@quick
 def test_curves_of_the_flow_are_thin(forced):
     assert thickness(bench.exact(forced, eps=WEAK), bench.CURVES[2][1], 400) < FLOW_THIN
 
 
-@quick
 def test_a_drifting_method_has_thick_curves(forced):
     assert thickness(bench.runge_kutta(forced, eps=WEAK), bench.CURVES[2][1], 200) > THICK
 
 
-@quick
 def test_a_chaotic_orbit_is_thick(forced):
     assert thickness(bench.generated(forced, eps=STRONG), bench.SADDLE[1]) > 0.01
 
 
-@quick
 @pytest.mark.parametrize("w", [w for _, w in bench.CURVES[1:3]])
 def test_without_reversibility_the_classical_midpoint_has_thick_curves(irreversible, w):
     assert thickness(bench.generated(irreversible), w) < THIN
@@ -243,13 +222,11 @@ def delayed(text, folder):
     return smidgen.load(str(path))
 
 
-@quick
 def test_the_section_comes_to_that_of_the_flow_with_the_square_of_the_step(forced, exact_curve):
     away = distances(exact_curve, forced, lambda h: {"eps": STRONG})
     assert np.all(np.abs(away[:-1] / away[1:] - 4) < 0.3)
 
 
-@quick
 def test_a_frozen_or_a_late_clock_is_seen(exact_curve, forced, tmp_path):
     frozen = distances(exact_curve, forced, lambda h: {"eps": 0.0})       # sin(0) = 0
     late = distances(exact_curve, delayed(bench.FORCED.read_text(), tmp_path),
@@ -260,7 +237,6 @@ def test_a_frozen_or_a_late_clock_is_seen(exact_curve, forced, tmp_path):
 
 # -- chaotic fractions --------------------------------------------------------------------------
 
-@quick
 def test_chaos_of_generated_code(forced):
     found = {eps: census(bench.generated(forced, eps=eps), spiral(60), 400)
              for eps in (0.0, WEAK, STRONG)}
@@ -282,12 +258,10 @@ def test_chaos_of_generated_code_and_of_the_flow(forced):
 
 # -- the page -----------------------------------------------------------------------------------
 
-@quick
 def test_the_page_is_written_from_the_table():
     assert bench.page(bench.read_table()) == bench.PAGE.read_text()
 
 
-@quick
 def test_the_table_says_what_the_page_claims():
     rows = bench.read_table()
     thin = [r.value for r in rows if r.table == "thickness" and r.quantity == "thickness"

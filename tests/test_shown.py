@@ -39,7 +39,6 @@ def test_one_block(make, build, bs):
     assert {c for c, _ in seen} == {True, False} and {p for _, p in seen} == {1, 2, -2}
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("bs", [2, 3])
 def test_the_edge_of_coercive_is_a_quarter(make, bs):
     """Eigenvalues turned into every direction: the least of them at 0.26 passes, at 0.24 does not."""
@@ -51,7 +50,6 @@ def test_the_edge_of_coercive_is_a_quarter(make, bs):
             assert feed(make("gcc", "shown", bs), [0], A)[1] == expected
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("bs", [2, 3])
 def test_what_is_no_number_shows_nothing(make, bs):
     for place in range(bs * bs):
@@ -72,7 +70,6 @@ def banded(n, k, bs, wrap, rng, shift):
     return A, full.reshape(n * bs, n * bs)
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("wrap", [0, 1])
 @pytest.mark.parametrize("bs", [2, 3])
 @pytest.mark.parametrize("k", [1, 2, 3])
@@ -85,7 +82,6 @@ def test_a_band(make, k, bs, wrap):
     assert {c for c, _ in seen} == {True, False} and len({p for _, p in seen}) > 1
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("bs", [2, 3])
 def test_a_graph(make, bs):
     edges = [(i, (i + 1) % 9) for i in range(9)] + [(0, 4), (2, 7)]

@@ -8,7 +8,7 @@ import pytest
 from support import texts
 from support.exact import dilation, linear_flow, pair_flow, rotation
 from support.measure import defect
-from support.systems import CLASSICAL, SPECS, SPHERICAL, VESELOV, begin, few_quick
+from support.systems import CLASSICAL, SPECS, SPHERICAL, VESELOV, begin
 from support.tangent import (Leaves, LongStep, derivative, frame, leaves_of, long_start,
                              poisson_defect)
 
@@ -19,7 +19,6 @@ SYMPLECTIC, NOT_SYMPLECTIC = 1e-12, 1e-8
 ROUND_OFF = 1e-15       # some ulps of extended precision over the width of a difference
 NAMBU = ("nambu_a31", "nambu_a34", "nambu_a36", "nambu_a38", "nambu_a39")
 TRACERS = "vortex_tracers"          # no Poisson map as a whole: see its own tests
-quick = pytest.mark.quick
 
 
 def spheres(kappa, radius):
@@ -35,7 +34,6 @@ def unit(*rows):
 
 # -- the measurement itself ---------------------------------------------------------------------
 
-@quick
 def test_exact_rotations_have_no_defect():
     w = unit([0.3, -0.5, 0.8])
     turn = rotation([1, 2, -1], 0.7)
@@ -43,7 +41,6 @@ def test_exact_rotations_have_no_defect():
     assert poisson_defect(lambda w: w @ turn.T, w, spheres([1], [np.nan])) < ROUND_OFF
 
 
-@quick
 @pytest.mark.parametrize("kappa, radius", [((1, 1), (1, 1)), ((2, -0.7), (1, 1)),
                                            ((-3, 0.5), (1.5, 0.4)), ((2, 5), (np.nan, np.nan))])
 def test_the_exact_flow_of_a_pair_has_no_defect(kappa, radius):
@@ -52,14 +49,12 @@ def test_the_exact_flow_of_a_pair_has_no_defect(kappa, radius):
     assert poisson_defect(flow, w, spheres(kappa, radius)) < ROUND_OFF
 
 
-@quick
 def test_wrong_strengths_show_as_a_defect():
     w = unit([0.3, -0.5, 0.8], [-0.6, 0.1, 0.2])
     flow = pair_flow(np.array([2, -0.7], np.longdouble), 0.8, 1.7)
     assert poisson_defect(flow, w, spheres([2, 0.7], [1, 1])) > 0.1
 
 
-@quick
 @pytest.mark.parametrize("name", NAMBU)
 def test_the_exact_flow_on_every_casimir_has_no_defect(name):
     case = begin(name)
@@ -68,7 +63,6 @@ def test_the_exact_flow_on_every_casimir_has_no_defect(name):
     assert poisson_defect(flow, case.w.astype(np.longdouble), leaves) < ROUND_OFF
 
 
-@quick
 def test_known_defects_are_measured():
     pole = unit([0, 0, 1])
     for factor in (0.5, 1 + 1e-9, 3):
@@ -78,7 +72,6 @@ def test_known_defects_are_measured():
     assert poisson_defect(lambda w: 2 * w, w, spheres([1], [np.nan])) == pytest.approx(2.4)
 
 
-@quick
 @pytest.mark.parametrize("name", ["forced_rigid_body", "point_vortices", "nambu_a38", "product"])
 def test_the_flow_of_the_witness_is_poisson(name):
     """In double precision, so that differences keep about ten digits."""
@@ -90,7 +83,6 @@ def test_the_flow_of_the_witness_is_poisson(name):
     assert poisson_defect(flow, case.w.astype(np.longdouble), leaves, width=0.01) < 2e-11
 
 
-@quick
 def test_the_tangent_of_the_step_is_that_of_the_witness():
     """M by differences against M = (I - A P1)^-1 (I + A P1) of the witness's DX, for CM."""
     case = begin("nambu_a34")
@@ -106,7 +98,7 @@ def test_the_tangent_of_the_step_is_that_of_the_witness():
 
 # -- the spherical midpoint ---------------------------------------------------------------------
 
-@pytest.mark.parametrize("name", few_quick(name for name in SPECS if name != TRACERS))
+@pytest.mark.parametrize("name", [name for name in SPECS if name != TRACERS])
 def test_spherical_midpoint_is_symplectic(name):
     found = defect(begin(name), SPHERICAL)
     print(f"{name}: SM {found:.1e}")
@@ -188,7 +180,6 @@ def test_classical_midpoint_is_not_symplectic(name):
     assert found > NOT_SYMPLECTIC
 
 
-@quick
 def test_the_maps_coincide_on_the_heisenberg_algebra():
     """A3,1: C = w_1^2 is constant with w_1, so that C(mbar) = C(w) and m = mbar: one map."""
     case = begin("nambu_a31")
@@ -197,7 +188,6 @@ def test_the_maps_coincide_on_the_heisenberg_algebra():
     assert np.abs(LongStep(case, SPHERICAL)(w) - LongStep(case, CLASSICAL)(w)).max() < 1e-18
 
 
-@quick
 def test_classical_midpoint_is_a_rotation_in_a_linear_field():
     """H = B.w: W = R w with the Cayley matrix R of h B, a rotation and so symplectic.
 
@@ -213,6 +203,5 @@ def test_classical_midpoint_is_a_rotation_in_a_linear_field():
     assert np.abs(LongStep(case, SPHERICAL)(w) - turned).max() > 1e-4
 
 
-@quick
 def test_moser_veselov_is_symplectic_on_the_free_body():
     assert defect(begin("free_rigid_body"), VESELOV) < SYMPLECTIC

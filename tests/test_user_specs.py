@@ -14,7 +14,6 @@ from smidgen.validate import validate
 USER = Path(__file__).parent / "user"
 SPECS = ["coupled_tops", "j1j2_chain", "kicked_spin", "kitaev_honeycomb", "mixed_families", "signed_vortices",
          "spin_glass", "triangular_chirality"]
-QUICK = ("kicked_spin", "signed_vortices")
 STEPS = 20
 
 
@@ -22,8 +21,7 @@ def path(name: str) -> str:
     return str(USER / f"{name}.toml")
 
 
-each = pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.quick) if n in QUICK else n
-                                        for n in SPECS])
+each = pytest.mark.parametrize("name", SPECS)
 
 
 def test_none_is_left_out():
@@ -125,8 +123,8 @@ def chain(t, w):
 
 
 @pytest.mark.parametrize("name, motion", [
-    ("coupled_tops", tops), ("j1j2_chain", chain), pytest.param("kicked_spin", kicked, marks=pytest.mark.quick),
-    ("kitaev_honeycomb", kitaev), pytest.param("signed_vortices", vortices, marks=pytest.mark.quick),
+    ("coupled_tops", tops), ("j1j2_chain", chain), ("kicked_spin", kicked),
+    ("kitaev_honeycomb", kitaev), ("signed_vortices", vortices),
     ("spin_glass", glass)])
 def test_the_motion_is_that_of_the_field(name, motion):
     """The distance from the flow of the equations by hand falls by four when h is halved."""
@@ -143,7 +141,6 @@ def test_the_motion_is_that_of_the_field(name, motion):
 TRIANGLE = "0,0,1\n0,1,0\n1,0,0\n"
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("head", ["", "x,y,z\n", "# by hand\n\nx, y, z\n"])
 def test_a_start_from_a_file(command, tmp_path, head):
     (tmp_path / "here.csv").write_text(head + TRIANGLE)
@@ -152,14 +149,12 @@ def test_a_start_from_a_file(command, tmp_path, head):
     np.testing.assert_array_equal(smidgen.load_result(tmp_path / "a.npz").w["x"][0], [[0, 0, 1], [0, 1, 0], [1, 0, 0]])
 
 
-@pytest.mark.quick
 def test_a_start_off_its_sphere_is_named(command, tmp_path):
     (tmp_path / "here.csv").write_text(TRIANGLE.replace("0,1,0", "0,0.9,0"))
     said = command("run", path("signed_vortices"), "--start", "here.csv")
     assert said.returncode == 4 and "site 1: |w| = 0.9, its sphere has radius 1" in said.stderr
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("words, told", [
     (["signed_vortices", "--seed", 4], "nothing of start 'triangle' is random"),
     (["kitaev_honeycomb", "--set", "nx=2,ny=2"], "give --set for each"),

@@ -22,7 +22,6 @@ from smidgen.start import initial_state
 from smidgen.witness import Witness, native
 from smidgen.witness.instances import instances_of
 
-pytestmark = pytest.mark.quick
 SPECS = sorted(p.stem for p in folder("specs").glob("*.toml"))
 W0 = np.array([[np.cos(1.1), 0, np.sin(1.1)]])
 

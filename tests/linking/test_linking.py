@@ -30,25 +30,21 @@ def compilers(request):
     return request.param
 
 
-@pytest.mark.quick
 def test_the_page_shows_the_program():
     assert blocks(PAGE, "c") == [(HERE / "chain.c").read_text()]
 
 
-@pytest.mark.quick
 def test_the_two_files_of_the_page(folder):
     said = sh(blocks(PAGE, "sh")[0], folder)
     assert said.endswith(blocks(PAGE, "output")[0])
 
 
-@pytest.mark.quick
 def test_the_library_of_the_page(folder):
     said = sh(blocks(PAGE, "sh")[1], folder).splitlines()[-1]
     energy, spin = map(float, re.findall(r"-?\d+\.\d+e[+-]\d+", said))
     assert said.startswith("t = 1000") and abs(energy) < 1e-6 and abs(spin) < 1e-12
 
 
-@pytest.mark.quick
 def test_the_tangent_map_of_the_page(folder):
     """The rate of an unstable axis, known in closed form, from the program."""
     shutil.copy(HERE / "growth.c", folder)
