@@ -32,7 +32,7 @@ typedef enum smg_status {
                              to its fold, to the centre of a sphere, or to infinity */
   SMG_WRONG_BRANCH = 3,   /* a solution, but not the one connected to W = w at h = 0 */
   SMG_NOT_FINITE = 4,     /* NaN or infinity in the state, the parameters or the field */
-  SMG_BAD_PARAMETER = 5,  /* a parameter or a size out of range (kappa = 0, n < 1, a denormal h, ...) */
+  SMG_BAD_PARAMETER = 5,  /* a parameter or a size out of range (kappa = 0, n < 1, a denormal h, |w| of R^3 beyond 1e+-150) */
   SMG_OFF_MANIFOLD = 6,   /* a start off its sphere by more than 1e-12 (relative; a nearer one is put on it), or c = 0 */
   SMG_SINGULAR = 7        /* the Newton matrix could not be factored */
 } smg_status;

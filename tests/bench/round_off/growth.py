@@ -21,7 +21,7 @@ RUNS = {
     "lanes": {variant: [(40, ALL[:3]), (16, ALL[3:])] for variant in LANES},
     "irreversible": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL[:3]), (4, ALL[3:])], LONG: [(8, ALL[:3]), (2, ALL[3:])],
                      PAIRS: [(8, ALL[:2])]},
-    "chain of 8": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL[:3])], LONG: [(8, ALL[:3])], PAIRS: [(8, ALL[:2])]},
+    "chain of 8": {PLAIN: [(8, ALL[:2])], DEFAULT: [(8, ALL)], LONG: [(8, ALL)], PAIRS: [(8, ALL[:2])]},
     "chain of 100": {PLAIN: [(100, FEW[:2])], DEFAULT: [(100, FEW)], LONG: [(100, FEW[:2])], PAIRS: [(100, FEW[:2])]},
 }
 TABLES = (*RUNS, "distance", "cost")
