@@ -130,7 +130,7 @@ static void levels(equation *e) {
 
 /* The round-off of a step is measured by scale_i = |w_i| + |h| |n_i| |b_i|: of the state and of the product h (A m) x b.
  * `fully`: also what rounding W does to the equation, which is costly and taken only where it matters. */
-static void scales(const equation *e, real *u, int fully, real *x, real *scale) {
+static void scales(equation *e, real *u, int fully, real *x, real *scale) {
   increment(e, e->h, u, x, scale);
   if (fully) sensitivity(e, u, scale);
   for (int64_t i = 0; i < e->sites; i++) scale[i] += sqrtl(dot(e->w + 3 * i, e->w + 3 * i));
@@ -160,7 +160,7 @@ static real norm_of(const equation *e, const real *u) {
   return most;
 }
 
-static void check_equation(const trial *t, const equation *e, real *u) {
+static void check_equation(const trial *t, equation *e, real *u) {
   real x[3 * SITES], scale[SITES];
   scales(e, u, 0, x, scale);
   real r = residual_of(e, u, x, scale);

@@ -116,13 +116,31 @@ static void sensitive(const equation *e, void (*map)(const equation *, real, con
   }
 }
 
+/* The same for the levels of Nambu factors: near its cone C(w) = w.n/2 is a difference of large terms. */
+static void sensitive_levels(equation *e, real *u, real *size) {
+  real x[3 * SITES], y[3 * SITES], spare[SITES], n[3];
+  increment(e, e->h, u, x, spare);
+  for (int64_t i = 0; i < e->sites; i++) {
+    if (e->kind[i] != ON_NAMBU || e->method != SPHERICAL) continue;
+    const real *w = e->w + 3 * i, kept = e->level[i];
+    normal(e, i, w, n);
+    e->level[i] = kept + 0x1p-50L * sqrtl(dot(w, w) * dot(n, n));
+    increment(e, e->h, u, y, spare);
+    e->level[i] = kept;
+    const real d[3] = {y[3 * i] - x[3 * i], y[3 * i + 1] - x[3 * i + 1], y[3 * i + 2] - x[3 * i + 2]};
+    const real moved = sqrtl(dot(d, d)) * 0x1p50L;
+    size[i] += moved == moved ? moved : INFINITY;
+  }
+}
+
 /* The same for W: near a fold, with W near -w or a field of large derivatives, no W of this precision leaves less. And for
  * the point m where the field is taken: of two vortices at the distance l the formula itself loses 1/l^2. */
-static void sensitivity(const equation *e, real *u, real *size) {
+static void sensitivity(equation *e, real *u, real *size) {
   real m[3 * SITES];
   midpoints(e, u, m);
   sensitive(e, increment, u, size);
   sensitive(e, product, m, size);
+  sensitive_levels(e, u, size);
 }
 
 /* ---- the branch from h = 0 ---------------------------------------------------------------- */
