@@ -16,6 +16,7 @@
 
 #define SMG_MAX_POINTS 600   /* points of a curve */
 #define SMG_STRAIGHT (smg_real)0.2 /* a correction may be this part of the pace, or of the correction before */
+#define SMG_ALONE (smg_real)1e-5 /* and by so much more when y hardly moves */
 #define SMG_ALONG (smg_real)0.95   /* least cosine between the tangents of neighbouring points */
 #define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system */
 #define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried */
@@ -23,6 +24,7 @@
 #define SMG_INWARD (smg_real)2e-5 /* so is one that comes no nearer, but moves straight towards it: it would */
 #define SMG_MISS (smg_real)0.01   /* pass at this part of its distance, which is many of the shortest paces */
 #define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up */
+#define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise */
 #define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still */
 #define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
 
@@ -61,10 +63,11 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
   smg_real last = pace * SMG_STRAIGHT;
   for (int it = 1; it <= SMG_MAX_CORRECTIONS; ++it) {
     if (f->newton(f->of, *p, f->x, f->a, f->c, &f->sign) != SMG_OK) return 0;
-    smg_real ta = 0, tc = f->q, size = 0;
+    smg_real ta = 0, tc = f->q, tt = 0, size = 0;
     for (int64_t k = 0; k < f->n; ++k) {
       ta += f->t[k] * f->a[k] * unit;
       tc += f->t[k] * f->c[k] * own;
+      tt += f->t[k] * f->t[k];
     }
     const smg_real dp = fixed ? 0 : -ta / tc; /* in natural steps */
     for (int64_t k = 0; k < f->n; ++k) {
@@ -75,6 +78,7 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     *p += dp / f->span;
     const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
+    if (it == 1 && SMG_MATH(sqrt)(size) > pace * SMG_STRAIGHT * SMG_MATH(sqrt)(tt) + SMG_ALONE) return 0; /* of y alone, where p runs far */
     if (moved <= (fixed ? (smg_real)1e-9 : smg_min((smg_real)1e-5, smg_max(pace / 10, SMG_LEAST)))) return it;
     last = moved * SMG_STRAIGHT;
   }
@@ -163,7 +167,7 @@ static inline smg_real smg_curve_span(const smg_curve *f) {
  * SMG_NO_CONVERGENCE when it could not be followed. */
 static inline smg_status smg_follow(smg_curve *f) {
   smg_real pace = (smg_real)0.1;
-  int folded = 0;
+  int folded = 0, turned = 0;
   f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
   for (int64_t k = 0; k < f->n; ++k) {
@@ -180,7 +184,7 @@ static inline smg_status smg_follow(smg_curve *f) {
     const int its = smg_curve_pace(f, pace);
     if (its == 0) {
       pace /= 4;
-      if (pace < SMG_LEAST) return folded ? SMG_NO_SOLUTION : smg_curve_end(f);
+      if (pace < SMG_LEAST) return turned ? SMG_NO_SOLUTION : smg_curve_end(f);
       continue;
     }
     if (its <= 4) pace *= (smg_real)1.5;
@@ -190,11 +194,12 @@ static inline smg_status smg_follow(smg_curve *f) {
       f->site = smg_curve_mover(f, -1);
       f->partner = smg_curve_mover(f, f->site);
     }
+    turned = turned || (folded && f->p < f->reached * (1 - SMG_TURNED));
     if (f->p >= 1) return folded ? SMG_WRONG_BRANCH : SMG_OK;
     if (folded && f->p < f->reached / 2) return SMG_NO_SOLUTION;
     if (smg_curve_size(f) > SMG_FARTHEST) return SMG_NO_SOLUTION;
   }
-  return folded ? SMG_NO_SOLUTION : SMG_NO_CONVERGENCE;
+  return turned ? SMG_NO_SOLUTION : SMG_NO_CONVERGENCE;
 }
 
 #endif

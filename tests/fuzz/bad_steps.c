@@ -212,6 +212,16 @@ static real rate(const equation *e) {
   return largest(x, 3 * e->sites) / largest(e->w, 3 * e->sites);
 }
 
+/* Is the field at the start a number, and so small that products of it are? Not where two vortices are one in double. */
+static int moderate_field(const trial *t, const equation *e) {
+  double w[3 * SITES], b[3 * SITES];
+  for (int64_t k = 0; k < 3 * e->sites; k++) w[k] = (double)e->w[k];
+  model_field(&t->p, (double)e->t, w, b);
+  for (int64_t k = 0; k < 3 * e->sites; k++)
+    if (!(fabs(b[k]) < 1e150)) return 0;
+  return 1;
+}
+
 static void judge(trial *t, equation *e, smg_status status, int64_t branches, dice *d) {
   real W[3 * SITES], u[3 * SITES];
   const int chosen = e->sites <= SMALL && draw_below(d, (int)branches) == 0;
@@ -223,7 +233,7 @@ static void judge(trial *t, equation *e, smg_status status, int64_t branches, di
   } else if (chosen && status == SMG_NO_SOLUTION)
     check_refusal(t, e, "said to have no solution, yet continuation reaches");
   else if (chosen && status == SMG_NOT_FINITE && rate(e) < 1e3L && e->strongest < 1e300L &&
-           largest(e->w, 3 * e->sites) < 1e75L) /* fourth powers of w are numbers */
+           largest(e->w, 3 * e->sites) < 1e75L && moderate_field(t, e)) /* products are numbers */
     check_refusal(t, e, "said not to be finite, yet continuation reaches");
 }
 

@@ -41,6 +41,7 @@ typedef {name}_state S;
 #define model_memsize {name}_memsize
 #define model_init {name}_init
 #define model_step {name}_step
+#define model_field {name}_field
 
 static void draw_parameters(dice *d, P *p, double *room) {{
   {name}_defaults(p);

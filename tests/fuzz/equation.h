@@ -223,7 +223,7 @@ static int walk(const equation *e, real *u, real *along, real *s, real to, real 
   const int64_t n = 3 * e->sites;
   const real sign = to > *s ? 1 : -1, size = largest(e->w, n);
   int spent = 0;
-  while (spent < EFFORT && sign * (to - *s) > 0 && step > 1e-9L * *s) {
+  while (spent < EFFORT && sign * (to - *s) > 0 && step > 1e-13L * *s) {
     const real next = sign * (to - *s) > step ? *s + sign * step : to, rise = *s > 0 ? (next - *s) / *s : next;
     real guess[3 * SITES], slope[3 * SITES];
     for (int64_t q = 0; q < n; q++) guess[q] = u[q] + rise * along[q];
