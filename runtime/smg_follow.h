@@ -144,10 +144,16 @@ static inline int smg_curve_inward(const smg_real *y, const smg_real *t, smg_rea
   return rho2 < SMG_INWARD * SMG_INWARD * radius * radius && smg_dot(y, t) < 0 && miss2 <= SMG_MISS * SMG_MISS * rho2 * speed2;
 }
 
+/* Is it there within a small part of the way that p has come? A midpoint like 1/p comes near, but never in. */
+static inline int smg_curve_soon(const smg_curve *f, const smg_real *y, const smg_real *t) {
+  const smg_real left = SMG_MATH(sqrt)(smg_dot(y, y) / smg_dot(t, t)) / f->scale * smg_abs(f->q);
+  return left <= SMG_MISS * f->p * f->span;
+}
+
 /* A curve that no pace can follow any more: does it end in the centre of a sphere? */
 static inline smg_status smg_curve_end(smg_curve *f) {
   for (int64_t k = 0; k < f->n; k += 3)
-    if (smg_curve_inward(f->y + k, f->t + k, SMG_MATH(sqrt)(smg_dot(f->w + k, f->w + k)))) {
+    if (smg_curve_inward(f->y + k, f->t + k, SMG_MATH(sqrt)(smg_dot(f->w + k, f->w + k))) && smg_curve_soon(f, f->y + k, f->t + k)) {
       f->site = k / 3;
       f->partner = -1;
       return SMG_NO_SOLUTION;

@@ -102,6 +102,11 @@ static inline int smg_settled(const smg_change *now, const smg_change *last, smg
   return now->absolute <= 8 * SMG_EPS * smg_max(scale, now->terms) && now->relative >= last->relative / 2;
 }
 
+/* Has an iterate left for somewhere else? Its residual grew. */
+static inline int smg_wild(const smg_change *now, const smg_change *last, smg_real scale) {
+  return now->absolute > last->absolute && now->absolute > (smg_real)1e-9 * scale;
+}
+
 /* Kahan: w + carry := w + carry + u, with the rounding error of w kept in carry. */
 static inline void smg_add_carry(smg_real *w, smg_real *carry, smg_real u) {
   const smg_real y = u + *carry;
