@@ -1,6 +1,6 @@
 """How round-off grows, and what it costs to make it grow less: docs/round_off.csv, _cost.csv and .md.
 
-    python tests/bench/round_off.py               # half an hour: measures everything, then writes the page
+    python tests/bench/round_off.py               # three quarters of an hour: measures everything, then writes the page
     python tests/bench/round_off.py free cost     # some of its tables again
     python tests/bench/round_off.py --page        # the page, from the tables that are there
 """
