@@ -22,7 +22,7 @@ STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|
           r"runs?_clean", r"test_(validate|user_specs|advice)", r"")
 SHARP = 3       # stages that are run before the quick tier
 # Before these: the tests that were made for faults of a kind, or for what a file does.
-MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled", "jacobian": r"test_effort|test_tangent",
+MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
             "templates/tangent.c.j2": r"test_tangent|test_lyapunov", "templates/wide.c.j2": r"wide|round_off|extended",

@@ -22,8 +22,9 @@ def programs(tmp_path_factory):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_sample(name, programs):
-    """20000 steps over all models; every fourth branch is followed."""
-    found = run(name, programs(name), 1, 0, shares(20_000, list(MODELS))[name], 4)
+    """20000 steps over all models; every branch is followed, of large systems every eighth."""
+    cases = shares(20_000, list(MODELS))[name]
+    found = run(name, programs(name), 1, 0, cases, 1 if cases > 200 else 8)
     assert found.status == 0 and found.violations == [] and found.numbers["steps"] > 10
 
 
