@@ -23,10 +23,10 @@ STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|
 SHARP = 3       # stages that are run before the quick tier
 # Before these: the tests that were made for faults of a kind, or for what a file does.
 MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
-            "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed",
+            "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
             "templates/tangent.c.j2": r"test_tangent|test_lyapunov", "templates/wide.c.j2": r"wide|round_off|extended",
-            "templates/save.c.j2": r"test_(checkpoint|resume|substeps)", "templates/sweep.c.j2": r"lattice|chain|sweep|glass",
+            "templates/save.c.j2": r"test_(checkpoint|resume|substeps)", "templates/sweep.c.j2": r"lattice|chain|sweep|glass|bad_steps.*cubic",
             "templates/local.c.j2": r"product|tracers|local|decoupled", "templates/solo.c.j2": r"rigid_body|solo|top",
             "templates/newton.c.j2": r"chain|vortices|graph|newton", "templates/interface.c.j2": r"test_interface|energy|momentum",
             "templates/family.c.j2": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable",
