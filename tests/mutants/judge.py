@@ -34,7 +34,7 @@ MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoup
             "runtime/smg_dense.h": r"dense|branch", "runtime/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
 OTHER_BUILDS = re.compile(r"\[(.*-)?(clang|g\+\+|gcc-long-double)")      # the same again, by another compiler
 SANITIZED = re.compile(r"runs?_clean")     # whole models, built with sanitizers
-LONGEST = 12.0      # seconds: a test that takes longer is left to the other tiers
+LONGEST = 25.0      # seconds: a test that takes longer is left to the other tiers
 
 
 def test_files(tree: Path) -> list[str]:
