@@ -156,6 +156,15 @@ def test_what_runs_into_the_centre(make):
     assert list(feed(make("gcc-sanitized", "inward"), [len(rows)], rows)) == [1, 1, 1, 0, 0, 0, 0]
 
 
+def test_a_curve_ends_in_the_centre_when_it_is_about_to_arrive(make):
+    """|y| q/|t| natural steps to go, at most a hundredth of the 4 p that it has come."""
+    far = [[1e-7, 0, 0, -1, 0, 0, 1, 0.5, 0.9], [2e-7, 0, 0, -2, 0, 0, 2, 0.5, 0.9]]        # 5e-8 to go: it ends
+    slow = [[1e-7, 0, 0, -2.6e-6, 0, 0, 1, 1, 0.9], [1e-7, 0, 0, -2.9e-6, 0, 0, 1, 1, 0.9]]  # .0385 and .0345 of .036
+    still = [[1e-7, 0, 0, 0, 0, 0, 1, 1, 0.9]]
+    rows = [*far, *slow, *still]
+    assert list(feed(make("gcc-sanitized", "curve_end"), [len(rows)], rows)) == [2, 2, 1, 2, 1]
+
+
 # -- wide numbers -------------------------------------------------------------------------------
 
 PAIRS = [((1, 1e-17), (1, -1e-17), 0, 0), ((1, -1e-17), (1, 1e-17), 1, 0), ((1, 1e-17), (1, 1e-17), 0, 1), ((2, 0), (1, 0), 0, 0),
