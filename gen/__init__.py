@@ -11,7 +11,7 @@ __version__ = "0.1.0"
 from . import build as _build_module, run as _run_module        # noqa: E402,F401
 from .errors import (BuildError, MissingTool, OutputError, RunError,    # noqa: E402
                      SmidgenError, SpecError, UsageError, ValidationError)
-from .library import Integrator, build                          # noqa: E402
+from .integrator import Integrator, build                          # noqa: E402
 from .output import Result, load_result                         # noqa: E402
 from .read import load, load_text                               # noqa: E402
 from .run import Interrupted, repeat, run                       # noqa: E402

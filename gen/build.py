@@ -30,7 +30,7 @@ FLAGS = ("-std=c11", "-O3", "-ffp-contract=off")    # the same bits on every mac
 SHARED = ("-fPIC", "-shared")
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 KEPT = 300      # builds that the cache keeps; the ones unused longest go first
-DOWNSTREAM = {"cli", "plot", "witness", "library.py", "run.py", "settings.py",
+DOWNSTREAM = {"cli", "plot", "witness", "integrator.py", "run.py", "settings.py",
               "given.py", "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "verify", "demo",
               "checkpoint.py", "durable.py", "resume.py", "safe.py", "saved.py", "substeps.py",
               "lyapunov.py", "symmetry", "advice", "__pycache__"}     # no part of the generator

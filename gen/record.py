@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from .errors import UsageError
-from .library import Integrator
+from .integrator import Integrator
 from .nearness import Nearest
 from .output import RESERVED
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from .build import generator_name
 from .checkpoint import CheckpointError, Folder, folder_of
 from .errors import UsageError
-from .library import build
+from .integrator import build
 from .output import load_result
 from .recorded import recorded
 from .run import describe, execute

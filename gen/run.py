@@ -16,7 +16,7 @@ import numpy as np
 from . import __version__
 from .checkpoint import refuse_unfinished
 from .errors import UsageError
-from .library import Integrator, build
+from .integrator import Integrator, build
 from .output import MemorySink, load_result, open_sink, result_of
 from .record import Recorder, columns_of, entry_size
 from .safe import SafeSink

@@ -11,7 +11,7 @@ from .errors import UsageError
 from .evaluate import evaluate, integer
 from .expr import Expr
 from .given import formula
-from .library import METHODS, SOLVERS, choose
+from .integrator import METHODS, SOLVERS, choose
 from .spec import Run, Spec
 from .start import parameter_values
 

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from .errors import RunError, UsageError, ValidationError
-from .library import build
+from .integrator import build
 from .settings import Settings, settle
 from .spec import Spec
 from .start import initial_state, radii

@@ -107,6 +107,11 @@ static inline int smg_wild(const smg_change *now, const smg_change *last, smg_re
   return now->absolute > last->absolute && now->absolute > (smg_real)1e-9 * scale;
 }
 
+/* mbar = w + carry + u/2, the midpoint of n components of a step with the increment u. */
+SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *carry, const smg_real *u, smg_real *mbar) {
+  for (int64_t k = 0; k < n; ++k) mbar[k] = w[k] + (carry[k] + 0.5 * u[k]);
+}
+
 /* Kahan: w + carry := w + carry + u, with the rounding error of w kept in carry. */
 static inline void smg_add_carry(smg_real *w, smg_real *carry, smg_real u) {
   const smg_real y = u + *carry;

@@ -23,8 +23,8 @@ def programs(tmp_path_factory):
 @pytest.mark.parametrize("name", MODELS)
 def test_a_sample(name, programs):
     """Thousands of steps of all models; every branch is followed, of large systems every eighth."""
-    cases = 2000 if name == "cubic" else shares(20_000, list(MODELS))[name]
-    found = run(name, programs(name), 1, 0, cases, 1 if 200 < cases < 2000 else 8)
+    cases = max(150, shares(20_000, list(MODELS))[name])
+    found = run(name, programs(name), 1, 0, cases, 1 if cases > 200 else 8)
     assert found.status == 0 and found.violations == [] and found.numbers["steps"] > 10
 
 

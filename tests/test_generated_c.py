@@ -10,7 +10,7 @@ from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, 
 from smidgen.build import write_files
 from smidgen.emit import generate
 from smidgen.errors import UsageError
-from smidgen.library import SOLVERS
+from smidgen.integrator import SOLVERS
 from smidgen.prune import without_uncalled
 from smidgen.resources import folder
 from smidgen.select import select

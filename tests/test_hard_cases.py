@@ -6,7 +6,7 @@ from support.systems import CLASSICAL, SPHERICAL, begin, load, model
 
 import smidgen
 from smidgen.errors import RunError
-from smidgen.library import STATUS
+from smidgen.integrator import STATUS
 from smidgen.witness import Witness
 
 pytestmark = pytest.mark.quick

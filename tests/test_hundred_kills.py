@@ -93,7 +93,7 @@ def test_a_resume_that_forgets_the_carry_is_seen(tmp_path, monkeypatch):
     out = tmp_path / "a.h5"
     long_run(tmp_path / "whole.h5", checkpoint=None)
     killed_in(WRITING, 5, 0.0, lambda: long_run(out))
-    real = smidgen.library.Integrator.restore
-    monkeypatch.setattr(smidgen.library.Integrator, "restore", lambda model, saved: real(model, without_carry(saved)))
+    real = smidgen.integrator.Integrator.restore
+    monkeypatch.setattr(smidgen.integrator.Integrator, "restore", lambda model, saved: real(model, without_carry(saved)))
     with pytest.raises(AssertionError):
         ends_the_same(out, tmp_path / "copy", (tmp_path / "whole.h5").read_bytes())

@@ -45,13 +45,7 @@ def test_a_matrix_that_is_not_coercive_has_its_branch_followed(tmp_path):
     assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
 
 
-TOP = """
-[model]
-name = "far_top"
-[space]
-w = { sphere = 1, radius = 1.5 }
-[effects.axis]
-energy = "w.z^2/2"
+ANY = """
 [starts.any]
 random = 1
 [runs.one]
@@ -59,6 +53,15 @@ start = "any"
 h = 0.1
 time = 1
 """
+
+TOP = """
+[model]
+name = "far_top"
+[space]
+w = { sphere = 1, radius = 1.5 }
+[effects.axis]
+energy = "w.z^2/2"
+""" + ANY
 
 
 def test_a_site_alone_has_its_branch_followed(tmp_path):
@@ -90,13 +93,7 @@ w = { sphere = 1 }
 b = { vector = true, default = [0.0, 0.0, 1.0] }
 [effects.field]
 energy = "-dot(b, w)"
-[starts.any]
-random = 1
-[runs.one]
-start = "any"
-h = 0.1
-time = 1
-"""
+""" + ANY
 
 
 @pytest.mark.parametrize("strength", [1.0, 1e3, 1e100, 1e149])

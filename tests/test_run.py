@@ -113,7 +113,7 @@ def test_wrong_names(toy, wrong, said):
 
 
 def test_the_status_texts_are_those_of_the_runtime(root):
-    from smidgen.library import STATUS
+    from smidgen.integrator import STATUS
     header = (root / "runtime" / "smidgen.h").read_text()
     for number, (name, _) in STATUS.items():
         assert f"SMG_{name.upper().replace(' ', '_')} = {number}," in header.replace(

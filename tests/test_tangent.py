@@ -20,7 +20,7 @@ from smidgen.derive import derive, hessian_blocks
 from smidgen.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.features import FEATURES
-from smidgen.library import Integrator, scene_of
+from smidgen.integrator import Integrator, scene_of
 
 TANGENT = ("tangent",)
 AGREES, SYMPLECTIC = 1e-9, 1e-12

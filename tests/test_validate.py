@@ -10,7 +10,7 @@ import smidgen
 import smidgen.validate as module
 from smidgen.errors import UsageError, ValidationError
 from smidgen.expr import Num, Op, Spin, Time
-from smidgen.library import build
+from smidgen.integrator import build
 from smidgen.resources import folder
 from smidgen.spec import FamilyStart, Run, Start
 from smidgen.validate import Line, Report, validate

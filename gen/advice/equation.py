@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..library import Integrator
+from ..integrator import Integrator
 from ..start import casimir_matrices, radii
 
 DIFFERENCE = 3e-6       # of mbar, in units of its own length

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from ..errors import RunError
-from ..library import build
+from ..integrator import build
 from ..settings import find_run, settle
 from ..symmetry.energy import Energy
 from .branch import Branch, follow

@@ -7,7 +7,7 @@ import math
 from ..errors import UsageError
 from ..features import FEATURES
 from ..given import constant
-from ..library import METHODS, SOLVERS
+from ..integrator import METHODS, SOLVERS
 
 
 def spec_argument(parser, **more):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import RunError
-from ..library import METHODS, build
+from ..integrator import METHODS, build
 from ..plot.equilibria import equilibria
 from ..plot.facts import with_facts
 from ..plot.portraits import on_manifold

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SmidgenError
-from ..library import build
+from ..integrator import build
 from ..plot.draw import outputs_for, plot, write_page
 from ..plot.facts import conserved_energy, with_facts
 from ..plot.gallery import Picture

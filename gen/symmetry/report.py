@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy as sp
 
-from ..library import METHODS, choose
+from ..integrator import METHODS, choose
 from ..select import select
 from ..start import casimir_matrices, kappas
 from . import conserved, spaces

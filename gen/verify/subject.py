@@ -6,7 +6,7 @@ import typing
 import numpy as np
 
 from ..build import digest
-from ..library import Integrator, build
+from ..integrator import Integrator, build
 from ..settings import Settings
 from ..spec import Spec
 

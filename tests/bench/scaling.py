@@ -19,7 +19,7 @@ import smidgen
 from machine import machine
 from smidgen.build import FLAGS, find_compiler
 from smidgen.emit import generate
-from smidgen.library import scene_of
+from smidgen.integrator import scene_of
 from smidgen.resources import folder
 
 SYSTEMS = [("heisenberg_chain", dict(n=100), dict(n=1_000_000)),

@@ -43,7 +43,7 @@ from support.systems import load as shipped
 from test_branch import ask
 
 import smidgen
-from smidgen.library import STATUS
+from smidgen.integrator import STATUS
 
 from .case import EPS, NO_SOLUTION, WRONG_BRANCH, Row, attempt, below, case, near, ratio, refused, same
 from .geometry import largest, turns

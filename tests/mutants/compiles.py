@@ -23,7 +23,7 @@ import smidgen
 from smidgen.emit import generate
 from smidgen.errors import UsageError
 from smidgen.features import FEATURES
-from smidgen.library import METHODS, SOLVERS, scene_of
+from smidgen.integrator import METHODS, SOLVERS, scene_of
 from smidgen.resources import folder
 
 SPHERICAL, CLASSICAL, VESELOV = METHODS

@@ -6,7 +6,7 @@ from pathlib import Path
 from queue import Queue
 
 from smidgen.features import FEATURES
-from smidgen.library import METHODS
+from smidgen.integrator import METHODS
 
 from .judge import LONGEST, baseline, failing, judge, order_of
 from .plant import Tree

@@ -13,7 +13,7 @@ import numpy as np
 from smidgen.build import FLAGS, REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.emit import generate
 from smidgen.expr import Op
-from smidgen.library import Integrator, scene_of
+from smidgen.integrator import Integrator, scene_of
 from smidgen.start import parameter_values
 from smidgen.verify.subject import Emitted
 

@@ -6,7 +6,7 @@ import pytest
 
 import smidgen
 from smidgen.errors import UsageError
-from smidgen.library import METHODS
+from smidgen.integrator import METHODS
 from smidgen.resources import folder
 from smidgen.settings import settle
 from smidgen.start import initial_state
