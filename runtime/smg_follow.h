@@ -26,6 +26,7 @@
 #define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up */
 #define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise */
 #define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still */
+#define SMG_FAR 10 /* a curve that went so many times as far as both its ends (on an open leaf) turned too sharply to be sure of */
 #define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
 
 /* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J, or says why not. */
@@ -116,11 +117,11 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   return its;
 }
 
-/* How far y has gone, in units of the state. */
-static inline smg_real smg_curve_size(const smg_curve *f) {
+/* The largest of n numbers. */
+static inline smg_real smg_curve_size(int64_t n, const smg_real *y) {
   smg_real most = 0;
-  for (int64_t k = 0; k < f->n; ++k) most = smg_max(most, smg_abs(f->y[k]));
-  return most / f->scale;
+  for (int64_t k = 0; k < n; ++k) most = smg_max(most, smg_abs(y[k]));
+  return most;
 }
 
 /* The site that moves most along the tangent, leaving out one. */
@@ -168,11 +169,18 @@ static inline smg_real smg_curve_span(const smg_curve *f) {
   return size;
 }
 
+/* What a curve that came to p = 1 by places as far as this tells of y. */
+static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_real far) {
+  const smg_real ends = smg_max(smg_curve_size(f->n, f->w), smg_curve_size(f->n, f->y));
+  if (folded) return SMG_WRONG_BRANCH;
+  return far > SMG_FAR * ends ? SMG_NO_CONVERGENCE : SMG_OK;
+}
+
 /* From w: SMG_OK with y the midpoints at p = 1; SMG_NO_SOLUTION when the branch turns back before, and goes
  * back to half the part it reached or gives out, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
- * SMG_NO_CONVERGENCE when it could not be followed. */
+ * SMG_NO_CONVERGENCE when it could not be followed, or not surely. */
 static inline smg_status smg_follow(smg_curve *f) {
-  smg_real pace = (smg_real)0.1;
+  smg_real pace = (smg_real)0.1, far = 0;
   int folded = 0, turned = 0;
   f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
@@ -201,9 +209,10 @@ static inline smg_status smg_follow(smg_curve *f) {
       f->partner = smg_curve_mover(f, f->site);
     }
     turned = turned || (folded && f->p < f->reached * (1 - SMG_TURNED));
-    if (f->p >= 1) return folded ? SMG_WRONG_BRANCH : SMG_OK;
+    far = smg_max(far, smg_curve_size(f->n, f->y));
+    if (f->p >= 1) return smg_curve_arrived(f, folded, far);
     if (folded && f->p < f->reached / 2) return SMG_NO_SOLUTION;
-    if (smg_curve_size(f) > SMG_FARTHEST) return SMG_NO_SOLUTION;
+    if (far > SMG_FARTHEST * f->scale) return SMG_NO_SOLUTION;
   }
   return turned ? SMG_NO_SOLUTION : SMG_NO_CONVERGENCE;
 }

@@ -212,13 +212,26 @@ static real rate(const equation *e) {
   return largest(x, 3 * e->sites) / largest(e->w, 3 * e->sites);
 }
 
-/* Is the field at the start a number, and so small that products of it are? Not where two vortices are one in double. */
-static int moderate_field(const trial *t, const equation *e) {
-  double w[3 * SITES], b[3 * SITES];
-  for (int64_t k = 0; k < 3 * e->sites; k++) w[k] = (double)e->w[k];
+/* Is the field at w a number, and so small that products of it are? */
+static int moderate_at(const trial *t, const equation *e, const double *w) {
+  double b[3 * SITES];
   model_field(&t->p, (double)e->t, w, b);
   for (int64_t k = 0; k < 3 * e->sites; k++)
     if (!(fabs(b[k]) < 1e150)) return 0;
+  return 1;
+}
+
+/* The same at the start and two ulps beside it. Not where two vortices are one in double. */
+static int moderate_field(const trial *t, const equation *e) {
+  double w[3 * SITES];
+  for (int64_t k = 0; k < 3 * e->sites; k++) w[k] = (double)e->w[k];
+  for (int64_t k = 0; k < 3 * e->sites; k++)
+    for (int side = -2; side <= 2; side++) {
+      const double kept = w[k];
+      w[k] = kept * (1 + side * DBL_EPSILON);
+      if (!moderate_at(t, e, w)) return 0;
+      w[k] = kept;
+    }
   return 1;
 }
 

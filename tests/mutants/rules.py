@@ -79,7 +79,7 @@ BRANCH = (
     (STEP, r"found\.row \* found\.stretch < 1", r"1"),
     (STEP, r"if \(!\(s->x\[k\] < 1\)\) ", r"if (0) "),
     (STEP, r"if \(status == SMG_WRONG_BRANCH\) break;", r"if (status == SMG_WRONG_BRANCH) return SMG_OK;"),
-    (STEP, r"status = SMG_WRONG_BRANCH;", r"status = SMG_OK;"),
+    (STEP, r"status = followed;", r"status = SMG_OK;"),
     ("runtime/smg_block.h", r"&& \*pivots == 1\) \*pivots = 2;", r"&& *pivots == 1) *pivots = 1;"),
     ("runtime/smg_block.h", r"\) \*pivots = -\*pivots;", r") *pivots = *pivots;"),
     ("runtime/smg_small.h", r" & !negative_pair", r""),
@@ -91,7 +91,7 @@ BRANCH = (
     ("runtime/smg_dense.h", r"if \(i == j && !\(sum > 0\)\) return 0;", r"if (i == j && !(sum > 0)) return 1;"),
     ("runtime/smg_*.h", r"return (smg_\w+_solve\(.*\)) == 0 && positive == 1;", r"return \1 == 0;"),
     ("runtime/smg_follow.h", r"return SMG_(NO_SOLUTION|WRONG_BRANCH);", r"return SMG_OK;"),
-    ("runtime/smg_follow.h", r"return folded \? SMG_WRONG_BRANCH : SMG_OK;", r"return SMG_OK;"),
+    ("runtime/smg_follow.h", r"return far > .* \? SMG_NO_CONVERGENCE : SMG_OK;", r"return SMG_OK;"),
     ("runtime/smg_follow.h", r" \|\| \(f->sign < 0\) != \(f->q < 0\)", r""),
     ("runtime/smg_spin.h", r"if \(k >= 1 && d >= 0 && d <= 0\) return 0;", r""),
 )
