@@ -195,12 +195,36 @@ static void check_branch(const trial *t, const equation *e, const real *u) {
   else violation(t, "no branch that reaches h; it ends at", reached, 1);
 }
 
-/* "Proved to have no solution" and "not finite" are wrong where continuation finds one within range. */
-static void check_refusal(const trial *t, const equation *e, const char *what) {
-  real u[3 * SITES], reached = 0;
+/* Is the field at w a number, and so small that products of it are? */
+static int moderate_at(const trial *t, const equation *e, const double *w) {
+  double b[3 * SITES];
+  model_field(&t->p, (double)e->t, w, b);
+  for (int64_t k = 0; k < 3 * e->sites; k++)
+    if (!(fabs(b[k]) < 1e150)) return 0;
+  return 1;
+}
+
+/* The same at m and two ulps beside it. Not where two vortices are one in double. */
+static int moderate_field(const trial *t, const equation *e, const real *m) {
+  double w[3 * SITES];
+  for (int64_t k = 0; k < 3 * e->sites; k++) w[k] = (double)m[k];
+  for (int64_t k = 0; k < 3 * e->sites; k++)
+    for (int side = -2; side <= 2; side++) {
+      const double kept = w[k];
+      w[k] = kept * (1 + side * DBL_EPSILON);
+      if (!moderate_at(t, e, w)) return 0;
+      w[k] = kept;
+    }
+  return 1;
+}
+
+/* "Proved to have no solution" is wrong where continuation finds one; "not finite" where the model has a field there, too. */
+static void check_refusal(const trial *t, const equation *e, smg_status status, const char *what) {
+  real u[3 * SITES], m[3 * SITES], reached = 0;
   const int found = follow(e, u, &reached);
   all.followed++;
-  if (found > 0) violation(t, what, reached, 0);
+  midpoints(e, u, m);
+  if (found > 0 && (status == SMG_NO_SOLUTION || moderate_field(t, e, m))) violation(t, what, reached, 0);
 }
 
 /* ---- one case ----------------------------------------------------------------------------- */
@@ -212,29 +236,6 @@ static real rate(const equation *e) {
   return largest(x, 3 * e->sites) / largest(e->w, 3 * e->sites);
 }
 
-/* Is the field at w a number, and so small that products of it are? */
-static int moderate_at(const trial *t, const equation *e, const double *w) {
-  double b[3 * SITES];
-  model_field(&t->p, (double)e->t, w, b);
-  for (int64_t k = 0; k < 3 * e->sites; k++)
-    if (!(fabs(b[k]) < 1e150)) return 0;
-  return 1;
-}
-
-/* The same at the start and two ulps beside it. Not where two vortices are one in double. */
-static int moderate_field(const trial *t, const equation *e) {
-  double w[3 * SITES];
-  for (int64_t k = 0; k < 3 * e->sites; k++) w[k] = (double)e->w[k];
-  for (int64_t k = 0; k < 3 * e->sites; k++)
-    for (int side = -2; side <= 2; side++) {
-      const double kept = w[k];
-      w[k] = kept * (1 + side * DBL_EPSILON);
-      if (!moderate_at(t, e, w)) return 0;
-      w[k] = kept;
-    }
-  return 1;
-}
-
 static void judge(trial *t, equation *e, smg_status status, int64_t branches, dice *d) {
   real W[3 * SITES], u[3 * SITES];
   const int chosen = e->sites <= SMALL && draw_below(d, (int)branches) == 0;
@@ -244,10 +245,10 @@ static void judge(trial *t, equation *e, smg_status status, int64_t branches, di
     check_equation(t, e, u);
     if (chosen && !CLOSED && rate(e) > 0.1L) check_branch(t, e, u);
   } else if (chosen && status == SMG_NO_SOLUTION)
-    check_refusal(t, e, "said to have no solution, yet continuation reaches");
+    check_refusal(t, e, status, "said to have no solution, yet continuation reaches");
   else if (chosen && status == SMG_NOT_FINITE && rate(e) < 1e3L && e->strongest < 1e300L &&
-           largest(e->w, 3 * e->sites) < 1e75L && moderate_field(t, e)) /* products are numbers */
-    check_refusal(t, e, "said not to be finite, yet continuation reaches");
+           largest(e->w, 3 * e->sites) < 1e75L && moderate_field(t, e, e->w)) /* products are numbers */
+    check_refusal(t, e, status, "said not to be finite, yet continuation reaches");
 }
 
 static void run_steps(trial *t, equation *e, int64_t branches, dice *d) {
