@@ -26,7 +26,8 @@
 #define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up */
 #define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise */
 #define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still */
-#define SMG_FAR 10 /* a curve that went so many times as far as both its ends (on an open leaf) turned too sharply to be sure of */
+#define SMG_FAR 10 /* a curve on a Nambu leaf that goes so many times as far as the mean of its ends is too bold to be sure of */
+#define SMG_LOW (smg_real)0.25 /* dp/ds near a fold */
 #define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
 
 /* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J, or says why not. */
@@ -87,11 +88,15 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
 }
 
 /* May p have fallen between two points at which it rises? There q, as a parabola that begins with the slope before,
- * dips below a quarter of its ends: two folds close to each other lie there, or none. */
+ * dips below a quarter of its ends: two folds close to each other lie there, or none. Nor is it seen where q is low and not
+ * the same to a factor of two. */
 static inline int smg_curve_dips(const smg_curve *f, smg_real q, smg_real s) {
   const smg_real bend = ((f->q - q) / s - f->slope) / s; /* q + slope x + bend x^2 */
-  if (!(s > SMG_DIP && q > 0 && f->q > 0 && f->slope < 0 && f->q > q + f->slope * s)) return 0;
-  return -f->slope < 2 * bend * s && q - f->slope * f->slope / (4 * bend) < smg_min(q, f->q) / 4;
+  const smg_real least = smg_min(q, f->q);
+  if (!(s > SMG_DIP && least > 0)) return 0;
+  if (least < SMG_LOW && least < smg_max(q, f->q) / 2) return 1;
+  if (!(f->slope < 0 && f->q > q + f->slope * s)) return 0;
+  return -f->slope < 2 * bend * s && q - f->slope * f->slope / (4 * bend) < least / 4;
 }
 
 /* One pace along the tangent; 0 when it must be shorter. A pace across p = 1 ends at p = 1. */
@@ -169,11 +174,12 @@ static inline smg_real smg_curve_span(const smg_curve *f) {
   return size;
 }
 
-/* What a curve that came to p = 1 by places as far as this tells of y. */
+/* What a curve that came to p = 1 by places as far as this tells of y. Spheres and R^3 keep abs(y) <= abs(w). */
 static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_real far) {
-  const smg_real ends = smg_max(smg_curve_size(f->n, f->w), smg_curve_size(f->n, f->y));
+  const smg_real begin = smg_curve_size(f->n, f->w), end = smg_curve_size(f->n, f->y);
+  const smg_real mean = SMG_MATH(sqrt)(begin) * SMG_MATH(sqrt)(smg_max(begin, end));
   if (folded) return SMG_WRONG_BRANCH;
-  return far > SMG_FAR * ends ? SMG_NO_CONVERGENCE : SMG_OK;
+  return far > SMG_FAR * mean ? SMG_NO_CONVERGENCE : SMG_OK;
 }
 
 /* From w: SMG_OK with y the midpoints at p = 1; SMG_NO_SOLUTION when the branch turns back before, and goes

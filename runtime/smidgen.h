@@ -27,7 +27,7 @@ typedef double smg_real;
 
 typedef enum smg_status {
   SMG_OK = 0,
-  SMG_NO_CONVERGENCE = 1, /* the iteration limit came before stagnation */
+  SMG_NO_CONVERGENCE = 1, /* no solution was found, or none that can be vouched for */
   SMG_NO_SOLUTION = 2,    /* the branch of solutions from W = w at h = 0 ends before this h: in closed form, or followed
                              to its fold, to the centre of a sphere, or to infinity */
   SMG_WRONG_BRANCH = 3,   /* a solution, but not the one connected to W = w at h = 0 */

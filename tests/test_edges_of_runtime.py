@@ -112,9 +112,9 @@ def test_another_curve_is_not_followed(make):
 
 
 def test_a_large_system_runs_out_of_points(make):
-    """600 000 components leave eleven points, too few for a hundred natural steps; 6 have all that are needed."""
-    assert followed(make("gcc", "curve"), s=100.0)[0] == OK
-    status, reached, _ = followed(make("gcc", "curve"), n=600_000, s=100.0)
+    """600 000 components leave eleven points, too few for eighty natural steps; 6 have all that are needed."""
+    assert followed(make("gcc", "curve"), s=80.0)[0] == OK
+    status, reached, _ = followed(make("gcc", "curve"), n=600_000, s=80.0)
     assert status == NO_CONVERGENCE and 0 < reached < 1
 
 
@@ -142,9 +142,9 @@ def test_two_folds_close_to_each_other_are_seen(make, depth, status):
 
 
 def test_a_branch_that_gives_out_behind_its_fold_has_no_solution(make):
-    """The 21 points of a large system end between the folds; a small one comes to p = 1 behind them."""
+    """The 27 points of a large system end between the folds; a small one comes to p = 1 behind them."""
     assert along(make("gcc", "follow"), S_CURVE)[0] == WRONG_BRANCH
-    status, reached = along(make("gcc", "follow"), S_CURVE, n=300_000)
+    status, reached = along(make("gcc", "follow"), S_CURVE, n=225_000)
     assert status == NO_SOLUTION and reached == pytest.approx(0.677, abs=0.01)
 
 

@@ -15,13 +15,20 @@ def follow(program, coefficients, d=0.0, limit=FAR, n=6, w0=1.0, own=0, side=1):
 
 
 @pytest.mark.parametrize("build", EVERY_BUILD)
-@pytest.mark.parametrize("coefficients, x", [((1, 0, 0), 1.0), ((0.01, 0, 0), 100.0), ((1, 0, 1), 0.682327803828019),
+@pytest.mark.parametrize("coefficients, x", [((1, 0, 0), 1.0), ((0.02, 0, 0), 50.0), ((1, 0, 1), 0.682327803828019),
                                              ((50, 0, 0), 0.02)])
 def test_a_curve_without_a_fold_ends_at_its_solution(make, build, coefficients, x):
     for own, side in ((0, 1), (0, -1), (5, 1), (5, -1)):
         found = follow(make(build, "follow"), coefficients, own=own, side=side)
         assert list(found[:4]) == [OK, 1, -1, -1]
         assert found[4:] == pytest.approx([side * x, side * x / 2], rel=1e-8)
+
+
+@pytest.mark.quick
+def test_a_curve_that_leads_too_far_is_not_vouched_for(make):
+    """It goes a hundred times as far as it began, and there p = 1."""
+    assert follow(make("gcc-sanitized", "follow"), (1 / 99, 0, 0))[0] == OK
+    assert follow(make("gcc-sanitized", "follow"), (1 / 101, 0, 0))[0] == NO_CONVERGENCE
 
 
 @pytest.mark.parametrize("build", EVERY_BUILD)
