@@ -318,7 +318,17 @@ class Integrator:
             kappas(self.scene, self.values_in)
         except UsageError as refusal:
             return f" ({refusal})"
-        length, radius = np.linalg.norm(self.w, axis=1), radii(self.scene, self.values_in)
+        largest, radius = np.abs(self.w).max(axis=1), radii(self.scene, self.values_in)
+        wild = ~np.isfinite(largest)
+        if np.any(wild):
+            return f" (site {int(np.argmax(wild))} of the start)"
+        wide = np.isnan(radius) & (largest > 0) & ~((largest >= limits.SHORTEST) & (largest <= limits.LARGEST))
+        if np.any(wide):
+            site = int(np.argmax(wide))
+            return (f" (site {site} of the start: its largest component is {largest[site]:.3g}; a vector is 0 or has "
+                    f"one between {limits.SHORTEST:g} and {limits.LARGEST:g})")
+        with np.errstate(over="ignore"):
+            length = np.linalg.norm(self.w, axis=1)
         off = np.abs(length - radius) / radius
         if not np.any(off > limits.SPHERE):
             return ""
@@ -331,7 +341,7 @@ class Integrator:
         name, meaning = STATUS.get(status, (f"status {status}", "unknown"))
         found = self.report()
         found["rate"] = self._rate(found["site"])
-        raise RunError(f"step {self.count + 1} from t = {self.t:.17g}: {name}: {meaning}"
+        raise RunError(f"step {self.count + 1} from t = {self.t:.12g}: {name}: {meaning}"
                        f"{why(found)}{advice(status, found, self.h)}", status, self.count, **found)
 
     def _rate(self, site: int) -> float:
@@ -352,8 +362,9 @@ def why(found: dict) -> str:
 def advice(status: int, found: dict, h: float) -> str:
     """What to try after a step that failed."""
     if status == 2 and 0 < found["reached"] < 1:
-        return f"; from here steps exist up to |h| = {abs(h) * found['reached']:.6g}: take a smaller one"
-    return f"; try a smaller step, |h| below {abs(h) / 2:.3g}" if status in (1, 2, 3, 7) else ""
+        return (f"; from here, and with H as it is at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
+                "take a smaller one")
+    return f"; try a smaller step, half of it, or what `smidgen advise` says" if status in (1, 2, 3, 7) else ""
 
 
 def value_columns(scene: Spec) -> list[str]:

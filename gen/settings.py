@@ -83,6 +83,8 @@ def whole(value, what: str) -> int:
 
 def find_run(spec: Spec, name: str | None) -> Run:
     """The run of that name; None: the first one, or an empty one for a spec without runs."""
+    if not isinstance(spec, Spec):
+        raise UsageError(f"a spec is needed, as smidgen.load gives it, not a {type(spec).__name__}")
     if name is None:
         return spec.runs[0] if spec.runs else Run("", None, METHODS[0], None)
     for run_ in spec.runs:

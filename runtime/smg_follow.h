@@ -174,12 +174,19 @@ static inline smg_real smg_curve_span(const smg_curve *f) {
   return size;
 }
 
+/* Is a midpoint so near the centre of its sphere that paces may jump across it? */
+static inline int smg_curve_central(const smg_curve *f) {
+  for (int64_t k = 0; k < f->n; k += 3)
+    if (smg_dot(f->y + k, f->y + k) < SMG_INWARD * SMG_INWARD * smg_dot(f->w + k, f->w + k)) return 1;
+  return 0;
+}
+
 /* What a curve that came to p = 1 by places as far as this tells of y. Spheres and R^3 keep abs(y) <= abs(w). */
-static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_real far) {
+static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_real far, int central) {
   const smg_real begin = smg_curve_size(f->n, f->w), end = smg_curve_size(f->n, f->y);
   const smg_real mean = SMG_MATH(sqrt)(begin) * SMG_MATH(sqrt)(smg_max(begin, end));
   if (folded) return SMG_WRONG_BRANCH;
-  return far > SMG_FAR * mean ? SMG_NO_CONVERGENCE : SMG_OK;
+  return central || far > SMG_FAR * mean ? SMG_NO_CONVERGENCE : SMG_OK;
 }
 
 /* From w: SMG_OK with y the midpoints at p = 1; SMG_NO_SOLUTION when the branch turns back before, and goes
@@ -187,7 +194,7 @@ static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_r
  * SMG_NO_CONVERGENCE when it could not be followed, or not surely. */
 static inline smg_status smg_follow(smg_curve *f) {
   smg_real pace = (smg_real)0.1, far = 0;
-  int folded = 0, turned = 0;
+  int folded = 0, turned = 0, central = 0;
   f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
   for (int64_t k = 0; k < f->n; ++k) {
@@ -216,7 +223,8 @@ static inline smg_status smg_follow(smg_curve *f) {
     }
     turned = turned || (folded && f->p < f->reached * (1 - SMG_TURNED));
     far = smg_max(far, smg_curve_size(f->n, f->y));
-    if (f->p >= 1) return smg_curve_arrived(f, folded, far);
+    central = central || smg_curve_central(f);
+    if (f->p >= 1) return smg_curve_arrived(f, folded, far, central);
     if (folded && f->p < f->reached / 2) return SMG_NO_SOLUTION;
     if (far > SMG_FARTHEST * f->scale) return SMG_NO_SOLUTION;
   }

@@ -15,7 +15,7 @@ def follow(program, coefficients, d=0.0, limit=FAR, n=6, w0=1.0, own=0, side=1):
 
 
 @pytest.mark.parametrize("build", EVERY_BUILD)
-@pytest.mark.parametrize("coefficients, x", [((1, 0, 0), 1.0), ((0.02, 0, 0), 50.0), ((1, 0, 1), 0.682327803828019),
+@pytest.mark.parametrize("coefficients, x", [((1.25, 0, 0), 0.8), ((0.02, 0, 0), 50.0), ((1, 0, 1), 0.682327803828019),
                                              ((50, 0, 0), 0.02)])
 def test_a_curve_without_a_fold_ends_at_its_solution(make, build, coefficients, x):
     for own, side in ((0, 1), (0, -1), (5, 1), (5, -1)):

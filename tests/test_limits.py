@@ -1,7 +1,10 @@
 """Every limit of the spec language at its edge: just inside passes, just outside does not."""
 import math
+import re
 
+import numpy as np
 import pytest
+import smidgen
 
 from smidgen import limits
 from smidgen.errors import SpecError
@@ -159,6 +162,29 @@ def test_smallest(factor, expected):
     assert codes(energy(f"{limits.SMALLEST * factor!r}*w[i].z")) == expected
 
 
+R3 = """
+[model]
+name = "small"
+[space]
+w = { r3 = 1 }
+[effects.axis]
+energy = "w.z"
+"""
+
+
+@pytest.mark.parametrize("size, starts", [(0.99 * limits.SHORTEST, False), (1.01 * limits.SHORTEST, True), (0.0, True),
+                                          (0.99 * limits.LARGEST, True), (1.01 * limits.LARGEST, False)])
+def test_shortest(size, starts, tmp_path):
+    """The vector that cannot start is named with its size."""
+    (tmp_path / "small.toml").write_text(R3)
+    model = smidgen.build(smidgen.load(tmp_path / "small.toml"))
+    if starts:
+        model.start(np.array([[size, 0, 0]]), h=0.1).step()
+        return
+    with pytest.raises(smidgen.RunError, match=re.escape(f"site 0 of the start: its largest component is {size:.3g}")):
+        model.start(np.array([[size, 0, 0]]), h=0.1)
+
+
 @pytest.mark.parametrize("share, expected", [(0.99, []), (1.01, ["E601"]), (-0.99, []),
                                              (-1.01, ["E601"])])
 def test_sphere(share, expected):
@@ -221,7 +247,7 @@ def test_file_bytes_are_counted_before_reading_on(tmp_path):
 
 
 def test_every_limit_is_tested():
-    tested = set(EDGES) | {"ERRORS", "LARGEST", "SMALLEST", "SPHERE", "MULTIPLE", "GRAPHS",
+    tested = set(EDGES) | {"ERRORS", "LARGEST", "SMALLEST", "SHORTEST", "SPHERE", "MULTIPLE", "GRAPHS",
                            "COLUMNS", "EDGES", "TABLE_BYTES", "ARRAY"}
     assert tested == set(limits.LIMITS)
     assert all(math.isfinite(getattr(limits, name)) for name in limits.LIMITS)

@@ -45,7 +45,7 @@ class Advice:
 
     def words(self) -> list[str]:
         """The advice in plain sentences."""
-        head = (f"No limit up to h = {self.cap:.6g}" if self.kind == "open" else
+        head = (f"The first step has no limit up to h = {self.cap:.6g}" if self.kind == "open" else
                 f"The largest safe step for this start is h = {self.h:.6g}")
         lines = [f"{head}: {self.reason}.", _accuracy(abs(self.h), self.rate)]
         if self.run_h is not None:

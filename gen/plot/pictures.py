@@ -89,7 +89,9 @@ def draw_section(result):
     """The outputs as points on the sphere: a Poincare section of a stroboscopic run."""
     spheres_only(result)
     orbits = [w for _, w in labelled(states_of(result))]
-    return portraits.sections([(first_line(result), orbits, [])])
+    farthest = max(float(np.linalg.norm(w, axis=1).max()) for w in orbits)
+    size = 0.6 if sum(map(len, orbits)) > 5000 else 4.0
+    return portraits.sections([(first_line(result), orbits, [])], size=size, radius=farthest, named=False)
 
 
 def draw_leaf(result):

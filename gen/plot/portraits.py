@@ -57,25 +57,26 @@ def compared(trajectories, title: str = "", view: View = View(-62, -18)):
 
 
 @styled
-def sections(panels, view: View = View(), size: float = 0.6):
+def sections(panels, view: View = View(), size: float = 0.6, radius: float = 1.0, named: bool = True):
     """Poincare sections, a sphere for each panel (title, regular, chaotic).
 
-    regular: list of orbits (k, 3), one shade each; chaotic: list of orbits, all vermilion.
+    regular: list of orbits (k, 3), one shade each; chaotic: list of orbits, all vermilion; named: says so.
     """
     figure = new_figure(4.5 * len(panels), 4.7)
     for ax, (title, regular, chaotic) in zip(figure.subplots(1, len(panels), squeeze=False)[0],
                                              panels):
-        sphere.ball(ax, view, label=shown(title))
+        sphere.ball(ax, view, radius, label=shown(title))
         shades = shades_of(len(regular))
         for w, shade in zip(regular, shades):
             sphere.points(ax, w, view, shade, size, rasterized=True)
         for w in chaotic:
             sphere.points(ax, w, view, VERMILION, size, rasterized=True, zorder=3.5)
-        if regular:
+        if regular and named:
             ax.plot([], [], "o", color=shades_of(1)[0], ms=4, label="regular orbits")
-        if chaotic:
+        if chaotic and named:
             ax.plot([], [], "o", color=VERMILION, ms=4, label="chaotic orbits")
-        ax.legend(loc="lower center", ncols=2, bbox_to_anchor=(0.5, -0.06))
+        if named:
+            ax.legend(loc="lower center", ncols=2, bbox_to_anchor=(0.5, -0.06))
     return figure
 
 

@@ -51,7 +51,7 @@ def _numbers(count: int) -> str:
 
 
 def _kept(r, i) -> str:
-    return f"kept exactly by {SAID[r.method]}" if i.kept else f"not kept exactly by {SAID[r.method]}: {i.why}"
+    return f"kept exactly by {SAID[r.method]}" if i.kept else f"not shown to be kept exactly by {SAID[r.method]}: {i.why}"
 
 
 def _linear(r):

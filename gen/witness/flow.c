@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define FARTHEST 200000 /* steps of GSL to one output: a flow that needs more is not resolved, and no reference */
+
 typedef struct flow {
   const system_t *s;
   real *memory, *w, *b, *x;
@@ -67,7 +69,7 @@ int witness_flow(const system_t *s, int integrator, double tol, double t0, doubl
     f.w = f.memory;
     f.b = f.memory + n;
     f.x = f.memory + 2 * n;
-    gsl_odeiv2_driver_set_nmax(d, 0);
+    gsl_odeiv2_driver_set_nmax(d, FARTHEST);
     status = march(&f, d, t0, y, times, count, out);
   }
   if (d) gsl_odeiv2_driver_free(d);

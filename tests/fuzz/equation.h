@@ -235,7 +235,7 @@ static int walk(const equation *e, real *u, real *along, real *s, real to, real 
   }
   if (!(sign * (to - *s) > 0)) return 1;
   for (int64_t i = 0; i < e->sites; i++)
-    if (midpoint_size(e, i, u) < 1e-5L * size) return -1; /* W near -w: no differences are taken there */
+    if (midpoint_size(e, i, u) < 1e-4L * size) return -1; /* W near -w: no differences are taken there */
   return spent < EFFORT && largest(along, n) > 100 * size ? 0 : -1;
 }
 

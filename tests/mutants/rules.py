@@ -91,7 +91,7 @@ BRANCH = (
     ("runtime/smg_dense.h", r"if \(i == j && !\(sum > 0\)\) return 0;", r"if (i == j && !(sum > 0)) return 1;"),
     ("runtime/smg_*.h", r"return (smg_\w+_solve\(.*\)) == 0 && positive == 1;", r"return \1 == 0;"),
     ("runtime/smg_follow.h", r"return SMG_(NO_SOLUTION|WRONG_BRANCH);", r"return SMG_OK;"),
-    ("runtime/smg_follow.h", r"return far > .* \? SMG_NO_CONVERGENCE : SMG_OK;", r"return SMG_OK;"),
+    ("runtime/smg_follow.h", r"return central \|\| far > .* \? SMG_NO_CONVERGENCE : SMG_OK;", r"return SMG_OK;"),
     ("runtime/smg_follow.h", r" \|\| \(f->sign < 0\) != \(f->q < 0\)", r""),
     ("runtime/smg_spin.h", r"if \(k >= 1 && d >= 0 && d <= 0\) return 0;", r""),
 )
