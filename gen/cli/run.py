@@ -192,7 +192,7 @@ def lines(args, result):
     yield from split_lines(result)
     yield from near_lines(result)
     if meta["status"] != "complete":
-        yield f"status: {meta['status']}"
+        yield f"status: {meta['status'] if meta['status'] == 'interrupted' else 'failed'}"
     if args.out not in (None, "-"):
         yield f"wrote {args.out}"
         if meta["status"] == "interrupted" and folder_of(args.out).is_dir():
