@@ -31,6 +31,14 @@ def test_a_curve_that_leads_too_far_is_not_vouched_for(make):
     assert follow(make("gcc-sanitized", "follow"), (1 / 101, 0, 0))[0] == NO_CONVERGENCE
 
 
+@pytest.mark.quick
+def test_a_curve_across_a_centre_is_not_vouched_for(make):
+    """The second site goes from (0, 0, 1) towards 0, and is there at p = 1, to 1e-4 or to 1e-5."""
+    program = make("gcc-sanitized", "follow")
+    assert follow(program, (1 / (1 - 1e-4), 0, 0), own=5, side=-1)[0] == OK
+    assert follow(program, (1 / (1 - 1e-5), 0, 0), own=5, side=-1)[0] == NO_CONVERGENCE
+
+
 @pytest.mark.parametrize("build", EVERY_BUILD)
 def test_a_fold_is_no_solution(make, build):
     """It is known to a pace how far the branch goes; the sites that move are named, the faster one first."""
