@@ -40,7 +40,7 @@ DOWNSTREAM = {"cli", "plot", "witness", "integrator.py", "run.py", "settings.py"
 class Built:
     """A compiled model. `notes` is what `generate` said it chose, by name."""
     name: str
-    library: Path
+    binary: Path
     folder: Path
     real: str
     compiler: str

@@ -94,7 +94,7 @@ class Integrator:
         self.values_in = _known_to(scene, values)
         self.families = sizes(scene, self.values_in)
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
-        self._c = _functions(_loaded(built.library), self.name)
+        self._c = _functions(_loaded(built.binary), self.name)
         self._state, self._keep = None, None
         self.h, self.count, self.w = math.nan, 0, None
         self.columns = value_columns(scene)

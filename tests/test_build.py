@@ -41,7 +41,7 @@ def test_a_second_build_is_found(spec):
     made = Counting()
     first, second = (build_library(spec, generate=made) for _ in range(2))
     assert made.calls == 1
-    assert first == second and first.library.exists() and first.notes == {"solver": "exact"}
+    assert first == second and first.binary.exists() and first.notes == {"solver": "exact"}
 
 
 @pytest.mark.parametrize("change", [
@@ -51,7 +51,7 @@ def test_a_choice_makes_another_build(spec, change):
     made = Counting()
     one = build_library(spec, generate=made)
     other = build_library(spec, generate=made, **change)
-    assert made.calls == 2 and one.library != other.library
+    assert made.calls == 2 and one.binary != other.binary
 
 
 def test_another_spec_makes_another_build(spec):
@@ -106,7 +106,7 @@ def test_a_failed_build_leaves_nothing_to_be_found(spec):
     with pytest.raises(smidgen.BuildError):
         build_library(spec, generate=Counting("#error no\n"))
     assert not [p for p in cache_folder().iterdir() if p.is_dir()]
-    assert build_library(spec, generate=Counting()).library.exists()
+    assert build_library(spec, generate=Counting()).binary.exists()
 
 
 def test_no_compiler(spec, monkeypatch):
@@ -153,7 +153,7 @@ def _build_counted(given):
         handle = os.open(folder / f"made-{os.getpid()}-{os.times().elapsed}", os.O_CREAT)
         os.close(handle)
         return model.generate(*args)
-    return str(build_library(spec, generate=generate).library)
+    return str(build_library(spec, generate=generate).binary)
 
 
 def test_the_cache_forgets_the_oldest(spec, monkeypatch):
@@ -168,14 +168,14 @@ def test_what_is_built_can_be_read(spec):
     built = build_library(spec, generate=Counting())
     assert json.loads((built.folder / "built.json").read_text())["notes"] == built.notes
     assert "-ffp-contract=off" in built.flags and "-march=native" not in built.flags
-    assert built.library.stat().st_mode & stat.S_IRUSR
+    assert built.binary.stat().st_mode & stat.S_IRUSR
 
 
 def test_a_new_value_is_no_new_build(toy):
     one = smidgen.build(toy, values={"J": 2.0, "shift": [1.0, 2.0]})
     other = smidgen.build(toy, values={"J": 3.0})
-    assert one.built.library == other.built.library
-    assert smidgen.build(toy, values={"n": 4}).built.library != one.built.library
+    assert one.built.binary == other.built.binary
+    assert smidgen.build(toy, values={"n": 4}).built.binary != one.built.binary
 
 
 def test_a_cache_that_cannot_be_written(spec, tmp_path, monkeypatch):
@@ -189,7 +189,7 @@ def test_a_cache_that_cannot_be_written(spec, tmp_path, monkeypatch):
 
 def test_a_library_that_cannot_be_loaded(toy):
     built = smidgen.build(toy).built
-    copy = dataclasses.replace(built, library=built.library.with_name("copy.so"))
-    copy.library.write_bytes(b"no library")
+    copy = dataclasses.replace(built, binary=built.binary.with_name("copy.so"))
+    copy.binary.write_bytes(b"no library")
     with pytest.raises(smidgen.BuildError, match="cannot load"):
         smidgen.Integrator(toy, toy, copy, {}, "spherical-midpoint", "auto")

@@ -172,6 +172,15 @@ energy = "w.z"
 """
 
 
+def test_a_zero_vector_stands_still_and_no_number_is_named(tmp_path):
+    """In a field that is not linear, so that Newton meets it; a start with NaN says where."""
+    (tmp_path / "small.toml").write_text(R3.replace('"w.z"', '"w.x^2 + w.y"'))
+    model = smidgen.build(smidgen.load(tmp_path / "small.toml"))
+    assert not np.any(model.start(np.zeros((1, 3)), h=0.1).steps(3).w)
+    with pytest.raises(smidgen.RunError, match="site 0 of the start"):
+        model.start(np.array([[np.nan, 0, 0]]), h=0.1)
+
+
 @pytest.mark.parametrize("size, starts", [(0.99 * limits.SHORTEST, False), (1.01 * limits.SHORTEST, True), (0.0, True),
                                           (0.99 * limits.LARGEST, True), (1.01 * limits.LARGEST, False)])
 def test_shortest(size, starts, tmp_path):

@@ -66,7 +66,7 @@ def build(args):
         files, notes = export_library(scene, args.out, method, solver, args.features)
     else:
         built = build_library(scene, method, solver, args.real, args.native, args.features)
-        files, notes = [built.library], built.notes
+        files, notes = [built.binary], built.notes
     report(args, scene, method, notes, files)
 
 
