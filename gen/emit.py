@@ -73,7 +73,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
         return dict(H=self.history(), ROWS=ROWS, weights=extrapolation(self.history(), 1),
                     weights_by_four=extrapolation(self.history(), 4), families=self.families, coupled=self.chosen(self.plan.coupled),
                     local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.rows,
-                    solver=self.plan.solver, newton=self.plan.newton, timed=self.low.is_timed(), rotation=self.plan.rotation, orientation=self.spec.orientation,
+                    solver=self.plan.solver, matrix=self.plan.matrix, swept=self.plan.swept, timed=self.low.is_timed(), rotation=self.plan.rotation, orientation=self.spec.orientation,
                     band=self.plan.band, wrap=self.plan.wrap, extended=self.extended, plain_sums="plain-sums" in self.features)
 
     def tables(self):
@@ -91,11 +91,12 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
         slots = self.common()
         slots["gradient"] = self.sums(self.coupled_effects(), self.gradient_body("s->m", "s->g"))
         slots["blocks"] = self.sums(self.coupled_effects(), self.block_body)
-        slots["matrix_size"] = self.matrix_size() if self.plan.newton else "0"
+        slots["products"] = self.sums(self.coupled_effects(), self.product_body)
+        slots["matrix_size"] = self.matrix_size() if self.plan.coupled else "0"
         solver_text = ""
         if self.plan.coupled:
             solver_text = self.render("newton.c.j2", **slots)
-            if not self.plan.newton or self.plan.rotation:
+            if self.plan.swept:
                 solver_text += self.render("sweep.c.j2", **self.sweep_slots(), **slots)
         local_text = "".join(self.render("local.c.j2", f=f, linear=self.closed_form(f), solo=self.solo)
                              for f in self.chosen(self.plan.local))
@@ -113,12 +114,12 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
         return f.name in self.plan.coupled or not self.closed_form(f)
 
     def has_newton(self, f) -> bool:
-        return self.plan.newton if f.name in self.plan.coupled else not self.closed_form(f)
+        return f.name in self.plan.coupled or not self.closed_form(f)
 
     def includes(self):
         names = ["smg_site.h", "smg_spin.h"]
-        if self.plan.newton:
-            names += [f"smg_{self.plan.solver}.h", "smg_follow.h"]
+        if self.plan.coupled:
+            names += [f"smg_{self.plan.solver if self.plan.matrix else 'krylov'}.h", "smg_follow.h"]
         if any(not self.closed_form(f) for f in self.chosen(self.plan.local)):
             names.append("smg_follow.h")
         if self.solo:

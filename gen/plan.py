@@ -42,8 +42,14 @@ class Plan:
         return 2 if self.method == "spherical-midpoint" else 3
 
     @property
-    def newton(self) -> bool:
+    def matrix(self) -> bool:
+        """Whether Newton's matrix is stored and factored; where not, GMRES takes its products with vectors."""
         return self.solver in ("dense", "band", "sparse")
+
+    @property
+    def swept(self) -> bool:
+        """Whether sweeps (rotations, or the plain fixed point) are tried before Newton."""
+        return bool(self.coupled) and (self.rotation or not self.matrix)
 
 
 def coupled_families(spec: Spec) -> tuple:

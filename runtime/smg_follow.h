@@ -30,10 +30,12 @@
 #define SMG_LOW (smg_real)0.25 /* dp/ds near a fold */
 #define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
 
-/* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J, or says why not. */
+/* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J
+ * (0: not known), or says why not. */
 typedef struct smg_curve {
   void *of;
   smg_status (*newton)(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *c, int *sign);
+  int (*sign_of)(void *of);   /* that sign at the last point, or 0: asked for where `newton` gives 0; NULL: there is none */
   int64_t n;
   const smg_real *w;          /* where it begins */
   smg_real scale;             /* the unit of y */
@@ -41,7 +43,7 @@ typedef struct smg_curve {
   smg_real slope;             /* dq/ds over the pace before */
   smg_real p, q, span;        /* part of h, its tangent, and how many natural steps h has: p counts in them */
   smg_real reached;           /* the part of h up to which it has a solution: the whole, or up to its first fold */
-  int sign;                   /* of det J */
+  int sign;                   /* of det J; 0 where it is not known */
   int64_t site, partner;      /* the two sites that move most where the branch turns back, or -1 */
 } smg_curve;
 
@@ -108,10 +110,11 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   for (int64_t k = 0; k < f->n; ++k) f->x[k] = f->y[k] + s * f->t[k] * f->scale;
   const int its = smg_curve_correct(f, &p, s, landing);
   if (its == 0) return 0;
+  if (f->sign == 0 && f->sign_of) f->sign = f->sign_of(f->of);
   for (int64_t k = 0; k < f->n; ++k) f->a[k] = f->t[k]; /* to go back to, when the curve bends too much */
   const smg_real q = f->q;
   /* along one curve det J has the sign of q: otherwise it is another one */
-  if (!(smg_curve_turn(f) >= SMG_ALONG) || (f->sign < 0) != (f->q < 0) || smg_curve_dips(f, q, s)) {
+  if (!(smg_curve_turn(f) >= SMG_ALONG) || (f->sign != 0 && (f->sign < 0) != (f->q < 0)) || smg_curve_dips(f, q, s)) {
     for (int64_t k = 0; k < f->n; ++k) f->t[k] = f->a[k];
     f->q = q;
     return 0;

@@ -43,6 +43,21 @@ SMG_INLINE smg_real smg_norm(const smg_real *a) {
   return most * SMG_MATH(sqrt)(x * x + y * y + z * z);
 }
 
+/* sums[r] += sum_l |B_rl| of an n x n block. */
+SMG_INLINE void smg_row_sums(int n, const smg_real *B, smg_real *sums) {
+  for (int r = 0; r < n; ++r)
+    for (int l = 0; l < n; ++l) sums[r] += smg_abs(B[n * r + l]);
+}
+
+/* The same of D - I into `rows`, and of (D + D^T)/2 - I into `mean`, D a diagonal block. */
+SMG_INLINE void smg_diagonal_sums(int n, const smg_real *D, smg_real *rows, smg_real *mean) {
+  for (int r = 0; r < n; ++r)
+    for (int l = 0; l < n; ++l) {
+      rows[r] += smg_abs(D[n * r + l] - (r == l));
+      mean[r] += smg_abs((D[n * r + l] + D[n * l + r]) / 2 - (r == l));
+    }
+}
+
 /* det A. */
 SMG_INLINE smg_real smg_det2(const smg_real *A) { return A[0] * A[3] - A[1] * A[2]; }
 

@@ -28,10 +28,9 @@ class MemoryParts:
                      ("m", "0", "midpoints of coupled sites: none here"))
         if self.plan.coupled:
             found += [("mbar", n3, "midpoints (w + W)/2"), ("g", n3, "dH/dw at m"), ("r", n3, "residual"),
-                      ("kept", n3, "a solution whose branch is in doubt"), ("s", n1, "m = s mbar")]
+                      ("s", n1, "m = s mbar")]
             found += self.matrix_arrays()
-            if self.plan.newton:
-                found.append(("curve", times(15, self.total), "a branch of solutions followed: its point, tangent, changes"))
+            found.append(("curve", times(15, self.total), "a branch of solutions followed: its point, tangent, changes"))
         found += self.wide_arrays()
         return [dict(name=a, size=b, meaning=c) for a, b, c in found]
 
@@ -43,9 +42,12 @@ class MemoryParts:
         bs, n = self.plan.block, self.total
         frame = [("G", times(3 * bs, n), "dual rows of the Newton matrix"),
                  ("S", times(3 * bs, n), "tangent columns"), ("x", times(bs, n), "right-hand side and solution")]
-        if not self.plan.newton:
-            return frame
-        return frame + [("A", self.matrix_size(), "Newton matrix"), ("work", self.work_size(), "its factorisation")]
+        if self.plan.matrix:
+            return frame + [("A", self.matrix_size(), "Newton matrix"), ("work", self.work_size(), "its factorisation")]
+        rows, n3 = times(bs, self.rows), times(3, n)
+        return frame + [("A", self.matrix_size(), "diagonal blocks of the Newton matrix J"), ("rows", rows, "row sums of abs(J - I)"),
+                        ("mean", rows, "the same of (J + J^T)/2"), ("along", n3, "a change of the midpoints"),
+                        ("felt", n3, "the change of dH/dw that it makes"), ("product", rows, "half of a product with J"), ("work", self.work_size(), "basis of a Krylov space")]
 
     def matrix_size(self) -> str:
         bs2, n = self.plan.block ** 2, self.rows
@@ -53,6 +55,8 @@ class MemoryParts:
             return f"{bs2}*({n})*({n})"
         if self.plan.solver == "band":
             return f"{bs2 * (2 * self.plan.band + 1)}*({n})"
+        if not self.plan.matrix:
+            return times(bs2, n)
         return str(bs2 * self.plan.pattern.blocks)
 
     def work_size(self) -> str:
@@ -60,4 +64,6 @@ class MemoryParts:
             return self.matrix_size()
         if self.plan.solver == "band":
             return f"smg_band_worksize({self.rows}, {self.plan.band})"
+        if not self.plan.matrix:
+            return f"smg_krylov_worksize({times(self.plan.block, self.rows)})"
         return f"smg_sparse_worksize({self.plan.pattern.size})"

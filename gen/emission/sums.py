@@ -49,6 +49,12 @@ class SumParts:
                          f"{', '.join([*t.common(), *vectors])});")
         return lines
 
+    def product_body(self, t):
+        """s->felt += B s->along for the Hessian blocks that join two sites."""
+        vectors = [self.vector("s->m", s) for s in t.slots]
+        return [t.call(f"hessian_{k}{l}", vectors, self.vector("s->along", t.slots[l]), self.vector("s->felt", t.slots[k])) + ";"
+                for k, l in t.derived.hessian if k != l]
+
     def value_body(self, t):
         call = t.call("value", [self.vector("w", s) for s in t.slots])
         return [f"smg_add_carry(&sum, &lost, {call});"]

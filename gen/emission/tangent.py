@@ -12,20 +12,19 @@ class TangentParts:
         if "tangent" not in self.features:
             return ""
         slots = self.common()
-        swept = bool(self.plan.coupled) and not self.plan.newton
         return self.render(
-            "tangent.c.j2", gathers=self.tangent_gathers(), solo=self.solo, swept=swept, lifts=self.lifts(),
-            sweep=self.by_site("settle_one", True), load=self.by_site("load", False),
+            "tangent.c.j2", gathers=self.tangent_gathers(), solo=self.solo, lifts=self.lifts(),
+            load=self.by_site("load", False),
             place={f: self.place(f) for f in self.plan.coupled}, keeps=self.tangent_keeps(),
             bent={f.name for f in self.chosen(self.plan.local) if self.neighbours(f.name)},
             linear={f.name for f in self.families if self.closed_form(f)},
-            matrix_size=self.matrix_size() if self.plan.newton else "0", **slots)
+            matrix_size=self.matrix_size() if self.plan.coupled else "0", **slots)
 
     def tangent_header(self) -> str:
         """The prototypes of the tangent map; '' where it was not asked for."""
         if "tangent" not in self.features:
             return ""
-        return self.render("tangent.h.j2", swept=bool(self.plan.coupled) and not self.plan.newton)
+        return self.render("tangent.h.j2")
 
     def lifts(self) -> bool:
         """Does the leaf of a coupled site move with w?"""
@@ -35,7 +34,7 @@ class TangentParts:
         """How many numbers a factorisation keeps beside the state: a permutation, or the matrix it destroys."""
         if self.plan.coupled and self.plan.solver == "dense":
             return f"{self.plan.block}*({self.rows})"
-        return self.matrix_size() if self.plan.coupled and self.plan.solver == "sparse" else ""
+        return self.matrix_size() if self.plan.solver == "sparse" else ""
 
     def by_site(self, what: str, coloured: bool) -> str:
         """Calls of `what` for all coupled sites, in the order of a sweep."""

@@ -75,9 +75,9 @@ BRANCH = (
     (STEP, r"if \(!\{\{ M \}\}_solo_sure\(det\)( \|\| .*)?\) return SMG_WRONG_BRANCH;", r""),
     (STEP, r"\{\{ M \}\}_solo_sure\(det\) && ", r""),
     (STEP, r"return smg_abs\(det - .*;", r"return det > 0;"),
-    (STEP, r"status == SMG_OK && apart <= s->scale \* SMG_MATH\(sqrt\)\(SMG_EPS\)", r"status == SMG_OK"),
-    (STEP, r"found\.row \* found\.stretch < 1", r"1"),
-    (STEP, r"if \(!\(s->x\[k\] < 1\)\) ", r"if (0) "),
+    (STEP, r"solved && row < 1", r"solved"),
+    (STEP, r"solved && ", r""),
+    (STEP, r"mean <= SMG_CONTRACTS \|\| smg_krylov_coercive\(&a, mean\)", r"1"),
     (STEP, r"if \(status == SMG_WRONG_BRANCH\) break;", r"if (status == SMG_WRONG_BRANCH) return SMG_OK;"),
     (STEP, r"status = followed;", r"status = SMG_OK;"),
     ("runtime/smg_block.h", r"&& \*pivots == 1\) \*pivots = 2;", r"&& *pivots == 1) *pivots = 1;"),
@@ -92,13 +92,13 @@ BRANCH = (
     ("runtime/smg_*.h", r"return (smg_\w+_solve\(.*\)) == 0 && positive == 1;", r"return \1 == 0;"),
     ("runtime/smg_follow.h", r"return SMG_(NO_SOLUTION|WRONG_BRANCH);", r"return SMG_OK;"),
     ("runtime/smg_follow.h", r"return central \|\| far > .* \? SMG_NO_CONVERGENCE : SMG_OK;", r"return SMG_OK;"),
-    ("runtime/smg_follow.h", r" \|\| \(f->sign < 0\) != \(f->q < 0\)", r""),
+    ("runtime/smg_follow.h", r" \|\| \(f->sign != 0 && \(f->sign < 0\) != \(f->q < 0\)\)", r""),
     ("runtime/smg_spin.h", r"if \(k >= 1 && d >= 0 && d <= 0\) return 0;", r""),
 )
 
 TOLERANCE = (
     (C, r"(?<!\(sqrt\)\()(?<!NEGLIGIBLE \()(?<!EPS \* )\bSMG_EPS\b", r"(1000000 * SMG_EPS)"),
-    (C, r"SMG_MATH\(sqrt\)\(SMG_EPS\)", r"4"),
+    (C, r"found\.residual <= SMG_SETTLED", r"1 || found.residual <= SMG_SETTLED"),
     (C, r"(?<=define SMG_NEGLIGIBLE ).*", r"1e-3"),
     (C, r"\bSMG_ROUNDOFF\b(?= \*)", r"(100000000 * SMG_ROUNDOFF)"),
     (C, r"\b1e-(12|9|5)\b(?! *\*/)", r"1e-3"),

@@ -32,6 +32,7 @@ int main(void) {
   for (int64_t e = 0; e < k.n; e++) room[e] = 1;
   f.of = &k;
   f.newton = newton;
+  f.sign_of = NULL;
   f.n = k.n;
   f.w = room;
   f.scale = 1;

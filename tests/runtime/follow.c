@@ -42,6 +42,7 @@ int main(void) {
   for (int64_t e = 0; e < k.n; e++) w[e] = e == k.own ? k.w0 : rest(&k, e);
   f.of = &k;
   f.newton = newton;
+  f.sign_of = NULL;
   f.n = k.n;
   f.w = w;
   f.scale = 1;
