@@ -77,7 +77,7 @@ class Inventor(Writer):
             found += [f"{name}[{form.format(i=i)}]" for form, need in forms.items()
                       if all(a <= b for a, b in zip(need, have)) and s is sizes[indices.index(i)]]
         if len(indices) > 1:
-            found += [f"{a}[{indices[0]} + {indices[1]}]" for a, (_, have) in self.arrays.items()
+            found += 3 * [f"{a}[{indices[0]} + {indices[1]}]" for a, (_, have) in self.arrays.items()
                       if all(x + y - 1 <= h for x, y, h in zip(*sizes[:2], have))]
         return found
 

@@ -126,7 +126,8 @@ def child(text, mouth, cache):
         stage[0] = name
         mouth.send(("stage", name))
     try:
-        row = dict(through(text, tell, found=row), stage="", said=row["note"])
+        done = through(text, tell, found=row)
+        row = dict(done, stage="", said=done["note"])
     except BaseException as problem:        # whatever it is, it is what this looks for
         full = str(problem) if isinstance(problem, Fault) else traceback.format_exc()
         full += getattr(problem, "log", "")
@@ -169,11 +170,14 @@ def code() -> str:
 
 
 def rows_of(path) -> list:
-    """The whole rows of a file; the last may have been cut off."""
+    """The rows of a file; a last one that was cut off is removed from it."""
     if not path.exists():
         return []
+    whole = path.read_bytes().rpartition(b"\n")
+    if whole[2]:
+        path.write_bytes(whole[0] + whole[1])
     with open(path, newline="") as lines:
-        return [r for r in csv.DictReader(lines) if None not in r and None not in r.values()]
+        return list(csv.DictReader(lines))
 
 
 def many(seeds, jobs, path, until=float("inf")):
@@ -181,13 +185,11 @@ def many(seeds, jobs, path, until=float("inf")):
     now = code()
     done = {int(r["seed"]) for r in rows_of(path) if r["code"] == now}
     waiting, running = iter(k for k in seeds if k not in done), {}
-    fresh = not path.exists()
+    fresh = not path.exists() or not path.stat().st_size
     with open(path, "a", newline="") as out:
         table = csv.DictWriter(out, COLUMNS, extrasaction="ignore")
         if fresh:
             table.writeheader()
-        elif path.read_bytes()[-1:] not in (b"\n", b""):
-            out.write("\r\n")
         try:
             while True:
                 while len(running) < jobs and time.monotonic() < until and (k := next(waiting, None)) is not None:

@@ -94,11 +94,19 @@ class Passage:
         self.stage("generate")
         self.scene = scene_of(self.spec, s.effects, s.values)
         self.files = self.generated(self.scene)
-        fixed = {p.name: s.values[p.name] for p in self.spec.parameters if p.fixed and p.name in s.values}
-        first = select(self.spec, s.effects, fixed)
+        first = self.at_defaults()
         self.same = [p.default for p in first.parameters] == [p.default for p in self.scene.parameters]
         self.defaults = self.files if self.same else self.generated(first)
         self.found["solver"] = self.files.notes["solver"]
+
+    def at_defaults(self):
+        """The scene of the spec's own numbers, but for what is compiled in; the run's where such a list has another size."""
+        s = self.settings
+        fixed = {p.name: s.values[p.name] for p in self.spec.parameters if p.fixed and p.name in s.values}
+        try:
+            return select(self.spec, s.effects, fixed)
+        except UsageError:
+            return self.scene
 
     def generated(self, scene):
         """The files; what does not exist together is refused in words, and done without."""
@@ -119,7 +127,7 @@ class Passage:
             here.mkdir()
             write_files(files, here)
             sources = sorted(f for f in files if f.endswith(".c"))
-            drawn = sorted(COMPILERS)[len(self.text) % 4]
+            drawn = sorted(COMPILERS)[len(self.text) % len(COMPILERS)]
             for compiler, real in [*((c, "double") for c in COMPILERS), (drawn, "long double")]:
                 said = compile_all(here, sources, compiler, real=real)
                 if said:
