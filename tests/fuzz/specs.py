@@ -246,23 +246,23 @@ def plain(said) -> str:
 
 
 def closing(rows, path) -> str:
-    """The table that closes a run."""
-    verdicts = collections.Counter(r["verdict"] for r in rows)
-    seconds = [float(r["seconds"] or 0) for r in rows]
-    lines = [f"{len(rows)} specs: {verdicts['fine']} fine, {verdicts['refused']} with a refused step, {verdicts['fault']} faults; "
-             f"{sum(seconds)/max(1, len(rows)):.1f} s of processor time each, {max(seconds, default=0):.0f} s the longest"]
+    """The table that closes a run: what the specs were made of, what was refused, what was found, how many."""
+    kinds = collections.Counter(k for r in rows for k in r["kinds"].split("|"))
+    lines = ["specs with: " + ", ".join(f"{kinds[k]} {k}" for k in KINDS)]
+    for what in ("method", "solver", "features"):
+        lines.append(f"{what}: " + ", ".join(f"{n} {k or 'none'}" for k, n in collections.Counter(r[what] for r in rows).most_common()))
+    refused = collections.Counter(re.sub(r"[-+]?\d[\d.e+-]*", "#", r["said"])[:110] for r in rows if r["verdict"] == "refused")
+    lines += [f"{n:5} refused: {why}" for why, n in refused.most_common(12)]
     faults = collections.defaultdict(list)
     for r in rows:
         if r["verdict"] == "fault":
             faults[r["stage"], r["said"]].append(r["seed"])
-    lines += [f"  {len(k):4} {stage}: {said}  (seeds {', '.join(k[:5])}; {path.with_suffix('') / k[0]})"
+    lines += [f"{len(k):5} {stage}: {said} (seeds {', '.join(k[:5])}; {path.with_suffix('') / k[0]})"
               for (stage, said), k in sorted(faults.items(), key=lambda x: -len(x[1]))]
-    refused = collections.Counter(re.sub(r"[-+]?\d[\d.e+-]*", "#", r["said"])[:110] for r in rows if r["verdict"] == "refused")
-    lines += [f"  {n:4} refused: {why}" for why, n in refused.most_common(12)]
-    for what in ("method", "solver", "features"):
-        lines.append(f"{what}: " + ", ".join(f"{n} {k or 'none'}" for k, n in collections.Counter(r[what] for r in rows).most_common()))
-    kinds = collections.Counter(k for r in rows for k in r["kinds"].split("|"))
-    return "\n".join([*lines, "specs with: " + ", ".join(f"{kinds[k]} {k}" for k in KINDS)])
+    verdicts, seconds = collections.Counter(r["verdict"] for r in rows), [float(r["seconds"] or 0) for r in rows]
+    lines.append(f"{len(rows)} specs: {verdicts['fine']} fine, {verdicts['refused']} with a refused step, {verdicts['fault']} faults of "
+                 f"{len(faults)} kinds; {sum(seconds)/max(1, len(rows)):.1f} s of processor time each, {max(seconds, default=0):.0f} s the longest")
+    return "\n".join(lines)
 
 
 def one_again(path):
@@ -284,6 +284,7 @@ def main(words=None):
     args = parser.parse_args(words)
     if args.spec:
         return one_again(args.spec)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))      # the processes of the specs end with it
     args.out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as cache:
         os.environ["SMIDGEN_CACHE"] = cache

@@ -29,7 +29,7 @@ from smidgen.settings import settle
 from smidgen.start import initial_state, parameter_values
 from smidgen.witness import Witness
 
-from .differential import ALLOWED, EPSILON, Pair, random_state
+from .differential import Pair, compare, random_state
 from .invent import features_of, files_of
 from .program import COUNT, numbers_of, program
 
@@ -159,7 +159,7 @@ class Passage:
     def library(self):
         """The library that Python calls, compiled with every warning an error: the numbers of the program."""
         self.stage("library")
-        with flags(STRICT):
+        with builds(STRICT, self.where / "cache"):
             built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
                                   generate=lambda *_: self.files)
         self.model = Integrator(self.spec, self.scene, built, self.values, self.settings.method, self.settings.solver)
@@ -176,6 +176,8 @@ class Passage:
         try:
             if self.small:
                 pair.steps(self.w, self.t, self.h, COUNT)
+            else:
+                pair.residuals(self.w, self.t, self.h)
         except RunError as refusal:
             self.refused(refusal)
         if hasattr(self, "said"):
@@ -208,16 +210,25 @@ class Compared(Pair):
         self.values = {p.name: one.values[p.name] for p in one.scene.parameters}
         self.model = getattr(one, "model", None)
 
+    def residuals(self, w, t, h):
+        """Steps too large to compare states: each one solves the witness's equation."""
+        self.model.start(w.copy(), t0=t, h=h)
+        for k in range(COUNT):
+            before, now = self.model.state(), t + k*h
+            after, scale = self.model.step().state(), self.allowed(before, now, h, 1)
+            compare(f"residual of step {k + 1} of {h!r}", self.witness.residual(before, after, now, h, self.model.method), 0, scale)
+
 
 @contextlib.contextmanager
-def flags(words):
-    """The compiler's options for a library, in place of those for speed."""
-    module = sys.modules["smidgen.build"]
-    before, module.FLAGS = module.FLAGS, words
+def builds(words, cache):
+    """Libraries with these options of the compiler, in a cache of their own."""
+    module, cache_of_all = sys.modules["smidgen.build"], os.environ.get("SMIDGEN_CACHE")
+    before, module.FLAGS, os.environ["SMIDGEN_CACHE"] = module.FLAGS, words, str(cache)
     try:
         yield
     finally:
         module.FLAGS = before
+        os.environ.pop("SMIDGEN_CACHE") if cache_of_all is None else os.environ.update(SMIDGEN_CACHE=cache_of_all)
 
 
 def ran(where, *words) -> str:
