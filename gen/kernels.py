@@ -5,6 +5,7 @@ slots; gradients and Hessians add into their outputs, so that sums need no other
 """
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import sympy as sp
@@ -15,6 +16,8 @@ from .lower import Lowering
 from .spec import Graph, Term
 
 DIRECTION = sp.symbols("dx dy dz", real=True)
+PART = re.compile(r"const \w+ (x\d+) = ")
+NAME = re.compile(r"x\d+")
 
 
 @dataclass(frozen=True)
@@ -49,13 +52,24 @@ class TermKernels:
 
 def function(head: str, arguments, body, unused):
     """A static inline function; arguments that the body never reads are said to be unused."""
+    body = read(body)
     text = "\n".join(body)
     spare = [f"(void){name};" for name in unused if not mentions(text, name)]
-    return "\n".join([f"static inline {head}({', '.join(arguments)}) {{", *indent(spare + list(body)), "}"])
+    return "\n".join([f"static inline {head}({', '.join(arguments)}) {{", *indent(spare + body), "}"])
+
+
+def read(body) -> list:
+    """The lines without the common parts x0, x1, .. that nothing reads: what they stood in has cancelled out."""
+    kept, names = [], set()
+    for line in reversed(list(body)):
+        given = PART.match(line)
+        if not given or given.group(1) in names:
+            kept.append(line)
+            names |= set(NAME.findall(line))
+    return kept[::-1]
 
 
 def mentions(text: str, name: str) -> bool:
-    import re
     return re.search(rf"(?<![A-Za-z0-9_]){re.escape(name)}(?![A-Za-z0-9_])", text) is not None
 
 
@@ -105,7 +119,7 @@ def hessian_function(low, kernels, pair):
     declared, names = arguments(low, kernels)
     body = list(kernel.lines) + additions([f"y[{a}]" for a in range(3)], kernel.results)
     return function(f"void {kernels.prefix}_hessian_{k}{l}", declared + ["const smg_real *d", "smg_real *y"],
-                    body, names + ["d"])
+                    body, names + ["d", "y"])
 
 
 def additions(targets, results):

@@ -100,6 +100,34 @@ def test_every_solver_of_the_classical_midpoint_compiles_clean(name, solver, tmp
     check_combination(tmp_path, load(name), CLASSICAL, solver)
 
 
+FLAT = """[model]
+name = "flat"
+[space]
+u = { sphere = 2 }
+w = { r3 = 3 }
+[parameters]
+r = 1.3
+D = { default = [0.2, 0.7, -0.4], vector = true, fixed = true }
+[effects.cancels]
+over = "each(k of u, i of w)"
+energy = "0.7*dot(w[i], u[k]) + sin(t)*cross(u[k], u[k]).x + triple(if(u[k].x < 0.247, u[k], D), 0.3*w[i] - D, u[k])"
+[effects.constant]
+over = "bond(i, j) of chain(3, open) on w"
+energy = "w[j].z/(3 + dot(cross(w[i], w[i]), w[i])^2)"
+[effects.straight]
+over = "site(k) of w"
+energy = "dot(0.3*w[k] - D, if(r < 1.299, w[k], D))"
+"""
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("solver", ["plain", "newton"])
+def test_what_cancels_out_leaves_no_variable(solver, tmp_path):
+    """Nor an index or an argument that nothing reads: a term may have no gradient or no curvature."""
+    sources = written(tmp_path, texts.read(FLAT), SPHERICAL, solver)
+    assert [compile_all(tmp_path, sources, compiler) for compiler in COMPILERS] == [""] * len(COMPILERS)
+
+
 def test_what_nothing_calls_is_left_out():
     """In chains, tables too; what a macro names stays."""
     text = ("/* a */\nstatic inline double a(void) {\n  return b(t[0]);\n}\n"

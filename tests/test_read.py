@@ -247,6 +247,16 @@ def test_starts():
                                         math.cos(3)))
 
 
+def test_a_family_may_be_named_like_an_axis():
+    """The table of a family x is no x coordinate; in a space of one family both forms are there."""
+    effect, starts = '[effects.e]\nenergy = "dot(x, z)"\n', "[starts.a.x]\nrandom = 1\n[starts.a.z]\ntheta = 0\nphi = 0\n"
+    two = load_text(spec_of("[space]\nx = { sphere = 1 }\nz = { sphere = 1 }\n" + effect, starts=starts))
+    assert [(f.family, f.kind) for f in two.starts[0].families] == [("x", "random"), ("z", "formula")]
+    for keys in ("[starts.a]\nx = 0\ny = 0\nz = 1\n", "[starts.a.x]\nx = 0\ny = 0\nz = 1\n"):
+        one = load_text(spec_of('[space]\nx = { sphere = 1 }\n[effects.e]\nenergy = "x.z"\n', starts=keys))
+        assert one.starts[0].families[0].kind == "formula"
+
+
 def test_angles_are_scaled_by_the_radius():
     spec = family("w = { sphere = 3, radius = 'i + 2' }", starts="[starts.a]\ntheta = 0\nphi = 0\n")
     z = spec.starts[0].families[0].value[2]

@@ -20,7 +20,7 @@ class SumParts:
 
     def sums(self, terms, body):
         lines = []
-        for term in terms:
+        for term in (t for t in terms if body(t)):      # a term without curvature has no blocks
             lines += self.loops.scatter(term.over, lambda _, t=term: body(t))
         return "\n".join(indent(lines))
 

@@ -42,10 +42,11 @@ class StartReader:
         if self.declared.hollow:
             self.formulas.silently()
         meaning(node.table(), "meaning")
-        if len(families) == 1 and not any(node.has(f) for f in families):
+        tables = [f for f in families if node.has(f) and (f not in KEYS or isinstance(node.get(f).raw, dict))]  # one may be named x
+        if len(families) == 1 and not tables:
             (family,) = families.values()
             return Start(name, (self.family(node, family, ("meaning",)),))
-        if any(node.has(k) for k in KEYS):
+        if any(node.has(k) for k in KEYS if k not in tables):
             self.problems.fail(codes.START, node.key, "the space has several families: "
                                + ", ".join(families), "give each a table of its own: "
                                f"[{node.label}.{next(iter(families))}]")

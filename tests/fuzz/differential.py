@@ -133,20 +133,24 @@ class Pair:
         speed = np.abs(self.witness.vector_field(w, t)).max()
         return 0.2 / max(np.abs(dx).sum(1).max(), speed, 0.5)
 
-    def steps(self, w, t):
-        """Steps of both; None when the witness finds no solution."""
-        h = float(self.step_size(w, t) * self.dice.choice((-1, 1)))
-        try:
-            mine = self.witness.steps(w, t, h, STEPS, self.model.method)
-        except RunError:
-            return
+    def allowed(self, w, t, h, count):
+        """The round-off of some steps: of the state, and what a unit in the last place of it does to h X."""
         dx, _ = self.witness.jacobian(w, t)
         size = np.abs(w).max() * (1 + np.abs(h * dx).sum(1).max())
         x = carried(lambda v, s: h * self.witness.vector_field(v, s), w, t, self.dice).max()
-        allowed = ALLOWED * STEPS * (EPSILON * size + x)
+        return ALLOWED * count * (EPSILON * size + x)
+
+    def steps(self, w, t, h=None, count=STEPS):
+        """Steps of both, by default of a modest h; None when the witness finds no solution."""
+        h = float(self.step_size(w, t) * self.dice.choice((-1, 1))) if h is None else h
+        try:
+            mine = self.witness.steps(w, t, h, count, self.model.method)
+        except RunError:
+            return
+        allowed = self.allowed(w, t, h, count)
         self.model.start(w.copy(), t0=t, h=h)
         before = self.casimirs(w)
-        for k in range(1, STEPS + 1):
+        for k in range(1, count + 1):
             compare(f"state after {k} steps of {h!r} from {t!r}", self.model.step().w, mine[k], allowed)
         compare("Casimirs kept", self.casimirs(self.model.w), before, allowed * (1 + np.abs(w).max()) * 3)
 

@@ -1,4 +1,4 @@
-"""All the fuzzing for a stated time: the language, random Hamiltonians, bad steps.
+"""All the fuzzing for a stated time: the language, whole specs, random Hamiltonians, bad steps.
 
     python -m fuzz.run [--minutes 10] [--seed 1]          # make fuzz MINUTES=10
 
@@ -15,7 +15,7 @@ from pathlib import Path
 TESTS = Path(__file__).parent.parent
 OUT = TESTS.parent / "out" / "fuzz"
 CORPUS = TESTS / "fuzz" / "corpus"
-SHARES = {"language": 0.4, "random Hamiltonians": 0.3, "bad steps": 0.3}    # of the time
+SHARES = {"language": 0.3, "whole specs": 0.3, "random Hamiltonians": 0.2, "bad steps": 0.2}    # of the time
 BATCH = 20_000          # bad steps between two looks at the clock
 
 
@@ -37,6 +37,11 @@ def language(seconds, seed):
     return python("fuzz.minimise", CORPUS, OUT / "live", TESTS.parent / "specs", log="language.log") or bad
 
 
+def specs(seconds, seed):
+    """Random specs through compilers, sanitizers, restore and witness."""
+    return python("fuzz.specs", "--seconds", seconds, "--seed", seed, "--shrink", 60, log="specs.log")
+
+
 def hamiltonians(seconds, seed):
     """Generated C against the witness."""
     return python("fuzz.differential", "--seconds", seconds, "--seed", seed, log="hamiltonians.log")
@@ -51,7 +56,7 @@ def bad_steps(seconds, seed):
     return bad
 
 
-PARTS = {"language": (language, "language.log"), "random Hamiltonians": (hamiltonians, "hamiltonians.log"),
+PARTS = {"language": (language, "language.log"), "whole specs": (specs, "specs.log"), "random Hamiltonians": (hamiltonians, "hamiltonians.log"),
          "bad steps": (bad_steps, "bad_steps.log")}
 
 

@@ -1,0 +1,150 @@
+"""A C program that takes one model through its whole interface, in memory of exactly the sizes that it asks for.
+
+It prints the numbers of the start, each state of COUNT steps, and whether a state saved halfway, restored into a model
+that stood elsewhere, went on with the same bits. One line for each: `name number number ..` in hexadecimal.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+COUNT = 10
+
+TEXT = """
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "{M}.h"
+
+static void put(const char *name, const smg_real *x, size_t n) {{
+  printf("%s", name);
+  for (size_t k = 0; k < n; ++k) printf(" %a", (double)x[k]);
+  printf("\\n");
+}}
+
+static void one(const char *name, smg_real x) {{ put(name, &x, 1); }}
+
+static smg_real *some(size_t bytes) {{
+  smg_real *x = (smg_real *)malloc(bytes ? bytes : 1);
+  if (!x) exit(9);
+  memset(x, 0x7f, bytes);       /* what is read before it is written is seen in the numbers */
+  return x;
+}}
+
+static smg_real *saved(const {M}_state *s, const {M}_params *p) {{
+  smg_real *x = some({M}_savesize(p) * sizeof *x);
+  {M}_save(s, x);
+  return x;
+}}
+
+static int same(smg_real *a, smg_real *b, size_t n) {{
+  const int equal = memcmp(a, b, n * sizeof *a) == 0;
+  free(a);
+  free(b);
+  return equal;
+}}
+
+static const double start[] = {{ {start} }};
+{tables}
+
+int main(void) {{
+  const double t0 = {t0}, h = {h};
+  {M}_params p;
+  {M}_state s, r;
+  {M}_defaults(&p);
+{assign}
+  smg_status status = {M}_check(&p);
+  one("check", (smg_real)status);
+  if (status != SMG_OK) return 0;
+  const size_t n = 3 * (size_t){M}_sites(&p), size = {M}_savesize(&p);
+  if (n != sizeof start / sizeof *start) return 8;
+  smg_real *w = some(n * sizeof *w), *x = some(n * sizeof *x), *mem = some({M}_memsize(&p)), *other = some({M}_memsize(&p));
+  for (size_t k = 0; k < n; ++k) w[k] = (smg_real)start[k];
+  status = {M}_init(&s, &p, mem, w, t0, h);
+  one("init", (smg_real)status);
+  if (status != SMG_OK) return 0;
+  one("energy", {M}_energy(&p, (smg_real)t0, s.w));
+{values}
+  {M}_field(&p, (smg_real)t0, s.w, x);
+  put("field", x, n);
+  {M}_casimirs(&p, s.w, x);
+  put("casimirs", x, n / 3);
+  smg_real sum[3 * {families}];
+  {M}_momentum(&p, s.w, sum);
+  put("momentum", sum, 3 * {families});
+  smg_real *half = NULL;
+  for (int k = 0; k < {count} && status == SMG_OK; ++k) {{
+    smg_real *before = saved(&s, &p);
+    if (k == {count} / 2) half = saved(&s, &p);
+    status = {M}_step(&s);
+    if (status == SMG_OK) put("w", s.w, n);
+    else one("stays", same(saved(&s, &p), saved(&s, &p), size) && memcmp(before + 10, s.w, 0) == 0);
+    free(before);
+  }}
+  one("status", (smg_real)status);
+{tangent}
+  if (half) {{      /* in a model that has gone elsewhere */
+    int equal = {M}_init(&r, &p, other, w, t0 + 1, 2 * h) == SMG_OK;
+    (void){M}_steps(&r, 2);
+    equal = equal && {M}_restore(&r, half) == SMG_OK;
+    const smg_status again = {M}_steps(&r, {count} - {count} / 2);
+    equal = equal && again == status && r.count == s.count && same(saved(&s, &p), saved(&r, &p), size);
+    one("restored", (smg_real)equal);
+  }}
+  free(half);
+  free(w);
+  free(x);
+  free(mem);
+  free(other);
+{free}
+  return 0;
+}}
+"""
+TANGENT = """
+  if (status == SMG_OK) {{
+    smg_real *v = some(2 * n * sizeof *v), *scratch = some({M}_tangent_memsize(&p));
+    for (size_t k = 0; k < 2 * n; ++k) v[k] = (smg_real)(k % 7) - 3;
+    one("carried", (smg_real){M}_tangent(&s, v, 2, scratch));
+    put("tangent", v, 2 * n);
+    free(v);
+    free(scratch);
+  }}"""
+
+
+def program(scene, values, w, t0, h, features) -> str:
+    """The text of main.c. values: of all parameters; w: the start, shape (sites, 3)."""
+    free = [p for p in scene.parameters if not p.fixed]
+    arrays = {p.name: values[p.name] for p in free if p.kind == "array"}
+    numbers = {p.name: values[p.name] for p in free if p.kind != "array"}
+    name = scene.name
+    calls = [(f"energy.{e.name}", f"{name}_energy_{e.name}") for e in scene.effects]
+    calls += [(o.name, f"{name}_observe_{o.name}") for o in scene.observables]
+    return TEXT.format(
+        M=name, start=listed(w.ravel()), t0=literal(t0), h=literal(h), count=COUNT, families=len(scene.families),
+        tables="\n".join(f"static const double given_{a}[] = {{ {listed(x)} }};" for a, x in arrays.items()),
+        assign="\n".join([f"  p.{k} = {literal(x)};" for k, x in numbers.items()] + [heap(a) for a in arrays]),
+        values="\n".join(f'  one("{shown}", {call}(&p, (smg_real)t0, s.w));' for shown, call in calls),
+        tangent=TANGENT.format(M=name) if "tangent" in features else "",
+        free="\n".join(f"  free(own_{a});" for a in arrays))
+
+
+def heap(a):
+    """An array in memory of its own size: what lies behind its end is no memory of the program."""
+    return (f"  double *own_{a} = (double *)malloc(sizeof given_{a});\n  if (!own_{a}) return 9;\n"
+            f"  memcpy(own_{a}, given_{a}, sizeof given_{a});\n  p.{a} = own_{a};")
+
+
+def literal(x) -> str:
+    return str(x) if isinstance(x, int) else float(x).hex()
+
+
+def listed(x) -> str:
+    return ", ".join(literal(float(v)) for v in x)
+
+
+def numbers_of(said: str) -> dict:
+    """name -> numbers of what the program printed; `w` has one row for each step."""
+    found = {}
+    for line in said.splitlines():
+        name, *words = line.split()
+        found.setdefault(name, []).append([float.fromhex(x) for x in words])
+    return {name: np.array(rows) if name == "w" else np.array(rows[-1]) for name, rows in found.items()}

@@ -1,0 +1,243 @@
+"""All that one spec must go through: read, generate, four strict compilers, sanitizers, restore, the witness.
+
+    found = through(text)           # what was done, in words; Fault where something is wrong
+
+A step or a start that is refused with a status is no fault; `found["verdict"]` is "refused" then.
+"""
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from support.strict import COMPILERS, WARNINGS, compile_all
+
+import smidgen
+from smidgen.build import build_library, find_compiler, write_files
+from smidgen.emit import generate
+from smidgen.errors import RunError, UsageError
+from smidgen.integrator import Integrator, scene_of
+from smidgen.resources import folder
+from smidgen.select import select
+from smidgen.settings import settle
+from smidgen.start import initial_state, parameter_values
+from smidgen.witness import Witness
+
+from .differential import Pair, compare, random_state
+from .invent import features_of, files_of
+from .program import COUNT, numbers_of, program
+
+SECONDS = 20        # of processor time, for each stage and each program that it starts
+SANITIZE = ("-O0", "-g", "-ffp-contract=off", "-fsanitize=address,undefined", "-fsanitize=float-cast-overflow",
+            "-fno-sanitize-recover=all")
+STRICT = ("-std=c11", "-O1", "-ffp-contract=off", *WARNINGS)
+
+
+class Fault(Exception):
+    """Something that must not be: its text begins with what, then says where."""
+
+
+def nothing(name):
+    """Called with the name of each stage as it begins."""
+
+
+def through(text: str, stage=nothing, change=lambda files: files, found=None) -> dict:
+    """What was done with the spec: method, solver, features, sites, verdict ("fine" or "refused"), note.
+
+    stage: is told the name of each stage as it begins; change: what a test does to the generated files; found: a dict
+    to fill, for those who want what is known of a spec with a fault.
+    """
+    with tempfile.TemporaryDirectory() as where:
+        one = Passage(text, Path(where), stage, change, {} if found is None else found)
+        one.read()
+        one.generate()
+        one.compilers()
+        one.sanitizers()
+        one.library()
+        one.witness()
+        return one.found
+
+
+class Passage:
+    """One spec on its way."""
+
+    def __init__(self, text, where, stage, change, found):
+        self.text, self.where, self.stage, self.change = text, where, stage, change
+        self.dice, self.features = np.random.default_rng(len(text)), features_of(text)
+        self.found = found
+        found.update(verdict="fine", note="")
+
+    def refused(self, why):
+        self.found.update(verdict="refused", note=f"{self.found['note']} {str(why)[:160]}".strip())
+
+    def read(self):
+        """Read the spec and its run; the state, time and step to begin with, of a fifth of the inverse rate."""
+        self.stage("read")
+        for name, content in files_of(self.text).items():
+            (self.where / name).write_text(content)
+        (self.where / "model.toml").write_text(self.text)
+        self.spec = smidgen.load(self.where / "model.toml")
+        s = self.settings = settle(self.spec, self.spec.runs[0].name)
+        self.values = parameter_values(self.spec, s.values)
+        self.w = initial_state(self.spec, s.start, s.values)
+        self.found.update(method=s.method, features=" ".join(self.features), sites=len(self.w))
+
+    def generate(self):
+        """C for the values of the run, as Python and the command build it; and C for the defaults, where it differs."""
+        s = self.settings
+        self.stage("generate")
+        self.scene = scene_of(self.spec, s.effects, s.values)
+        self.files = self.generated(self.scene)
+        first = self.at_defaults()
+        self.same = [p.default for p in first.parameters] == [p.default for p in self.scene.parameters]
+        self.defaults = self.files if self.same else self.generated(first)
+        self.found["solver"] = self.files.notes["solver"]
+
+    def at_defaults(self):
+        """The scene of the spec's own numbers, but for what is compiled in; the run's where such a list has another size."""
+        s = self.settings
+        fixed = {p.name: s.values[p.name] for p in self.spec.parameters if p.fixed and p.name in s.values}
+        try:
+            return select(self.spec, s.effects, fixed)
+        except UsageError:
+            return self.scene
+
+    def generated(self, scene):
+        """The files; what does not exist together is refused in words, and done without."""
+        try:
+            made = generate(scene, self.settings.method, self.settings.solver, features=self.features)
+        except UsageError as refusal:
+            self.found["note"] += f"{str(refusal)[:80]} "
+            made = generate(scene, self.settings.method, features=self.features)
+        notes, made = made.notes, type(made)(self.change(dict(made)))
+        made.notes = notes
+        return made
+
+    def compilers(self):
+        """Four compilers, every warning an error, in double precision; one, drawn by the spec, in extended precision."""
+        self.stage("compilers")
+        for name, files in [("run", self.files), *[("defaults", self.defaults)] * (not self.same)]:
+            here = self.where / name
+            here.mkdir()
+            write_files(files, here)
+            sources = sorted(f for f in files if f.endswith(".c"))
+            drawn = sorted(COMPILERS)[len(self.text) % len(COMPILERS)]
+            for compiler, real in [*((c, "double") for c in COMPILERS), (drawn, "long double")]:
+                said = compile_all(here, sources, compiler, real=real)
+                if said:
+                    raise Fault(f"{said}\n{compiler}, {real}")
+
+    def sanitizers(self):
+        """Ten steps, and a restored state that goes on with the same bits, under ASan and UBSan."""
+        self.stage("sanitizers")
+        self.witness_of = Witness(self.spec, self.values, self.settings.effects)
+        self.t = float(self.dice.uniform(0, 3))
+        pair = Compared(self)
+        factor = 6.0 if len(self.text) % 7 == 0 and self.settings.method != "moser-veselov" else 1.0
+        self.h = float(np.copysign(factor * pair.step_size(self.w, self.t), self.settings.h))
+        self.small = factor == 1
+        here, name = self.where / ("run" if self.same else "defaults"), self.scene.name
+        (here / "main.c").write_text(program(self.scene, self.values, self.w, self.t, self.h, self.features))
+        compiler = ("gcc", "clang")[len(self.text) % 2]
+        self.exact = self.same and compiler in find_compiler()[0] or compiler == "gcc" and self.same
+        ran(here, compiler, "-std=c11", *SANITIZE, "-I.", f"-I{folder('runtime')}", f"{name}.c", "main.c", "-o", "program", "-lm")
+        said = numbers_of(ran(here, "./program"))
+        if said["check"][0] or said["init"][0]:
+            return self.refused(f"check {said['check'][0]:g}, init {said.get('init', [0])[0]:g}")
+        if "restored" in said and not said["restored"][0]:
+            raise Fault("a restored state goes on with other bits")
+        if "stays" in said and not said["stays"][0]:
+            raise Fault("a step that failed has changed the state")
+        self.said = said
+
+    def library(self):
+        """The library that Python calls, compiled with every warning an error: the numbers of the program."""
+        self.stage("library")
+        with builds(STRICT, self.where / "cache"):
+            built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
+                                  generate=lambda *_: self.files)
+        self.model = Integrator(self.spec, self.scene, built, self.values, self.settings.method, self.settings.solver)
+
+    def witness(self):
+        """Energy, effects, field, observables, momentum, Casimirs and ten steps, of the library and of the program."""
+        self.stage("witness")
+        pair = Compared(self)
+        try:
+            pair.numbers(self.w, self.t)
+            pair.numbers(random_state(self.scene, pair.values, self.dice), float(self.dice.uniform(0, 3)))
+        except RunError as refusal:
+            return self.refused(refusal)
+        try:
+            if self.small:
+                pair.steps(self.w, self.t, self.h, COUNT)
+            else:
+                pair.residuals(self.w, self.t, self.h)
+        except RunError as refusal:
+            self.refused(refusal)
+        if hasattr(self, "said"):
+            self.program_and_library(pair)
+
+    def program_and_library(self, pair):
+        """The same C gives the same bits; C for other sizes, or of another compiler, the same up to round-off."""
+        self.model.start(self.w.copy(), t0=self.t, h=self.h)
+        mine, done = self.said.get("w", np.empty((0, 0))), 0
+        allowed = 0 if self.exact else pair.allowed(self.w, self.t, self.h, COUNT)
+        for row in mine if self.small else mine[:1]:
+            done += 1
+            try:
+                gap = np.abs(self.model.step().w.ravel() - row).max()
+            except RunError as refusal:
+                if self.exact:
+                    raise Fault(f"the program takes step {done}, the library does not: {refusal}") from None
+                return self.refused(refusal)
+            if not gap <= allowed:
+                raise Fault(f"the program's state after {done} steps is {gap:.3g} from the library's, {allowed:.3g} is allowed")
+        if self.said["status"][0]:
+            self.refused(f"status {self.said['status'][0]:g} after {len(mine)} steps")
+
+
+class Compared(Pair):
+    """The comparison of fuzz.differential for what is built already."""
+
+    def __init__(self, one: Passage):
+        self.spec, self.dice, self.witness = one.scene, one.dice, one.witness_of
+        self.values = {p.name: one.values[p.name] for p in one.scene.parameters}
+        self.model = getattr(one, "model", None)
+
+    def residuals(self, w, t, h):
+        """Steps too large to compare states: each one solves the witness's equation."""
+        self.model.start(w.copy(), t0=t, h=h)
+        for k in range(COUNT):
+            before, now = self.model.state(), t + k*h
+            after, scale = self.model.step().state(), self.allowed(before, now, h, 1)
+            compare(f"residual of step {k + 1} of {h!r}", self.witness.residual(before, after, now, h, self.model.method), 0, scale)
+
+
+@contextlib.contextmanager
+def builds(words, cache):
+    """Libraries with these options of the compiler, in a cache of their own."""
+    module, cache_of_all = sys.modules["smidgen.build"], os.environ.get("SMIDGEN_CACHE")
+    before, module.FLAGS, os.environ["SMIDGEN_CACHE"] = module.FLAGS, words, str(cache)
+    try:
+        yield
+    finally:
+        module.FLAGS = before
+        os.environ.pop("SMIDGEN_CACHE") if cache_of_all is None else os.environ.update(SMIDGEN_CACHE=cache_of_all)
+
+
+def ran(where, *words) -> str:
+    """What a program printed; Fault with what it said when it does not end well."""
+    def limited():
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS + 5))
+    done = subprocess.run(words, cwd=where, capture_output=True, text=True, errors="replace", preexec_fn=limited,
+                          env={**os.environ, "ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"})
+    if done.returncode:
+        hang = "hangs: " if done.returncode in (-24, -9) else ""
+        raise Fault(f"{hang}{(done.stderr + done.stdout)[:6000]}\n{words[0]}: exit status {done.returncode}")
+    return done.stdout

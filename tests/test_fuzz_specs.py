@@ -1,0 +1,183 @@
+"""Random specs through everything (docs/fuzzing.md): the target itself, and a few specs of it."""
+import csv
+import os
+import random
+import re
+import signal
+
+import pytest
+import smidgen
+from fuzz import specs, through as passage
+from fuzz.differential import Mismatch
+from fuzz.invent import features_of, files_of, spec_text
+from fuzz.smaller import smaller
+from fuzz.specs import KINDS, attempt, closing, many, rows_of, signature
+from fuzz.through import Fault, through
+
+from smidgen.errors import BuildError
+from smidgen.select import select
+from smidgen.settings import settle
+
+FEW = (5,)
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_a_random_spec_goes_through(seed):
+    assert through(spec_text(random.Random(seed)))["verdict"] in ("fine", "refused")
+
+
+# -- planted faults are found, each at its stage ----------------------------------------------------
+
+CHAIN = """# features: tangent
+[model]
+name = "random_model"
+[space]
+w = { sphere = "n", kappa = "gamma[i]" }
+[parameters]
+n = 3
+J = 0.7
+gamma = { default = [0.6, -0.8, 1.1], size = "n" }
+[effects.e0]
+over = "bond(i, j) of chain(n, open)"
+energy = "-J*gamma[i]*dot(w[i], w[j])"
+[effects.e1]
+over = "site(i) of w"
+energy = "gamma[i]*w[i].z^2*cos(t)"
+[starts.s]
+theta = "0.4 + 0.3*i"
+phi = "2*i"
+[runs.fuzz]
+start = "s"
+h = 0.01
+steps = 10
+"""
+FAULTS = {
+    "a size that is never set": ("k->n0 = c->p.n;", "", (Fault, BuildError), "compilers|sanitizers|library"),
+    "an entry beyond the array": ("; i < c->n0; ++i) {\n    const smg_real kappa", "; i <= c->n0; ++i) {\n    const smg_real kappa", Fault, "sanitizers"),
+    "an index that nothing declares": ("h / random_model_w_kappa(c, i)", "h / random_model_w_kappa(c, site)", Fault, "compilers"),
+    "a variable that nothing uses": ("h / random_model_w_kappa(c, i);", "h / random_model_w_kappa(c, i);\n  int unused;", Fault, "compilers"),
+    "memory that is too small": ("return sizeof(smg_real) * random_model_carve(&s, NULL);",
+                                 "return sizeof(smg_real) * random_model_carve(&s, NULL) - 8;", Fault, "sanitizers"),
+    "what a restored state lacks": ("s->degree = s->history > 0 ? (int)in[random_model_SAVED_DEGREE] : -1;", "s->degree = 0;", Fault, "sanitizers"),
+    "a sum of integers that overflows": ("++s->count;", "s->count += 9223372036854775807;", Fault, "sanitizers"),
+    "a step that never ends": ("if (c->n0 < 1 ||", "for (volatile int k = 1; k;) {}\n  if (c->n0 < 1 ||", Fault, "sanitizers"),
+    "a strength that is wrong by 1e-12": ("= h / random_model_w_kappa(c, i)", "= h * (smg_real)1.000000000001 / random_model_w_kappa(c, i)",
+                                          Mismatch, "witness")}
+
+
+@pytest.mark.parametrize("name", [n if n in list(FAULTS)[:4] else pytest.param(n, marks=pytest.mark.long) for n in FAULTS])
+def test_a_planted_fault_is_found(monkeypatch, name):
+    old, new, kind, where = FAULTS[name]
+    stages = []
+
+    def change(files):
+        assert old in files["random_model.c"]
+        return {**files, "random_model.c": files["random_model.c"].replace(old, new, 1)}
+    monkeypatch.setattr(passage, "SECONDS", 3 if name == "a step that never ends" else 20)
+    monkeypatch.setattr(passage, "COMPILERS", {c: passage.COMPILERS[c] for c in ("gcc",)})
+    with pytest.raises(kind):
+        through(CHAIN, stages.append, change)
+    assert re.fullmatch(where, stages[-1])
+
+
+def test_the_same_without_a_fault():
+    found = through(CHAIN)
+    assert found["verdict"] == "fine" and not found["note"] and found["solver"] == "band"
+
+
+# -- the specs --------------------------------------------------------------------------------------
+
+@pytest.mark.quick
+def test_random_specs_can_be_read(tmp_path):
+    """They fit at the defaults and at the values of their run."""
+    for seed in range(40):
+        text = spec_text(random.Random(seed))
+        for name, content in files_of(text).items():
+            (tmp_path / name).write_text(content)
+        (tmp_path / "model.toml").write_text(text)
+        spec = smidgen.load(tmp_path / "model.toml")
+        s = settle(spec, "fuzz")
+        select(spec, s.effects, s.values)
+
+
+@pytest.mark.quick
+def test_random_specs_are_of_every_kind():
+    """In three hundred each kind occurs, often enough to be met in two thousand; all methods, solvers, features."""
+    texts = [spec_text(random.Random(seed)) for seed in range(300)]
+    assert [k for k, p in KINDS.items() if sum(bool(re.search(p, t)) for t in texts) < 3] == []
+    assert {f for t in texts for f in features_of(t)} == {"tangent", "extended", "plain-sums"}
+    for key, values in {"method": smidgen.integrator.METHODS, "solver": smidgen.integrator.SOLVERS}.items():
+        assert {re.search(rf'\n{key} = "(.*)"', t).group(1) for t in texts} == set(values)
+    assert spec_text(random.Random(3)) == spec_text(random.Random(3))
+
+
+# -- each spec in a process of its own --------------------------------------------------------------
+
+def forever(*_, **__):
+    while True:
+        pass
+
+
+def crash(*_, **__):
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def wrong(*_, **__):
+    raise KeyError("ImaginaryUnit")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("what, said", [(forever, "hangs"), (crash, "died: -11"), (wrong, "KeyError: .. in")])
+def test_whatever_a_spec_does_is_a_row(monkeypatch, what, said):
+    monkeypatch.setattr(specs, "through", what)
+    row = attempt("", seconds=0.3)
+    assert row["verdict"] == "fault" and row["said"].startswith(said.removesuffix(" in")) or said in row["said"]
+
+
+@pytest.mark.quick
+def test_a_run_goes_on_where_it_was_stopped(monkeypatch, tmp_path):
+    """Seeds with a whole row are not done again; one whose row was cut off, or of other code, is."""
+    begun = []
+    monkeypatch.setattr(specs, "through", lambda *a, **k: {"verdict": "fine", "note": ""})
+    monkeypatch.setattr(specs, "spec_text", lambda dice: begun.append(dice) or "")
+    path = tmp_path / "specs.csv"
+    many(range(3), 2, path)
+    path.write_bytes(path.read_bytes()[:-9])
+    many(range(5), 2, path)
+    assert len(begun) == 3 + 3 and sorted(int(r["seed"]) for r in rows_of(path)) == [0, 1, 2, 3, 4]
+    monkeypatch.setattr(specs, "code", lambda: "other")
+    many(range(5), 1, path)
+    assert len(begun) == 11
+
+
+@pytest.mark.quick
+def test_a_fault_is_saved_and_counted(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(specs, "through", wrong)
+    assert specs.main(["--count", "2", "--out", str(tmp_path / "specs.csv"), "--shrink", "0.1"])
+    said = capsys.readouterr().out
+    assert "2 faults" in said and "KeyError" in said
+    assert (tmp_path / "specs" / "1" / "whole.toml").read_text() == spec_text(random.Random(1))
+    assert "--spec" in (tmp_path / "specs" / "0" / "said.txt").read_text() and (tmp_path / "specs" / "0" / "smallest.toml").exists()
+    with open(tmp_path / "specs.csv", newline="") as lines:
+        assert [r["seed"] for r in csv.DictReader(lines)] == ["0", "1"]
+
+
+@pytest.mark.quick
+def test_what_is_saved_is_small():
+    """Down to what can be read and still has the part that matters."""
+    def still(text):
+        try:
+            return "gamma[i]*w[i]" in text and bool(smidgen.load_text(text))
+        except smidgen.SmidgenError:
+            return False
+    least = smaller(CHAIN, still, 20)
+    assert still(least) and len(least) < 200 and "e0" not in least and "runs" not in least
+
+
+@pytest.mark.quick
+def test_faults_of_one_cause_have_one_name():
+    told = [signature(Fault(f"x.c:{k}:7: error: unused variable ‘j{k}’ [-Werror]")) for k in (1, 22)]
+    assert told[0] == told[1] and "unused variable" in told[0]
+    other = signature(Fault("==7==ERROR: AddressSanitizer: heap-buffer-overflow on\n #0 0x1 in random_model_check /x.c:3"))
+    assert other == "AddressSanitizer: heap-buffer-overflow in random_model_check"
+    assert closing([], specs.OUT)
