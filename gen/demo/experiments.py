@@ -40,9 +40,10 @@ def every_system():
         steps = min(s.steps, 2000)
         found.append(with_facts(run(spec, s.run, steps=steps, every=max(1, steps // 1000),
                                     what=["states"])))
-    return {"results": found}, ("A trajectory of each, by the spherical midpoint method: whole paths, "
-                                "trails where there are many sites, closed curves of spins at "
-                                "five times, level sets of C for the Nambu systems.")
+    return {"results": found}, ("A trajectory of each, by the spherical midpoint method: whole paths of "
+                                "one or two sites, the last part where there are more (a disc: "
+                                "its end; shades: the number of the site), smooth chains at five "
+                                "times, dark to bright, and level sets of C for the Nambu systems.")
 
 
 def coadjoint_orbits():

@@ -45,6 +45,7 @@ def energy_errors(series, title: str = "", unit: str = "model units"):
     for ax in (upper, lower):
         draw_series(ax, series)
         ax.set_ylabel(f"$H - H_0$ ({unit})")
+    lower.set_ylabel(f"$H - H_0$ ({unit}),\nsymmetric logarithm")
     lower.set_yscale("symlog", linthresh=smallest_scale([e for _, _, e in series]))
     lower.axhline(0, color=FAINT, lw=0.6)
     lower.set_xlabel(TIME)

@@ -199,5 +199,5 @@ def draw_angle(ax, w, view: View) -> None:
         flat = np.array([end[0], end[1], 0]) / np.hypot(end[0], end[1])
         drop = end * (1 - s) + flat * s
         sphere.curve(ax, drop / np.linalg.norm(drop, axis=1, keepdims=True), view, INK, 0.7)
-    x, y, _ = view.project(1.0 * arc[30])
+    x, y, _ = view.project(arc[46])
     ax.text(x, y - 0.09, r"$2\phi$", color=INK, ha="center", va="center", fontsize=11, zorder=7)

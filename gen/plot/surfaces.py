@@ -76,7 +76,7 @@ def hidden_line(ax, leaf: Leaf, w, view: View, color, width, strength=1.0) -> No
 
 def cross(ax, view: View, length: float, corner=(0.0, 0.0)) -> None:
     """A small cross of axes with names, at a corner in data coordinates."""
-    for name, e in zip(("$w_x$", "$w_y$", "$w_z$"), np.eye(3)):
+    for name, e in zip(("$x$", "$y$", "$z$"), np.eye(3)):
         tip = view.project(e)[:2] * length
         ax.annotate("", xy=(corner[0] + tip[0], corner[1] + tip[1]), xytext=corner,
                     arrowprops={"arrowstyle": "->", "color": INK, "lw": 0.8}, zorder=8)
