@@ -411,6 +411,13 @@ def test_a_picture_says_how_many_sites_it_leaves_out(kind, counts):
     assert said == ([] if drawn == every else [(str(drawn), str(every))])
 
 
+@pytest.mark.quick
+def test_a_curve_has_one_colour_in_all_panels_of_components():
+    axes = style.styled(pictures.draw_components)(spins(5)).axes
+    colors = [[line.get_color() for line in ax.lines] for ax in axes]
+    assert colors[0] == colors[1] == colors[2] and len(set(colors[0])) == 5
+
+
 def test_thinned_outputs_are_told(top):
     long = spins(1, outputs=5000)
     assert "600 of 5000 outputs shown" in said_in(style.styled(pictures.draw_chain)(long))
@@ -677,7 +684,9 @@ setTimeout(() => {
   said.chosen = changed(() => press("."));
   el("slider").focus(); said.slider = press("ArrowLeft");
   el("play").focus(); press("Tab"); el("play").click(); said.stays = document.activeElement.id;
-  document.title = JSON.stringify(said);
+  const was = scene.width;
+  el("player").style.display = "none";
+  setTimeout(() => { said.kept = scene.width === was; document.title = JSON.stringify(said); }, 300);
 }, 300);
 </script></body>"""
 
@@ -733,6 +742,12 @@ def test_keys_work_after_a_click(film_said):
 @with_browser
 def test_the_wheel_scrolls_the_page_until_it_is_asked_to_zoom(film_said):
     assert film_said["wheel"] == {"plain": False, "ctrl": True, "clicked": True, "left": False}
+
+
+@with_browser
+def test_a_player_that_is_hidden_keeps_its_picture(film_said):
+    """A frame has no size while a page is laid out for paper; what it showed is what is printed."""
+    assert film_said["kept"]
 
 
 def pictures_of(pdf):

@@ -66,6 +66,7 @@
   }
   function resize() {
     const box = scene.getBoundingClientRect(), below = strip.getBoundingClientRect();
+    if (box.width * box.height === 0 || (width > 0 && matchMedia("print").matches)) return;  // hidden, or on paper
     width = box.width; height = box.height; cx = width / 2; cy = height / 2;
     fit(scene, g, width, height); fit(strip, e, below.width, below.height);
     draw();
