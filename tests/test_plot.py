@@ -403,7 +403,7 @@ def said_in(figure):
 
 
 @pytest.mark.parametrize("kind, counts", [(kind, counts) for kind in SITES_DRAWN
-                                          for counts in [(3,), (12,), (3, 20)]] + [("chain", (700,))])
+                                          for counts in [(7,), (3, 20)]] + [("chain", (700,)), ("leaf", (9,))])
 def test_a_picture_says_how_many_sites_it_leaves_out(kind, counts):
     figure = style.styled(pictures.KINDS[kind][0])(spins(*counts))
     drawn, every = SITES_DRAWN[kind](figure), sum(counts)
