@@ -9,7 +9,7 @@ from . import colours
 from .chain import thinned
 from .colours import BLUE, CHAOTIC, FAINT, INK
 from .style import footnote, method_style, new_figure, styled
-from .text import of_all, shown
+from .text import shown
 from .view import View
 
 POINTS = 100_000        # most points of all paths in one picture
