@@ -4,14 +4,16 @@ import json
 import re
 import shutil
 import subprocess
+import zlib
 
 import numpy as np
 import pytest
 
 from smidgen.errors import UsageError
 from smidgen.output import Result
-from smidgen.plot import chain, curves, draw, equilibria, leaf, orbits, overview, pictures, player
-from smidgen.plot import portraits, sphere, style, surfaces, text, view
+from smidgen.plot import chain, colours, curves, draw, equilibria, facts, leaf, orbits, overview, pictures
+from smidgen.plot import player, portraits, sphere, style, surfaces, text, view
+from smidgen.plot.figures import FIGURES
 from smidgen.plot.gallery import Picture, Row, gallery
 
 INERTIA = np.array([1.0, 2.0, 4.0])
@@ -300,6 +302,196 @@ def test_methods_differ_in_colour_dash_and_marker():
         assert len({look[column] for look in looks}) == len(looks)
 
 
+# -- what a colour means ---------------------------------------------------------------------
+
+def names_and_colors(figure):
+    """(name, colour) of every curve that has a name and of every line of a legend."""
+    for ax in figure.axes:
+        found = [(line.get_label(), line) for line in ax.lines]
+        if ax.get_legend():
+            found += zip((t.get_text() for t in ax.get_legend().get_texts()), ax.get_legend().legend_handles)
+        for name, artist in found:
+            if not name.startswith("_") and hasattr(artist, "get_color"):
+                yield name, style.matplotlib.colors.to_hex(artist.get_color())
+
+
+@pytest.fixture(scope="module")
+def every_figure(top):
+    """The figures of the paper that name something, and the kinds of picture of one result."""
+    w, t = top.w["w"][:, 0], top.t
+    methods = list(style.METHODS)
+    series = [(m, t, 1e-6 * (k + 1) * np.sin(t)) for k, m in enumerate(reversed(methods))]
+    h = 2.0 ** -np.arange(1, 5)
+    made = [FIGURES["free_body_errors"].draw([("a", {m: (h, h**2) for m in methods})]),
+            FIGURES["irreversible_trajectories"].draw(w, -w), FIGURES["irreversible_energy"].draw(series[1:]),
+            FIGURES["irreversible_energy_long"].draw(series), FIGURES["forced_sections"].draw([("a", [w], [-w])]),
+            FIGURES["chain_invariants"].draw(t, t, top.w["w"][:, 0], top.values["casimirs"])]
+    bodies = result({"w": np.concatenate([top.w["w"], -top.w["w"]], axis=1), "p": top.w["w"] * [1, -1, 1]})
+    return made + [style.styled(pictures.KINDS[k][0])(bodies) for k in ("sphere", "components", "section")]
+
+
+def test_a_name_has_one_colour_in_every_figure_and_panel(every_figure):
+    colors = {}
+    for figure in every_figure:
+        for name, color in names_and_colors(figure):
+            colors.setdefault(name, set()).add(color)
+    assert {"spherical midpoint", "classical midpoint", "chaotic orbits", "w[1]", "p", "$x$"} <= set(colors)
+    assert {name: found for name, found in colors.items() if len(found) > 1} == {}
+
+
+def test_methods_components_and_orbits_share_no_colour():
+    taken = [look[1] for look in style.METHODS.values()] + [*colours.COMPONENTS.values(), colours.CHAOTIC]
+    assert len(set(taken)) == len(taken)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("counts", [(1,), (4,), (7,), (8,), (40,), (3, 20), (1, 1), (6, 1), (6, 2), (1,) * 20, (2, 60, 5)])
+def test_every_site_has_its_own_colour(counts):
+    found = colours.of_sites({f"f{i}": n for i, n in enumerate(counts)})
+    assert tuple(map(len, found.values())) == counts
+    every = [color for family in found.values() for color in family]
+    assert len(set(every)) == len(every)
+
+
+def test_a_site_has_one_colour_in_every_kind(top):
+    """The colours of the sites in the player, of the leaves, and of what is drawn on the sphere."""
+    bodies = result({"w": np.concatenate([top.w["w"], -top.w["w"]], axis=1)})
+    known = colours.of_sites({"w": 2})["w"]
+    assert data_of(pictures.draw_player(bodies))["families"][0]["colors"] == known
+    leaves = style.styled(pictures.draw_leaf)(bodies)
+    for ax, color in zip(leaves.axes, known):
+        assert ax.lines[-1].get_color() == color
+    drawn = {name: color for name, color in names_and_colors(style.styled(pictures.draw_sphere)(bodies))}
+    assert [drawn[f"w[{i}]"].upper() for i in (0, 1)] == [color.upper() for color in known]
+
+
+def test_no_other_file_chooses_colours():
+    """A colour is written once, in colours.py; greys of the ball and of grids are no meaning."""
+    folder = style.Path(style.__file__).parent
+    words = "|".join(["PALETTE", "GREEN", "VERMILION", "PURPLE", "ORANGE", "SKY", "BROWN", *colours.PALETTE])
+    for file in [*folder.glob("*.py"), folder / "player.js"]:
+        if file.name not in ("colours.py", "style.py"):
+            assert not re.search(rf"{words}", file.read_text()), file.name
+
+
+# -- what is left out ------------------------------------------------------------------------
+
+def spins(*counts, outputs=5):
+    """A Result of families a, b, .. of such numbers of sites, on unit spheres."""
+    dice = np.random.default_rng(5)
+    w = {name: dice.standard_normal((outputs, n, 3)) for name, n in zip("abc", counts)}
+    return result({name: v / np.linalg.norm(v, axis=2, keepdims=True) for name, v in w.items()})
+
+
+SITES_DRAWN = {     # kind -> how many sites a figure of it shows
+    "components": lambda f: len(f.axes[0].lines),
+    "leaf": lambda f: len(f.axes),
+    "chain": lambda f: f.axes[0].images[0].get_array().shape[1],
+    "curves": lambda f: discs(f.axes[0]),
+    "sphere": lambda f: discs(f.axes[0]),
+    "section": lambda f: discs(f.axes[0]) // 5,
+}
+
+
+def discs(ax):
+    return sum(len(c.get_offsets()) for c in ax.collections)
+
+
+def said_in(figure):
+    """All words of a figure below and above its panels."""
+    return " ".join([t.get_text() for t in figure.findobj(style.matplotlib.text.Text)])
+
+
+@pytest.mark.parametrize("kind, counts", [(kind, counts) for kind in SITES_DRAWN
+                                          for counts in [(7,), (3, 20)]] + [("chain", (700,)), ("leaf", (9,))])
+def test_a_picture_says_how_many_sites_it_leaves_out(kind, counts):
+    figure = style.styled(pictures.KINDS[kind][0])(spins(*counts))
+    drawn, every = SITES_DRAWN[kind](figure), sum(counts)
+    said = re.findall(r"(\d+) of (\d+) sites shown", said_in(figure))
+    assert said == ([] if drawn == every else [(str(drawn), str(every))])
+
+
+@pytest.mark.quick
+def test_a_curve_has_one_colour_in_all_panels_of_components():
+    axes = style.styled(pictures.draw_components)(spins(5)).axes
+    colors = [[line.get_color() for line in ax.lines] for ax in axes]
+    assert colors[0] == colors[1] == colors[2] and len(set(colors[0])) == 5
+
+
+def test_thinned_outputs_are_told(top):
+    long = spins(1, outputs=5000)
+    assert "600 of 5000 outputs shown" in said_in(style.styled(pictures.draw_chain)(long))
+    assert "3000 of 5000 outputs shown" in data_of(pictures.draw_player(long))["facts"]
+    assert "shown" not in data_of(pictures.draw_player(top))["facts"]
+
+
+def test_overview_says_what_it_leaves_out(top):
+    mixed = result({"w": top.w["w"], "v": top.w["w"] * [1, 2, 3]})
+    mixed.meta["casimirs"] = {"v": np.diag([1, 0.25, 1 / 9])}
+    assert "1 of 2 sites shown" in overview.overview([top, mixed]).axes[1].get_title("center")
+    assert "shown" not in overview.overview([top, mixed]).axes[0].get_title("center")
+
+
+# -- lattices --------------------------------------------------------------------------------
+
+FILM = """
+[model]
+name = "film"
+[space]
+w = { sphere = "nx*ny" }
+[parameters]
+nx = 6
+ny = 5
+[effects.exchange]
+over = "bond(i, j) of square(nx, ny, open)"
+energy = "-dot(w[i], w[j])"
+[effects.field]
+over = "site(i) of w"
+energy = "-w[i].z"
+"""
+FILM_BONDS = {(i, i + 1) for i in range(30) if i % 6 < 5} | {(i, i + 6) for i in range(24)}
+
+
+@pytest.fixture(scope="module")
+def film():
+    """A smooth film of 6 by 5 spins, with the spec that it comes from."""
+    i = np.arange(30)
+    polar, around = 0.4 + 0.2 * (i % 6), 0.5 + 0.25 * (i // 6)
+    w = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=1)
+    made = result({"w": np.stack([w] * 20)})
+    made.meta.update(sources=[["film.toml", FILM]], effects=["exchange", "field"], values={"nx": 6, "ny": 5})
+    return made
+
+
+def pairs_of(bonds):
+    return {tuple(sorted(map(int, pair))) for pair in bonds}
+
+
+@pytest.mark.quick
+def test_the_bonds_of_a_film_are_known_from_its_spec(film):
+    known = facts.with_facts(film)
+    assert pairs_of(known.meta["bonds"]["w"]) == FILM_BONDS and len(known.meta["bonds"]["w"]) == len(FILM_BONDS)
+    assert "bonds" not in film.meta                      # the caller's own result is as it was
+    film.meta["effects"] = ["field"]
+    assert facts.with_facts(film).meta["bonds"] == {}
+    film.meta["effects"] = ["exchange", "field"]
+
+
+def test_lines_run_along_bonds_alone(film, ring):
+    """In the player and as arcs: never from the end of a row to the start of the next."""
+    known = facts.with_facts(film)
+    bonds = np.frombuffer(base64.b64decode(data_of(pictures.draw_player(known))["families"][0]["bonds"]), "<i4")
+    assert pairs_of(bonds.reshape(-1, 2)) == FILM_BONDS
+    arc = 9 + 1                                          # points of an arc and the gap behind it
+    w = film.w["w"][0]
+    view_ = view.View(60, 60)
+    ax = style.styled(chain.chain_curves)(known.t, known.w["w"], [0], known.meta["bonds"]["w"], view=view_).axes[0]
+    longest = max(len(line.get_xdata()) for line in ax.lines if line.get_zorder() == 3.0)
+    assert longest == arc * len(FILM_BONDS) and np.all(w @ view_.matrix[2] > 0)
+    unknown = data_of(pictures.draw_player(ring))["families"][0]["bonds"]
+    assert unknown == ""                                 # numbers alone do not say what is joined
+
+
 # -- figures ---------------------------------------------------------------------------------
 
 def test_four_vortices_of_the_manifold():
@@ -443,6 +635,162 @@ def test_player_in_a_browser(top, tmp_path):
     dump = in_browser(page, tmp_path)
     assert re.search(r'<div id="clock"[^>]*>t = 0\.00000 +H \u2212 H\u2080 = 0</div>', dump)
     assert "&lt;/script&gt;" in dump and dump.count("<script") == 2
+
+
+RECORDER = """<script>
+const discs = [], lines = [];                   // all that the player draws: canvas, place, colour
+const P = CanvasRenderingContext2D.prototype;
+function around(name, first) {
+  const was = P[name];
+  P[name] = function (...a) { first(this, ...a); return was.apply(this, a); };
+}
+const part = (c) => c.canvas.closest("#legend") ? "legend" : c.canvas.id;
+around("beginPath", (c) => { c.path = []; c.disc = null; });
+around("arc", (c, x, y, r) => { c.disc = [x, y, r]; });
+around("moveTo", (c, x, y) => { c.from = [x, y]; });
+around("lineTo", (c, x, y) => { c.path.push([...c.from, x, y]); c.from = [x, y]; });
+around("fill", (c) => { if (c.disc && typeof c.fillStyle === "string") discs.push([c, c.disc, c.fillStyle]); });
+around("stroke", (c) => { for (const s of c.path) lines.push([c, s, c.strokeStyle]); });
+</script>"""
+MOVES = """<script>
+const el = (id) => document.getElementById(id), said = {}, scene = el("scene");
+scene.setPointerCapture = () => {};
+const ask = (target, name, looks) => target.dispatchEvent(new (name.startsWith("key") ? KeyboardEvent :
+  name === "wheel" ? WheelEvent : PointerEvent)(name, { bubbles: true, cancelable: true, pointerId: 1, ...looks }));
+const press = (key, looks) => !ask(document.activeElement, "keydown", { key, ...looks });     // taken?
+const zooms = (looks) => !ask(scene, "wheel", { deltaY: -100, ...looks });
+const click = (id) => { ask(el(id), "pointerdown"); el(id).focus(); el(id).click(); };
+const clock = () => el("clock").textContent;
+const changed = (f) => { const was = clock(); f(); return was !== clock(); };
+setTimeout(() => {
+  const before = discs.splice(0);
+  lines.length = 0;
+  el("trail").value = 0; el("trail").dispatchEvent(new Event("change"));
+  const all = discs.filter(([c]) => part(c) === "scene");
+  said.spots = all.map(([, d, color]) => [...d, color]);
+  said.segments = lines.filter(([c]) => part(c) === "scene").map(([, s]) => s);
+  said.keys = before.filter(([c]) => part(c) === "legend").map(([, d, color]) => [...d, color]);
+  said.wheel = { plain: zooms({}), ctrl: zooms({ ctrlKey: true }) };
+  ask(scene, "pointerdown", { clientX: 9, clientY: 9 }); ask(scene, "pointerup");
+  said.wheel.clicked = zooms({});
+  ask(scene, "pointerleave"); said.wheel.left = zooms({});
+  click("play"); said.playing = el("play").textContent;
+  said.taken = press(" "); said.paused = el("play").textContent;
+  said.steps = changed(() => press(".")); said.turns = press("ArrowLeft");
+  said.browser = press("ArrowLeft", { altKey: true });
+  ask(el("slider"), "pointerdown"); el("slider").focus();
+  said.dragged = changed(() => press("."));
+  ask(el("speed"), "pointerdown"); el("speed").focus(); el("speed").dispatchEvent(new Event("change", { bubbles: true }));
+  said.chosen = changed(() => press("."));
+  el("slider").focus(); said.slider = press("ArrowLeft");
+  el("play").focus(); press("Tab"); el("play").click(); said.stays = document.activeElement.id;
+  const was = scene.width;
+  el("player").style.display = "none";
+  setTimeout(() => { said.kept = scene.width === was; document.title = JSON.stringify(said); }, 300);
+}, 300);
+</script></body>"""
+
+
+@pytest.fixture(scope="module")
+def film_said(film, tmp_path_factory):
+    """What a browser says of the film's player: what it draws, and what clicks, keys and wheel do."""
+    return moved(film, tmp_path_factory.mktemp("film"))
+
+
+def moved(made, folder):
+    path = draw.plot(made, "player", folder / "p.html")
+    page = path.read_text().replace("</title>", "</title>" + RECORDER, 1)
+    path.write_text(page.replace("</body>", MOVES))
+    title = re.search(r"<title>(.*?)</title>", in_browser(path, folder)).group(1)
+    return {**json.loads(title), "data": data_of(page)}
+
+
+def sites_at(said):
+    """Place on the canvas -> number of the site, which its colour tells."""
+    numbers = {color: i for i, color in enumerate(said["data"]["families"][0]["colors"])}
+    return {(x, y): numbers[color] for x, y, r, color in said["spots"]}
+
+
+@with_browser
+def test_the_player_draws_a_lattice_as_a_lattice(film_said):
+    places = sites_at(film_said)
+    assert sorted(places.values()) == list(range(30))
+    ends = [(places.get((a, b)), places.get((c, d))) for a, b, c, d in film_said["segments"]]
+    drawn = [pair for pair in ends if None not in pair]
+    assert pairs_of(drawn) == FILM_BONDS and len(drawn) == len(FILM_BONDS)
+
+
+@with_browser
+def test_legend_markers_are_those_drawn(film_said, top, tmp_path):
+    """Five of the thirty spins, from the first to the last; of two bodies, each."""
+    for said, numbers in [(film_said, [0, 7, 15, 22, 29]),
+                          (moved(result({"w": np.concatenate([top.w["w"], -top.w["w"]], axis=1)}), tmp_path), [0, 1])]:
+        looks = {(r, color) for x, y, r, color in said["spots"]}
+        assert {(r, color) for x, y, r, color in said["keys"]} <= looks
+        colors = said["data"]["families"][0]["colors"]
+        assert [color for *_, color in said["keys"]] == [colors[i] for i in numbers]
+
+
+@with_browser
+def test_keys_work_after_a_click(film_said):
+    """On Play, on the slider, on a choice; what a control needs for itself it keeps."""
+    assert film_said["playing"] == "Pause" and film_said["taken"] and film_said["paused"] == "Play"
+    assert film_said["steps"] and film_said["turns"] and film_said["dragged"] and film_said["chosen"]
+    assert not film_said["slider"] and not film_said["browser"] and film_said["stays"] == "play"
+
+
+@with_browser
+def test_the_wheel_scrolls_the_page_until_it_is_asked_to_zoom(film_said):
+    assert film_said["wheel"] == {"plain": False, "ctrl": True, "clicked": True, "left": False}
+
+
+@with_browser
+def test_a_player_that_is_hidden_keeps_its_picture(film_said):
+    """A frame has no size while a page is laid out for paper; what it showed is what is printed."""
+    assert film_said["kept"]
+
+
+def pictures_of(pdf):
+    """[(width, height on paper, width, height in pixels)] of the images that a PDF draws.
+
+    Only the scales are followed: `cm` multiplies the matrix, `q` and `Q` keep and restore it.
+    """
+    size = {}
+    for number, body in re.findall(rb"(\d+) 0 obj\s*<<(.*?)>>", pdf, re.S):
+        if b"/Subtype /Image" in body:
+            size[number] = tuple(int(re.search(rb"/%s (\d+)" % k, body).group(1)) for k in (b"Width", b"Height"))
+    found, stack, now = [], [], np.eye(2)
+    for raw in re.findall(rb"stream\r?\n(.*?)endstream", pdf, re.S):
+        try:
+            words = zlib.decompress(raw).split()
+        except zlib.error:
+            continue
+        for k, word in enumerate(words):
+            if word == b"q":
+                stack.append(now)
+            elif word == b"Q" and stack:
+                now = stack.pop()
+            elif word == b"cm":
+                now = np.array(words[k - 6:k - 2], float).reshape(2, 2) @ now
+            elif word == b"Do" and words[k - 1][2:] in size:
+                found.append((*np.linalg.norm(now, axis=1), *size[words[k - 1][2:]]))
+    return found
+
+
+@with_browser
+@pytest.mark.parametrize("frame", [False, True])
+def test_a_printed_player_keeps_its_aspect(top, tmp_path, frame):
+    """By itself and inside a page: the canvases are scaled by the same factor both ways."""
+    page = pictures.draw_player(top)
+    path = tmp_path / "p.html"
+    path.write_text(f"<html><body>{player.framed(page)}</body></html>" if frame else page)
+    subprocess.run([CHROMIUM, "--no-sandbox", "--headless=new", "--disable-gpu", "--window-size=1400,700",
+                    "--virtual-time-budget=2000", f"--user-data-dir={tmp_path}/profile",
+                    f"--print-to-pdf={tmp_path}/p.pdf", f"file://{path}"], capture_output=True, timeout=120)
+    drawn = [p for p in pictures_of((tmp_path / "p.pdf").read_bytes()) if p[3] > 60]
+    assert len(drawn) == 2                               # the scene and the strip
+    for wide, high, columns, rows in drawn:
+        assert wide / high == pytest.approx(columns / rows, rel=0.01)
 
 
 # -- the page --------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from ..integrator import METHODS, build
 from ..plot.equilibria import equilibria
 from ..plot.facts import with_facts
 from ..plot.portraits import on_manifold
+from ..plot.text import of_all
 from ..run import run
 from ..sections import (CHAOTIC, UNDECIDED, census, exponent, fit_curve, flow_stroboscope, growth,
                         judge_exponent, stroboscope)
@@ -39,9 +40,10 @@ def every_system():
         steps = min(s.steps, 2000)
         found.append(with_facts(run(spec, s.run, steps=steps, every=max(1, steps // 1000),
                                     what=["states"])))
-    return {"results": found}, ("A trajectory of each, by the spherical midpoint method: whole paths, "
-                                "trails where there are many sites, closed curves of spins at "
-                                "five times, level sets of C for the Nambu systems.")
+    return {"results": found}, ("A trajectory of each, by the spherical midpoint method: whole paths of "
+                                "one or two sites, the last part where there are more (a disc: "
+                                "its end; shades: the number of the site), smooth chains at five "
+                                "times, dark to bright, and level sets of C for the Nambu systems.")
 
 
 def coadjoint_orbits():
@@ -298,7 +300,7 @@ def test_particles():
             f"{seen.shape[1]} particles for t = 0 .. 200, h = 0.05, turned back with the wave's speed "
             f"c = {speed:.4g}: in this frame the flow is steady and the paths follow its stream "
             f"lines; the stream function changes by at most {np.ptp(stream, axis=0).max():.1e} "
-            "along them.")
+            "along them. Shades tell the particles apart, dark to light by number.")
 
 
 def turned(w, angle) -> np.ndarray:
@@ -315,9 +317,9 @@ def wave_stream(w, values, speed: float) -> np.ndarray:
     return (speed - values["omega"]) * z + values["K"] * z * wave
 
 
-LEAVES = {"nambu_a31": "A3,1: C = w\u2081\u00b2", "nambu_a34": "A3,4: C = w\u2081w\u2082",
-          "nambu_a36": "A3,6: C = w\u2081\u00b2 + w\u2082\u00b2", "nambu_a38": "A3,8: C = w\u2082\u00b2 + w\u2081w\u2083",
-          "nambu_a39": "A3,9: C = |w|\u00b2", "lagrange": "Lagrange: C = (w\u2081\u00b2 \u2212 w\u2082\u00b2)/2"}
+LEAVES = {"nambu_a31": "A3,1: C = w.x\u00b2", "nambu_a34": "A3,4: C = w.x w.y",
+          "nambu_a36": "A3,6: C = w.x\u00b2 + w.y\u00b2", "nambu_a38": "A3,8: C = w.y\u00b2 + w.x w.z",
+          "nambu_a39": "A3,9: C = |w|\u00b2", "lagrange": "Lagrange: C = (w.x\u00b2 \u2212 w.y\u00b2)/2"}
 
 
 def nambu_leaves():
@@ -326,22 +328,24 @@ def nambu_leaves():
     worst = max(defect for _, defect in found)
     return {"cases": [case for case, _ in found]}, (
         "Trajectories of the Nambu form of the spherical midpoint method on the level sets of "
-        f"C; C changes by at most {worst:.1e} along them.")
+        f"C; C changes by at most {worst:.1e} along them. A start that is not shown runs off to "
+        "where no step exists.")
 
 
 def leaf_case(name: str, title: str):
     """(case of `surfaces.leaves`, largest change of C)."""
     spec = load_spec(name)
     s, A = settle(spec), casimir_matrices(spec)[0]
-    model, start = build(spec), initial_state(spec)
-    curves = []
-    for w in starts_on_leaf(A, start[0]):
+    model, curves = build(spec), []
+    starts = starts_on_leaf(A, initial_state(spec)[0])
+    for w in starts:
         try:
             curves.append(paths.path(model, w[None], s.h, min(s.steps, 1200))[:, 0])
         except RunError:
             continue                            # left the leaf's part where the flow exists
     level = [0.5 * np.einsum("ki,ij,kj->k", w, A, w) for w in curves]
-    return ({"title": title, "casimir": A, "curves": curves},
+    said = of_all(len(curves), len(starts), "starts")
+    return ({"title": title + f" ({said})" * bool(said), "casimir": A, "curves": curves},
             max(float(np.abs(c - c[0]).max()) for c in level))
 
 

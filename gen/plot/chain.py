@@ -1,14 +1,14 @@
 """A chain of spins over site and time, and as a closed curve on the sphere at a few times."""
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 
 from . import sphere
-from .style import new_figure, styled
-from .text import shown
-from .view import View
+from .colours import ordered
 from .curves import TIME
+from .style import footnote, new_figure, styled
+from .text import of_all, shown
+from .view import View, split
 
 CELLS = 600         # most rows and columns of an image
 
@@ -19,10 +19,10 @@ def thinned(count: int, most: int = CELLS) -> np.ndarray:
 
 
 @styled
-def chain_image(t, w, title: str = ""):
+def chain_image(t, w, title: str = "", note: str = ""):
     """theta (angle from z), phi (around z) and w_z of every site over time.
 
-    t (k,), w (k, n, 3).
+    t (k,), w (k, n, 3); `note` stands below.
     """
     keep, sites = thinned(len(t)), thinned(w.shape[1])
     part = np.asarray(w, float)[keep][:, sites]
@@ -41,39 +41,59 @@ def chain_image(t, w, title: str = ""):
         if ax.get_subplotspec().is_first_col():
             ax.set_ylabel(TIME)
     figure.suptitle(shown(title) or "Evolution of the chain", x=0.01, ha="left", fontsize=10.5)
+    footnote(figure, note, of_all(len(sites), w.shape[1]), of_all(len(keep), len(t), "outputs"))
     return figure
 
 
 @styled
-def chain_curves(t, w, times=None, closed: bool = True, title: str = "", view: View = View(30, 30)):
-    """The chain w (k, n, 3) as a curve on the sphere at a few times (default six, evenly)."""
+def chain_curves(t, w, times=None, bonds=None, title: str = "", view: View = View(30, 30), note: str = ""):
+    """Spins w (k, n, 3) on the sphere at a few times (default six, evenly), joined by great arcs.
+
+    bonds (m, 2): numbers of the spins that are joined; by default all, as a ring.
+    """
     picks = np.linspace(0, len(t) - 1, 6).astype(int) if times is None else \
         np.array([int(np.argmin(np.abs(np.asarray(t) - x))) for x in times])
     columns = min(3, len(picks))
     rows = -(-len(picks) // columns)
     figure = new_figure(3.1 * columns, 3.2 * rows)
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    colors = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.8, len(picks)))
+    joined = ring(w.shape[1]) if bonds is None else np.asarray(bonds, int)
+    span = np.asarray(t, float)[picks] - t[picks[0]]
+    colors = ordered(span / (span[-1] or 1))
     for ax, pick, color in zip(axes, picks, colors):
         sphere.ball(ax, view, label=f"$t$ = {t[pick]:g} (model units)")
-        one_curve(ax, np.asarray(w[pick], float), closed, view, color)
+        one_curve(ax, np.asarray(w[pick], float), joined, view, color)
     for ax in axes[len(picks):]:
         ax.remove()
     if title:
         figure.suptitle(shown(title), x=0.01, ha="left", fontsize=10.5)
+    footnote(figure, note)
     return figure
 
 
-def one_curve(ax, spins, closed, view, color) -> None:
-    """Spins (n, 3) joined by great arcs, and the spins themselves."""
-    around = np.concatenate([spins, spins[:1]]) if closed else spins
-    sphere.curve(ax, great_arcs(around), view, color, 1.3)
+def ring(count: int) -> np.ndarray:
+    """(count, 2): each of the numbers 0..count-1 with the next, the last with the first."""
+    return np.stack([np.arange(count), np.roll(np.arange(count), -1)], axis=1)
+
+
+def one_curve(ax, spins, bonds, view, color) -> None:
+    """Spins (n, 3), and great arcs along their bonds (m, 2)."""
+    arcs(ax, spins, bonds, view, color, 1.3)
     sphere.points(ax, spins, view, color, 7, zorder=4)
 
 
-def great_arcs(spins, pieces: int = 8) -> np.ndarray:
-    """Points along the great arcs that join consecutive spins (m, 3)."""
-    s = np.linspace(0, 1, pieces, endpoint=False)[:, None]
-    mixed = np.concatenate([a * (1 - s) + b * s for a, b in zip(spins[:-1], spins[1:])])
-    r = np.linalg.norm(spins[0])
-    return r * mixed / np.maximum(np.linalg.norm(mixed, axis=1, keepdims=True), 1e-12)
+def arcs(ax, spins, bonds, view, color, width: float) -> None:
+    """The great arcs between joined spins: solid where they are seen, faint behind."""
+    parts = [split(arc, view) for arc in great_arcs(spins, bonds)]
+    front, back = ([piece for part in parts for piece in part[side]] for side in (0, 1))
+    sphere.lines(ax, back, color, 0.8 * width, alpha=0.22, zorder=2.0)
+    sphere.lines(ax, front, color, width, zorder=3.0)
+
+
+def great_arcs(spins, bonds, pieces: int = 9) -> np.ndarray:
+    """(m, pieces, 3) points along the great arcs between the spins that bonds (m, 2) join."""
+    s = np.linspace(0, 1, pieces)[:, None]
+    a, b = (spins[bonds[:, end], None] for end in (0, 1))
+    mixed = a * (1 - s) + b * s
+    r = np.linalg.norm(a, axis=2, keepdims=True)
+    return r * mixed / np.maximum(np.linalg.norm(mixed, axis=2, keepdims=True), 1e-12)

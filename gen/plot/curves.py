@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .style import FAINT, INK, PALETTE, method_marker, method_style, new_figure, styled
+from .colours import COMPONENTS, FAINT, INK
+from .style import footnote, method_marker, method_style, new_figure, styled
 from .text import shown
 
 TIME = "time $t$ (model units)"
@@ -37,13 +38,14 @@ def smallest_scale(values) -> float:
 def energy_errors(series, title: str = "", unit: str = "model units"):
     """Energy errors H(t) - H(0) of several methods: linear above, symmetric logarithm below.
 
-    series: list of (method or label, t (k,), error (k,)).
+    series: list of (method, t (k,), error (k,)).
     """
     figure = new_figure(6.4, 4.8)
     upper, lower = figure.subplots(2, 1, sharex=True)
     for ax in (upper, lower):
         draw_series(ax, series)
         ax.set_ylabel(f"$H - H_0$ ({unit})")
+    lower.set_ylabel(f"$H - H_0$ ({unit}),\nsymmetric logarithm")
     lower.set_yscale("symlog", linthresh=smallest_scale([e for _, _, e in series]))
     lower.axhline(0, color=FAINT, lw=0.6)
     lower.set_xlabel(TIME)
@@ -53,12 +55,10 @@ def energy_errors(series, title: str = "", unit: str = "model units"):
 
 
 def draw_series(ax, series) -> None:
-    """Curves (label, t, y) on `ax`, methods in their own colours, others in palette order."""
-    for i, (name, t, y) in enumerate(series):
+    """Curves (method, t, y) on `ax`."""
+    for name, t, y in series:
         look = method_style(name)
-        if look["label"] == name:
-            look = {"label": shown(name), "color": PALETTE[i % len(PALETTE)], "linestyle": "-"}
-        ax.plot(*envelope(t, y), lw=0.9, **look)
+        ax.plot(*envelope(t, y), lw=0.9, **{**look, "label": shown(look["label"])})
 
 
 @styled
@@ -103,8 +103,8 @@ def invariant_errors(t, energy=None, momenta=None, casimirs=None, title: str = "
     figure = new_figure(6.4, 1.55 * max(len(rows), 1) + 0.9)
     axes = figure.subplots(max(len(rows), 1), 1, sharex=True, squeeze=False)[:, 0]
     for ax, (label, curves) in zip(axes, rows):
-        for i, (name, y) in enumerate(curves):
-            ax.plot(*envelope(t, y), lw=0.8, color=PALETTE[i % len(PALETTE)], label=name)
+        for name, y in curves:
+            ax.plot(*envelope(t, y), lw=0.8, color=COMPONENTS.get(name, INK), label=f"${name}$")
         ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
         ax.set_ylabel(label)
         if len(curves) > 1:
@@ -121,25 +121,28 @@ def invariant_rows(energy, momenta, casimirs):
         rows.append(("$H - H_0$\n(model units)", [("energy", np.asarray(energy) - energy[0])]))
     for family, m in momenta.items():
         change = np.asarray(m, float) - np.asarray(m, float)[0]
-        rows.append((f"momentum {shown(family)}\n(model units)",
-                     [(f"${x}$", change[:, i]) for i, x in enumerate("xyz")]))
+        rows.append((f"momentum of {shown(family)}\nless its start\n(model units)",
+                     [(x, change[:, i]) for i, x in enumerate("xyz")]))
     if casimirs is not None:
         change = np.asarray(casimirs, float) - np.asarray(casimirs, float)[:1]
         worst = np.take_along_axis(change, np.abs(change).argmax(1)[:, None], 1)[:, 0]
-        rows.append(("Casimirs\n(model units)", [("largest error", worst)]))
+        rows.append(("largest change\nof a Casimir\n(model units)", [("largest error", worst)]))
     return rows
 
 
 @styled
-def against_time(t, curves, title: str = ""):
-    """Named curves {name: (k,)} over time, a panel each (observables, components)."""
-    figure = new_figure(6.4, 1.6 * len(curves) + 0.7)
-    axes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
-    for i, (ax, (name, y)) in enumerate(zip(axes, curves.items())):
-        y = np.asarray(y, float).reshape(len(t), -1)
-        for j in range(min(y.shape[1], len(PALETTE))):
-            ax.plot(*envelope(t, y[:, j]), lw=0.9, color=PALETTE[(i + j) % len(PALETTE)])
+def against_time(t, panels, title: str = "", note: str = ""):
+    """Panels {name: curves (k,) or {label: (colour, curve (k,))}} over time; `note` stands below."""
+    figure = new_figure(6.4, 1.6 * len(panels) + 0.7)
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, (name, curves) in zip(axes, panels.items()):
+        curves = curves if isinstance(curves, dict) else {name: (INK, curves)}
+        for label, (color, y) in curves.items():
+            ax.plot(*envelope(t, y), lw=0.9, color=color, label=shown(label))
         ax.set_ylabel(f"{shown(name)}\n(model units)")
+    if len(curves) > 1:
+        axes[0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes[-1].set_xlabel(TIME)
     axes[0].set_title(shown(title))
+    footnote(figure, note)
     return figure

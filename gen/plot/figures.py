@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable
 
-from . import chain, curves, orbits, overview, portraits, surfaces
-from .style import VERMILION
+from . import chain, colours, curves, orbits, overview, portraits, surfaces
 from .view import View
 
 
@@ -39,8 +38,7 @@ def irreversible_portrait(paths, marks):
 
 def irreversible_trajectories(classical, spherical):
     """Points (k, 3) of both midpoint methods from one start, h = 1/2."""
-    return portraits.compared([("classical midpoint", "#8A94A0", classical),
-                               ("spherical midpoint", VERMILION, spherical)],
+    return portraits.compared([("classical-midpoint", classical), ("spherical-midpoint", spherical)],
                               "Irreversible rigid body, h = 1/2", View(130, 38))
 
 
@@ -79,7 +77,7 @@ def chain_invariants(t, energy, momentum, casimirs):
 def test_particles(paths):
     """Particles in a Rossby-Haurwitz wave; paths: list of (k, 3) in the frame of the wave."""
     return portraits.phase_portrait(paths, (), "Particles, seen from the wave", View(20, 35),
-                                    portraits.shades_of(len(paths)))
+                                    colours.of_sites({"w": len(paths)})["w"])
 
 
 FIGURES = {

@@ -2,12 +2,11 @@
 from __future__ import annotations
 
 import base64
-import html
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import UsageError
-from .player import asset, filled
+from .player import asset, filled, framed
 from .text import in_html
 
 MEDIA = {".svg": "image/svg+xml", ".png": "image/png"}
@@ -42,7 +41,7 @@ def gallery(out_dir, columns, rows, pictures, title: str, lead: str = "") -> Pat
     try:
         page = filled(asset("page.html"), {
             "title": in_html(title), "lead": in_html(lead), "table": table(columns, rows),
-            "players": "\n".join(framed(p) for p in players),
+            "players": "\n".join(played(p) for p in players),
             "figures": "\n".join(pictured(p) for p in figures if p.part == "figures"),
             "systems": "\n".join(pictured(p) for p in figures if p.part != "figures")})
         out = Path(out_dir) / "index.html"
@@ -81,8 +80,7 @@ def pictured(p: Picture) -> str:
             f"{caption(p)}</figure>")
 
 
-def framed(p: Picture) -> str:
-    """A player inside the page: its whole text is the frame's document."""
-    text = html.escape(p.path.read_text(encoding="utf-8"), quote=True)
-    return (f'<figure id="{in_html(p.name)}"><iframe sandbox="allow-scripts" loading="lazy" '
-            f'title="{in_html(p.title)}" srcdoc="{text}"></iframe>{caption(p)}</figure>')
+def played(p: Picture) -> str:
+    """A figure that holds a player."""
+    return (f'<figure id="{in_html(p.name)}">{framed(p.path.read_text(encoding="utf-8"), p.title)}'
+            f"{caption(p)}</figure>")

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .sphere import lines
-from .style import INK, PALETTE, new_figure, styled
+from .colours import INK, ordered
+from .style import new_figure, styled
 from .surfaces import faces, paint
 from .view import View, parted
 
@@ -86,7 +87,7 @@ def paint_nest(ax, nest: Nest, view: View) -> None:
 def one_curve(ax, nest: Nest, w, view: View) -> None:
     """A trajectory on its sphere, coloured by the sphere; faint where another covers it."""
     r = np.linalg.norm(w[0])
-    color = PALETTE[int(np.argmin(np.abs(np.array(nest.radii) - r))) % len(PALETTE)]
+    color, = ordered([r / nest.radii[-1]])
     front, back = parted(view.project(w)[:, :2], nest.seen(w, view))
     lines(ax, back, color, 0.7, alpha=0.13, zorder=2)
     lines(ax, front, color, 1.2, zorder=3)

@@ -10,12 +10,14 @@ import numpy as np
 
 from ..errors import UsageError
 from . import chain, curves, player, portraits, surfaces
+from .colours import of_sites
 from .facts import conserved_energy
-from .text import printable
+from .text import of_all, printable
 
 TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
 SMALLEST, LARGEST = 1e-100, 1e100      # coordinates whose squares are still numbers
 MANY = 12           # sites from which on a family is drawn as a chain
+CURVES, LEAVES = 7, 9       # most sites of a picture of components, most leaves of one picture
 
 
 def first_line(result) -> str:
@@ -69,15 +71,22 @@ def on_spheres(result) -> bool:
 
 
 def labelled(states):
-    """[(name of one site, w (k, 3))] of all families."""
-    return [(name if w.shape[1] == 1 else f"{name}[{i}]", w[:, i])
+    """[(name of one site, its colour, w (k, 3))] of all families."""
+    colors = of_sites({name: w.shape[1] for name, w in states.items()})
+    return [(portraits.site_name(name, i, w.shape[1]), colors[name][i], w[:, i])
             for name, w in states.items() for i in range(w.shape[1])]
+
+
+def some(sites: list, most: int):
+    """(at most `most` of `labelled` sites, evenly chosen; what to say of the others)."""
+    picks = chain.thinned(len(sites), most)
+    return [sites[i] for i in picks], of_all(len(picks), len(sites))
 
 
 def draw_sphere(result):
     """Paths of all sites on the sphere (bodies of different radius on one picture)."""
     spheres_only(result)
-    return portraits.several(labelled(states_of(result)), first_line(result))
+    return portraits.several(states_of(result), first_line(result))
 
 
 def spheres_only(result) -> None:
@@ -88,20 +97,17 @@ def spheres_only(result) -> None:
 def draw_section(result):
     """The outputs as points on the sphere: a Poincare section of a stroboscopic run."""
     spheres_only(result)
-    orbits = [w for _, w in labelled(states_of(result))]
-    farthest = max(float(np.linalg.norm(w, axis=1).max()) for w in orbits)
-    size = 0.6 if sum(map(len, orbits)) > 5000 else 4.0
-    return portraits.sections([(first_line(result), orbits, [])], size=size, radius=farthest, named=False)
+    return portraits.several(states_of(result), first_line(result), points=True)
 
 
 def draw_leaf(result):
     """Each site on its own leaf: the quadric with the Casimir that the spec declares."""
     matrices = casimirs_of(result)
     states = states_of(result)
-    alone = sum(w.shape[1] for w in states.values()) == 1
-    cases = [{"title": first_line(result) if alone else label, "casimir": matrices.get(label.split("[")[0], np.eye(3)),
-              "curves": [w]} for label, w in labelled(states)[:9]]
-    return surfaces.leaves(cases)
+    sites, note = some(labelled(states), LEAVES)
+    cases = [{"title": first_line(result) if len(sites) == 1 else label, "color": color, "curves": [w],
+              "casimir": matrices.get(label.split("[")[0], np.eye(3))} for label, color, w in sites]
+    return surfaces.leaves(cases, note=note)
 
 
 def casimirs_of(result) -> dict:
@@ -172,25 +178,40 @@ def draw_observables(result):
 
 
 def draw_components(result):
-    """w_x, w_y, w_z of the first family's sites (at most seven) over time."""
-    name, w = next(iter(states_of(result).items()))
-    return curves.against_time(result.t, {f"{name}.{x}": w[:, :7, k] for k, x in enumerate("xyz")},
-                               first_line(result))
+    """The x, y and z components of all sites (or seven, evenly chosen) over time."""
+    sites, note = some(labelled(states_of(result)), CURVES)
+    panels = {f"component {x}": {label: (color, w[:, k]) for label, color, w in sites}
+              for k, x in enumerate("xyz")}
+    return curves.against_time(result.t, panels, first_line(result), note)
 
 
 def draw_chain(result):
     """theta, phi and w_z of the largest family, over site and time."""
-    _, w = largest(result)
+    name, w = largest(result)
     if len(result.t) < 2:
         raise UsageError("a picture over time needs two outputs; this result holds one")
-    return chain.chain_image(result.t, w, first_line(result))
+    return chain.chain_image(result.t, w, first_line(result), others(result, name))
 
 
 def draw_curves(result):
-    """The largest family as a curve on the sphere at six times."""
+    """The largest family at six times, its bonds as arcs on the sphere; all in a ring where none are known."""
     spheres_only(result)
-    _, w = largest(result)
-    return chain.chain_curves(result.t, w, title=first_line(result))
+    name, w = largest(result)
+    joined = bonds_of(result, name) if "bonds" in result.meta else None
+    return chain.chain_curves(result.t, w, title=first_line(result), bonds=joined,
+                              note=others(result, name))
+
+
+def others(result, name: str) -> str:
+    """What to say of the sites of other families, where `name` alone is drawn."""
+    counts = {n: w.shape[1] for n, w in states_of(result).items()}
+    said = of_all(counts[name], sum(counts.values()))
+    return said and f"family {name}: {said}"
+
+
+def bonds_of(result, name: str):
+    """(m, 2) numbers of the sites of a family that its lattice or graph joins; empty where none are known."""
+    return np.asarray((result.meta.get("bonds") or {}).get(name, ()), int).reshape(-1, 2)
 
 
 def largest(result):
@@ -204,16 +225,17 @@ def draw_player(result, start: float = 0.0) -> str:
     matrices = casimirs_of(result)
     for name in states if matrices else ():
         matrices.setdefault(name, np.eye(3))
-    joined = [n for n, w in states.items() if w.shape[1] > MANY and smooth(w[0]) and smooth(w[-1])]
+    bonds = {n: bonds_of(result, n) for n in states}
+    bonds = {n: b for n, b in bonds.items() if len(b) and smooth(states[n][0], b) and smooth(states[n][-1], b)}
     energy, note = conserved_energy(result)
-    return player.player_page(result.t, states, energy, first_line(result), facts(result),
-                              matrices, joined, start=start, note=note)
+    return player.player_page(result.t, states, energy, first_line(result), facts(result), matrices, bonds,
+                              start=start, note=note, method=result.meta.get("method", ""))
 
 
-def smooth(spins) -> bool:
-    """Do the sites (n, 3) follow a curve: neighbours closer than sites drawn at random?"""
-    steps = np.linalg.norm(np.diff(spins, axis=0), axis=1)
-    return bool(steps.max() < 0.5 * np.linalg.norm(spins, axis=1).max())
+def smooth(spins, bonds=None) -> bool:
+    """Are joined sites of (n, 3), by default neighbours by number, closer than sites drawn at random?"""
+    steps = np.diff(spins, axis=0) if bonds is None else spins[bonds[:, 0]] - spins[bonds[:, 1]]
+    return bool(np.linalg.norm(steps, axis=1).max() < 0.5 * np.linalg.norm(spins, axis=1).max())
 
 
 KINDS = {
@@ -224,9 +246,9 @@ KINDS = {
     "effects": (draw_effects, "energy of each effect"),
     "invariants": (draw_invariants, "errors of energy, momenta and Casimirs"),
     "observables": (draw_observables, "the spec's observables over time"),
-    "components": (draw_components, "w_x, w_y, w_z over time"),
+    "components": (draw_components, "x, y, z of the sites over time"),
     "chain": (draw_chain, "angles and w_z over site and time"),
-    "curves": (draw_curves, "a chain as a curve on the sphere at six times"),
+    "curves": (draw_curves, "a chain or lattice on the sphere at six times, its bonds as arcs"),
     "player": (draw_player, "an HTML page that turns and plays the trajectory"),
 }
 

@@ -13,7 +13,7 @@
   const frames = times.length;
   const errors = data.error === null ? null : new Float64Array(bytes(data.error));
   const families = data.families.map((f) => ({
-    ...f, w: new Int16Array(bytes(f.w)), shown: true,
+    ...f, w: new Int16Array(bytes(f.w)), bonds: new Int32Array(bytes(f.bonds)), shown: true,
   }));
   const backdrop = data.backdrop.map((b) => new Float32Array(bytes(b)));
   const reach = data.reach;                 // greatest |w|: the unit of the picture
@@ -57,17 +57,18 @@
   const scene = el("scene"), strip = el("errors");
   const g = scene.getContext("2d"), e = strip.getContext("2d");
   let width = 0, height = 0, cx = 0, cy = 0, unit = 1;
-  function fit(canvas, context) {
-    const ratio = window.devicePixelRatio || 1, box = canvas.getBoundingClientRect();
-    canvas.width = Math.max(1, Math.round(box.width * ratio));
-    canvas.height = Math.max(1, Math.round(box.height * ratio));
+  function fit(canvas, context, wide, high) {
+    const ratio = window.devicePixelRatio || 1;
+    canvas.width = Math.max(1, Math.round(wide * ratio));
+    canvas.height = Math.max(1, Math.round(high * ratio));
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    return box;
+    return context;
   }
   function resize() {
-    const box = fit(scene, g);
+    const box = scene.getBoundingClientRect(), below = strip.getBoundingClientRect();
+    if (box.width * box.height === 0 || (width > 0 && matchMedia("print").matches)) return;  // hidden, or on paper
     width = box.width; height = box.height; cx = width / 2; cy = height / 2;
-    fit(strip, e);
+    fit(scene, g, width, height); fit(strip, e, below.width, below.height);
     draw();
   }
   function place(v) {
@@ -118,20 +119,26 @@
       g.globalAlpha = 1;
     }
   }
-  function hue(family, site) {
-    if (family.count <= 8) return family.colors[site % family.colors.length];
-    const s = site / family.count;         // a long family: its own colour, light to dark
-    return `hsl(${family.hue + 50 * Math.sin(2 * Math.PI * s)}, 68%, ${36 + 14 * Math.cos(2 * Math.PI * s)}%)`;
+  function color(f, site) { return f.colors[Math.floor(site * f.colors.length / f.count)]; }
+  function line(f) { return f.colors[f.colors.length >> 1]; }       // of its bonds
+  function radius(f) { return f.count > 200 ? 1.6 : f.count > 12 ? 3 : 5.5; }
+  function trailed(f) { return Math.min(f.count, 200); }            // sites with a trail, evenly chosen
+  function disc(c, p, f, site) {
+    c.fillStyle = color(f, site);
+    c.beginPath(); c.arc(p[0], p[1], radius(f), 0, 2 * Math.PI); c.fill();
+    if (radius(f) > 3) { c.strokeStyle = "#fff"; c.lineWidth = 1.2; c.stroke(); }
   }
   function trails(front) {
     const long = trailLength();
     if (long === 0) return;
     const from = Math.max(0, now - long), v = [0, 0, 0];
     for (const f of families) {
-      if (!f.shown || f.count > 200) continue;
-      const pieces = Math.max(2, Math.min(Math.ceil((now - from) * f.fine), Math.floor(24000 / f.count)));
-      for (let site = 0; site < f.count; site++) {
-        g.strokeStyle = hue(f, site); g.lineWidth = f.count > 12 ? 0.9 : 1.5;
+      if (!f.shown) continue;
+      const many = trailed(f);
+      const pieces = Math.max(2, Math.min(Math.ceil((now - from) * f.fine), Math.floor(24000 / many)));
+      for (let pick = 0; pick < many; pick++) {
+        const site = Math.floor(pick * f.count / many);
+        g.strokeStyle = color(f, site); g.lineWidth = f.count > 12 ? 0.9 : 1.5;
         let last = null, bin = -1;
         for (let i = 0; i <= pieces; i++) {
           const s = i / pieces, p = place(at(f, from + s * (now - from), site, v));
@@ -157,22 +164,20 @@
       if (!f.shown) continue;
       const spots = [];
       for (let site = 0; site < f.count; site++) spots.push(place(at(f, now, site, v)));
-      if (f.joined) {
-        g.lineWidth = 1.1; g.strokeStyle = f.colors[0]; g.globalAlpha = front ? 0.75 : 0.14;
+      if (f.bonds.length) {
+        g.lineWidth = 1.1; g.strokeStyle = line(f); g.globalAlpha = front ? 0.75 : 0.14;
         g.beginPath();
-        for (let i = 0; i < f.count; i++) {
-          const p = spots[i], q = spots[(i + 1) % f.count];
+        for (let b = 0; b < f.bonds.length; b += 2) {
+          const p = spots[f.bonds[b]], q = spots[f.bonds[b + 1]];
           if ((p[2] + q[2] >= 0) === front) { g.moveTo(p[0], p[1]); g.lineTo(q[0], q[1]); }
         }
         g.stroke();
       }
-      const size = f.count > 200 ? 1.6 : f.count > 12 ? 3 : 5.5;
       spots.forEach((p, site) => {
         const seen = !data.ball || p[2] >= 0;
         if (seen !== front) return;
-        g.globalAlpha = seen ? 1 : 0.28; g.fillStyle = hue(f, site);
-        g.beginPath(); g.arc(p[0], p[1], size, 0, 2 * Math.PI); g.fill();
-        if (size > 3) { g.strokeStyle = "#fff"; g.lineWidth = 1.2; g.stroke(); }
+        g.globalAlpha = seen ? 1 : 0.28;
+        disc(g, p, f, site);
       });
     }
     g.globalAlpha = 1;
@@ -193,7 +198,13 @@
     const a = times[Math.floor(now)], b = times[Math.min(Math.floor(now) + 1, frames - 1)];
     el("clock").textContent = "t = " + (a + s * (b - a)).toPrecision(6) +
       (errors ? "    H \u2212 H\u2080 = " + show(errors[k]) : "");
+    el("note").textContent = untrailed();
     drawStrip();
+  }
+  function untrailed() {                    // what to say where only some sites have trails
+    const seen = families.filter((f) => f.shown), sum = (list) => list.reduce((a, b) => a + b, 0);
+    const some = sum(seen.map(trailed)), all = sum(seen.map((f) => f.count));
+    return trailLength() > 0 && some < all ? `trails of ${some} of ${all} sites shown` : "";
   }
 
   // ---- the strip of the energy error ----
@@ -223,7 +234,7 @@
     e.textAlign = "center";
     e.fillText(show(times[0]), left, h - 9); e.fillText("time t (model units)", (left + w - right) / 2, h - 9);
     e.textAlign = "right"; e.fillText(show(times[frames - 1]), w - right, h - 9);
-    e.strokeStyle = "#0072B2"; e.lineWidth = 1.1; e.beginPath();
+    e.strokeStyle = data.color; e.lineWidth = 1.1; e.beginPath();
     for (let k = 0; k < frames; k++) {
       if (!isFinite(errors[k])) continue;
       const x = X(times[k]), y = Y(errors[k]);
@@ -232,8 +243,8 @@
     e.stroke();
     const k = Math.floor(now), s = now - k, next = Math.min(k + 1, frames - 1);
     const t = times[k] + s * (times[next] - times[k]);
-    e.strokeStyle = "#D55E00"; e.beginPath(); e.moveTo(X(t), top - 2); e.lineTo(X(t), h - bottom + 2); e.stroke();
-    e.fillStyle = "#D55E00"; e.beginPath();
+    e.strokeStyle = "#222222"; e.beginPath(); e.moveTo(X(t), top - 2); e.lineTo(X(t), h - bottom + 2); e.stroke();
+    e.fillStyle = "#222222"; e.beginPath();
     e.arc(X(t), Y(errors[Math.min(Math.round(now), frames - 1)]), 3.2, 0, 2 * Math.PI); e.fill();
   }
 
@@ -280,7 +291,9 @@
 
   // ---- hands: drag, wheel, pinch, keys ----
   const held = new Map();
+  let armed = false;                        // does the wheel zoom without Ctrl? not until a click here
   scene.addEventListener("pointerdown", (event) => {
+    armed = true;
     scene.setPointerCapture(event.pointerId);
     held.set(event.pointerId, [event.clientX, event.clientY]);
   });
@@ -300,7 +313,16 @@
   const release = (event) => held.delete(event.pointerId);
   scene.addEventListener("pointerup", release);
   scene.addEventListener("pointercancel", release);
+  scene.addEventListener("focus", () => { armed = scene.matches(":focus-visible"); });   // by Tab
+  for (const end of ["blur", "pointerleave"]) scene.addEventListener(end, () => { armed = false; });
+  let hint = 0;
+  function tell() {
+    el("hint").classList.add("told");
+    clearTimeout(hint);
+    hint = setTimeout(() => el("hint").classList.remove("told"), 1200);
+  }
   scene.addEventListener("wheel", (event) => {
+    if (!armed && !event.ctrlKey && !event.metaKey) { tell(); return; }     // the page scrolls
     event.preventDefault();
     zoom = Math.min(Math.max(zoom * Math.exp(-event.deltaY / 600), 0.4), 12);
     draw();
@@ -315,8 +337,20 @@
   }
   strip.addEventListener("pointerdown", (event) => { strip.setPointerCapture(event.pointerId); seek(event); });
   strip.addEventListener("pointermove", (event) => { if (event.buttons) seek(event); });
+  const own = {                             // keys that a focused control needs for itself
+    SELECT: /./, BUTTON: /^( |Enter)$/, INPUT: /^(Arrow|Page|Home|End)/,
+  };
+  let byHand = false;                       // what was pressed last: a pointer or a key?
+  document.addEventListener("pointerdown", () => { byHand = true; }, true);
+  for (const kind of ["click", "change"]) {
+    el("player").addEventListener(kind, (event) => {    // a control that was clicked gives the keys back
+      if (byHand && (kind === "change" || event.target.closest("button"))) scene.focus({ preventScroll: true });
+    });
+  }
   document.addEventListener("keydown", (event) => {
-    if (["SELECT", "INPUT", "BUTTON"].includes(event.target.tagName)) return;
+    byHand = false;
+    const needed = own[event.target.tagName];
+    if ((needed && needed.test(event.key)) || event.ctrlKey || event.metaKey || event.altKey) return;
     const step = event.shiftKey ? 10 : 1, nudge = 0.08;
     const keys = {
       " ": () => play(!playing), ".": () => go(now + step), ",": () => go(now - step),
@@ -330,13 +364,33 @@
   el("title").textContent = data.title;
   el("facts").textContent = data.facts;
   if (!errors) el("strip").classList.add("none");
+  function sample(f, sites) {               // markers as they are drawn, on the line of their bonds
+    const canvas = document.createElement("canvas"), wide = 14, size = wide * sites.length;
+    canvas.style.width = size + "px"; canvas.style.height = wide + "px";
+    const c = fit(canvas, canvas.getContext("2d"), size, wide);
+    if (f.bonds.length) {
+      c.strokeStyle = line(f); c.lineWidth = 1.1;
+      c.beginPath(); c.moveTo(0, wide / 2); c.lineTo(size, wide / 2); c.stroke();
+    }
+    sites.forEach((site, k) => disc(c, [wide * (k + 0.5), wide / 2], f, site));
+    return canvas;
+  }
+  function text(words) {
+    const made = document.createElement("span");
+    made.textContent = words;
+    return made;
+  }
+  function keys(f) {                        // few sites: a marker and a number each; many: five shades
+    const last = f.count - 1, all = [...Array(Math.min(f.count, 8)).keys()];
+    if (f.count === 1) return [sample(f, [0]), text(f.name)];
+    if (f.count <= 8) return [text(f.name), ...all.flatMap((i) => [sample(f, [i]), text(String(i))])];
+    return [text(f.name), text("0"), sample(f, [0, 0.25, 0.5, 0.75, 1].map((s) => Math.round(s * last))), text(String(last))];
+  }
   for (const f of families) {
     const item = document.createElement("li"), button = document.createElement("button");
-    const dot = document.createElement("i"), name = document.createElement("span");
-    dot.style.background = f.colors[0];
-    name.textContent = f.name + (f.count > 1 ? " (" + f.count + ")" : "");
-    button.type = "button"; button.title = "Show or hide"; button.setAttribute("aria-pressed", "true");
-    button.append(dot, name);
+    button.type = "button"; button.title = "Show or hide " + f.name + ", by number of the site";
+    button.setAttribute("aria-pressed", "true");
+    button.append(...keys(f));
     button.addEventListener("click", () => {
       f.shown = !f.shown; button.setAttribute("aria-pressed", String(f.shown)); draw();
     });

@@ -7,6 +7,7 @@ textContent; nothing of it is ever markup or script.
 from __future__ import annotations
 
 import base64
+import html
 from pathlib import Path
 
 import numpy as np
@@ -15,23 +16,25 @@ from ..errors import UsageError
 from .chain import thinned
 from .leaf import leaf_of, mesh
 from .sphere import graticule
-from .style import PALETTE
-from .text import in_html, in_script, printable
+from .colours import of_sites
+from .style import method_style
+from .text import in_html, in_script, of_all, printable
 
 FRAMES = 3000           # most frames of a player
 NUMBERS = 1_500_000     # most coordinates of a player (3 MB of its file)
 QUANTUM = 32000         # greatest coordinate, as an integer
-HUES = (203, 25, 160, 325, 40)      # of the long families, as their first colours
+SHADES = 64             # most colours of a family
 
 
 def player_page(t, states, energy=None, title: str = "", facts: str = "", casimirs=None,
-                joined=(), autoplay: bool = False, view=(35, 22), start: float = 0.0,
-                note: str = "") -> str:
-    """The HTML text of a player.
+                bonds=None, autoplay: bool = False, view=(35, 22), start: float = 0.0,
+                note: str = "", method: str = "") -> str:
+    """The HTML text of a player: a document of its own, for a file or for `framed`.
 
     t (k,); states {family: (k, count, 3)}; energy (k,) or None; casimirs {family: (3, 3)}
-    for families that move on other quadrics than spheres; joined: families drawn as a
-    closed curve through their sites; start: the first frame shown, as a share of all.
+    for families that move on other quadrics than spheres; bonds {family: (m, 2)}: numbers of
+    sites that lines join; start: the first frame shown, as a share of all; method: gives the
+    energy its colour.
     Raises UsageError when there is nothing to play.
     """
     if not states or len(t) == 0:
@@ -39,10 +42,19 @@ def player_page(t, states, energy=None, title: str = "", facts: str = "", casimi
                          "(ask for them with what = [\"states\", ...])")
     page = Path(__file__).with_name("player.html").read_text(encoding="utf-8")
     slots = {"title": in_html(title or "Trajectory"), "style": asset("player.css"),
-             "data": in_script(describe(t, states, energy, title, facts, casimirs or {}, joined,
-                                        autoplay, view, start, note)),
+             "data": in_script(describe(t, states, energy, title, facts, casimirs or {}, bonds or {},
+                                        autoplay, view, start, note, method)),
              "script": asset("player.js")}
     return filled(page, slots)
+
+
+def framed(page: str, title: str = "Trajectory") -> str:
+    """A player inside another page: an element whose document is the whole text `page`.
+
+    Its scripts run apart from those around it, and see nothing of them.
+    """
+    return (f'<iframe sandbox="allow-scripts" loading="lazy" title="{in_html(title)}" width="100%" '
+            f'height="640" style="border: 0" srcdoc="{html.escape(page, quote=True)}"></iframe>')
 
 
 def filled(page: str, slots: dict) -> str:
@@ -57,10 +69,12 @@ def asset(name: str) -> str:
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
-def describe(t, states, energy, title, facts, casimirs, joined, autoplay, view, start,
-             note) -> dict:
+def describe(t, states, energy, title, facts, casimirs, bonds, autoplay, view, start,
+             note, method) -> dict:
     """All that the script reads, as plain data."""
     keep = frames_of(t, states)
+    facts = ", ".join(part for part in (facts, of_all(len(keep), len(t), "outputs")) if part)
+    colors = of_sites({name: w.shape[1] for name, w in states.items()})
     cut = {name: np.asarray(w, float)[keep] for name, w in states.items()}
     cut = {name: np.where(np.isfinite(w), w, 0.0) for name, w in cut.items()}
     reach = max(max(float(np.abs(w).max()), float(np.linalg.norm(w, axis=2).max()))
@@ -74,8 +88,9 @@ def describe(t, states, energy, title, facts, casimirs, joined, autoplay, view, 
             "quantum": reach / QUANTUM, "reach": reach, "ball": ball,
             "radii": radii_of(cut) if ball else [reach], "view": list(view), "start": start,
             "backdrop": [packed(line, "<f4") for line in backdrop(cut, casimirs, reach)],
-            "families": [family(i, name, w, reach, name in joined)
-                         for i, (name, w) in enumerate(cut.items())],
+            "color": method_style(method)["color"],
+            "families": [family(name, w, reach, colors[name], bonds.get(name, ()))
+                         for name, w in cut.items()],
             "trail": trail_choice(sum(w.shape[1] for w in cut.values())),
             "seconds": playing_time(cut), "autoplay": bool(autoplay)}
 
@@ -86,11 +101,10 @@ def frames_of(t, states) -> np.ndarray:
     return thinned(len(t), max(2, min(FRAMES, NUMBERS // max(each, 1))))
 
 
-def family(number: int, name: str, w, reach: float, joined: bool) -> dict:
-    """One family's states and looks."""
-    first = number % len(PALETTE)
-    return {"name": printable(name), "count": int(w.shape[1]), "joined": bool(joined),
-            "colors": list(PALETTE[first:] + PALETTE[:first]), "hue": HUES[number % len(HUES)],
+def family(name: str, w, reach: float, colors, bonds) -> dict:
+    """One family's states and looks; site i has colour number floor(i*colors/count)."""
+    return {"name": printable(name), "count": int(w.shape[1]), "bonds": packed(bonds, "<i4"),
+            "colors": [colors[i] for i in thinned(len(colors), SHADES)],
             "fine": int(np.clip(largest_turn(w) / 0.06, 1, 12)),
             "w": packed(np.rint(w / reach * QUANTUM), "<i2")}
 

@@ -2,10 +2,13 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.legend_handler import HandlerTuple
 
 from . import sphere
+from . import colours
 from .chain import thinned
-from .style import BLUE, FAINT, GREEN, INK, PALETTE, VERMILION, new_figure, styled
+from .colours import BLUE, CHAOTIC, FAINT, INK
+from .style import footnote, method_style, new_figure, styled
 from .text import shown
 from .view import View
 
@@ -44,73 +47,99 @@ def largest_radius(curves) -> float:
 def compared(trajectories, title: str = "", view: View = View(-62, -18)):
     """Computed points of several methods from one start, on one sphere.
 
-    trajectories: list of (label, colour, w (k, 3)); later ones are drawn on top.
+    trajectories: list of (method, w (k, 3)); later ones are drawn on top.
     """
     figure = new_figure(4.6, 4.8)
     ax = figure.subplots()
     sphere.ball(ax, view, label=shown(title))
-    for i, (label, color, w) in enumerate(trajectories):
-        sphere.points(ax, w, view, color, 1.6, rasterized=True, zorder=3 + i)
-        ax.plot([], [], "o", color=color, ms=4, label=shown(label))
+    for i, (method, w) in enumerate(trajectories):
+        look = method_style(method)
+        sphere.points(ax, w, view, look["color"], 1.6, rasterized=True, zorder=3 + i)
+        ax.plot([], [], "o", color=look["color"], ms=4, label=look["label"])
     ax.legend(loc="lower center", ncols=2, bbox_to_anchor=(0.5, -0.06))
     return figure
 
 
 @styled
-def sections(panels, view: View = View(), size: float = 0.6, radius: float = 1.0, named: bool = True):
+def sections(panels, view: View = View(), size: float = 0.6):
     """Poincare sections, a sphere for each panel (title, regular, chaotic).
 
-    regular: list of orbits (k, 3), one shade each; chaotic: list of orbits, all vermilion; named: says so.
+    regular: list of orbits (k, 3), one shade each; chaotic: list of orbits, all of one colour.
     """
     figure = new_figure(4.5 * len(panels), 4.7)
     for ax, (title, regular, chaotic) in zip(figure.subplots(1, len(panels), squeeze=False)[0],
                                              panels):
-        sphere.ball(ax, view, radius, label=shown(title))
-        shades = shades_of(len(regular))
+        sphere.ball(ax, view, label=shown(title))
+        shades = colours.regular(len(regular))
         for w, shade in zip(regular, shades):
             sphere.points(ax, w, view, shade, size, rasterized=True)
         for w in chaotic:
-            sphere.points(ax, w, view, VERMILION, size, rasterized=True, zorder=3.5)
-        if regular and named:
-            ax.plot([], [], "o", color=shades_of(1)[0], ms=4, label="regular orbits")
-        if chaotic and named:
-            ax.plot([], [], "o", color=VERMILION, ms=4, label="chaotic orbits")
-        if named:
-            ax.legend(loc="lower center", ncols=2, bbox_to_anchor=(0.5, -0.06))
+            sphere.points(ax, w, view, CHAOTIC, size, rasterized=True, zorder=3.5)
+        keys = {"regular orbits": shades[:3],
+                "chaotic orbits": [CHAOTIC] if chaotic else []}
+        legend(ax, {name: shades for name, shades in keys.items() if shades})
     return figure
 
 
-def shades_of(n: int) -> list:
-    """n colours between dark blue and sea green, so that neighbouring orbits can be told apart."""
-    ramp = np.linspace(0, 1, max(n, 1))[:, None]
-    dark, light = np.array([0.0, 0.27, 0.55]), np.array([0.0, 0.62, 0.55])
-    mixed = dark * (1 - ramp) + light * ramp
-    return [tuple(c) for c in mixed[(np.arange(max(n, 1)) * 7) % max(n, 1)]]
+def legend(ax, keys: dict, marker: str = "o") -> None:
+    """A legend below `ax`: name -> the colours, all shown, of what has that name."""
+    rows = [tuple(ax.plot([], [], marker, color=color, ms=4)[0] for color in shades)
+            for shades in keys.values()]
+    ax.legend(rows, [shown(name) for name in keys], loc="lower center", ncols=4,
+              bbox_to_anchor=(0.5, -0.08), handler_map={tuple: HandlerTuple(None, 0.6)})
+
+
+def site_keys(colors: dict) -> dict:
+    """Entries of `legend` for families of sites: a name each, or five shades of the family."""
+    keys = {}
+    for name, shades in colors.items():
+        if len(shades) > 8:
+            keys[f"{name}[0] to {name}[{len(shades) - 1}]"] = shades[::(len(shades) - 1) // 4][:5]
+        else:
+            keys.update({site_name(name, i, len(shades)): [c] for i, c in enumerate(shades)})
+    return keys
+
+
+def site_name(family: str, number: int, count: int) -> str:
+    """w[3], or w where the family has one site."""
+    return family if count == 1 else f"{family}[{number}]"
 
 
 @styled
-def several(paths, title: str = "", view: View = View(), radii=None):
-    """The paths of several particles on one sphere: list of (label, w (k, 3)); ends are marked.
+def several(states, title: str = "", view: View = View(), points: bool = False):
+    """The paths of all sites on one sphere, of states {family: (k, count, 3)}; ends are marked.
 
     Bodies of different radius are drawn on their own sphere, seen through the larger ones.
+    points: draw the outputs alone, as in a Poincare section.
     """
     figure = new_figure(4.6, 4.8)
     ax = figure.subplots()
-    radii = radii or sorted({round(float(np.linalg.norm(w[0])), 6) for _, w in paths})
+    radii = sorted({round(float(r), 6) for w in states.values() for r in np.linalg.norm(w[0], axis=1)})
     sphere.ball(ax, view, radii[-1], label=shown(title))
     for r in radii[:-1]:
         t = np.linspace(0, 2 * np.pi, 121)
         ax.plot(r * np.cos(t), r * np.sin(t), color=FAINT, lw=0.7, ls=":", zorder=1.5)
+    colors = colours.of_sites({name: w.shape[1] for name, w in states.items()})
+    every = [(w[:, i], c) for name, w in states.items() for i, c in enumerate(colors[name])]
+    (scatter_all if points else trace_all)(ax, every, view)
+    legend(ax, site_keys(colors), "o" if points else "-o")
+    footnote(figure, "" if points else "discs: where the paths end")
+    return figure
+
+
+def trace_all(ax, paths, view: View) -> None:
+    """Paths [(w (k, 3), colour)] with a disc at the end of each."""
     most = max(2, POINTS // len(paths))
-    for i, (label, w) in enumerate(paths):
-        color = PALETTE[i % len(PALETTE)]
+    for w, color in paths:
         sphere.curve(ax, w[thinned(len(w), most)], view, color, 0.9)
         sphere.points(ax, w[-1:], view, color, 22, edge="white", zorder=5)
-        if len(paths) <= 8:
-            ax.plot([], [], "-", color=color, label=shown(label))
-    if len(paths) <= 8:
-        ax.legend(loc="lower center", ncols=4, bbox_to_anchor=(0.5, -0.08))
-    return figure
+
+
+def scatter_all(ax, orbits, view: View) -> None:
+    """The points of orbits [(w (k, 3), colour)]."""
+    size = 0.6 if sum(len(w) for w, _ in orbits) > 5000 else 4.0
+    for w, color in orbits:
+        sphere.points(ax, w, view, color, size, rasterized=True)
 
 
 def on_manifold(theta, phi) -> np.ndarray:
@@ -132,10 +161,10 @@ def manifold_illustration(theta: float = 0.75, phi: float = 0.95, view: View = V
     figure = new_figure(4.6, 4.8)
     ax = figure.subplots()
     sphere.ball(ax, view, axes=False)
-    for pair, color in (((0, 1), BLUE), ((2, 3), GREEN)):
-        draw_pair(ax, w[list(pair)], view, color)
-    for i, point in enumerate(w):
-        sphere.points(ax, point[None], view, BLUE if i < 2 else GREEN, 40, edge="white", zorder=6)
+    for pair in ((0, 1), (2, 3)):
+        draw_pair(ax, w[list(pair)], view)
+    for i, (point, color) in enumerate(zip(w, colours.of_sites({"w": 4})["w"])):
+        sphere.points(ax, point[None], view, color, 40, edge="white", zorder=6)
         x, y, _ = 1.12 * view.project(point)
         ax.text(x, y, f"$x_{i + 1}$", ha="center", va="center", fontsize=11, zorder=7)
     draw_angle(ax, w, view)
@@ -145,18 +174,18 @@ def manifold_illustration(theta: float = 0.75, phi: float = 0.95, view: View = V
     return figure
 
 
-def draw_pair(ax, pair, view: View, color) -> None:
+def draw_pair(ax, pair, view: View) -> None:
     """The arc of 2 theta over the pole between two points, and their dashed radii."""
     a, b = pair
     pole = np.array([0, 0, np.sign(a[2])])
     s = np.linspace(0, 1, 40)[:, None]
     for end in (a, b):
         arc = end * (1 - s) + pole * s
-        sphere.curve(ax, arc / np.linalg.norm(arc, axis=1, keepdims=True), view, color, 1.6)
+        sphere.curve(ax, arc / np.linalg.norm(arc, axis=1, keepdims=True), view, INK, 1.6)
         line = view.project(np.array([[0, 0, 0], end]))
-        ax.plot(line[:, 0], line[:, 1], color=color, lw=0.9, ls=(0, (4, 3)), zorder=2.5)
+        ax.plot(line[:, 0], line[:, 1], color=INK, lw=0.9, ls=(0, (4, 3)), zorder=2.5)
     x, y, _ = view.project(0.84 * pole)
-    ax.text(x - 0.05, y, r"$2\theta$", color=color, ha="right", va="center", fontsize=11, zorder=7)
+    ax.text(x - 0.05, y, r"$2\theta$", color=INK, ha="right", va="center", fontsize=11, zorder=7)
 
 
 def draw_angle(ax, w, view: View) -> None:
@@ -164,11 +193,11 @@ def draw_angle(ax, w, view: View) -> None:
     turn = np.arctan2(w[0, 1], w[0, 0])
     t = np.linspace(-turn, turn, 60)
     arc = np.stack([np.cos(t), np.sin(t), 0 * t], axis=1)
-    sphere.curve(ax, arc, view, VERMILION, 1.6)
+    sphere.curve(ax, arc, view, INK, 1.6)
     for end in (w[0], w[2]):
         s = np.linspace(0, 1, 30)[:, None]
         flat = np.array([end[0], end[1], 0]) / np.hypot(end[0], end[1])
         drop = end * (1 - s) + flat * s
         sphere.curve(ax, drop / np.linalg.norm(drop, axis=1, keepdims=True), view, INK, 0.7)
-    x, y, _ = view.project(1.0 * arc[30])
-    ax.text(x, y - 0.09, r"$2\phi$", color=VERMILION, ha="center", va="center", fontsize=11, zorder=7)
+    x, y, _ = view.project(arc[46])
+    ax.text(x, y - 0.09, r"$2\phi$", color=INK, ha="center", va="center", fontsize=11, zorder=7)

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 
-from .style import BLUE, FAINT, INK
+from .colours import BLUE, FAINT, INK, SINGULAR
 from .view import View, split, visible
 
 LIGHT = np.array([-0.45, 0.65, 0.61])       # direction of the light in view coordinates
@@ -111,7 +111,7 @@ def equilibria(ax, marks, view: View = View()) -> None:
     """
     looks = {"stable": ("o", 26, INK, "white"), "unstable": ("D", 24, "white", INK),
              "degenerate": ("^", 30, "white", INK),
-             "singular": ("X", 40, "#C8102E", "white")}
+             "singular": ("X", 40, SINGULAR, "white")}
     for kind, (marker, size, face, edge) in looks.items():
         chosen = [w for w, k in marks if k == kind]
         if chosen:

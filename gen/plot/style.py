@@ -1,8 +1,4 @@
-"""The one style of every picture: colours, fonts, methods, and how a figure is saved.
-
-Colours are those of Okabe and Ito (Color universal design, 2008), which stay apart for
-the common kinds of colour blindness; methods also differ in dash and marker.
-"""
+"""The one style of every picture: fonts, axes, the looks of methods, and how a figure is saved."""
 from __future__ import annotations
 
 import functools
@@ -14,11 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..errors import UsageError
-
-BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-PURPLE, ORANGE, SKY, INK = "#CC79A7", "#E69F00", "#56B4E9", "#222222"
-PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK)
-FAINT = "#8A94A0"
+from .colours import INK, METHODS, PALETTE, SOFT
+from .text import shown
 
 STYLE = {
     "figure.dpi": 110, "savefig.dpi": 160, "savefig.bbox": "tight",
@@ -36,26 +29,26 @@ STYLE = {
     "image.interpolation": "nearest", "image.cmap": "cividis",
 }
 
-# method -> label, colour, dash, marker
-METHODS = {
-    "spherical-midpoint": ("spherical midpoint", BLUE, "-", "o"),
-    "classical-midpoint": ("classical midpoint", VERMILION, "--", "s"),
-    "moser-veselov": ("Moser\u2013Veselov", GREEN, "-.", "^"),
-}
-
 FORMATS = ("png", "svg", "pdf")
 _UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 def method_style(name: str) -> dict:
     """Keyword arguments of `Axes.plot` for a method: the same colours in every figure."""
-    label, color, dash, _ = METHODS.get(name, (name, PURPLE, ":", "d"))
+    label, color, dash, _ = METHODS.get(name, (name, INK, ":", "d"))
     return {"label": label, "color": color, "linestyle": dash}
 
 
 def method_marker(name: str) -> str:
     """The marker of a method."""
-    return METHODS.get(name, (name, PURPLE, ":", "d"))[3]
+    return METHODS.get(name, (name, INK, ":", "d"))[3]
+
+
+def footnote(figure: Figure, *words: str) -> None:
+    """What a figure must say below its axes, such as "24 of 400 sites shown"; nothing of no words."""
+    said = "; ".join(word for word in words if word)
+    if said:
+        figure.supxlabel(shown(said), x=0.01, ha="left", fontsize=8, color=SOFT)
 
 
 def styled(function):

@@ -6,7 +6,8 @@ from matplotlib.collections import PolyCollection
 
 from .leaf import Leaf, leaf_of, mesh
 from .sphere import LIGHT, lines
-from .style import FAINT, INK, PALETTE, new_figure, styled
+from .colours import BLUE, FAINT, INK
+from .style import footnote, new_figure, styled
 from .text import shown
 from .view import View, parted
 
@@ -38,13 +39,12 @@ def paint(ax, quads, tone, alpha=1.0, zorder=1.0) -> None:
                                      linewidths=0.3, zorder=zorder, rasterized=True))
 
 
-def on_leaf(ax, leaf: Leaf, curves, view: View, colors=None) -> None:
+def on_leaf(ax, leaf: Leaf, curves, view: View, color=BLUE) -> None:
     """The sheet and the trajectories on it: solid where seen, faint behind."""
     grid = mesh(leaf)
     paint(ax, *faces(grid, grid @ leaf.casimir, view))
     rim_lines(ax, leaf, grid, view)
-    colors = colors or [PALETTE[i % len(PALETTE)] for i in range(len(curves))]
-    for w, color in zip(curves, colors):
+    for w in curves:
         hidden_line(ax, leaf, w, view, color, 1.3)
     ax.set_aspect("equal")
     ax.axis("off")
@@ -76,7 +76,7 @@ def hidden_line(ax, leaf: Leaf, w, view: View, color, width, strength=1.0) -> No
 
 def cross(ax, view: View, length: float, corner=(0.0, 0.0)) -> None:
     """A small cross of axes with names, at a corner in data coordinates."""
-    for name, e in zip(("$w_x$", "$w_y$", "$w_z$"), np.eye(3)):
+    for name, e in zip(("$x$", "$y$", "$z$"), np.eye(3)):
         tip = view.project(e)[:2] * length
         ax.annotate("", xy=(corner[0] + tip[0], corner[1] + tip[1]), xytext=corner,
                     arrowprops={"arrowstyle": "->", "color": INK, "lw": 0.8}, zorder=8)
@@ -94,21 +94,24 @@ def add_cross(ax, view: View) -> None:
 
 
 @styled
-def leaves(cases, columns: int = 3):
-    """Trajectories on level sets of C, a panel for each case.
+def leaves(cases, columns: int = 3, note: str = ""):
+    """Trajectories on level sets of C, a panel for each case; `note` stands below.
 
-    cases: mappings with `title`, `casimir` (3, 3) and `curves` (list of (k, 3)); `view` optional.
+    cases: mappings with `title`, `casimir` (3, 3) and `curves` (list of (k, 3)); `view` and
+    `color` optional.
     """
     rows = -(-len(cases) // columns)
     columns = min(columns, len(cases))
-    figure = new_figure(3.3 * columns, 3.4 * rows)
+    size = 4.6 if len(cases) == 1 else 3.3
+    figure = new_figure(size * columns, (size + 0.1) * rows)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     for ax, case in zip(grid, cases):
         leaf = leaf_of(case["casimir"], case["curves"])
         sight = case.get("view") or good_view(leaf, case["curves"])
-        on_leaf(ax, leaf, case["curves"], sight)
+        on_leaf(ax, leaf, case["curves"], sight, case.get("color", BLUE))
         add_cross(ax, sight)
         ax.set_title(shown(case["title"]))
     for ax in grid[len(cases):]:
         ax.remove()
+    footnote(figure, note)
     return figure

@@ -33,3 +33,8 @@ def in_script(value) -> str:
     """
     text = json.dumps(value, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
     return text.replace("<", r"\u003c").replace(">", r"\u003e").replace("&", r"\u0026")
+
+
+def of_all(drawn: int, every: int, what: str = "sites") -> str:
+    """"24 of 400 sites shown", or "" where all are."""
+    return "" if drawn >= every else f"{drawn} of {every} {what} shown"

@@ -1,0 +1,72 @@
+"""What a colour means: one rule for every figure and for the player.
+
+    what is coloured                    its colour
+    a method                            that of METHODS, with its dash and marker
+    a component x, y, z                 that of COMPONENTS
+    an orbit of a section               a shade of `regular`, or CHAOTIC
+    a site                              that of `of_sites`
+    one of an order (times, radii)      that of `ordered`, dark to bright
+    a curve alone, a line that guides   INK
+
+Colours are those of Okabe and Ito (Color universal design, 2008), which stay apart for the
+common kinds of colour blindness, and a brown. Methods, components and chaotic orbits share none.
+"""
+from __future__ import annotations
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import to_hex, to_rgb
+
+BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
+PURPLE, ORANGE, SKY, BROWN = "#CC79A7", "#E69F00", "#56B4E9", "#6B4C00"
+PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
+INK, SOFT, FAINT, SINGULAR = "#222222", "#5B6570", "#8A94A0", "#C8102E"
+
+# method -> label, colour, dash, marker
+METHODS = {
+    "spherical-midpoint": ("spherical midpoint", BLUE, "-", "o"),
+    "classical-midpoint": ("classical midpoint", VERMILION, "--", "s"),
+    "moser-veselov": ("Moser\u2013Veselov", GREEN, "-.", "^"),
+}
+COMPONENTS = {"x": PURPLE, "y": SKY, "z": BROWN}
+CHAOTIC = ORANGE
+
+
+def of_sites(counts: dict) -> dict:
+    """family -> the colours of its sites, of {family: number of sites}.
+
+    Families take from the palette in their order: one colour for each site while enough are
+    left for the families that follow, else one colour in shades, dark to light by number.
+    """
+    found, taken = {}, 0
+    for later, (name, count) in zip(reversed(range(len(counts))), counts.items()):
+        own = count == 1 or taken + count + later <= len(PALETTE)
+        found[name] = [palette(taken + i) for i in range(count)] if own else \
+            shades(palette(taken), count)
+        taken += count if own else 1
+    return found
+
+
+def palette(number: int) -> str:
+    """Colour `number` of the palette; each further round through it is darker."""
+    lap, place = divmod(number, len(PALETTE))
+    return to_hex(0.6 ** lap * np.array(to_rgb(PALETTE[place])))
+
+
+def shades(color: str, count: int) -> list[str]:
+    """`count` shades of a colour, from dark to light."""
+    pure, share = np.array(to_rgb(color)), np.linspace(0, 1, count)[:, None]
+    dark, light = 0.4 * pure, pure + 0.5 * (1 - pure)
+    return [to_hex(c) for c in dark + share * (light - dark)]
+
+
+def regular(count: int) -> list[str]:
+    """Colours of regular orbits, dark blue to sea green, so that neighbours can be told apart."""
+    dark, light = np.array([0.0, 0.27, 0.55]), np.array([0.0, 0.62, 0.55])
+    share = (np.arange(count) * 7 % max(count, 1)) / max(count - 1, 1)
+    return [to_hex(c) for c in dark + share[:, None] * (light - dark)]
+
+
+def ordered(shares) -> list[str]:
+    """Colours of numbers between 0 (dark) and 1 (bright): shares of a time, of a radius."""
+    return [to_hex(c) for c in matplotlib.colormaps["viridis"](0.85 * np.asarray(shares, float))]
