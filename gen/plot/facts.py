@@ -3,14 +3,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..expr import Spin, Time, walk
+from ..conserved import driven, energy_of, with_tracers
 
 
 def with_facts(result):
     """Add to the result's meta, from the spec that it carries in `meta["sources"]`:
 
     casimirs: family -> matrix A of C = w.(A w)/2, of Nambu families; unconserved: names of
-    the effects that tracers feel; driven: does an effect depend on time? A result without
+    the effects that tracers feel; driven: does the energy of the others depend on time? A result without
     its spec is drawn from its numbers alone. Raises SpecError when the spec is spoilt.
     """
     meta = result.meta
@@ -20,7 +20,7 @@ def with_facts(result):
     spec, called = spec_of(meta["sources"]), set(meta.get("effects") or ())
     meta["casimirs"] = matrices(spec, meta.get("values") or {})
     meta["unconserved"] = sorted(with_tracers(spec) & called)
-    meta["driven"] = of_time(spec, called)
+    meta["driven"] = driven(spec, called)
     return result
 
 
@@ -34,27 +34,11 @@ def matrices(spec, values) -> dict:
             for f in spec.families if f.casimir is not None}
 
 
-def of_time(spec, effects=None) -> bool:
-    """Does an effect (of those named) depend on the time?"""
-    return any(isinstance(node, Time) for e in spec.effects if effects is None or e.name in effects
-               for node in walk(e.value))
-
-
-def with_tracers(spec) -> set[str]:
-    """Names of the effects that tracers feel: their energy is not conserved."""
-    tracers = {f.name for f in spec.families if f.tracer}
-    return {e.name for e in spec.effects
-            if any(isinstance(n, Spin) and n.family in tracers for n in walk(e.value))}
-
-
 def conserved_energy(result) -> tuple[np.ndarray | None, str]:
     """(H (k,) without what only tracers feel, what to call it); None without energies."""
-    values, without = result.values, result.meta.get("unconserved") or ()
-    if without:
-        kept = [np.asarray(v, float) for n, v in values.items()
-                if n.startswith("energy.") and n.removeprefix("energy.") not in without]
-        return (np.sum(kept, axis=0), "without tracers") if kept else (None, "")
-    if "energy" not in values:
+    without = result.meta.get("unconserved") or ()
+    energy = energy_of(result.values, without)
+    if energy is None:
         return None, ""
-    note = "H depends on time" if result.meta.get("driven") else ""
-    return np.asarray(values["energy"], float), note
+    notes = ["without tracers"] * bool(without) + ["H depends on time"] * bool(result.meta.get("driven"))
+    return np.asarray(energy, float), ", ".join(notes)

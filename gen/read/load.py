@@ -8,6 +8,7 @@ from typing import Optional
 
 from .. import limits
 from ..errors import SpecError
+from ..public import public
 from ..spec import Spec
 from . import checks, codes
 from .files import Files
@@ -61,8 +62,12 @@ def decoded(data: bytes, name: str) -> str:
         raise SpecError(problems.ordered()) from None
 
 
+@public
 def load_text(text: str, path: str = "") -> Spec:
-    """Read a spec from its text; `path` names it and is the home of the files it names."""
+    """Read a spec from its text; `path` names it and is the home of the files it names.
+
+    Raises SpecError with up to ten diagnostics.
+    """
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
     problems = Problems(Source(text, path or "<text>"))
     try:
