@@ -13,6 +13,10 @@ class Bad(Exception):
     """What was being read is wrong; the error is already noted."""
 
 
+class TooBig(Bad):
+    """A formula beyond a limit: nothing more of it is looked at."""
+
+
 class Problems:
     """The errors found so far in one source."""
 
@@ -48,6 +52,23 @@ class Problems:
         except Bad:
             if not self.found:
                 raise
+
+    def tried(self, *reads) -> list:
+        """What each of the reads gives, Bad itself for those that are wrong."""
+        found = []
+        for read in reads:
+            try:
+                found.append(read())
+            except Bad:
+                found.append(Bad)
+        return found
+
+    def together(self, *reads) -> list:
+        """The same where nothing is wrong: an error in one read hides none in another."""
+        found = self.tried(*reads)
+        if any(x is Bad for x in found):
+            raise Bad
+        return found
 
     def ordered(self) -> list[Diagnostic]:
         return sorted(self.found, key=lambda d: (d.line, d.column))
