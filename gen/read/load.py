@@ -88,7 +88,9 @@ class Reader:
         self.files = Files(os.path.dirname(os.path.abspath(path)) if path else "")
 
     def spec(self) -> Spec:
-        self.root = document(self.text, self.problems).table(*SECTIONS)
+        self.root, aside = document(self.text, self.problems, SECTIONS)
+        self.root.table(*SECTIONS)
+        self.declared.broken |= aside.names
         self.marks = self.root.marks
         self.respelt = self.unknown_sections()
         spec = filled(self.sections())

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 from .. import limits
 from ..errors import Diagnostic, SpecError
+from . import codes
 from .source import Source, Span
 
 
@@ -28,9 +29,10 @@ class Problems:
 
     def note(self, code: str, span: Span, cause: str, mend: str) -> None:
         """Record an error; raises SpecError when there are too many to be useful."""
-        if (code, span) in self.seen:
+        place = (code, span) if code != codes.MISSING else (code, span, cause)     # a table may lack several keys
+        if place in self.seen:
             return
-        self.seen.add((code, span))
+        self.seen.add(place)
         if len(self.found) == limits.ERRORS:
             raise SpecError(self.ordered(), more=True)
         line, column = self.source.place(span.start)
