@@ -153,6 +153,8 @@ def test_each_key_of_an_item_is_read():
     ('name = "m"', 'name = "m', [("E103", 2)]),
     ("h = 0.1", "h = 0.1\nh = 0.2", [("E104", 13)]),
     ("h = 0.1", "h = ", [("E103", 12)]),
+    ("[effects.e]", "[effects.e]\n[effects.e]", [("E104", 6)]),
+    ("theta = 1.0", "theta 1.0", [("E103", 8)]),
 ])
 def test_an_error_of_the_outside_hides_nothing_and_brings_nothing(old, new, wanted):
     right = RIGHT.replace(old, new)
@@ -177,6 +179,21 @@ h = 0.1
 time = 1.0
 method = "spherical-midpoint"
 """
+
+
+BROKEN = ["a..b = 1", "= 1", ". = 1", 'x = """', "x = '''a", "x = [1, 2", "[", "[[", "[a", "]", "x = {", '"', "h = 0.2 0.3",
+          "[runs.demo.h]", "[[runs]]", "\u00e9 = 1", "w", "h 0.3", "x=", "{}", "[runs]", "[effects.e.energy]", "w 3"]
+
+
+@pytest.mark.parametrize("line", BROKEN)
+def test_a_broken_line_anywhere_is_errors_and_an_end(line):
+    for at in range(RIGHT.count("\n") + 1):
+        lines = RIGHT.split("\n")
+        lines.insert(at, line)
+        try:
+            load_text("\n".join(lines))
+        except SpecError as error:
+            assert 1 <= len(error.diagnostics) <= 10
 
 
 def test_formulas_with_errors_are_not_expanded_again_and_again():

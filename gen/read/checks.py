@@ -57,20 +57,17 @@ def staged(spec: Spec, values: dict, *stages) -> Iterator[Trouble]:
 
 def sound(spec: Spec, troubles) -> Spec:
     """The spec without what has troubles, and without what names that."""
-    lost = {t.path[1] for t in troubles if t.path[0] in ("space", "parameters") and t.path[2:] != ("kappa",)}
-    if not lost:
+    kinds = {f.name: f.kind for f in spec.families}
+    lost = {t.path[1] for t in troubles if t.path[0] == "parameters" or t.path[2:] == (kinds.get(t.path[1]),)}
+    leafless = lost | {t.path[1] for t in troubles if t.path[2:] in (("radius",), ("C",))}
+    if not leafless:
         return spec
     return replace(spec, parameters=tuple(p for p in spec.parameters if p.name not in lost),
-                   families=tuple(without(f, lost) for f in spec.families if not counted_out(f, troubles)),
+                   families=tuple(without(f, lost) for f in spec.families if f.name not in lost),
                    effects=tuple(e for e in spec.effects if not named(e) & lost),
                    observables=tuple(e for e in spec.observables if not named(e) & lost),
-                   starts=tuple(replace(s, families=tuple(p for p in s.families if not used(p, spec) & lost))
+                   starts=tuple(replace(s, families=tuple(p for p in s.families if not used(p, spec) & leafless))
                                 for s in spec.starts))
-
-
-def counted_out(family: Family, troubles) -> bool:
-    """Is its number of sites wrong?"""
-    return any(t.path == ("space", family.name, family.kind) for t in troubles)
 
 
 def without(family: Family, lost: set) -> Family:

@@ -18,7 +18,8 @@ MANY_LINES = ('"""', "'''")
 
 @dataclass
 class Aside:
-    """keys: offsets of keys that say nothing; headers: tables that were blanked; names: what was in them."""
+    """keys: offsets of keys that say nothing; headers: tables that were blanked, the first of two of one name
+    goes with it; names: what was in them."""
     keys: list[int] = field(default_factory=list)
     headers: list[tuple[str, ...]] = field(default_factory=list)
     names: set[str] = field(default_factory=set)
@@ -30,7 +31,7 @@ def recovered(text: str, offset: int, message: str, taken: bool, aside: Aside) -
     end = text.find("\n", offset)
     line = text[start:len(text) if end < 0 else end]
     if line.lstrip().startswith("["):
-        return without_table(text, start, taken, aside)
+        return without_table(text, start, aside)
     key = KEY.match(line)
     if key and taken:
         return blanked(text, start, start + len(line))
@@ -60,15 +61,14 @@ def without_value(text: str, start: int, line: str, key, aside: Aside) -> Option
     return text[:start + key.end()] + "0".ljust(len(value)) + text[start + len(line):]
 
 
-def without_table(text: str, start: int, taken: bool, aside: Aside) -> Optional[str]:
+def without_table(text: str, start: int, aside: Aside) -> Optional[str]:
     """Blanks from a header to the next one."""
     follows = HEADER.search(text, text.find("\n", start) + 1 or len(text))
     end = follows.start() if follows else len(text)
     head, *lines = text[start:end].split("\n")
     if any(mark in line for line in lines for mark in MANY_LINES):
         return None
-    path = tuple(part.strip(' \t"[]') for part in head.split(".", 1))
-    aside.headers += [] if taken else [path]
+    aside.headers.append(tuple(part.strip(' \t"[]') for part in head.split(".", 1)))
     aside.names |= {*WORD.findall(head), *(k[1].strip('"') for k in map(KEY.match, lines) if k)}
     return blanked(text, start, end)
 

@@ -36,9 +36,10 @@ def document(text: str, problems: Problems, sections=()) -> tuple[Node, Aside]:
         except RecursionError:
             problems.fail(codes.LIMIT, Span(0, 1), *TOO_DEEP)
         except ValueError as e:
-            text = complaint(str(e), text, problems, aside)
-        if text is None:
+            rest = complaint(str(e), text, problems, aside)
+        if rest in (None, text):        # nothing was set aside
             raise Bad
+        text = rest
 
 
 def emptied(root: Node, aside: Aside, sections) -> Node:
@@ -50,10 +51,20 @@ def emptied(root: Node, aside: Aside, sections) -> Node:
         inside[path[-1]] = LOST
     for head, *rest in aside.headers:
         meant = head if head in sections else "".join(difflib.get_close_matches(head, sections, 1))
-        inside = root.raw.setdefault(meant, {} if rest else LOST) if meant else None
-        if rest and isinstance(inside, dict):
-            inside.setdefault(rest[0], LOST)
+        if meant:
+            lose(root.raw, [meant, *rest], aside)
     return root
+
+
+def lose(inside, path: list[str], aside: Aside) -> None:
+    """Put LOST at the path; what stood there counts as declared."""
+    if not isinstance(inside, dict):
+        return
+    if len(path) > 1:
+        return lose(inside.setdefault(path[0], {}), path[1:], aside)
+    before = inside.get(path[0])
+    aside.names |= set(before) if isinstance(before, dict) else set()
+    inside[path[0]] = LOST
 
 
 def lexical(text: str, problems: Problems) -> None:
