@@ -209,3 +209,10 @@ def test_of_a_list_of_data_the_first_error_is_enough():
     rows = ", ".join("[1, 0]" for _ in range(50))
     text = RIGHT.replace('theta = 1.0\nphi = "i"', f"vectors = [{rows}]").replace("h = 0.1", "h = 0")
     assert rounds(text) == [(START, 8), (STEP, 11)]
+
+
+def test_a_part_of_a_start_that_is_set_aside_is_not_missed():
+    two = RIGHT.replace("w = { sphere = 2 }", "w = { sphere = 2 }\np = { sphere = 1 }")
+    two = two.replace("[starts.s]\n", "[starts.s.p]\nvectors = [[1, 0, 0]]\n[starts.s.w]\n")
+    assert rounds(two.replace("[starts.s.p]", "[starts.s.p")) == [("E103", 8)]
+    assert rounds(two.replace("h = 0.1", "h = 0").replace("[starts.s.p]", "[starts.s.p")) == [("E103", 8), (STEP, 15)]

@@ -68,7 +68,7 @@ def without_table(text: str, start: int, aside: Aside) -> Optional[str]:
     head, *lines = text[start:end].split("\n")
     if any(mark in line for line in lines for mark in MANY_LINES):
         return None
-    aside.headers.append(tuple(part.strip(' \t"[]') for part in head.split(".", 1)))
+    aside.headers.append(tuple(part.strip(' \t"[]') for part in head.split(".")))
     aside.names |= {*WORD.findall(head), *(k[1].strip('"') for k in map(KEY.match, lines) if k)}
     return blanked(text, start, end)
 

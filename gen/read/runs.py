@@ -60,9 +60,7 @@ class RunReader:
 
     def choice(self, node: Node, known, what: str) -> str:
         word = node.string()
-        if word in self.declared.broken:
-            self.formulas.silently()
-        if word not in known:
+        if word not in known and word not in self.declared.broken:
             node.wrong(codes.UNKNOWN_NAME, f"there is no {what} `{word}`", nearest(word, known))
         return word
 
