@@ -1,27 +1,43 @@
 """smidgen compiles Hamiltonians, written as formulas, to structure-preserving integrators.
 
     import smidgen
-    spec = smidgen.load("top.toml")
+    spec = smidgen.load("top.toml")         # or a name that `smidgen list` shows
     result = smidgen.run(spec, "demo", out="demo.h5")
     top = smidgen.build(spec).start("tilted", h=0.1)
     top.steps(100).w
+
+Where a function and a module share a name (build, plot, resume, run, validate, verify), the
+attribute of `smidgen` is the function, whatever is imported and when: each such module is
+imported here, and its name bound to the function afterwards. `from smidgen.plot import ...`
+finds the module.
 """
+from typing import TYPE_CHECKING
+
 __version__ = "0.1.0"
 
-from . import build as _build_module, run as _run_module        # noqa: E402,F401
-from .errors import (BuildError, MissingTool, OutputError, RunError,    # noqa: E402
-                     SmidgenError, SpecError, UsageError, ValidationError)
-from .integrator import Integrator, build                          # noqa: E402
+from . import lyapunov                                          # noqa: E402
+from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,     # noqa: E402
+                     RunError, SmidgenError, SpecError, UsageError, ValidationError)
+from .integrator import Integrator, build                       # noqa: E402
 from .output import Result, load_result                         # noqa: E402
-from .read import load, load_text                               # noqa: E402
+from .plot import plot                                          # noqa: E402
+from .read import load_text                                     # noqa: E402
 from .run import Interrupted, repeat, run                       # noqa: E402
 from .resume import resume                                      # noqa: E402
 from .checkpoint import CheckpointError                         # noqa: E402
+from .shipped import load                                       # noqa: E402
+from .spec import Spec                                          # noqa: E402
+from .validate import validate                                  # noqa: E402
 from .verify import verify                                      # noqa: E402
 
-__all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "MissingTool", "OutputError", "Result",
-           "RunError", "SmidgenError", "SpecError", "UsageError", "ValidationError", "advise", "build", "explain",
-           "load", "load_result", "load_text", "repeat", "resume", "run", "verify"]
+if TYPE_CHECKING:
+    from .advice import advise
+    from .symmetry import explain
+
+__all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
+           "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "UsageError", "ValidationError",
+           "advise", "build", "explain", "load", "load_result", "load_text", "lyapunov", "plot", "repeat", "resume",
+           "run", "validate", "verify"]
 
 
 def __getattr__(name):
@@ -33,3 +49,8 @@ def __getattr__(name):
         from .advice import advise
         return advise
     raise AttributeError(f"module 'smidgen' has no attribute '{name}'")
+
+
+def __dir__():
+    """Those two are there before they are imported."""
+    return sorted({*globals(), *__all__})

@@ -33,7 +33,7 @@ KEPT = 300      # builds that the cache keeps; the ones unused longest go first
 DOWNSTREAM = {"cli", "plot", "witness", "integrator.py", "run.py", "settings.py",
               "given.py", "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "verify", "demo",
               "checkpoint.py", "durable.py", "resume.py", "safe.py", "saved.py", "substeps.py",
-              "lyapunov.py", "symmetry", "advice", "__pycache__"}     # no part of the generator
+              "lyapunov.py", "symmetry", "advice", "public.py", "conserved.py", "__pycache__"}     # no part of the generator
 
 
 @dataclasses.dataclass(frozen=True)
@@ -126,7 +126,8 @@ def cache_folder() -> Path:
 
 def _identity(spec: Spec) -> str:
     """All of a spec but where its text lies."""
-    return repr(dataclasses.replace(spec, path="", sources=()))
+    facts = {f.name: getattr(spec, f.name) for f in dataclasses.fields(spec)}
+    return repr({**facts, "path": "", "sources": ()})
 
 
 def _generate(spec, method, solver, features):

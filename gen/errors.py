@@ -2,6 +2,8 @@
 
     SmidgenError        base; `exit_code` is what the command returns
       UsageError        2    a wrong option, name or value on the command line or in a call
+        KeywordError         a keyword that a function has not (a TypeError too)
+        ReadOnlyError        an attribute that cannot be assigned to (an AttributeError too)
       SpecError         3    a spec that cannot be read: a list of `Diagnostic`
       RunError          4    a step that failed; carries the runtime's status
       ValidationError   5    two computations that should agree do not
@@ -37,6 +39,14 @@ class SmidgenError(Exception):
 class UsageError(SmidgenError):
     """A wrong name, option or value in a command or a call."""
     exit_code = Exit.USAGE
+
+
+class KeywordError(UsageError, TypeError):
+    """A keyword that a public function has not."""
+
+
+class ReadOnlyError(UsageError, AttributeError):
+    """An attribute that only smidgen itself sets, or that there is not."""
 
 
 class OutputError(SmidgenError):

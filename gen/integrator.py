@@ -11,6 +11,7 @@ from __future__ import annotations
 import ctypes
 import dataclasses
 import math
+from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,6 +19,7 @@ import numpy as np
 from . import limits
 from .build import Built, build_library
 from .errors import BuildError, RunError, UsageError
+from .public import ReadOnly, few, public
 from .saved import Saved
 from .spec import Spec
 from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
@@ -36,13 +38,17 @@ METHODS = ("spherical-midpoint", "classical-midpoint", "moser-veselov")
 SOLVERS = ("auto", "newton", "rotation", "plain")
 
 
-def build(spec: Spec, method: str = "spherical-midpoint", effects=None, values=None,
-          solver: str = "auto", real: str = "double", native: bool = False, features=()) -> "Integrator":
+@public
+def build(spec: Spec, method: str = "spherical-midpoint", effects: Iterable[str] | None = None,
+          values: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
+          native: bool = False, features: Iterable[str] = ()) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.
 
-    effects: names of the effects to keep, None for all; values: parameter values by name;
-    real: "double" or "long double"; features: names of `features.FEATURES`. Raises UsageError for a name that is not known,
-    MissingTool and BuildError as `build_library` does.
+    method: one of METHODS; solver: one of SOLVERS; effects: names of the effects to keep, None for all;
+    values: parameter values by name, in the units of the spec (a number, or a sequence for an array);
+    real: "double" or "long double"; native: compile for this processor; features: names of
+    `features.FEATURES`. Raises UsageError for a name that is not known or a value that does not fit,
+    MissingTool without a C compiler, BuildError when it fails.
     """
     choose("method", method, METHODS)
     choose("solver", solver, SOLVERS)
@@ -79,13 +85,33 @@ def choose(what: str, name: str, names) -> str:
     return name
 
 
-class Integrator:
+class Integrator(ReadOnly):
     """One model with its parameter values, compiled; at most one trajectory at a time.
 
     name, method, solver: as asked for; `notes`: what the generator chose. `w` is the state,
     shape (sites, 3); it is the same array after every step, and the caller's own if
-    `start` was given one of that shape and type.
+    `start` was given one of that shape and type. h: the step, nan before `start`; t0: the time
+    of the start; count: the steps taken since; times in the unit that the spec's energy implies.
+    values_in: the parameter values; families: name -> (first site, number of sites); columns:
+    the names of what `values` gives. All of them are only read: ReadOnlyError says what to call.
     """
+    spec: Spec
+    scene: Spec
+    built: Built
+    name: str
+    method: str
+    solver: str
+    notes: dict
+    values_in: dict
+    families: dict[str, tuple[int, int]]
+    real: np.dtype
+    columns: list[str]
+    h: float
+    t0: float
+    count: int
+    w: np.ndarray | None
+    INSTEAD = {"": "smidgen.build(spec, ...) makes another model", "count": "steps(count) takes steps"} | dict.fromkeys(
+        ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step")
 
     def __init__(self, spec, scene, built: Built, values, method, solver):
         self.spec, self.scene, self.built = spec, scene, built
@@ -96,15 +122,24 @@ class Integrator:
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
         self._c = _functions(_loaded(built.binary), self.name)
         self._state, self._keep = None, None
-        self.h, self.count, self.w = math.nan, 0, None
+        self.h, self.t0, self.count, self.w = math.nan, 0.0, 0, None
         self.columns = value_columns(scene)
+
+    def __repr__(self) -> str:
+        at = f"step {self.count}, t = {self.t:.10g}, h = {self.h:.10g}" if self._state else "not started"
+        return f"<Integrator {self.name}: {self.method}, {self.sites} sites of {few(self.families)}; {at}>"
+
+    def _now(self, **facts) -> None:
+        """Where the trajectory is; the one way past ReadOnly."""
+        vars(self).update(facts)
 
     @property
     def sites(self) -> int:
         """Number of sites: the state has shape (sites, 3)."""
         return sum(count for _, count in self.families.values())
 
-    def start(self, w=None, t0: float = 0.0, h: float = None, seed: int = None) -> "Integrator":
+    @public
+    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None) -> Integrator:
         """Begin a trajectory at time t0 with step h (negative: backward).
 
         w: an array of shape (sites, 3), which the steps change in place, the name of a start
@@ -115,16 +150,15 @@ class Integrator:
         if h is None or not math.isfinite(h) or h == 0:
             raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")
         self.close()
-        self.w = self._array(w, seed)
-        self.h, self.t0, self.count = float(h), float(t0), 0
+        self._now(w=self._array(w, seed), h=float(h), t0=float(t0), count=0)
         self._new()
         return self
 
-    def step(self) -> "Integrator":
+    def step(self) -> Integrator:
         """One step; w is changed in place. Raises RunError, then w is as before."""
         return self.steps(1)
 
-    def steps(self, count: int) -> "Integrator":
+    def steps(self, count: int) -> Integrator:
         """`count` steps. On failure w is the state before the step that failed."""
         done = self.advance(count)
         self._c.state(self._state, self.w.ctypes.data)
@@ -139,7 +173,7 @@ class Integrator:
             raise UsageError("a number of steps from 0 up; a negative h runs backward")
         done = ctypes.c_int64(0)
         self._status = self._c.steps(self._state, count, ctypes.byref(done))
-        self.count += done.value
+        self._now(count=self.count + done.value)
         return done.value
 
     def failure(self) -> RunError | None:
@@ -177,7 +211,7 @@ class Integrator:
         self._c.save(self._state, out.ctypes.data)
         return out
 
-    def restore(self, saved: np.ndarray) -> "Integrator":
+    def restore(self, saved: np.ndarray) -> Integrator:
         """Be where `save` was called, after a start with the same parameter values.
 
         Raises RunError for what no `save` of this model wrote; the state is then as it was.
@@ -189,7 +223,8 @@ class Integrator:
         if status:
             raise RunError(f"no saved state of {self.name}: {STATUS[status][1]}", status)
         head = Saved.of(saved)
-        self.t0, self.h, self.count, self._status = head.t0, head.h, head.count, 0
+        self._now(t0=head.t0, h=head.h, count=head.count)
+        self._status = 0
         self._c.state(self._state, self.w.ctypes.data)
         return self
 
@@ -207,7 +242,7 @@ class Integrator:
         self._c.casimirs(self._state, out.ctypes.data)
         return out
 
-    def energy(self, w=None, t: float = None) -> float:
+    def energy(self, w=None, t: float | None = None) -> float:
         """H(t, w), by default of the present state and time."""
         self._started()
         w = self._given(self.w if w is None else w)
@@ -215,7 +250,7 @@ class Integrator:
         self._c.energy(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out[0]
 
-    def field(self, w=None, t: float = None) -> np.ndarray:
+    def field(self, w=None, t: float | None = None) -> np.ndarray:
         """b = (1/kappa) dH/dw of shape (sites, 3), by default of the present state."""
         self._started()
         w, out = self._given(self.w if w is None else w), np.empty((self.sites, 3), self.real)
@@ -256,7 +291,7 @@ class Integrator:
         carried, done = array.copy(), ctypes.c_int64(0)
         status = self._c.tangent(self._state, carried.ctypes.data, array.size // (3 * self.sites), count,
                                  ctypes.byref(done))
-        self.count += done.value
+        self._now(count=self.count + done.value)
         self._c.state(self._state, self.w.ctypes.data)
         self._status = status if status < 100 else 0
         self._fail(self._status)

@@ -1,7 +1,7 @@
 """Lyapunov exponents, by the tangent map and by nearby trajectories.
 
     top = smidgen.build(spec, features=("tangent",))
-    found = exponents(top, w, h=0.1, steps=100_000)
+    found = smidgen.lyapunov.exponents(top, w, h=0.1, steps=100_000)
     found.values        # the spectrum per unit of time, largest first
 
 The exponents of an orbit are the rates at which tangent vectors grow,
@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .errors import UsageError
+from .public import few, public
 from .start import casimir_matrices, radii
 
 OFFSET = 1e-8       # separation of nearby trajectories: about the root of the round-off
@@ -35,6 +36,9 @@ class Exponents(NamedTuple):
     times: np.ndarray
     growth: np.ndarray
 
+    def __repr__(self) -> str:
+        return f"<Exponents {few(f'{x:.4g}' for x in self.values)} after t = {self.times[-1]:.6g}>"
+
     def error(self, batches: int = 20) -> np.ndarray:
         """Standard errors (columns,) of `values`, from means over `batches` parts of the run.
 
@@ -49,7 +53,8 @@ class Exponents(NamedTuple):
         return parts.std(axis=0, ddof=1) / span / np.sqrt(batches)
 
 
-def exponents(model, w, h: float, steps: int, columns: int = None, every: int = 1, t0: float = 0.0,
+@public
+def exponents(model, w, h: float, steps: int, columns: int | None = None, every: int = 1, t0: float = 0.0,
               seed: int = 0) -> Exponents:
     """The largest `columns` Lyapunov exponents (by default all) of the orbit from w, by the tangent map.
 
@@ -97,6 +102,7 @@ def on_leaves(model, v) -> np.ndarray:
     return v - across[..., None] * n
 
 
+@public
 def nearby(model, w, h: float, steps: int, every: int, t0: float = 0.0, offset: float = OFFSET,
            seed: int = 0) -> Exponents:
     """The largest Lyapunov exponent of the orbit from w by a second trajectory beside it.

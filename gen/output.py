@@ -7,6 +7,7 @@ under its name when it is complete: until then an earlier one stays as it was.
 """
 from __future__ import annotations
 
+import html
 import io
 import json
 import os
@@ -21,22 +22,26 @@ import numpy as np
 
 from .durable import sync_folder
 from .errors import OutputError, UsageError
+from .public import ReadOnly, few, public
 
+HEIGHT = 640                # of the player in a notebook, in pixels
 CSV_COLUMNS = 30_000        # widest table that is written as text
 FORMATS = (".csv", ".npz", ".h5")
 RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
 
 
-@dataclass
-class Result:
-    """What a run computed: k outputs.
+@dataclass(repr=False)
+class Result(ReadOnly):
+    """What a run computed: k outputs, in the units of the spec.
 
     meta: everything about the run. step, t: shape (k,). w: family -> (k, count, 3), None
     when states were not asked for. values: name -> (k,) or (k, m). final: the last state,
     shape (sites, 3), at meta["done"] steps. substeps: rows step, t, k of the steps that were
     taken as 2^k smaller ones, shape (m, 3), None when that was not asked for. summary: the
-    last time t, the largest changes over the outputs (errors), seconds of stepping and writing.
+    last time t, the largest changes over the outputs, of conserved quantities (errors) and of
+    others (changes), seconds of stepping and writing. A notebook shows the player of the states.
     """
+    INSTEAD = {"": "smidgen.run(spec, ...) makes another result"}
     meta: dict
     step: np.ndarray
     t: np.ndarray
@@ -46,9 +51,25 @@ class Result:
     substeps: np.ndarray | None = None
     summary: dict = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        said = " ".join(str(self.meta.get(word) or "") for word in ("spec", "run")).strip()
+        over = f" over t = {self.t[0]:.6g} .. {self.t[-1]:.6g}" if len(self.t) else ""
+        return (f"<Result {said}: {self.meta.get('method')}, {self.meta.get('status')}, {len(self.t)} outputs{over}: "
+                f"{few([*(self.w or {}), *self.values]) or 'nothing kept'}>")
 
-def load_result(path) -> Result:
-    """Read a file that a run wrote. Raises UsageError when it is none."""
+    def _repr_html_(self) -> str | None:
+        """The player, for notebooks; None where there is nothing to play, and the repr is shown."""
+        from .plot import page          # what is downstream is needed here alone
+        try:
+            return (f'<iframe srcdoc="{html.escape(page(self))}" sandbox="allow-scripts" '
+                    f'style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>')
+        except UsageError:
+            return None
+
+
+@public
+def load_result(path: str | os.PathLike) -> Result:
+    """Read a file .csv, .npz or .h5 that a run wrote. Raises UsageError when it is none."""
     path = Path(path)
     try:
         with warnings.catch_warnings():
@@ -59,13 +80,13 @@ def load_result(path) -> Result:
         raise UsageError(f"{path} is no file of a smidgen run: {problem}") from None
 
 
-def result_of(meta: dict, columns: dict) -> Result:
+def result_of(meta: dict, columns: dict, summary: dict | None = None) -> Result:
     """Sort `columns` (name -> array) into a Result."""
     columns = dict(columns)
     step, t, final = columns.pop("step"), columns.pop("t"), columns.pop("final", None)
     substeps = columns.pop("substeps", None)
     states = {f: columns.pop(f) for f in meta["families"] if f in columns}
-    return Result(meta, step, t, states or None, columns, final, substeps)
+    return Result(meta, step, t, states or None, columns, final, substeps, summary or {})
 
 
 def known_format(path) -> str:

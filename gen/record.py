@@ -1,10 +1,11 @@
-"""What a run records: columns, the buffers that collect them, and the largest errors."""
+"""What a run records: columns, the buffers that collect them, and the largest deviations."""
 from __future__ import annotations
 
 import math
 
 import numpy as np
 
+from .conserved import conserved_axes, driven, energy_of, momentum_of, with_tracers
 from .errors import UsageError
 from .integrator import Integrator
 from .nearness import Nearest
@@ -14,16 +15,19 @@ CHUNK = 2 ** 22         # bytes of outputs between two writes
 
 
 class Recorder:
-    """Collects outputs in buffers and hands them to the sinks; keeps the errors' extremes."""
+    """Collects outputs in buffers and hands them to the sinks; keeps the largest deviations.
 
-    def __init__(self, model, layout, sinks):
+    span: how long the run is.
+    """
+
+    def __init__(self, model, layout, sinks, span: float):
         self.model, self.sinks, self.rows, self.begun = model, sinks, 0, False
         self.capacity = max(1, min(4096, CHUNK // entry_size(layout)))
         self.buffers = {n: np.empty((self.capacity, *shape), kind)
                         for n, (shape, kind) in layout.items()}
         self.state = model.state()
         self.values, self.casimirs = model.values(), model.casimirs()
-        self.errors = Extremes(model, self.values, self.casimirs)
+        self.deviations = Deviations(model, self.values, self.casimirs, span)
         self.nearest = Nearest(model)
         self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
         self.picks = [(n, f) for n, f in outputs_of(model).items() if n in layout]
@@ -34,7 +38,7 @@ class Recorder:
         self.begun = True
         self.model.values(self.values)
         self.model.casimirs(self.casimirs)
-        self.errors.see(self.values, self.casimirs)
+        self.deviations.see(self.values, self.casimirs)
         self.nearest.see(self.model)
         if self.sinks:
             self._fill(self.rows)
@@ -56,12 +60,13 @@ class Recorder:
 
     def facts(self) -> dict:
         """What a resumed run must know beside the state and the rows."""
-        return {"largest": self.errors.largest, "substeps": self.substeps}
+        return {**self.deviations.facts(), "substeps": self.substeps}
 
     def go_on(self, facts: dict) -> None:
         """Be where `facts` were taken."""
         self.begun = True
-        self.errors.largest, self.substeps = dict(facts["largest"]), [tuple(row) for row in facts["substeps"]]
+        self.deviations.go_on(facts)
+        self.substeps = [tuple(row) for row in facts["substeps"]]
 
     def flush(self) -> None:
         """Hand the buffered outputs on."""
@@ -71,24 +76,60 @@ class Recorder:
         self.rows = 0
 
 
-class Extremes:
-    """The largest deviations of energy, momentum and Casimirs from their first values."""
+class Deviations:
+    """The largest deviations from the first output: errors of what is conserved, changes of the rest.
 
-    def __init__(self, model, values, casimirs):
-        self.first, self.c0 = values.copy(), casimirs.copy()
-        self.momentum = [k for k, n in enumerate(model.columns) if n.startswith("momentum.")]
-        self.largest = {"energy": 0.0, "momentum": 0.0, "casimirs": 0.0}
+    span: how long the run is. Which energy and momentum are meant, and what of them is
+    conserved, says conserved.py; with one output there is nothing to compare.
+    """
+
+    def __init__(self, model, values, casimirs, span: float):
+        self.scene, self.columns, self.c0, self.outputs = model.scene, model.columns, casimirs.copy(), 0
+        self.without, self.driven = with_tracers(model.scene), driven(model.scene)
+        self.axes, self.largest = conserved_axes(model, span), {}
+        self.energy, self.momentum = self._of(values)
+
+    def _of(self, values):
+        """(energy or None, momentum (3,)) of an output."""
+        named = dict(zip(self.columns, values))
+        rows = {f"momentum.{f.name}": [named[f"momentum.{f.name}.{x}"] for x in "xyz"] for f in self.scene.families}
+        return energy_of(named, self.without), momentum_of(rows, self.scene)
 
     def see(self, values, casimirs) -> None:
         """Compare one output with the first."""
-        change = abs(values - self.first)
-        self._raise("energy", change[0])
-        self._raise("momentum", change[self.momentum].max())
-        self._raise("casimirs", abs(casimirs - self.c0).max())
+        self.outputs += 1
+        energy, momentum = self._of(values)
+        if energy is not None:
+            self._raise("changes" if self.driven else "errors", "energy", energy - self.energy)
+        if not all(f.tracer for f in self.scene.families):
+            self._momentum(momentum - self.momentum)
+        self._raise("errors", "casimirs", casimirs - self.c0)
 
-    def _raise(self, what, value):
-        if not value <= self.largest[what]:         # NaN must not be lost
-            self.largest[what] = float(value)
+    def _momentum(self, change):
+        """Its part in the conserved directions, and the rest."""
+        along = self.axes @ change
+        if len(self.axes):
+            self._raise("errors", "momentum", along)
+        if len(self.axes) < 3:
+            self._raise("changes", "momentum", change - along @ self.axes)
+
+    def _raise(self, kind, name, change):
+        value, found = float(abs(change).max()), self.largest.setdefault(kind, {})
+        if not value <= found.get(name, -1.0):      # NaN must not be lost
+            found[name] = value
+
+    def summary(self) -> dict:
+        """errors and changes: name -> the largest one; without: the effects that the energy leaves out."""
+        found = self.largest if self.outputs > 1 else {}
+        return {"errors": found.get("errors", {}), "changes": found.get("changes", {}), "without": sorted(self.without)}
+
+    def facts(self) -> dict:
+        """What a resumed run must know."""
+        return {"outputs": self.outputs, "largest": self.largest}
+
+    def go_on(self, facts: dict) -> None:
+        """Be where `facts` were taken."""
+        self.outputs, self.largest = facts["outputs"], facts["largest"]
 
 
 def entry_size(layout: dict) -> int:

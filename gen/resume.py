@@ -1,21 +1,27 @@
 """Going on with a run that was stopped: `smidgen.resume("result.h5")`."""
 from __future__ import annotations
 
+import dataclasses
 import json
+import os
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 from .build import generator_name
 from .checkpoint import CheckpointError, Folder, folder_of
 from .errors import UsageError
 from .integrator import build
-from .output import load_result
+from .output import Result, load_result
+from .public import public
 from .recorded import recorded
 from .run import describe, execute
 from .settings import settle
 
 
-def resume(path, *, keep: bool = False, progress=None, tell=warnings.warn):
+@public
+def resume(path: str | os.PathLike, *, keep: bool = False, progress: Callable[[int], object] | None = None,
+           tell: Callable[[str], object] = warnings.warn) -> Result:
     """Go on with the run that was writing `path` with checkpoints, and return its Result.
 
     The result has the bits of a run that was never stopped. A result that is complete is
@@ -77,6 +83,6 @@ def _complete(path):
     if result is None or result.meta["status"] != "complete":
         raise CheckpointError(f"nothing was saved of {Path(path)}: a run that can go on is one with checkpoints, "
                               "`smidgen run SPEC --checkpoint 10000 --out result.h5`")
-    result.summary = {"t": result.meta["h"] * result.meta["done"], "errors": {}, "seconds": 0.0,
-                      "in_parts": 0 if result.substeps is None else len(result.substeps)}
-    return result
+    return dataclasses.replace(result, summary={
+        "t": result.meta["h"] * result.meta["done"], "errors": {}, "changes": {}, "seconds": 0.0,
+        "in_parts": 0 if result.substeps is None else len(result.substeps)})

@@ -7,9 +7,11 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import math
+import os
 import signal
 import threading
 import time as clock
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -17,7 +19,8 @@ from . import __version__
 from .checkpoint import refuse_unfinished
 from .errors import UsageError
 from .integrator import Integrator, build
-from .output import MemorySink, load_result, open_sink, result_of
+from .output import MemorySink, Result, load_result, open_sink, result_of
+from .public import public
 from .record import Recorder, columns_of, entry_size
 from .safe import SafeSink
 from .settings import Settings, settle
@@ -37,31 +40,55 @@ class Interrupted(KeyboardInterrupt):
         self.result = result
 
 
-def run(spec: Spec, name: str | None = None, *, out=None, keep: bool | None = None,
-        progress=None, real: str = "double", native: bool = False, **given):
+@public
+def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None = None,
+        method: str | None = None, solver: str | None = None, h: float | str | None = None,
+        steps: int | None = None, time: float | str | None = None, every: int | None = None,
+        section: float | str | None = None, what: Iterable[str] | None = None,
+        effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+        seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
+        out: str | os.PathLike | None = None, keep: bool | None = None,
+        progress: Callable[[int], object] | None = None, real: str = "double",
+        native: bool = False) -> Result:
     """Run `spec` and return a Result.
 
-    name: a run of the spec, by default its first. given: any of start (a name or an array),
-    method, solver, h, steps or time, every or section, what, effects, values, seed,
-    checkpoint (steps; needs `out`), substeps (True: take a step that fails as up to 2^10
-    smaller ones), in place of what the run says. out: a file .csv, .npz or .h5. keep: hold
-    the outputs in memory; by default when there is no `out`. progress: a function of the
-    steps done. Raises RunError (its `result` holds what was computed), UsageError, OutputError.
+    name: a run of the spec, by default its first. In place of what that run says:
+    start: the name of a start, or an array of shape (sites, 3); method, solver: their names;
+    h: the step, and steps (their number) or time (a multiple of h), how long; every: steps
+    between outputs, or section: the time between them; h, time and section in the unit of
+    time of the spec, numbers or formulas of its parameters such as "2*pi/n"; what: names of
+    outputs (states, energy, momentum, casimirs, observables); effects: names of those to keep;
+    values: parameter name -> number, or a sequence for an array; seed: of random starts;
+    checkpoint: steps between two checkpoints (needs `out`); substeps: take a step that fails
+    as up to 2^10 smaller ones.
+    out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
+    `out`; progress: a function of the steps done; real: "double" or "long double"; native:
+    compile for this processor.
+    Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
+    Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
+    cannot be written, MissingTool and BuildError as `build` does.
     """
-    if out is None and given.get("checkpoint"):
+    if out is None and checkpoint:
         raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
-    settings = settle(spec, name, real=real, native=native, **given)
+    settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
+                      every=every, section=section, what=what, effects=effects, values=values, seed=seed,
+                      real=real, native=native, substeps=substeps, checkpoint=checkpoint)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
                   real, native)
     model.start(settings.start, h=settings.h, seed=settings.seed)
     return execute(model, settings, out, out is None if keep is None else keep, progress)
 
 
-def repeat(path, out=None, **options):
-    """Do again what wrote the file `path`; the same program gives the same numbers."""
+@public
+def repeat(path: str | os.PathLike, out: str | os.PathLike | None = None, *, keep: bool | None = None,
+           progress: Callable[[int], object] | None = None) -> Result:
+    """Do again what wrote the file `path`; the same program gives the same numbers.
+
+    out, keep, progress: as for `run`, which also says what is raised.
+    """
     from .recorded import recorded
     spec, name, settings = recorded(load_result(path).meta)
-    return run(spec, name, out=out, **{**settings, **options})
+    return run(spec, name, out=out, keep=keep, progress=progress, **settings)
 
 
 def execute(model: Integrator, settings: Settings, out, keep: bool, progress=None, place=None):
@@ -74,7 +101,7 @@ def execute(model: Integrator, settings: Settings, out, keep: bool, progress=Non
     sinks = [MemorySink(layout)] if keep else []
     if out is not None:
         sinks.append(_file_sink(out, model, settings, layout, place))
-    recorder = Recorder(model, layout, sinks)
+    recorder = Recorder(model, layout, sinks, settings.steps * settings.h)
     began = clock.perf_counter()
     try:
         began -= _go_on(model, recorder, sinks, place)
@@ -214,10 +241,9 @@ def _finish(model, settings, recorder, status, error, began):
     memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
-    result = result_of(meta, {**(memory[0] if memory else empty), **extras})
-    result.summary = {"t": model.t, "errors": recorder.errors.largest, "in_parts": len(recorder.substeps),
-                      "nearest": recorder.nearest.fact(), "seconds": clock.perf_counter() - began}
-    return _outcome(result, status, error)
+    summary = {"t": model.t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
+               "nearest": recorder.nearest.fact(), "seconds": clock.perf_counter() - began}
+    return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
 
 
 def _close(model, recorder, meta, extras, began):

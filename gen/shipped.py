@@ -5,8 +5,11 @@ import difflib
 import os
 from pathlib import Path
 
+from . import read
 from .errors import UsageError
+from .public import public
 from .resources import folder
+from .spec import Spec
 
 
 def shipped() -> dict[str, Path]:
@@ -26,7 +29,14 @@ def find_spec(word: str) -> Path:
     raise UsageError(f"'{word}' is neither a file nor a shipped spec; {hint}")
 
 
-def load_spec(word: str):
-    """Read the spec that `word` means. Raises UsageError and SpecError."""
-    from .read import load
-    return load(str(find_spec(word)))
+@public
+def load(spec: str | os.PathLike) -> Spec:
+    """Read a spec: the path of a TOML file, or the name of one that comes with smidgen.
+
+    Raises UsageError for a word that is neither, SpecError with up to ten diagnostics for a
+    file that cannot be read or has errors.
+    """
+    return read.load(find_spec(spec) if isinstance(spec, str) else spec)
+
+
+load_spec = load        # under the name that the commands use

@@ -5,10 +5,11 @@ shape (sites, 3). `Expr` fields marked [int] are integer formulas in int paramet
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Optional, Union
 
 from .expr import Expr
+from .public import few
 
 
 @dataclass(frozen=True)
@@ -188,4 +189,9 @@ class Spec:
     orientation: int = +1        # +1: the paper's sign; -1: every bracket reversed
     path: str = ""
     digest: str = ""             # sha256 of the text and of the files it names
-    sources: tuple[tuple[str, str], ...] = field(default=(), repr=False)
+    sources: tuple[tuple[str, str], ...] = ()
+
+    def __repr__(self) -> str:
+        held = ("parameters", "families", "effects", "observables", "starts", "runs")
+        parts = [f"{name} {few(x.name for x in getattr(self, name))}" for name in held if getattr(self, name)]
+        return f"<Spec {self.name}: {'; '.join(parts)}>"

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from .errors import RunError, UsageError, ValidationError
 from .integrator import build
+from .public import public
 from .settings import Settings, settle
 from .spec import Spec
 from .start import initial_state, radii
@@ -57,6 +59,10 @@ class Report:
     def passed(self) -> bool:
         return all(line.passed for line in self.lines)
 
+    def __repr__(self) -> str:
+        return (f"<Report {self.spec} {self.run}: {self.method}, "
+                f"{sum(x.passed for x in self.lines)} of {len(self.lines)} lines passed>")
+
     def check(self) -> "Report":
         """Itself, or ValidationError with the lines that failed."""
         failed = [f"{x.check}: {x.measured:.3g}, bound {x.bound} {x.note}".rstrip()
@@ -95,18 +101,23 @@ class Report:
         return capture.get()
 
 
+@public
 def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: int = 5,
-             **given) -> Report:
+             start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+             h: float | str | None = None, effects: Iterable[str] | None = None,
+             values: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
+             native: bool = False) -> Report:
     """Compare the compiled integrator of a run with the witness.
 
-    given: method, h, effects, values, solver, start, seed in place of what the run says.
+    start .. native: as for `smidgen.run`, in place of what the run says.
     The lines: field and energy at `points` random states; conserved quantities and
     observables; `steps` steps of the same method; the order of convergence to the flow.
     Raises UsageError for wrong names; what the numbers refuse is a line that failed.
     """
     if steps < 1 or points < 1:
         raise UsageError("validate needs at least one step and one point")
-    case = Case(settle(spec, run, steps=steps, every=1, **given), spec, points)
+    case = Case(settle(spec, run, steps=steps, every=1, start=start, method=method, solver=solver, h=h,
+                       effects=effects, values=values, seed=seed, real=real, native=native), spec, points)
     lines = [*field_lines(case), *value_lines(case)]
     step_lines, growth = case.guarded(f"{steps} steps", lambda: compare_steps(case), math.nan)
     flow_lines, _ = case.guarded("order of convergence", lambda: (compare_flow(case), None), None)

@@ -254,7 +254,7 @@ def test_a_step_that_fails(command, tmp_path):
 
 def test_validation_can_fail(command, monkeypatch):
     from smidgen import cli
-    import smidgen.validate as validate
+    validate = sys.modules["smidgen.validate"]
     bad = validate.Report("m", "r", "x", 0.1, 1, 1, 1.0, (validate.Line("field", 1.0, "0", False),))
     monkeypatch.setattr(validate, "validate", lambda *a, **k: bad)
     assert cli.main(["validate", TOP]) == 5

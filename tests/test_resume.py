@@ -24,13 +24,13 @@ def stopped(tmp_path, patient_disk):
     out = tmp_path / "a.h5"
 
     def live():
-        real = smidgen.run.__globals__["_save"]
+        real = vars(sys.modules["smidgen.run"])["_save"]
 
         def save(model, recorder, began):
             real(model, recorder, began)
             if model.count == 120:
                 crash.die()
-        smidgen.run.__globals__["_save"] = save
+        vars(sys.modules["smidgen.run"])["_save"] = save
         chain_run(out)
     assert crash.forked(live) == -signal.SIGKILL
     return out

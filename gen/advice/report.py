@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import RunError
 from ..integrator import build
+from ..public import public
 from ..settings import find_run, settle
 from ..symmetry.energy import Energy
 from .branch import Branch, follow
@@ -43,6 +44,9 @@ class Advice:
     run_h: float | None
     reason: str
 
+    def __repr__(self) -> str:
+        return f"<Advice {self.spec} {self.run}: {self.method}: h = {self.h:.6g}, {self.kind}>"
+
     def words(self) -> list[str]:
         """The advice in plain sentences."""
         head = (f"The first step has no limit up to h = {self.cap:.6g}" if self.kind == "open" else
@@ -68,16 +72,19 @@ def _accuracy(h: float, rate: float) -> str:
     return f"Accuracy: the fastest local rate is {rate:.6g}, h times it is {turn:.3g}, and {said}{more}."
 
 
-def advise(spec, run: str | None = None, **choices) -> Advice:
-    """The largest safe step for the start of a run; choices as for `run`: method, values, start, h, ..
+@public
+def advise(spec, run: str | None = None, *, start=None, method: str | None = None, solver: str | None = None,
+           h=None, effects=None, values=None, seed: int | None = None) -> Advice:
+    """The largest safe step for the start of a run; start .. seed as for `smidgen.run`.
 
     The branch of solutions of the step equation is followed from h = 0 (up to `UNKNOWNS` unknowns;
     beyond, by trial steps), and the advice is tried with first steps of the generated code. Raises
     UsageError for what does not fit, RunError when not even a tiny step exists.
     """
     base = find_run(spec, run)
-    stated = choices.get("h") is not None or base.h is not None
-    s = settle(spec, run, **{"steps": 1, "every": 1, **({} if stated else {"h": 1.0}), **choices})
+    stated = h is not None or base.h is not None
+    s = settle(spec, run, start=start, method=method, solver=solver, h=h if stated else 1.0, steps=1, every=1,
+               effects=effects, values=values, seed=seed)
     model = build(spec, s.method, s.effects, s.values, s.solver)
     w = model.start(s.start, h=s.h, seed=s.seed).w.copy()
     return advice_for(model, w, 0.0, s.h, s.run, stated)

@@ -181,14 +181,12 @@ def facts(args, result, code) -> dict:
 
 def lines(args, result):
     """The summary for people."""
-    meta, errors = result.meta, result.summary["errors"]
+    meta = result.meta
     yield (f"{meta['spec']} {meta['run']}: {meta['method']}, h = {meta['h']:.10g}, {meta['done']} of "
            f"{meta['steps']} steps to t = {result.summary['t']:.10g} in {result.summary['seconds']:.2f} s")
     if meta["chosen"]:
         yield f"chosen: {notes_line(meta['chosen'])}"
-    if errors:
-        yield "largest change over the outputs: " + ", ".join(
-            f"{name} {value:.3g}" for name, value in errors.items())
+    yield from deviation_lines(result.summary)
     yield from split_lines(result)
     yield from near_lines(result)
     if meta["status"] != "complete":
@@ -197,6 +195,15 @@ def lines(args, result):
         yield f"wrote {args.out}"
         if meta["status"] == "interrupted" and folder_of(args.out).is_dir():
             yield f"go on with: smidgen run --resume {args.out}"
+
+
+def deviation_lines(summary):
+    """Errors of what is conserved, changes of what is not."""
+    names = {"energy": "energy without tracers"} if summary.get("without") else {}
+    for kind, said in (("errors", "largest error"), ("changes", "not conserved, largest change")):
+        if summary[kind]:
+            found = (f"{names.get(name, name)} {value:.3g}" for name, value in summary[kind].items())
+            yield f"{said} over the outputs: {', '.join(found)}"
 
 
 def split_lines(result):

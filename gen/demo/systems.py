@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..conserved import conserved_axes, momentum_of
 from ..errors import SmidgenError
 from ..integrator import build
 from ..plot.draw import outputs_for, plot, write_page
@@ -83,46 +84,15 @@ def agreement(report) -> float:
 def energy_error(result) -> float:
     """max |H - H_0| over the outputs, H without what tracers feel; nan when H depends on t."""
     energy, _ = conserved_energy(result)
-    return np.nan if result.meta["driven"] else float(np.abs(energy - energy[0]).max())
-
-
-def conserved_axes(model, spec) -> np.ndarray:
-    """(3,) truth: which components of the total momentum sum kappa w does the field keep?
-
-    d/dt sum kappa w = sum kappa w x b, at random states; tracers and Nambu factors apart.
-    """
-    if any(f.kind == "nambu" for f in spec.families):
-        return np.zeros(3, bool)
-    own = acting_sites(model, spec)
-    kappa = kappas(spec, model.values_in)[own, None]
-    dice, kept = np.random.Generator(np.random.PCG64(11)), np.ones(3, bool)
-    for _ in range(3):
-        w = dice.standard_normal((model.sites, 3))
-        w /= np.linalg.norm(w, axis=1, keepdims=True)
-        torque = kappa * np.cross(w, model.field(w, float(dice.uniform(0, 5))))[own]
-        kept &= np.abs(torque.sum(axis=0)) <= 1e-10 * np.abs(torque).sum()
-    return kept
-
-
-def acting_sites(model, spec) -> np.ndarray:
-    """Numbers of the sites that are no tracers."""
-    return np.concatenate([np.arange(first, first + count)
-                           for f in spec.families for first, count in [model.families[f.name]]
-                           if not f.tracer])
-
-
-def momentum(spec, result) -> np.ndarray:
-    """(k, 3): the total momentum without tracers."""
-    return sum(np.asarray(result.values[f"momentum.{f.name}"], float)
-               for f in spec.families if not f.tracer)
+    return np.nan if energy is None or result.meta["driven"] else float(np.abs(energy - energy[0]).max())
 
 
 def momentum_error(model, spec, result) -> float:
-    """Largest change of a conserved component of the total momentum; nan without one."""
-    axes = conserved_axes(model, spec)
-    if not axes.any():
+    """Largest change of the total momentum in the directions in which it is conserved; nan without one."""
+    axes = conserved_axes(model)
+    if not len(axes):
         return np.nan
-    total = momentum(spec, result)[:, axes]
+    total = momentum_of(result.values, spec) @ axes.T
     return float(np.abs(total - total[0]).max())
 
 
@@ -151,11 +121,17 @@ def losses(model, spec, result):
 
 def axes_note(model, spec) -> list[str]:
     """Which components of the momentum are conserved, when not all are."""
-    axes = conserved_axes(model, spec)
-    if axes.all() or any(f.kind == "nambu" for f in spec.families):
+    axes = conserved_axes(model)
+    if len(axes) == 3 or any(f.kind == "nambu" for f in spec.families):
         return []
-    names = "".join(x for x, kept in zip("xyz", axes) if kept)
+    names = ", ".join(direction(axis) for axis in axes)
     return [f"momentum conserved along {names} only" if names else "momentum not conserved"]
+
+
+def direction(axis) -> str:
+    """x, y or z, or the components of a unit vector."""
+    k = int(np.argmax(np.abs(axis)))
+    return "xyz"[k] if abs(axis[k]) > 1 - 1e-9 else f"({', '.join(f'{a:.3g}' for a in axis)})"
 
 
 # -- pictures ------------------------------------------------------------------------------

@@ -11,24 +11,26 @@ from .style import FORMATS, save, styled
 
 
 def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
-    """Draw `source` and return the path of the picture.
-
-    source: a Result, the path of a file that a run wrote (.csv, .npz, .h5), or a spec (its
-    path, the name of one that comes with smidgen, or a Spec), of which `run` (by default
-    the first) is run. kind: one of `kinds()`. out: a path that ends in .png, .svg, .pdf, or
-    .html for the player; by default the spec's name and the kind, here.
-    Raises UsageError for a wrong kind or ending, and what reading and running raise.
-    """
+    """The path of the picture; `smidgen.plot` says what the arguments mean."""
     wanted(kind, out)
-    result = result_of(source, run)
-    if len(result.t) == 0:
-        raise UsageError("nothing to draw: the result holds no outputs")
-    result = drawable(result)
+    result = shown(result_of(source, run))
     chosen = suitable(result, is_page(out)) if kind == "auto" else kind
     path = Path(out) if out is not None else default_path(result, chosen)
     check_pair(chosen, path)
     picture = styled(KINDS[chosen][0])(result)
     return write_page(picture, path) if chosen == "player" else save(picture, path)
+
+
+def shown(result):
+    """What of a result can be drawn. Raises UsageError when nothing can."""
+    if len(result.t) == 0:
+        raise UsageError("nothing to draw: the result holds no outputs")
+    return drawable(result)
+
+
+def page(result) -> str:
+    """The player of a result, as HTML text. Raises UsageError for one that cannot be drawn."""
+    return styled(KINDS["player"][0])(shown(with_facts(result)))
 
 
 def wanted(kind: str, out) -> None:

@@ -5,7 +5,7 @@ import dataclasses
 
 import numpy as np
 
-from ..expr import Spin, Time, walk
+from ..conserved import driven, energy_of, with_tracers
 from ..spec import Graph, Lattice
 
 BONDED = 20_000     # most sites of a family whose bonds are drawn
@@ -16,8 +16,8 @@ def with_facts(result):
 
     casimirs: family -> matrix A of C = w.(A w)/2, of Nambu families; bonds: family -> (m, 2)
     numbers of joined sites; unconserved: names of the effects that tracers feel; driven: does
-    an effect depend on time? A result without its spec is drawn from its numbers alone.
-    Raises SpecError when the spec is spoilt.
+    the energy of the others depend on time? A result without its spec is drawn from its numbers
+    alone. Raises SpecError when the spec is spoilt.
     """
     meta = result.meta
     if "casimirs" in meta or not meta.get("sources"):
@@ -28,7 +28,7 @@ def with_facts(result):
     values = {n: v for n, v in (meta.get("values") or {}).items() if n in known}
     return dataclasses.replace(result, meta={
         **meta, "casimirs": matrices(spec, values), "bonds": bonds(spec, values, called),
-        "unconserved": sorted(with_tracers(spec) & called), "driven": of_time(spec, called)})
+        "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called)})
 
 
 def bonds(spec, values, called) -> dict:
@@ -52,27 +52,11 @@ def matrices(spec, values) -> dict:
             for f in spec.families if f.casimir is not None}
 
 
-def of_time(spec, effects=None) -> bool:
-    """Does an effect (of those named) depend on the time?"""
-    return any(isinstance(node, Time) for e in spec.effects if effects is None or e.name in effects
-               for node in walk(e.value))
-
-
-def with_tracers(spec) -> set[str]:
-    """Names of the effects that tracers feel: their energy is not conserved."""
-    tracers = {f.name for f in spec.families if f.tracer}
-    return {e.name for e in spec.effects
-            if any(isinstance(n, Spin) and n.family in tracers for n in walk(e.value))}
-
-
 def conserved_energy(result) -> tuple[np.ndarray | None, str]:
     """(H (k,) without what only tracers feel, what to call it); None without energies."""
-    values, without = result.values, result.meta.get("unconserved") or ()
-    if without:
-        kept = [np.asarray(v, float) for n, v in values.items()
-                if n.startswith("energy.") and n.removeprefix("energy.") not in without]
-        return (np.sum(kept, axis=0), "without tracers") if kept else (None, "")
-    if "energy" not in values:
+    without = result.meta.get("unconserved") or ()
+    energy = energy_of(result.values, without)
+    if energy is None:
         return None, ""
-    note = "H depends on time" if result.meta.get("driven") else ""
-    return np.asarray(values["energy"], float), note
+    notes = ["without tracers"] * bool(without) + ["H depends on time"] * bool(result.meta.get("driven"))
+    return np.asarray(energy, float), ", ".join(notes)

@@ -6,7 +6,7 @@ point at it and `select` can name it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Iterator
 
 import numpy as np
@@ -39,14 +39,69 @@ class Trouble:
 
 def model(spec: Spec, values: dict) -> Iterator[Trouble]:
     """Counts, arrays, strengths, radii, Casimirs, terms, with these parameter values."""
-    counts = list(sizes(spec, values))
-    yield from counts
-    if counts:
-        return
+    yield from staged(spec, values, sizes, space, terms)
+
+
+def model_and_starts(spec: Spec, values: dict, names=None) -> Iterator[Trouble]:
+    """The same, and the starts (of these names)."""
+    yield from staged(spec, values, sizes, space, terms, lambda s, v: starts(s, v, names))
+
+
+def staged(spec: Spec, values: dict, *stages) -> Iterator[Trouble]:
+    """Each stage looks at what the troubles of those before leave to look at."""
+    for stage in stages:
+        found = list(stage(spec, values))
+        yield from found
+        spec = sound(spec, found)
+
+
+def sound(spec: Spec, troubles) -> Spec:
+    """The spec without what has troubles, and without what names that."""
+    kinds = {f.name: f.kind for f in spec.families}
+    lost = {t.path[1] for t in troubles if t.path[0] == "parameters" or t.path[2:] == (kinds.get(t.path[1]),)}
+    leafless = lost | {t.path[1] for t in troubles if t.path[2:] in (("radius",), ("C",))}
+    if not leafless:
+        return spec
+    return replace(spec, parameters=tuple(p for p in spec.parameters if p.name not in lost),
+                   families=tuple(without(f, lost) for f in spec.families if f.name not in lost),
+                   effects=tuple(e for e in spec.effects if not named(e) & lost),
+                   observables=tuple(e for e in spec.observables if not named(e) & lost),
+                   starts=tuple(replace(s, families=tuple(p for p in s.families if not used(p, spec) & leafless))
+                                for s in spec.starts))
+
+
+def without(family: Family, lost: set) -> Family:
+    """The family with plain strengths and radii in place of those made of what is lost."""
+    plain = {key: Num(1) for key in ("kappa", "radius") if elements(getattr(family, key)) & lost}
+    return replace(family, **plain)
+
+
+def elements(*formulas) -> set[str]:
+    """The arrays and families that formulas name."""
+    return {e.name if isinstance(e, Elem) else e.family for f in formulas if f is not None
+            for e in walk(f) if isinstance(e, (Elem, Spin))}
+
+
+def named(term: Term) -> set[str]:
+    return elements(term.value) | set(families_of(term.over).values())
+
+
+def used(part, spec: Spec) -> set[str]:
+    """Of the start of a family: itself, and the arrays that it and the radius name."""
+    family = next(f for f in spec.families if f.name == part.family)
+    return {part.family} | elements(family.radius, *(part.value if part.kind == "formula" else ()))
+
+
+def space(spec: Spec, values: dict) -> Iterator[Trouble]:
+    """Strengths, radii and Casimirs."""
     for family in spec.families:
         yield from strength(family, values)
         yield from radius(family, values)
         yield from casimir(family, values)
+
+
+def terms(spec: Spec, values: dict) -> Iterator[Trouble]:
+    """Effects and observables."""
     for section, key, terms in (("effects", "energy", spec.effects),
                                 ("observables", "value", spec.observables)):
         for term in terms:

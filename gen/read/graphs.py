@@ -23,10 +23,15 @@ class Graphs:
         self.broken: set[str] = set()
 
     def declare(self, node: Node) -> None:
-        name = identifier(self.problems, node.key, node.name, "graph")
-        self.broken.add(name)
+        self.broken.add(node.name)
         node.table("file", "meaning")
-        meaning(node, "meaning")
+        name, rows, _ = self.problems.together(
+            lambda: identifier(self.problems, node.key, node.name, "graph"),
+            lambda: self.rows(node), lambda: meaning(node, "meaning"))
+        self.known[name] = rows
+        self.broken.discard(name)
+
+    def rows(self, node: Node) -> list[tuple]:
         child = node.need("file", 'name the table of edges: `file = "edges.csv"`')
         rows = self.files.rows(child, 2, TABLE)
         if len(rows) > limits.EDGES or len(rows[0]) > 2 + limits.COLUMNS:
@@ -36,8 +41,7 @@ class Graphs:
             if not (isinstance(i, int) and isinstance(j, int) and i >= 0 and j >= 0) or i == j:
                 child.wrong(codes.TABLE, f"`{child.raw}` has an edge from {i} to {j}",
                             "an edge joins two different sites, whole numbers from 0")
-        self.known[name] = rows
-        self.broken.discard(name)
+        return rows
 
     def over(self, w, reader) -> Graph:
         family, name = reader.home(w), w.target.text

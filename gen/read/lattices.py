@@ -38,22 +38,27 @@ class Lattices:
     # [lattices.name]
 
     def declare(self, node: Node) -> None:
-        name = identifier(self.problems, node.key, node.name, "lattice")
-        self.broken.add(name)
+        self.broken.add(node.name)
         node.table("size", "boundary", "sites", "bonds", "meaning")
-        meaning(node, "meaning")
-        size = self.sizes(node.need("size", 'give the cells per direction: `size = ["n"]`'))
-        periodic = self.boundaries(node, len(size))
-        sites = node.get("sites").integer(1, limits.CELL) if node.has("sites") else 1
-        bonds = self.bond_lists(node, sites, len(size))
-        self.known[name] = Declaration(size, periodic, sites, bonds)
+        name, lattice, _ = self.problems.together(
+            lambda: identifier(self.problems, node.key, node.name, "lattice"),
+            lambda: self.lattice(node), lambda: meaning(node, "meaning"))
+        self.known[name] = lattice
         self.broken.discard(name)
+
+    def lattice(self, node: Node) -> Declaration:
+        size, sites = self.problems.together(
+            lambda: self.sizes(node.need("size", 'give the cells per direction: `size = ["n"]`')),
+            lambda: node.get("sites").integer(1, limits.CELL) if node.has("sites") else 1)
+        periodic, bonds = self.problems.together(lambda: self.boundaries(node, len(size)),
+                                                 lambda: self.bond_lists(node, sites, len(size)))
+        return Declaration(size, periodic, sites, bonds)
 
     def sizes(self, node: Node) -> tuple[Expr, ...]:
         entries = node.entries("list of one size per direction", limits.DIMENSIONS)
         if not entries:
             node.wrong(codes.COUNT, "a lattice has at least one direction", 'write `size = ["n"]`')
-        return tuple(self.formulas.count(e) for e in entries)
+        return tuple(self.problems.together(*(lambda e=e: self.formulas.count(e) for e in entries)))
 
     def boundaries(self, node: Node, dimensions: int) -> tuple[bool, ...]:
         child = node.need("boundary", 'write `boundary = "periodic"` or `"open"`')
@@ -74,18 +79,19 @@ class Lattices:
 
     def bond_lists(self, node: Node, sites: int, dimensions: int) -> dict:
         table = node.need("bonds", "write `bonds.name = [{ offset = [1] }]`").table()
-        lists = {}
-        for child in table.items():
-            identifier(self.problems, child.key, child.name, "bond list")
-            entries = child.entries("list of bonds", limits.BONDS)
-            if not entries:
-                child.wrong(codes.BOND, f"`{child.label}` has no bonds",
-                            "write `[{ offset = [1] }]`")
-            lists[child.name] = tuple(self.bond(e, sites, dimensions) for e in entries)
-            if len({len(b) for b in lists[child.name]}) > 1:
-                child.wrong(codes.BOND, "all bonds of a list join the same number of sites",
-                            "put the others into another list")
-        return lists
+        return dict(self.problems.together(*(lambda c=child: (c.name, self.bond_list(c, sites, dimensions))
+                                             for child in table.items())))
+
+    def bond_list(self, child: Node, sites: int, dimensions: int) -> tuple:
+        identifier(self.problems, child.key, child.name, "bond list")
+        entries = child.entries("list of bonds", limits.BONDS)
+        if not entries:
+            child.wrong(codes.BOND, f"`{child.label}` has no bonds", "write `[{ offset = [1] }]`")
+        bonds = tuple(self.problems.together(*(lambda e=e: self.bond(e, sites, dimensions) for e in entries)))
+        if len({len(b) for b in bonds}) > 1:
+            child.wrong(codes.BOND, "all bonds of a list join the same number of sites",
+                        "put the others into another list")
+        return bonds
 
     def bond(self, node: Node, sites: int, dimensions: int) -> tuple:
         """((sub, offset), ...) for each site of the bond."""

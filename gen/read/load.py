@@ -1,6 +1,7 @@
 """From a spec file or text to a `Spec`, or a `SpecError` with up to ten diagnostics."""
 from __future__ import annotations
 
+import difflib
 import hashlib
 import os
 from dataclasses import replace
@@ -8,6 +9,7 @@ from typing import Optional
 
 from .. import limits
 from ..errors import SpecError
+from ..public import public
 from ..spec import Spec
 from . import checks, codes
 from .files import Files
@@ -61,8 +63,12 @@ def decoded(data: bytes, name: str) -> str:
         raise SpecError(problems.ordered()) from None
 
 
+@public
 def load_text(text: str, path: str = "") -> Spec:
-    """Read a spec from its text; `path` names it and is the home of the files it names."""
+    """Read a spec from its text; `path` names it and is the home of the files it names.
+
+    Raises SpecError with up to ten diagnostics.
+    """
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
     problems = Problems(Source(text, path or "<text>"))
     try:
@@ -82,19 +88,34 @@ class Reader:
         self.files = Files(os.path.dirname(os.path.abspath(path)) if path else "")
 
     def spec(self) -> Spec:
-        self.root = document(self.text, self.problems).table(*SECTIONS)
-        self.problems.finish()          # what an unknown section was to declare is missing everywhere
+        self.root, aside = document(self.text, self.problems, SECTIONS)
+        self.root.table(*SECTIONS)
+        self.declared.broken |= aside.names
         self.marks = self.root.marks
-        spec = self.sections()
-        self.problems.finish()
-        spec = filled(spec)
-        self.check(spec)
+        self.respelt = self.unknown_sections()
+        spec = filled(self.sections())
+        self.check(spec)                # with errors: what was read without one
         self.problems.finish()
         return spec
 
+    def unknown_sections(self) -> dict[str, Node]:
+        """Those that are most likely misspelt, by the name that was meant; of others the names count as declared."""
+        found = {}
+        for node in [n for n in self.root.items() if n.name not in SECTIONS]:
+            meant = [s for s in difflib.get_close_matches(node.name, SECTIONS, 1, 0.6) if not self.root.has(s)]
+            if meant:
+                found[meant[0]] = node
+            elif isinstance(node.raw, dict):
+                self.declared.broken |= set(node.raw)
+        return found
+
+    def find(self, name: str) -> Optional[Node]:
+        """A section under its name, or under one that was meant for it."""
+        return self.root.get(name) or self.respelt.get(name)
+
     def section(self, name: str, most: Optional[int] = None) -> Node:
         """A section that may be absent."""
-        node = self.root.get(name) or Node({}, (name,), self.marks, self.problems)
+        node = self.find(name) or Node({}, (name,), self.marks, self.problems)
         node.table()
         if most is not None:
             bounded(node, most, name)
@@ -123,7 +144,10 @@ class Reader:
         return ()
 
     def effects(self) -> Node:
-        if not self.root.has("effects") or self.root.get("effects").raw == {}:
+        node = self.find("effects")
+        if node is None and any(n.name not in SECTIONS for n in self.root.items()):
+            raise Bad                   # an unknown section, which is noted, was to hold them
+        if node is None or node.raw == {}:
             self.problems.fail(codes.MISSING, Span(0, 1), "the spec has no [effects]",
                                'give the energy: [effects.name] with `energy = "..."`')
         return self.section("effects", limits.EFFECTS)
@@ -131,18 +155,20 @@ class Reader:
     def run_reader(self) -> RunReader:
         """Runs refer to names, also to those of items that have errors."""
         def names(section):
-            node = self.root.raw.get(section)
-            return list(node) if isinstance(node, dict) else []
+            node = self.find(section)
+            return list(node.raw) if node and isinstance(node.raw, dict) else []
         return RunReader(self.declared, self.formulas, self.problems, names("effects"),
                          names("observables"), names("starts"))
 
     def model(self) -> dict:
-        node = self.root.need("model", 'begin with [model] and `name = "..."`')
+        node = self.find("model") or self.root.need("model", 'begin with [model] and `name = "..."`')
         node.table("name", "title", "orientation")
+        return dict(zip(("name", "title", "orientation"), self.problems.together(
+            lambda: self.name(node), lambda: meaning(node, "title"), lambda: self.orientation(node))))
+
+    def name(self, node: Node) -> str:
         name = node.need("name", 'give the model a name: `name = "my_model"`')
-        identifier(self.problems, name.span, name.string(), "model")
-        return dict(name=name.raw, title=meaning(node, "title"),
-                    orientation=self.orientation(node))
+        return identifier(self.problems, name.span, name.string(), "model")
 
     def orientation(self, node: Node) -> int:
         child = node.get("orientation")
@@ -161,7 +187,7 @@ class Reader:
         with self.problems.guard():
             FormulaReader(self.declared, self.problems).read(self.section("formulas"))
         with self.problems.guard():
-            self.root.need("space", 'say where the motion takes place: [space] with '
+            self.find("space") or self.root.need("space", 'say where the motion takes place: [space] with '
                            '`w = { sphere = 1 }`')
             SpaceReader(self.declared, self.formulas, self.problems).read(self.section("space"))
         undeclared(self.declared, self.problems)
@@ -180,7 +206,7 @@ class Reader:
     def assemble(self, head: dict, effects, observables, starts, runs) -> Spec:
         sources = (("", self.text),) + tuple(sorted(self.files.texts.items()))
         return Spec(head["name"], head["title"], tuple(self.declared.parameters.values()),
-                    tuple(self.declared.families.values()), effects, observables,
+                    tuple(f for f in self.declared.families.values() if f.name not in self.declared.unread), effects, observables,
                     tuple(self.declared.tables.items()), starts, runs, head["orientation"],
                     self.path, digest(sources), sources)
 
@@ -188,27 +214,22 @@ class Reader:
 
     def check(self, spec: Spec) -> None:
         values = defaults(spec)
-        found = list(checks.model(spec, values)) or list(checks.starts(spec, values))
+        found = list(checks.model_and_starts(spec, values))
         for trouble in found:
             self.report(trouble)
-        if not found:
-            for run in spec.runs:
-                self.check_run(spec, run, values)
+        for run in spec.runs:
+            self.check_run(spec, run, values, {(t.path, t.code) for t in found})
 
-    def check_run(self, spec: Spec, run, values: dict) -> None:
+    def check_run(self, spec: Spec, run, values: dict, known: set) -> None:
         """A run with its own values: the model and its start again, and the run itself."""
         values = with_values(spec, values, dict(run.values))
-        if run.values:
-            again = list(checks.sizes(spec, values)) or list(checks.model(spec, values)) \
-                or list(checks.starts(spec, values, (run.start,)))
-            for t in again:
-                where = ("runs", run.name, "set")
-                self.report(replace(t, path=where, cause=f"{t.cause}, with these values",
-                                    part=None))
-            if again:
-                return
-        for trouble in checks.run(spec, run, values):
-            self.report(trouble)
+        again = [t for t in checks.model_and_starts(spec, values, (run.start,)) if (t.path, t.code) not in known] \
+            if run.values else []
+        for t in again:
+            self.report(replace(t, path=("runs", run.name, "set"), cause=f"{t.cause}, with these values", part=None))
+        for trouble in checks.run(spec, run, values) if not again else ():
+            if not (trouble.code == codes.METHOD and self.declared.hollow):     # a family with errors may fit
+                self.report(trouble)
 
     def report(self, trouble) -> None:
         """Point at the value, or at the nearest table that holds it."""

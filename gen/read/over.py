@@ -126,8 +126,8 @@ class OverReader:
 
     def only_family(self, w: Written) -> str:
         """The one family of the space; needed when an `over` does not name it."""
-        if self.declared.hollow:
-            raise Bad
+        if not self.declared.families or self.declared.nameless:
+            raise Bad                   # what is wrong with the space is noted
         if len(self.declared.families) != 1:
             families = ", ".join(self.declared.families)
             self.problems.fail(codes.OVER, w.head.span, "the space has several families: "
@@ -136,9 +136,10 @@ class OverReader:
         return next(iter(self.declared.families))
 
     def family(self, token: Token) -> str:
-        if token.text in self.declared.broken:
+        known = token.text in self.declared.families
+        if token.text in self.declared.broken or self.declared.nameless and not known:
             raise Bad
-        if token.text not in self.declared.families:
+        if not known:
             self.problems.fail(codes.UNKNOWN_NAME, token.span, f"there is no family "
                                f"`{token.text}`", nearest(token.text, self.declared.families))
         return token.text

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from .. import limits
 from ..expr import Num
@@ -39,35 +40,44 @@ class ParameterReader:
         self.declared.parameters = {n: kept[n] for n in order if n in kept}
 
     def parameter(self, node: Node) -> None:
-        name = identifier(self.problems, node.key, node.name, "parameter")
-        if node.is_number():                                # J = 1.0
-            p = Parameter(name, kind(node.number()), node.number())
-        else:
-            node.table("default", "size", "vector", "fixed", "unit", "meaning")
-            p = self.table(name, node)
+        name, p = self.problems.together(
+            lambda: identifier(self.problems, node.key, node.name, "parameter"), lambda: self.value(node.name, node))
         self.declared.parameters[name] = p
         self.declared.broken.discard(name)
 
+    def value(self, name: str, node: Node) -> Parameter:
+        if node.is_number():                                # J = 1.0
+            return Parameter(name, kind(node.number()), node.number())
+        node.table("default", "size", "vector", "fixed", "unit", "meaning")
+        p, unit, said, fixed = self.problems.together(
+            lambda: self.table(name, node), lambda: meaning(node, "unit"), lambda: meaning(node, "meaning"),
+            lambda: node.has("fixed") and node.get("fixed").flag())
+        return replace(p, unit=unit, meaning=said, fixed=fixed)
+
     def table(self, name: str, node: Node) -> Parameter:
         default = node.need("default", "give its value: `{ default = 1.0 }`")
-        common = dict(unit=meaning(node, "unit"), meaning=meaning(node, "meaning"),
-                      fixed=node.has("fixed") and node.get("fixed").flag())
         if isinstance(default.raw, list) or node.has("size") or node.has("vector"):
-            return self.array(name, node, default, common)
-        return Parameter(name, kind(default.number()), default.number(), **common)
+            return self.array(name, node, default)
+        return Parameter(name, kind(default.number()), default.number())
 
-    def array(self, name: str, node: Node, default: Node, common: dict) -> Parameter:
+    def array(self, name: str, node: Node, default: Node) -> Parameter:
         """A list with a size; or one number that every entry has."""
+        size, values = self.problems.together(lambda: self.length(name, node, default),
+                                              lambda: self.entries(name, default))
+        return Parameter(name, "array", values, size, fill=not isinstance(default.raw, list))
+
+    def length(self, name: str, node: Node, default: Node):
         if node.has("vector") and node.get("vector").flag():
-            size = self.vector(name, node, default)
-        else:
-            size = self.size(node)
-        if isinstance(default.raw, list):
-            values = tuple(float(e.number()) for e in default.entries())
-            if not values:
-                default.wrong(codes.COUNT, f"`{name}` has no entries", "give at least one number")
-            return Parameter(name, "array", values, size, **common)
-        return Parameter(name, "array", (float(default.number()),), size, fill=True, **common)
+            return self.vector(name, node, default)
+        return self.size(node)
+
+    def entries(self, name: str, default: Node) -> tuple[float, ...]:
+        if not isinstance(default.raw, list):
+            return (float(default.number()),)
+        values = tuple(float(e.number()) for e in default.entries())
+        if not values:
+            default.wrong(codes.COUNT, f"`{name}` has no entries", "give at least one number")
+        return values
 
     def vector(self, name: str, node: Node, default: Node) -> Num:
         """Three numbers that formulas use as a vector."""
@@ -126,11 +136,12 @@ class FormulaReader:
         if match is None:
             self.problems.fail(codes.SYNTAX, node.key, f"`{node.name}` does not declare a "
                                "formula", 'write `"name(a, b)" = "..."` or `name = "..."`')
-        name = identifier(self.problems, node.key, match.group(1), "formula")
-        self.fresh(node, name)
-        self.declared.broken.add(name)
-        args = self.arguments(node, match.group(2))
-        body = parse(node.text(), self.problems)
+        name = match.group(1)
+        taken = name in self.declared.names()
+        self.declared.broken |= set() if taken else {name}
+        _, args, body = self.problems.together(
+            lambda: self.fresh(node, identifier(self.problems, node.key, name, "formula")),
+            lambda: self.arguments(node, match.group(2)), lambda: parse(node.text(), self.problems))
         self.declared.broken.discard(name)
         self.declared.formulas[name] = Formula(name, args, body, node.key)
 

@@ -6,11 +6,16 @@ from contextlib import contextmanager
 
 from .. import limits
 from ..errors import Diagnostic, SpecError
+from . import codes
 from .source import Source, Span
 
 
 class Bad(Exception):
     """What was being read is wrong; the error is already noted."""
+
+
+class TooBig(Bad):
+    """A formula beyond a limit: nothing more of it is looked at."""
 
 
 class Problems:
@@ -24,9 +29,10 @@ class Problems:
 
     def note(self, code: str, span: Span, cause: str, mend: str) -> None:
         """Record an error; raises SpecError when there are too many to be useful."""
-        if (code, span) in self.seen:
+        place = (code, span) if code != codes.MISSING else (code, span, cause)     # a table may lack several keys
+        if place in self.seen:
             return
-        self.seen.add((code, span))
+        self.seen.add(place)
         if len(self.found) == limits.ERRORS:
             raise SpecError(self.ordered(), more=True)
         line, column = self.source.place(span.start)
@@ -48,6 +54,23 @@ class Problems:
         except Bad:
             if not self.found:
                 raise
+
+    def tried(self, *reads) -> list:
+        """What each of the reads gives, Bad itself for those that are wrong."""
+        found = []
+        for read in reads:
+            try:
+                found.append(read())
+            except Bad:
+                found.append(Bad)
+        return found
+
+    def together(self, *reads) -> list:
+        """The same where nothing is wrong: an error in one read hides none in another."""
+        found = self.tried(*reads)
+        if any(x is Bad for x in found):
+            raise Bad
+        return found
 
     def ordered(self) -> list[Diagnostic]:
         return sorted(self.found, key=lambda d: (d.line, d.column))

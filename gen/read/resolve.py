@@ -9,7 +9,7 @@ from . import codes
 from .arithmetic import CONSTANT
 from .guesses import SELDOM, meant
 from .names import FUNCTIONS
-from .problems import Bad, Problems, nearest
+from .problems import Bad, Problems, TooBig, nearest
 from .scope import Scope, Typed, is_single
 from .source import Span
 from .syntax import Call, Component, Item, Name, Number, Operation, Syntax
@@ -23,6 +23,7 @@ class Resolver:
     def __init__(self, scope: Scope, problems: Problems):
         self.scope, self.problems, self.depth = scope, problems, 0
         self.places: dict = {}      # Spin and Elem -> where it stands first
+        self.failed: set = set()    # formulas whose body has errors with these arguments
 
     def resolve(self, node: Syntax) -> Typed:
         self.depth += 1
@@ -35,11 +36,32 @@ class Resolver:
     def bounded(self, depth: int, nodes: int, span: Span) -> None:
         mend = "split it into several effects, or sum over an index family"
         if nodes > limits.NODES:
-            self.fail(codes.BIG, span, f"the formula expands to more than {limits.NODES} "
+            self.stop(codes.BIG, span, f"the formula expands to more than {limits.NODES} "
                       "operations and operands", mend)
         if depth > limits.TREE:
-            self.fail(codes.BIG, span, f"more than {limits.TREE} operations inside each other "
+            self.stop(codes.BIG, span, f"more than {limits.TREE} operations inside each other "
                       "(a sum has one for each term)", mend)
+
+    def stop(self, *told) -> None:
+        """Report a formula that is too big, and leave it."""
+        try:
+            self.fail(*told)
+        except Bad:
+            raise TooBig from None
+
+    def operands(self, nodes) -> list[Typed]:
+        """All of them resolved; an error in one hides none in the next."""
+        found, bad, depth = [], False, self.depth
+        for node in nodes:
+            try:
+                found.append(self.resolve(node))
+            except TooBig:
+                raise
+            except Bad:
+                bad, self.depth = True, depth
+        if bad:
+            raise Bad
+        return found
 
     def fail(self, code: str, span: Span, cause: str, mend: str):
         inside = self.scope.inside
@@ -85,7 +107,7 @@ class Resolver:
         if name in declared.pending:
             self.fail(codes.NOT_HERE, span, f"`{name}` may not stand in {self.scope.place}",
                       nearest("", self.scope.known()))
-        if name in declared.broken:
+        if name in declared.broken or declared.nameless:
             raise Bad
         self.fail(codes.UNKNOWN_NAME, span, f"`{name}` is not declared", meant(name, self.scope))
 
@@ -103,7 +125,7 @@ class Resolver:
         family = self.family_here(node.name, node.span)
         if self.scope.whole == node.name:
             return Typed(Spin(node.name, "i"), "v")
-        if is_single(family):
+        if is_single(family) or node.name in self.scope.declared.unread:
             return Typed(Spin(node.name, 0), "v")
         self.fail(codes.INDEX, node.span, f"`{node.name}` is a family of vectors",
                   f"name one of them, such as `{node.name}[i]` or `{node.name}[0]`")
@@ -184,8 +206,7 @@ class Resolver:
         return Typed(Op(node.axis, (base.expr,)), "s", base.nodes + 1, base.depth + 1)
 
     def operation(self, node: Operation) -> Typed:
-        args = [self.resolve(a) for a in node.args]
-        return self.apply(node.op, args, node.sign, node)
+        return self.apply(node.op, self.operands(node.args), node.sign, node)
 
     def call(self, node: Call) -> Typed:
         if node.name in self.scope.declared.formulas:
@@ -196,10 +217,11 @@ class Resolver:
                           f"entries are written `{node.name}[i]`, products with `*`")
             names = FUNCTIONS | set(self.scope.declared.formulas)
             if node.name in self.scope.declared.broken:
+                self.operands(node.args)
                 raise Bad
             self.fail(codes.UNKNOWN_NAME, node.head, f"there is no function `{node.name}`",
                       SELDOM.get(node.name) or nearest(node.name, names))
-        return self.apply(node.name, [self.resolve(a) for a in node.args], node.head, node)
+        return self.apply(node.name, self.operands(node.args), node.head, node)
 
     def apply(self, op: str, args: list[Typed], sign: Span, node: Syntax) -> Typed:
         kinds = "".join(a.kind for a in args)
@@ -276,9 +298,14 @@ class Resolver:
             self.fail(codes.ARITY, node.head, f"formula `{node.name}` takes "
                       f"{len(formula.args)} argument{'s' * (len(formula.args) != 1)}, "
                       f"not {len(node.args)}", self.declaration(formula))
-        args = {n: self.resolve(a) for n, a in zip(formula.args, node.args)}
-        inner = Inner(self, formula, args)
-        return inner.resolve(formula.body)
+        args = dict(zip(formula.args, self.operands(node.args)))
+        if node.name in self.failed:
+            raise Bad       # reported already, and not to be expanded again and again
+        try:
+            return Inner(self, formula, args).resolve(formula.body)
+        except Bad:
+            self.failed.add(node.name)
+            raise
 
     def declaration(self, formula) -> str:
         arguments = f"({', '.join(formula.args)})" if formula.args else ""
@@ -294,6 +321,7 @@ class Inner(Resolver):
     def __init__(self, outer: Resolver, formula, args: dict[str, Typed]):
         super().__init__(outer.scope.enter(formula, args), outer.problems)
         self.depth, self.bound, self.places = outer.depth, outer.indices(), outer.places
+        self.failed = outer.failed
 
     def indices(self) -> dict[str, str]:
         return self.bound

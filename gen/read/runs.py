@@ -34,30 +34,33 @@ class RunReader:
         return tuple(runs)
 
     def run(self, node: Node) -> Run:
-        name = identifier(self.problems, node.key, node.name, "run")
         node.table(*KEYS)
-        start = self.choice(node.need("start", 'name a start: `start = "..."`'), self.starts,
-                            "start")
-        h = self.formulas.free(node.need("h", "give the step: `h = 0.1`"), "a step")
-        return Run(name, start, self.word(node, "method", METHODS), h, *self.duration(node),
-                   **self.output(node), effects=self.chosen(node),
-                   solver=self.word(node, "solver", SOLVERS),
-                   values=self.values(node), meaning=meaning(node, "meaning"), **self.safety(node))
+        name, start, method, h, length, output, effects, solver, values, said, safety = self.problems.together(
+            lambda: identifier(self.problems, node.key, node.name, "run"), lambda: self.start(node),
+            lambda: self.word(node, "method", METHODS), lambda: self.step(node), lambda: self.duration(node),
+            lambda: self.output(node), lambda: self.chosen(node), lambda: self.word(node, "solver", SOLVERS),
+            lambda: self.values(node), lambda: meaning(node, "meaning"), lambda: self.safety(node))
+        return Run(name, start, method, h, *length, **output, effects=effects, solver=solver, values=values,
+                   meaning=said, **safety)
+
+    def start(self, node: Node) -> str:
+        return self.choice(node.need("start", 'name a start: `start = "..."`'), self.starts, "start")
+
+    def step(self, node: Node):
+        return self.formulas.free(node.need("h", "give the step: `h = 0.1`"), "a step")
 
     def safety(self, node: Node) -> dict:
         """checkpoint, substeps."""
-        found = {}
-        if node.has("checkpoint"):
-            found["checkpoint"] = node.get("checkpoint").integer(1, limits.EVERY)
-        if node.has("substeps"):
-            found["substeps"] = node.get("substeps").flag()
-        return found
+        return self.given(node, checkpoint=lambda child: child.integer(1, limits.EVERY), substeps=Node.flag)
+
+    def given(self, node: Node, **readers) -> dict:
+        """key -> what its reader makes of it, for the keys that are there."""
+        keys = [key for key in readers if node.has(key)]
+        return dict(zip(keys, self.problems.together(*(lambda k=key: readers[k](node.get(k)) for key in keys))))
 
     def choice(self, node: Node, known, what: str) -> str:
         word = node.string()
-        if word in self.declared.broken:
-            self.formulas.silently()
-        if word not in known:
+        if word not in known and word not in self.declared.broken:
             node.wrong(codes.UNKNOWN_NAME, f"there is no {what} `{word}`", nearest(word, known))
         return word
 
@@ -87,9 +90,9 @@ class RunReader:
         if not node.has("effects"):
             return None
         listed = node.get("effects")
-        names = tuple(self.choice(e, self.effects, "effect")
-                      for e in listed.entries("list of effects"))
-        return self.unique(listed, names)
+        names = self.problems.together(*(lambda e=e: self.choice(e, self.effects, "effect")
+                                         for e in listed.entries("list of effects")))
+        return self.unique(listed, tuple(names))
 
     def unique(self, node: Node, names: tuple) -> tuple:
         """The names of a list: at least one, and each once."""
@@ -105,30 +108,27 @@ class RunReader:
         """every, section, what."""
         if not node.has("output"):
             return {}
-        out, found = node.get("output").table("every", "section", "what"), {}
+        out = node.get("output").table("every", "section", "what")
         if out.has("every") and out.has("section"):
             self.problems.fail(codes.CONFLICT, out.get("every").key,
                                "`every` and `section` exclude each other", "keep one of them")
-        if out.has("every"):
-            found["every"] = out.get("every").integer(1, limits.EVERY)
-        if out.has("section"):
-            found["section"] = self.formulas.free(out.get("section"), "a section period")
-        if out.has("what"):
-            found["what"] = self.what(out.get("what"))
-        return found
+        return self.given(out, every=lambda child: child.integer(1, limits.EVERY), what=self.what,
+                          section=lambda child: self.formulas.free(child, "a section period"))
 
     def what(self, node: Node) -> tuple[str, ...]:
-        known = OUTPUTS + tuple(self.observables)
-        names = []
-        for entry in node.entries("list of outputs"):
-            word = entry.string()
-            if word not in known and word not in self.declared.broken:
-                entry.wrong(codes.OUTPUT, f"there is no output `{word}`", nearest(word, known))
-            names.append(word)
-        return self.unique(node, tuple(names))
+        entries = node.entries("list of outputs")
+        return self.unique(node, tuple(self.problems.together(*(lambda e=e: self.kept(e) for e in entries))))
+
+    def kept(self, entry: Node) -> str:
+        """The name of an output."""
+        word, known = entry.string(), OUTPUTS + tuple(self.observables)
+        if word not in known and word not in self.declared.broken:
+            entry.wrong(codes.OUTPUT, f"there is no output `{word}`", nearest(word, known))
+        return word
 
     def values(self, node: Node):
         if not node.has("set"):
             return ()
         reader = ValueReader(self.declared)
-        return tuple(reader.read(child) for child in node.get("set").table().items())
+        children = node.get("set").table().items()
+        return tuple(self.problems.together(*(lambda c=child: reader.read(c) for child in children)))

@@ -42,6 +42,9 @@ class Declared:
     broken: set[str] = field(default_factory=set)       # declared, but with errors
     pending: set[str] = field(default_factory=set)      # declared, not read yet
     hollow: bool = True                                 # the space is missing or has errors
+    nameless: bool = False                              # a family has a name that it cannot have
+    rough: set[str] = field(default_factory=set)        # families whose radius or C has errors
+    unread: set[str] = field(default_factory=set)       # families whose count is not known
     tables: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     def names(self) -> set[str]:

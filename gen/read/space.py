@@ -30,28 +30,44 @@ class SpaceReader:
         bounded(section.table(), limits.FAMILIES, "families")
         if not section.raw:
             section.wrong(codes.MISSING, "the space is empty", 'write `w = { sphere = 1 }`')
-        names = {node.name for node in section.items()}
-        self.declared.pending = names - self.declared.names()
+        self.declared.pending = {node.name for node in section.items()} - self.declared.names()
+        self.declared.hollow = False
         for node in section.items():
             with self.problems.guard():
                 self.family(node)
         self.declared.pending = set()
-        self.declared.broken |= names - set(self.declared.families)
-        self.declared.hollow = not names or names != set(self.declared.families)
 
     def family(self, node: Node) -> None:
+        """Declare it. Plain parts stand in for those with errors, so that what names it can be read."""
+        name, parts = self.problems.tried(lambda: self.name(node), lambda: self.parts(node))
+        kind, count, kappa, leaf, tracer = ("sphere", Bad, Bad, Bad, Bad) if parts is Bad else parts
+        self.declared.nameless |= name is Bad
+        self.declared.unread |= {node.name} if count is Bad else set()
+        self.declared.rough |= {node.name} if leaf is Bad else set()
+        plain = (Num(1) if kind == "sphere" else None, None)
+        if name is not Bad:
+            self.declared.families[name] = Family(name, kind, *(Num(1) if x is Bad else x for x in (count, kappa)),
+                                                  *(plain if leaf is Bad else leaf), tracer=tracer is True)
+        if Bad in (name, count, kappa, leaf, tracer):
+            self.declared.hollow = True
+            raise Bad
+
+    def name(self, node: Node) -> str:
         name = identifier(self.problems, node.key, node.name, "family of vectors")
         if name in self.declared.names() or name in COLUMNS:
+            self.declared.broken.add(name)
             self.problems.fail(codes.CLASH, node.key, f"`{name}` means something already",
                                "choose another name")
+        return name
+
+    def parts(self, node: Node) -> tuple:
+        """kind, and what can be read of count, kappa, (radius, casimir), tracer."""
         kind = self.kind(node)
         node.table(kind, *KEYS[kind])
-        count = self.formulas.count(node.get(kind))
-        family = Family(name, kind, count, self.kappa(node, name), self.radius(node, kind),
-                        tracer=node.has("tracer") and node.get("tracer").flag())
-        if kind == "nambu":
-            family = self.with_casimir(node, family)
-        self.declared.families[name] = family
+        return (kind, *self.problems.tried(
+            lambda: self.formulas.count(node.get(kind)), lambda: self.kappa(node, node.name),
+            lambda: (self.radius(node, kind), self.casimir(node, node.name) if kind == "nambu" else None),
+            lambda: node.has("tracer") and node.get("tracer").flag()))
 
     def kind(self, node: Node) -> str:
         node.table()
@@ -88,17 +104,14 @@ class SpaceReader:
         return self.formulas.free(node.get("radius"), "a radius", "i") \
             if node.has("radius") else Num(1)
 
-    def with_casimir(self, node: Node, family: Family) -> Family:
-        """The family with the matrix of C; C is a formula in its own vector."""
+    def casimir(self, node: Node, name: str):
+        """The matrix of C, a formula in the family's own vector."""
         child = node.need("C", 'give the Casimir: `C = "(w.x^2 - w.y^2)/2"`')
-        alone = replace(self.declared, families={family.name: family},
-                        pending=self.declared.pending - {family.name})
-        c = Formulas(alone, self.problems).scalar(child.text(), Scope(alone, "C",
-                                                                      whole=family.name))
+        alone = replace(self.declared, families={name: Family(name, "nambu", Num(1), Num(1))},
+                        pending=self.declared.pending - {name})
+        c = Formulas(alone, self.problems).scalar(child.text(), Scope(alone, "C", whole=name))
         try:
-            casimir = matrix(c)
+            return matrix(c)
         except NotPolynomial as reason:
             child.wrong(codes.CASIMIR, f"C must be homogeneous quadratic in the components of "
-                        f"`{family.name}`: {reason}", "such as `(w.x^2 - w.y^2)/2` or `w.x*w.y`")
-        return Family(family.name, "nambu", family.count, family.kappa, None, casimir,
-                      family.tracer)
+                        f"`{name}`: {reason}", "such as `(w.x^2 - w.y^2)/2` or `w.x*w.y`")

@@ -37,21 +37,31 @@ class StartReader:
         return tuple(starts)
 
     def start(self, node: Node) -> Start:
-        name = identifier(self.problems, node.key, node.name, "start")
-        families = self.declared.families
-        if self.declared.hollow:
+        node.table()
+        name, parts, _ = self.problems.together(
+            lambda: identifier(self.problems, node.key, node.name, "start"),
+            lambda: self.parts(node, self.families(node)), lambda: meaning(node, "meaning"))
+        if not self.declared.families:
             self.formulas.silently()
-        meaning(node.table(), "meaning")
+        wrong = self.declared.rough | self.declared.unread
+        return Start(name, tuple(part for part in parts if part.family not in wrong))
+
+    def families(self, node: Node) -> dict[str, Family]:
+        """The families to start; without a space, spheres under the names that are written."""
+        names = ["w"] if any(node.has(k) for k in KEYS) else [n.name for n in node.items() if isinstance(n.raw, dict)]
+        return self.declared.families or {name: Family(name, "sphere", Num(1), Num(1), Num(1)) for name in names}
+
+    def parts(self, node: Node, families: dict) -> tuple[FamilyStart, ...]:
         tables = [f for f in families if node.has(f) and (f not in KEYS or isinstance(node.get(f).raw, dict))]  # one may be named x
         if len(families) == 1 and not tables:
             (family,) = families.values()
-            return Start(name, (self.family(node, family, ("meaning",)),))
+            return (self.family(node, family, ("meaning",)),)
         if any(node.has(k) for k in KEYS if k not in tables):
             self.problems.fail(codes.START, node.key, "the space has several families: "
                                + ", ".join(families), "give each a table of its own: "
                                f"[{node.label}.{next(iter(families))}]")
         node.table(*families, "meaning")
-        return Start(name, tuple(self.of(node, f) for f in families.values()))
+        return tuple(self.problems.together(*(lambda f=f: self.of(node, f) for f in families.values())))
 
     def of(self, node: Node, family: Family) -> FamilyStart:
         child = node.need(family.name, f"every family needs a start: [{node.label}.{family.name}]")
@@ -65,22 +75,26 @@ class StartReader:
             self.problems.fail(code, node.key, f"`{node.label}` says "
                                + ("nothing" if not given else "more than one thing")
                                + " about where to start", HELP)
-        normalise = node.has("normalise") and node.get("normalise").flag()
-        if normalise and family.kind != "sphere":
-            node.get("normalise").wrong(codes.START, f"`{family.name}` has no sphere to "
-                                        "normalise to", "leave `normalise` out")
-        kind, value = getattr(self, given[0])(node, family)
+        normalise, (kind, value) = self.problems.together(
+            lambda: self.normalise(node, family), lambda: getattr(self, given[0])(node, family))
         return FamilyStart(family.name, kind, value, normalise)
 
+    def normalise(self, node: Node, family: Family) -> bool:
+        chosen = node.has("normalise") and node.get("normalise").flag()
+        if chosen and family.kind != "sphere":
+            node.get("normalise").wrong(codes.START, f"`{family.name}` has no sphere to "
+                                        "normalise to", "leave `normalise` out")
+        return chosen
+
     def vectors(self, node: Node, family: Family):
-        rows = []
-        for entry in node.get("vectors").entries("list of vectors"):
-            row = entry.entries("vector of three numbers")
-            if len(row) != 3:
-                entry.wrong(codes.START, f"a vector has three components, not {len(row)}",
-                            "write `[x, y, z]`")
-            rows.append(tuple(float(c.number()) for c in row))
-        return "vectors", tuple(rows)
+        entries = node.get("vectors").entries("list of vectors")
+        return "vectors", tuple(map(self.vector, entries))      # of a list of data the first error is enough
+
+    def vector(self, entry: Node) -> tuple[float, ...]:
+        row = entry.entries("vector of three numbers")
+        if len(row) != 3:
+            entry.wrong(codes.START, f"a vector has three components, not {len(row)}", "write `[x, y, z]`")
+        return tuple(float(c.number()) for c in row)
 
     def file(self, node: Node, family: Family):
         rows = self.files.rows(node.get("file"), 3, "rows `x, y, z`")
@@ -96,7 +110,10 @@ class StartReader:
         return "random", node.get("random").integer(0, SEED)
 
     def formula(self, node: Node, family: Family):
-        return "formula", tuple(self.component(node, k) for k in FORMS["formula"])
+        return "formula", tuple(self.components(node, FORMS["formula"]))
+
+    def components(self, node: Node, keys) -> list[Expr]:
+        return self.problems.together(*(lambda k=k: self.component(node, k) for k in keys))
 
     def component(self, node: Node, key: str) -> Expr:
         child = node.need(key, f"`{' '.join(FORMS['formula'])}` or `theta phi` go together")
@@ -109,7 +126,7 @@ class StartReader:
                                "give vectors or x, y, z")
         if any(node.has(k) and isinstance(node.get(k).raw, list) for k in FORMS["angles"]):
             return self.listed_angles(node, family)
-        theta, phi = (self.component(node, k) for k in FORMS["angles"])
+        theta, phi = self.components(node, FORMS["angles"])
         s = Op("sin", (theta,))
         unit = (Op("*", (s, Op("cos", (phi,)))), Op("*", (s, Op("sin", (phi,)))),
                 Op("cos", (theta,)))

@@ -7,7 +7,8 @@ from . import codes
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .over import OverReader
-from .problems import Problems
+from .parse import parse
+from .problems import Bad, Problems
 from .scope import Declared, Scope, is_single
 from .text import meaning
 from .tree import Node
@@ -29,22 +30,46 @@ class TermReader:
         return tuple(terms)
 
     def term(self, node: Node, key: str, what: str, taken) -> Term:
+        node.table("over", key, "meaning", "unit")
+        name, (over, value), said, unit = self.problems.together(
+            lambda: self.name(node, what, taken), lambda: self.sum(node, key, what),
+            lambda: meaning(node, "meaning"), lambda: meaning(node, "unit"))
+        return Term(name, over, value, said, unit)
+
+    def name(self, node: Node, what: str, taken) -> str:
         name = identifier(self.problems, node.key, node.name, what)
         bearer = ("a family" if name in self.declared.families else "an effect" if name in taken else
                   "an output" if name in COLUMNS else None)
         if bearer:
             self.problems.fail(codes.CLASH, node.key, f"`{name}` is the name of {bearer} already",
                                f"the outputs of a run stand side by side: choose another name for the {what}")
-        node.table("over", key, "meaning", "unit")
-        over = self.over_reader.read(node.get("over").text() if node.has("over") else None)
-        formula = node.need(key, f'give its {key}: `{key} = "..."`')
+        return name
+
+    def sum(self, node: Node, key: str, what: str):
+        """(index family, formula); without the first the second is only parsed."""
+        over, formula = self.problems.together(lambda: self.over(node, key), lambda: node.need(
+            key, f'give its {key}: `{key} = "..."`'))
         value = self.formulas.scalar(formula.text(), self.scope(over, what))
+        self.known({*families_of(over).values(), *(e.family for e in walk(value) if isinstance(e, Spin))})
         if key == "energy" and not isinstance(over, Once):
             over, value = self.summed(formula, over, value)
         if key == "energy" and len(self.tracers(value)) > 1:
             formula.wrong(codes.NOT_HERE, "this energy joins two tracers, which act on none",
                           "join each tracer to families that are no tracers")
-        return Term(name, over, value, meaning(node, "meaning"), meaning(node, "unit"))
+        return over, value
+
+    def known(self, families: set) -> None:
+        """Leave a term of families whose declaration has errors: what it does to them is not known."""
+        if families & self.declared.unread:
+            raise Bad
+
+    def over(self, node: Node, key: str) -> Over:
+        try:
+            return self.over_reader.read(node.get("over").text() if node.has("over") else None)
+        except Bad:
+            if node.has(key):
+                parse(node.get(key).text(), self.problems)
+            raise
 
     def scope(self, over: Over, what: str) -> Scope:
         weights = frozenset(n for n, _ in over.columns) if isinstance(over, Graph) else frozenset()

@@ -1,15 +1,17 @@
 """The TOML layer: `tomllib` judges and reads; its complaints get a place and a code."""
 from __future__ import annotations
 
+import difflib
 import re
 import tomllib
 
 from .. import limits
 from . import codes
 from .marks import Marks
-from .problems import Problems
+from .problems import Bad, Problems
+from .recover import Aside, recovered
 from .source import Span
-from .tree import Node
+from .tree import LOST, Node
 
 TAKEN = re.compile(r"cannot (declare|overwrite|mutate)|duplicate inline table key")
 PLACE = re.compile(r"\(at line (\d+), column (\d+)\)\Z")
@@ -19,16 +21,50 @@ TOO_DEEP = (f"more than {limits.NESTING} tables or lists inside each other",
             "a spec needs no more than six")
 
 
-def document(text: str, problems: Problems) -> Node:
-    """The root of a TOML text; notes what is wrong and raises Bad."""
+def document(text: str, problems: Problems, sections=()) -> tuple[Node, Aside]:
+    """The root of a TOML text, and what was set aside in it; raises Bad where nothing can be read.
+
+    sections: the names that tables of the root may have.
+    """
     lexical(text, problems)
-    try:
-        values = tomllib.loads(text)
-        return bounded(Node(values, (), Marks(text).at, problems))
-    except RecursionError:
-        problems.fail(codes.LIMIT, Span(0, 1), *TOO_DEEP)
-    except ValueError as e:
-        complaint(str(e), text, problems)
+    aside = Aside()
+    while True:
+        try:
+            values = tomllib.loads(text)
+            root = bounded(Node(values, (), Marks(text).at, problems))
+            return emptied(root, aside, sections), aside
+        except RecursionError:
+            problems.fail(codes.LIMIT, Span(0, 1), *TOO_DEEP)
+        except ValueError as e:
+            rest = complaint(str(e), text, problems, aside)
+        if rest in (None, text):        # nothing was set aside
+            raise Bad
+        text = rest
+
+
+def emptied(root: Node, aside: Aside, sections) -> Node:
+    """Keys and tables that were set aside say nothing."""
+    for path in [p for p, mark in root.marks.items() if mark.key.start in aside.keys]:
+        inside = root.raw
+        for key in path[:-1]:
+            inside = inside[key]
+        inside[path[-1]] = LOST
+    for head, *rest in aside.headers:
+        meant = head if head in sections else "".join(difflib.get_close_matches(head, sections, 1))
+        if meant:
+            lose(root.raw, [meant, *rest], aside)
+    return root
+
+
+def lose(inside, path: list[str], aside: Aside) -> None:
+    """Put LOST at the path; what stood there counts as declared."""
+    if not isinstance(inside, dict):
+        return
+    if len(path) > 1:
+        return lose(inside.setdefault(path[0], {}), path[1:], aside)
+    before = inside.get(path[0])
+    aside.names |= set(before) if isinstance(before, dict) else set()
+    inside[path[0]] = LOST
 
 
 def lexical(text: str, problems: Problems) -> None:
@@ -70,18 +106,21 @@ HINTS = {"illegal character '\\n'": "a string ends on the line where it begins",
              "a key is one word, or stands in quotes: `\"f(a, b)\" = \"a + b\"`"}
 
 
-def complaint(message: str, text: str, problems: Problems):
-    """Turn tomllib's message into an error at its place."""
+def complaint(message: str, text: str, problems: Problems, aside: Aside):
+    """Turn tomllib's message into an error at its place; the text without that statement, or None."""
     match = PLACE.search(message)
     offset = problems.source.offset(int(match[1]), int(match[2])) if match else len(text)
     cause = PLACE.sub("", message).replace("(at end of document)", "at the end of the file")
     cause = cause.strip()[:1].lower() + cause.strip()[1:]
-    if TAKEN.match(cause):
+    taken = TAKEN.match(cause) is not None
+    if taken:
         start = text.rfind("\n", 0, offset) + 1
-        problems.fail(codes.DUPLICATE, Span(start, max(offset, start + 1)), spoken(cause),
+        problems.note(codes.DUPLICATE, Span(start, max(offset, start + 1)), spoken(cause),
                       "every key and table is written once")
-    problems.fail(codes.TOML, Span(offset, offset + 1), cause,
-                  HINTS.get(cause, "the outside of a spec is TOML: [tables], `key = value`"))
+    else:
+        problems.note(codes.TOML, Span(offset, offset + 1), cause,
+                      HINTS.get(cause, "the outside of a spec is TOML: [tables], `key = value`"))
+    return recovered(text, offset, message, taken, aside)
 
 
 def spoken(cause: str) -> str:

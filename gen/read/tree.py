@@ -13,6 +13,9 @@ KINDS = {bool: "true or false", int: "an integer", float: "a number", str: "a st
          list: "a list", dict: "a table"}
 
 
+LOST = object()     # stands for what could not be read: its error is noted
+
+
 def describe(value) -> str:
     return KINDS.get(type(value), "a date or time")
 
@@ -41,7 +44,9 @@ class Node:
         return self.marks[self.path].value if self.path in self.marks else Span(0, 1)
 
     def wrong(self, code: str, cause: str, mend: str):
-        """Report this value and give it up."""
+        """Report this value and give it up; silently when it was set aside."""
+        if self.raw is LOST:
+            raise Bad
         self.problems.fail(code, self.span, cause, mend)
 
     # Tables
@@ -52,7 +57,7 @@ class Node:
             self.wrong(codes.TYPE, f"`{self.label}` must be a table, not {describe(self.raw)}",
                        "write `[section]` or `name = { key = value }`")
         for child in self.items() if keys else ():
-            if child.name not in keys:
+            if child.name not in keys and child.raw is not LOST:
                 where = f"`{self.label}` has no key" if self.path else "a spec has no section"
                 self.problems.note(codes.UNKNOWN_KEY, child.key, f"{where} `{child.name}`",
                                    nearest(child.name, keys))

@@ -7,6 +7,7 @@ import numpy as np
 import sympy as sp
 
 from ..integrator import METHODS, choose
+from ..public import few, public
 from ..select import select
 from ..start import casimir_matrices, kappas
 from . import conserved, spaces
@@ -40,6 +41,9 @@ class Report:
     tracers: tuple = ()
     algebras: dict = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
+
     def words(self) -> list[str]:
         """The report in plain sentences."""
         from .words import sentences
@@ -56,6 +60,7 @@ class Report:
                 "undecided": self.undecided, "words": self.words()}
 
 
+@public
 def explain(spec, values=None, method: str = "spherical-midpoint", effects=None) -> Report:
     """Which rotations leave H unchanged, what is conserved, what the method keeps exactly.
 

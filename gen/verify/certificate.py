@@ -33,6 +33,10 @@ class Certificate:
     rows: tuple[Row, ...]
     facts: dict
 
+    def __repr__(self) -> str:
+        f, failed = self.facts, [row.name for row in self.rows if row.verdict == NO]
+        return f"<Certificate {f['spec']} {f['run']}: {f['method']}: {'no to ' + ', '.join(failed) if failed else 'yes'}>"
+
     @property
     def passed(self) -> bool:
         """No row says no."""

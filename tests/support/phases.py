@@ -2,13 +2,13 @@
 import mmap
 import os
 import signal
+import sys
 import time
 
-import smidgen
 
 START, COMPUTING, WRITING, RESULT, ENDED = range(5)
 NAMES = ("start", "computing", "checkpoint writing", "putting the result together")
-RUN = smidgen.run.__globals__
+RUN = vars(sys.modules["smidgen.run"])
 
 
 class Phases:

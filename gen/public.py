@@ -1,0 +1,62 @@
+"""What all that is public shares: misspelt keywords, attributes that are only read, short reprs."""
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+from typing import Callable, TypeVar
+
+from .errors import KeywordError, ReadOnlyError
+
+F = TypeVar("F", bound=Callable)
+SHOWN = 6       # names that a repr lists
+
+
+def public(function: F) -> F:
+    """`function`, which answers a keyword that it has not with the nearest that it has."""
+    known = [name for name, p in inspect.signature(function).parameters.items() if p.kind != p.VAR_KEYWORD]
+
+    @functools.wraps(function)
+    def called(*args, **given):
+        for word in given:
+            if word not in known:
+                raise KeywordError(f"{function.__qualname__}() has no keyword '{word}'{guess(word, known)}")
+        return function(*args, **given)
+    return called
+
+
+def guess(word: str, known) -> str:
+    """`; did you mean ...`, or the list of what there is."""
+    known = [name for name in known if name != "self"]
+    close = difflib.get_close_matches(word, known, 1)
+    return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known)}"
+
+
+class ReadOnly:
+    """Each annotated attribute is set once; assigning to it, or to another, says what to call instead.
+
+    Names that begin with `_` are the class's own. INSTEAD: attribute -> what to call.
+    """
+    INSTEAD = {}
+
+    def __init_subclass__(cls):
+        cls._fields = {name for c in cls.__mro__ for name in inspect.get_annotations(c)}
+
+    def __setattr__(self, name, value):
+        if not name.startswith("_") and (name in vars(self) or name not in self._fields):
+            raise ReadOnlyError(self._refusal(name))
+        super().__setattr__(name, value)
+
+    def _refusal(self, name: str) -> str:
+        kind = type(self).__name__
+        if not hasattr(type(self), name) and name not in self._fields:
+            known = [n for n in dir(self) if not n.startswith("_") and n != "INSTEAD"]
+            return f"{kind} has no attribute '{name}'{guess(name, known)}"
+        instead = self.INSTEAD.get(name, self.INSTEAD.get("", ""))
+        return f"'{name}' of {kind} is only read" + f": {instead}" * bool(instead)
+
+
+def few(names) -> str:
+    """The first names, and how many there are when that is not all."""
+    names = list(names)
+    return ", ".join(names[:SHOWN]) + f", .. ({len(names)})" * (len(names) > SHOWN)
