@@ -30,8 +30,9 @@ SHARED = ("-fPIC", "-shared")
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
 DOWNSTREAM = {"cache.py", "cli", "plot", "witness", "integrator.py", "run.py", "settings.py",
-              "given.py", "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "verify", "demo",
-              "checkpoint.py", "durable.py", "resume.py", "safe.py", "saved.py", "substeps.py",
+              "given.py", "record.py", "recorded.py", "output.py", "progress.py",
+              "received.py", "validate.py", "verify", "demo",
+              "checkpoint.py", "durable.py", "resume.py", "safe.py", "saved.py", "substeps.py", "tables.py",
               "lyapunov.py", "symmetry", "advice", "__pycache__"}     # no part of the generator
 
 
