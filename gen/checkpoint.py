@@ -28,6 +28,7 @@ import numpy as np
 
 from .durable import sync_folder, write_new
 from .errors import OutputError
+from .output import put_text
 from .received import (Wrong, checked, count, finite_or_not, listed, number, opened, parsed, refusing, sets_of, table,
                        triple)
 
@@ -87,7 +88,7 @@ def packed(facts: dict, arrays: dict) -> bytes:
     import h5py
     image = io.BytesIO()
     with h5py.File(image, "w") as h5:
-        h5.create_dataset("facts", data=json.dumps(facts), dtype=h5py.string_dtype())
+        put_text(h5, "facts", json.dumps(facts))
         for name, rows in arrays.items():
             h5.create_dataset(f"arrays/{name}", data=rows)
     return image.getvalue()
@@ -142,7 +143,10 @@ class Folder:
     def lock(self) -> None:
         """One run at a time; the kernel frees the lock of one that dies."""
         place = self.path / "lock"
-        self.handle = os.open(place, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        try:
+            self.handle = os.open(place, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        except OSError as problem:
+            raise CheckpointError(f"cannot use {place}: {problem.strerror}") from None
         try:
             fcntl.flock(self.handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             held = os.path.samestat(os.fstat(self.handle), os.stat(place))

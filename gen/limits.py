@@ -1,4 +1,4 @@
-"""Every limit of the spec language, in one place.
+"""Every limit of the spec language and of the files that are read, in one place.
 
 Each is an integer or a float with a line that says what it bounds; `docs/spec.md` lists
 them all, and the tests try each at its edge. `LIMITS` maps each name to its meaning.

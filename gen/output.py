@@ -238,10 +238,9 @@ class H5Sink(FileSink):
         self.disk.check()
 
     def _finish(self, meta, extras):
-        import h5py
         for name, value in extras.items():
             self.h5.create_dataset(name, data=value)
-        self.h5.create_dataset("meta", data=json.dumps(meta), dtype=h5py.string_dtype())
+        put_text(self.h5, "meta", json.dumps(meta))
         self._release()
         self.disk.check()
 
@@ -249,6 +248,13 @@ class H5Sink(FileSink):
         if self.h5:
             self.h5.close()
             self.disk.close()
+
+
+def put_text(h5, name: str, text: str) -> None:
+    """A text of fixed length. HDF5 keeps others in a heap, and a damaged heap may keep its reader for ever."""
+    import h5py
+    data = text.encode()
+    h5.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8", len(data)))
 
 
 class Disk(io.RawIOBase):

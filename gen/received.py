@@ -12,6 +12,7 @@ import math
 import os
 import stat
 import sys
+import warnings
 import zipfile
 from contextlib import contextmanager
 from pathlib import Path
@@ -54,14 +55,15 @@ def refusing(path, kind=UsageError):
 
 @contextmanager
 def opened(path, kind=UsageError):
-    """The regular file `path`, unbuffered no more than needed: a pipe is not waited for, a device not read."""
+    """The regular file `path`: a pipe is not waited for, a device not read."""
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     except (OSError, ValueError) as problem:
         raise kind(f"cannot read {path}: {getattr(problem, 'strerror', None) or problem}") from None
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise kind(f"cannot read {path}: it is not a regular file")
     with open(handle, "rb") as file:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            raise kind(f"cannot read {path}: it is not a regular file")
         yield file
 
 
@@ -72,7 +74,7 @@ def from_csv(file, size):
     names = header.strip().split(",")
     if len(names) > limits.CSV_COLUMNS:
         raise Wrong(f"more than {limits.CSV_COLUMNS} columns")
-    table = np.loadtxt(file, delimiter=",", ndmin=2, encoding="ascii") if more(file, size) else np.empty((0, len(names)))
+    table = rows_of(file) if file.tell() < size else np.empty((0, len(names)))
     if table.shape[1] != len(names):
         raise Wrong("its rows do not fit its header")
     columns = gathered(table, names)
@@ -88,13 +90,16 @@ def head_of(file):
     while line.startswith(b"# "):
         key, _, value = line[2:].partition(b": ")
         if key in (b"meta", b"final", b"substeps"):
-            found[key.decode()] = value.decode()
+            found[key.decode()] = value.decode().rstrip("\n")
         line = file.readline()
     return found, line.decode()
 
 
-def more(file, size) -> bool:
-    return file.tell() < size
+def rows_of(file):
+    """The numbers of the lines that are left."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")          # numpy's "no data"
+        return np.loadtxt(file, delimiter=",", ndmin=2, encoding="ascii")
 
 
 def integers(column):
@@ -150,15 +155,14 @@ def from_h5(file, size):
 
 def sets_of(h5, group, key, size):
     """(the text `key` of an open file, the arrays of one of its groups)."""
-    import h5py
     head = plain_set(h5, key, size) if key in h5 else None
-    if head is None or head.shape != () or not h5py.check_string_dtype(head.dtype):
-        raise Wrong("it has no metadata")
+    if head is None or head.shape != () or head.dtype.kind != "S":      # of fixed length: see output.put_text
+        raise Wrong("it has no metadata, or that of an earlier version")
     found = {name: plain_set(group, name, size) for name in group if name != key}
-    within([s.size * s.dtype.itemsize for s in found.values()], size)
+    within([s.size * s.dtype.itemsize for s in (head, *found.values())], size)
     if any(s.dtype.kind not in "fiu" for s in found.values()):
         raise Wrong("it holds other things than numbers")
-    return head.asstr()[()], {name: s[...] for name, s in found.items()}
+    return head[()].decode(), {name: s[...] for name, s in found.items()}
 
 
 def plain_set(group, name, size):
