@@ -78,7 +78,7 @@ class Part:
             if digest_of(data) != self.digest:
                 raise CheckpointError(f"{self.path} is damaged: its bytes are not those that were written")
             facts, arrays = unpacked(data)
-            if not FACTS[self.kind](facts) or not NEEDED[self.kind] <= set(arrays):
+            if not FACTS[self.kind](facts) or not NEEDED[self.kind] <= set(arrays) or any(a.ndim == 0 for a in arrays.values()):
                 raise Wrong("it is no such part")
             return facts, arrays
 
