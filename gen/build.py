@@ -2,13 +2,11 @@
 
 The key of a build is a digest of all that its bytes depend on: the selected spec, the
 method, the generator's own sources with templates and runtime, compiler, flags. Two
-builds of the same thing at once are safe: a lock a key, a temporary folder, one rename.
+builds of the same thing at once are safe, and so is the library that is found: `cache.py`.
 """
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import fcntl
 import functools
 import hashlib
 import json
@@ -21,6 +19,7 @@ import tempfile
 from pathlib import Path
 
 from . import __version__
+from .cache import cache_folder, entry
 from .errors import BuildError, MissingTool
 from .features import chosen_features
 from .resources import HERE, folder
@@ -29,10 +28,11 @@ from .spec import Spec
 FLAGS = ("-std=c11", "-O3", "-ffp-contract=off")    # the same bits on every machine
 SHARED = ("-fPIC", "-shared")
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
-KEPT = 300      # builds that the cache keeps; the ones unused longest go first
-DOWNSTREAM = {"cli", "plot", "witness", "integrator.py", "run.py", "settings.py",
-              "given.py", "record.py", "recorded.py", "output.py", "progress.py", "validate.py", "verify", "demo",
-              "checkpoint.py", "durable.py", "resume.py", "safe.py", "saved.py", "substeps.py",
+LIBRARY = "model.so"
+DOWNSTREAM = {"cache.py", "cli", "plot", "witness", "integrator.py", "run.py", "settings.py",
+              "given.py", "record.py", "recorded.py", "output.py", "progress.py",
+              "received.py", "validate.py", "verify", "demo",
+              "checkpoint.py", "durable.py", "resume.py", "safe.py", "saved.py", "substeps.py", "tables.py",
               "lyapunov.py", "symmetry", "advice", "public.py", "conserved.py", "__pycache__"}     # no part of the generator
 
 
@@ -60,36 +60,51 @@ def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = 
     flags = (*FLAGS, *SHARED, *REALS[real], *(("-march=native",) if native else ()))
     key = digest(_identity(spec), method, solver, features, generator_digest(),
                  compiler_version(compiler), flags, native and platform.processor())
-    place = cache_folder() / f"{spec.name}-{key[:32]}"
-    try:
-        with _lock(place):
-            if not (place / "built.json").exists():
-                _build_into(place, generate or _generate, (spec, method, solver, features), compiler, flags)
-            os.utime(place)
-        facts = json.loads((place / "built.json").read_text())
-    except OSError as problem:
-        raise BuildError(f"cannot build in the cache {place.parent}: {problem.strerror}; "
-                         "set SMIDGEN_CACHE to a folder that can be written") from None
-    return Built(spec.name, place / "model.so", place, real, compiler_version(compiler),
+    wanted = (spec, method, solver, features)
+    place = entry(f"{spec.name}-{key[:32]}",
+                  lambda work: _build_into(work, generate or _generate, wanted, compiler, flags))
+    facts = json.loads((place / "built.json").read_text())
+    return Built(spec.name, place / LIBRARY, place, real, compiler_version(compiler),
                  flags, facts["notes"], generator_name())
 
 
 def find_compiler() -> tuple[str, ...]:
-    """The C compiler: $CC (with its options), else the first of cc, gcc, clang."""
-    wanted = shlex.split(os.environ.get("CC", ""))
+    """The C compiler: $CC (with its options), else the first of cc, gcc, clang. Raises MissingTool."""
+    try:
+        wanted = shlex.split(os.environ.get("CC", ""))
+    except ValueError as problem:
+        raise MissingTool(f"CC is no command: {problem} in {os.environ['CC']!r}") from None
     for words in ([wanted] if wanted else [["cc"], ["gcc"], ["clang"]]):
         path = shutil.which(words[0])
         if path:
-            return (path, *words[1:])
-    raise MissingTool(f"no C compiler: {wanted[0]} is not there" if wanted else
+            return _of_c((path, *words[1:]))
+    raise MissingTool(f"no C compiler: {wanted[0]!r} is not there" if wanted else
                       "no C compiler (cc, gcc or clang): install one, on Debian with "
                       "apt-get install gcc libc6-dev")
 
 
 @functools.lru_cache(maxsize=None)
+def _of_c(compiler: tuple[str, ...]) -> tuple[str, ...]:
+    """`compiler`, if it takes a file .c for C: in C++ the functions have other names."""
+    with tempfile.TemporaryDirectory(prefix="smidgen-") as folder_:
+        Path(folder_, "language.c").write_text("#ifdef __cplusplus\nno C\n#endif\n")
+        if "no C" in ran([*compiler, "-E", "language.c"], folder_).stdout.splitlines():
+            raise MissingTool(f"{shlex.join(compiler)} compiles C++, not C: set CC to a C compiler, such as gcc or clang")
+    return compiler
+
+
+def ran(command, cwd=None, hint: str = "") -> subprocess.CompletedProcess:
+    """The finished process with what it said. Raises MissingTool for a program that cannot be started."""
+    try:
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, errors="replace")
+    except OSError as problem:
+        raise MissingTool(f"cannot run {command[0]}: {problem.strerror}{hint}") from None
+
+
+@functools.lru_cache(maxsize=None)
 def compiler_version(compiler: tuple[str, ...]) -> str:
     """The first line of `cc --version`, after the options given in $CC."""
-    said = subprocess.run([*compiler, "--version"], capture_output=True, text=True)
+    said = ran([*compiler, "--version"])
     return " ".join([said.stdout.partition("\n")[0] or compiler[0], *compiler[1:]])
 
 
@@ -112,18 +127,6 @@ def digest(*parts) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def cache_folder() -> Path:
-    """$SMIDGEN_CACHE, else smidgen in $XDG_CACHE_HOME or ~/.cache; made when missing."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    place = Path(os.environ.get("SMIDGEN_CACHE") or Path(base) / "smidgen")
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise BuildError(f"cannot make the cache {place}: {problem.strerror}; "
-                         "set SMIDGEN_CACHE to a folder that can be written") from None
-    return place
-
-
 def _identity(spec: Spec) -> str:
     """All of a spec but where its text lies."""
     facts = {f.name: getattr(spec, f.name) for f in dataclasses.fields(spec)}
@@ -135,27 +138,11 @@ def _generate(spec, method, solver, features):
     return generate(spec, method, solver, features=features)
 
 
-@contextlib.contextmanager
-def _lock(place: Path):
-    """One process at a time; the kernel frees the lock of one that dies."""
-    with open(place.with_suffix(".lock"), "w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-
-
-def _build_into(place, generate, wanted, compiler, flags):
-    work = Path(tempfile.mkdtemp(prefix=".building-", dir=place.parent))
-    try:
-        made = generate(*wanted)
-        files, notes = split_notes(made)
-        write_files(files, work)
-        compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags)
-        (work / "built.json").write_text(json.dumps({"notes": notes}))
-        with contextlib.suppress(FileExistsError):      # another one has just made it
-            os.rename(work, place)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
-    _prune(place.parent)
+def _build_into(work, generate, wanted, compiler, flags):
+    files, notes = split_notes(generate(*wanted))
+    write_files(files, work)
+    compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags)
+    (work / "built.json").write_text(json.dumps({"notes": notes}))
 
 
 def split_notes(made) -> tuple[dict, dict]:
@@ -176,13 +163,13 @@ def write_files(files: dict, where: Path) -> None:
 def compile_shared(work: Path, sources, compiler, flags) -> None:
     """model.so from `sources` in `work`. BuildError names the log that is kept."""
     command = [*compiler, *flags, "-I", ".", "-I", str(folder("runtime")),
-               *sources, "-o", "model.so", "-lm"]
-    said = subprocess.run(command, cwd=work, capture_output=True, text=True)
-    if said.returncode:
+               *sources, "-o", LIBRARY, "-lm"]
+    said = ran(command, work)
+    if said.returncode or not (work / LIBRARY).is_file():
         text = shlex.join(command) + "\n" + said.stderr
         log = _keep_log(text)
         first = next((line for line in said.stderr.splitlines() if "error" in line), "")
-        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200]}\n"
+        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or 'it made no library'}\n"
                          f"all it said is in {log}", log=text)
 
 
@@ -191,12 +178,3 @@ def _keep_log(text: str) -> Path:
     with os.fdopen(handle, "w") as out:
         out.write(text)
     return Path(name)
-
-
-def _prune(cache: Path) -> None:
-    """Forget the builds unused longest. A loaded library survives its file on Linux."""
-    builds = sorted((p for p in cache.iterdir() if (p / "built.json").exists()),
-                    key=lambda p: p.stat().st_mtime, reverse=True)
-    for old in builds[KEPT:]:
-        shutil.rmtree(old, ignore_errors=True)
-        old.with_suffix(".lock").unlink(missing_ok=True)

@@ -19,6 +19,7 @@ import hashlib
 import io
 import json
 import os
+import re
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,10 +28,21 @@ import numpy as np
 
 from .durable import sync_folder, write_new
 from .errors import OutputError
+from .output import put_text
+from .received import (Wrong, checked, count, finite_or_not, listed, number, opened, parsed, refusing, sets_of, table,
+                       triple)
 
 FORMAT = 1          # of the parts; another one is refused
 STATES = 2          # kept: when the last one is damaged, the one before serves
 DIGEST = 32         # hexadecimal digits of a digest in a name
+FACTS = {           # kind of a part -> is this what it says of itself?
+    "run": lambda facts: "format" in facts,
+    "rows": lambda facts: True,
+    "state": lambda facts: (count(facts.get("count")) and count(facts.get("rows")) and number(facts.get("seconds"))
+                            and table(finite_or_not)(facts.get("largest"))
+                            and listed(triple)(facts.get("substeps"))),
+}
+NEEDED = {"run": set(), "rows": {"t"}, "state": {"state"}}
 
 
 class CheckpointError(OutputError):
@@ -55,19 +67,20 @@ class Part:
     def of(cls, path: Path) -> "Part | None":
         """Read the name, None when it is no part's."""
         words = path.stem.split("-")
-        if path.suffix != ".h5" or len(words) != 3 or not words[1].isdigit():
+        if path.suffix != ".h5" or len(words) != 3 or words[0] not in FACTS or not re.fullmatch("[0-9]{18}", words[1]):
             return None
         return cls(path, words[0], int(words[1]), words[2])
 
     def read(self) -> tuple[dict, dict]:
         """(facts, arrays). Raises CheckpointError when a byte is not as it was written."""
-        try:
-            data = self.path.read_bytes()
-        except OSError as problem:
-            raise CheckpointError(f"cannot read {self.path}: {problem.strerror}") from None
-        if digest_of(data) != self.digest:
-            raise CheckpointError(f"{self.path} is damaged: its bytes are not those that were written")
-        return unpacked(data)
+        with refusing(self.path, CheckpointError), opened(self.path, CheckpointError) as file:
+            data = file.read()
+            if digest_of(data) != self.digest:
+                raise CheckpointError(f"{self.path} is damaged: its bytes are not those that were written")
+            facts, arrays = unpacked(data)
+            if not FACTS[self.kind](facts) or not NEEDED[self.kind] <= set(arrays) or any(a.ndim == 0 for a in arrays.values()):
+                raise Wrong("it is no such part")
+            return facts, arrays
 
 
 def packed(facts: dict, arrays: dict) -> bytes:
@@ -75,18 +88,20 @@ def packed(facts: dict, arrays: dict) -> bytes:
     import h5py
     image = io.BytesIO()
     with h5py.File(image, "w") as h5:
-        h5.create_dataset("facts", data=json.dumps(facts), dtype=h5py.string_dtype())
+        put_text(h5, "facts", json.dumps(facts))
         for name, rows in arrays.items():
             h5.create_dataset(f"arrays/{name}", data=rows)
     return image.getvalue()
 
 
 def unpacked(data: bytes) -> tuple[dict, dict]:
-    """(facts, arrays) of what `packed` made."""
+    """(facts, arrays) of what `packed` made. Raises received.Wrong, and what HDF5 raises."""
     import h5py
     with h5py.File(io.BytesIO(data), "r") as h5:
-        arrays = {name: rows[...] for name, rows in h5.get("arrays", {}).items()}
-        return json.loads(h5["facts"].asstr()[()]), arrays
+        link = h5.get("arrays", getlink=True)
+        group = h5["arrays"] if isinstance(link, h5py.HardLink) else {}
+        facts, arrays = sets_of(h5, group, "facts", len(data))
+        return parsed(facts, lambda value: isinstance(value, dict)), arrays
 
 
 def digest_of(data: bytes) -> str:
@@ -128,7 +143,10 @@ class Folder:
     def lock(self) -> None:
         """One run at a time; the kernel frees the lock of one that dies."""
         place = self.path / "lock"
-        self.handle = os.open(place, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            self.handle = os.open(place, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        except OSError as problem:
+            raise CheckpointError(f"cannot use {place}: {problem.strerror}") from None
         try:
             fcntl.flock(self.handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             held = os.path.samestat(os.fstat(self.handle), os.stat(place))
@@ -177,7 +195,8 @@ class Folder:
         facts, _ = parts[0].read()
         if facts["format"] != FORMAT:
             raise CheckpointError(f"{self.path} was written by another version of smidgen")
-        return facts["meta"]
+        with refusing(parts[0].path, CheckpointError):
+            return checked(facts.get("meta"))
 
     def good_rows(self) -> tuple[int, CheckpointError | None]:
         """(how many rows are there from the first on, what is wrong with the next part)."""

@@ -12,7 +12,7 @@ def write_new(path: Path, data: bytes, name_too: bool = True) -> None:
     what `path` was before is then as it was. name_too: put the name on the disk as well."""
     fresh = path.with_name(path.name + FRESH)
     try:
-        with open(fresh, "wb", 0) as out:
+        with open(fresh, "wb", 0, opener=_not_through_a_link) as out:
             _write_all(out, memoryview(data))
             os.fsync(out.fileno())
         os.replace(fresh, path)
@@ -21,6 +21,10 @@ def write_new(path: Path, data: bytes, name_too: bool = True) -> None:
         raise
     if name_too:
         sync_folder(path.parent)
+
+
+def _not_through_a_link(path, flags):
+    return os.open(path, flags | os.O_NOFOLLOW, 0o666)
 
 
 def _write_all(out, data):

@@ -29,6 +29,7 @@ class Exit(enum.IntEnum):
     BUILD = 7
     OUTPUT = 8
     INTERRUPTED = 130
+    PIPE = 141          # 128 + SIGPIPE, as a shell says it
 
 
 class SmidgenError(Exception):

@@ -6,13 +6,12 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import tempfile
 from pathlib import Path
 
 from . import __version__
-from .build import (FLAGS, BuildError, find_compiler, split_notes, write_files)
-from .errors import MissingTool, OutputError
+from .build import FLAGS, find_compiler, ran, split_notes, write_files
+from .errors import BuildError, OutputError
 from .resources import folder
 from .spec import Spec
 
@@ -79,10 +78,7 @@ def _archive(work: Path, name: str, target: Path):
 
 
 def _tool(command, work):
-    try:
-        said = subprocess.run(command, cwd=work, capture_output=True, text=True)
-    except FileNotFoundError:
-        raise MissingTool(f"{command[0]} is not installed (Debian: binutils)") from None
+    said = ran(command, work, " (Debian: install binutils)")
     if said.returncode:
         raise BuildError(f"{command[0]} failed: {said.stderr.strip()[:400]}", log=said.stderr)
 

@@ -456,7 +456,10 @@ def _functions(library, name):
         types["tangent"] = (ctypes.c_int, [pointer, pointer, integer, integer, pointer])
     found = SimpleNamespace()
     for word, (result, arguments) in types.items():
-        function = getattr(library, f"{name}_abi_{word}")
+        function = getattr(library, f"{name}_abi_{word}", None)
+        if function is None:
+            raise BuildError(f"the library of {name} shows no function {name}_abi_{word}: use the compiler without options "
+                             "that hide or rename functions (CC)")
         function.restype, function.argtypes = result, arguments
         setattr(found, word, function)
     return found

@@ -1,4 +1,4 @@
-"""Every limit of the spec language, in one place.
+"""Every limit of the spec language and of the files that are read, in one place.
 
 Each is an integer or a float with a line that says what it bounds; `docs/spec.md` lists
 them all, and the tests try each at its edge. `LIMITS` maps each name to its meaning.
@@ -16,6 +16,8 @@ def _limit(name: str, value, meaning: str):
 ERRORS = _limit("ERRORS", 10, "errors reported at once")
 FILE_BYTES = _limit("FILE_BYTES", 1 << 20, "bytes of a spec file")
 TABLE_BYTES = _limit("TABLE_BYTES", 1 << 26, "bytes of a graph or start file that a spec names")
+META = _limit("META", 1 << 27, "characters of the metadata of a result, and of a state beside it in a .csv")
+CSV_COLUMNS = _limit("CSV_COLUMNS", 30_000, "columns of a result in a .csv")
 LINE = _limit("LINE", 4096, "characters of a line of a spec")
 STRING = _limit("STRING", 4096, "characters of a formula, a title or another string")
 TEXT = _limit("TEXT", 200, "characters of a title, a meaning or a unit")

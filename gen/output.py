@@ -13,19 +13,19 @@ import json
 import os
 import shutil
 import tempfile
-import warnings
 import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from . import limits
 from .durable import sync_folder
 from .errors import OutputError, UsageError
 from .public import ReadOnly, few, public
+from .received import read
 
 HEIGHT = 640                # of the player in a notebook, in pixels
-CSV_COLUMNS = 30_000        # widest table that is written as text
 FORMATS = (".csv", ".npz", ".h5")
 RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
 
@@ -69,15 +69,9 @@ class Result(ReadOnly):
 
 @public
 def load_result(path: str | os.PathLike) -> Result:
-    """Read a file .csv, .npz or .h5 that a run wrote. Raises UsageError when it is none."""
-    path = Path(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", UserWarning)         # numpy's "no data"
-            return result_of(*_READERS[known_format(path)](path))
-    except (OSError, LookupError, ValueError, TypeError, EOFError, AttributeError,
-            UserWarning, zipfile.BadZipFile) as problem:
-        raise UsageError(f"{path} is no file of a smidgen run: {problem}") from None
+    """Read a file that a run wrote. Raises UsageError when it is none, is damaged or promises more than it has."""
+    known_format(path)
+    return result_of(*read(path))
 
 
 def result_of(meta: dict, columns: dict, summary: dict | None = None) -> Result:
@@ -108,7 +102,7 @@ def open_sink(path, meta: dict, layout: dict, work=None):
 def check_layout(path, layout: dict) -> None:
     """Raise OutputError when the format of `path` cannot hold these columns."""
     count = sum(int(np.prod(shape, dtype=int)) for shape, _ in layout.values())
-    if known_format(path) == ".csv" and count > CSV_COLUMNS:
+    if known_format(path) == ".csv" and count > limits.CSV_COLUMNS:
         raise OutputError(f"cannot write {path}: {count} columns are too many for .csv; use .h5 or .npz")
 
 
@@ -265,10 +259,9 @@ class H5Sink(FileSink):
         self.disk.check()
 
     def _finish(self, meta, extras):
-        import h5py
         for name, value in extras.items():
             self.h5.create_dataset(name, data=value)
-        self.h5.create_dataset("meta", data=json.dumps(meta), dtype=h5py.string_dtype())
+        put_text(self.h5, "meta", json.dumps(meta))
         self._release()
         self.disk.check()
 
@@ -276,6 +269,13 @@ class H5Sink(FileSink):
         if self.h5:
             self.h5.close()
             self.disk.close()
+
+
+def put_text(h5, name: str, text: str) -> None:
+    """A text of fixed length. HDF5 keeps others in a heap, and a damaged heap may keep its reader for ever."""
+    import h5py
+    data = text.encode()
+    h5.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8", len(data)))
 
 
 class Disk(io.RawIOBase):
@@ -376,51 +376,4 @@ def _npy_header(out, shape, kind):
               "fortran_order": False, "shape": shape})
 
 
-def _read_csv(path):
-    comments, skip = {}, 0
-    with open(path, encoding="utf-8") as text:
-        for line in text:
-            skip += 1
-            if not line.startswith("# "):
-                break
-            key, _, value = line[2:].partition(": ")
-            comments[key] = value
-    meta = json.loads(comments["meta"])
-    table = np.loadtxt(path, delimiter=",", skiprows=skip, ndmin=2)
-    columns = _columns_of(table, line.rstrip("\n").split(","))
-    for name in ("final", "substeps"):
-        if name == "final" or name in comments:
-            columns[name] = np.array(json.loads(comments[name]), float).reshape(-1, 3)
-    return meta, columns
-
-
-def _columns_of(table, names):
-    """Gather w[0].x, w[0].y, ... into arrays again."""
-    places = {}
-    for place, name in enumerate(names):
-        stem = name.partition("[")[0]
-        vector = stem[:-2] if name.startswith("momentum.") else stem
-        places.setdefault(vector, []).append(place)
-    columns = {}
-    for name, at in places.items():
-        block = table[:, at] if len(at) > 1 or "[" in names[at[0]] else table[:, at[0]]
-        columns[name] = block.reshape(len(table), -1, 3) if "]." in names[at[0]] else block
-    columns["step"] = columns["step"].astype(np.int64)
-    return columns
-
-
-def _read_npz(path):
-    with np.load(path, allow_pickle=False) as archive:
-        columns = {name: archive[name] for name in archive.files}
-    return json.loads(str(columns.pop("meta"))), columns
-
-
-def _read_h5(path):
-    import h5py
-    with h5py.File(path, "r") as h5:
-        meta = json.loads(h5["meta"].asstr()[()])
-        return meta, {name: h5[name][...] for name in h5 if name != "meta"}
-
-
 _SINKS = {".csv": CsvSink, ".npz": NpzSink, ".h5": H5Sink}
-_READERS = {".csv": _read_csv, ".npz": _read_npz, ".h5": _read_h5}

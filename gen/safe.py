@@ -44,6 +44,9 @@ class SafeSink:
         """All rows, part by part."""
         for part in self.folder.parts("rows"):
             arrays = part.read()[1]
+            for name, (shape, kind) in self.layout.items():
+                if name not in arrays or arrays[name].shape != (len(arrays["t"]), *shape) or arrays[name].dtype != kind:
+                    raise CheckpointError(f"{part.path} holds rows of another run")
             yield {name: arrays[name] for name in self.layout}
 
     def close(self, meta: dict, extras: dict, capacity: int, keep: bool = False) -> None:

@@ -222,6 +222,8 @@ def _table(spec, name):
 def state_table(path: Path, name: str) -> np.ndarray:
     """The array of a .npy file, or the rows of a .csv file; `name` is what errors call it."""
     try:
+        if not path.is_file():
+            raise ValueError("it is not a file" if path.exists() else "No such file or directory")
         if path.stat().st_size > limits.TABLE_BYTES:
             raise ValueError(f"it has more than {limits.TABLE_BYTES} bytes")
         if path.suffix == ".npy":

@@ -20,6 +20,7 @@ from .public import public
 from .settings import Settings, settle
 from .spec import Spec
 from .start import initial_state, radii
+from .tables import text_of
 from .witness import Witness
 
 ROUND_OFF = 1e-13       # agreement asked for, in units of the largest number compared
@@ -93,12 +94,8 @@ class Report:
         return table
 
     def text(self) -> str:
-        """The table as plain text."""
-        from rich.console import Console
-        console = Console(width=120, no_color=True, highlight=False)
-        with console.capture() as capture:
-            console.print(self.table())
-        return capture.get()
+        """The table as plain text, a line for each comparison, however long."""
+        return text_of(self.table())
 
 
 @public

@@ -8,6 +8,7 @@ import sys
 
 import pytest
 import smidgen
+import smidgen.cache
 import toy as model
 from smidgen.build import build_library, cache_folder, find_compiler, generator_digest
 
@@ -125,6 +126,36 @@ def test_cc_is_heeded(monkeypatch):
         find_compiler()
 
 
+@pytest.mark.parametrize("words, said", [
+    ("gcc '", "No closing quotation"), ('"gcc', "No closing quotation"), ("gcc \\", "No escaped character"),
+    ("g++", "compiles C\\+\\+, not C"), ("gcc -x c++", "compiles C\\+\\+"), ("''", "is not there"), ("/", "is not there"),
+    ("/etc/passwd", "is not there"), ("{script}", "cannot run")])
+def test_what_is_no_c_compiler(spec, tmp_path, monkeypatch, words, said):
+    script = tmp_path / "cc"
+    script.write_bytes(b"\x7fELF no program")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", words.format(script=script))
+    with pytest.raises(smidgen.MissingTool, match=said):
+        build_library(spec, generate=Counting())
+
+
+@pytest.mark.parametrize("words, said", [("true", "made no library"), ("false", "made no library"), ("gcc --no-such", "no-such"),
+                                         ("gcc -E", "cannot load"), ("gcc -fvisibility=hidden", "shows no function")])
+def test_compilers_that_make_no_library_of_use(toy, monkeypatch, words, said):
+    monkeypatch.setenv("CC", words)
+    with pytest.raises(smidgen.BuildError, match=said):
+        smidgen.build(toy)
+
+
+def test_what_a_compiler_says_need_not_be_text(spec, tmp_path, monkeypatch):
+    script = tmp_path / "cc"
+    script.write_text("#!/bin/sh\nprintf 'error: \\377\\376\\n' >&2; printf '\\377'; exit 1\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    with pytest.raises(smidgen.BuildError, match="error: "):
+        build_library(spec, generate=Counting())
+
+
 def test_generated_names_stay_in_their_folder(spec):
     with pytest.raises(smidgen.BuildError, match="no file name"):
         build_library(spec, generate=lambda *_: ({"../evil.c": ""}, {}))
@@ -157,7 +188,7 @@ def _build_counted(given):
 
 
 def test_the_cache_forgets_the_oldest(spec, monkeypatch):
-    monkeypatch.setattr(BUILD, "KEPT", 2)
+    monkeypatch.setattr(smidgen.cache, "KEPT", 2)
     for solver in ("auto", "newton", "plain", "rotation"):
         last = build_library(spec, solver=solver, generate=Counting())
     kept = [p for p in cache_folder().iterdir() if (p / "built.json").exists()]

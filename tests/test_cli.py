@@ -349,3 +349,94 @@ def test_values():
     assert assignment("B=-pi/4") == ("B", -np.pi / 4)
     assert assignment(" g = 1, 2.5,-3 ") == ("g", [1, 2.5, -3])
     assert whole("1e6") == 10 ** 6 and isinstance(whole("1e6"), int)
+
+
+# Streams as a shell may leave them
+
+def shell(line, tmp_path, **env):
+    """`smidgen` stands for the command; (status of each part of the pipe, stdout, stderr)."""
+    line = line.replace("smidgen", f"{sys.executable} -m smidgen")
+    done = subprocess.run(["bash", "-c", f"{line}; echo ${{PIPESTATUS[@]}} > codes"], cwd=tmp_path, env={**os.environ, **env},
+                          capture_output=True, timeout=100)
+    return [int(c) for c in (tmp_path / "codes").read_text().split()], done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("line, codes, said", [
+    ("smidgen list >&-", [8], b"cannot write to stdout: it is closed"),
+    ("smidgen list --json >&-", [8], b"cannot write to stdout: it is closed"),
+    ("smidgen list > /dev/full", [8], b"cannot write to stdout: No space"),
+    ("smidgen --help > /dev/full", [8], b"cannot write to stdout: No space"),
+    ("smidgen run nothing --json > /dev/full", [8], b"cannot write to stdout: No space"),
+    ("smidgen list > /dev/null 2>&-", [0], b""), ("smidgen run nothing 2>&-", [2], b""), ("smidgen run nothing 2> /dev/full", [2], b""),
+    ("smidgen list <&- >&- 2>&-", [8], b""), ("smidgen new good >&-", [8], b"next: smidgen check")])
+def test_streams_that_are_closed_or_full(tmp_path, line, codes, said):
+    found, _, err = shell(line, tmp_path)
+    assert said in err and b"defect" not in err and b"Traceback" not in err and b"Exception" not in err
+    assert found == codes
+
+
+@pytest.mark.parametrize("words", ["list", "--help"])
+def test_a_reader_that_has_gone_ends_it_quietly(tmp_path, words):
+    """The pipe has no reader when the first byte is written."""
+    codes, _, err = shell(f"(sleep 0.5; exec smidgen {words}) | true", tmp_path)
+    assert codes == [141, 0] and err == b""
+
+
+def test_a_closed_stream_gives_its_number_to_no_file(tmp_path):
+    """With stdout closed the result's file would be file 1, and whatever is printed would be in it."""
+    codes, _, err = shell(f"smidgen run {TOP} --out a.h5 >&-", tmp_path)
+    assert codes == [8] and b"it is closed" in err
+    assert smidgen.load_result(tmp_path / "a.h5").meta["status"] == "complete"
+
+
+def test_characters_that_the_stream_has_not_are_escaped(tmp_path):
+    codes, out, err = shell("smidgen new x --out $'\\303\\274\\377.toml'", tmp_path, PYTHONIOENCODING="ascii")
+    assert codes == [0] and out == b"\\xfc\\udcff.toml\n" and b"defect" not in err
+
+
+# Guesses
+
+@pytest.mark.quick
+@pytest.mark.parametrize("words, guess", [
+    (["rnu"], "run"), (["lst"], "list"), (["valdate", TOP], "validate"), (["run", TOP, "--step", "5"], "--steps"),
+    (["run", TOP, "--step=5"], "--steps"), (["run", TOP, "--metod", "x"], "--method"), (["list", "--jsn"], "--json"),
+    (["run", TOP, "--method", "sperical-midpoint"], "spherical-midpoint"), (["run", TOP, "--solver", "newtn"], "newton")])
+def test_the_nearest_word_is_guessed(words, guess, capsys):
+    with pytest.raises(SystemExit) as stop:
+        make_parser().parse_args(words)
+    assert stop.value.code == 2 and f"did you mean '{guess}'?" in capsys.readouterr().err
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("words", [["xyzzy"], ["run", TOP, "--xyzzy"], ["run", TOP, "a", "b"]])
+def test_nothing_near_is_not_guessed(words, capsys):
+    with pytest.raises(SystemExit):
+        make_parser().parse_args(words)
+    assert "did you mean" not in capsys.readouterr().err
+
+
+# Tables
+
+def a_report(note):
+    import smidgen.validate as validate
+    return validate.Report("m", "r", "x", 0.1, 1, 1, 1.0, (validate.Line("field", 1.0, "0", True, note),))
+
+
+@pytest.mark.quick
+def test_a_table_in_a_pipe_has_a_line_a_row(capsys):
+    from smidgen.tables import show
+    note = "word " * 60 + "end"
+    show(a_report(note).table())
+    for text in (capsys.readouterr().out, a_report(note).text()):
+        assert note in text and len(text.splitlines()) == 6
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("width", [60, 200])
+def test_a_table_fits_the_terminal(monkeypatch, capsys, width):
+    from smidgen.tables import show
+    monkeypatch.setenv("COLUMNS", str(width))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    show(a_report("word " * 60 + "end").table())
+    lines = re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out).splitlines()
+    assert 0.9 * width < max(map(len, lines)) <= width and len(lines) > 6

@@ -9,40 +9,56 @@ import traceback
 from ..errors import Exit, SmidgenError, SpecError
 from .parser import make_parser
 from .say import printed
+from .streams import silence, streams
 
 UNEXPECTED = 1      # a defect of smidgen itself
 
 
 def main(argv=None) -> int:
     """Run the command; returns its exit code, never raises for what a user wrote."""
-    args = make_parser().parse_args(argv)
+    with streams():
+        try:
+            code = guarded(parsed(argv))
+            sys.stdout.flush()
+            return code
+        except SmidgenError as error:       # of stdout itself
+            return told(error)
+        except BrokenPipeError:             # the reader of a pipe has gone: nothing is left to say
+            silence(sys.stdout)
+            return int(Exit.PIPE)
+        except Exception:
+            return unexpected()
+
+
+def parsed(argv):
+    """The arguments; --help and wrong ones end the program here."""
     try:
-        return guarded(args)
-    except BrokenPipeError:         # the reader of a pipe has gone: nothing is left to say
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return Exit.OK
-    except Exception:
-        return unexpected()
+        return make_parser().parse_args(argv)
+    finally:
+        sys.stdout.flush()
 
 
 def guarded(args) -> int:
     """The sub-command, with known errors said on stderr (and as JSON on stdout)."""
     try:
-        code = args.command(args)
-        sys.stdout.flush()
-        return int(code or Exit.OK)
+        return int(args.command(args) or Exit.OK)
     except SmidgenError as error:
-        said = str(error)
-        print(said if isinstance(error, SpecError) else f"smidgen: {said}", file=sys.stderr)
-        if getattr(args, "json", False):
-            printed({"error": describe(error)})
-        return int(error.exit_code)
+        return told(error, getattr(args, "json", False))
     except MemoryError:
         print("smidgen: there is not enough memory for this: choose fewer sites or a smaller array, or fewer outputs", file=sys.stderr)
         return int(Exit.USAGE)
     except KeyboardInterrupt:
         print("smidgen: interrupted", file=sys.stderr)
         return int(Exit.INTERRUPTED)
+
+
+def told(error: SmidgenError, as_json: bool = False) -> int:
+    """Say what went wrong; the exit code."""
+    said = str(error)
+    print(said if isinstance(error, SpecError) else f"smidgen: {said}", file=sys.stderr)
+    if as_json:
+        printed({"error": describe(error)})
+    return int(error.exit_code)
 
 
 def describe(error: SmidgenError) -> dict:

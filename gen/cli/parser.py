@@ -2,18 +2,43 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 
 from .. import __version__
 from . import advise, check, explain, gen, list as list_, new, plot, run, validate, verify
 
 CODES = """exit codes: 0 good, 1 a defect of smidgen, 2 wrong usage, 3 a bad spec, 4 a step failed,
 5 a validation failed, 6 a tool is missing, 7 the C compiler failed, 8 a file cannot be written,
-130 interrupted"""
+130 interrupted, 141 the reader of stdout has gone"""
+
+
+class Parser(argparse.ArgumentParser):
+    """Says which word was probably meant: a command, a choice or an option."""
+
+    def _check_value(self, action, value):
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            error.message = guessed(error.message, value, action.choices)
+            raise
+
+    def parse_known_args(self, args=None, namespace=None):
+        found, rest = super().parse_known_args(args, namespace)
+        if rest:
+            known = [name for name in self._option_string_actions if name.startswith("--")]
+            self.error(guessed(f"unrecognized arguments: {' '.join(rest)}", rest[0].partition("=")[0], known))
+        return found, rest
+
+
+def guessed(message: str, word: str, known) -> str:
+    """`message` with the known word nearest to `word`, if there is one."""
+    close = difflib.get_close_matches(str(word), [str(k) for k in known], 1)
+    return f"{message}; did you mean '{close[0]}'?" if close else message
 
 
 def make_parser() -> argparse.ArgumentParser:
     """The whole command line."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="smidgen", epilog=CODES, formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Compiles Hamiltonians written as formulas to structure-preserving "
                     "integrators in C, and runs them.")

@@ -82,10 +82,10 @@ class output_file:
     def __exit__(self, *_):
         if not self.piped:
             return
-        if Path(self.path).exists():
-            with open(self.path, encoding="utf-8") as table:
-                shutil.copyfileobj(table, sys.stdout)
-        self.folder.cleanup()
+        with self.folder:
+            if Path(self.path).exists():
+                with open(self.path, encoding="utf-8") as table:
+                    shutil.copyfileobj(table, sys.stdout)
 
 
 def go(args, out):

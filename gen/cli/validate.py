@@ -46,5 +46,6 @@ def show(args, reports):
     """The tables, or the reports as JSON."""
     if args.json:
         return printed([r.as_dict() for r in reports])
+    from ..tables import show as show_table
     for report in reports:
-        print(report.text())
+        show_table(report.table())

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from ..errors import Exit, OutputError
 from .options import feature_option, model_options, spec_argument, whole
@@ -41,26 +40,20 @@ def steps(text: str) -> int:
 def command(args):
     """The table; exit code 5 when a row says no."""
     from ..shipped import load_spec
+    from ..tables import show
     from ..verify import verify
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
              if getattr(args, w) is not None}
     certificate = verify(load_spec(args.spec), args.run, tier=args.long or ("quick" if args.quick else "normal"),
                          values=dict(args.values), features=args.features, **given)
     if args.file != "-":
-        show(certificate)
+        show(certificate.table())
     if args.file:
         write(certificate.to_json(), args.file)
     if certificate.passed:
         return Exit.OK
     say(f"smidgen: not certified: {', '.join(r.name for r in certificate.rows if r.verdict == 'no')}")
     return Exit.VALIDATION
-
-
-def show(certificate):
-    """The table; coloured on a terminal only."""
-    from rich.console import Console
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else 140)
-    console.print(certificate.table())
 
 
 def write(text: str, file: str):

@@ -3,16 +3,15 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import os
-import subprocess
-import tempfile
 from pathlib import Path
 
-from ..build import cache_folder, digest, find_compiler
+from ..build import digest, find_compiler, ran
+from ..cache import entry
 from ..errors import BuildError, MissingTool
 
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared")
 LIBRARIES = ("-lgsl", "-lgslcblas", "-lm")
+NAME = "witness.so"
 HERE = Path(__file__).resolve().parent
 
 POINTER, REAL, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
@@ -57,22 +56,14 @@ def _built() -> Path:
     compiler = find_compiler()
     sources = sorted(p for p in HERE.iterdir() if p.suffix in (".c", ".h"))
     key = digest(compiler, FLAGS, LIBRARIES, [(p.name, p.read_bytes()) for p in sources])
-    place = cache_folder() / f"witness-{key[:32]}.so"
-    if not place.exists():
-        _compile(compiler, [p for p in sources if p.suffix == ".c"], place)
-    return place
+    command = [*compiler, *FLAGS, *(str(p) for p in sources if p.suffix == ".c"), "-o", NAME, *LIBRARIES]
+    return entry(f"witness-{key[:32]}", lambda work: _compile(command, work)) / NAME
 
 
-def _compile(compiler, sources, place):
-    """Compile beside `place`, then rename: two processes at once do no harm."""
-    handle, made = tempfile.mkstemp(suffix=".so", dir=place.parent)
-    os.close(handle)
-    command = [*compiler, *FLAGS, *map(str, sources), "-o", made, *LIBRARIES]
-    said = subprocess.run(command, capture_output=True, text=True)
-    if said.returncode:
-        os.unlink(made)
+def _compile(command, work):
+    said = ran(command, work)
+    if said.returncode or not (work / NAME).is_file():
         raise _problem(said.stderr)
-    os.replace(made, place)
 
 
 def _problem(said: str):
