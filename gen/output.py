@@ -7,7 +7,6 @@ under its name when it is complete: until then an earlier one stays as it was.
 """
 from __future__ import annotations
 
-import html
 import io
 import json
 import os
@@ -25,7 +24,6 @@ from .errors import OutputError, UsageError
 from .public import ReadOnly, few, public
 from .received import read
 
-HEIGHT = 640                # of the player in a notebook, in pixels
 FORMATS = (".csv", ".npz", ".h5")
 RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
 
@@ -60,9 +58,9 @@ class Result(ReadOnly):
     def _repr_html_(self) -> str | None:
         """The player, for notebooks; None where there is nothing to play, and the repr is shown."""
         from .plot import page          # what is downstream is needed here alone
+        from .plot.player import framed
         try:
-            return (f'<iframe srcdoc="{html.escape(page(self))}" sandbox="allow-scripts" '
-                    f'style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>')
+            return framed(page(self))
         except UsageError:
             return None
 
