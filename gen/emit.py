@@ -129,7 +129,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
         kernels = "\n\n".join(t for k in [*self.effects, *self.observables] for t in k.text)
         body = dict(kernels=kernels, sites=self.sites_text(), sums=self.gathers(), wide=self.wide_text(), step=self.step(), tangent=self.tangent(),
                     interface=self.interface())
-        # last, for they list what the parts above asked for
+        self.low.close()    # what the kernels above have hoisted is computed here
         body |= dict(prepare=self.sizes_text() + "\n\n" + self.prepare_text(), clock=self.clock_text(),
                      tables=self.tables(), includes=self.includes())
         return without_uncalled(self.render("model.c.j2", **body, **self.banner()))
