@@ -20,7 +20,7 @@ from .emission.tables import graph_tables, pattern_tables
 from .emission.tangent import TangentParts
 from .emission.wide import WideParts
 from .features import chosen_features
-from .indices import safe_indices
+from .indices import one_site, safe_indices
 from .kernels import term_kernels
 from .loops import Loops, graph_name
 from .lower import Lowering
@@ -49,7 +49,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
 
     def __init__(self, spec: Spec, method: str, solver: str, features=()):
         self.features = chosen_features(features)
-        self.spec = safe_indices(spec)
+        self.spec = safe_indices(one_site(spec))
         self.method = method
         self.plan = choose(self.spec, method, solver)
         self.low = Lowering(self.spec)
