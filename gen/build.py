@@ -1,8 +1,9 @@
 """C to shared library, cached by content.
 
-The key of a build is a digest of all that its bytes depend on: the selected spec, the
-method, the generator's own sources with templates and runtime, compiler, flags. Two
-builds of the same thing at once are safe: a lock a key, a temporary folder, one rename.
+The key of a build is a digest of all that its bytes depend on: the selected spec without
+texts and run-time values (`program_of`), the plan of its step, the generator's own sources
+with templates and runtime, compiler, flags. So a build serves all sizes that lead to one
+plan. Two builds of the same thing at once are safe: a lock a key, a temporary folder, one rename.
 """
 from __future__ import annotations
 
@@ -23,6 +24,8 @@ from pathlib import Path
 from . import __version__
 from .errors import BuildError, MissingTool
 from .features import chosen_features
+from .plan import choose
+from .program import program_of
 from .resources import HERE, folder
 from .spec import Spec
 
@@ -58,7 +61,7 @@ def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = 
     """
     features, compiler = chosen_features(features), find_compiler()
     flags = (*FLAGS, *SHARED, *REALS[real], *(("-march=native",) if native else ()))
-    key = digest(_identity(spec), method, solver, features, generator_digest(),
+    key = digest(program_of(spec), choose(spec, method, solver), solver, features, generator_digest(),
                  compiler_version(compiler), flags, native and platform.processor())
     place = cache_folder() / f"{spec.name}-{key[:32]}"
     try:
@@ -124,14 +127,9 @@ def cache_folder() -> Path:
     return place
 
 
-def _identity(spec: Spec) -> str:
-    """All of a spec but where its text lies."""
-    return repr(dataclasses.replace(spec, path="", sources=()))
-
-
 def _generate(spec, method, solver, features):
-    from .emit import generate
-    return generate(spec, method, solver, features=features)
+    from .emit import generate_program
+    return generate_program(spec, method, solver, features)
 
 
 @contextlib.contextmanager

@@ -24,7 +24,8 @@ from .indices import one_site, safe_indices
 from .kernels import term_kernels
 from .loops import Loops, graph_name
 from .lower import Lowering
-from .plan import choose
+from .plan import Plan, choose, require_free_body
+from .program import program_of
 from .prune import without_uncalled
 from .resources import folder
 from .spec import Graph, Spec
@@ -47,11 +48,12 @@ def environment() -> Environment:
 class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WideParts, MemoryParts, InterfaceParts):
     """Emission of one model with one method."""
 
-    def __init__(self, spec: Spec, method: str, solver: str, features=()):
+    def __init__(self, spec: Spec, plan: Plan, features=()):
         self.features = chosen_features(features)
         self.spec = safe_indices(one_site(spec))
-        self.method = method
-        self.plan = choose(self.spec, method, solver)
+        self.method, self.plan = plan.method, plan
+        if plan.method == "moser-veselov":
+            require_free_body(self.spec)
         self.low = Lowering(self.spec)
         self.M = spec.name
         self.families = self.family_texts()
@@ -148,13 +150,25 @@ def generate(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto
     `amalgamate` puts the runtime into the two files that a program needs; features: names of
     `features.FEATURES`.
     """
-    emitter = Emitter(spec, method, solver, features)
+    files = emitted(spec, choose(spec, method, solver), features)
+    if amalgamate:
+        files = inline_runtime(files, spec.name)
+    return files
+
+
+def generate_program(spec: Spec, method: str, solver: str, features=()) -> Files:
+    """The same C for a caller that gives every value, as a library from the cache does: without `{name}_defaults`.
+
+    It is one text for all values that lead to the same plan.
+    """
+    return emitted(program_of(spec), choose(spec, method, solver), features)
+
+
+def emitted(spec: Spec, plan: Plan, features) -> Files:
+    emitter = Emitter(spec, plan, features)
     source = emitter.source()
     name = spec.name
     files = Files({f"{name}.h": emitter.header(), f"{name}.c": source, f"{name}_abi.c": emitter.abi()})
-    if amalgamate:
-        files = inline_runtime(files, name)
-    plan = emitter.plan
-    files.notes = {"method": method, "solver": plan.solver, "reason": plan.reason,
+    files.notes = {"method": plan.method, "solver": plan.solver, "reason": plan.reason,
                    "local": list(plan.local), "coupled": list(plan.coupled)}
     return files

@@ -28,6 +28,9 @@ class InterfaceParts:
                            field_sums=self.sums(self.effects, self.gradient_body("w", "b")), **self.common())
 
     def defaults(self):
+        """Statements of `_defaults`; None where the caller gives all values."""
+        if any(p.default is None for p in self.run_time()):
+            return None
         lines = []
         for p in self.run_time():
             if p.kind == "array":
