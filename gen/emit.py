@@ -10,6 +10,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from .cprint import number
 from .emission.amalgamate import inline_runtime
+from .emission.bounds import BoundParts
 from .emission.families import FamilyParts
 from .emission.interface import InterfaceParts
 from .emission.memory import ROWS, MemoryParts
@@ -45,7 +46,7 @@ def environment() -> Environment:
                        keep_trailing_newline=True)
 
 
-class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WideParts, MemoryParts, InterfaceParts):
+class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WideParts, MemoryParts, BoundParts, InterfaceParts):
     """Emission of one model with one method."""
 
     def __init__(self, spec: Spec, plan: Plan, features=()):
