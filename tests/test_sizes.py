@@ -108,7 +108,7 @@ over = "each(i of w, j of v)"
 energy = "({energy})*dot(w[i], v[j]) + gamma[0] + A[0] + k*F[0]"
 """
 ACCESSES = [("gamma[i] + 1", "1"), ("1 + F[i]", "1"), ("1 + gamma[2*i - i]", "1"), ("2 + A[i*i - k*i]", "1"), ("1 + gamma[k]", "1"),
-            ("1", "gamma[j]"), ("1", "F[i + j]"), ("1", "A[i + n*j]"), ("1", "A[(k - 1)*i + (j - 1)*(k - 2) + 1]"),
+            ("1", "gamma[j]"), ("1", "F[i + j]"), ("1", "A[i + n*j + 0*j*k*i]"), ("1", "A[(k - 1)*i + (j - 1)*(k - 2) + 1]"),
             ("1", "gamma[n - 1 - i]")]
 BOX = [(n, m, k) for n in range(6) for m in range(5) for k in range(-1, 5)]
 TRY = """

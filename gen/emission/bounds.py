@@ -93,6 +93,6 @@ def number_or_text(size: str, form: str):
 def combined(op: str, a, b):
     if isinstance(a, int) and isinstance(b, int):
         return {"+": a + b, "-": a - b, "*": a * b}[op]
-    if (op, a) in (("+", 0), ("*", 1)) or op == "*" and b == 0:
+    if (op, a) in (("+", 0), ("*", 1)):
         return b
-    return a if (op, b) in (("+", 0), ("-", 0), ("*", 1)) or op == "*" and a == 0 else f"({a} {op} {b})"
+    return a if (op, b) in (("+", 0), ("-", 0), ("*", 1)) else f"({a} {op} {b})"
