@@ -1,8 +1,9 @@
 """C to shared library, cached by content.
 
-The key of a build is a digest of all that its bytes depend on: the selected spec, the
-method, the generator's own sources with templates and runtime, compiler, flags. Two
-builds of the same thing at once are safe, and so is the library that is found: `cache.py`.
+The key of a build is a digest of all that its bytes depend on: the selected spec without
+texts and run-time values (`program_of`), the plan of its step, the generator's own sources
+with templates and runtime, compiler, flags. So a build serves all sizes that lead to one
+plan. Two builds of the same thing at once are safe, and so is the library that is found: `cache.py`.
 """
 from __future__ import annotations
 
@@ -22,6 +23,8 @@ from . import __version__
 from .cache import cache_folder, entry
 from .errors import BuildError, MissingTool
 from .features import chosen_features
+from .plan import choose
+from .program import program_of
 from .resources import HERE, folder
 from .spec import Spec
 
@@ -58,7 +61,7 @@ def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = 
     """
     features, compiler = chosen_features(features), find_compiler()
     flags = (*FLAGS, *SHARED, *REALS[real], *(("-march=native",) if native else ()))
-    key = digest(_identity(spec), method, solver, features, generator_digest(),
+    key = digest(_identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
                  compiler_version(compiler), flags, native and platform.processor())
     wanted = (spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
@@ -128,14 +131,13 @@ def digest(*parts) -> str:
 
 
 def _identity(spec: Spec) -> str:
-    """All of a spec but where its text lies."""
-    facts = {f.name: getattr(spec, f.name) for f in dataclasses.fields(spec)}
-    return repr({**facts, "path": "", "sources": ()})
+    """All of a spec; its repr is a short line."""
+    return repr([(f.name, getattr(spec, f.name)) for f in dataclasses.fields(spec)])
 
 
 def _generate(spec, method, solver, features):
-    from .emit import generate
-    return generate(spec, method, solver, features=features)
+    from .emit import generate_program
+    return generate_program(spec, method, solver, features)
 
 
 def _build_into(work, generate, wanted, compiler, flags):

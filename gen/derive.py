@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, walk
+from .expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
 from .spec import Term
 
 
@@ -188,12 +188,6 @@ def index_text(e: Expr) -> str:
     if isinstance(e, Op):
         return f"({e.op} {' '.join(index_text(a) for a in e.args)})"
     return leaf_name(e)
-
-
-def slots_of(value: Expr) -> tuple:
-    """The distinct (family, slot) pairs of an expression, in order of appearance."""
-    found = dict.fromkeys((n.family, n.slot) for n in walk(value) if isinstance(n, Spin))
-    return tuple(found)
 
 
 def hessian_blocks(gradient: tuple, vectors: tuple) -> dict:

@@ -10,6 +10,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from .cprint import number
 from .emission.amalgamate import inline_runtime
+from .emission.bounds import BoundParts
 from .emission.families import FamilyParts
 from .emission.interface import InterfaceParts
 from .emission.memory import ROWS, MemoryParts
@@ -20,11 +21,12 @@ from .emission.tables import graph_tables, pattern_tables
 from .emission.tangent import TangentParts
 from .emission.wide import WideParts
 from .features import chosen_features
-from .indices import safe_indices
+from .indices import one_site, safe_indices
 from .kernels import term_kernels
 from .loops import Loops, graph_name
 from .lower import Lowering
-from .plan import choose
+from .plan import Plan, choose, require_free_body
+from .program import program_of
 from .prune import without_uncalled
 from .resources import folder
 from .spec import Graph, Spec
@@ -44,14 +46,15 @@ def environment() -> Environment:
                        keep_trailing_newline=True)
 
 
-class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WideParts, MemoryParts, InterfaceParts):
+class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WideParts, MemoryParts, BoundParts, InterfaceParts):
     """Emission of one model with one method."""
 
-    def __init__(self, spec: Spec, method: str, solver: str, features=()):
+    def __init__(self, spec: Spec, plan: Plan, features=()):
         self.features = chosen_features(features)
-        self.spec = safe_indices(spec)
-        self.method = method
-        self.plan = choose(self.spec, method, solver)
+        self.spec = safe_indices(one_site(spec))
+        self.method, self.plan = plan.method, plan
+        if plan.method == "moser-veselov":
+            require_free_body(self.spec)
         self.low = Lowering(self.spec)
         self.M = spec.name
         self.families = self.family_texts()
@@ -130,7 +133,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
         kernels = "\n\n".join(t for k in [*self.effects, *self.observables] for t in k.text)
         body = dict(kernels=kernels, sites=self.sites_text(), sums=self.gathers(), wide=self.wide_text(), step=self.step(), tangent=self.tangent(),
                     interface=self.interface())
-        # last, for they list what the parts above asked for
+        self.low.close()    # what the kernels above have hoisted is computed here
         body |= dict(prepare=self.sizes_text() + "\n\n" + self.prepare_text(), clock=self.clock_text(),
                      tables=self.tables(), includes=self.includes())
         return without_uncalled(self.render("model.c.j2", **body, **self.banner()))
@@ -149,13 +152,25 @@ def generate(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto
     `amalgamate` puts the runtime into the two files that a program needs; features: names of
     `features.FEATURES`.
     """
-    emitter = Emitter(spec, method, solver, features)
+    files = emitted(spec, choose(spec, method, solver), features)
+    if amalgamate:
+        files = inline_runtime(files, spec.name)
+    return files
+
+
+def generate_program(spec: Spec, method: str, solver: str, features=()) -> Files:
+    """The same C for a caller that gives every value, as a library from the cache does: without `{name}_defaults`.
+
+    It is one text for all values that lead to the same plan.
+    """
+    return emitted(program_of(spec), choose(spec, method, solver), features)
+
+
+def emitted(spec: Spec, plan: Plan, features) -> Files:
+    emitter = Emitter(spec, plan, features)
     source = emitter.source()
     name = spec.name
     files = Files({f"{name}.h": emitter.header(), f"{name}.c": source, f"{name}_abi.c": emitter.abi()})
-    if amalgamate:
-        files = inline_runtime(files, name)
-    plan = emitter.plan
-    files.notes = {"method": method, "solver": plan.solver, "reason": plan.reason,
+    files.notes = {"method": plan.method, "solver": plan.solver, "reason": plan.reason,
                    "local": list(plan.local), "coupled": list(plan.coupled)}
     return files

@@ -101,3 +101,8 @@ def walk(e: Expr):
         yield from walk(a)
     if isinstance(e, Elem):
         yield from walk(e.index)
+
+
+def slots_of(e: Expr) -> tuple:
+    """The distinct (family, slot) pairs of an expression, in order of appearance."""
+    return tuple(dict.fromkeys((n.family, n.slot) for n in walk(e) if isinstance(n, Spin)))

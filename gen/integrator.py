@@ -9,7 +9,6 @@
 from __future__ import annotations
 
 import ctypes
-import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
@@ -60,22 +59,9 @@ def build(spec: Spec, method: str = "spherical-midpoint", effects: Iterable[str]
 
 
 def scene_of(spec: Spec, effects=None, values=None) -> Spec:
-    """The selected spec that is compiled for `values`.
-
-    Run-time numbers keep the spec's defaults there, so that a new value of one is no new
-    build. Integers stay as given: sizes decide what `auto` chooses.
-    """
+    """The spec with these effects, and `values` for defaults."""
     from .select import select
-    scene = select(spec, None if effects is None else tuple(effects), dict(values or {}))
-    before = {p.name: p.default for p in spec.parameters}
-    return dataclasses.replace(scene, parameters=tuple(
-        dataclasses.replace(p, default=before[p.name]) if _at_run_time(p, before[p.name]) else p
-        for p in scene.parameters))
-
-
-def _at_run_time(p, before) -> bool:
-    """Does the value of `p` leave the generated C alone, the defaults apart?"""
-    return not p.fixed and (p.kind == "real" or p.kind == "array" and np.size(before) == np.size(p.default))
+    return select(spec, None if effects is None else tuple(effects), dict(values or {}))
 
 
 def choose(what: str, name: str, names) -> str:

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import count
+from types import MappingProxyType
 
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import Boolean
 
+from .counts import constant_integer, runtime_names, sizes_of
 from .cprint import Printer, number
 from .derive import scalar
 from .expr import Elem, Expr, Idx, Num, Op, Par, Time, Weight, walk
@@ -39,7 +41,7 @@ class Lowering:
         self.parameters = {p.name: p for p in spec.parameters}
         self.tables = dict(spec.tables)
         self.hoisted: dict = {}         # sympy expression -> (name, level)
-        self.integers: dict = {}        # integer formula -> (name, C text)
+        self.integers = self.named_sizes()      # C text of a size -> member of the coefficients
         self.leaves: dict = {}
         self.used_tables: dict = {}
         self.uses_time = False
@@ -117,11 +119,13 @@ class Lowering:
     def size(self, e: Expr) -> str:
         """A size: a literal when it is known at compile time, else a member of the coefficients."""
         if not runtime_names(e, self.parameters):
-            return str(int(constant_integer(e, self.parameters)))
-        text = self.index(e)
-        if text not in self.integers:
-            self.integers[text] = f"n{len(self.integers)}"
-        return f"c->{self.integers[text]}"
+            return str(constant_integer(e, self.parameters))
+        return f"c->{self.integers[self.index(e)]}"
+
+    def named_sizes(self) -> dict:
+        """C text -> name of every size known at run time only: from the spec, before anything is printed."""
+        texts = dict.fromkeys(self.index(e) for e in sizes_of(self.spec) if runtime_names(e, self.parameters))
+        return {text: f"n{k}" for k, text in enumerate(texts)}
 
     # -- expressions ------------------------------------------------------------------------
     def when(self, e) -> int:
@@ -187,6 +191,10 @@ class Lowering:
         """Does any kernel so far depend on time?"""
         return self.uses_time or any(level == CLOCK for _, level in self.hoisted.values())
 
+    def close(self):
+        """All kernels are there: a value hoisted from here on would not be computed, so it raises TypeError."""
+        self.hoisted = MappingProxyType(self.hoisted)
+
     def coefficients(self):
         """Hoisted values in dependency order: [(name, C text, level)]."""
         show = self.printer(self.text)
@@ -202,19 +210,3 @@ def component(name: str) -> str:
 
 def index_names(e: Expr) -> set:
     return {n.name for n in walk(e) if isinstance(n, Idx)}
-
-
-def runtime_names(e: Expr, parameters: dict) -> set:
-    return {n.name for n in walk(e) if isinstance(n, Par) and not parameters[n.name].fixed}
-
-
-def constant_integer(e: Expr, parameters: dict) -> int:
-    """The value of an integer formula, with the parameters' defaults."""
-    if isinstance(e, Num):
-        return int(e.value)
-    if isinstance(e, Par):
-        return int(parameters[e.name].default)
-    a = [constant_integer(x, parameters) for x in e.args]
-    return {"+": lambda: a[0] + a[1], "-": lambda: a[0] - a[1], "*": lambda: a[0] * a[1],
-            "/": lambda: a[0] // a[1], "neg": lambda: -a[0], "^": lambda: a[0] ** a[1],
-            "mod": lambda: a[0] % a[1], "floor": lambda: a[0]}[e.op]()

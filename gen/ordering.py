@@ -6,7 +6,7 @@ block LU factors in an order of minimum degree; see runtime/smg_sparse.h for the
 from __future__ import annotations
 
 import heapq
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -24,11 +24,11 @@ class Pattern:
     col[rowptr[new]:rowptr[new + 1]], ascending; col[diag[new]] == new.
     """
     size: int
-    perm: np.ndarray
-    place: np.ndarray
-    rowptr: np.ndarray
-    col: np.ndarray
-    diag: np.ndarray
+    perm: np.ndarray = field(repr=False)
+    place: np.ndarray = field(repr=False)
+    rowptr: np.ndarray = field(repr=False)
+    col: np.ndarray = field(repr=False)
+    diag: np.ndarray = field(repr=False)
     fill: int
     multiplications: int
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .derive import slots_of
+from .counts import constant_integer, runtime_names
 from .errors import UsageError
-from .lower import constant_integer, runtime_names
+from .expr import Time, slots_of, walk
 from .spec import Graph, Lattice, Spec
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
@@ -104,8 +104,6 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain')."""
     coupled = coupled_families(spec)
     local = tuple(f.name for f in spec.families if f.name not in coupled)
-    if method == "moser-veselov":
-        require_free_body(spec, coupled)
     if not coupled:
         return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
     if solver == "rotation" and method != "spherical-midpoint":
@@ -138,13 +136,13 @@ def newton_plan(spec: Spec, method: str, local, coupled):
         return Plan(method, local, coupled, "band", f"chain: Newton on a {kind} band of {width} blocks",
                     band=width, wrap=wrap)
     if small:
-        return Plan(method, local, coupled, "dense", f"{size} unknowns: dense Newton")
+        return Plan(method, local, coupled, "dense", "few sites: dense Newton")
     if any(isinstance(o, Graph) for o in joint_overs(spec)) and len(coupled) == 1:
         plan = sparse_plan(spec, method, local, coupled, n)
         if plan is not None:
             return plan
     if size <= DENSE_UNKNOWNS and not any(isinstance(o, Lattice) for o in joint_overs(spec)):
-        return Plan(method, local, coupled, "dense", f"{size} unknowns, all coupled: dense Newton")
+        return Plan(method, local, coupled, "dense", "few sites: dense Newton")
     return None
 
 
@@ -164,10 +162,10 @@ def sparse_plan(spec, method, local, coupled, n):
                 pattern=pattern)
 
 
-def require_free_body(spec: Spec, coupled) -> None:
+def require_free_body(spec: Spec) -> None:
     """Moser-Veselov is the discrete free body: one site alone, H a time-independent quadratic form."""
     from .derive import derive
-    from .lower import Time, walk
+    coupled = coupled_families(spec)
     if any(f.kind == "nambu" for f in spec.families):
         raise UsageError("method moser-veselov needs a rigid body on a sphere or in R^3, not a Nambu factor")
     for effect in spec.effects:

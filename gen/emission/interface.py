@@ -28,6 +28,9 @@ class InterfaceParts:
                            field_sums=self.sums(self.effects, self.gradient_body("w", "b")), **self.common())
 
     def defaults(self):
+        """Statements of `_defaults`; None where the caller gives all values."""
+        if any(p.default is None for p in self.run_time()):
+            return None
         lines = []
         for p in self.run_time():
             if p.kind == "array":
@@ -42,8 +45,9 @@ class InterfaceParts:
         return [p for p in self.spec.parameters if not p.fixed]
 
     def checks(self):
-        """Sizes that must hold for the loops and the solver."""
+        """Sizes that must hold for the loops, the solver and the arrays."""
         lines = [outside(f.count, 1) for f in self.families]
+        lines += [outside(n, 1) for n in (self.low.size(p.size) for p in self.run_time() if p.kind == "array") if not n.isdigit()]
         for t in [*self.effects, *self.observables]:
             lines += [f"if ({self.by_name[f].count} <= {k}) return SMG_BAD_PARAMETER;"
                       for f, k in t.slots if isinstance(k, int)]
@@ -55,7 +59,7 @@ class InterfaceParts:
             lines.append(f"if ({self.rows} < {2 * self.plan.band + 1}) return SMG_BAD_PARAMETER;")
         if self.plan.solver == "sparse":
             lines.append(f"if ({self.rows} != {self.plan.pattern.size}) return SMG_BAD_PARAMETER;")
-        return list(dict.fromkeys(lines))
+        return list(dict.fromkeys([*lines, *self.entry_checks()]))
 
     def lattice_checks(self, t):
         sizes = [self.low.size(s) for s in t.over.size]

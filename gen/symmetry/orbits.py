@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ..derive import slots_of
 from ..evaluate import integer
+from ..expr import slots_of
 from ..spec import Each, Graph, Lattice, Once, Pairs, Sites, Term
 from ..witness.instances import instances_of
 from . import bounds

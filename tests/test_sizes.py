@@ -1,0 +1,155 @@
+"""Sizes are values at run time: each is computed, checked, and no other size is another program."""
+import re
+import subprocess
+from itertools import cycle
+
+import pytest
+from support.strict import WARNINGS, run_sanitized
+
+from smidgen.build import write_files
+from smidgen.emit import generate
+from smidgen.errors import UsageError
+from smidgen.features import FEATURES
+from smidgen.read import load_text
+from smidgen.resources import folder
+from smidgen.select import select
+
+SPEC = """
+[model]
+name = "sized"
+[space]
+w = {{ sphere = "n", kappa = "{kappa}" }}
+v = {{ sphere = "m" }}
+[parameters]
+n = 4
+m = 3
+gamma = {{ default = 1.0, size = "{size}" }}
+delta = {{ default = 0.5, size = "{other}" }}
+[effects.field]
+over = "site(i) of w"
+energy = "{energy}"
+[effects.chain]
+over = "bond(i, j) of chain(m, open) on v"
+energy = "dot(v[i], v[j])"
+[observables.seen]
+over = "site(i) of v"
+value = "delta[i]*v[i].x"
+"""
+USES = {"kappa": ("gamma[i] + 1", "w[i].z^2"), "energy": ("1", "gamma[i]*w[i].z^2"), "nothing": ("1", "w[i].z^2")}
+LENGTHS = ("n", "2*n", "n + m", "n*m", "3*n - m", "m*m", "5")
+
+
+def sized(size="2*n", use="kappa", other="n*m + 1"):
+    kappa, energy = USES[use]
+    return SPEC.format(size=size, kappa=kappa, energy=energy, other=other)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("size, use, features", [*((size, use, ()) for size, use in zip(LENGTHS, cycle(USES))),
+                                                 *(("2*n", use, tuple(FEATURES)) for use in USES)])
+def test_every_coefficient_that_is_read_is_computed(size, use, features):
+    """Sizes n0, n1, .. in `_sizes`, values k0, k1, .. in `_prepare` or `_clock`; none is declared in vain."""
+    files = generate(load_text(sized(size, use)), features=features)
+    read = set(re.findall(r"(?:c|wide)->([nk]\d+)", files["sized.c"]))
+    computed = set(re.findall(r"(?:k|wide)->([nk]\d+) = ", files["sized.c"]))
+    declared = set(re.findall(r"(?:int64_t|smg_real|smg_wide) ([nk]\d+);", files["sized.h"]))
+    assert read <= computed == declared
+
+
+MAIN = """
+#include "sized.h"
+#include <stdlib.h>
+/* A check in memory that was used before, with arrays of exactly their sizes; a bad entry, the last one, is seen. */
+int main(void) {
+  for (int64_t n = 3; n < 6; ++n) {
+    sized_params p;
+    sized_defaults(&p);
+    p.n = n;
+    double *gamma = (double *)malloc((size_t)(2 * n) * sizeof(double)), *delta = (double *)malloc((size_t)(3 * n + 1) * sizeof(double));
+    for (int64_t k = 0; k < 2 * n; ++k) gamma[k] = 1;
+    for (int64_t k = 0; k < 3 * n + 1; ++k) delta[k] = 1;
+    p.gamma = gamma;
+    p.delta = delta;
+    if (sized_check(&p) != SMG_OK) return 1;
+    delta[3 * n] = (double)NAN;
+    if (sized_check(&p) != SMG_NOT_FINITE) return 2;
+    free(gamma);
+    free(delta);
+  }
+  return 0;
+}
+"""
+
+
+def test_arrays_are_checked_over_their_own_sizes(tmp_path):
+    files = generate(load_text(sized()))
+    write_files({**files, "main.c": MAIN}, tmp_path)
+    status, said = run_sanitized(tmp_path, ["sized.c", "main.c"])
+    assert status == 0, said[:3000]
+
+
+# -- the C refuses the sizes that the reader refuses -----------------------------------------------
+
+ACCESS = """
+[model]
+name = "access{number}"
+[space]
+w = {{ sphere = "n", kappa = "{kappa}" }}
+v = {{ sphere = "m" }}
+[parameters]
+n = 3
+m = 2
+k = 1
+gamma = {{ default = 1.0, size = "n" }}
+A = {{ default = 1.0, size = "n*m" }}
+F = {{ default = [1.0, 2.0, 1.5, 0.5], size = 4, fixed = true }}
+[effects.all]
+over = "each(i of w, j of v)"
+energy = "({energy})*dot(w[i], v[j]) + gamma[0] + A[0] + k*F[0]"
+"""
+ACCESSES = [("gamma[i] + 1", "1"), ("1 + F[i]", "1"), ("1 + gamma[2*i - i]", "1"), ("2 + A[i*i - k*i]", "1"), ("1 + gamma[k]", "1"),
+            ("1", "gamma[j]"), ("1", "F[i + j]"), ("1", "A[i + n*j + 0*j*k*i]"), ("1", "A[(k - 1)*i + (j - 1)*(k - 2) + 1]"),
+            ("1", "gamma[n - 1 - i]")]
+BOX = [(n, m, k) for n in range(6) for m in range(5) for k in range(-1, 5)]
+TRY = """
+static void try{number}(int64_t n, int64_t m, int64_t k) {{
+  double gamma[8], A[32];
+  for (int e = 0; e < 8; ++e) gamma[e] = e < n ? 1 : (double)NAN; /* what is not its own reads as not finite */
+  for (int e = 0; e < 32; ++e) A[e] = e < n * m ? 1 : (double)NAN;
+  access{number}_params p;
+  access{number}_defaults(&p);
+  p.n = n;
+  p.m = m;
+  p.k = k;
+  p.gamma = gamma;
+  p.A = A;
+  printf("%d ", (int)access{number}_check(&p));
+}}
+"""
+
+
+def accepted(spec, n, m, k):
+    try:
+        return bool(select(spec, None, {"n": n, "m": m, "k": k}))
+    except UsageError:
+        return False
+
+
+def test_the_c_refuses_the_sizes_that_the_reader_refuses(tmp_path):
+    """Of every index formula, over a box of sizes; a size that is accepted reads no entry but the array's own."""
+    specs = [load_text(ACCESS.format(number=k, kappa=kappa, energy=energy)) for k, (kappa, energy) in enumerate(ACCESSES)]
+    files = {name: text for spec in specs for name, text in generate(spec).items() if not name.endswith("_abi.c")}
+    heads = "".join(f'#include "access{k}.h"\n' for k in range(len(specs)))
+    tries = "".join(TRY.format(number=k) for k in range(len(specs)))
+    calls = "".join(f'  for (int b = 0; b < {len(BOX)}; ++b) try{k}(box[b][0], box[b][1], box[b][2]);\n  puts("");\n' for k in range(len(specs)))
+    box = ", ".join(f"{{{n}, {m}, {k}}}" for n, m, k in BOX)
+    main = f"{heads}#include <stdio.h>\n{tries}\nint main(void) {{\n  static const int box[][3] = {{{box}}};\n{calls}  return 0;\n}}\n"
+    write_files({**files, "main.c": main}, tmp_path)
+    subprocess.run(["gcc", "-std=c11", *WARNINGS, "-O0", f"-I{folder('runtime')}", "-I.", *sorted(f for f in files if f.endswith(".c")),
+                    "main.c", "-lm", "-o", "program"], cwd=tmp_path, check=True)
+    said = subprocess.run(["./program"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert len(said) == len(specs)
+    for spec, access, line in zip(specs, ACCESSES, said):
+        refused = [place for place, found in zip(BOX, line.split()) if found == "5"]
+        assert set(line.split()) == {"0", "5"}, access
+        assert refused == [place for place in BOX if not accepted(spec, *place)], access
