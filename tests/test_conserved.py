@@ -52,7 +52,8 @@ def test_one_energy_in_run_plot_player_and_demo(case, monkeypatch):
     told = result.summary
     assert told["errors" if conserved else "changes"]["energy"] == change and told["without"] == ["outer"]
     assert "energy" not in told["changes" if conserved else "errors"]
-    energy, note = facts.conserved_energy(facts.with_facts(result))
+    result = facts.with_facts(result)
+    energy, note = facts.conserved_energy(result)
     assert np.array_equal(energy, own) and ("time" in note) == (not conserved) and "tracers" in note
     played = []
     monkeypatch.setattr(player, "player_page", lambda t, states, energy, *more, **words: played.append(energy) or "")
