@@ -9,6 +9,11 @@ from support.systems import load
 
 import smidgen
 from smidgen.advice import advise
+from smidgen.advice.along import TURN
+from smidgen.advice.branch import follow
+from smidgen.advice.cause import Fields, effect_of, shares
+from smidgen.advice.equation import StepEquation
+from smidgen.advice.rates import local_rate
 from smidgen.advice.trial import first_failure
 from smidgen.errors import RunError
 from smidgen.read import load_text
@@ -37,12 +42,23 @@ g = { default = [1, 1, 1], size = 3 }
 a = 0.0
 b = 0.0
 c = 0.0
+J = 1.0
+K = 1.0
 [effects.turn]
 over = "site(i) of w"
 energy = "g[i]*(a*w[i].x + b*w[i].y + c*w[i].z)"
 [effects.interaction]
 over = "pair(i, j) of w"
 energy = "-g[i]*g[j]*log(2 - 2*dot(w[i], w[j]))/(4*pi)"
+[starts.first]
+random = 1
+'''
+SPINS = '''[effects.exchange]
+over = "pair(i, j) of w"
+energy = "J*dot(w[i], w[j])"
+[effects.anisotropy]
+over = "site(i) of w"
+energy = "K*w[i].z^2"
 [starts.first]
 random = 1
 '''
@@ -145,18 +161,41 @@ def test_a_field_that_does_not_depend_on_time_has_no_samples():
 
 # -- the cause ------------------------------------------------------------------------------------
 
+def turning(seed, low, high):
+    """Random strengths and a random uniform rotation, and a random start of three sites."""
+    r = random.Random(seed)
+    turn = np.array([r.gauss(0, 1) for _ in range(3)]) * math.exp(r.uniform(low, high))
+    values = dict(zip("abc", turn), g=[r.choice((-1, 1)) * r.uniform(0.3, 2) for _ in range(3)])
+    return {**values, "J": r.uniform(-2, 2), "K": r.uniform(-2, 2)}, on_sphere(np.random.default_rng(seed), 3)
+
+
 @pytest.mark.quick
 def test_a_uniform_rotation_is_never_the_cause_of_a_fold():
-    """H = B . sum kappa w of any strength and direction, beside vortices of both signs."""
-    spec, folds = load_text(VORTICES), 0
-    for seed in range(8):
-        r = random.Random(seed)
-        b = np.array([r.gauss(0, 1) for _ in range(3)]) * math.exp(r.uniform(-3, 3))
-        values = dict(zip("abc", b), g=[r.choice((-1, 1)) * r.uniform(0.3, 2) for _ in range(3)])
-        found = advise(spec, values=values, start=on_sphere(np.random.default_rng(seed), 3), time=0)
-        folds += found.kind == "fold"
-        assert found.kind != "fold" or found.effect == "interaction"
-    assert folds >= 3
+    """H = B . sum kappa w of any strength and direction, beside spins with an easy axis, and vortices."""
+    spins, vortices = load_text(VORTICES[:VORTICES.index("[effects.interaction]")] + SPINS), load_text(VORTICES)
+    causes = []
+    for seed in (63, 101, 130, 179, 267, 295, 310):
+        values, w = turning(seed, -1, 1.5)
+        causes.append(advise(spins, values=values, start=w, time=0))
+    for seed in range(4):
+        values, w = turning(seed, -3, 3)
+        causes.append(advise(vortices, values=values, start=w, time=0))
+    assert sum(a.kind == "fold" for a in causes) >= 8
+    assert all(a.effect in ("exchange", "anisotropy", "interaction") for a in causes if a.kind == "fold")
+
+
+@pytest.mark.quick
+def test_the_shares_of_the_effects_in_a_fold_are_all_of_it():
+    """J v = 0 and J = 1 - (h/2) sum D(X_e P): their sum is 1 as near as the branch was followed to its fold."""
+    spec = load_text(VORTICES[:VORTICES.index("[effects.interaction]")] + SPINS)
+    for seed in (43, 130, 179, 267):
+        values, w = turning(seed, -1, 1.5)
+        model = smidgen.build(spec, values=values).start(w.copy(), h=0.1)
+        equation = StepEquation(model, w, 0.0)
+        branch = follow(equation, TURN / local_rate(equation))
+        parts = shares(Fields(model, equation, branch.h / 2), w + branch.u / 2, branch)
+        assert branch.kind == "fold" and sum(parts.values()) == pytest.approx(1, abs=0.1)
+        assert effect_of(model, equation, branch) == max(sorted(set(parts) - {"turn"}), key=parts.get)
 
 
 # -- steps that fail below others that do not ---------------------------------------------------------

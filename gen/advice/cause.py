@@ -1,7 +1,7 @@
 """Which sites and which effect make the end of a branch.
 
 At a fold J v = 0 with a left null vector y, and J = 1 - (h/2) sum over the effects of D(X_e P): so the effect with the
-largest y.D(X_e P) v makes it. Uniform rotations, H = B . sum kappa w, are left out: alone they have no fold, and all
+largest (h/2) y.D(X_e P) v / y.v makes it; their sum is 1. Uniform rotations, H = B . sum kappa w, are left out: alone they have no fold, and all
 that they do is to turn the frame. Where a midpoint runs into a centre or to an edge, it is the effect with the strongest
 field there.
 """
@@ -78,10 +78,17 @@ def _same(rows) -> bool:
 
 
 def _bends(fields, mbar, branch) -> dict:
-    """|y.D(X_e P) v| of every effect that is no uniform rotation."""
-    d = DIFFERENCE * np.linalg.norm(mbar) * branch.null
-    up, down, left_out = fields.motions(mbar + d), fields.motions(mbar - d), fields.uniform()
-    return {e: abs(np.sum(branch.left * (up[e] - down[e]))) for e in up if e not in left_out}
+    """(h/2) y.D(X_e P) v / y.v of every effect that is no uniform rotation."""
+    left_out = fields.uniform()
+    return {e: part for e, part in shares(fields, mbar, branch).items() if e not in left_out}
+
+
+def shares(fields, mbar, branch) -> dict:
+    """(h/2) y.D(X_e P) v / y.v of every effect: near 1 in sum, for J v is near 0."""
+    equation, size = fields.equation, DIFFERENCE * np.linalg.norm(mbar)
+    up, down = (fields.motions(mbar + sign * size * branch.null) for sign in (1, -1))
+    factor = equation.sign * equation.model.scene.orientation * branch.h / (4 * size * np.sum(branch.left * branch.null))
+    return {e: factor * np.sum(branch.left * (up[e] - down[e])) for e in up}
 
 
 def _strengths(fields, mbar, site: int) -> dict:
