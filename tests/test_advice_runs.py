@@ -72,27 +72,28 @@ def on_sphere(r, n):
 # -- chains ---------------------------------------------------------------------------------------
 
 def chain_completes(n, seed, time):
-    """Does the run complete with the advised h, and with smaller ones?"""
+    """The advice, and whether the run completes with its h and with each of three smaller ones."""
     spec, w = load("heisenberg_chain"), on_sphere(np.random.default_rng(seed), n)
     found = advise(spec, values={"n": n}, start=w, h=0.05, time=time)
     model = smidgen.build(spec, values={"n": n})
     steps = [math.ceil(time / (part * found.h)) for part in (1, 0.93, 0.6, 0.3)]
     done = [model.start(w.copy(), h=part * found.h).advance(k) for part, k in zip((1, 0.93, 0.6, 0.3), steps)]
-    return found, done == steps
+    return found, [a == b for a, b in zip(done, steps)]
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("n, seed", [(5, 1), (9, 2)])
 def test_random_chains_complete(n, seed):
     found, completes = chain_completes(n, seed, 40)
-    assert completes and found.completes and found.span == 40
+    assert all(completes) and found.completes and found.span == 40
     assert all(end >= 40 - 1e-9 for *_, end in found.orbits)
 
 
 @pytest.mark.long
 def test_many_random_chains_complete():
     runs = [chain_completes(random.Random(seed).choice((3, 5, 8, 12, 60)), seed, 60) for seed in range(30)]
-    assert all(completes for _, completes in runs)
+    assert all(completes[0] for _, completes in runs)
+    assert np.mean([completes[1:] for _, completes in runs]) > 0.97     # other ways, that were not looked at
     assert sum(found.t > 0 for found, _ in runs) > 10           # the start alone would not have told
 
 
