@@ -101,7 +101,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
             solver_text = self.render("newton.c.j2", **slots)
             if self.plan.swept:
                 solver_text += self.render("sweep.c.j2", **self.sweep_slots(), **slots)
-        local_text = "".join(self.render("local.c.j2", f=f, linear=self.closed_form(f), solo=self.solo)
+        local_text = "".join(self.render("local.c.j2", f=f, linear=self.closed_form(f), solo=self.solo, tracers=self.tracers)
                              for f in self.chosen(self.plan.local))
         solo = self.render("solo.c.j2", f=self.families[0], kernels=self.solo_kernels(), local_text=local_text,
                            **slots) if self.solo else ""

@@ -382,7 +382,7 @@ def why(found: dict) -> str:
 
 def advice(status: int, found: dict, h: float) -> str:
     """What to try after a step that failed."""
-    if status == 2 and 0 < found["reached"] < 1:
+    if status == 2 and 0 < found["reached"] <= 1:
         return (f"; from here, and with H as it is at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
                 "take a smaller one")
     return f"; try a smaller step, half of it, or what `smidgen advise` says" if status in (1, 2, 3, 7) else ""

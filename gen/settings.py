@@ -128,6 +128,16 @@ def number_of_steps(steps, time, h: float, env) -> int:
     return steps
 
 
+def duration(spec: Spec, base: Run, s: Settings, steps=None, time=None) -> float | None:
+    """How long a run is, whether or not that is a multiple of h; None: nothing says so."""
+    if steps is None and time is None:
+        steps, time = base.steps, base.time
+    env = parameter_values(spec, s.values)
+    if time is not None:
+        return abs(number(_read(spec, "time", time), env, "time"))
+    return None if steps is None else abs(s.h) * number_of_steps(steps, None, s.h, env)
+
+
 def multiple(duration: float, h: float, what: str) -> int:
     """duration / |h| as an integer. Raises UsageError that names the two nearest."""
     if duration < 0 < h:

@@ -39,7 +39,7 @@ typedef enum smg_status {
 
 /* What the last step did; on failure, where and how badly. site is -1 if not tied to one, and so is
  * partner, the site that is in it with the first; reached is the part of h up to which solutions were
- * followed, 0 when none were. */
+ * followed, 0 when none were. Of sites that are solved alone the one whose solutions end first is reported. */
 typedef struct smg_report {
   smg_status status;
   int iterations;

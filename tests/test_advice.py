@@ -1,4 +1,5 @@
-"""Step advice: never above the limit that bisection finds, and at least half of it; with its reason."""
+"""Step advice: of a start alone never above the limit that bisection finds, and at least half of it; of a run an h with
+which it completes; with its reason."""
 import json
 import math
 
@@ -71,7 +72,7 @@ def bisected(model, w, cap):
 def ratio(seed):
     """(advice / limit, Advice) of a random spec; where no step fails up to the cap, that is the limit."""
     spec = load_text(text(seed))
-    advice, model = advise(spec), smidgen.build(spec)
+    advice, model = advise(spec, time=0), smidgen.build(spec)
     w = model.start("first", h=1.0).w.copy()
     return advice.h / bisected(model, w, advice.cap), advice
 
@@ -140,8 +141,8 @@ def test_backward_is_the_reversed_problem():
     spec = load_text(PAIR)
     forward, backward = advise(spec, h=0.1), advise(spec, h=-0.1)
     assert backward.h < 0 and abs(backward.h + forward.h) < 1e-6 * forward.h
-    assert forward.run_h == 0.1 and "within it" in forward.words()[-1]
-    assert "above it" in advise(spec, h=10.0).words()[-1]
+    assert forward.run_h == 0.1 and "within the largest safe step" in forward.words()[-1]
+    assert "above the largest safe step" in advise(spec, h=10.0).words()[-1]
 
 
 def test_large_systems_are_tried():
@@ -149,7 +150,7 @@ def test_large_systems_are_tried():
         "energy", 'over = "bond(i, j) of chain(60, open)"\nenergy').replace(
         'theta = "a"\nphi = "pi*i"', 'theta = "0.4 + 0.03*i"\nphi = "2.4*i"')
     spec = load_text(text_)
-    advice, model = advise(spec), smidgen.build(spec)
+    advice, model = advise(spec, time=0), smidgen.build(spec)
     w = model.start("first", h=1.0).w.copy()
     assert advice.kind == "trial" and 0.5 <= advice.h / bisected(model, w, advice.cap) <= 1
     assert "generated code" in advice.reason

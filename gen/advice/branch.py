@@ -23,12 +23,13 @@ CENTRE = 0.1            # abs(mbar)/abs(w) below this at the end: the midpoint r
 @dataclass(frozen=True)
 class Branch:
     """Where the branch was left: the largest h with a solution u; ends: does it end there?
-    null: the direction in which J is nearest to singular, shape (sites, 3); kind: 'fold', 'centre',
+    null, left: the directions in which J and its transpose are nearest to singular, shape (sites, 3); kind: 'fold', 'centre',
     'edge' (no field or no projection beyond) or 'open' (followed to the cap)."""
     h: float
     u: np.ndarray
     kind: str
     null: np.ndarray
+    left: np.ndarray
     site: int = -1
 
     @property
@@ -42,7 +43,7 @@ def follow(equation: StepEquation, cap: float) -> Branch:
     jacobian, site = np.eye(u.size), -1
     for _ in range(PACES):
         if h >= cap:
-            return Branch(h, u, "open", _null(jacobian, u))
+            return Branch(h, u, "open", *_null(jacobian, u))
         target = min(cap, h + pace)
         try:
             found, site = _point(equation, u, h, jacobian, target), -1
@@ -54,7 +55,7 @@ def follow(equation: StepEquation, cap: float) -> Branch:
             break
         else:
             pace /= 2
-    return _ended(equation, h, u, _null(jacobian, u), site)
+    return _ended(equation, h, u, *_null(jacobian, u), site)
 
 
 def _point(equation, u, h, jacobian, target):
@@ -85,12 +86,13 @@ def _connected(jacobian) -> bool:
 
 
 def _null(jacobian, u):
-    return np.linalg.svd(jacobian)[2][-1].reshape(u.shape)
+    left, _, right = np.linalg.svd(jacobian)
+    return right[-1].reshape(u.shape), left[:, -1].reshape(u.shape)
 
 
-def _ended(equation, h, u, null, site) -> Branch:
+def _ended(equation, h, u, null, left, site) -> Branch:
     """The branch with the kind of its end, and for a place in the state the site."""
     part = np.linalg.norm(equation.w + u / 2, axis=1) / (equation.length + (equation.length == 0))
     if np.any(near := (part < CENTRE) & (equation.length > 0)):
-        return Branch(h, u, "centre", null, int(np.argmin(np.where(near, part, np.inf))))
-    return Branch(h, u, "edge" if site >= 0 else "fold", null, site)
+        return Branch(h, u, "centre", null, left, int(np.argmin(np.where(near, part, np.inf))))
+    return Branch(h, u, "edge" if site >= 0 else "fold", null, left, site)

@@ -22,6 +22,12 @@ class Nowhere(Exception):
         self.site = site
 
 
+def _refuse(bad) -> None:
+    """Raises Nowhere for the first site that is bad, in one state or in many."""
+    if bad.any():
+        raise Nowhere(int(np.argmax(bad.reshape(-1, bad.shape[-1]).any(axis=0))))
+
+
 class StepEquation:
     """The equation of one step of `model` from (t, w); a negative `sign` steps backward."""
 
@@ -33,30 +39,27 @@ class StepEquation:
         self.length = np.linalg.norm(self.w, axis=1)
 
     def _twice_c(self, w):
-        return np.einsum("si,sij,sj->s", w, self.casimir, w)
+        return np.einsum("...si,sij,...sj->...s", w, self.casimir, w)
 
     def project(self, mbar):
-        """m = mbar sqrt(c/C(mbar)); the origin of R^3 stays. Raises Nowhere."""
+        """m = mbar sqrt(c/C(mbar)), of one state or of many; the origin of R^3 stays. Raises Nowhere."""
         if self.model.method != "spherical-midpoint":
             return mbar
         with np.errstate(all="ignore"):
             ratio = np.where(self.length == 0, 0, self.level / self._twice_c(mbar))
         bad = ~(np.isfinite(ratio) & (ratio >= 0) & ((ratio > 0) | (self.length == 0)))
-        if bad.any():
-            raise Nowhere(int(np.argmax(bad)))
-        return mbar * np.sqrt(ratio)[:, None]
+        _refuse(bad)
+        return mbar * np.sqrt(ratio)[..., None]
 
     def rate(self, mbar, h):
-        """Y, shape (sites, 3), at the midpoint mbar of a step h >= 0."""
-        m = self.project(mbar)
-        b = np.asarray(self.model.field(m, self.t + self.sign * h / 2), float)
+        """Y, shape (.., sites, 3), at the midpoint mbar, one or many, of a step h >= 0."""
+        m, t = self.project(mbar), self.t + self.sign * h / 2
+        b = np.reshape([self.model.field(one, t) for one in m.reshape(-1, *self.w.shape)], m.shape).astype(float)
         with np.errstate(all="ignore"):
-            y = self.sign * self.model.scene.orientation * np.cross(np.einsum("sij,sj->si", self.casimir, m), b)
+            y = self.sign * self.model.scene.orientation * np.cross(np.einsum("sij,...sj->...si", self.casimir, m), b)
             if self.model.method == "moser-veselov":
-                y = y / ((1 + np.sqrt(1 - h * h * np.sum(b * b, axis=1))) / 2)[:, None]
-        bad = ~np.isfinite(y).all(axis=1)
-        if bad.any():
-            raise Nowhere(int(np.argmax(bad)))
+                y = y / ((1 + np.sqrt(1 - h * h * np.sum(b * b, axis=-1))) / 2)[..., None]
+        _refuse(~np.isfinite(y).all(axis=-1))
         return y
 
     def residual(self, u, h):
@@ -65,14 +68,10 @@ class StepEquation:
 
     def slope(self, mbar, h):
         """dY/dmbar, shape (3 sites, 3 sites)."""
-        n = mbar.size
-        columns = np.empty((n, n))
-        for k in range(n):
-            step = np.zeros(n)
-            step[k] = DIFFERENCE * max(np.linalg.norm(mbar[k // 3]), 1e-9)
-            d = step.reshape(mbar.shape)
-            columns[:, k] = ((self.rate(mbar + d, h) - self.rate(mbar - d, h)) / (2 * step[k])).ravel()
-        return columns
+        steps = np.repeat(DIFFERENCE * np.maximum(np.linalg.norm(mbar, axis=1), 1e-9), 3)
+        moves = np.diag(steps).reshape(-1, *mbar.shape)
+        change = self.rate(mbar + moves, h) - self.rate(mbar - moves, h)
+        return (change.reshape(len(steps), -1) / (2 * steps)[:, None]).T
 
     def jacobian(self, u, h):
         """J = dF/du = 1 - (h/2) dY/dmbar."""

@@ -7,17 +7,30 @@ import numpy as np
 
 from ..errors import RunError
 
-TRIES = 16          # steps between a sixteenth of an h and h
+TRIES = 16, 400     # the least and the most steps between a sixteenth of an h and h
+TRIED = 20_000      # sites times tries between them
 LOWEST = 2.0 ** -20     # of the cap: below, no step is looked for
 
 
 @dataclass(frozen=True)
 class Failure:
-    """A first step that failed: its h, and what was said; reached: the largest h that seems to exist."""
+    """A step that failed: its h, and what was said; reached: the largest h that exists there, 0 when that is not known."""
     h: float
     message: str
     reached: float
     sites: tuple
+
+    @property
+    def limit(self) -> float:
+        """The largest h that seems to exist."""
+        return self.reached or self.h / 1.2
+
+
+def failure_of(error: RunError, h: float) -> Failure:
+    """What a step of size h said."""
+    part = error.reached if 0 < error.reached <= 1 else 0.0
+    sites = tuple(s for s in (error.site, error.partner) if s >= 0)
+    return Failure(abs(h), str(error).partition(": ")[2].partition(" (")[0], part * abs(h), sites)
 
 
 def first_step(model, w, t: float, h: float):
@@ -25,16 +38,13 @@ def first_step(model, w, t: float, h: float):
     try:
         model.start(np.array(w, model.real), t0=t, h=h).step()
     except RunError as error:
-        part = error.reached if 0 < error.reached < 1 else 0.0
-        sites = tuple(s for s in (error.site, error.partner) if s >= 0)
-        said = str(error).partition(": ")[2].partition(" (")[0]
-        return Failure(abs(h), said, part * abs(h), sites)
+        return failure_of(error, h)
     return None
 
 
 def first_failure(model, w, t: float, h: float):
-    """The first Failure among `TRIES` steps from h/16 up to h, or None."""
-    for part in np.geomspace(1 / 16, 1, TRIES):
+    """The first Failure among evenly spaced steps from h/16 up to h, or None."""
+    for part in np.linspace(1 / 16, 1, int(np.clip(TRIED // model.sites, *TRIES))):
         failure = first_step(model, w, t, h * part)
         if failure is not None:
             return failure
@@ -51,6 +61,8 @@ def climb(model, w, t: float, cap: float, sign: float):
         h = min(cap, max(h, 1.3 * good))
         bad = first_step(model, w, t, sign * h)
         good = good if bad is not None else h
+    if bad is not None and bad.reached > good:
+        return bad.reached, bad
     for _ in range(5 if bad is not None and good > 0 else 0):
         middle = (good + bad.h) / 2
         failure = first_step(model, w, t, sign * middle)

@@ -1,4 +1,4 @@
-"""`smidgen advise`: the largest safe step for the start of a run."""
+"""`smidgen advise`: the largest safe step for a run."""
 from __future__ import annotations
 
 from .options import json_option, model_options, spec_argument, whole
@@ -18,6 +18,9 @@ def add(commands):
     parser.add_argument("--h", help="the step to compare with; its sign is that of the advice")
     parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
+    long = parser.add_mutually_exclusive_group()
+    long.add_argument("--steps", type=whole, help="how long to look: a number of steps of the run's h")
+    long.add_argument("--time", help="how long to look: a duration")
     json_option(parser)
 
 
@@ -25,7 +28,7 @@ def command(args):
     """The advice in sentences."""
     from ..advice import advise
     from ..shipped import load_spec
-    given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "seed")
+    given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "seed", "steps", "time")
              if getattr(args, w) is not None}
     if args.start is not None:
         given["start"] = start_of(args.start)

@@ -1,0 +1,89 @@
+"""The advice in plain sentences."""
+from __future__ import annotations
+
+import math
+
+from .along import ROOM
+
+FINE = 0.1              # per cent: the phase error of the h that is called fine
+ENDS = {
+    "fold": "the step equation has a fold at h = {limit:.6g}, made by {sites}{through}",
+    "centre": "near h = {limit:.6g} the midpoint of {sites} runs into the centre{of}, and no step exists beyond",
+    "edge": "near h = {limit:.6g} the midpoint of {sites} comes to the edge of where its Casimir or its energy{of} is defined",
+    "trial": "the generated code fails at {said} ({sites})",
+}
+
+
+def reason(end, h: float, sites: str, t: float | None) -> str:
+    """Why not more than h > 0: what ends the steps, from the state at the time t, None: the start."""
+    if end.kind == "open":
+        return "there the fastest motion turns once around in a step; accuracy decides"
+    effect = f"effect '{end.effect}'"
+    text = ENDS[end.kind].format(limit=end.limit, sites=sites, said=end.said,
+                                 through=f" through {effect}" if end.effect else "", of=f" ({effect})" if end.effect else "")
+    where = "" if t is None else f"from the state at t = {t:.6g}, "
+    return f"{where}{text}; this is {h / end.limit:.2g} of {'what works' if end.kind == 'trial' else 'it'}"
+
+
+def named(model, sites) -> str:
+    """`w[3] and v[0]`, by the families of the spec."""
+    found = []
+    for site in sites:
+        name, first = max(((n, f) for n, (f, _) in model.families.items() if f <= site), key=lambda x: x[1])
+        found.append(name if model.families[name][1] == 1 else f"{name}[{site - first}]")
+    return " and ".join(found) or "the whole system"
+
+
+def sentences(a) -> list[str]:
+    """Of an `Advice`: the largest safe step, the accuracy, what was looked at, the run's own step."""
+    lines = [_head(a), _accuracy(a), _looked(a)]
+    if a.spacing is not None:
+        lines.append(f"H depends on time: its strength was looked at every {a.spacing:.3g} of t, over {a.span:.6g}; "
+                     "a pulse shorter than that may be missed.")
+    if not a.completes:
+        lines.append(f"Even with h = {a.h:.6g} a step fails around t = {a.failing:.6g}, or has no margin there: "
+                     "the run may not come to its end.")
+    if a.run_h is not None:
+        lines.append(_own(a))
+    return lines
+
+
+def _head(a) -> str:
+    what = "start" if not a.span else "run"
+    return (f"No step from the states looked at has a limit up to h = {a.h:.6g}: {a.reason}." if a.kind == "open" else
+            f"The largest safe step for this {what} is h = {a.h:.6g}: {a.reason}.")
+
+
+def _accuracy(a) -> str:
+    """What h does to the fastest motion: a relative error (h rate)^2/12 of its phase."""
+    pace, h = max(a.rate, a.change), abs(a.h)
+    if not pace:
+        return "Accuracy: nothing moves at this start."
+    fine = math.sqrt(0.12 * FINE) / pace
+    when = f" (at t = {a.rate_t:.6g})" if a.span else ""
+    own = f", H itself changes at the rate {a.change:.3g}" if a.change else ""
+    more = f"; h = {fine:.3g} brings that to {FINE} %" if fine < h else ""
+    return f"Accuracy: the fastest local rate is {a.rate:.6g}{when}{own}, h times it is {h * pace:.3g}, and {_off(h, pace)}{more}."
+
+
+def _off(h: float, pace: float) -> str:
+    turn = h * pace
+    return f"its phase is off by about {100 * turn ** 2 / 12:.2g} %" if turn < 1.5 else "it is not resolved"
+
+
+def _looked(a) -> str:
+    """Which states and times the advice was found from: a margin there, none elsewhere."""
+    if not a.span:
+        return "Looked at: this state alone. Where bodies come closer later, a smaller step may be needed."
+    runs = " and ".join(f"with h = {h:.6g} to t = {t:.6g} ({count} steps)" for h, count, t in a.orbits)
+    room = f"a step {ROOM} times as large as advised exists from each of {a.states} of its states" if a.completes else "not all of it"
+    return (f"Looked at: the run, {a.span:.6g} long, {runs}; {room}. "
+            "Other starts, and later times, may need a smaller step.")
+
+
+def _own(a) -> str:
+    """The run's own step beside the advice."""
+    side = "within" if abs(a.run_h) <= abs(a.h) else "above"
+    pace = max(a.rate, a.change)
+    off = f"; {_off(abs(a.run_h), pace)}" if pace else ""
+    return f"The run's h = {a.run_h:.6g} is {side} the largest safe step, {a.h:.6g}{off}."

@@ -1,0 +1,130 @@
+"""Sites that are solved alone: the step ends where that of the first of them ends, whichever is solved first.
+
+A spin across its field B has a step up to |h B/kappa| = 2, on a sphere of any radius: W = -w there. So n of them have
+one up to the least of n numbers.
+"""
+import random
+import re
+
+import numpy as np
+import pytest
+
+import smidgen
+from smidgen.advice import advise
+from smidgen.errors import RunError
+from smidgen.read import load_text
+
+HEAD = '''[model]
+name = "alone"
+orientation = {orientation}
+[space]
+w = {{ {space}, kappa = "k[i]" }}
+[parameters]
+B = {{ default = {fields}, size = {n} }}
+k = {{ default = {kappas}, size = {n} }}
+[effects.field]
+over = "site(i) of w"
+energy = "B[i]*w[i].{axis}{more}"
+[starts.across{of}]
+vectors = {rows}
+'''
+PAIR = '''[effects.exchange]
+energy = "0.01*dot(v[0], v[1]) + {field}*v[0].z + {field}*v[1].z"
+[starts.across.v]
+vectors = [[1, 0, 0], [1, 0, 0]]
+'''
+
+
+class Free:
+    """Spins across their fields: the spec, and where the step of the first of them ends."""
+
+    def __init__(self, seed, pair=""):
+        r = random.Random(seed)
+        n, axis = r.randint(2, 6), r.randrange(3)
+        fields, kappas = ([r.choice((-1, 1)) * round(r.uniform(0.2, 4), 3) for _ in range(n)] for _ in range(2))
+        ball = seed % 2 == 0
+        rows = np.array([[r.gauss(0, 1) for _ in range(3)] for _ in range(n)])
+        rows[:, axis] = 0
+        size = [1.0 if ball else r.uniform(0.3, 2) for _ in range(n)]
+        rows = rows / np.linalg.norm(rows, axis=1)[:, None] * np.array(size)[:, None]
+        letter = "xyz"[axis]
+        more = ("", f" + 0.7*w[i].{letter}^3")[seed // 2 % 2]      # 0 on these orbits, and solved by Newton
+        self.text = HEAD.format(orientation=r.choice((1, -1)), space=f"{'sphere' if ball else 'r3'} = {n}", n=n,
+                                fields=fields, kappas=kappas, axis=letter, more=more, rows=rows.tolist(),
+                                of=".w" if pair else "")
+        self.text = self.text.replace("[parameters]", "v = { sphere = 2 }\n[parameters]") + pair if pair else self.text
+        self.rel = 1e-6 if more else 1e-13                     # of a curve that is followed, of a closed form
+        ends = 2 / np.abs(np.array(fields) / kappas)
+        self.end, self.site, self.all = float(ends.min()), int(np.argmin(ends)), ends
+        self.sign = r.choice((1, -1))
+        self.spec = load_text(self.text)
+
+
+def refusal(spec, h) -> RunError:
+    with pytest.raises(RunError) as caught:
+        smidgen.build(spec).start(h=h).step()
+    return caught.value
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("seed", range(4))
+def test_the_part_of_h_is_that_of_the_first_end(seed):
+    """Just beyond it, beyond all of them, and at the end of each."""
+    free = Free(seed)
+    model = smidgen.build(free.spec).start(h=free.sign * 0.999 * free.end).step()
+    assert model.count == 1
+    for h in (1.001 * free.end, *free.all, 1.3 * free.all.max(), 100 * free.all.max()):
+        error = refusal(free.spec, free.sign * h)
+        assert error.reached * h == pytest.approx(free.end, rel=free.rel)
+        assert h == free.end or error.site == free.site
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("seed", range(4))
+def test_what_the_command_says_is_what_advise_says(seed):
+    free = Free(seed)
+    said = re.search(r"steps exist up to \|h\| = (\S+):", str(refusal(free.spec, free.sign * 3 * free.all.max())))
+    assert float(said[1]) == pytest.approx(free.end, rel=1e-5)
+    advice = advise(free.spec, h=free.sign * 1.0, steps=1)
+    assert advice.limit == pytest.approx(free.end, rel=1e-5) and advice.sites == (free.site,)
+    assert 0.8 * free.end < abs(advice.h) < free.end
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("field, first", [(0.0, "alone"), (300.0, "pair")])
+def test_sites_alone_beside_a_pair(field, first):
+    """The pair has a step of any size, or one up to 2/field about: the first end counts, of whichever it is."""
+    free = Free(3, PAIR.format(field=field))
+    error = refusal(free.spec, 1.2 * free.all.max())
+    end = free.end if first == "alone" else 2 / field
+    assert error.reached * 1.2 * free.all.max() == pytest.approx(end, rel=1e-2)
+    error = refusal(load_text(free.text.replace(f"{field}*v", "0.3*v")), 40.0)     # both fail, the pair is solved first
+    assert error.reached * 40 == pytest.approx(min(free.end, 2 / 0.3), rel=1e-6)
+
+
+MANY = '''[model]
+name = "many"
+[space]
+w = { sphere = "n" }
+[parameters]
+n = 1000
+B = { default = 1.0, size = "n" }
+[effects.field]
+over = "site(i) of w"
+energy = "B[i]*w[i].z"
+[starts.up]
+theta = 0.0
+phi = 0.0
+'''
+
+
+@pytest.mark.quick
+def test_a_thousand_sites():
+    fields, w = np.ones(1000), np.tile([1.0, 0.0, 0.0], (1000, 1))
+    fields[700] = 5.0
+    spec, values = load_text(MANY), {"B": fields}
+    with pytest.raises(RunError) as caught:
+        smidgen.build(spec, values=values).start(w, h=2.5).step()
+    assert caught.value.reached * 2.5 == pytest.approx(0.4, rel=1e-12) and caught.value.site == 700
+    advice = advise(spec, values=values, start=w, h=2.5, steps=1)
+    assert advice.limit == pytest.approx(0.4, rel=1e-12) and advice.sites == (700,)
