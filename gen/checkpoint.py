@@ -39,7 +39,7 @@ FACTS = {           # kind of a part -> is this what it says of itself?
     "run": lambda facts: "format" in facts,
     "rows": lambda facts: True,
     "state": lambda facts: (count(facts.get("count")) and count(facts.get("rows")) and number(facts.get("seconds"))
-                            and table(finite_or_not)(facts.get("largest"))
+                            and count(facts.get("outputs")) and table(table(finite_or_not))(facts.get("largest"))
                             and listed(triple)(facts.get("substeps"))),
 }
 NEEDED = {"run": set(), "rows": {"t"}, "state": {"state"}}

@@ -119,7 +119,7 @@ class Printer:
         return f"({self(e.lhs)} {_RELATIONS[type(e)]} {self(e.rhs)})"
 
     def call(self, e):
-        if isinstance(e, derive.signum):
+        if isinstance(e, (derive.signum, sp.sign)):
             x = self.inside(e.args[0], ATOM)
             return f"(smg_real)(({x} > 0) - ({x} < 0))", ATOM
         if isinstance(e, sp.Abs):

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from .errors import UsageError
 from .expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
+from .parts import SCALAR, Parts, TooLarge, Whole
 from .spec import Term
 
 
@@ -39,7 +41,8 @@ class floor_(sp.Function):
 
 
 class power(sp.Function):
-    """x^p for an exponent that is no number; its derivative p x^(p-1) has no 0/0 at x = 0."""
+    """x^p for an exponent that is no number, or where sympy would go through complex numbers; its
+    derivative p x^(p-1) has no 0/0 at x = 0."""
     is_real = True
 
     def fdiff(self, argindex=1):
@@ -74,7 +77,8 @@ class Derived:
     slots: the distinct sites (family, slot) it depends on, in order of appearance;
     vectors[k]: the three symbols of slot k; gradient[k]: de/d(slot k), three expressions;
     hessian[k, l]: 3x3 matrix d2e/d(slot k)d(slot l), only the non-zero blocks;
-    leaves: symbol name -> the expression node (parameter, entry, index, ..) it stands for.
+    leaves: symbol name -> the expression node (parameter, entry, index, ..) it stands for;
+    parts: symbol -> expression of each part of a large formula, in order of definition.
     """
     term: Term
     slots: tuple
@@ -83,10 +87,45 @@ class Derived:
     gradient: tuple
     hessian: dict
     leaves: dict
+    parts: dict
+
+
+class NoRealValue(UsageError):
+    """A formula without a finite real value, whatever the state."""
+
+    def __init__(self, where: str = "a formula"):
+        super().__init__(f"{where} has no finite real value, whatever the state: it divides by what is always zero, or takes a "
+                         "root, a logarithm or a power of what never has one; write it so that it is defined, with "
+                         "`max` or `if` around what is not")
+
+
+UNREAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
+
+
+def is_real(e) -> bool:
+    """Is e free of imaginary and infinite numbers?"""
+    return not e.has(*UNREAL)
+
+
+def raised(base, exponent):
+    """base^exponent; sympy would write sqrt(-x^2) as I |x|, and the square root of a square as a function of
+    complex numbers, where a real program has a number or none."""
+    e = base ** exponent
+    if is_real(e):
+        return e.replace(sp.Abs, absolute)
+    if base.is_number:
+        raise NoRealValue()
+    return power(base, exponent)
+
+
+def exact(exponent):
+    """0.5 is the half and 2.0 is two: roots and products, no `pow`."""
+    twice = 2 * exponent
+    return sp.Rational(int(twice), 2) if exponent.is_Float and twice == int(twice) else exponent
 
 
 _PLAIN = {
-    "sqrt": sp.sqrt, "exp": sp.exp, "log": sp.log, "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
+    "sqrt": lambda a: raised(a, sp.S.Half), "exp": sp.exp, "log": sp.log, "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
     "asin": sp.asin, "acos": sp.acos, "atan": sp.atan, "sinh": sp.sinh, "cosh": sp.cosh,
     "tanh": sp.tanh, "atan2": sp.atan2, "abs": absolute, "floor": floor_, "min": lesser, "max": greater,
     "<": sp.StrictLessThan, "<=": sp.LessThan, ">": sp.StrictGreaterThan, ">=": sp.GreaterThan,
@@ -97,7 +136,8 @@ _PLAIN = {
 class Algebra:
     """Turns resolved expressions into sympy; vectors become 3-tuples of scalars."""
 
-    def __init__(self, slots: tuple):
+    def __init__(self, slots: tuple, parts: Parts | Whole):
+        self.parts = parts
         self.vectors = {s: sp.symbols(f"v{k}x v{k}y v{k}z", real=True) for k, s in enumerate(slots)}
         self.leaves: dict[str, Expr] = {}
 
@@ -112,8 +152,15 @@ class Algebra:
         if isinstance(e, Spin):
             return self.vectors[e.family, e.slot]
         if isinstance(e, Op):
-            return self.apply(e.op, [self.of(a) for a in e.args])
+            value = self.apply(e.op, [self.of(a) for a in e.args])
+            return tuple(map(self.checked, value)) if isinstance(value, tuple) else self.checked(value)
         return self.leaf(leaf_name(e), e)
+
+    def checked(self, e):
+        """A real number, by its name where it is large."""
+        if not is_real(e):
+            raise NoRealValue()
+        return self.parts.held(e)
 
     def apply(self, op: str, args: list):
         if op in _VECTOR:
@@ -140,10 +187,10 @@ class Algebra:
         return tuple(x / b for x in a) if isinstance(a, tuple) else a / b
 
     def raise_to(self, a, b):
-        return a ** b if b.is_number else power(a, b)
+        return raised(a, exact(b)) if b.is_number else power(a, b)
 
     def modulo(self, a, b):
-        return a - b * floor_(a / b)
+        return a - b * floor_(self.checked(a / b))
 
     def choose(self, test, a, b):
         if isinstance(a, tuple):
@@ -164,7 +211,7 @@ def cross(a, b):
 
 
 _VECTOR = {"dot": dot, "cross": cross, "triple": lambda a, b, c: dot(a, cross(b, c)),
-           "norm": lambda a: sp.sqrt(dot(a, a)), "vec": lambda *a: tuple(a),
+           "norm": lambda a: raised(dot(a, a), sp.S.Half), "vec": lambda *a: tuple(a),
            "x": lambda a: a[0], "y": lambda a: a[1], "z": lambda a: a[2]}
 
 
@@ -190,28 +237,45 @@ def index_text(e: Expr) -> str:
     return leaf_name(e)
 
 
-def hessian_blocks(gradient: tuple, vectors: tuple) -> dict:
+def hessian_blocks(gradient: tuple, vectors: tuple, parts) -> dict:
     """Non-zero 3x3 blocks d2e/da db, by differentiating the gradient."""
     blocks = {}
     for k, row in enumerate(gradient):
         for l, column in enumerate(vectors):
-            block = sp.Matrix(3, 3, lambda a, b: sp.diff(row[a], column[b]))
-            if not block.is_zero_matrix:
+            block = sp.Matrix(3, 3, lambda a, b: parts.slope(row[a], column[b]))
+            if any(entry != 0 for entry in block):
                 blocks[k, l] = block
     return blocks
 
 
-def derive(term: Term) -> Derived:
-    """Gradient and Hessian blocks of the representative term of one effect."""
+def derive(term: Term, with_derivatives: bool = True) -> Derived:
+    """Gradient and Hessian blocks of the representative term of one effect. Raises UsageError where it has none."""
+    try:
+        try:
+            return _derived(term, Whole(), with_derivatives)
+        except TooLarge:
+            return _derived(term, Parts(), with_derivatives)
+    except NoRealValue:
+        raise NoRealValue(f"the formula of `{term.name}`, or its derivative,") from None
+
+
+def _derived(term: Term, parts, with_derivatives: bool) -> Derived:
     slots = slots_of(term.value)
-    algebra = Algebra(slots)
+    algebra = Algebra(slots, parts)
     value = algebra.of(term.value)
     vectors = tuple(algebra.vectors[s] for s in slots)
-    gradient = tuple(tuple(sp.diff(value, x) for x in v) for v in vectors)
-    return Derived(term, slots, vectors, value, gradient, hessian_blocks(gradient, vectors), algebra.leaves)
+    gradient = tuple(tuple(parts.slope(value, x) for x in v) for v in vectors if with_derivatives)
+    hessian = hessian_blocks(gradient, vectors, parts)
+    if not all(map(is_real, [value, *parts.of.values(), *(x for row in gradient for x in row), *hessian.values()])):
+        raise NoRealValue()
+    return Derived(term, slots, vectors, value, gradient, hessian, algebra.leaves, parts.of)
 
 
 def scalar(e: Expr):
-    """A formula without vectors -> (sympy expression, leaves)."""
-    algebra = Algebra(())
-    return algebra.of(e), algebra.leaves
+    """A formula without vectors of the state -> (sympy expression, leaves). Raises UsageError where it is too long."""
+    algebra = Algebra((), Whole(SCALAR))
+    try:
+        return algebra.of(e), algebra.leaves
+    except TooLarge:
+        raise UsageError(f"a formula of parameters takes more than {SCALAR[0]} operations and operands when its vectors are "
+                         "written out in components: give its value as a parameter") from None

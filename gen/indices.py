@@ -15,7 +15,7 @@ C_NAMES = {"c", "d", "e", "g", "h", "k", "m", "p", "r", "s", "t", "u", "v", "w",
 
 
 def safe(name: str) -> str:
-    taken = name in C_NAMES or (name[:1] in "bcgnorsvxk" and name[1:].isdigit()) or name.startswith("spare")
+    taken = name in C_NAMES or (name[:1] in "bcgnorsuvxk" and name[1:].isdigit()) or name.startswith("spare")
     return name + "_" if taken else name
 
 

@@ -75,13 +75,13 @@ def mentions(text: str, name: str) -> bool:
 
 def term_kernels(low: Lowering, term: Term, role: str, with_derivatives: bool = True) -> TermKernels:
     """Value, gradient and Hessian functions of one effect (role 'effect') or observable ('observe')."""
-    d = derive(term)
+    d = derive(term, with_derivatives)
     kernels = TermKernels(d, f"{low.model}_{role}_{term.name}", (), ())
-    value = low.kernel([d.value], d.leaves)
+    value = low.kernel([d.value], d.leaves, d.parts)
     text = [value_function(low, kernels, value)]
     operations = [value.operations]
     if with_derivatives:
-        gradient = low.kernel([x for row in d.gradient for x in row], d.leaves)
+        gradient = low.kernel([x for row in d.gradient for x in row], d.leaves, d.parts)
         text.append(gradient_function(low, kernels, gradient))
         text += [hessian_function(low, kernels, pair) for pair in d.hessian]
         operations.append(gradient.operations)
@@ -115,7 +115,7 @@ def hessian_function(low, kernels, pair):
     """y += B d for the block B = d2e/d(slot k)d(slot l)."""
     k, l = pair
     product = [sum(kernels.derived.hessian[pair][a, b] * DIRECTION[b] for b in range(3)) for a in range(3)]
-    kernel = low.kernel(product, kernels.derived.leaves)
+    kernel = low.kernel(product, kernels.derived.leaves, kernels.derived.parts)
     declared, names = arguments(low, kernels)
     body = list(kernel.lines) + additions([f"y[{a}]" for a in range(3)], kernel.results)
     return function(f"void {kernels.prefix}_hessian_{k}{l}", declared + ["const smg_real *d", "smg_real *y"],

@@ -12,11 +12,13 @@ from types import MappingProxyType
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import Boolean
+from sympy.simplify.cse_main import tree_cse
 
 from .counts import constant_integer, runtime_names, sizes_of
 from .cprint import Printer, number
-from .derive import scalar
+from .derive import is_real, scalar
 from .expr import Elem, Expr, Idx, Num, Op, Par, Time, Weight, walk
+from .parts import in_order, needed
 from .spec import Spec
 
 STEP = object()     # stands for the step h among the leaves
@@ -41,6 +43,7 @@ class Lowering:
         self.parameters = {p.name: p for p in spec.parameters}
         self.tables = dict(spec.tables)
         self.hoisted: dict = {}         # sympy expression -> (name, level)
+        self.kept: dict = {}            # symbol of a hoisted value -> its level
         self.integers = self.named_sizes()      # C text of a size -> member of the coefficients
         self.leaves: dict = {}
         self.used_tables: dict = {}
@@ -48,6 +51,8 @@ class Lowering:
 
     # -- leaves -----------------------------------------------------------------------------
     def level(self, name: str) -> int:
+        if name in self.kept:
+            return self.kept[name]
         node = self.leaves.get(name)
         if node is STEP:
             return PREPARE
@@ -162,25 +167,41 @@ class Lowering:
         if e not in self.hoisted:
             self.hoisted[e] = (f"k{len(self.hoisted)}", level)
         name = f"{self.holder}->{self.hoisted[e][0]}"
-        return sp.Symbol(name, real=True)
+        self.kept[name] = level
+        return sp.Symbol(name)          # nothing is assumed of it: a root may have no real value
 
     def number_values(self, e):
-        """Put the values of fixed parameters in place of their names."""
+        """Put the values of fixed parameters in place of their names, where a real number comes of it."""
         values = {s: sp.Float(self.parameters[self.leaves[s.name].name].default)
                   for s in e.free_symbols if self.level(s.name) == NUMBER}
-        return e.subs(values) if values else e
+        done = e.subs(values) if values else e
+        return done if is_real(done) else e
 
-    def kernel(self, expressions, leaves) -> Kernel:
-        """Statements for several expressions at once, with their common parts named x0, x1, .."""
+    def kernel(self, expressions, leaves, parts=None) -> Kernel:
+        """Statements for several expressions at once, with their common parts named x0, x1, ..
+
+        parts: of large formulas, symbol -> expression, as `derive` gives them.
+        """
         self.leaves.update(leaves)
-        work = [self.hoist(self.number_values(sp.sympify(e))) for e in expressions]
-        names = (sp.Symbol(f"x{n}", real=True) for n in count())
-        shared, results = sp.cse(work, symbols=names, order="canonical")
+        work = [sp.sympify(e) for e in expressions]
+        known, late = self.placed(needed(work, parts or {}))
+        work = [self.hoist(self.number_values(e.xreplace(known))) for e in work]
+        shared, results = shared_parts(late, work)
         show = self.printer(self.text)
-        lines = [f"const int {show(s)} = {show.test(e)};" if isinstance(e, Boolean) else
+        lines = [f"const int {show(s)} = {show.test(e)};" if isinstance(e, Boolean) and not e.is_Symbol else
                  f"const {self.real} {show(s)} = {show(e)};" for s, e in shared]
         operations = sum(int(sp.count_ops(e)) for e in [e for _, e in shared] + results)
         return Kernel(lines, [show(r) for r in results], operations)
+
+    def placed(self, parts: dict):
+        """(what stands for those parts that are known before the sites, the others as statements)."""
+        known: dict = {}
+        late: dict = {}
+        for u, e in parts.items():
+            e = self.number_values(e.xreplace(known))
+            early = self.when(e) != SITE or not e.args
+            (known if early else late)[u] = self.hoist(e)
+        return known, late
 
     def formula(self, e: Expr) -> Kernel:
         """A scalar formula (kappa, radius, an entry of C)."""
@@ -199,6 +220,15 @@ class Lowering:
         """Hoisted values in dependency order: [(name, C text, level)]."""
         show = self.printer(self.text)
         return [(name, show(e), level) for e, (name, level) in self.hoisted.items()]
+
+
+def shared_parts(late: dict, work: list):
+    """([(symbol, expression)], results): common subexpressions as x0, x1, ..; large ones are only compared, not rearranged."""
+    names = (sp.Symbol(f"x{n}") for n in count())
+    if not late:
+        return sp.cse(work, symbols=names, order="canonical")
+    shared, results = tree_cse([*late.values(), *work], names, order="none")
+    return in_order({**dict(zip(late, results)), **dict(shared)}), results[len(late):]
 
 
 def component(name: str) -> str:

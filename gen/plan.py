@@ -172,6 +172,9 @@ def require_free_body(spec: Spec) -> None:
         d = derive(effect)
         if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
             raise UsageError("method moser-veselov needs a single body whose energy does not depend on time")
+        if d.parts:
+            raise UsageError(f"method moser-veselov needs a quadratic form in w, and the formula of '{effect.name}' is too long "
+                             "to be known as one: write it shorter, or as several effects")
         for k, row in enumerate(d.gradient):
             for a in range(3):
                 linear = sum(d.hessian[k, k][a, b] * d.vectors[k][b] for b in range(3)) if (k, k) in d.hessian else 0

@@ -48,8 +48,9 @@ def with_defaults(spec: Spec, given: dict) -> Spec:
                              + nearest(name, known))
     given = {name: converted(known[name], value) for name, value in given.items()}
     values = with_values(spec, defaults(spec), given)
-    return replace(spec, parameters=tuple(replace(p, default=values[p.name])
-                                          for p in spec.parameters))
+    return replace(spec, parameters=tuple(
+        replace(p, default=values[p.name], fill=len(given[p.name]) == 1 if p.kind == "array" and p.name in given else p.fill)
+        for p in spec.parameters))
 
 
 def converted(p: Parameter, value):

@@ -303,6 +303,53 @@ def test_what_was_missed_is_said():
     assert any("seem to leave H unchanged" in u for u in report.undecided)
 
 
+# Time and lists
+
+BUSY = CHAIN.replace('over = "bond(i, j) of chain(n, periodic)"\nenergy = "-dot(w[i], w[j])"', 'over = "bond(i, j) of l.b"\nenergy = "-dot(w[i], w[j])"') \
+    + AXIS + '[lattices.l]\nsize = [1]\nboundary = "open"\nsites = 10\nbonds.b = [%s]\n' % ", ".join(
+        f"{{ from = {i}, to = {j}, offset = [0] }}" for i in range(10) for j in range(i))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("work", [1, 20, 100_000])
+def test_whether_h_depends_on_time_is_decided_where_no_formula_holds_t(work, monkeypatch):
+    monkeypatch.setattr(bounds, "PRODUCTS", work)
+    for spec in (CHAIN, BUSY):
+        report = explain(load_text(spec))
+        assert report.energy_changes is False and kinds(report, "energy")
+    timed = explain(load_text(BUSY.replace("-dot(", "-exp(t)*dot(")))
+    assert timed.energy_changes or "whether H depends on time" in timed.undecided
+
+
+ARRAYS = {"strength": ("K[i]", "1", "dot(w[i], w[j])"), "radius": ("1", "K[i]", "dot(w[i], w[j])"),
+          "coupling": ("1", "1", "K[i]*dot(w[i], w[j])"), "coupling along z": ("1", "1", "K[i]*w[i].z*w[j].z"),
+          "coupling and strength": ("K[i]", "1", "K[j]*w[i].z*w[j].z + K[i]*K[j]*dot(w[i], w[j])")}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("place", ARRAYS)
+@pytest.mark.parametrize("entries", [[1.0, 3.0, 0.5], [2.0, 2.0, 2.0], [7.0]])
+def test_a_list_in_place_of_one_number_is_that_list(place, entries):
+    kappa, radius, energy = ARRAYS[place]
+    spec = ('[model]\nname = "m"\n[parameters]\nn = 3\nK = {{ default = {}, size = "n" }}\n[space]\n'
+            'w = {{ sphere = "n", kappa = "{}", radius = "{}" }}\n[effects.e]\nover = "pair(i, j)"\nenergy = "{}"\n')
+    whole = entries * (3 if len(entries) == 1 else 1)
+    given = explain(load_text(spec.format(1.0, kappa, radius, energy)), {"K": entries})
+    written = explain(load_text(spec.format(whole, kappa, radius, energy)))
+    w = np.random.default_rng(3).standard_normal((3, 3))
+    assert given.words() == written.words() and given.parameters == written.parameters
+    assert [i.evaluate(w) for i in given.integrals] == [i.evaluate(w) for i in written.integrals]
+
+
+@pytest.mark.quick
+def test_what_holds_for_equal_entries_only_says_so():
+    text_ = CHAIN.replace("K = 0.3", 'K = { default = 0.0, size = "n" }') + AXIS.replace("-K*", "-K[i]*")
+    report = explain(load_text(text_))
+    assert not report.always[0] and "K = 0 for all 10 entries" in said(report)
+    listed = explain(load_text(text_), {"K": [0.5] + 9*[1.0]})
+    assert listed.rotations[0][1].shape == (1, 3) and listed.parameters["K"] == "a list of 10 entries"
+
+
 # The command
 
 @pytest.mark.quick

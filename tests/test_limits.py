@@ -52,6 +52,16 @@ def expanded(nodes: int) -> str:
     return energy("-" * signs + "((a + a) + (a + a))", f'[formulas]\na = "{balanced(500)}"\n')
 
 
+def derived(work: int) -> str:
+    """An energy of eight vectors whose derivatives take exactly `work` operations: products, squares, a sum, numbers."""
+    q = "*".join(f"w[{k}].x" for k in range(8))
+    lines, each = [f'q = "{q}"', 'p = "(q*q)*(q*q)"', 'r = "(p*p)*(p*p)"', 's = "r*r"'], 1 + 24 + 24 * 25 // 2
+    whole = 32 * sum(1 + d + d * (d + 1) // 2 for d in range(6, 25, 3)) + 31 * each
+    squares, numbers = divmod(work - whole - 25, each)
+    energy_ = "(" * squares + "s" + ")^2" * squares + " + " + balanced(numbers + 1)
+    return spec_of("[space]\nw = { sphere = 8 }\n[formulas]\n" + "\n".join(lines) + f'\n[effects.e]\nenergy = "{energy_}"\n')
+
+
 def padded_line(length: int) -> str:
     return "#" + "x" * (length - 1) + "\n" + spec_of("")
 
@@ -98,6 +108,7 @@ EDGES = {     # limit -> (text at a value of the limit, the error just beyond it
     "DEPTH": (lambda k: energy("(" * k + "1" + ")" * k), E105),
     "TREE": (lambda k: energy(" + ".join(["1"] * k)), ["E311"]),
     "NODES": (expanded, ["E311"]),
+    "DERIVATIVES": (derived, ["E311"]),
     "IDENTIFIER": (lambda k: spec_of(f"[parameters]\nn = 4\n{'a' * k} = 1.0\n"), E105),
     "ARGUMENTS": (lambda k: spec_of(
         f'[formulas]\n"f({", ".join(f"a{j}" for j in range(k))})" = "1"\n'), E105),

@@ -4,6 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -18,6 +19,7 @@ from smidgen.read.marks import Marks
 from smidgen.read.names import FUNCTIONS
 from smidgen.select import select
 from smidgen.spec import Each, Lattice, Once, Pairs, Sites
+from smidgen.start import parameter_values
 
 pytestmark = pytest.mark.quick
 ROOT = Path(__file__).parent.parent
@@ -365,6 +367,17 @@ def test_select_puts_values_into_the_defaults():
     scene = select(two_effects(), values={"n": 6, "J": 2, "g": [1, 2, 3, 4, 5, 6]})
     assert [p.default for p in scene.parameters[:2]] == [6, 2.0]
     assert select(two_effects(), values={"n": 6}).parameters[3].default == (1.0,) * 6
+
+
+@pytest.mark.parametrize("entries, follows", [([1, 2, 3, 4], False), ([2], True), (2, True)])
+def test_only_one_repeated_number_follows_the_size(entries, follows):
+    scene = select(two_effects(), values={"g": entries})
+    assert scene.parameters[3].default == tuple(parameter_values(scene)["g"]) == tuple(np.resize(entries, 4))
+    if follows:
+        assert select(scene, values={"n": 5}).parameters[3].default == (2.0,) * 5
+    else:
+        with pytest.raises(UsageError, match="entries"):
+            select(scene, values={"n": 5})
 
 
 @pytest.mark.parametrize("effects, values, word", [

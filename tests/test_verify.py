@@ -92,6 +92,14 @@ def test_what_a_system_has_is_found():
 
 # -- no: methods -------------------------------------------------------------------------------
 
+@pytest.mark.long
+def test_a_list_in_place_of_one_number_is_certified():
+    spec = texts.read('[model]\nname = "m"\n[parameters]\nK = { default = 1.0, size = 3 }\n[space]\nw = { sphere = 3, kappa = "K[i]" }\n'
+                      '[effects.e]\nover = "pair(i, j)"\nenergy = "dot(w[i], w[j])"\n')
+    found = certify(spec, h=0.1, steps=10, values={"K": [1.0, 3.0, 0.5]}, tier=SHORT)
+    assert found.row("momentum").verdict == YES and found.passed, found.text()
+
+
 @pytest.mark.parametrize("name, run", [("irreversible_rigid_body", "classical"), ("point_vortices", None)])
 def test_the_classical_midpoint_is_not_symplectic(name, run):
     """Its own generated code, judged as what it is: no for what it is not, nothing else."""

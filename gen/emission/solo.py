@@ -6,6 +6,7 @@ import sympy as sp
 from ..derive import scalar
 from ..kernels import function
 from ..lower import SITE
+from ..parts import expanded, is_short
 
 
 class SoloParts:
@@ -16,6 +17,7 @@ class SoloParts:
         f = self.families[0]
         return (self.method == "spherical-midpoint" and len(self.families) == 1 and f.count == "1"
                 and f.kind == "sphere" and f.level == "1.0" and not self.closed_form(f)
+                and not any(t.derived.parts for t in self.effects)
                 and all(self.low.level(s.name) < SITE for t in self.effects for b in t.derived.hessian.values()
                         for s in b.free_symbols if s.name[0] != "v"))
 
@@ -46,7 +48,7 @@ class SoloParts:
     def solo_motion(self, X, b, m) -> str:
         """h X(m). As m x b it stays tangent whatever the coefficients are rounded to; three single
         products, a free body's, need less work and what rounding leaves, d mx my mz, averages out."""
-        if all(len(sp.Add.make_args(sp.expand(x))) == 1 for x in X):
+        if all(is_short(x) and len(sp.Add.make_args(expanded(x))) == 1 for x in X):
             return self.solo_vector("motion", ["smg_vec m"], list(X))
         kernel = self.low.kernel(list(b), {})
         return self.solo_function("smg_vec", "motion", ["smg_vec m"],
@@ -56,7 +58,7 @@ class SoloParts:
         """e = DX m; for a field homogeneous of degree p this is p X."""
         e = D * m
         for degree in range(1, 9):
-            if all(sp.expand(e[a] - degree * X[a]) == 0 for a in range(3)):
+            if all(expanded(e[a] - degree * X[a]) == 0 for a in range(3)):
                 return self.solo_function("smg_vec", "radial", ["smg_vec m", "smg_vec g"],
                                           [f"return smg_vec_scale({degree}, g);"])
         return self.solo_vector("radial", ["smg_vec m", "smg_vec g"], [shorter(x, m) for x in e])
@@ -93,10 +95,12 @@ class SoloParts:
 
 def shorter(e, m):
     """A polynomial in m with its coefficients collected, where that takes fewer operations."""
-    expanded = sp.expand(e)
-    if not expanded.is_polynomial(*m) or len(sp.Add.make_args(expanded)) > 40:
+    if not is_short(e):
         return e
-    terms = sp.Poly(expanded, *m).terms()
+    long = expanded(e)
+    if not long.is_polynomial(*m) or len(sp.Add.make_args(long)) > 40:
+        return e
+    terms = sp.Poly(long, *m).terms()
     monomials = [sp.prod(x ** k for x, k in zip(m, powers)) for powers, _ in terms]
     bare = sum(sp.Symbol(f"known{k}") * monomial for k, monomial in enumerate(monomials))
     if sp.count_ops(bare) < work(e, m):

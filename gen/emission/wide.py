@@ -71,7 +71,7 @@ class WideParts:
 
     def wide_gradient(self, t) -> str:
         """g_k += d(term)/d(slot k), all in pairs."""
-        kernel = self.wide_low.kernel([x for row in t.derived.gradient for x in row], t.derived.leaves)
+        kernel = self.wide_low.kernel([x for row in t.derived.gradient for x in row], t.derived.leaves, t.derived.parts)
         slots = range(len(t.slots))
         targets = [(f"g{k}", a) for k in slots for a in range(3)]
         lines = [f"smg_wide_into({g}, {a}, {value});" for (g, a), value in zip(targets, kernel.results)

@@ -1,6 +1,7 @@
 """[effects] and [observables]: named sums over index families."""
 from __future__ import annotations
 
+from .. import limits
 from ..expr import Op, Spin, walk
 from ..spec import Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
 from . import codes
@@ -12,6 +13,7 @@ from .problems import Bad, Problems
 from .scope import Declared, Scope, is_single
 from .text import meaning
 from .tree import Node
+from .work import derivatives
 
 
 class TermReader:
@@ -53,6 +55,9 @@ class TermReader:
         self.known({*families_of(over).values(), *(e.family for e in walk(value) if isinstance(e, Spin))})
         if key == "energy" and not isinstance(over, Once):
             over, value = self.summed(formula, over, value)
+        if key == "energy" and (work := derivatives(value)) > limits.DERIVATIVES:
+            formula.wrong(codes.BIG, f"the derivatives of `{name}` take some {work} operations; at most {limits.DERIVATIVES} are "
+                          "allowed", "write it as several effects, each with some terms of the sum, or shorter")
         if key == "energy" and len(self.tracers(value)) > 1:
             formula.wrong(codes.NOT_HERE, "this energy joins two tracers, which act on none",
                           "join each tracer to families that are no tracers")

@@ -6,6 +6,7 @@ import itertools
 import numpy as np
 import sympy as sp
 
+from ..expr import Time, walk
 from ..start import casimir_matrices
 from . import polynomial as poly
 from .conserved import PAIRS
@@ -17,7 +18,14 @@ from .questions import Asked, attempt
 
 def time_dependent(asked: Asked):
     """Does the energy that moves the state depend on t? None: not decided."""
+    if not _holds_time(asked.spec):
+        return False
     return None if asked.now is None else attempt(lambda: _timed(asked.now))
+
+
+def _holds_time(spec) -> bool:
+    """Is t in any formula of the energy? No work is too much for this question."""
+    return any(isinstance(node, Time) for e in spec.effects for node in walk(e.value))
 
 
 def _timed(found) -> bool:
@@ -42,7 +50,7 @@ def energy_integral(asked: Asked, method: str, changes):
     active = [e.name for e in asked.spec.effects if not passive(e, tracers)]
     if changes is not False or not active:
         return
-    always = asked.always is not None and attempt(lambda: _timed(asked.always)) is False
+    always = not _holds_time(asked.spec) or asked.always is not None and attempt(lambda: _timed(asked.always)) is False
     kept, why = _kept(asked, method)
     name = "energy" if len(active) == len(asked.spec.effects) else f"energy of {', '.join(active)}"
     held: list = []
@@ -70,6 +78,8 @@ def _quadratic(found) -> bool:
 def _single_site(asked: Asked) -> bool:
     """Is H, family by family, a linear or a homogeneous quadratic function of single sites?"""
     found = asked.written or asked.now
+    if found is None:
+        return False
     kinds: dict = {}
     for degree in _degrees(found):
         if degree is None or degree[0] > 2 or len(degree[1]) > 1:

@@ -86,9 +86,15 @@ def explain(spec, values=None, method: str = "spherical-midpoint", effects=None)
 
 
 def _parameters(asked: Asked) -> dict:
-    """Numbers, and lists of a few of them."""
+    """Numbers, lists of a few of them, and of longer lists what they are like."""
     found = {p.name: asked.values[p.name] for p in asked.spec.parameters}
-    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in found.items() if np.size(v) <= 4}
+    return {k: _listed(v) if isinstance(v, np.ndarray) else v for k, v in found.items()}
+
+
+def _listed(v: np.ndarray):
+    if v.size <= 4:
+        return v.tolist()
+    return f"{v[0]:g} for all {v.size} entries" if np.all(v == v[0]) else f"a list of {v.size} entries"
 
 
 def _unique(integrals) -> list:

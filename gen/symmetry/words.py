@@ -27,6 +27,8 @@ def _scope(r, always: bool) -> str:
 
 
 def _value(v) -> str:
+    if isinstance(v, str):
+        return v
     return f"({', '.join(f'{x:g}' for x in v)})" if isinstance(v, list) else f"{v:g}"
 
 
