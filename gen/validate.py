@@ -19,7 +19,7 @@ from .integrator import build
 from .public import public
 from .settings import Settings, settle
 from .spec import Spec
-from .start import initial_state, radii
+from .start import casimir_matrices, initial_state, radii
 from .tables import text_of
 from .witness import Witness
 
@@ -220,10 +220,10 @@ def compare_at(case, w, t) -> dict:
 
 
 def value_lines(case: Case) -> list[Line]:
-    """Energy of each effect, momentum, observables: the columns of a run, at the start."""
-    model, h = case.begin(case.w, case.settings.h), case.settings.h
-    mine = expected_values(case, case.w, 0.0)
-    columns = dict(zip(model.columns, model.values()))
+    """Energy of each effect, momentum, observables and Casimirs: the columns of a run, at the start."""
+    model = case.begin(case.w, case.settings.h)
+    mine = {**expected_values(case.witness, case.w, 0.0), "casimirs": expected_casimirs(case.witness, case.w)}
+    columns = {**dict(zip(model.columns, model.values())), "casimirs": model.casimirs()}
     measured, bound, worst = 0.0, ROUND_OFF, ""
     for name, value in columns.items():
         gap, allowed = difference(value, mine[name]), ROUND_OFF * max(1, size_of(case, mine[name]))
@@ -235,12 +235,21 @@ def value_lines(case: Case) -> list[Line]:
 
 def size_of(case, value):
     """Largest number that summing n terms of order one may pass through."""
-    return max(abs(value), math.sqrt(case.witness.sites))
+    return max(float(np.abs(value).max()), math.sqrt(case.witness.sites))
 
 
-def expected_values(case, w, t) -> dict:
-    """The witness's numbers under the names of `library.value_columns`."""
-    one = case.witness
+def expected_casimirs(one: Witness, w) -> np.ndarray:
+    """|w|^2 of every site, C(w) on a Nambu factor: shape (sites,)."""
+    twice = np.einsum("sa,sab,sb->s", w, casimir_matrices(one.spec, one.values), w)
+    half = np.zeros(one.sites, bool)
+    for family in one.spec.families:
+        first, count = one.families[family.name]
+        half[first:first + count] = family.kind == "nambu"
+    return np.where(half, twice / 2, twice)
+
+
+def expected_values(one: Witness, w, t) -> dict:
+    """The witness's numbers under the names of `integrator.value_columns`."""
     found = {"energy": one.energy(w, t), **one.observables(w, t)}
     found.update({f"energy.{name}": e for name, e in one.energies(w, t).items()})
     for family, (first, count) in one.families.items():

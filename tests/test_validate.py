@@ -96,7 +96,7 @@ class Euler:
 
     def __init__(self, model, witness):
         self.model, self.witness, self.columns = model, witness, model.columns
-        self.field, self.energy, self.values = model.field, model.energy, model.values
+        self.field, self.energy, self.values, self.casimirs = model.field, model.energy, model.values, model.casimirs
 
     def start(self, w, h):
         self.model.start(np.array(w), h=h)

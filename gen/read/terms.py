@@ -56,7 +56,7 @@ class TermReader:
         if key == "energy" and not isinstance(over, Once):
             over, value = self.summed(formula, over, value)
         if key == "energy" and (work := derivatives(value)) > limits.DERIVATIVES:
-            formula.wrong(codes.BIG, f"the derivatives of `{name}` take some {work} operations; at most {limits.DERIVATIVES} are "
+            formula.wrong(codes.BIG, f"the derivatives of `{node.name}` take some {work} operations; at most {limits.DERIVATIVES} are "
                           "allowed", "write it as several effects, each with some terms of the sum, or shorter")
         if key == "energy" and len(self.tracers(value)) > 1:
             formula.wrong(codes.NOT_HERE, "this energy joins two tracers, which act on none",

@@ -23,7 +23,7 @@ TURN = 0.25                         # angle that a probing step turns the fastes
 class Case:
     """A run to certify. w: its start (sites, 3); h: its step; probe: a larger one, or h."""
 
-    def __init__(self, spec: Spec, settings: Settings, states: int, seed: int = SEED):
+    def __init__(self, spec: Spec, settings: Settings, states: int, seed: int = SEED, tier="normal", features=()):
         s = self.settings = settings
         self.spec, self.scene = spec, select(spec, s.effects, s.values)
         self.witness = Witness(spec, s.values, s.effects)
@@ -35,7 +35,9 @@ class Case:
         self.small = self.sites <= LARGEST_DENSE
         self.tracers = self._tracers()
         self.probe = self._probe()
-        self.wanted, self.points, self.settings_tier = states, [], "normal"
+        self.wanted, self.points, self.tier, self.features = states, [], tier, tuple(features)
+        self.path = None        # the run's own states, (steps + 1, sites, 3), once it was taken
+        self.unseen = []        # what was not looked at, in words
 
     def _start(self):
         s = self.settings
@@ -44,6 +46,10 @@ class Case:
         if s.start is None and not self.spec.starts:
             return np.array(self.leaves.polished(self.dice.standard_normal((self.witness.sites, 3))), float)
         return initial_state(self.spec, s.start, s.values, s.seed)
+
+    def of_tier(self, table: dict):
+        """The entry of the tier; a number of steps asks for the normal one."""
+        return table.get(self.tier, table["normal"])
 
     def _tracers(self):
         """Mask of the sites that act on nothing."""

@@ -10,20 +10,25 @@ from ..errors import RunError, UsageError, ValidationError
 from ..features import chosen_features
 from ..settings import settle
 from ..spec import Spec
+from .along import along
+from .branch import branch
 from .case import SEED, Case
 from .casimirs import casimirs
 from .equivariant import equivariant
 from .integrals import integrals, known_integrals
 from .order import order
+from .outputs import outputs
 from .reversible import reversible
 from .round_off import round_off
 from .row import CLAIMS, NO, UNITS, Row, refused
 from .subject import emitted, fingerprint
+from .sums import sums
 from .symplectic import symplectic
 from .tangent import tangent
+from .whole_space import whole_space
 from .witness_check import witness_check
 
-FORMAT, VERSION = "smidgen certificate", 1
+FORMAT, VERSION = "smidgen certificate", 2
 STATES = {"quick": 2, "normal": 4}
 
 
@@ -71,6 +76,7 @@ class Certificate:
         f = self.facts
         table = Table(title=f"{f['spec']} {f['run']}: {f['method']}, h = {f['h']:g}, {f['sites']} "
                             f"site{'s' * (f['sites'] != 1)}: {'yes' if self.passed else 'NO'}")
+        table.caption = f"Not looked at: {'; '.join(f['not_looked_at'])}." if f["not_looked_at"] else None
         for column in ("property", "measured", "criterion", "", "note"):
             table.add_column(column, overflow="fold")
         styles = {"yes": "green", "no": "bold red", "does not apply": "dim"}
@@ -109,10 +115,10 @@ def certify(spec: Spec, run=None, *, tier="normal", features=(), subject=None, s
     if not (tier in STATES or isinstance(tier, int) and not isinstance(tier, bool) and tier >= 1000):
         raise UsageError("tier is \"quick\", \"normal\" or a number of steps from 1000 up")
     settings = settle(spec, run, **lengthened(spec, run, given))
-    case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks)
-    case.settings_tier = tier
+    case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks, tier, features)
     subject = emitted(spec, settings, chosen_features(features)) if subject is None else subject
-    return Certificate(tuple(rows_of(case, subject)), facts_of(case, tier, features))
+    rows = tuple(rows_of(case, subject))
+    return Certificate(rows, {**facts_of(case, tier, features), "not_looked_at": case.unseen})
 
 
 def lengthened(spec, run, given) -> dict:
@@ -130,11 +136,13 @@ def rows_of(case: Case, subject):
     except RunError as error:
         return [refused("steps", str(error))]
     known = known_integrals(case)
-    checks = {"casimirs": lambda: casimirs(case, subject), "order": lambda: order(case, subject),
+    checks = {"run": lambda: along(case, subject), "whole space": lambda: whole_space(case, subject),
+              "branch": lambda: branch(case, subject), "casimirs": lambda: casimirs(case, subject), "order": lambda: order(case, subject),
               "symplectic": lambda: symplectic(case, subject), "tangent map": lambda: tangent(case, subject),
               "reversible": lambda: reversible(case, subject),
               "equivariant": lambda: equivariant(case, subject, known.actions),
               "momentum": lambda: integrals(case, subject, known),
+              "sums": lambda: sums(case, subject), "outputs": lambda: outputs(case, subject),
               "round-off": lambda: round_off(case, subject, known),
               "residual": lambda: witness_check(case, subject)}
     rows = [row for name, check in checks.items() for row in guarded(name, check)]

@@ -1,8 +1,8 @@
 """Integrals that the method must keep: momentum, those of single sites, and an energy made of them.
 
 W - w = h X(m) keeps a.w wherever a.X = 0, and w.(S w) of a single site since W + w is a multiple
-of m. One step in extended precision shows the method, up to the round-off of the coefficients of I;
-`round_off` watches many in double. A comparator is asked for what it keeps in exact arithmetic.
+of m. One step in extended precision shows the method, up to the round-off of the coefficients of I; the run in
+double, after k steps over sqrt(k), what happens on its way. A comparator is asked for what it keeps in exact arithmetic.
 """
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from .row import Row, at_most, not_applicable
 from .symmetries import LARGEST, actions, explained, site_integrals
 
 ULPS = 16
+LOOKS = 64              # at the run: a state that was moved stays so
 FIT = 1e-11             # distance of H from the span of the integrals that counts as none
 
 
@@ -95,11 +96,19 @@ def integrals(case: Case, subject, known: Known) -> list[Row]:
 
 
 def kept(case: Case, subject, name, found, otherwise) -> Row:
-    """The largest change of any of them over one step in extended precision, in ulps of double."""
+    """The largest change of any of them over one step in extended precision, and along the run, in ulps of double."""
     if not found:
         return not_applicable(name, otherwise)
     worst = max(change(case, subject, one, *trial) for one in found for trial in case.trials())
-    return at_most(name, worst, ULPS)
+    return at_most(name, max(worst, *(along(case, one) for one in found)), ULPS)
+
+
+def along(case: Case, one: Integral) -> float:
+    """The largest change after k steps of the run, in ulps sqrt(k)."""
+    if case.path is None:
+        return 0.0
+    steps = np.unique(np.linspace(1, len(case.path) - 1, LOOKS).astype(int))
+    return max(float(np.abs(one.changes(case.path[0], case.path[k])).max()) / (EPS * np.sqrt(k)) for k in steps)
 
 
 def change(case: Case, subject, one: Integral, w, t, h) -> float:

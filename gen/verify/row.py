@@ -11,6 +11,9 @@ MOST, LEAST = "<=", ">="
 # name -> what the row claims of an integrator
 CLAIMS = {
     "steps": "the run's own steps can be taken",
+    "run": "every one of them solves the step equation, recomputed in extended precision",
+    "whole space": "so do steps from states over the whole space",
+    "branch": "long steps are on the branch of W = w at h = 0, or refused",
     "order": "errors fall like h^2, time dependence included",
     "symplectic": "one step is a symplectic (Poisson) map",
     "tracers' area": "tracers are carried by an area-preserving map",
@@ -22,15 +25,19 @@ CLAIMS = {
     "quadratic integrals": "quadratic integrals of single sites are kept",
     "energy": "the energy is kept exactly",
     "casimirs": "every w stays on its sphere or leaf",
+    "sums": "sums are compensated: rounding W = w + u loses nothing",
     "round-off": "round-off walks at random: errors grow like sqrt(N)",
+    "round-off size": "and these errors are small",
     "field": "the field is that of the spec",
     "energy formula": "the energy is that of the spec",
+    "outputs": "energies, momentum, Casimirs and observables are those of the spec",
     "step": "one step equals that of the independent interpreter",
     "residual": "the step equation holds, recomputed in extended precision",
 }
 # row -> unit of what is measured
 UNITS = {"reversible": "ulp", "equivariant": "ulp", "momentum": "ulp", "quadratic integrals": "ulp",
-         "energy": "ulp", "casimirs": "ulp", "step": "ulp", "residual": "ulp"}
+         "energy": "ulp", "casimirs": "ulp", "step": "ulp", "residual": "ulp",
+         "run": "ulp", "whole space": "ulp", "round-off size": "ulp"}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -18,7 +18,7 @@ class Subject(typing.Protocol):
     """An integrator under examination. States have shape (sites, 3).
 
     `step` works in the precision of w, float64 or longdouble: the same map in both. A subject
-    without a tangent, a field or an energy of its own returns None for it.
+    without a tangent, a field, an energy or outputs of its own returns None for it.
     """
 
     def step(self, w: np.ndarray, t: float, h: float) -> np.ndarray:
@@ -38,6 +38,9 @@ class Subject(typing.Protocol):
 
     def energy(self, w: np.ndarray, t: float) -> float | None:
         """H(t, w) in the precision of w."""
+
+    def outputs(self, w: np.ndarray, t: float) -> dict | None:
+        """Column of a run -> its value at (t, w) in the precision of w; and "casimirs", of shape (sites,)."""
 
 
 class Emitted:
@@ -68,6 +71,10 @@ class Emitted:
 
     def energy(self, w, t):
         return self._any(w).energy(w, t)
+
+    def outputs(self, w, t):
+        one = self._of(w).start(w.copy(), t0=t, h=1.0)
+        return {**dict(zip(one.columns, one.values())), "casimirs": one.casimirs()}
 
     def _of(self, w) -> Integrator:
         return self.extended if w.dtype == LONG else self.double

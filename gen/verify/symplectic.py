@@ -75,7 +75,7 @@ def columns(case: Case, w, sites) -> np.ndarray:
 
     Scaled so that the form of a site's two vectors is of one size for every strength.
     """
-    most = FRAMES.get(case.settings_tier, FRAMES["normal"])
+    most = case.of_tier(FRAMES)
     first = int(case.dice.integers(len(sites)))
     chosen = np.roll(sites, -first)[:most]
     normal, frames = case.leaves.normal(w), np.zeros((2, case.sites, 3), LONG)

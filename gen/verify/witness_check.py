@@ -11,12 +11,12 @@ from ..errors import RunError
 from ..witness import METHODS
 from .case import EPS, Case, size
 from .leaves import LONG
+from .residual import RESIDUAL, worst
 from .reversible import stretch
 from .row import Row, at_most, not_applicable
 
 FIELD = 1e-14           # of the largest field: the interpreter returns doubles
 STEP = 32               # ulps
-RESIDUAL = 8            # ulps: what the rounding of W itself leaves, and little more
 STATES = {"quick": 3, "normal": 8}
 
 
@@ -63,13 +63,9 @@ def step(case: Case, subject) -> Row:
 
 
 def residual(case: Case, subject) -> Row:
-    """|W - w - h X(m)| in ulps of w, and of h X where that is larger."""
+    """|W - w - h X(m)| of single steps without history."""
     method = case.settings.method
     if method not in METHODS:
         return not_applicable("residual", "the interpreter has no such method")
-    found = []
-    for w, t, h in case.trials():
-        after = subject.step(w, t, h)
-        slope = stretch(subject, w, after, t, h)
-        found.append(case.witness.residual(w, after, t, h, method) / (EPS * size(w) * slope))
+    found = (worst(case, subject, np.array([w, subject.step(w, t, h)]), t, h) for w, t, h in case.trials())
     return at_most("residual", max(found), RESIDUAL)

@@ -105,11 +105,24 @@ class Witness:
     def residual(self, w, after, t: float, h: float,
                  method: str = "spherical-midpoint") -> float:
         """max |F(W - w)| of the step equation for a step w -> W = `after` taken elsewhere."""
-        number, most = _choose("method", method, METHODS), ctypes.c_double(0)
-        w, after = self._state(w), self._state(after)
-        _check(self._c.witness_residual(self._system_pointer, number, t, h, w.ctypes.data,
-                                        after.ctypes.data, ctypes.byref(most)), "the residual")
-        return most.value
+        return float(np.abs(self.residuals([w, after], t, h, method)).max())
+
+    def residuals(self, states, t0: float, h: float, method: str = "spherical-midpoint") -> np.ndarray:
+        """F(W - w) of every step between states (count + 1, sites, 3) taken elsewhere: (count, sites, 3)."""
+        number, states = _choose("method", method, METHODS), np.ascontiguousarray([self._state(w) for w in states])
+        out = np.empty((len(states) - 1, self.sites, 3))
+        _check(self._c.witness_residuals(self._system_pointer, number, t0, h, len(out), states.ctypes.data,
+                                         out.ctypes.data), "the residual")
+        return out
+
+    def equation(self, w, d, t: float, h: float, method: str = "spherical-midpoint"):
+        """(F(d), F'(d)) of the step equation from w: shapes (sites, 3) and (3*sites, 3*sites)."""
+        self._small()
+        number, w, d, n = _choose("method", method, METHODS), self._state(w), self._state(d), 3 * self.sites
+        f, jacobian = np.empty((self.sites, 3)), np.empty((n, n))
+        _check(self._c.witness_equation(self._system_pointer, number, t, h, w.ctypes.data, d.ctypes.data,
+                                        f.ctypes.data, jacobian.ctypes.data), "the step equation")
+        return f, jacobian
 
     def flow(self, w, t0: float, times, integrator: str = "rk8pd",
              tol: float = 1e-13) -> np.ndarray:

@@ -59,20 +59,43 @@ int witness_sum(const program *p, int64_t sites, double t, const double *w, doub
   return status;
 }
 
-/* max |F(W - w)|: how well a step that someone else took solves the step equation. */
-int witness_residual(const system_t *s, int method, double t, double h, const double *w,
-                     const double *next, double *most) {
+/* F(W - w) of every step of states w_0, .., w_count that someone else took: count x 3*sites numbers. The time
+ * of a midpoint is t0 + (k + 1/2) h in double, as the states are. */
+int witness_residuals(const system_t *s, int method, double t0, double h, int64_t count, const double *states,
+                      double *out) {
   const int64_t n = 3 * s->sites;
   equation e;
   int status = equation_new(&e, s, method, 0);
   real *in = malloc((size_t)(3 * n) * sizeof(real)), *d = in + n, *f = in + 2 * n;
   if (!in) status = NO_MEMORY;
-  for (int64_t v = 0; v < n && status == OK; v++) d[v] = (real)next[v] - (in[v] = w[v]);
+  for (int64_t k = 0; k < count && status == OK; k++, states += n) {
+    const double middle = t0 + ((double)k + 0.5) * h;
+    for (int64_t v = 0; v < n; v++) d[v] = (real)states[n + v] - (in[v] = states[v]);
+    status = equation_begin(&e, in, (real)middle - (real)h / 2, h);
+    if (status == OK) status = equation_residual(&e, d, f);
+    for (int64_t v = 0; v < n && status == OK; v++) *out++ = (double)f[v];
+  }
+  equation_free(&e);
+  free(in);
+  return status;
+}
+
+/* F(d) of the step equation from w, and its derivative in d, row-major. */
+int witness_equation(const system_t *s, int method, double t, double h, const double *w, const double *d, double *f,
+                     double *jacobian) {
+  const int64_t n = 3 * s->sites;
+  equation e;
+  int status = equation_new(&e, s, method, 1);
+  real *in = malloc((size_t)(3 * n) * sizeof(real)), *move = in + n, *out = in + 2 * n;
+  if (!in) status = NO_MEMORY;
+  for (int64_t v = 0; v < n && status == OK; v++) {
+    in[v] = w[v];
+    move[v] = d[v];
+  }
   if (status == OK) status = equation_begin(&e, in, t, h);
-  if (status == OK) status = equation_residual(&e, d, f);
-  *most = 0;
-  for (int64_t v = 0; v < n && status == OK; v++)
-    if (!(fabsl(f[v]) <= (real)*most)) *most = (double)fabsl(f[v]);
+  if (status == OK) status = equation_residual(&e, move, out);
+  for (int64_t v = 0; v < n && status == OK; v++) f[v] = (double)out[v];
+  if (status == OK) status = equation_jacobian(&e, move, jacobian);
   equation_free(&e);
   free(in);
   return status;

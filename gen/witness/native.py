@@ -37,7 +37,8 @@ TYPES = {
     "witness_sum": [POINTER, INTEGER, REAL, POINTER, POINTER],
     "witness_steps": [POINTER, ctypes.c_int, POINTER, REAL, REAL, INTEGER, INTEGER, POINTER,
                       POINTER],
-    "witness_residual": [POINTER, ctypes.c_int, REAL, REAL, POINTER, POINTER, POINTER],
+    "witness_residuals": [POINTER, ctypes.c_int, REAL, REAL, INTEGER, POINTER, POINTER],
+    "witness_equation": [POINTER, ctypes.c_int, REAL, REAL, POINTER, POINTER, POINTER, POINTER],
     "witness_flow": [POINTER, ctypes.c_int, REAL, REAL, POINTER, POINTER, INTEGER, POINTER],
 }
 

@@ -82,6 +82,9 @@ class Impostor:
     def tangent(self, w, t, h, v):
         return None
 
+    def outputs(self, w, t):
+        return None
+
 
 def unit(w):
     return w / np.sqrt(np.sum(w * w, axis=-1, keepdims=True))

@@ -1,0 +1,132 @@
+"""Generated C with many faults planted in one library, each switched on at run time.
+
+    subject = Planted(spec)
+    subject.fault = "no carry"
+
+A fault is a pattern of the emitted text and what stands there instead; `planted` is its number, 0 for none.
+"""
+import ctypes
+import functools
+import re
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from smidgen.build import REALS, SHARED, Built, compile_shared, find_compiler, write_files
+from smidgen.emit import generate
+from smidgen.integrator import Integrator, scene_of
+from smidgen.start import parameter_values
+from smidgen.verify.subject import Emitted
+
+METHOD = "spherical-midpoint"
+TURN, CAP = 1e-9, 1e-6          # angle of a turned state; relative error of an increment within the cap
+AREA = 0.05                     # of the sphere, that the cap covers: z > 1 - 2 AREA
+
+HEAD = """
+int planted = 0;
+double planted_axis[3] = {0, 0, 1};
+int64_t planted_step = -1;
+static void planted_turn(smg_real *w, int64_t count) {
+  const smg_real x = w[0], y = w[1], z = w[2];
+  if (planted != %(turned)d || count != planted_step) return;
+  w[0] += (smg_real)%(TURN)g * (2 * z - 3 * y);
+  w[1] += (smg_real)%(TURN)g * (3 * x - z);
+  w[2] += (smg_real)%(TURN)g * (y - 2 * x);
+}
+static smg_real planted_cap(smg_real x, smg_real y, smg_real z) {
+  const smg_real along = (smg_real)planted_axis[0] * x + (smg_real)planted_axis[1] * y + (smg_real)planted_axis[2] * z;
+  return planted == %(cap)d && along > (smg_real)%(EDGE)g * SMG_MATH(sqrt)(x * x + y * y + z * z) ? 1 + (smg_real)%(CAP)g : 1;
+}
+"""
+# name -> (pattern, replacement) of the emitted text; @ is the number of the fault
+FAULTS = {
+    "no carry": [(r"s->carry\[(\d)\] = (y\..*);", r"s->carry[\1] = planted == @ ? 0 : \2;"),
+                 (r"smg_add_carry\(&s->w\[k\], &s->carry\[k\], s->u\[k\]\);",
+                  r"if (planted == @) s->w[k] += s->u[k]; else smg_add_carry(&s->w[k], &s->carry[k], s->u[k]);")],
+    "no branch check": [(r"if \((!\w+_solo_sure\(det\) .*)\) return SMG_WRONG_BRANCH;", r"if (planted != @ && (\1)) return SMG_WRONG_BRANCH;"),
+                        (r": sure \? SMG_OK : SMG_WRONG_BRANCH;", r": sure || planted == @ ? SMG_OK : SMG_WRONG_BRANCH;"),
+                        (r"status == SMG_OK && sure\)", r"status == SMG_OK && (sure || planted == @))"),
+                        (r"return sure \? SMG_OK", r"return sure || planted == @ ? SMG_OK"),
+                        (r"return contracts \? SMG_OK", r"return contracts || planted == @ ? SMG_OK")],
+    "turned": [(r"\+\+s->count;", r"++s->count; planted_turn(s->w, s->count);")],
+    "cap": [(r"( u\[0\] \*= k;)", r" const smg_real part = planted_cap(m[0], m[1], m[2]); u[0] *= part; u[1] *= part; u[2] *= part;\1"),
+            (r"smg_vec (\w+)_solo_motion(\(const .*?smg_vec m\) \{.*?\n\}\n)",
+             r"smg_vec \1_solo_right\2SMG_INLINE smg_vec \1_solo_motion(const \1_coefficients *c, smg_vec m) { return "
+             r"smg_vec_scale(planted_cap(m.x, m.y, m.z), \1_solo_right(c, m)); }\n")],
+    "momentum's sign": [(r"(out\[\d.* \+ b\] = )sum \+ lost;", r"\1(planted == @ ? -1 : 1) * (sum + lost);")],
+    "momentum without kappa": [(r"(&sum, &lost, )(\w+_kappa\(c, i\))", r"\1(planted == @ ? 1 : \2)")],
+    "momentum of a family": [(r"(out\[[1-9].* \+ b\] = )", r"\1planted == @ ? 0 : ")],
+    "casimirs": [(r"(out\[\d.* \+ i\] = )(\w+_casimir\()", r"\1(planted == @ ? (smg_real)1.5 : 1) * \2")],
+}
+# of every function energy_<effect> and observe_<observable>
+FUNCTION = r"(smg_real \w+_((?:energy|observe)_\w+)\(const \w+_params \*p, smg_real t, const smg_real \*w\) \{.*?)return sum \+ lost;"
+
+
+class Planted(Emitted):
+    """The generated C of a spec with all the faults that find a place in it; `fault` is None at first."""
+
+    def __init__(self, spec, values=None, solver="auto"):
+        scene = scene_of(spec, None, values)
+        files = generate(scene, METHOD, solver=solver)
+        self.spec, self.scene, self.values, self.solver, self.files = spec, scene, values, solver, dict(files)
+        source = f"{scene.name}.c"
+        self.files[source], self.numbers = planted(files[source])
+        self.varied, self.chosen = None, (0, -1, (0, 0, 1))
+
+    @functools.cached_property
+    def double(self):
+        return self.made("double")
+
+    @functools.cached_property
+    def extended(self):
+        return self.made("long double")
+
+    def made(self, real):
+        place = Path(tempfile.mkdtemp(prefix="planted-"))
+        write_files(self.files, place)
+        flags = ("-std=c11", "-O1", "-ffp-contract=off", *SHARED, *REALS[real])
+        compile_shared(place, sorted(f for f in self.files if f.endswith(".c")), find_compiler(), flags)
+        built = Built(self.scene.name, place / "model.so", place, real, "cc", (), {}, "planted")
+        return self.set_in(Integrator(self.spec, self.scene, built, parameter_values(self.spec, self.values), METHOD, self.solver))
+
+    def outputs(self, w, t):
+        """In double: one library is enough."""
+        return super().outputs(w.astype(float), t)
+
+    def switch(self, fault=None, axis=(0, 0, 1), step=-1):
+        """Only this fault from now on."""
+        self.chosen = self.numbers[fault] if fault else 0, step, axis / np.linalg.norm(axis)
+        for one in {"double", *self.__dict__} & {"double", "extended"}:
+            self.set_in(getattr(self, one))
+        return self
+
+    def set_in(self, one):
+        library = ctypes.CDLL(str(one.built.binary))
+        number, step, axis = self.chosen
+        (ctypes.c_double * 3).in_dll(library, "planted_axis")[:] = list(map(float, axis))
+        ctypes.c_int64.in_dll(library, "planted_step").value = step
+        ctypes.c_int.in_dll(library, "planted").value = number
+        return one
+
+    def outputs_faults(self):
+        """The names of those that change what is written."""
+        return [name for name in self.numbers if name.startswith(("momentum", "casimirs", "energy_", "observe_"))]
+
+
+def planted(text):
+    """(text with every fault that finds a place, name -> number)."""
+    numbers = {}
+    for number, (name, places) in enumerate(FAULTS.items(), 1):
+        for pattern, instead in places:
+            text, found = re.subn(pattern, instead.replace("@", str(number)), text, flags=re.DOTALL if ".*?" in pattern else 0)
+            if found:
+                numbers[name] = number
+
+    def reversed_one(match):
+        number = numbers[match[2]] = 100 + len(numbers)
+        return f"{match[1]}return (planted == {number} ? -1 : 1) * (sum + lost);"
+    text = re.sub(FUNCTION, reversed_one, text, flags=re.DOTALL)
+    head = HEAD % {"turned": numbers["turned"], "cap": numbers["cap"], "TURN": TURN, "CAP": CAP, "EDGE": 1 - 2 * AREA}
+    place = text.index("\nstatic")         # after the includes
+    return text[:place] + head + text[place:], numbers
