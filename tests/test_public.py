@@ -139,7 +139,7 @@ def model(spec):
 
 
 @pytest.mark.parametrize("started", [False, True])
-@pytest.mark.parametrize("name", attributes(smidgen.Integrator))
+@pytest.mark.parametrize("name", sorted(attributes(smidgen.Integrator)))
 def test_attributes_of_an_integrator_are_read_and_say_what_to_call(spec, model, name, started):
     if started:
         model.start(h=0.1).steps(3)
@@ -149,7 +149,7 @@ def test_attributes_of_an_integrator_are_read_and_say_what_to_call(spec, model, 
     assert isinstance(caught.value, AttributeError) and all(vars(model)[n] is before[n] for n in before)
 
 
-@pytest.mark.parametrize("name", attributes(smidgen.Result))
+@pytest.mark.parametrize("name", sorted(attributes(smidgen.Result)))
 def test_attributes_of_a_result_are_read(result, name):
     with pytest.raises(smidgen.ReadOnlyError, match=f"'{name}' of Result is only read: .*run\\("):
         setattr(result, name, None)
