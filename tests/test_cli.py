@@ -418,7 +418,7 @@ def test_nothing_near_is_not_guessed(words, capsys):
 # Tables
 
 def a_report(note):
-    import smidgen.validate as validate
+    validate = sys.modules["smidgen.validate"]         # its name in the package is the function's
     return validate.Report("m", "r", "x", 0.1, 1, 1, 1.0, (validate.Line("field", 1.0, "0", True, note),))
 
 

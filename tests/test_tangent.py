@@ -17,6 +17,7 @@ import smidgen
 import smidgen.kernels
 from smidgen.build import build_library
 from smidgen.derive import derive, hessian_blocks
+from smidgen.parts import Whole
 from smidgen.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.features import FEATURES
@@ -247,20 +248,20 @@ def with_fault(case, name):
     return Step(Integrator(spec, spec, built, case.values, SPHERICAL, "auto"), case.h)
 
 
-def other_hessian(term):
+def other_hessian(term, *more):
     """derive with d2e/dx dx of all blocks scaled: symmetric still, and so the Hessian of another H."""
-    d = derive(term)
+    d = derive(term, *more)
     first = sp.diag(sp.Float(1.001), 1, 1)
     return dataclasses.replace(d, hessian={pair: block.multiply_elementwise(sp.ones(3) + first - sp.eye(3))
                                            for pair, block in d.hessian.items()})
 
 
-def other_sign(term):
+def other_sign(term, *more):
     """derive with one component of the gradient of the wrong sign, and the Hessian that belongs to it: that of no H."""
-    d = derive(term)
+    d = derive(term, *more)
     first = d.gradient[0]
     gradient = ((first[0], -first[1], first[2]), *d.gradient[1:])
-    return dataclasses.replace(d, gradient=gradient, hessian=hessian_blocks(gradient, d.vectors))
+    return dataclasses.replace(d, gradient=gradient, hessian=hessian_blocks(gradient, d.vectors, Whole()))
 
 
 @quick
