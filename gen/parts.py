@@ -84,7 +84,7 @@ def is_large(e, nodes: int, depth: int) -> bool:
 
 def expanded(e):
     """e multiplied out where it is short, or e as it is."""
-    return sp.expand(e) if is_short(e) else e
+    return sp.expand(e, power_exp=False, power_base=False, log=False) if is_short(e) else e    # exp(a + b) keeps its digits
 
 
 def is_short(e) -> bool:

@@ -108,18 +108,6 @@ SMG_INLINE int smg_positive3(const smg_real *D) {
   return smg_cubic_positive(D[0] + D[4] + D[8], minors, smg_det3(D));
 }
 
-/* True when x.A x >= x.x/4 for all x: every eigenvalue of A then has a real part of at least 1/4. */
-SMG_INLINE int smg_coercive2(const smg_real *A) {
-  const smg_real a = A[0] - (smg_real)0.25, d = A[3] - (smg_real)0.25, b = (A[1] + A[2]) / 2;
-  return (a > 0) & (a * d > b * b);
-}
-
-SMG_INLINE int smg_coercive3(const smg_real *A) {
-  const smg_real a = A[0] - (smg_real)0.25, d = A[4] - (smg_real)0.25, f = A[8] - (smg_real)0.25;
-  const smg_real b = (A[1] + A[3]) / 2, c = (A[2] + A[6]) / 2, e = (A[5] + A[7]) / 2;
-  return (a > 0) & (a * d > b * b) & (a * (d * f - e * e) - b * (b * f - e * c) + c * (b * e - d * c) > 0);
-}
-
 /* The largest row sum of abs(A - I). */
 SMG_INLINE smg_real smg_bound(int n, const smg_real *A) {
   smg_real most = 0;

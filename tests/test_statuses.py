@@ -105,13 +105,14 @@ def test_a_branch_that_ends_leaves_the_state_and_a_smaller_step_goes_on():
 
 # -- no convergence -------------------------------------------------------------------------------
 
-def test_sweeps_that_do_not_settle_say_where():
-    """The residual is largest at the site that the report names: no other site is named by default."""
+def test_a_lattice_says_where_and_up_to_which_step_solutions_exist():
+    """A step of nearly the part of h that is told is taken; no other site is named by default."""
     lattice = smidgen.build(load("cubic_lattice"), solver="rotation")
     w = np.random.default_rng(2).normal(size=(lattice.sites, 3))
-    lattice.start(w / np.linalg.norm(w, axis=1)[:, None], h=30.0)
-    error = refused(lattice, NO_CONVERGENCE)
-    assert error.site >= 0 and error.residual > 1e-12
+    w /= np.linalg.norm(w, axis=1)[:, None]
+    error = refused(lattice.start(w, h=30.0), NO_SOLUTION)
+    assert error.site >= 0 and error.residual > 1e-12 and 0 < error.reached < 1
+    assert lattice.start(w, h=0.999 * error.reached * 30.0).step().report()["reached"] == 1
 
 
 # -- not finite -----------------------------------------------------------------------------------

@@ -110,7 +110,7 @@ def shorter(e, m):
 
 def work(e, m) -> int:
     """Operations that remain when all that is free of m is known."""
-    rest = e.replace(lambda x: not x.is_Atom and not (x.free_symbols & set(m)), lambda x: sp.Dummy())
+    rest = e.replace(lambda x: isinstance(x, sp.Expr) and not x.is_Atom and not (x.free_symbols & set(m)), lambda x: sp.Dummy())
     return int(sp.count_ops(rest))
 
 

@@ -3,6 +3,7 @@
  * 2, n, blocks, rowptr (n+1), col (blocks), diag (n), A (blocks*BS*BS). Out: bound, coercive, pivots. */
 #include "pipe.h"
 #include "smg_band.h"
+#include "smg_dense.h"
 #include "smg_sparse.h"
 
 static void say(smg_real bound, int coercive, int pivots) {
@@ -16,11 +17,8 @@ static void block(void) {
   int pivots = 1;
   pipe_take(SMG_BB, A);
   smg_block_pivot(&pivots, A);
-#if SMG_BS == 2
-  say(smg_bound(2, A), smg_coercive2(A), pivots);
-#else
-  say(smg_bound(3, A), smg_coercive3(A), pivots);
-#endif
+  const smg_real bound = smg_bound(SMG_BS, A);
+  say(bound, smg_dense_coercive(SMG_BS, A), pivots);
 }
 
 static smg_real *copied(int64_t count, const smg_real *A) {
