@@ -20,6 +20,10 @@ class absolute(sp.Function):
     """abs(x), with the derivative sign(x) and no delta at 0."""
     is_real = True
 
+    @classmethod
+    def eval(cls, x):
+        return abs(x) if x.is_Number else None
+
     def fdiff(self, argindex=1):
         return signum(self.args[0])
 
@@ -28,6 +32,10 @@ class signum(sp.Function):
     """The sign of x; locally constant."""
     is_real = True
 
+    @classmethod
+    def eval(cls, x):
+        return sp.sign(x) if x.is_Number else None
+
     def fdiff(self, argindex=1):
         return sp.S.Zero
 
@@ -35,6 +43,10 @@ class signum(sp.Function):
 class floor_(sp.Function):
     """The floor of x; locally constant."""
     is_real = True
+
+    @classmethod
+    def eval(cls, x):
+        return sp.floor(x) if x.is_Number else None
 
     def fdiff(self, argindex=1):
         return sp.S.Zero
@@ -56,6 +68,10 @@ class lesser(sp.Function):
     """min(a, b), differentiated piece by piece; a function, since nested pieces grow exponentially."""
     is_real = True
 
+    @classmethod
+    def eval(cls, a, b):
+        return min(a, b) if a.is_Number and b.is_Number else None
+
     def _eval_derivative(self, s):
         a, b = self.args
         return sp.Piecewise((sp.diff(a, s), a <= b), (sp.diff(b, s), True))
@@ -64,6 +80,10 @@ class lesser(sp.Function):
 class greater(sp.Function):
     """max(a, b), likewise."""
     is_real = True
+
+    @classmethod
+    def eval(cls, a, b):
+        return max(a, b) if a.is_Number and b.is_Number else None
 
     def _eval_derivative(self, s):
         a, b = self.args

@@ -75,7 +75,7 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
     def common(self):
         return dict(H=self.history(), ROWS=ROWS, weights=extrapolation(self.history(), 1),
                     weights_by_four=extrapolation(self.history(), 4), families=self.families, coupled=self.chosen(self.plan.coupled),
-                    local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.rows,
+                    local=self.chosen(self.plan.local), total=self.total, N=self.total, order=self.order(),
                     solver=self.plan.solver, matrix=self.plan.matrix, swept=self.plan.swept, timed=self.low.is_timed(), rotation=self.plan.rotation, orientation=self.spec.orientation,
                     band=self.plan.band, wrap=self.plan.wrap, extended=self.extended, plain_sums="plain-sums" in self.features)
 
@@ -107,6 +107,10 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, TangentParts, WidePa
                            **slots) if self.solo else ""
         return self.render("step.c.j2", solo=solo, solver_text=solver_text, local_text=local_text,
                            needs_level=any(f.kind != "sphere" for f in self.families), **slots)
+
+    def order(self) -> str:
+        """Blocks in a row of the Newton matrix; of a sparse one, whose elimination is compiled in, a number."""
+        return str(self.plan.pattern.size) if self.plan.solver == "sparse" else self.rows
 
     def sites_text(self):
         return "\n".join(self.render("family.c.j2", f=f, needs_blocks=self.has_frame(f), needs_newton=self.has_newton(f))

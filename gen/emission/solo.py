@@ -19,17 +19,22 @@ class SoloParts:
                 and f.kind == "sphere" and f.level == "1.0" and not self.closed_form(f)
                 and not any(t.derived.parts for t in self.effects)
                 and all(self.low.level(s.name) < SITE for t in self.effects for b in t.derived.hessian.values()
-                        for s in b.free_symbols if s.name[0] != "v"))
+                        for s in b.free_symbols if s.name[0] != "v")
+                and any(x != 0 for x in self.solo_field()[3]))
 
-    def solo_kernels(self) -> str:
-        """h X(m), its derivative times q in a struct of its non-zero entries, and e = h DX(m) m."""
+    def solo_field(self) -> tuple:
+        """(m, h b(m), h X(m), its derivative): a vector m of symbols, and sympy matrices."""
         m = sp.Matrix(sp.symbols("v0x v0y v0z", real=True))
         kappa, leaves = scalar(self.spec.families[0].kappa)
         self.low.leaves.update(leaves)
         b = sp.Matrix([sum(t.derived.gradient[0][a] for t in self.effects if t.slots) for a in range(3)])
         b = (b * self.low.step_size() / kappa).applyfunc(self.low.number_values).applyfunc(lambda e: shorter(e, m))
         X = m.cross(b).applyfunc(lambda e: shorter(e, m))
-        D = X.jacobian(m).applyfunc(lambda e: shorter(e, m))
+        return m, b, X, X.jacobian(m).applyfunc(lambda e: shorter(e, m))
+
+    def solo_kernels(self) -> str:
+        """h X(m), its derivative times q in a struct of its non-zero entries, and e = h DX(m) m."""
+        m, b, X, D = self.solo_field()
         entries = [(a, b) for a in range(3) for b in range(3) if D[a, b] != 0]
         return "\n\n".join([self.solo_motion(X, b, m), self.solo_radial(X, D, m),
                             self.solo_matrix(entries), self.solo_derivative(D, entries),
@@ -77,8 +82,8 @@ class SoloParts:
 
     def solo_apply(self, entries) -> str:
         rows = [" + ".join(f"D.e{a}{b}*v.{'xyz'[b]}" for a, b in entries if a == row) or "0" for row in range(3)]
-        return (f"static inline smg_vec {self.M}_solo_apply({self.M}_solo_matrix D, smg_vec v) {{\n"
-                f"  return smg_vec_of({', '.join(rows)});\n}}")
+        return function(f"smg_vec {self.M}_solo_apply", [f"{self.M}_solo_matrix D", "smg_vec v"],
+                        [f"return smg_vec_of({', '.join(rows)});"], ["D", "v"])
 
     def solo_minors(self, entries) -> str:
         """e2(D): the sum of the principal 2x2 minors."""
@@ -89,8 +94,7 @@ class SoloParts:
             if (a, b) in entries and (b, a) in entries:
                 terms.append(f"- D.e{a}{b}*D.e{b}{a}")
         text = " ".join(terms).removeprefix("+ ") or "0"
-        return (f"static inline smg_real {self.M}_solo_minors({self.M}_solo_matrix D) {{\n"
-                f"  return {text};\n}}")
+        return function(f"smg_real {self.M}_solo_minors", [f"{self.M}_solo_matrix D"], [f"return {text};"], ["D"])
 
 
 def shorter(e, m):

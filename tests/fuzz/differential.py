@@ -23,6 +23,7 @@ from smidgen.witness import Witness
 
 EPSILON = np.finfo(float).eps
 UNIT = 2.0**-30             # of the changes that show how data carry their last bit
+JUMP = 1e-3          # of a value, by which no smooth one changes then
 STATES, STEPS = 3, 4
 ALLOWED = 8                 # units in the last place of what a number is made of, and of what data carry
 COMPILER = sys.modules["smidgen.build"]
@@ -60,11 +61,13 @@ def random_state(spec, values, dice):
 
 
 def carried(function, w, t, dice):
-    """What a unit in the last place of w and t does to the value: the largest of a few tries, shape as the value."""
+    """What a unit in the last place of w and t does to the value: the largest of some tries, shape as the value; infinite
+    where it jumps, as floor does at what cancels to 0."""
     here = np.asarray(function(w, t))
     tries = [np.abs(np.asarray(function(w * (1 + UNIT * dice.uniform(-1, 1, w.shape)), t * (1 + UNIT * s))) - here)
-             for s in (-1, 0, 1, 1)]
-    return EPSILON / UNIT * np.max(tries, axis=0)
+             for s in (-1, 0, 1) * 4]
+    most = np.max(tries, axis=0)
+    return np.where(most > JUMP * (1 + np.abs(here)), np.inf, EPSILON / UNIT * most)
 
 
 def compare(what, mine, other, allowed):
