@@ -120,9 +120,9 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
                          f"a sparse factorisation and models of few sites; here use solver {other}")
     if method != "spherical-midpoint":
-        return Plan(method, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point")
+        return Plan(method, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point, else Newton with GMRES")
     return Plan(method, local, coupled, "rotation",
-                "the coupling is no chain and of many sites: rotation sweeps, one spin after the other", rotation=True)
+                "the coupling is no chain and of many sites: rotation sweeps, one spin after the other, else Newton with GMRES", rotation=True)
 
 
 def newton_plan(spec: Spec, method: str, local, coupled):
