@@ -83,8 +83,24 @@ def is_large(e, nodes: int, depth: int) -> bool:
 
 
 def expanded(e):
-    """e multiplied out where it is short, or e as it is."""
-    return sp.expand(e, power_exp=False, power_base=False, log=False) if is_short(e) else e    # exp(a + b) keeps its digits
+    """e multiplied out where it is short, or e as it is. Functions stay whole: exp(-(t - 3)^2) would lose its digits."""
+    whole, back = functions_apart(e)
+    return sp.expand(whole, power_base=False).xreplace(back) if is_short(e) else e
+
+
+def functions_apart(e) -> tuple:
+    """(e with a symbol for each function in it, what the symbols stand for)."""
+    names = {f: sp.Dummy(real=True) for f in functions_of(e)}
+    return e.xreplace(names), {d: f for f, d in names.items()}
+
+
+def functions_of(e):
+    """The functions in e that stand in no other one."""
+    walk = sp.preorder_traversal(e)
+    for x in walk:
+        if isinstance(x, sp.Function) and not isinstance(x, sp.Piecewise):
+            walk.skip()
+            yield x
 
 
 def is_short(e) -> bool:

@@ -1,4 +1,5 @@
 """Generated C is C11 and C++17 without a warning, and clean under the sanitizers."""
+import re
 import subprocess
 
 import pytest
@@ -126,6 +127,48 @@ def test_what_cancels_out_leaves_no_variable(solver, tmp_path):
     """Nor an index or an argument that nothing reads: a term may have no gradient or no curvature."""
     sources = written(tmp_path, texts.read(FLAT), SPHERICAL, solver)
     assert [compile_all(tmp_path, sources, compiler) for compiler in COMPILERS] == [""] * len(COMPILERS)
+
+
+ALONE = """[model]
+name = "alone"
+[space]
+x = {{ sphere = "n" }}
+[parameters]
+n = {{ default = 1, fixed = {fixed} }}
+a = 0.3
+B = {{ default = [0.3, -0.5, 0.8], vector = true }}
+[effects.one]
+over = "site(i) of x"
+energy = "{energy}"
+[starts.any]
+random = 1
+"""
+EMPTY = {"no vector": "a^2", "no motion": "abs(dot(x[i], x[i]))", "a field alone": "dot(B, x[i])",
+         "a condition of numbers": "if(min(0, -0.213)^3 < 0.643 and x[i].z > a, x[i].x^2, x[i].y)",
+         "a piece free of the state": "if(triple(x[i], B, B) < 1.1, if(B.y < 0.8, B.x, B.z), 0.7)*dot(x[i], x[i])"}
+
+
+@pytest.mark.parametrize("fixed", ["true", pytest.param("false", marks=pytest.mark.long)])
+@pytest.mark.parametrize("energy", EMPTY)
+def test_energies_that_move_little_or_nothing_compile_clean(energy, fixed, tmp_path):
+    """On one sphere, where the step has a form of its own, and on spheres of any number."""
+    sources = written(tmp_path, texts.read(ALONE.format(energy=EMPTY[energy], fixed=fixed)), SPHERICAL)
+    assert [compile_all(tmp_path, sources, compiler) for compiler in COMPILERS] == [""] * len(COMPILERS)
+
+
+def test_a_graph_on_a_number_of_sites_known_at_run_time(tmp_path):
+    """The elimination is compiled in for 30 of them."""
+    text = texts.GLASS.replace("sphere = 30", 'sphere = "n"') + "[parameters]\nn = 30\n"
+    sources = written(tmp_path, texts.read(text, tmp_path), SPHERICAL, "newton")
+    assert [compile_all(tmp_path, sources, compiler) for compiler in COMPILERS] == [""] * len(COMPILERS)
+
+
+@pytest.mark.quick
+def test_functions_of_time_stay_whole():
+    """A pulse exp(-(t - 3)^2/w^2) whose square is multiplied out loses its digits, and in time overflows."""
+    text = ALONE.format(energy="exp(-((t - 3)/a)^2)*x[i].x + x[i].z^2", fixed="true")
+    source = generate(select(texts.read(text)))["alone.c"]
+    assert source.count("(exp)(") >= 2 and not re.search(r"exp\)\([^;]*c->t\*c->t", source)
 
 
 def test_what_nothing_calls_is_left_out():

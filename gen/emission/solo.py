@@ -6,7 +6,7 @@ import sympy as sp
 from ..derive import scalar
 from ..kernels import function
 from ..lower import SITE
-from ..parts import expanded, is_short
+from ..parts import expanded, functions_apart, is_short
 
 
 class SoloParts:
@@ -101,6 +101,14 @@ def shorter(e, m):
     """A polynomial in m with its coefficients collected, where that takes fewer operations."""
     if not is_short(e):
         return e
+    whole, back = functions_apart(e)        # Poly would multiply out what stands in them
+    if any(f.free_symbols & set(m) for f in back.values()):
+        return e
+    return collected(whole, m).xreplace(back)
+
+
+def collected(e, m):
+    """The same without functions."""
     long = expanded(e)
     if not long.is_polynomial(*m) or len(sp.Add.make_args(long)) > 40:
         return e
