@@ -62,7 +62,7 @@ def below(points):
     return [[x, -y, -z] for x, y, z in points]
 
 
-def ask(folder_of_test, pairs, a, h, wrong):
+def ask(folder_of_test, pairs, a, h, wrong, solver="auto"):
     """Solve from the midpoints of the right or the wrong solution -> (status, residual, moved, status of step, W)."""
     theta = asin(h / (4 * pi * sin(a) * tan(a)))
     angle = pi - theta if wrong else theta
@@ -72,7 +72,7 @@ def ask(folder_of_test, pairs, a, h, wrong):
         start, middle = start + below(start), middle + below(middle)
     text = DRIVER.format(w=", ".join(repr(x) for p in start for x in p), h=repr(h),
                          guess=", ".join(repr(x) for p in middle for x in p))
-    files = generate(load_text(VORTICES.format(n=2 * pairs)))
+    files = generate(load_text(VORTICES.format(n=2 * pairs)), solver=solver)
     for name, content in {**files, "main.c": text}.items():
         (folder_of_test / name).write_text(content)
     program = folder_of_test / "program"
@@ -83,11 +83,12 @@ def ask(folder_of_test, pairs, a, h, wrong):
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize("solver", ["auto", "rotation", "plain"])
 @pytest.mark.parametrize("pairs", [1, 2])
-def test_second_solution_is_refused(tmp_path, pairs):
+def test_second_solution_is_refused(tmp_path, pairs, solver):
     a, h = 0.15, 0.15
-    right = ask(tmp_path, pairs, a, h, wrong=False)
-    wrong = ask(tmp_path, pairs, a, h, wrong=True)
+    right = ask(tmp_path, pairs, a, h, wrong=False, solver=solver)
+    wrong = ask(tmp_path, pairs, a, h, wrong=True, solver=solver)
     assert right[0] == 0 and wrong[0] == 3          # SMG_OK, SMG_WRONG_BRANCH
     assert wrong[1] < 1e-14                         # it does solve the step equation
     assert wrong[2] == 0                            # and the state is as it was

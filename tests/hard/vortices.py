@@ -33,6 +33,7 @@ linear in the step as in the flow); its midpoint solves a quadratic equation, an
     h/tau + q^2 (h/tau)^2 <= 1,    that is    tau/h >= (1 + sqrt(1 + 4 q^2))/2.
 """
 import tempfile
+from itertools import product
 from math import asin, ceil, pi, sin, sqrt, tan
 from pathlib import Path
 
@@ -92,17 +93,25 @@ def turned(w, angle):
     return w @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
 
 
-def vortices(strengths):
+SOLVERS = ("auto", "rotation", "plain")        # `auto` takes rotation from 301 vortices on
+
+
+def vortices(strengths, solver="auto"):
     """The compiled vortices of these strengths."""
-    return smidgen.build(shipped("point_vortices"), values={"n": len(strengths), "gamma": list(strengths)})
+    return smidgen.build(shipped("point_vortices"), values={"n": len(strengths), "gamma": list(strengths)}, solver=solver)
+
+
+def by(solver):
+    """What a row says of its solver."""
+    return "" if solver == "auto" else f" ({solver})"
 
 
 @case("close vortex pair, up to the fold")
 def up_to_the_fold():
     """The angle of a step is the exact one, on the connected branch."""
     # broken by: a wrong field or projection (the angle), the second branch (phi beyond the fold's), a loose stop
-    for name, (k1, k2, gap) in PAIRS.items():
-        model, w = vortices((k1, k2)), places(k1, k2, gap)
+    for (name, (k1, k2, gap)), solver in product(PAIRS.items(), SOLVERS):
+        model, w = vortices((k1, k2), solver), places(k1, k2, gap)
         _, limit = fold(k1, k2, gap)
         for part in PARTS:
             h = float(part * limit)
@@ -111,18 +120,18 @@ def up_to_the_fold():
             off = largest(model.w - turned(w, -float(exact))) if error is None else float("nan")
             # 1 - w_1.w_2 has the relative error eps/gap^2, which phi takes over, 1/sqrt(1 - part) times near the fold
             tolerance = 8 * EPS * largest(w[:, 0]) / gap**2 / (1 - part)**0.5
-            yield below(f"{name}, {part} of the fold: off the place at phi = {float(exact):.12f}", off, tolerance)
+            yield below(f"{name}, {part} of the fold{by(solver)}: off the place at phi = {float(exact):.12f}", off, tolerance)
 
 
 @case("close vortex pair, beyond the fold")
 def beyond_the_fold():
     """No solution, said within one step, the pair named, the state untouched."""
     # broken by: an accepted non-solution, an untyped failure, a write to the state before the step is known to hold
-    for name, (k1, k2, gap) in PAIRS.items():
+    for (name, (k1, k2, gap)), solver in product(PAIRS.items(), SOLVERS):
         _, limit = fold(k1, k2, gap)
         for factor in (1.0001, 1.5, 100.0):
-            model = vortices((k1, k2)).start(places(k1, k2, gap), h=float(factor * limit))
-            yield from refused(f"{name}, {factor} of the fold", model, NO_SOLUTION, {0, 1})
+            model = vortices((k1, k2), solver).start(places(k1, k2, gap), h=float(factor * limit))
+            yield from refused(f"{name}, {factor} of the fold{by(solver)}", model, NO_SOLUTION, {0, 1})
 
 
 @case("a close pair among others, beyond its fold")
@@ -154,12 +163,12 @@ def wrong_branches():
     """Both pairs at their second solution, where det J > 0 again: refused, though the equation holds."""
     # broken by: a branch check by the sign of the determinant, or none (both would return ok)
     a, h = 0.15, 0.15
-    for pairs in (1, 2):
+    for pairs, solver in product((1, 2), SOLVERS):
         with tempfile.TemporaryDirectory() as folder:
-            status, residual, moved, *_ = ask(Path(folder), pairs, a, h, wrong=True)
-        yield Row(f"{pairs} pair(s)", "wrong branch", STATUS.get(status, ("ok",))[0], status == WRONG_BRANCH)
-        yield below(f"{pairs} pair(s): residual there", residual, 1e-14)
-        yield near(f"{pairs} pair(s): change of the state", moved, 0, 0)
+            status, residual, moved, *_ = ask(Path(folder), pairs, a, h, wrong=True, solver=solver)
+        yield Row(f"{pairs} pair(s){by(solver)}", "wrong branch", STATUS.get(status, ("ok",))[0], status == WRONG_BRANCH)
+        yield below(f"{pairs} pair(s){by(solver)}: residual there", residual, 1e-14)
+        yield near(f"{pairs} pair(s){by(solver)}: change of the state", moved, 0, 0)
 
 
 # -- collapse ---------------------------------------------------------------------------------------
