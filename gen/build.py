@@ -61,7 +61,7 @@ def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = 
     """
     features, compiler = chosen_features(features), find_compiler()
     flags = (*FLAGS, *SHARED, *REALS[real], *(("-march=native",) if native else ()))
-    key = digest(_identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
+    key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
                  compiler_version(compiler), flags, native and platform.processor())
     wanted = (spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
@@ -130,7 +130,7 @@ def digest(*parts) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def _identity(spec: Spec) -> str:
+def identity(spec: Spec) -> str:
     """All of a spec; its repr is a short line."""
     return repr([(f.name, getattr(spec, f.name)) for f in dataclasses.fields(spec)])
 

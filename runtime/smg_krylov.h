@@ -13,6 +13,7 @@
 #define SMG_KRYLOV_SHORT 10
 #define SMG_KRYLOV_WHOLE 20000
 #define SMG_KRYLOV_PRODUCTS 400 /* products before a system is given up */
+#define SMG_KRYLOV_LEFT (1000 * SMG_EPS) /* of b, that round-off may leave */
 #define SMG_KRYLOV_DENSE 600 /* unknowns up to which the sign of det A is asked of elimination */
 #define SMG_LANCZOS_STEPS 40
 #define SMG_LANCZOS_PART (smg_real)0.05 /* of the spread of the eigenvalues, that the least Ritz value may miss */
@@ -96,16 +97,20 @@ static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real to
   const int64_t n = a->n;
   const int most = smg_krylov_basis(n);
   smg_real *V = a->work, *b = V + (most + 1) * n, *y = b + n;
-  const smg_real goal = tolerance * SMG_MATH(sqrt)(smg_krylov_dot(n, x, x));
-  smg_krylov_small q;
+  smg_real unit = 0, last = SMG_MATH(sqrt)((smg_real)n); /* b is solved for in units of its largest entry */
+  for (int64_t k = 0; k < n; ++k) unit = smg_max(unit, smg_abs(x[k]));
+  if (!(unit > 0)) return unit != unit;
   for (int64_t k = 0; k < n; ++k) {
-    b[k] = V[k] = x[k];
+    b[k] = V[k] = x[k] / unit;
     y[k] = 0;
   }
+  const smg_real size = SMG_MATH(sqrt)(smg_krylov_dot(n, b, b)), goal = tolerance * size;
+  smg_krylov_small q;
   for (int products = 0; products < SMG_KRYLOV_PRODUCTS; ++products) {
     int j = 0;
     q.rhs[0] = SMG_MATH(sqrt)(smg_krylov_dot(n, V, V));
-    if (!(q.rhs[0] > goal)) break;
+    if (!(q.rhs[0] > goal) || !(q.rhs[0] <= last)) break; /* solved, or round-off */
+    last = q.rhs[0] / 2;
     for (int64_t k = 0; k < n; ++k) V[k] /= q.rhs[0];
     while (j < most && smg_abs(q.rhs[j]) > goal) {
       smg_krylov_extend(a, V, j, q.H[j]);
@@ -116,8 +121,8 @@ static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real to
     a->times(a->of, y, V);
     for (int64_t k = 0; k < n; ++k) V[k] = b[k] - V[k];
   }
-  for (int64_t k = 0; k < n; ++k) x[k] = y[k];
-  return !(SMG_MATH(sqrt)(smg_krylov_dot(n, V, V)) <= 2 * goal) || goal - goal != 0;
+  for (int64_t k = 0; k < n; ++k) x[k] = unit * y[k];
+  return !(SMG_MATH(sqrt)(smg_krylov_dot(n, V, V)) <= smg_max(2 * goal, SMG_KRYLOV_LEFT * size));
 }
 
 /* v = a random vector of length 1, the same each time. */

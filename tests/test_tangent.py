@@ -485,9 +485,9 @@ def test_runs_clean_under_the_sanitizers(name, solver, values, tmp_path):
 
 @pytest.mark.parametrize("name, solver, stretch, values", [("product", "plain", 100, {}),
                                                            (TRACERS, "rotation", 300, {"m": 2})])
-def test_sweeps_that_do_not_settle_say_so(name, solver, stretch, values, tmp_path):
-    """A step many times as large, whose matrix the sweeps do not contract for."""
-    assert sanitized(begin(name, **values), tmp_path, solver, stretch, values) == "the step equation did not converge"
+def test_where_sweeps_do_not_settle_columns_are_carried(name, solver, stretch, values, tmp_path):
+    """A step many times as large, whose matrix the sweeps do not contract for: GMRES needs no contraction."""
+    assert sanitized(begin(name, **values), tmp_path, solver, stretch, values) == "ok"
 
 
 def sanitized(case, where, solver, stretch, values):

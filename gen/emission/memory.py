@@ -45,7 +45,7 @@ class MemoryParts:
         if self.plan.matrix:
             return frame + [("A", self.matrix_size(), "Newton matrix"), ("work", self.work_size(), "its factorisation")]
         rows, n3 = times(bs, self.rows), times(3, n)
-        return frame + [("A", self.matrix_size(), "diagonal blocks of the Newton matrix J"), ("rows", rows, "row sums of abs(J - I)"),
+        return frame + [("A", self.matrix_size(), "diagonal blocks of the Newton matrix J"), ("sums", rows, "row sums of abs(J - I)"),
                         ("mean", rows, "the same of (J + J^T)/2"), ("along", n3, "a change of the midpoints"),
                         ("felt", n3, "the change of dH/dw that it makes"), ("product", rows, "half of a product with J"), ("work", self.work_size(), "basis of a Krylov space")]
 

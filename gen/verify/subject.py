@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..build import digest
+from ..build import digest, identity
 from ..integrator import Integrator, build
 from ..settings import Settings
 from ..spec import Spec
@@ -99,4 +99,4 @@ def fingerprint(scene: Spec, method: str, solver: str, features=()) -> str:
 
     The tangent map is certified with every step, and leaves the step as it is.
     """
-    return digest(replace(scene, path="", sources=()), method, solver, tuple(sorted(set(features) - {"tangent"})))
+    return digest(identity(replace(scene, path="", sources=())), method, solver, tuple(sorted(set(features) - {"tangent"})))

@@ -18,6 +18,7 @@ from .row import Row, at_most, not_applicable
 MOST = 256              # states: the gaps between them are then below a fiftieth of a sphere
 FEWEST = 16
 WORK = {"quick": 4096, "normal": 16384}     # states times sites
+ACCEPTED = 2 * RESIDUAL # ulps: a long step may itself leave as much as RESIDUAL (SMG_VOUCHED in the C), beside the rounding of W
 FOLLOW = 10             # steps from each state: with fewer the predictor has no history yet
 FAR = 1.0               # angle that a step may turn the fastest site by; where it is faster, h is halved
 NARROW = 0.05           # |C|/(|w|.|A||w|): nearer to the cone C = 0 the projection is ill-conditioned
@@ -37,7 +38,7 @@ def whole_space(case: Case, subject) -> list[Row]:
             ends.append(states[-1])
     if not ends:
         return [not_applicable("whole space", "no step can be taken from any of the states")]
-    return [at_most("whole space", found, RESIDUAL, said(case, len(starts), np.array(ends)))]
+    return [at_most("whole space", found, ACCEPTED, said(case, len(starts), np.array(ends)))]
 
 
 def said(case: Case, asked, ends) -> str:
