@@ -59,7 +59,7 @@ def through(text: str, stage=nothing, change=lambda files: files, found=None) ->
         one.generate()
         one.compilers()
         one.sanitizers()
-        one.library()
+        one.shared_library()
         one.witness()
         return one.found
 
@@ -156,7 +156,7 @@ class Passage:
             raise Fault("a step that failed has changed the state")
         self.said = said
 
-    def library(self):
+    def shared_library(self):
         """The library that Python calls, compiled with every warning an error: the numbers of the program."""
         self.stage("library")
         with builds(STRICT, self.where / "cache"):
