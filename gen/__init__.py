@@ -6,33 +6,32 @@
     top = smidgen.build(spec).start("tilted", h=0.1)
     top.steps(100).w
 
-Where a function and a module share a name (build, plot, resume, run, validate, verify), the
-attribute of `smidgen` is the function, whatever is imported and when: each such module is
-imported here, and its name bound to the function afterwards. `from smidgen.plot import ...`
-finds the module.
+Where a function and a package share a name (build, run), the attribute of `smidgen` is the
+function, whatever is imported and when: each such package is imported here, and its name bound
+to the function afterwards. `from smidgen.build.library import ...` finds the package.
 """
 from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-from . import lyapunov                                          # noqa: E402
+from .analyse import lyapunov  # noqa: E402
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,     # noqa: E402
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
-from .integrator import Integrator, build                       # noqa: E402
-from .output import Result, load_result                         # noqa: E402
-from .plot import plot                                          # noqa: E402
-from .read import load_text                                     # noqa: E402
-from .run import Interrupted, repeat, run                       # noqa: E402
-from .resume import resume                                      # noqa: E402
-from .checkpoint import CheckpointError                         # noqa: E402
-from .shipped import load                                       # noqa: E402
-from .spec import Spec                                          # noqa: E402
-from .validate import validate                                  # noqa: E402
-from .verify import verify                                      # noqa: E402
+from .run.integrator import Integrator, build  # noqa: E402
+from .run.output import Result, load_result  # noqa: E402
+from .show.plot import plot  # noqa: E402
+from .read import load_text  # noqa: E402
+from .run.run import Interrupted, repeat, run  # noqa: E402
+from .run.resume import resume  # noqa: E402
+from .run.checkpoint import CheckpointError  # noqa: E402
+from .read.shipped import load  # noqa: E402
+from .language.spec import Spec  # noqa: E402
+from .check.validate import validate  # noqa: E402
+from .check.verify import verify  # noqa: E402
 
 if TYPE_CHECKING:
-    from .advice import advise
-    from .symmetry import explain
+    from .analyse.advice import advise
+    from .analyse.symmetry import explain
 
 __all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "UsageError", "ValidationError",
@@ -43,10 +42,10 @@ __all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "Keywor
 def __getattr__(name):
     """`explain` and `advise`, which need sympy, are imported when they are asked for."""
     if name == "explain":
-        from .symmetry import explain
+        from .analyse.symmetry import explain
         return explain
     if name == "advise":
-        from .advice import advise
+        from .analyse.advice import advise
         return advise
     raise AttributeError(f"module 'smidgen' has no attribute '{name}'")
 

@@ -1,6 +1,6 @@
 /* smidgen runtime: block-sparse LU with a pattern fixed at compile time.
  *
- * The pattern (gen/ordering.py) is that of L + U with its fill, in the order of elimination:
+ * The pattern (gen/compile/plan/ordering.py) is that of L + U with its fill, in the order of elimination:
  * row i has the columns col[rowptr[i]] .. col[rowptr[i+1]-1], ascending, with col[diag[i]] = i.
  * A holds a block for each of them, zero where only fill will stand. */
 #ifndef SMG_SPARSE_H

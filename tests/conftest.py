@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import smidgen
-import smidgen.integrator
-from smidgen.build import build_library
+from smidgen.run import integrator
+from smidgen.build.library import build_library
 
 sys.path.insert(0, str(Path(__file__).parent))
 ROOT = Path(__file__).parent.parent
@@ -30,7 +30,7 @@ def root():
 def toy(tmp_path, monkeypatch):
     """The spec of tests/toy.py, with its hand-written C in place of the compiler's."""
     import toy as model
-    monkeypatch.setattr(smidgen.integrator, "build_library",
+    monkeypatch.setattr(integrator, "build_library",
                         lambda *args: build_library(*args, generate=model.generate))
     path = tmp_path / "toy.toml"
     path.write_text(model.SPEC)

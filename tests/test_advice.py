@@ -8,11 +8,11 @@ import pytest
 from support.advice_specs import KINDS, text
 
 import smidgen
-from smidgen.advice import advice_for, advise
-from smidgen.advice.equation import StepEquation
+from smidgen.analyse.advice import advice_for, advise
+from smidgen.analyse.advice.equation import StepEquation
 from smidgen.errors import RunError, UsageError
 from smidgen.read import load_text
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 GRID = 40           # first steps between a thousandth of the cap and the cap
 HALVINGS = 16

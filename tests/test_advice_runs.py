@@ -8,13 +8,13 @@ from support.advice_specs import text
 from support.systems import load
 
 import smidgen
-from smidgen.advice import advise
-from smidgen.advice.along import TURN
-from smidgen.advice.branch import follow
-from smidgen.advice.cause import Fields, effect_of, shares
-from smidgen.advice.equation import StepEquation
-from smidgen.advice.rates import local_rate
-from smidgen.advice.trial import first_failure
+from smidgen.analyse.advice import advise
+from smidgen.analyse.advice.along import TURN
+from smidgen.analyse.advice.branch import follow
+from smidgen.analyse.advice.cause import Fields, effect_of, shares
+from smidgen.analyse.advice.equation import StepEquation
+from smidgen.analyse.advice.rates import local_rate
+from smidgen.analyse.advice.trial import first_failure
 from smidgen.errors import RunError
 from smidgen.read import load_text
 

@@ -11,8 +11,8 @@ from support.systems import (CLASSICAL, FREE_BODIES, QUICK, SHORT, SPECS, SPHERI
                              few_quick, model)
 
 from smidgen.errors import UsageError
-from smidgen.start import radii
-from smidgen.witness import Witness
+from smidgen.run.start import radii
+from smidgen.check.witness import Witness
 
 EPSILON = np.finfo(float).eps
 TEXTS = {"mixed": texts.MIXED, "pulse": texts.PULSE, "corners": texts.CORNERS, "open": texts.OPEN_CHAIN}

@@ -11,7 +11,7 @@ from math import asin, cos, pi, sin, tan
 
 import pytest
 
-from smidgen.emit import generate
+from smidgen.compile.emit.emit import generate
 from smidgen.read import load_text
 from smidgen.resources import folder
 

@@ -8,12 +8,12 @@ import sys
 
 import pytest
 import smidgen
-import smidgen.cache
+from smidgen.build import cache
 import toy as model
-from smidgen.build import build_library, cache_folder, find_compiler, generator_digest
+from smidgen.build.library import build_library, cache_folder, find_compiler, generator_digest
 
 pytestmark = pytest.mark.quick
-BUILD = sys.modules["smidgen.build"]        # the module; `smidgen.build` is the function
+BUILD = sys.modules["smidgen.build.library"]
 
 
 @pytest.fixture(autouse=True)
@@ -78,20 +78,20 @@ def test_another_generator_makes_another_build(spec, monkeypatch):
 
 
 def test_the_generator_is_known_by_its_content(tmp_path, monkeypatch):
-    for name in ("code", "templates", "runtime"):
-        (tmp_path / name).mkdir()
+    for name in ("code/language", "code/read", "code/compile", "code/run", "templates", "runtime"):
+        (tmp_path / name).mkdir(parents=True)
         (tmp_path / name / "a").write_text(name)
     monkeypatch.setattr(BUILD, "HERE", tmp_path / "code")
     monkeypatch.setattr(BUILD, "folder", lambda name: tmp_path / name)
     digests = []
-    for change in ("runtime/a", "templates/a", "code/a", "code/cli"):
+    for change in ("runtime/a", "templates/a", "code/compile/a", "code/language/a", "code/read/a", "code/run/a"):
         generator_digest.cache_clear()
         digests.append(generator_digest())
         (tmp_path / change).write_text("changed")
     generator_digest.cache_clear()
     digests.append(generator_digest())
     generator_digest.cache_clear()
-    assert len(set(digests[:4])) == 4 and digests[3] == digests[4]    # cli decides nothing
+    assert len(set(digests[:6])) == 6 and digests[5] == digests[6]    # what comes after the compiler decides nothing
 
 
 def test_compile_errors_name_a_log(spec):
@@ -188,7 +188,7 @@ def _build_counted(given):
 
 
 def test_the_cache_forgets_the_oldest(spec, monkeypatch):
-    monkeypatch.setattr(smidgen.cache, "KEPT", 2)
+    monkeypatch.setattr(cache, "KEPT", 2)
     for solver in ("auto", "newton", "plain", "rotation"):
         last = build_library(spec, solver=solver, generate=Counting())
     kept = [p for p in cache_folder().iterdir() if (p / "built.json").exists()]

@@ -3,8 +3,8 @@ import os
 
 import pytest
 import smidgen
-import smidgen.cache
-from smidgen.cache import SEAL, cache_folder, entry, lock
+import smidgen.build.cache
+from smidgen.build.cache import SEAL, cache_folder, entry, lock
 
 pytestmark = pytest.mark.quick
 
@@ -82,7 +82,7 @@ def test_a_damaged_library_never_runs(toy):
 
 
 def test_the_witness_is_watched_too(monkeypatch):
-    from smidgen.witness import native
+    from smidgen.check.witness import native
     monkeypatch.setattr(native, "_compile", lambda command, work: (work / native.NAME).write_bytes(bytes(100)))
     library = native._built()
     good = library.read_bytes()

@@ -6,9 +6,9 @@ import time
 import numpy as np
 import pytest
 import smidgen
-from smidgen.checkpoint import folder_of
-from smidgen.features import FEATURES
-from smidgen.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, PAST, REST, SCALE, SIZE, Saved
+from smidgen.run.checkpoint import folder_of
+from smidgen.compile.features import FEATURES
+from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, PAST, REST, SCALE, SIZE, Saved
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
 from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model

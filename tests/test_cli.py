@@ -254,7 +254,7 @@ def test_a_step_that_fails(command, tmp_path):
 
 def test_validation_can_fail(command, monkeypatch):
     from smidgen import cli
-    validate = sys.modules["smidgen.validate"]
+    validate = sys.modules["smidgen.check.validate"]
     bad = validate.Report("m", "r", "x", 0.1, 1, 1, 1.0, (validate.Line("field", 1.0, "0", False),))
     monkeypatch.setattr(validate, "validate", lambda *a, **k: bad)
     assert cli.main(["validate", TOP]) == 5
@@ -418,7 +418,7 @@ def test_nothing_near_is_not_guessed(words, capsys):
 # Tables
 
 def a_report(note):
-    validate = sys.modules["smidgen.validate"]         # its name in the package is the function's
+    validate = sys.modules["smidgen.check.validate"]         # its name in the package is the function's
     return validate.Report("m", "r", "x", 0.1, 1, 1, 1.0, (validate.Line("field", 1.0, "0", True, note),))
 
 

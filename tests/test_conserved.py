@@ -6,10 +6,10 @@ import pytest
 
 import smidgen
 from smidgen import cli
-from smidgen.conserved import conserved_axes, driven
-from smidgen.demo import systems
-from smidgen.plot import facts, page, player
-from smidgen.shipped import shipped
+from smidgen.run.conserved import conserved_axes, driven
+from smidgen.show.demo import systems
+from smidgen.show.plot import facts, page, player
+from smidgen.read.shipped import shipped
 
 pytestmark = pytest.mark.quick
 TEXT = """[model]

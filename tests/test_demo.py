@@ -5,12 +5,12 @@ import pytest
 from pages import blocks, python, sh
 
 import smidgen
-from smidgen.demo import exact, experiments, paths, stages, systems
-from smidgen.conserved import conserved_axes, of_time, with_tracers
-from smidgen.plot import facts, portraits
-from smidgen.plot.equilibria import equilibria
-from smidgen.plot.figures import FIGURES
-from smidgen.shipped import load_spec, shipped
+from smidgen.show.demo import exact, experiments, paths, stages, systems
+from smidgen.run.conserved import conserved_axes, of_time, with_tracers
+from smidgen.show.plot import facts, portraits
+from smidgen.show.plot.equilibria import equilibria
+from smidgen.show.plot.figures import FIGURES
+from smidgen.read.shipped import load_spec, shipped
 
 FREE_BODY = {(1, 2, 4): (-0.45036353307, -0.09362899306, 0.88792246270),
              (1, 4 / 3, 2): (-0.44165602784, 0.14621487230, 0.88518990289)}

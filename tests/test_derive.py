@@ -8,14 +8,14 @@ import sympy as sp
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from smidgen import limits
-from smidgen.derive import NoRealValue, absolute, derive, floor_, greater, lesser, power, signum
-from smidgen.emit import generate
+from smidgen.language import limits
+from smidgen.compile.derive.derivatives import NoRealValue, absolute, derive, floor_, greater, lesser, power, signum
+from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, SpecError, UsageError
-from smidgen.expr import Op, walk
+from smidgen.language.expr import Op, walk
 from smidgen.read import load_text
 from smidgen.read.work import derivatives
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 COPIES = 30         # nodes of all derivatives by parts for each operation that the limit counts
 WHOLE = 50_000      # nodes of those of a formula that stays whole

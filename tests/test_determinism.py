@@ -11,9 +11,9 @@ import pytest
 from support import texts
 from support.systems import CLASSICAL, SPECS, SPHERICAL, load
 
-from smidgen.emit import generate
+from smidgen.compile.emit.emit import generate
 from smidgen.resources import folder
-from smidgen.select import select
+from smidgen.compile.select import select
 
 PROGRAM = Path(__file__).parent / "support" / "generate.py"
 GOLDEN = Path(__file__).parent / "golden"

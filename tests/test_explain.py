@@ -10,10 +10,10 @@ from support.systems import SPECS, load
 import smidgen
 from smidgen.errors import RunError
 from smidgen.read import load_text
-from smidgen.start import casimir_matrices, radii
-from smidgen.symmetry import bounds, explain
-from smidgen.symmetry.energy import Energy
-from smidgen.witness import Witness
+from smidgen.run.start import casimir_matrices, radii
+from smidgen.analyse.symmetry import bounds, explain
+from smidgen.analyse.symmetry.energy import Energy
+from smidgen.check.witness import Witness
 
 CHAIN = '''[model]
 name = "chain"

@@ -6,9 +6,9 @@ from bench.round_off.programs import DEFAULT, LONG, PAIRS, PLAIN, VARIANTS, ask,
 from support.strict import COMPILERS, compile_all
 from support.systems import begin, load, model
 
-from smidgen.build import write_files
-from smidgen.emit import generate
-from smidgen.select import select
+from smidgen.build.library import write_files
+from smidgen.compile.emit.emit import generate
+from smidgen.compile.select import select
 
 # the worst of |W - W in quadruple precision| after one step, |w| = 1 or a little more: the digits of each end
 OFF = {DEFAULT: 3e-16, LONG: 1e-19, PAIRS: 1e-24}

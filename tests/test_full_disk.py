@@ -9,8 +9,8 @@ import sys
 
 import pytest
 import smidgen
-import smidgen.durable
-from smidgen.checkpoint import Folder, folder_of
+from smidgen.run import durable
+from smidgen.run.checkpoint import Folder, folder_of
 from smidgen.errors import Exit
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
@@ -20,7 +20,7 @@ class Room:
     """In place of `durable._write_all`: writes until `left` bytes are used, then ENOSPC."""
 
     def __init__(self, left):
-        self.left, self.write = left, smidgen.durable._write_all
+        self.left, self.write = left, durable._write_all
 
     def __call__(self, out, data):
         if len(data) > self.left:
@@ -34,7 +34,7 @@ class Room:
 def test_checkpoints_that_find_no_room(tmp_path, patient_disk, monkeypatch, room, unbroken):
     out = tmp_path / "a.h5"
     with monkeypatch.context() as full:
-        full.setattr(smidgen.durable, "_write_all", Room(room))
+        full.setattr(durable, "_write_all", Room(room))
         with pytest.raises(smidgen.OutputError, match=f"cannot write {out}: No space left") as caught:
             chain_run(out)
     assert caught.value.exit_code == Exit.OUTPUT and not out.exists()

@@ -22,7 +22,7 @@ from support.random_specs import random_spec
 
 from smidgen.errors import SpecError
 from smidgen.read import load_text
-from smidgen.spec import Spec
+from smidgen.language.spec import Spec
 
 ROOT = Path(__file__).parent.parent
 SHIPPED = [p.read_text(encoding="utf-8") for p in sorted((ROOT / "specs").glob("*.toml"))]

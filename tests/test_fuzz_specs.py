@@ -16,8 +16,9 @@ from fuzz.specs import KINDS, attempt, closing, many, rows_of, signature
 from fuzz.through import Fault, through
 
 from smidgen.errors import BuildError
-from smidgen.select import select
-from smidgen.settings import settle
+from smidgen.compile.select import select
+from smidgen.run.integrator import METHODS, SOLVERS
+from smidgen.run.settings import settle
 
 FEW = (5,)
 
@@ -107,7 +108,7 @@ def test_random_specs_are_of_every_kind():
     texts = [spec_text(random.Random(seed)) for seed in range(300)]
     assert [k for k, p in KINDS.items() if sum(bool(re.search(p, t)) for t in texts) < 3] == []
     assert {f for t in texts for f in features_of(t)} == {"tangent", "extended", "plain-sums"}
-    for key, values in {"method": smidgen.integrator.METHODS, "solver": smidgen.integrator.SOLVERS}.items():
+    for key, values in {"method": METHODS, "solver": SOLVERS}.items():
         assert {re.search(rf'\n{key} = "(.*)"', t).group(1) for t in texts} == set(values)
     assert spec_text(random.Random(3)) == spec_text(random.Random(3))
 

@@ -8,14 +8,14 @@ from support.strict import COMPILERS, REALS, WARNINGS, compile_all, driver, run_
 from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, load,
                              model)
 
-from smidgen.build import write_files
-from smidgen.emit import generate
+from smidgen.build.library import write_files
+from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
-from smidgen.integrator import SOLVERS
-from smidgen.prune import without_uncalled
+from smidgen.run.integrator import SOLVERS
+from smidgen.compile.emit.prune import without_uncalled
 from smidgen.resources import folder
-from smidgen.select import select
-from smidgen.start import parameter_values
+from smidgen.compile.select import select
+from smidgen.run.start import parameter_values
 
 TEXTS = {"mixed": texts.MIXED, "pulse": texts.PULSE, "corners": texts.CORNERS, "field": texts.FIELD,
          "glass": texts.GLASS, "open": texts.OPEN_CHAIN}

@@ -6,8 +6,8 @@ from support.systems import CLASSICAL, SPHERICAL, begin, load, model
 
 import smidgen
 from smidgen.errors import RunError
-from smidgen.integrator import STATUS
-from smidgen.witness import Witness
+from smidgen.run.integrator import STATUS
+from smidgen.check.witness import Witness
 
 pytestmark = pytest.mark.quick
 EPSILON = np.finfo(float).eps

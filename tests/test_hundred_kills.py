@@ -12,8 +12,8 @@ from collections import Counter
 
 import pytest
 import smidgen
-from smidgen.checkpoint import folder_of
-from smidgen.saved import HEAD
+from smidgen.run.checkpoint import folder_of
+from smidgen.run.saved import HEAD
 from support import crash
 from support.phases import COMPUTING, NAMES, START, WRITING, durations, killed_in
 from support.runs import chain_run
@@ -93,7 +93,7 @@ def test_a_resume_that_forgets_the_carry_is_seen(tmp_path, monkeypatch):
     out = tmp_path / "a.h5"
     long_run(tmp_path / "whole.h5", checkpoint=None)
     killed_in(WRITING, 5, 0.0, lambda: long_run(out))
-    real = smidgen.integrator.Integrator.restore
-    monkeypatch.setattr(smidgen.integrator.Integrator, "restore", lambda model, saved: real(model, without_carry(saved)))
+    real = smidgen.Integrator.restore
+    monkeypatch.setattr(smidgen.Integrator, "restore", lambda model, saved: real(model, without_carry(saved)))
     with pytest.raises(AssertionError):
         ends_the_same(out, tmp_path / "copy", (tmp_path / "whole.h5").read_bytes())

@@ -4,7 +4,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from smidgen.emit import generate
+from smidgen.compile.emit.emit import generate
 from smidgen.read import load_text
 from smidgen.resources import folder
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 
-from smidgen import limits
+from smidgen.language import limits
 from smidgen.errors import SpecError
 from smidgen.read import load, load_text
 from test_read import spec_of

@@ -5,8 +5,8 @@ from support.systems import CLASSICAL, SPHERICAL, begin
 
 import smidgen
 from smidgen.errors import UsageError
-from smidgen.lyapunov import Exponents, exponents, nearby, on_leaves, tangent_vectors
-from smidgen.sections import exponent, growth, stroboscope
+from smidgen.analyse.lyapunov import Exponents, exponents, nearby, on_leaves, tangent_vectors
+from smidgen.analyse.sections import exponent, growth, stroboscope
 
 PERIOD = 2 * np.pi
 H = PERIOD / 20
@@ -134,7 +134,7 @@ def test_both_go_to_zero_on_regular_orbits_beside(off):
 
 
 def test_the_estimate_of_sections_is_the_same():
-    """gen/sections.py measures by the period, with code of its own."""
+    """gen/analyse/sections.py measures by the period, with code of its own."""
     model, w, periods = body(), beside_the_saddle(REGULAR[0]), 500
     orbit = stroboscope(model, PERIOD, 20)
     theirs = exponent(growth(orbit, orbit(w[0], periods))) / PERIOD

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen import cli
-from smidgen.nearness import NEAR, last_distances
+from smidgen.run.nearness import NEAR, last_distances
 from support.systems import begin
 
 FIELD = """

@@ -4,7 +4,7 @@ import pytest
 from support import texts
 from support.systems import SPHERICAL, begin, model
 
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 pytestmark = pytest.mark.quick
 

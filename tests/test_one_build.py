@@ -5,12 +5,12 @@ import sys
 import numpy as np
 import pytest
 import smidgen
-from smidgen.build import build_library, split_notes
-from smidgen.emit import generate
-from smidgen.integrator import Integrator, scene_of
-from smidgen.start import parameter_values
+from smidgen.build.library import build_library, split_notes
+from smidgen.compile.emit.emit import generate
+from smidgen.run.integrator import Integrator, scene_of
+from smidgen.run.start import initial_state, parameter_values
 
-BUILD = sys.modules["smidgen.build"]        # the module; `smidgen.build` is the function
+BUILD = sys.modules["smidgen.build.library"]
 HEAD = '[model]\nname = "many"\n[space]\n'
 CHAIN = HEAD + """w = { sphere = "n" }
 [parameters]
@@ -203,4 +203,4 @@ def test_a_size_that_the_plan_does_not_serve_is_refused(name, given, read):
     model = smidgen.build(spec)
     wrong = Integrator(spec, model.scene, model.built, parameter_values(spec, given), model.method, model.solver)
     with pytest.raises(smidgen.RunError, match="bad parameter"):
-        wrong.start(smidgen.start.initial_state(spec, "any", given), h=0.1)
+        wrong.start(initial_state(spec, "any", given), h=0.1)

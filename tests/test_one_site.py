@@ -6,9 +6,9 @@ from itertools import cycle
 import pytest
 from support.strict import WARNINGS, compile_all
 
-from smidgen.build import write_files
-from smidgen.emit import generate
-from smidgen.features import FEATURES
+from smidgen.build.library import write_files
+from smidgen.compile.emit.emit import generate
+from smidgen.compile.features import FEATURES
 from smidgen.read import load_text
 
 pytestmark = pytest.mark.quick

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from smidgen.errors import UsageError
-from smidgen.output import Result
-from smidgen.plot import chain, colours, curves, draw, equilibria, facts, leaf, orbits, overview, pictures
-from smidgen.plot import player, portraits, sphere, style, surfaces, text, view
-from smidgen.plot.figures import FIGURES
-from smidgen.plot.gallery import Picture, Row, gallery
+from smidgen.run.output import Result
+from smidgen.show.plot import chain, colours, curves, draw, equilibria, facts, leaf, orbits, overview, pictures
+from smidgen.show.plot import player, portraits, sphere, style, surfaces, text, view
+from smidgen.show.plot.figures import FIGURES
+from smidgen.show.plot.gallery import Picture, Row, gallery
 
 INERTIA = np.array([1.0, 2.0, 4.0])
 HOSTILE = "</script><script>alert('1')</script>&\"$x_{$\\frac\u202e\x00 <b>"

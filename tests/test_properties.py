@@ -8,10 +8,10 @@ from support.exact import rotation
 from support.systems import CLASSICAL, SPHERICAL, VESELOV, begin, load, model, on_leaf
 
 import smidgen
-from smidgen.emit import generate
-from smidgen.select import select
-from smidgen.start import kappas
-from smidgen.witness import Witness
+from smidgen.compile.emit.emit import generate
+from smidgen.compile.select import select
+from smidgen.run.start import kappas
+from smidgen.check.witness import Witness
 
 pytestmark = pytest.mark.quick
 EPSILON = np.finfo(float).eps

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import smidgen
-from smidgen.shipped import shipped
+from smidgen.read.shipped import shipped
 
 pytestmark = pytest.mark.quick
 FUNCTIONS = {name: getattr(smidgen, name) for name in smidgen.__all__ if inspect.isroutine(getattr(smidgen, name))}
 CALLED = {**FUNCTIONS, "Integrator.start": smidgen.Integrator.start, "exponents": smidgen.lyapunov.exponents,
           "nearby": smidgen.lyapunov.nearby}
-SHARED = ("build", "plot", "resume", "run", "validate", "verify")       # functions named as modules
+SHARED = ("build", "run")       # functions named as packages
 TOP = """[model]
 name = "top"
 [space]
@@ -56,7 +56,7 @@ shared = {shared!r}
 def fresh():
     for name in [n for n in sys.modules if n.split(".")[0] == "smidgen"]:
         del sys.modules[name]
-for first in [(), *itertools.permutations(shared, 1), shared, shared[::-1], ("plot.facts", "plot.draw", "advice", "symmetry")]:
+for first in [(), *itertools.permutations(shared, 1), shared, shared[::-1], ("show.plot.facts", "show.plot.draw", "analyse.advice", "analyse.symmetry")]:
     fresh()
     for name in first:
         importlib.import_module("smidgen." + name)
@@ -65,8 +65,7 @@ for first in [(), *itertools.permutations(shared, 1), shared, shared[::-1], ("pl
         for name in shared:
             function = getattr(smidgen, name)
             assert callable(function) and function.__name__ == name, (first, name, function)
-            assert getattr(importlib.import_module("smidgen." + name), name, function) is function, (first, name)
-    from smidgen.plot import kinds
+    from smidgen.show.plot import kinds
     assert "player" in kinds()
     assert callable(smidgen.explain) and callable(smidgen.advise) and smidgen.lyapunov.exponents
 """

@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from smidgen import limits
+from smidgen.language import limits
 from smidgen.errors import SpecError, UsageError
-from smidgen.evaluate import evaluate
-from smidgen.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, kind_of, walk
+from smidgen.language.evaluate import evaluate
+from smidgen.language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, kind_of, walk
 from smidgen.read import load, load_text
 from smidgen.read.codes import CODES
 from smidgen.read.marks import Marks
 from smidgen.read.names import FUNCTIONS
-from smidgen.select import select
-from smidgen.spec import Each, Lattice, Once, Pairs, Sites
-from smidgen.start import parameter_values
+from smidgen.compile.select import select
+from smidgen.language.spec import Each, Lattice, Once, Pairs, Sites
+from smidgen.run.start import parameter_values
 
 pytestmark = pytest.mark.quick
 ROOT = Path(__file__).parent.parent

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 import smidgen
-from smidgen import limits
+from smidgen.language import limits
 from smidgen.read import checks
 
 MEMORY = 400 << 20      # bytes of address space for the reader; the numbers below would take more

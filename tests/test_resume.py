@@ -8,8 +8,7 @@ import time
 import numpy as np
 import pytest
 import smidgen
-import smidgen.resume
-from smidgen.checkpoint import Folder, folder_of
+from smidgen.run.checkpoint import Folder, folder_of
 from smidgen.errors import Exit
 from support import crash
 from support.runs import chain_run, patient_disk, same_as_unbroken, unbroken    # noqa: F401
@@ -138,7 +137,7 @@ def test_another_compiler_is_refused(stopped, monkeypatch):
 
 
 def test_another_format_is_refused(stopped, monkeypatch):
-    monkeypatch.setattr(sys.modules["smidgen.checkpoint"], "FORMAT", 2)
+    monkeypatch.setattr(sys.modules["smidgen.run.checkpoint"], "FORMAT", 2)
     refused(stopped, "another version of smidgen")
 
 

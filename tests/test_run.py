@@ -13,8 +13,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import smidgen
-from smidgen.output import OutputError
-from smidgen.settings import multiple, settle
+from smidgen.run.output import OutputError
+from smidgen.run.settings import multiple, settle
 
 pytestmark = pytest.mark.quick
 FORMATS = [".csv", ".npz", ".h5"]
@@ -113,7 +113,7 @@ def test_wrong_names(toy, wrong, said):
 
 
 def test_the_status_texts_are_those_of_the_runtime(root):
-    from smidgen.integrator import STATUS
+    from smidgen.run.integrator import STATUS
     header = (root / "runtime" / "smidgen.h").read_text()
     for number, (name, _) in STATUS.items():
         assert f"SMG_{name.upper().replace(' ', '_')} = {number}," in header.replace(
@@ -319,7 +319,7 @@ def test_the_widest_table(toy, tmp_path, sites, good):
 def test_the_most_memory(steps, good):
     """2 GiB of outputs are kept, an entry more is refused."""
     layout, settings = {"energy": ((), np.dtype(float))}, SimpleNamespace(steps=steps, every=1)
-    check = sys.modules["smidgen.run"]._affordable
+    check = sys.modules["smidgen.run.run"]._affordable
     check(layout, settings, keep=False)
     if good:
         check(layout, settings, keep=True)

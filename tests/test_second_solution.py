@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import smidgen
-from smidgen.emit import generate
+from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
 from smidgen.read import load_text
 from smidgen.resources import folder

@@ -7,9 +7,9 @@ import pytest
 from bench import sections as bench
 
 import smidgen
-from smidgen.demo.paths import spiral
+from smidgen.show.demo.paths import spiral
 from smidgen.errors import UsageError
-from smidgen.sections import (BLOCK, CHAOTIC, REGULAR, UNDECIDED, Census, birkhoff_average,
+from smidgen.analyse.sections import (BLOCK, CHAOTIC, REGULAR, UNDECIDED, Census, birkhoff_average,
                               birkhoff_digits, census, chart_of, exponent, fit_curve, growth,
                               judge_digits, judge_exponent, widest_gap, wilson)
 

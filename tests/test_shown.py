@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.filters import EVERY_BUILD, block_pivots, feed, make, positive, random  # noqa: F401
 
-from smidgen import ordering
+from smidgen.compile.plan import ordering
 
 
 def told(full, bs):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import smidgen
-from smidgen.advice import advise
+from smidgen.analyse.advice import advise
 from smidgen.errors import RunError
 from smidgen.read import load_text
 

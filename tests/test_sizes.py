@@ -6,13 +6,13 @@ from itertools import cycle
 import pytest
 from support.strict import WARNINGS, run_sanitized
 
-from smidgen.build import write_files
-from smidgen.emit import generate
+from smidgen.build.library import write_files
+from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
-from smidgen.features import FEATURES
+from smidgen.compile.features import FEATURES
 from smidgen.read import load_text
 from smidgen.resources import folder
-from smidgen.select import select
+from smidgen.compile.select import select
 
 SPEC = """
 [model]

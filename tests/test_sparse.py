@@ -4,7 +4,7 @@ import pytest
 from support.filters import (BUILDS, EVERY_BUILD, backward_error, block_pivots, feed, make,
                              positive, random)  # noqa: F401
 
-from smidgen import ordering
+from smidgen.compile.plan import ordering
 
 
 # ---- block-sparse ------------------------------------------------------------------------

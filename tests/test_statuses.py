@@ -12,7 +12,7 @@ from support.systems import load
 import smidgen
 from smidgen.errors import RunError
 from smidgen.read import load_text
-from smidgen.start import initial_state
+from smidgen.run.start import initial_state
 
 NO_CONVERGENCE, NO_SOLUTION, NOT_FINITE, BAD_PARAMETER, OFF_MANIFOLD = 1, 2, 4, 5, 6
 TEXT = '[model]\nname = "{name}"\n[space]\n{space}\n[parameters]\n{parameters}\n[effects.field]\n{field}\n'

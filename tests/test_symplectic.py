@@ -13,7 +13,7 @@ from support.tangent import (Leaves, LongStep, derivative, frame, leaves_of, lon
                              poisson_defect)
 
 import smidgen
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 SYMPLECTIC, NOT_SYMPLECTIC = 1e-12, 1e-8
 ROUND_OFF = 1e-15       # some ulps of extended precision over the width of a difference

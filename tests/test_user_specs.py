@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import smidgen
-from smidgen.validate import validate
+from smidgen.check.validate import validate
 
 USER = Path(__file__).parent / "user"
 SPECS = ["coupled_tops", "j1j2_chain", "kicked_spin", "kitaev_honeycomb", "mixed_families", "signed_vortices",

@@ -9,13 +9,13 @@ from witness_models import body, one_term, op, precession, pulsed, sphere
 
 import smidgen
 from smidgen.errors import UsageError, ValidationError
-from smidgen.expr import Num, Op, Spin, Time
-from smidgen.integrator import build
+from smidgen.language.expr import Num, Op, Spin, Time
+from smidgen.run.integrator import build
 from smidgen.resources import folder
-from smidgen.spec import FamilyStart, Run, Start
-from smidgen.validate import Line, Report, validate
+from smidgen.language.spec import FamilyStart, Run, Start
+from smidgen.check.validate import Line, Report, validate
 
-module = sys.modules["smidgen.validate"]       # `smidgen.validate` is the function
+module = sys.modules["smidgen.check.validate"]       # `smidgen.validate` is the function
 SPECS = sorted(p.stem for p in folder("specs").glob("*.toml"))
 W0 = ((np.cos(1.1), 0.0, np.sin(1.1)),)
 

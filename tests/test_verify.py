@@ -9,10 +9,10 @@ from support.systems import CLASSICAL, SPECS, VESELOV, load
 
 import smidgen
 from smidgen.errors import RunError, UsageError, ValidationError
-from smidgen.settings import settle
-from smidgen.verify.certificate import certify
-from smidgen.verify.row import CLAIMS, NO, NOT_APPLICABLE, YES, at_most, at_least
-from smidgen.verify.subject import emitted
+from smidgen.run.settings import settle
+from smidgen.check.verify.certificate import certify
+from smidgen.check.verify.row import CLAIMS, NO, NOT_APPLICABLE, YES, at_most, at_least
+from smidgen.check.verify.subject import emitted
 
 SIZES = {"heisenberg_chain": {"n": 10}, "honeycomb": {"nx": 2, "ny": 2}, "j1j2_chain": {"n": 10},
          "landau_lifshitz": {"n": 12}, "cubic_lattice": {"nx": 2, "ny": 2, "nz": 2},
@@ -330,8 +330,8 @@ HOSTILE = {
 
 @pytest.mark.parametrize("fault", HOSTILE)
 def test_a_hostile_certificate_is_refused(made, tmp_path, fault):
-    from smidgen.select import select
-    from smidgen.verify.embed import read_certificate
+    from smidgen.compile.select import select
+    from smidgen.check.verify.embed import read_certificate
     file, data = made
     scene = select(load("free_rigid_body"))
     assert read_certificate(file, scene, "spherical-midpoint", "auto")
@@ -345,8 +345,8 @@ def test_a_hostile_certificate_is_refused(made, tmp_path, fault):
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "\x00\xff", "[" * 100000, "9" * 5000], ids=range(6))
 def test_what_is_no_certificate_is_refused(tmp_path, text):
-    from smidgen.select import select
-    from smidgen.verify.embed import read_certificate
+    from smidgen.compile.select import select
+    from smidgen.check.verify.embed import read_certificate
     (tmp_path / "bad.json").write_text(text, encoding="latin-1")
     for name in ("bad.json", "missing.json", "."):
         with pytest.raises(UsageError):

@@ -7,20 +7,20 @@ import pytest
 from support.planted import Planted
 from support.systems import load
 
-from smidgen.settings import settle
-from smidgen.verify.along import along
-from smidgen.verify.branch import branch
-from smidgen.verify.case import Case
-from smidgen.verify.certificate import certify
-from smidgen.verify.integrals import integrals, known_integrals
-from smidgen.verify.leaves import lengths
-from smidgen.verify.outputs import outputs
-from smidgen.verify.round_off import round_off
-from smidgen.verify.row import NO, YES
-from smidgen.verify.sums import sums
-from smidgen.verify.whole_space import GRID, directions, whole_space
+from smidgen.run.settings import settle
+from smidgen.check.verify.along import along
+from smidgen.check.verify.branch import branch
+from smidgen.check.verify.case import Case
+from smidgen.check.verify.certificate import certify
+from smidgen.check.verify.integrals import integrals, known_integrals
+from smidgen.check.verify.leaves import lengths
+from smidgen.check.verify.outputs import outputs
+from smidgen.check.verify.round_off import round_off
+from smidgen.check.verify.row import NO, YES
+from smidgen.check.verify.sums import sums
+from smidgen.check.verify.whole_space import GRID, directions, whole_space
 
-validation = sys.modules["smidgen.validate"]         # its name in the package is the function's
+validation = sys.modules["smidgen.check.validate"]         # its name in the package is the function's
 
 # name -> values, solver: alone, R^3, Nambu, dense Newton, sweeps and band, sweeps alone, tracers
 MODELS = {"free_rigid_body": ({}, "auto"), "irreversible_rigid_body": ({}, "auto"), "two_bodies": ({}, "auto"),

@@ -14,13 +14,13 @@ from witness_models import (body, chord, nambu, one_term, op, precession, pulsed
 
 import smidgen
 from smidgen.errors import BuildError, MissingTool, RunError, UsageError
-from smidgen.evaluate import evaluate
-from smidgen.expr import SIGNATURES, Elem, Idx, Num, Par, Spin, Weight
+from smidgen.language.evaluate import evaluate
+from smidgen.language.expr import SIGNATURES, Elem, Idx, Num, Par, Spin, Weight
 from smidgen.resources import folder
-from smidgen.spec import Each, Graph, Lattice, Once, Pairs, Parameter, Sites, Spec, Term
-from smidgen.start import initial_state
-from smidgen.witness import Witness, native
-from smidgen.witness.instances import instances_of
+from smidgen.language.spec import Each, Graph, Lattice, Once, Pairs, Parameter, Sites, Spec, Term
+from smidgen.run.start import initial_state
+from smidgen.check.witness import Witness, native
+from smidgen.check.witness.instances import instances_of
 
 SPECS = sorted(p.stem for p in folder("specs").glob("*.toml"))
 W0 = np.array([[np.cos(1.1), 0, np.sin(1.1)]])
@@ -401,7 +401,7 @@ t.test_one_spin_in_a_perpendicular_field()
 def test_the_c_passes_sanitizers(monkeypatch, tmp_path, root):
     library = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True,
                              text=True, check=True).stdout.strip()
-    code = "import smidgen.witness.native as n; n.FLAGS += ('-g', '-fsanitize=address,undefined'," \
+    code = "import smidgen.check.witness.native as n; n.FLAGS += ('-g', '-fsanitize=address,undefined'," \
            " '-fno-sanitize-recover=all')" + SANITIZED.format(tests=str(root / "tests"))
     monkeypatch.setenv("LD_PRELOAD", library)
     monkeypatch.setenv("ASAN_OPTIONS", "detect_leaks=0")

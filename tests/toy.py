@@ -127,5 +127,5 @@ void toy_abi_free(void *v) { free(((toy *)v)->w); free(v); }
 
 
 def generate(spec, method, solver, features):
-    """In place of `smidgen.emit.generate`."""
+    """In place of `smidgen.compile.emit.emit.generate`."""
     return {"toy.h": HEADER, "toy_abi.c": SOURCE}, {"solver": "exact"}

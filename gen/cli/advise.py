@@ -26,8 +26,8 @@ def add(commands):
 
 def command(args):
     """The advice in sentences."""
-    from ..advice import advise
-    from ..shipped import load_spec
+    from ..analyse.advice import advise
+    from ..read.shipped import load_spec
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "seed", "steps", "time")
              if getattr(args, w) is not None}
     if args.start is not None:

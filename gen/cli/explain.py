@@ -19,9 +19,9 @@ def add(commands):
 
 def command(args):
     """One sentence a line."""
-    from ..settings import find_run
-    from ..shipped import load_spec
-    from ..symmetry import explain
+    from ..run.settings import find_run
+    from ..read.shipped import load_spec
+    from ..analyse.symmetry import explain
     spec = load_spec(args.spec)
     run = find_run(spec, args.run)
     report = explain(spec, {**dict(run.values), **dict(args.values)}, args.method or run.method,

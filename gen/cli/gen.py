@@ -36,10 +36,10 @@ def add(commands):
 
 def scene_of(args):
     """(selected spec, method, solver) that the arguments ask for."""
-    from ..select import select
-    from ..settings import find_run
-    from ..shipped import load_spec
-    from ..start import parameter_values
+    from ..compile.select import select
+    from ..run.settings import find_run
+    from ..read.shipped import load_spec
+    from ..run.start import parameter_values
     spec = load_spec(args.spec)
     run = find_run(spec, args.run)
     values = {**dict(run.values), **dict(args.values)}
@@ -50,7 +50,7 @@ def scene_of(args):
 
 def gen(args):
     """Write the files; their paths are the data."""
-    from ..export import export_sources
+    from ..build.export import export_sources
     scene, method, solver = scene_of(args)
     files, notes = export_sources(scene, args.out, method, solver, args.amalgamate, args.features,
                                   args.certificate)
@@ -59,8 +59,8 @@ def gen(args):
 
 def build(args):
     """Compile into the cache or below --out; the paths are the data."""
-    from ..build import build_library
-    from ..export import export_library
+    from ..build.library import build_library
+    from ..build.export import export_library
     scene, method, solver = scene_of(args)
     if args.out:
         files, notes = export_library(scene, args.out, method, solver, args.features)

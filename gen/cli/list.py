@@ -17,7 +17,7 @@ def add(commands):
 def command(args):
     """One line a spec: name, title, runs."""
     from ..read import load
-    from ..shipped import shipped
+    from ..read.shipped import shipped
     found = [facts(name, path, load(str(path))) for name, path in shipped().items()]
     if args.json:
         return printed(found)

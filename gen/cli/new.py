@@ -43,7 +43,7 @@ def command(args):
 
 def source_text(word) -> str:
     """The text to copy."""
-    from ..shipped import find_spec
+    from ..read.shipped import find_spec
     path = find_spec(word) if word else Path(__file__).with_name("new.toml")
     try:
         return path.read_text(encoding="utf-8")

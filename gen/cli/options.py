@@ -4,10 +4,10 @@ from __future__ import annotations
 import argparse
 import math
 
+from ..compile.features import FEATURES
 from ..errors import UsageError
-from ..features import FEATURES
-from ..given import constant
-from ..integrator import METHODS, SOLVERS
+from ..read.given import constant
+from ..run.integrator import METHODS, SOLVERS
 
 
 def spec_argument(parser, **more):

@@ -25,7 +25,7 @@ def add(commands):
 
 def command(args):
     """Write the picture; its path is the data."""
-    from ..plot import kinds, plot
+    from ..show.plot import kinds, plot
     if args.kinds:
         return show_kinds(args, kinds())
     if args.source is None:

@@ -6,8 +6,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from ..checkpoint import folder_of
 from ..errors import Exit, RunError, UsageError
+from ..run.checkpoint import folder_of
 from .options import json_option, model_options, names, spec_argument, whole
 from .say import notes_line, printed, say
 
@@ -52,7 +52,7 @@ def add(commands):
 
 def command(args):
     """Run, then print the summary; what was computed before a failure is kept."""
-    from ..run import Interrupted
+    from ..run.run import Interrupted
     with output_file(args) as out:
         try:
             result, code = go(args, out), Exit.OK
@@ -90,10 +90,10 @@ class output_file:
 
 def go(args, out):
     """The run that the arguments ask for."""
-    from ..output import known_format
+    from ..run.output import known_format
     from ..progress import progress
-    from ..run import run
-    from ..settings import settle
+    from ..run.run import run
+    from ..run.settings import settle
     if args.resume is not None:
         return go_on(args)
     if args.checkpoint and args.out in (None, "-"):
@@ -109,7 +109,7 @@ def go(args, out):
 def go_on(args):
     """The rest of a run that was stopped."""
     from ..progress import progress
-    from ..resume import resume, saved_run
+    from ..run.resume import resume, saved_run
     if args.spec is not None or args.repeat is not None or args.out is not None:
         raise UsageError("--resume takes all from the file: leave SPEC, --out and --repeat out")
     refuse_choices(args, "--resume goes on with a run as it was: only --json goes with it")
@@ -124,13 +124,13 @@ def asked(args):
     if args.repeat is None:
         if args.spec is None:
             raise UsageError("which spec? `smidgen list` shows those that come with it")
-        from ..shipped import load_spec
+        from ..read.shipped import load_spec
         return load_spec(args.spec), args.run, choices(args)
     if args.spec is not None:
         raise UsageError("--repeat takes the spec from the file: leave SPEC out")
-    from ..build import generator_name
-    from ..output import load_result
-    from ..recorded import recorded
+    from ..build.library import generator_name
+    from ..run.output import load_result
+    from ..run.recorded import recorded
     refuse_choices(args)
     meta = load_result(args.repeat).meta
     if meta.get("generator") != generator_name():
@@ -160,7 +160,7 @@ def refuse_choices(args, said="--repeat repeats a run as it was: only --out and 
 
 def start_of(word: str):
     """A name, or the rows of a file."""
-    from ..start import state_table
+    from ..run.start import state_table
     return state_table(Path(word), word) if word.endswith((".csv", ".npy")) else word
 
 

@@ -27,8 +27,8 @@ def add(commands):
 
 def command(args):
     """A table a run; exit code 5 when a line fails."""
-    from ..shipped import load_spec
-    from ..validate import validate
+    from ..read.shipped import load_spec
+    from ..check.validate import validate
     spec = load_spec(args.spec)
     runs = [r.name for r in spec.runs] if args.all and spec.runs else [args.run]
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")

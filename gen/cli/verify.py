@@ -39,9 +39,9 @@ def steps(text: str) -> int:
 
 def command(args):
     """The table; exit code 5 when a row says no."""
-    from ..shipped import load_spec
+    from ..read.shipped import load_spec
     from ..tables import show
-    from ..verify import verify
+    from ..check.verify import verify
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
              if getattr(args, w) is not None}
     certificate = verify(load_spec(args.spec), args.run, tier=args.long or ("quick" if args.quick else "normal"),

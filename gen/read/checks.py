@@ -11,11 +11,11 @@ from typing import Iterator
 
 import numpy as np
 
-from .. import limits
 from ..errors import UsageError
-from ..evaluate import evaluate
-from ..expr import Elem, Idx, Num, Op, Par, Spin, walk
-from ..spec import Family, Graph, Lattice, Run, Spec, Term
+from ..language import limits
+from ..language.evaluate import evaluate
+from ..language.expr import Elem, Idx, Num, Op, Par, Spin, walk
+from ..language.spec import Family, Graph, Lattice, Run, Spec, Term
 from . import codes
 from .names import plural
 from .terms import families_of

@@ -6,7 +6,7 @@ import re
 import stat
 from pathlib import Path, PurePosixPath
 
-from .. import limits
+from ..language import limits
 from . import codes
 from .tree import Node, number_trouble
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Optional
 
-from ..expr import Expr, Num
+from ..language.expr import Expr, Num
 from . import codes
 from .parse import parse
 from .problems import Bad, Problems

@@ -1,8 +1,8 @@
 """Graphs: edge tables in files, `edge(i, j, K) of g`."""
 from __future__ import annotations
 
-from .. import limits
-from ..spec import Graph
+from ..language import limits
+from ..language.spec import Graph
 from . import codes
 from .files import Files
 from .formulas import Formulas

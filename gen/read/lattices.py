@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .. import limits
-from ..expr import Expr
-from ..spec import Lattice
+from ..language import limits
+from ..language.expr import Expr
+from ..language.spec import Lattice
 from . import codes
 from .formulas import Formulas
 from .names import identifier, plural

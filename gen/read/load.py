@@ -7,10 +7,10 @@ import os
 from dataclasses import replace
 from typing import Optional
 
-from .. import limits
 from ..errors import SpecError
+from ..language import limits
+from ..language.spec import Spec
 from ..public import public
-from ..spec import Spec
 from . import checks, codes
 from .files import Files
 from .formulas import Formulas

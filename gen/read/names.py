@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import re
 
-from .. import limits
+from ..language import limits
 from . import codes
 from .problems import Problems
 from .source import Span

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional
 
-from .. import limits
-from ..spec import Each, Once, Over, Pairs, Sites
+from ..language import limits
+from ..language.spec import Each, Once, Over, Pairs, Sites
 from . import codes
 from .names import identifier
 from .parse import Parser

@@ -4,9 +4,9 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from .. import limits
-from ..expr import Num
-from ..spec import Parameter
+from ..language import limits
+from ..language.expr import Num
+from ..language.spec import Parameter
 from . import codes
 from .formulas import Formulas
 from .names import CONSTANTS, FUNCTIONS, identifier

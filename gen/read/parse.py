@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 
-from .. import limits
+from ..language import limits
 from . import codes
 from .problems import Problems
 from .source import Span, Text

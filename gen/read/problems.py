@@ -4,8 +4,8 @@ from __future__ import annotations
 import difflib
 from contextlib import contextmanager
 
-from .. import limits
 from ..errors import Diagnostic, SpecError
+from ..language import limits
 from . import codes
 from .source import Source, Span
 

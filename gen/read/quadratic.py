@@ -5,7 +5,7 @@ expressions in the parameters as coefficients. C = w.(A w)/2 with A symmetric.
 """
 from __future__ import annotations
 
-from ..expr import Expr, Num, Op, Spin, kind_of
+from ..language.expr import Expr, Num, Op, Spin, kind_of
 
 ONE = (0, 0, 0)
 DEGREE = 8                  # of any intermediate polynomial

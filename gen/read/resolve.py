@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import math
 
-from .. import limits
-from ..expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Weight
+from ..language import limits
+from ..language.expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Weight
 from . import codes
 from .arithmetic import CONSTANT
 from .guesses import SELDOM, meant

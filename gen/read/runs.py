@@ -1,8 +1,8 @@
 """[runs]: named computations."""
 from __future__ import annotations
 
-from .. import limits
-from ..spec import Run
+from ..language import limits
+from ..language.spec import Run
 from . import codes
 from .formulas import Formulas
 from .names import OUTPUTS, identifier

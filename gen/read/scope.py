@@ -4,8 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Optional
 
-from ..expr import Expr, Num
-from ..spec import Family, Parameter
+from ..language.expr import Expr, Num
+from ..language.spec import Family, Parameter
 from .source import Span
 from .syntax import Syntax
 

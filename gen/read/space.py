@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .. import limits
-from ..expr import Elem, Expr, Idx, Num
-from ..spec import Family
+from ..language import limits
+from ..language.expr import Elem, Expr, Idx, Num
+from ..language.spec import Family
 from . import codes
 from .formulas import Formulas
 from .names import COLUMNS, identifier

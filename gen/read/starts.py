@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from ..expr import Expr, Num, Op
-from ..spec import Family, FamilyStart, Start
+from ..language.expr import Expr, Num, Op
+from ..language.spec import Family, FamilyStart, Start
 from . import codes
 from .files import Files
 from .formulas import Formulas

@@ -1,9 +1,9 @@
 """[effects] and [observables]: named sums over index families."""
 from __future__ import annotations
 
-from .. import limits
-from ..expr import Op, Spin, walk
-from ..spec import Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
+from ..language import limits
+from ..language.expr import Op, Spin, walk
+from ..language.spec import Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
 from . import codes
 from .formulas import Formulas
 from .names import COLUMNS, identifier

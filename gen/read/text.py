@@ -1,8 +1,8 @@
 """Titles, meanings and units: text that must survive inside a comment of any language."""
 from __future__ import annotations
 
-from .. import limits
 from ..errors import plain
+from ..language import limits
 from . import codes
 from .tree import Node
 

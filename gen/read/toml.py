@@ -5,7 +5,7 @@ import difflib
 import re
 import tomllib
 
-from .. import limits
+from ..language import limits
 from . import codes
 from .marks import Marks
 from .problems import Bad, Problems

@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from typing import Iterator, Optional
 
-from .. import limits
+from ..language import limits
 from . import codes
 from .problems import Bad, Problems, nearest
 from .source import Span, Text

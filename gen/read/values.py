@@ -3,10 +3,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .. import limits
-from ..evaluate import evaluate
-from ..expr import Expr
-from ..spec import Parameter, Spec
+from ..language import limits
+from ..language.evaluate import evaluate
+from ..language.expr import Expr
+from ..language.spec import Parameter, Spec
 from . import codes
 from .problems import nearest
 from .scope import Declared

@@ -1,7 +1,7 @@
 """How much work the derivatives of an energy are, counted before they are taken."""
 from __future__ import annotations
 
-from ..expr import Expr, Op, Spin
+from ..language.expr import Expr, Op, Spin
 
 LINEAR = {"+", "-", "neg", "x", "y", "z", "vec"}
 SCALARS = {"cross": 9, "dot": 5, "triple": 14, "norm": 6, "vec": 0, "x": 0, "y": 0, "z": 0}

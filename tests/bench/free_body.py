@@ -17,8 +17,8 @@ from pathlib import Path
 
 import smidgen
 from machine import machine
-from smidgen.build import FLAGS, find_compiler
-from smidgen.emit import generate
+from smidgen.build.library import FLAGS, find_compiler
+from smidgen.compile.emit.emit import generate
 from smidgen.resources import folder
 
 HERE = Path(__file__).parent / "free_body"

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import smidgen
 from machine import machine
-from smidgen.build import FLAGS, find_compiler
-from smidgen.emit import generate
-from smidgen.integrator import scene_of
+from smidgen.build.library import FLAGS, find_compiler
+from smidgen.compile.emit.emit import generate
+from smidgen.run.integrator import scene_of
 from smidgen.resources import folder
 
 SYSTEMS = [("heisenberg_chain", dict(n=100), dict(n=1_000_000)),
@@ -52,8 +52,8 @@ def prepare(name: str, values: dict):
     files, seconds = timed(generate, scene_of(spec, None, values))
     model = smidgen.build(spec, values=values)
     run = spec.runs[0]
-    from smidgen.evaluate import evaluate
-    from smidgen.start import parameter_values
+    from smidgen.language.evaluate import evaluate
+    from smidgen.run.start import parameter_values
     model.start(run.start, h=float(evaluate(run.h, parameter_values(spec, values))))
     model.steps(10)
     return model, dict(system=name, spins=model.sites, solver=model.notes["solver"],

@@ -16,11 +16,11 @@ from string import Template
 import numpy as np
 
 import smidgen
-from smidgen.demo.paths import spiral
-from smidgen.sections import (CHAOTIC, REGULAR, UNDECIDED, census, fit_curve,
+from smidgen.show.demo.paths import spiral
+from smidgen.analyse.sections import (CHAOTIC, REGULAR, UNDECIDED, census, fit_curve,
                               flow_stroboscope, indicators, judge_digits, judge_exponent,
                               stroboscope)
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 HERE = Path(__file__).resolve().parent
 DOCS = HERE.parent.parent / "docs"

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import smidgen
-from smidgen.build import write_files
-from smidgen.emit import generate
+from smidgen.build.library import write_files
+from smidgen.compile.emit.emit import generate
 from smidgen.resources import folder
-from smidgen.select import select
+from smidgen.compile.select import select
 
 from .bad_models import MODELS
 

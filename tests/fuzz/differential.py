@@ -18,8 +18,8 @@ from support.random_specs import random_spec
 
 import smidgen
 from smidgen.errors import RunError, UsageError
-from smidgen.start import casimir_matrices, kappas, parameter_values, radii, sizes
-from smidgen.witness import Witness
+from smidgen.run.start import casimir_matrices, kappas, parameter_values, radii, sizes
+from smidgen.check.witness import Witness
 
 EPSILON = np.finfo(float).eps
 UNIT = 2.0**-30             # of the changes that show how data carry their last bit

@@ -10,7 +10,7 @@ import sys
 
 import atheris
 
-with atheris.instrument_imports(include=["smidgen.read", "smidgen.expr", "smidgen.spec", "smidgen.evaluate"]):
+with atheris.instrument_imports(include=["smidgen.read", "smidgen.language.expr", "smidgen.language.spec", "smidgen.language.evaluate"]):
     from fuzz.judge import judge_bytes
     from fuzz.mutate import mutated
 

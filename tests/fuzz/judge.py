@@ -2,10 +2,10 @@
 import time
 
 from smidgen.errors import SmidgenError, SpecError, columns, plain
-from smidgen.limits import ERRORS
+from smidgen.language.limits import ERRORS
 from smidgen.read import load_text
 from smidgen.read.load import decoded
-from smidgen.spec import Spec
+from smidgen.language.spec import Spec
 
 SECONDS = 5         # of processor time for one text of at most FILE_BYTES; well below one is usual
 
@@ -58,8 +58,8 @@ def check_print(message: str) -> None:
 
 def judge_further(spec: Spec) -> None:
     """What loads can be compiled, or is refused in words."""
-    from smidgen.emit import generate
-    from smidgen.select import select
+    from smidgen.compile.emit.emit import generate
+    from smidgen.compile.select import select
     try:
         generate(select(spec))
     except SmidgenError as refusal:

@@ -28,8 +28,8 @@ from multiprocessing.connection import wait
 from pathlib import Path
 
 import smidgen
-from smidgen.build import generator_digest
-from smidgen.witness import Witness
+from smidgen.build.library import generator_digest
+from smidgen.check.witness import Witness
 
 from .invent import spec_text
 from .smaller import smaller

@@ -19,15 +19,15 @@ import numpy as np
 from support.strict import COMPILERS, WARNINGS, compile_all
 
 import smidgen
-from smidgen.build import build_library, find_compiler, write_files
-from smidgen.emit import generate
+from smidgen.build.library import build_library, find_compiler, write_files
+from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
-from smidgen.integrator import Integrator, scene_of
+from smidgen.run.integrator import Integrator, scene_of
 from smidgen.resources import folder
-from smidgen.select import select
-from smidgen.settings import settle
-from smidgen.start import initial_state, parameter_values
-from smidgen.witness import Witness
+from smidgen.compile.select import select
+from smidgen.run.settings import settle
+from smidgen.run.start import initial_state, parameter_values
+from smidgen.check.witness import Witness
 
 from .differential import Pair, compare, random_state
 from .invent import features_of, files_of

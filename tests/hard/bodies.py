@@ -21,8 +21,8 @@ from math import log, pi, sqrt
 import numpy as np
 from support.systems import begin, model
 
-from smidgen.lyapunov import OFFSET, Exponents, exponents, nearby, on_leaves, orthonormal, tangent_vectors
-from smidgen.witness import Witness
+from smidgen.analyse.lyapunov import OFFSET, Exponents, exponents, nearby, on_leaves, orthonormal, tangent_vectors
+from smidgen.check.witness import Witness
 
 from .case import below, between, case, near, ratio, same_bits
 

@@ -23,7 +23,7 @@ import numpy as np
 from support.systems import load as shipped
 
 import smidgen
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 from .case import EPS, Row, attempt, below, between, case, near, same, same_bits, status_of, typed
 from .geometry import build, largest, load, polar, turns

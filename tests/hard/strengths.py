@@ -12,10 +12,10 @@ import mpmath as mp
 import numpy as np
 
 import smidgen
-from smidgen.emit import generate
+from smidgen.compile.emit.emit import generate
 from smidgen.errors import SmidgenError
 from smidgen.resources import folder
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 from .case import EPS, Row, below, case, near
 from .geometry import build, largest, load, turns

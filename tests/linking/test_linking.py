@@ -126,7 +126,7 @@ def test_the_steps_are_those_of_smidgen_run(folder, command):
     sh("smidgen gen free_rigid_body --amalgamate; "
        "gcc -std=c11 -O3 -ffp-contract=off bits.c free_rigid_body.c -lm -o bits", folder)
     import smidgen
-    from smidgen.shipped import load_spec
+    from smidgen.read.shipped import load_spec
     result = smidgen.run(load_spec("free_rigid_body"), "demo", steps=80)
     first, last = result.w["w"][0, 0], result.final[0]
     said = sh(f"printf '{first[0]:.17g} {first[1]:.17g} {first[2]:.17g}' | ./bits", folder)

@@ -20,10 +20,10 @@ from support import texts
 from support.filters import HERE, WARNINGS
 
 import smidgen
-from smidgen.emit import generate
+from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
-from smidgen.features import FEATURES
-from smidgen.integrator import METHODS, SOLVERS, scene_of
+from smidgen.compile.features import FEATURES
+from smidgen.run.integrator import METHODS, SOLVERS, scene_of
 from smidgen.resources import folder
 
 SPHERICAL, CLASSICAL, VESELOV = METHODS

@@ -49,7 +49,7 @@ def stage(name: str) -> int:
 
 def order_of(tests: dict, mutant) -> list[list[str]]:
     """The sharp tests; the quick tier's others and models with sanitizers; both in the order of running; of the headers only for a fault there."""
-    runtime = mutant.file.startswith("runtime/") or mutant.file == "gen/ordering.py"
+    runtime = mutant.file.startswith("runtime/") or mutant.file == "gen/compile/plan/ordering.py"
     made = re.compile("|".join(words for of, words in MADE_FOR.items() if of == mutant.kind or mutant.file.startswith(of)) or "(?!)")
     names = [n for n, (seconds, _) in tests.items() if seconds <= LONGEST and (runtime or not RUNTIME.search(n))]
     names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), tests[n][0]))

@@ -12,24 +12,24 @@ from .masks import code_lines
 from .rules import RULES
 
 STEP = ("templates/*.j2", "runtime/*.h")       # the C as it is written
-GENERATOR = ("gen/derive.py", "gen/lower.py", "gen/loops.py", "gen/kernels.py", "gen/cprint.py", "gen/ordering.py",
-             "gen/emit.py", "gen/emission/*.py")     # what decides the rest of it
+GENERATOR = ("gen/compile/derive/derivatives.py", "gen/compile/lower/lowering.py", "gen/compile/lower/loops.py", "gen/compile/lower/kernels.py", "gen/compile/lower/cprint.py", "gen/compile/plan/ordering.py",
+             "gen/compile/emit/emit.py", "gen/compile/emit/*.py")     # what decides the rest of it
 
 # What cannot be wrong, only slow, wordy or elsewhere in memory: no faults are planted there.
 SPARED = (
     ("runtime/smidgen.h", r".", "types, statuses and messages; no arithmetic"),
     ("templates/model.*", r".", "the frame of a file: declarations and comments"),
-    ("gen/emission/amalgamate.py", r".", "copies the runtime into the file; tests/test_build.py compiles it"),
-    ("gen/emission/text.py", r"comment|plain|return plain", "text of comments"),
+    ("gen/compile/emit/amalgamate.py", r".", "copies the runtime into the file; tests/test_build.py compiles it"),
+    ("gen/compile/emit/text.py", r"comment|plain|return plain", "text of comments"),
     ("*", r"SMG_MAX_NEWTON|SMG_MAX_SWEEPS|SMG_TRIED_SWEEPS|SMG_REST|SMG_STAGES|SMG_LATE|SMG_FARTHEST|SMG_STRAIGHT|SMG_ALONG|SMG_PANEL\b"
           r"|SMG_MAX_POINTS|SMG_CURVE_WORK|SMG_MAX_CORRECTIONS|^HISTORY|^SOLO|^ROWS|MOST_", "how long an iteration may take, how much it remembers: any value is right"),
-    ("gen/emission/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
+    ("gen/compile/emit/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
-    ("gen/emission/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
+    ("gen/compile/emit/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
     ("runtime/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
     ("templates/abi.c.j2", r"free\(", "memory that is given back late; nobody links this file"),
-    ("gen/emission/memory.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
-    ("gen/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
+    ("gen/compile/emit/memory.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
+    ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
 )
 
 

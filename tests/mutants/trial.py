@@ -5,8 +5,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import Queue
 
-from smidgen.features import FEATURES
-from smidgen.integrator import METHODS
+from smidgen.compile.features import FEATURES
+from smidgen.run.integrator import METHODS
 
 from .judge import LONGEST, baseline, failing, judge, order_of
 from .plant import Tree

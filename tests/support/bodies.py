@@ -2,8 +2,8 @@
 import numpy as np
 
 import smidgen
-from smidgen.start import initial_state
-from smidgen.witness import Witness
+from smidgen.run.start import initial_state
+from smidgen.check.witness import Witness
 
 from .elliptic import curve
 from .systems import CLASSICAL, SPHERICAL, load

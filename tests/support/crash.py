@@ -5,8 +5,7 @@ import signal
 import time
 
 import smidgen
-import smidgen.durable
-import smidgen.output        # noqa: F401  (loaded before the fork)
+from smidgen.run import durable, output        # noqa: F401  (loaded before the fork)
 
 CALLS = ("fsync", "replace", "unlink", "rmdir", "mkdir")
 
@@ -24,8 +23,8 @@ class Deadly:
         self.at, self.count = at, 0
         for name in CALLS:
             setattr(os, name, self.counted(getattr(os, name)))
-        self.write_all = smidgen.durable._write_all
-        smidgen.durable._write_all = self.write
+        self.write_all = durable._write_all
+        durable._write_all = self.write
 
     def counted(self, call):
         def counting(*args, **more):

@@ -7,8 +7,8 @@ import json
 import sys
 
 import smidgen
-from smidgen.emit import generate
-from smidgen.select import select
+from smidgen.compile.emit.emit import generate
+from smidgen.compile.select import select
 
 
 def digests(method, paths):

@@ -1,6 +1,6 @@
 """Integrators that a certificate must refuse, each with what it does well and what it does not.
 
-All have the protocol of `smidgen.verify.subject.Subject`. Those in numpy step whole arrays of states
+All have the protocol of `smidgen.check.verify.subject.Subject`. Those in numpy step whole arrays of states
 (..., sites, 3) in the precision that they are given; those in C are generated text with a fault
 planted before it is compiled.
 """
@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from smidgen.build import FLAGS, REALS, SHARED, Built, compile_shared, find_compiler, write_files
-from smidgen.emit import generate
-from smidgen.expr import Op
-from smidgen.integrator import Integrator, scene_of
-from smidgen.start import parameter_values
-from smidgen.verify.subject import Emitted
+from smidgen.build.library import FLAGS, REALS, SHARED, Built, compile_shared, find_compiler, write_files
+from smidgen.compile.emit.emit import generate
+from smidgen.language.expr import Op
+from smidgen.run.integrator import Integrator, scene_of
+from smidgen.run.start import parameter_values
+from smidgen.check.verify.subject import Emitted
 
 # -- systems: field b = dH/dw and energy, kappa = 1 on unit spheres, w' = w x b ------------------
 

@@ -1,7 +1,7 @@
 """Measurements that tests judge and docs/numbers.md shows."""
 import numpy as np
 
-from smidgen.witness import Witness
+from smidgen.check.witness import Witness
 
 from .growth import growth
 from .systems import SPHERICAL, model, on_leaf

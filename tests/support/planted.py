@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from smidgen.build import REALS, SHARED, Built, compile_shared, find_compiler, write_files
-from smidgen.emit import generate
-from smidgen.integrator import Integrator, scene_of
-from smidgen.start import parameter_values
-from smidgen.verify.subject import Emitted
+from smidgen.build.library import REALS, SHARED, Built, compile_shared, find_compiler, write_files
+from smidgen.compile.emit.emit import generate
+from smidgen.run.integrator import Integrator, scene_of
+from smidgen.run.start import parameter_values
+from smidgen.check.verify.subject import Emitted
 
 METHOD = "spherical-midpoint"
 TURN, CAP = 1e-9, 1e-6          # angle of a turned state; relative error of an increment within the cap

@@ -6,10 +6,10 @@ import pytest
 
 import smidgen
 from smidgen.errors import UsageError
-from smidgen.integrator import METHODS
+from smidgen.run.integrator import METHODS
 from smidgen.resources import folder
-from smidgen.settings import settle
-from smidgen.start import initial_state
+from smidgen.run.settings import settle
+from smidgen.run.start import initial_state
 
 SPECS = sorted(path.stem for path in folder("specs").glob("*.toml"))
 SPHERICAL, CLASSICAL, VESELOV = METHODS
@@ -22,7 +22,7 @@ FREE_BODIES = ("free_rigid_body",)      # what Moser-Veselov accepts
 @dataclass(frozen=True)
 class Begin:
     """A spec with the values, the start w of shape (sites, 3) and the h of its first run."""
-    spec: smidgen.spec.Spec
+    spec: smidgen.Spec
     values: dict
     w: np.ndarray
     h: float

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 
 import smidgen
-from smidgen.build import write_files
-from smidgen.emit import generate
+from smidgen.build.library import write_files
+from smidgen.compile.emit.emit import generate
 from smidgen.resources import folder
-from smidgen.select import select
+from smidgen.compile.select import select
 
 HERE = Path(__file__).resolve().parent
 FLAGS = ("-std=gnu11", "-O3", "-ffp-contract=off")      # gnu11: the drivers measure in __float128

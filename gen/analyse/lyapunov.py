@@ -1,0 +1,143 @@
+"""Lyapunov exponents, by the tangent map and by nearby trajectories.
+
+    top = smidgen.build(spec, features=("tangent",))
+    found = smidgen.lyapunov.exponents(top, w, h=0.1, steps=100_000)
+    found.values        # the spectrum per unit of time, largest first
+
+The exponents of an orbit are the rates at which tangent vectors grow,
+
+    lambda_i = lim (1/t) ln |M(t) v_i|,    M the derivative of the state at t by the start.
+
+For a symplectic map they come in pairs lambda_i = -lambda_(n+1-i); on a regular orbit vectors
+grow in proportion to t, and estimates fall as ln(t)/t.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import UsageError
+from ..public import few, public
+from ..run.start import casimir_matrices, radii
+
+OFFSET = 1e-8       # separation of nearby trajectories: about the root of the round-off
+
+
+class Exponents(NamedTuple):
+    """Estimates of Lyapunov exponents, per unit of time.
+
+    values: (columns,) at the end of the run, largest first; running: (blocks, columns), the
+    same after each block; times: (blocks,), the time since the start; growth: (blocks,
+    columns), the logarithm of the growth in each block, whose sums the estimates are.
+    """
+    values: np.ndarray
+    running: np.ndarray
+    times: np.ndarray
+    growth: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"<Exponents {few(f'{x:.4g}' for x in self.values)} after t = {self.times[-1]:.6g}>"
+
+    def error(self, batches: int = 20) -> np.ndarray:
+        """Standard errors (columns,) of `values`, from means over `batches` parts of the run.
+
+        They are honest once a part is longer than the time in which the orbit forgets. Raises
+        UsageError where there are fewer blocks than batches.
+        """
+        size = len(self.times) // batches
+        if size < 1:
+            raise UsageError(f"{len(self.times)} blocks make no {batches} batches")
+        parts = self.growth[:size * batches].reshape(batches, size, -1).sum(axis=1)
+        span = self.times[0] * size
+        return parts.std(axis=0, ddof=1) / span / np.sqrt(batches)
+
+
+@public
+def exponents(model, w, h: float, steps: int, columns: int | None = None, every: int = 1, t0: float = 0.0,
+              seed: int = 0) -> Exponents:
+    """The largest `columns` Lyapunov exponents (by default all) of the orbit from w, by the tangent map.
+
+    model: an Integrator with the feature "tangent"; w: (sites, 3) or the name of a start; `columns`
+    orthonormal vectors tangent to the leaves, at most 2*sites, drawn by `seed`, are carried along and
+    made orthonormal again, Q R, after every `every` steps; the logarithms of R's diagonal add up.
+    G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9. Raises UsageError for
+    numbers that make no run, RunError where a step fails.
+    """
+    blocks = _blocks(steps, every)
+    model.start(w, h=h, t0=t0)
+    most = 2 * model.sites
+    columns = most if columns is None else columns
+    if not 1 <= columns <= most:
+        raise UsageError(f"columns: from 1 to {most}, twice the sites of {model.name}; not {columns}")
+    v = tangent_vectors(model, columns, seed)
+    growth = np.empty((blocks, columns))
+    for k in range(blocks):
+        model.carry(v, every)
+        v, growth[k] = orthonormal(on_leaves(model, v))
+    return _exponents(growth, every * abs(h))
+
+
+def orthonormal(v):
+    """(q, logs) of vectors v (columns, sites, 3): V = Q R and ln |R_ii|, Q of the shape of v."""
+    q, r = np.linalg.qr(v.reshape(len(v), -1).T.astype(float))
+    return np.ascontiguousarray(q.T).reshape(v.shape).astype(v.dtype), np.log(np.abs(np.diag(r)))
+
+
+def tangent_vectors(model, columns: int, seed: int = 0) -> np.ndarray:
+    """`columns` orthonormal random vectors (columns, sites, 3), tangent to the leaves at the state of model."""
+    v = np.random.default_rng(seed).standard_normal((columns, model.sites, 3))
+    return orthonormal(on_leaves(model, v.astype(model.real)))[0]
+
+
+def on_leaves(model, v) -> np.ndarray:
+    """v (columns, sites, 3) without its parts across the leaves at the state of model.
+
+    In exact arithmetic there are none. What rounding leaves of them neither grows nor decays, and so
+    would outgrow vectors that decay.
+    """
+    n = np.einsum("sab,sb->sa", casimir_matrices(model.scene, model.values_in), model.w)
+    square = np.sum(n * n, axis=1)
+    across = np.einsum("csa,sa->cs", v, n) / np.where(square > 0, square, 1)
+    return v - across[..., None] * n
+
+
+@public
+def nearby(model, w, h: float, steps: int, every: int, t0: float = 0.0, offset: float = OFFSET,
+           seed: int = 0) -> Exponents:
+    """The largest Lyapunov exponent of the orbit from w by a second trajectory beside it.
+
+    Two trajectories of the step alone, no derivative of it; their separation is put back to `offset`
+    after every `every` steps: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338.
+    w: (sites, 3) or the name of a start. Raises as `exponents` does.
+    """
+    blocks, radius = _blocks(steps, every), radii(model.scene, model.values_in)
+    here = model.start(w, h=h, t0=t0).state()
+    direction = tangent_vectors(model, 1, seed)[0]
+    growth = np.empty((blocks, 1))
+    for k in range(blocks):
+        beside = _on_spheres(here + offset * direction, radius)
+        begun, t = np.linalg.norm(beside - here), t0 + k * every * h
+        here, beside = (model.start(x, h=h, t0=t).steps(every).state() for x in (here.copy(), beside))
+        apart = np.linalg.norm(beside - here)
+        direction, growth[k] = (beside - here) / apart, np.log(apart / begun)
+    return _exponents(growth, every * abs(h))
+
+
+def _on_spheres(w, radius):
+    """w with the sites of spheres scaled back to their radius."""
+    length = np.linalg.norm(w, axis=1)
+    return w * np.where(np.isnan(radius), 1, radius / length)[:, None]
+
+
+def _blocks(steps: int, every: int) -> int:
+    if every < 1 or steps < every:
+        raise UsageError(f"every: from 1 to the number of steps, {steps}; not {every}")
+    return steps // every
+
+
+def _exponents(growth, block: float) -> Exponents:
+    """Running means of the growth over blocks that last `block` each."""
+    times = block * np.arange(1, len(growth) + 1)
+    running = np.cumsum(growth, axis=0) / times[:, None]
+    return Exponents(np.sort(running[-1])[::-1], running, times, growth)

@@ -1,0 +1,123 @@
+"""The folder of compiled libraries: ours alone, locked while one is made, each checked before it is used.
+
+What lies there is loaded and run. So the folder must be one that nobody else can write, and every
+entry holds the sha256 of its files, taken when it was made: a bit that flips on the disk is found.
+"""
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import os
+import shutil
+import tempfile
+import warnings
+from pathlib import Path
+
+from ..errors import BuildError
+
+KEPT = 300          # entries that are kept; the ones unused longest go first
+SEAL = "sha256"     # the file with the digest of the others
+OTHERS = 0o022      # mode bits: group or others may write
+
+
+def cache_folder() -> Path:
+    """$SMIDGEN_CACHE, else smidgen in $XDG_CACHE_HOME or ~/.cache; made when missing.
+
+    Raises BuildError when it cannot be made, and when someone else may write it.
+    """
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    place = Path(os.environ.get("SMIDGEN_CACHE") or Path(base) / "smidgen")
+    try:
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        trouble = shared(place)
+    except OSError as problem:
+        raise BuildError(f"cannot make the cache {place}: {problem.strerror}; "
+                         "set SMIDGEN_CACHE to a folder that can be written") from None
+    if trouble:
+        raise BuildError(f"the cache {place} is not safe: {trouble}, and what lies there is run. It holds compiled models "
+                         "only: remove it, or set SMIDGEN_CACHE to a folder of your own that nobody else can write")
+    return place
+
+
+def shared(place: Path) -> str:
+    """Why someone else may change what lies in `place`, or nothing. Parents may be as /tmp is: there a
+    folder of ours stays ours."""
+    for status in (place.lstat(), place.stat()):
+        if status.st_uid != os.getuid():
+            return f"it belongs to user {status.st_uid}, not to {os.getuid()}"
+    return f"others may write it (mode {status.st_mode & 0o7777:o})" if status.st_mode & OTHERS else ""
+
+
+def entry(name: str, make) -> Path:
+    """The folder `name` of the cache; make(folder) fills a new one.
+
+    Two processes at once are safe: a lock a name, a folder of its own, one rename. An entry that is
+    not as it was made is made again. Raises BuildError.
+    """
+    place = cache_folder() / name
+    try:
+        with lock(place):
+            if not whole(place):
+                _remove(place)
+                _make(place, make)
+            os.utime(place)
+    except OSError as problem:
+        raise BuildError(f"cannot build in the cache {place.parent}: {problem.filename or ''} {problem.strerror}; "
+                         "set SMIDGEN_CACHE to a folder that can be written") from None
+    return place
+
+
+@contextlib.contextmanager
+def lock(place: Path):
+    """One process at a time; the kernel frees the lock of one that dies. A link in its place is not followed."""
+    handle = os.open(place.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+def whole(place: Path) -> bool:
+    """Is the folder `place` there, ours alone, and to the last bit as it was made?"""
+    if not os.path.lexists(place):
+        return False
+    with contextlib.suppress(OSError):
+        if not place.is_symlink() and not shared(place) and (place / SEAL).read_bytes() == digest_of(place):
+            return True
+    warnings.warn(f"{place} is damaged, or not ours alone: it is made again")
+    return False
+
+
+def digest_of(place: Path) -> bytes:
+    """sha256 of the names and bytes of all files of a folder but the seal."""
+    files = sorted(p for p in place.iterdir() if p.name != SEAL)
+    return hashlib.sha256(repr([(p.name, p.read_bytes()) for p in files]).encode()).hexdigest().encode()
+
+
+def _make(place, make):
+    work = Path(tempfile.mkdtemp(prefix=".building-", dir=place.parent))
+    try:
+        make(work)
+        (work / SEAL).write_bytes(digest_of(work))
+        os.rename(work, place)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    _prune(place.parent)
+
+
+def _remove(place):
+    if place.is_dir() and not place.is_symlink():
+        shutil.rmtree(place)
+    else:
+        place.unlink(missing_ok=True)
+
+
+def _prune(cache: Path) -> None:
+    """Forget what was unused longest. A loaded library survives its file on Linux."""
+    entries = sorted((p for p in cache.iterdir() if (p / SEAL).exists()),
+                     key=lambda p: p.stat().st_mtime, reverse=True)
+    for old in entries[KEPT:]:
+        shutil.rmtree(old, ignore_errors=True)
+        old.with_suffix(".lock").unlink(missing_ok=True)

@@ -1,0 +1,177 @@
+"""C to shared library, cached by content.
+
+The key of a build is a digest of all that its bytes depend on: the selected spec without
+texts and run-time values (`program_of`), the plan of its step, the generator's own sources
+with templates and runtime, compiler, flags. So a build serves all sizes that lead to one
+plan. Two builds of the same thing at once are safe, and so is the library that is found: `cache.py`.
+"""
+from __future__ import annotations
+
+import dataclasses
+import functools
+import hashlib
+import json
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from .. import __version__
+from ..compile.features import chosen_features
+from ..compile.plan.plan import choose
+from ..compile.program import program_of
+from ..errors import BuildError, MissingTool
+from ..language.spec import Spec
+from ..resources import HERE, folder
+from .cache import cache_folder, entry
+
+FLAGS = ("-std=c11", "-O3", "-ffp-contract=off")    # the same bits on every machine
+SHARED = ("-fPIC", "-shared")
+REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
+LIBRARY = "model.so"
+GENERATOR = ("language", "read", "compile")     # the stages that decide the generated text, beside templates and runtime
+
+
+@dataclasses.dataclass(frozen=True)
+class Built:
+    """A compiled model. `notes` is what `generate` said it chose, by name."""
+    name: str
+    binary: Path
+    folder: Path
+    real: str
+    compiler: str
+    flags: tuple[str, ...]
+    notes: dict
+    generator: str
+
+
+def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto",
+                  real: str = "double", native: bool = False, features=(), generate=None) -> Built:
+    """Generate and compile a selected spec, or find it in the cache.
+
+    real: "double" or "long double"; native: -march=native, whose bits differ between
+    machines; features: names of `features.FEATURES`. Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
+    """
+    features, compiler = chosen_features(features), find_compiler()
+    flags = (*FLAGS, *SHARED, *REALS[real], *(("-march=native",) if native else ()))
+    key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
+                 compiler_version(compiler), flags, native and platform.processor())
+    wanted = (spec, method, solver, features)
+    place = entry(f"{spec.name}-{key[:32]}",
+                  lambda work: _build_into(work, generate or _generate, wanted, compiler, flags))
+    facts = json.loads((place / "built.json").read_text())
+    return Built(spec.name, place / LIBRARY, place, real, compiler_version(compiler),
+                 flags, facts["notes"], generator_name())
+
+
+def find_compiler() -> tuple[str, ...]:
+    """The C compiler: $CC (with its options), else the first of cc, gcc, clang. Raises MissingTool."""
+    try:
+        wanted = shlex.split(os.environ.get("CC", ""))
+    except ValueError as problem:
+        raise MissingTool(f"CC is no command: {problem} in {os.environ['CC']!r}") from None
+    for words in ([wanted] if wanted else [["cc"], ["gcc"], ["clang"]]):
+        path = shutil.which(words[0])
+        if path:
+            return _of_c((path, *words[1:]))
+    raise MissingTool(f"no C compiler: {wanted[0]!r} is not there" if wanted else
+                      "no C compiler (cc, gcc or clang): install one, on Debian with "
+                      "apt-get install gcc libc6-dev")
+
+
+@functools.lru_cache(maxsize=None)
+def _of_c(compiler: tuple[str, ...]) -> tuple[str, ...]:
+    """`compiler`, if it takes a file .c for C: in C++ the functions have other names."""
+    with tempfile.TemporaryDirectory(prefix="smidgen-") as folder_:
+        Path(folder_, "language.c").write_text("#ifdef __cplusplus\nno C\n#endif\n")
+        if "no C" in ran([*compiler, "-E", "language.c"], folder_).stdout.splitlines():
+            raise MissingTool(f"{shlex.join(compiler)} compiles C++, not C: set CC to a C compiler, such as gcc or clang")
+    return compiler
+
+
+def ran(command, cwd=None, hint: str = "") -> subprocess.CompletedProcess:
+    """The finished process with what it said. Raises MissingTool for a program that cannot be started."""
+    try:
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, errors="replace")
+    except OSError as problem:
+        raise MissingTool(f"cannot run {command[0]}: {problem.strerror}{hint}") from None
+
+
+@functools.lru_cache(maxsize=None)
+def compiler_version(compiler: tuple[str, ...]) -> str:
+    """The first line of `cc --version`, after the options given in $CC."""
+    said = ran([*compiler, "--version"])
+    return " ".join([said.stdout.partition("\n")[0] or compiler[0], *compiler[1:]])
+
+
+@functools.lru_cache(maxsize=None)
+def generator_digest() -> str:
+    """Digest of what decides the generated text: the compiler's own modules and templates."""
+    roots = [*(HERE / stage for stage in GENERATOR), folder("templates"), folder("runtime")]
+    files = sorted(p for root in roots for p in root.rglob("*") if p.is_file() and "__pycache__" not in p.parts)
+    return digest(*((p.name, p.read_bytes()) for p in files))
+
+
+def generator_name() -> str:
+    """Version and content of the generator, as results record it."""
+    return f"smidgen {__version__} {generator_digest()[:16]}"
+
+
+def digest(*parts) -> str:
+    """sha256 of the repr of `parts`."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def identity(spec: Spec) -> str:
+    """All of a spec; its repr is a short line."""
+    return repr([(f.name, getattr(spec, f.name)) for f in dataclasses.fields(spec)])
+
+
+def _generate(spec, method, solver, features):
+    from ..compile.emit.emit import generate_program
+    return generate_program(spec, method, solver, features)
+
+
+def _build_into(work, generate, wanted, compiler, flags):
+    files, notes = split_notes(generate(*wanted))
+    write_files(files, work)
+    compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags)
+    (work / "built.json").write_text(json.dumps({"notes": notes}))
+
+
+def split_notes(made) -> tuple[dict, dict]:
+    """(files, notes) of what `generate` returned: a pair, or a mapping with `.notes`."""
+    if isinstance(made, tuple):
+        return made
+    return made, getattr(made, "notes", {})
+
+
+def write_files(files: dict, where: Path) -> None:
+    """Write generated files; a name is one plain word, never a path."""
+    for name, text in files.items():
+        if Path(name).name != name:
+            raise BuildError(f"{name!r} is no file name")
+        (where / name).write_text(text, encoding="utf-8")
+
+
+def compile_shared(work: Path, sources, compiler, flags) -> None:
+    """model.so from `sources` in `work`. BuildError names the log that is kept."""
+    command = [*compiler, *flags, "-I", ".", "-I", str(folder("runtime")),
+               *sources, "-o", LIBRARY, "-lm"]
+    said = ran(command, work)
+    if said.returncode or not (work / LIBRARY).is_file():
+        text = shlex.join(command) + "\n" + said.stderr
+        log = _keep_log(text)
+        first = next((line for line in said.stderr.splitlines() if "error" in line), "")
+        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or 'it made no library'}\n"
+                         f"all it said is in {log}", log=text)
+
+
+def _keep_log(text: str) -> Path:
+    handle, name = tempfile.mkstemp(prefix="failed-", suffix=".log", dir=cache_folder())
+    with os.fdopen(handle, "w") as out:
+        out.write(text)
+    return Path(name)

@@ -1,0 +1,1 @@
+"""Compiled code against what it should be: an independent witness, and the certificate of `verify`."""

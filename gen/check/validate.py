@@ -1,0 +1,379 @@
+"""Compiled code against the witness: what must agree, how well, and whether it does.
+
+    report = validate(spec, "demo")
+    print(report.text())
+    report.check()              # ValidationError when a line fails
+
+docs/witness.md says what each line compares and where its bound comes from.
+"""
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from ..errors import RunError, UsageError, ValidationError
+from ..language.spec import Spec
+from ..public import public
+from ..run.integrator import build
+from ..run.settings import Settings, settle
+from ..run.start import casimir_matrices, initial_state, radii
+from ..tables import text_of
+from .witness import Witness
+
+ROUND_OFF = 1e-13       # agreement asked for, in units of the largest number compared
+SENSITIVE = 10.0        # a tangent map that grows less than this excuses nothing
+NUDGE = 1e-7            # size of the perturbation that measures the growth
+EPSILON = 2.0 ** -52
+DENSE = 128             # sites: above, a step is checked by its residual
+STIFF = 30              # sites: above, the implicit reference flow is left out
+ORDER = (1.8, 2.2)      # observed order between h/2 and h/4
+FLOOR = 1e-10           # errors of the flow below this measure the reference instead
+HALVINGS, DOUBLINGS = 7, 6
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """One comparison: `measured` must not exceed `bound` (for an order: lie in it)."""
+    check: str
+    measured: float
+    bound: str
+    passed: bool
+    note: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Report:
+    """All comparisons of one run. `growth`: of the tangent map over the steps compared."""
+    spec: str
+    run: str
+    method: str
+    h: float
+    sites: int
+    steps: int
+    growth: float
+    lines: tuple[Line, ...]
+
+    @property
+    def passed(self) -> bool:
+        return all(line.passed for line in self.lines)
+
+    def __repr__(self) -> str:
+        return (f"<Report {self.spec} {self.run}: {self.method}, "
+                f"{sum(x.passed for x in self.lines)} of {len(self.lines)} lines passed>")
+
+    def check(self) -> "Report":
+        """Itself, or ValidationError with the lines that failed."""
+        failed = [f"{x.check}: {x.measured:.3g}, bound {x.bound} {x.note}".rstrip()
+                  for x in self.lines if not x.passed]
+        if failed:
+            raise ValidationError(f"{self.spec} {self.run}: compiled code and witness "
+                                  "disagree\n" + "\n".join(failed))
+        return self
+
+    def as_dict(self) -> dict:
+        """The report as JSON has it (a NaN or infinity becomes null)."""
+        facts = dataclasses.asdict(self) | {"passed": self.passed}
+        for line in facts["lines"]:
+            line["measured"] = line["measured"] if math.isfinite(line["measured"]) else None
+        facts["growth"] = facts["growth"] if math.isfinite(facts["growth"]) else None
+        return facts
+
+    def table(self):
+        """A rich Table."""
+        from rich.table import Table
+        table = Table(title=f"{self.spec} {self.run}: {self.method}, h = {self.h:g}, "
+                            f"{self.sites} site{'s' * (self.sites != 1)}")
+        for name in ("check", "measured", "bound", "", "note"):
+            table.add_column(name, overflow="fold")
+        for x in self.lines:
+            table.add_row(x.check, f"{x.measured:.3g}", x.bound, "ok" if x.passed else "FAILED",
+                          x.note)
+        return table
+
+    def text(self) -> str:
+        """The table as plain text, a line for each comparison, however long."""
+        return text_of(self.table())
+
+
+@public
+def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: int = 5,
+             start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+             h: float | str | None = None, effects: Iterable[str] | None = None,
+             values: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
+             native: bool = False) -> Report:
+    """Compare the compiled integrator of a run with the witness.
+
+    start .. native: as for `smidgen.run`, in place of what the run says.
+    The lines: field and energy at `points` random states; conserved quantities and
+    observables; `steps` steps of the same method; the order of convergence to the flow.
+    Raises UsageError for wrong names; what the numbers refuse is a line that failed.
+    """
+    if steps < 1 or points < 1:
+        raise UsageError("validate needs at least one step and one point")
+    case = Case(settle(spec, run, steps=steps, every=1, start=start, method=method, solver=solver, h=h,
+                       effects=effects, values=values, seed=seed, real=real, native=native), spec, points)
+    lines = [*field_lines(case), *value_lines(case)]
+    step_lines, growth = case.guarded(f"{steps} steps", lambda: compare_steps(case), math.nan)
+    flow_lines, _ = case.guarded("order of convergence", lambda: (compare_flow(case), None), None)
+    s = case.settings
+    return Report(spec.name, s.run, s.method, s.h, case.witness.sites, steps, growth,
+                  tuple([*lines, *step_lines, *flow_lines]))
+
+
+class Case:
+    """Both sides of a comparison and where it starts. w: shape (sites, 3)."""
+
+    def __init__(self, settings: Settings, spec: Spec, points: int):
+        s = self.settings = settings
+        self.points = points
+        self.witness = Witness(spec, s.values, s.effects)
+        self.radius = radii(spec, s.values)
+        self.dice = np.random.Generator(np.random.PCG64(20170501))
+        self.model = build(spec, s.method, s.effects, s.values, s.solver, s.real, s.native)
+        self.w = self._start(spec, s)
+
+    def _start(self, spec, s):
+        if isinstance(s.start, np.ndarray):
+            return np.array(s.start, dtype=float)
+        if s.start is None and not spec.starts:
+            return self.on_spheres(self.dice.standard_normal((self.witness.sites, 3)))
+        return initial_state(spec, s.start, s.values, s.seed)
+
+    def on_spheres(self, w):
+        """Each w_i of a sphere scaled to its radius; the others as they are."""
+        scale = np.where(np.isnan(self.radius), 1.0, self.radius / np.linalg.norm(w, axis=1))
+        return w * scale[:, None]
+
+    def random_state(self):
+        """Anywhere on the spheres; elsewhere the start, each component changed by some 10 %."""
+        dice = self.dice.standard_normal((2, self.witness.sites, 3))
+        near = self.w + 0.1 * np.linalg.norm(self.w, axis=1)[:, None] * dice[0]
+        return self.on_spheres(np.where(np.isnan(self.radius)[:, None], near, dice[1]))
+
+    def nudged(self):
+        """The start moved by NUDGE, in a random direction, on its spheres."""
+        return self.on_spheres(self.w + NUDGE * self.dice.uniform(-1, 1, self.w.shape))
+
+    def begin(self, w, h):
+        self.model.start(np.array(w), h=h)
+        return self.model
+
+    @staticmethod
+    def guarded(check, compare, otherwise):
+        """What compare returns, or a line that failed when a step or the flow does."""
+        try:
+            return compare()
+        except RunError as error:
+            return [Line(check, math.nan, "a result", False, str(error))], otherwise
+
+
+def difference(a, b) -> float:
+    """max |a - b|; infinite if only one of them is finite."""
+    gap = np.abs(np.asarray(a, float) - np.asarray(b, float))
+    return float(np.max(np.where(np.isnan(gap), np.inf, gap), initial=0.0))
+
+
+def agreement(check, measured, bound, note="") -> Line:
+    return Line(check, measured, f"{bound:.2g}", bool(measured <= bound), note)
+
+
+# -- (a) field, energy, values at states ---------------------------------------------------
+
+def field_lines(case: Case) -> list[Line]:
+    """Worst of the random states, each in units of its own bound."""
+    worst, refused = {}, 0
+    for _ in range(case.points):
+        w, t = case.random_state(), float(case.dice.uniform(0, 10))
+        case.begin(case.w, case.settings.h)
+        try:
+            found = compare_at(case, w, t)
+        except RunError:
+            refused += 1
+            continue
+        for name, (measured, bound) in found.items():
+            worst[name] = max(worst.get(name, (-1,)), (measured / bound, measured, bound))
+    if refused == case.points:
+        return [Line("field", math.nan, "a result", False, "not finite at any random state")]
+    note = f"at {case.points - refused} random states" + f", {refused} not finite" * bool(refused)
+    return [agreement(name, measured, bound, note)
+            for name, (_, measured, bound) in worst.items()]
+
+
+def compare_at(case, w, t) -> dict:
+    """{'field': (difference, bound), 'energy': ...} at one state and time.
+
+    Bounds: ROUND_OFF of the largest number, and what a change of w by some units in the
+    last place does to it (a difference of nearly equal numbers loses digits).
+    """
+    b, e = case.witness.field(w, t), case.witness.energy(w, t)
+    moved = w * (1 + 1e-9 * case.dice.uniform(-1, 1, w.shape))
+    scatter = difference(case.witness.field(moved, t), b) / 1e-9 * 32 * EPSILON
+    power = float(np.sum(np.abs(b) * np.abs(w) * np.abs(case.witness.kappa)[:, None]))
+    return {
+        "field": (difference(case.model.field(w, t), b),
+                  ROUND_OFF * max(1, np.abs(b).max()) + scatter),
+        "energy": (difference(case.model.energy(w, t), e), ROUND_OFF * max(1, abs(e), power)),
+    }
+
+
+def value_lines(case: Case) -> list[Line]:
+    """Energy of each effect, momentum, observables and Casimirs: the columns of a run, at the start."""
+    model = case.begin(case.w, case.settings.h)
+    mine = {**expected_values(case.witness, case.w, 0.0), "casimirs": expected_casimirs(case.witness, case.w)}
+    columns = {**dict(zip(model.columns, model.values())), "casimirs": model.casimirs()}
+    measured, bound, worst = 0.0, ROUND_OFF, ""
+    for name, value in columns.items():
+        gap, allowed = difference(value, mine[name]), ROUND_OFF * max(1, size_of(case, mine[name]))
+        if gap / allowed >= measured / bound:
+            measured, bound, worst = gap, allowed, name
+    return [agreement("values at the start", measured, bound, f"{len(columns)} columns, "
+                      f"worst: {worst}")]
+
+
+def size_of(case, value):
+    """Largest number that summing n terms of order one may pass through."""
+    return max(float(np.abs(value).max()), math.sqrt(case.witness.sites))
+
+
+def expected_casimirs(one: Witness, w) -> np.ndarray:
+    """|w|^2 of every site, C(w) on a Nambu factor: shape (sites,)."""
+    twice = np.einsum("sa,sab,sb->s", w, casimir_matrices(one.spec, one.values), w)
+    half = np.zeros(one.sites, bool)
+    for family in one.spec.families:
+        first, count = one.families[family.name]
+        half[first:first + count] = family.kind == "nambu"
+    return np.where(half, twice / 2, twice)
+
+
+def expected_values(one: Witness, w, t) -> dict:
+    """The witness's numbers under the names of `integrator.value_columns`."""
+    found = {"energy": one.energy(w, t), **one.observables(w, t)}
+    found.update({f"energy.{name}": e for name, e in one.energies(w, t).items()})
+    for family, (first, count) in one.families.items():
+        part = slice(first, first + count)
+        total = [math.fsum(column) for column in (one.kappa[part, None] * w[part]).T]
+        found.update({f"momentum.{family}.{axis}": total[k] for k, axis in enumerate("xyz")})
+    return found
+
+
+# -- (b) the same method with the same step ------------------------------------------------
+
+def compare_steps(case: Case):
+    """(lines, growth of the tangent map). Above DENSE sites by residuals instead."""
+    if case.witness.sites > DENSE:
+        return [compare_residuals(case)], math.nan
+    s = case.settings
+    mine = case.witness.steps(case.w, 0.0, s.h, s.steps, s.method)
+    other = case.witness.steps(case.nudged(), 0.0, s.h, s.steps, s.method)
+    growth = difference(other, mine) / NUDGE
+    compiled = trajectory(case, case.w, s.h, s.steps)
+    scale = max(1.0, float(np.abs(mine).max()))
+    allowed = ROUND_OFF * scale * (growth if growth > SENSITIVE else 1.0)
+    note = f"tangent map grows {growth:.3g}" + (", allowed for" if growth > SENSITIVE else "")
+    return [agreement(f"{s.steps} steps", difference(compiled, mine), allowed, note)], growth
+
+
+def compare_residuals(case):
+    """Each compiled step put into the witness's step equation."""
+    s, worst = case.settings, 0.0
+    model = case.begin(case.w, s.h)
+    for k in range(s.steps):
+        before = np.array(model.w, float)
+        model.step()
+        worst = max(worst, case.witness.residual(before, model.w, k * s.h, s.h, s.method))
+    allowed = ROUND_OFF * max(1.0, float(np.abs(model.w).max()))
+    return agreement(f"residual of {s.steps} steps", worst, allowed,
+                     f"more than {DENSE} sites: the witness takes no steps of its own")
+
+
+def trajectory(case, w, h, count):
+    """Compiled states after 0 .. count steps."""
+    model = case.begin(w, h)
+    states = [np.array(model.w, float)]
+    for _ in range(count):
+        model.step()
+        states.append(np.array(model.w, float))
+    return np.array(states)
+
+
+# -- (c) convergence to the flow -----------------------------------------------------------
+
+def compare_flow(case: Case) -> list[Line]:
+    """Order of convergence at a fixed time, and the two reference flows against each other."""
+    start = moving(case)
+    time, steps, errors, tried = converge(case, start)
+    low, high = ORDER
+    orders = [math.log2(a / b) if a > 0 and b > 0 else math.nan
+              for a, b in zip(errors, errors[1:])]
+    note = (f"errors {', '.join(f'{e:.2e}' for e in errors)} at t = {time:.4g} after "
+            f"{steps}, {2 * steps}, {4 * steps} steps{tried}")
+    if max(errors) <= FLOOR * size(start):
+        lines = [agreement("order of convergence", max(errors), FLOOR * size(start),
+                           "exact here; " + note)]
+    else:
+        lines = [Line("order of convergence", orders[-1], f"{low} .. {high}",
+                      shows_order(errors, size(start)), note)]
+    return lines + implicit_line(case, start, time)
+
+
+def size(w) -> float:
+    return max(1.0, float(np.abs(w).max()))
+
+
+def moving(case):
+    """The start; where it is at rest, a state beside it."""
+    speed = float(np.abs(case.witness.vector_field(case.w, 0.1 * case.settings.h)).max())
+    if speed > 1e-6 * size(case.w):
+        return case.w
+    return case.on_spheres(case.w + 0.1 * case.dice.standard_normal(case.w.shape))
+
+
+def converge(case, start):
+    """(time, steps, errors, what was done): steps of h, h/2, h/4 over one time.
+
+    From 8 steps of the run's h. While h is too large for the order to show, h is halved at
+    the same time; while the errors are at round-off, the time is doubled.
+    """
+    time, steps, tried = 8 * case.settings.h, 8, ""
+    halved = doubled = 0
+    while True:
+        errors = flow_errors(case, start, time, steps)
+        if errors is not None and errors[-1] <= FLOOR * size(start):
+            if doubled == DOUBLINGS or halved:
+                return time, steps, errors, tried
+            time, steps, doubled = 2 * time, 2 * steps, doubled + 1
+            tried = f" (time doubled {doubled} times to rise above round-off)"
+        elif errors is not None and shows_order(errors, size(start)) or halved == HALVINGS:
+            return time, steps, errors or [math.nan] * 3, tried
+        else:
+            steps, halved = 2 * steps, halved + 1
+            tried = f" (h halved {halved} times to see the order)"
+
+
+def shows_order(errors, scale):
+    """Small errors, both observed orders near 2, the last one within ORDER."""
+    first, last = (math.log2(a / b) for a, b in zip(errors, errors[1:]))
+    return errors[0] < 0.1 * scale and ORDER[0] <= last <= ORDER[1] and abs(first - 2) < 0.5
+
+
+def flow_errors(case, start, time, steps):
+    """Max errors with `steps`, 2 and 4 times as many steps; None where a step fails."""
+    exact = case.witness.flow(start, 0.0, [time])[0]
+    try:
+        return [difference(case.begin(start, time / n).steps(n).w, exact)
+                for n in (steps, 2 * steps, 4 * steps)]
+    except RunError:
+        return None
+
+
+def implicit_line(case, start, time):
+    """The explicit and the implicit reference flow agree (the witness with itself)."""
+    if case.witness.sites > STIFF:
+        return []
+    a = case.witness.flow(start, 0.0, [time])[0]
+    b = case.witness.flow(start, 0.0, [time], "bsimp", 1e-12)[0]
+    return [agreement("reference flows agree", difference(a, b), 1e-8 * size(a),
+                      "rk8pd and bsimp")]

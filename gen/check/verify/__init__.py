@@ -1,0 +1,31 @@
+"""The certificate of an integrator: yes or no to each property that it should have, with the number.
+
+    certificate = smidgen.verify(spec, "demo")
+    print(certificate.text())
+    certificate.passed, certificate.to_json()
+
+Each check lives in a file of its own, takes a `case.Case` and a `subject.Subject` and returns
+rows. docs/verify.md says what is measured, and why no wrong integrator gets through.
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...public import public
+
+if TYPE_CHECKING:
+    from .certificate import Certificate
+
+
+@public
+def verify(spec, run: str | None = None, *, tier="normal", features=(), start=None, method: str | None = None,
+           solver: str | None = None, h=None, effects=None, values=None, seed: int | None = None) -> Certificate:
+    """Measure the generated integrator of a run; returns a `certificate.Certificate`.
+
+    tier: "quick", "normal", or a number of steps, the length of the round-off measurement.
+    features: of the generated C, as for `smidgen.build`; start .. seed: as for `smidgen.run`, in place of what the run says.
+    Raises UsageError for wrong names; what the integrator refuses or misses is a row that says no.
+    """
+    from .certificate import certify
+    return certify(spec, run, tier=tier, features=features, start=start, method=method, solver=solver, h=h,
+                   effects=effects, values=values, seed=seed)

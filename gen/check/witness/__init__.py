@@ -1,0 +1,205 @@
+"""The witness: the numbers of a spec by an independent interpreter, for comparison.
+
+It takes the same resolved `Spec` as the compiler and shares nothing else with it: the
+terms are interpreted in C in extended precision with automatic differentiation, the step
+equation is solved by GSL's Newton method, and the flow is integrated by GSL's odeiv2.
+
+    one = Witness(spec, values={"n": 20})
+    w = initial_state(spec, "wave", values={"n": 20})
+    one.energy(w), one.field(w), one.step(w, t=0.0, h=0.1)
+"""
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+
+from ...errors import RunError, UsageError
+from ...language.spec import Spec
+from ...run.start import casimir_matrices, kappas, parameter_values, radii, sizes
+from . import native
+from .program import compile_term
+
+METHODS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 2}
+INTEGRATORS = {"rk8pd": 0, "bsimp": 1, "msbdf": 2}
+LARGEST_DENSE = 1000    # sites: the Newton matrix of 3*sites unknowns is dense
+
+MEANING = {
+    1: "did not converge", 2: "the step equation has no solution here",
+    4: "a value is not finite", 5: "an array has no such entry",
+    6: "the state lies on the leaf C = 0", 7: "the Newton matrix is singular",
+    8: "there is not enough memory",
+}
+
+
+class Witness:
+    """The system of `spec` for parameter values `values`, with the effects named.
+
+    States are float64 arrays of shape (sites, 3). Every method raises UsageError for a
+    wrong name or shape and RunError (with a status of runtime/smidgen.h) where the numbers
+    do not exist.
+    """
+
+    def __init__(self, spec: Spec, values: dict | None = None, effects=None):
+        self.spec = spec
+        self.values = parameter_values(spec, values)
+        self.families = sizes(spec, self.values)
+        self.sites = sum(count for _, count in self.families.values())
+        self.kappa = kappas(spec, self.values)
+        self._c = native.load()
+        self.effects = {e.name: self._program(e) for e in _chosen(spec.effects, effects)}
+        self.terms = {o.name: self._program(o) for o in spec.observables}
+        self._system = self._whole()
+
+    def energy(self, w, t: float = 0.0) -> float:
+        """H(t, w): the sum of all effects."""
+        return float(sum(self.energies(w, t).values()))
+
+    def energies(self, w, t: float = 0.0) -> dict:
+        """The energy of each effect, by name."""
+        return {name: self._sum(one, w, t) for name, one in self.effects.items()}
+
+    def observables(self, w, t: float = 0.0) -> dict:
+        """The value of each observable, by name."""
+        return {name: self._sum(one, w, t) for name, one in self.terms.items()}
+
+    def field(self, w, t: float = 0.0) -> np.ndarray:
+        """b = (1/kappa) dH/dw, shape (sites, 3); a tracer's effects count on tracers only."""
+        return self._evaluate(self._c.witness_field, w, t)
+
+    def vector_field(self, w, t: float = 0.0) -> np.ndarray:
+        """X = w' = orientation * grad C(w) x b, shape (sites, 3); grad C = w on spheres."""
+        return self._evaluate(self._c.witness_vector_field, w, t)
+
+    def jacobian(self, w, t: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        """(DX of shape (3*sites, 3*sites), dX/dt of shape (sites, 3))."""
+        self._small()
+        w, n = self._state(w), 3 * self.sites
+        dx, x_dt = np.empty((n, n)), np.empty((self.sites, 3))
+        _check(self._c.witness_jacobian(self._system_pointer, t, w.ctypes.data,
+                                        dx.ctypes.data, x_dt.ctypes.data), "the derivative")
+        return dx, x_dt
+
+    def step(self, w, t: float, h: float, method: str = "spherical-midpoint") -> np.ndarray:
+        """The state at t + h after one step of the method."""
+        return self.steps(w, t, h, 1, method)[-1]
+
+    def steps(self, w, t0: float, h: float, count: int, method: str = "spherical-midpoint",
+              every: int = 1) -> np.ndarray:
+        """States after 0, every, 2*every, .. steps: shape (count//every + 1, sites, 3).
+
+        The step equation is solved to the last bit and the state is kept in extended
+        precision between the steps. Raises RunError with the number of steps done.
+        """
+        self._small()
+        number = _choose("method", method, METHODS)
+        if count < 0 or every < 1:
+            raise UsageError("a number of steps from 0 up, and output every 1 step or more")
+        w, done = self._state(w), ctypes.c_int64(0)
+        out = np.empty((count // every + 1, self.sites, 3))
+        status = self._c.witness_steps(self._system_pointer, number, w.ctypes.data, t0, h, count,
+                                       every, out.ctypes.data, ctypes.byref(done))
+        _check(status, f"step {done.value + 1}", done.value)
+        return out
+
+    def residual(self, w, after, t: float, h: float,
+                 method: str = "spherical-midpoint") -> float:
+        """max |F(W - w)| of the step equation for a step w -> W = `after` taken elsewhere."""
+        return float(np.abs(self.residuals([w, after], t, h, method)).max())
+
+    def residuals(self, states, t0: float, h: float, method: str = "spherical-midpoint") -> np.ndarray:
+        """F(W - w) of every step between states (count + 1, sites, 3) taken elsewhere: (count, sites, 3)."""
+        number, states = _choose("method", method, METHODS), np.ascontiguousarray([self._state(w) for w in states])
+        out = np.empty((len(states) - 1, self.sites, 3))
+        _check(self._c.witness_residuals(self._system_pointer, number, t0, h, len(out), states.ctypes.data,
+                                         out.ctypes.data), "the residual")
+        return out
+
+    def equation(self, w, d, t: float, h: float, method: str = "spherical-midpoint"):
+        """(F(d), F'(d)) of the step equation from w: shapes (sites, 3) and (3*sites, 3*sites)."""
+        self._small()
+        number, w, d, n = _choose("method", method, METHODS), self._state(w), self._state(d), 3 * self.sites
+        f, jacobian = np.empty((self.sites, 3)), np.empty((n, n))
+        _check(self._c.witness_equation(self._system_pointer, number, t, h, w.ctypes.data, d.ctypes.data,
+                                        f.ctypes.data, jacobian.ctypes.data), "the step equation")
+        return f, jacobian
+
+    def flow(self, w, t0: float, times, integrator: str = "rk8pd",
+             tol: float = 1e-13) -> np.ndarray:
+        """The exact solution at `times` (monotone, from t0 on): shape (len(times), sites, 3).
+
+        integrator: "rk8pd" (explicit, order 8), "bsimp" (implicit extrapolation) or "msbdf";
+        tol bounds the local error, absolute and relative.
+        """
+        number = _choose("integrator", integrator, INTEGRATORS)
+        if number:
+            self._small()
+        y, times = self._state(w).copy(), np.ascontiguousarray(times, dtype=float)
+        out = np.empty((len(times), self.sites, 3))
+        _check(self._c.witness_flow(self._system_pointer, number, tol, t0, y.ctypes.data,
+                                    times.ctypes.data, len(times), out.ctypes.data), "the flow")
+        return out
+
+    def _program(self, term):
+        one = compile_term(self.spec, term, self.values, self.families)
+        instances, slots = one.site.shape
+        one.struct = native.ProgramStruct(
+            len(one.code), slots, one.data.shape[1], instances, *(
+                a.ctypes.data for a in (one.code, one.site, one.data, one.table, one.feels)))
+        return one
+
+    def _whole(self):
+        programs = [one.struct for one in self.effects.values()]
+        self._structs = (native.ProgramStruct * max(1, len(programs)))(*programs)
+        radius = radii(self.spec, self.values)
+        self._arrays = [np.ascontiguousarray(a, dtype=float) for a in (
+            self.kappa, casimir_matrices(self.spec, self.values),
+            radius * radius / 2)]
+        system = native.SystemStruct(
+            self.sites, len(programs), ctypes.addressof(self._structs),
+            *(a.ctypes.data for a in self._arrays), self.spec.orientation)
+        self._system_pointer = ctypes.addressof(system)
+        return system
+
+    def _sum(self, one, w, t):
+        w, total = self._state(w), ctypes.c_double(0)
+        _check(self._c.witness_sum(ctypes.addressof(one.struct), self.sites, t, w.ctypes.data,
+                                   ctypes.byref(total)), one.name)
+        return total.value
+
+    def _evaluate(self, function, w, t):
+        w, out = self._state(w), np.empty((self.sites, 3))
+        _check(function(self._system_pointer, t, w.ctypes.data, out.ctypes.data), "the field")
+        return out
+
+    def _state(self, w):
+        array = np.ascontiguousarray(w, dtype=float)
+        if array.shape != (self.sites, 3):
+            raise UsageError(f"a state of {self.spec.name} has shape ({self.sites}, 3), "
+                             f"not {np.shape(w)}")
+        return array
+
+    def _small(self):
+        if self.sites > LARGEST_DENSE:
+            raise UsageError(f"the witness's Newton matrix is dense: at most {LARGEST_DENSE} "
+                             f"sites, not {self.sites}; set a smaller size")
+
+
+def _chosen(terms, names):
+    """The terms of these names, in the order of the spec; None means all."""
+    known = [t.name for t in terms]
+    for name in names or ():
+        if name not in known:
+            raise UsageError(f"no effect '{name}'; there are: {', '.join(known)}")
+    return [t for t in terms if names is None or t.name in names]
+
+
+def _choose(what, name, known):
+    if name not in known:
+        raise UsageError(f"no {what} '{name}'; the witness has: {', '.join(known)}")
+    return known[name]
+
+
+def _check(status, what, step=0):
+    if status:
+        raise RunError(f"witness, {what}: {MEANING.get(status, status)}", status, step)

@@ -1,0 +1,167 @@
+"""A term's expression tree as straight code for the interpreter in C.
+
+Vectors become three registers; nothing is differentiated or simplified here, equal
+operations on equal registers are only written once. The values of parameters are
+constants of the code, index values and weights come from columns, one row an instance.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import UsageError
+from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight
+from ...language.spec import Term
+from .instances import instances_of
+
+OPERATIONS = (
+    "constant", "time", "column", "spin", "element",
+    "+", "-", "neg", "*", "/", "^",
+    "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
+    "sinh", "cosh", "tanh", "abs", "floor", "atan2", "mod", "min", "max", "if",
+    "<", "<=", ">", ">=", "==", "!=", "and", "or", "not")
+CODE = {name: number for number, name in enumerate(OPERATIONS)}
+
+INSTRUCTION = np.dtype([("op", np.int32), ("a", np.int32), ("b", np.int32), ("c", np.int32),
+                        ("number", np.float64)], align=True)
+
+
+@dataclass
+class Program:
+    """Arrays that `struct program` of witness.h points to.
+
+    site: (instances, slots) site numbers; data: (instances, columns); feels: (slots,).
+    """
+    name: str
+    code: np.ndarray
+    site: np.ndarray
+    data: np.ndarray
+    table: np.ndarray
+    feels: np.ndarray
+
+
+def compile_term(spec, term: Term, env: dict, places: dict) -> Program:
+    """The program of an effect or observable for the parameter values `env`.
+
+    places: family -> (first site, count). Raises UsageError when an index leaves its family.
+    """
+    indices, columns = instances_of(term.over, env, places)
+    code = Code(env, [*indices, *columns])
+    code.result(term.value)
+    count = len(next(iter(indices.values()))) if indices else 1
+    sites = [_sites(slot, indices, places, count) for slot in code.slots]
+    return Program(
+        term.name, np.array(code.instructions, dtype=INSTRUCTION),
+        _rows(sites, count, np.int64), _rows([*indices.values(), *columns.values()], count, float),
+        np.array(code.table or [0.0]), _feels(spec, code.slots))
+
+
+def _rows(columns, count, dtype):
+    return np.ascontiguousarray(np.array(columns, dtype=dtype).reshape(len(columns), count).T)
+
+
+def _sites(slot, indices, places, count):
+    """The site number of a spin of the term in every instance."""
+    family, index = slot
+    first, size = places[family]
+    number = indices[index] if isinstance(index, str) else np.full(count, index)
+    outside = (number < 0) | (number >= size)
+    if np.any(outside):
+        raise UsageError(f"{family}[{number[outside][0]}] does not exist: "
+                         f"'{family}' has {size} sites")
+    return number + first
+
+
+def _feels(spec, slots):
+    """A term with a tracer acts on its tracers only; any other acts on all its spins."""
+    tracers = {f.name for f in spec.families if f.tracer}
+    tracer = np.array([family in tracers for family, _ in slots], dtype=np.uint8)
+    return tracer if tracer.any() else np.ones(len(slots), dtype=np.uint8)
+
+
+@dataclass
+class Code:
+    """Instructions under construction. A scalar is a register, a vector a triple of them."""
+    env: dict
+    columns: list
+    instructions: list = field(default_factory=list)
+    slots: list = field(default_factory=list)
+    table: list = field(default_factory=list)
+    seen: dict = field(default_factory=dict)
+    placed: dict = field(default_factory=dict)
+
+    def result(self, e):
+        """The value of a term: always the last register."""
+        last = self.value(e)
+        if last != len(self.instructions) - 1:      # written earlier, or a leaf seen before
+            self.instructions.append((CODE["+"], last, self.number(0.0), 0, 0.0))
+
+    def value(self, e):
+        return _NODES[type(e)](self, e)
+
+    def emit(self, name, a=0, b=0, c=0, number=0.0):
+        key = (name, a, b, c, float(number).hex())
+        if key not in self.seen:
+            self.seen[key] = len(self.instructions)
+            self.instructions.append((CODE[name], a, b, c, number))
+        return self.seen[key]
+
+    def number(self, value):
+        return self.emit("constant", number=float(value))
+
+    def column(self, name):
+        return self.emit("column", self.columns.index(name))
+
+    def element(self, e):
+        if e.name not in self.placed:
+            self.placed[e.name] = len(self.table)
+            self.table.extend(self.env[e.name])
+        return self.emit("element", self.value(e.index), self.placed[e.name],
+                         len(self.env[e.name]))
+
+    def spin(self, e):
+        slot = (e.family, e.slot)
+        if slot not in self.slots:
+            self.slots.append(slot)
+        return tuple(self.emit("spin", self.slots.index(slot), c) for c in range(3))
+
+    def operation(self, e):
+        arguments = [self.value(a) for a in e.args]
+        if e.op in _EXPANDED:
+            return _EXPANDED[e.op](self, *arguments)
+        return self.componentwise(e.op, *arguments)
+
+    def componentwise(self, op, *arguments):
+        """op on scalars; on each component where an argument is a vector."""
+        if not any(isinstance(a, tuple) for a in arguments):
+            return self.emit(op, *arguments)
+        return tuple(self.emit(op, *(a[c] if isinstance(a, tuple) else a for a in arguments))
+                     for c in range(3))
+
+    def dot(self, a, b):
+        xx, yy, zz = (self.emit("*", a[c], b[c]) for c in range(3))
+        return self.emit("+", self.emit("+", xx, yy), zz)
+
+    def cross(self, a, b):
+        def minor(i, j):
+            return self.emit("-", self.emit("*", a[i], b[j]), self.emit("*", a[j], b[i]))
+        return minor(1, 2), minor(2, 0), minor(0, 1)
+
+
+_NODES = {
+    Num: lambda code, e: code.number(e.value),
+    Par: lambda code, e: code.number(code.env[e.name]),
+    Idx: lambda code, e: code.column(e.name),
+    Weight: lambda code, e: code.column(e.name),
+    Time: lambda code, e: code.emit("time"),
+    Elem: Code.element, Spin: Code.spin, Op: Code.operation,
+}
+
+_EXPANDED = {
+    "vec": lambda code, x, y, z: (x, y, z),
+    "x": lambda code, a: a[0], "y": lambda code, a: a[1], "z": lambda code, a: a[2],
+    "dot": Code.dot, "cross": Code.cross,
+    "triple": lambda code, a, b, c: code.dot(a, code.cross(b, c)),
+    "norm": lambda code, a: code.emit("sqrt", code.dot(a, a)),
+}

@@ -1,0 +1,1 @@
+"""Stage `derive`: one representative term of each effect, and its derivatives."""

@@ -1,0 +1,1 @@
+"""Stage `emit`: kernels and plan as the C files of a model."""

@@ -1,0 +1,41 @@
+"""The single-file form: the runtime inside the two files of a model."""
+from __future__ import annotations
+
+from ...resources import folder
+
+# A model calls some of the runtime's functions only; in a header no compiler minds.
+UNUSED_PUSH = """#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif"""
+UNUSED_POP = """#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif"""
+
+
+def inline_runtime(files, name: str):
+    """Runtime headers put in the place of their #include, each once."""
+    seen: set = set()
+
+    def expand(text: str, outermost: bool = True) -> str:
+        lines = []
+        for line in text.splitlines():
+            included = line.removeprefix('#include "').removesuffix('"') if line.startswith('#include "smg') or \
+                line.startswith('#include "smidgen') else None
+            if included is None:
+                lines.append(line)
+            elif included not in seen:
+                seen.add(included)
+                inside = expand(read_runtime(included), False)
+                lines += [UNUSED_PUSH, inside, UNUSED_POP] if outermost else [inside]
+        return "\n".join(lines)
+
+    out = type(files)()
+    for key in (f"{name}.h", f"{name}.c"):
+        out[key] = expand(files[key]) + "\n"
+    out[f"{name}_abi.c"] = files[f"{name}_abi.c"]
+    return out
+
+
+def read_runtime(name: str) -> str:
+    return (folder("runtime") / name).read_text()

@@ -1,0 +1,18 @@
+"""What may be asked of the generated C beyond the step: named, off unless asked for."""
+from __future__ import annotations
+
+from ..errors import UsageError
+
+FEATURES = {
+    "tangent": "the tangent map of the step, for Lyapunov exponents and stability",
+    "extended": "the last evaluation of a step in extended precision: round-off far below a unit of w",
+    "plain-sums": "no compensated summation: w + u is rounded, its error forgotten",
+}
+
+
+def chosen_features(names) -> tuple[str, ...]:
+    """The names, sorted, each once. Raises UsageError for one that is not in FEATURES."""
+    for name in names:
+        if name not in FEATURES:
+            raise UsageError(f"no feature '{name}'; there are: {', '.join(FEATURES)}")
+    return tuple(sorted(set(names)))

@@ -1,0 +1,1 @@
+"""Stage `lower`: derivatives as kernels of C statements, sums as loops."""

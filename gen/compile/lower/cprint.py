@@ -1,0 +1,130 @@
+"""The printer: sympy expressions as C, deterministic and exact.
+
+Numbers round-trip; integer powers become products; x^-n becomes a division. The order of sums
+and products is sympy's canonical one, so that the same spec gives the same bytes.
+"""
+from __future__ import annotations
+
+import sympy as sp
+from sympy.core.sorting import default_sort_key
+
+from ..derive import derivatives as derive
+
+SUM, PRODUCT, ATOM = 1, 2, 3    # binding strength of the printed text
+
+_FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.tan: "tan",
+              sp.asin: "asin", sp.acos: "acos", sp.atan: "atan", sp.sinh: "sinh",
+              sp.cosh: "cosh", sp.tanh: "tanh", sp.atan2: "atan2",
+              derive.absolute: "fabs", derive.floor_: "floor", derive.power: "pow"}
+
+_RUNTIME = {derive.lesser: "smg_min", derive.greater: "smg_max"}
+
+_RELATIONS = {sp.StrictLessThan: "<", sp.LessThan: "<=", sp.StrictGreaterThan: ">",
+              sp.GreaterThan: ">=", sp.Eq: "==", sp.Ne: "!="}
+
+
+def number(x: float) -> str:
+    """A double as a C literal that reads back as the same double."""
+    text = repr(float(x))
+    return text if any(c in text for c in ".en") else text + ".0"
+
+
+class Printer:
+    """`names` maps a symbol's name to its C text."""
+
+    def __init__(self, names):
+        self.names = names
+
+    def __call__(self, e) -> str:
+        return self.show(e)[0]
+
+    def inside(self, e, strength: int) -> str:
+        text, own = self.show(e)
+        return text if own >= strength else f"({text})"
+
+    def show(self, e) -> tuple[str, int]:
+        if e.is_Symbol:
+            return self.names(e.name), ATOM
+        if e.is_Number or e.is_NumberSymbol:
+            return self.constant(e)
+        for kind, method in ((sp.Add, self.add), (sp.Mul, self.mul), (sp.Pow, self.pow),
+                             (sp.Piecewise, self.piecewise)):
+            if isinstance(e, kind):
+                return method(e)
+        return self.call(e)
+
+    def constant(self, e):
+        if e.is_Rational and not e.is_Integer:
+            text = f"{e.p}.0/{e.q}.0"
+            return text, PRODUCT if e > 0 else SUM
+        text = number(float(e))
+        return text, ATOM if float(e) >= 0 else SUM
+
+    def add(self, e):
+        parts = []
+        for k, term in enumerate(sorted(e.args, key=default_sort_key)):
+            negative = term.could_extract_minus_sign()
+            text = self.inside(-term if negative else term, PRODUCT)
+            parts.append(("-" if negative else "") + text if k == 0 else
+                         (" - " if negative else " + ") + text)
+        return "".join(parts), SUM
+
+    def mul(self, e):
+        if e.could_extract_minus_sign():
+            return "-" + self.inside(-e, PRODUCT), SUM
+        above, below = [], []
+        for factor in sorted(e.args, key=default_sort_key):
+            if factor.is_Pow and factor.exp.is_number and factor.exp.is_negative:
+                below.append(1 / factor)
+            else:
+                above.append(factor)
+        top = "*".join(self.inside(f, PRODUCT if k == 0 else ATOM) for k, f in enumerate(above)) or "1.0"
+        for f in below:
+            top += "/" + self.inside(f, ATOM)
+        return top, PRODUCT
+
+    def pow(self, e):
+        base, exponent = e.args
+        if exponent.is_number and exponent.is_negative:
+            return "1.0/" + self.inside(1 / e, ATOM), PRODUCT
+        if exponent == sp.S.Half:
+            return f"SMG_MATH(sqrt)({self(base)})", ATOM
+        if exponent.is_Integer and exponent <= 8:
+            return "*".join([self.inside(base, ATOM)] * int(exponent)), PRODUCT
+        if exponent.is_Rational and exponent.q == 2 and exponent.p <= 9:
+            whole = "*".join([self.inside(base, ATOM)] * int(exponent.p // 2))
+            return f"{whole}*SMG_MATH(sqrt)({self(base)})", PRODUCT
+        return f"SMG_MATH(pow)({self(base)}, {self(exponent)})", ATOM
+
+    def piecewise(self, e):
+        (value, test), *rest = e.args
+        if test == sp.true or not rest:
+            return self.show(value)
+        other = sp.Piecewise(*rest) if len(rest) > 1 else rest[0][0]
+        return f"({self.test(test)} ? {self.inside(value, PRODUCT)} : {self.inside(other, PRODUCT)})", ATOM
+
+    def test(self, e) -> str:
+        if e in (sp.true, sp.false):
+            return "1" if e == sp.true else "0"
+        if e.is_Symbol:         # a condition that has a name
+            return self.names(e.name)
+        if isinstance(e, (sp.And, sp.Or)):
+            mark = " && " if isinstance(e, sp.And) else " || "
+            return "(" + mark.join(self.test(a) for a in sorted(e.args, key=default_sort_key)) + ")"
+        if isinstance(e, sp.Not):
+            return f"!({self.test(e.args[0])})"
+        if isinstance(e, sp.ITE):       # a comparison of pieces
+            first, then, other = (self.test(a) for a in e.args)
+            return f"({first} ? {then} : {other})"
+        return f"({self(e.lhs)} {_RELATIONS[type(e)]} {self(e.rhs)})"
+
+    def call(self, e):
+        if isinstance(e, (derive.signum, sp.sign)):
+            x = self.inside(e.args[0], ATOM)
+            return f"(smg_real)(({x} > 0) - ({x} < 0))", ATOM
+        if isinstance(e, sp.Abs):
+            return f"SMG_MATH(fabs)({self(e.args[0])})", ATOM
+        if type(e) in _RUNTIME:
+            return f"{_RUNTIME[type(e)]}({', '.join(self(a) for a in e.args)})", ATOM
+        name = _FUNCTIONS[type(e)]
+        return f"SMG_MATH({name})({', '.join(self(a) for a in e.args)})", ATOM

@@ -1,0 +1,76 @@
+"""Indices of a spec as the C has them: names that would hide its own get an underscore, and an index that runs over
+one site is 0."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...language.counts import constant_integer, runtime_names
+from ...language.expr import Elem, Idx, Num, Op, Spin
+from ...language.spec import Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, Term
+from ...read.terms import families_of
+
+C_NAMES = {"c", "d", "e", "g", "h", "k", "m", "p", "r", "s", "t", "u", "v", "w", "x", "y", "l", "q", "b",
+           "n", "all", "own", "out", "row", "site", "sub", "sum", "lost", "body", "column", "block",
+           "hessian", "state", "int", "for", "if", "do"}
+
+
+def safe(name: str) -> str:
+    taken = name in C_NAMES or (name[:1] in "bcgnorsuvxk" and name[1:].isdigit()) or name.startswith("spare")
+    return name + "_" if taken else name
+
+
+def rename(e):
+    """The expression with safe index names."""
+    if isinstance(e, Idx):
+        return Idx(safe(e.name))
+    if isinstance(e, Spin):
+        return Spin(e.family, safe(e.slot) if isinstance(e.slot, str) else e.slot)
+    if isinstance(e, Op):
+        return Op(e.op, tuple(rename(a) for a in e.args))
+    return Elem(e.name, rename(e.index)) if isinstance(e, Elem) else e
+
+
+def rename_over(over):
+    if isinstance(over, Sites):
+        return replace(over, index=safe(over.index))
+    if isinstance(over, (Pairs, Graph)):
+        return replace(over, first=safe(over.first), second=safe(over.second))
+    if isinstance(over, (Each, Lattice)):
+        return replace(over, indices=tuple(safe(i) for i in over.indices))
+    assert isinstance(over, Once)
+    return over
+
+
+def rename_term(term: Term) -> Term:
+    return replace(term, over=rename_over(term.over), value=rename(term.value))
+
+
+def safe_indices(spec: Spec) -> Spec:
+    """The same spec; only the index names inside its effects and observables may differ."""
+    return replace(spec, effects=tuple(map(rename_term, spec.effects)),
+                   observables=tuple(map(rename_term, spec.observables)))
+
+
+def at_zero(e, names):
+    """The expression with 0 in place of the indices `names`; vectors keep theirs."""
+    if isinstance(e, Idx) and e.name in names:
+        return Num(0)
+    if isinstance(e, Op):
+        return Op(e.op, tuple(at_zero(a, names) for a in e.args))
+    return Elem(e.name, at_zero(e.index, names)) if isinstance(e, Elem) else e
+
+
+def one_site(spec: Spec) -> Spec:
+    """The same spec without the numbers of sites that are alone in their family: they are 0."""
+    parameters = {p.name: p for p in spec.parameters}
+    alone = {f.name for f in spec.families
+             if not runtime_names(f.count, parameters) and constant_integer(f.count, parameters) == 1}
+
+    def family(f: Family) -> Family:
+        return replace(f, kappa=at_zero(f.kappa, "i"), radius=f.radius and at_zero(f.radius, "i")) if f.name in alone else f
+
+    def term(t: Term) -> Term:
+        return replace(t, value=at_zero(t.value, {i for i, f in families_of(t.over).items() if f in alone}))
+
+    return replace(spec, families=tuple(map(family, spec.families)), effects=tuple(map(term, spec.effects)),
+                   observables=tuple(map(term, spec.observables)))

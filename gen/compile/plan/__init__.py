@@ -1,0 +1,1 @@
+"""Stage `plan`: which sites are solved together, and by which solver."""

@@ -1,0 +1,183 @@
+"""The plan of a step: which families are solved together, and by which solver.
+
+A family whose sites feel only themselves (or, as tracers, only others) is `local`: each site is
+solved alone. The rest is coupled: one Newton matrix of blocks, or sweeps without a matrix.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...errors import UsageError
+from ...language.counts import constant_integer, runtime_names
+from ...language.expr import Time, slots_of, walk
+from ...language.spec import Graph, Lattice, Spec
+
+DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
+DENSE_SMALL = 24           # below this nothing beats a dense factorisation
+BAND_LIMIT = 4             # widest block band
+FILL_LIMIT = 400_000       # blocks of a sparse factorisation that still fit
+
+
+@dataclass(frozen=True)
+class Plan:
+    """method, the solver of the coupled part and what to say about it.
+
+    local, coupled: family names; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
+    band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
+    rotation: rotation sweeps, alone or tried before Newton.
+    """
+    method: str
+    local: tuple
+    coupled: tuple
+    solver: str
+    reason: str
+    band: int = 0
+    wrap: bool = False
+    pattern: object = None
+    rotation: bool = False
+
+    @property
+    def block(self) -> int:
+        """Unknowns per site: 2 in the tangent plane, 3 where the midpoint is not projected."""
+        return 2 if self.method == "spherical-midpoint" else 3
+
+    @property
+    def matrix(self) -> bool:
+        """Whether Newton's matrix is stored and factored; where not, GMRES takes its products with vectors."""
+        return self.solver in ("dense", "band", "sparse")
+
+    @property
+    def swept(self) -> bool:
+        """Whether sweeps (rotations, or the plain fixed point) are tried before Newton."""
+        return bool(self.coupled) and (self.rotation or not self.matrix)
+
+
+def coupled_families(spec: Spec) -> tuple:
+    """Families with a term that joins several of their sites, and those whose midpoints move tracers."""
+    tracers = {f.name for f in spec.families if f.tracer}
+    coupled = set()
+    for effect in spec.effects:
+        slots = slots_of(effect.value)
+        active = [s for s in slots if s[0] not in tracers]
+        passive = [s for s in slots if s[0] in tracers]
+        if len(passive) > 1:
+            raise UsageError(f"effect '{effect.name}' joins two tracers; tracers act on none")
+        if passive or len(active) > 1:
+            coupled.update(f for f, _ in active)
+    return tuple(f.name for f in spec.families if f.name in coupled)
+
+
+def site_count(spec: Spec, families) -> int:
+    parameters = {p.name: p for p in spec.parameters}
+    return sum(constant_integer(f.count, parameters) for f in spec.families if f.name in families)
+
+
+def fixed_size(spec: Spec, families) -> bool:
+    parameters = {p.name: p for p in spec.parameters}
+    return not any(runtime_names(f.count, parameters) for f in spec.families if f.name in families)
+
+
+def joint_overs(spec: Spec):
+    """Index families of the effects that join several sites, tracers left out."""
+    tracers = {f.name for f in spec.families if f.tracer}
+    for effect in spec.effects:
+        slots = slots_of(effect.value)
+        if len(slots) > 1 and not any(f in tracers for f, _ in slots):
+            yield effect.over
+
+
+def reach(over) -> int:
+    """How many sites apart the members of a one-dimensional bond are."""
+    places = [[offset[0] * over.sites + sub for sub, offset in bond] for bond in over.bonds]
+    return max(max(p) - min(p) for p in places)
+
+
+def chain_band(spec: Spec, coupled) -> tuple:
+    """(width, cyclic) when all coupling is along one-dimensional lattices of one family."""
+    overs = list(joint_overs(spec))
+    if len(coupled) != 1 or not overs or not all(isinstance(o, Lattice) and len(o.size) == 1 for o in overs):
+        return 0, False
+    return max(reach(o) for o in overs), any(o.periodic[0] for o in overs)
+
+
+def choose(spec: Spec, method: str, solver: str) -> Plan:
+    """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain')."""
+    coupled = coupled_families(spec)
+    local = tuple(f.name for f in spec.families if f.name not in coupled)
+    if not coupled:
+        return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
+    if solver == "rotation" and method != "spherical-midpoint":
+        raise UsageError("solver 'rotation' belongs to the spherical midpoint; use newton or plain")
+    if solver in ("rotation", "plain"):
+        return Plan(method, local, coupled, solver, "as asked for", rotation=solver == "rotation")
+    plan = newton_plan(spec, method, local, coupled)
+    if plan is not None and plan.solver == "band" and solver == "auto" and method == "spherical-midpoint":
+        return replace(plan, rotation=True, reason="chain: rotation sweeps while they settle soon, else " + plan.reason[7:])
+    if plan is not None:
+        return plan
+    if solver == "newton":
+        other = "rotation or plain" if method == "spherical-midpoint" else "plain"
+        raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
+                         f"a sparse factorisation and models of few sites; here use solver {other}")
+    if method != "spherical-midpoint":
+        return Plan(method, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point, else Newton with GMRES")
+    return Plan(method, local, coupled, "rotation",
+                "the coupling is no chain and of many sites: rotation sweeps, one spin after the other, else Newton with GMRES", rotation=True)
+
+
+def newton_plan(spec: Spec, method: str, local, coupled):
+    """Dense, band or sparse Newton; None when its factorisation would not fit."""
+    n = site_count(spec, coupled)
+    size = n * (2 if method == "spherical-midpoint" else 3)
+    width, wrap = chain_band(spec, coupled)
+    small = size <= DENSE_SMALL
+    if 0 < width <= BAND_LIMIT and n >= 2 * width + 1 and not (small and fixed_size(spec, coupled)):
+        kind = "cyclic" if wrap else "open"
+        return Plan(method, local, coupled, "band", f"chain: Newton on a {kind} band of {width} blocks",
+                    band=width, wrap=wrap)
+    if small:
+        return Plan(method, local, coupled, "dense", "few sites: dense Newton")
+    if any(isinstance(o, Graph) for o in joint_overs(spec)) and len(coupled) == 1:
+        plan = sparse_plan(spec, method, local, coupled, n)
+        if plan is not None:
+            return plan
+    if size <= DENSE_UNKNOWNS and not any(isinstance(o, Lattice) for o in joint_overs(spec)):
+        return Plan(method, local, coupled, "dense", "few sites: dense Newton")
+    return None
+
+
+def sparse_plan(spec, method, local, coupled, n):
+    """Newton with a compile-time elimination order, when the coupling is edges of fixed graphs."""
+    from .ordering import TooMuchFill, symbolic
+    overs = list(joint_overs(spec))
+    if not all(isinstance(o, Graph) for o in overs):
+        return None
+    edges = sorted({(min(e), max(e)) for o in overs for e in o.edges})
+    try:
+        pattern = symbolic(n, edges, limit=FILL_LIMIT)
+    except TooMuchFill:
+        return None
+    blocks = pattern.blocks
+    return Plan(method, local, coupled, "sparse", f"graph: Newton on {blocks} blocks with fill",
+                pattern=pattern)
+
+
+def require_free_body(spec: Spec) -> None:
+    """Moser-Veselov is the discrete free body: one site alone, H a time-independent quadratic form."""
+    from ..derive.derivatives import derive
+    coupled = coupled_families(spec)
+    if any(f.kind == "nambu" for f in spec.families):
+        raise UsageError("method moser-veselov needs a rigid body on a sphere or in R^3, not a Nambu factor")
+    for effect in spec.effects:
+        d = derive(effect)
+        if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
+            raise UsageError("method moser-veselov needs a single body whose energy does not depend on time")
+        if d.parts:
+            raise UsageError(f"method moser-veselov needs a quadratic form in w, and the formula of '{effect.name}' is too long "
+                             "to be known as one: write it shorter, or as several effects")
+        for k, row in enumerate(d.gradient):
+            for a in range(3):
+                linear = sum(d.hessian[k, k][a, b] * d.vectors[k][b] for b in range(3)) if (k, k) in d.hessian else 0
+                if (row[a] - linear).expand() != 0 or any(
+                        v in d.hessian.get((k, k), row[a] * 0 + 0).free_symbols for v in d.vectors[k]):
+                    raise UsageError("method moser-veselov needs an energy that is a quadratic form in w")

@@ -1,0 +1,1 @@
+"""What a spec is: plain data, its expressions, their values, its limits."""

@@ -1,0 +1,197 @@
+"""What a spec says, after reading: plain immutable data, no text, no behaviour.
+
+Sites are numbered family by family in the order of `[space]`; a state is an array of
+shape (sites, 3). `Expr` fields marked [int] are integer formulas in int parameters.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Optional, Union
+
+from ..public import few
+from .expr import Expr
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A named number. kind: 'real', 'int' or 'array' (of reals; `size` [int] entries).
+
+    fixed: its value is compiled in; otherwise it is a member of the params struct.
+    fill: every entry of the array has the one value that the spec gives.
+    """
+    name: str
+    kind: str
+    default: Union[int, float, tuple[float, ...]]
+    size: Optional[Expr] = None
+    unit: str = ""
+    meaning: str = ""
+    fixed: bool = False
+    fill: bool = False
+
+
+@dataclass(frozen=True)
+class Family:
+    """`count` [int] equal factors of the phase space.
+
+    kind 'sphere': radius r, w' = (1/kappa) w x grad H.
+    kind 'r3': Lie-Poisson R^3, the same bracket at any |w| (extended method).
+    kind 'nambu': w' = (1/kappa) grad C x grad H, C = w.(casimir w)/2, casimir symmetric 3x3.
+    kappa (and radius) are formulas in the site's index Idx('i').
+    tracer: feels others and acts on none; its kappa scales its own energy only.
+    """
+    name: str
+    kind: str
+    count: Expr
+    kappa: Expr
+    radius: Optional[Expr] = None
+    casimir: Optional[tuple[tuple[Expr, ...], ...]] = None
+    tracer: bool = False
+
+
+@dataclass(frozen=True)
+class Once:
+    """A single term; its Spin slots are integers."""
+    bound: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Sites:
+    """One term for each site of `family`: `site(i) of w`."""
+    index: str
+    family: str
+
+    @property
+    def bound(self):
+        return (self.index,)
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """All pairs i < j of one family: `pair(i, j) of w`."""
+    first: str
+    second: str
+    family: str
+
+    @property
+    def bound(self):
+        return (self.first, self.second)
+
+
+@dataclass(frozen=True)
+class Each:
+    """All index combinations of different families: `each(i of p, j of w)`."""
+    indices: tuple[str, ...]
+    families: tuple[str, ...]
+
+    @property
+    def bound(self):
+        return self.indices
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Bonds of a lattice: `bond(i, j) of chain(n, periodic)`.
+
+    Cell (c0, c1, ..) of a lattice of `size` [int] has number c0 + size0*(c1 + size1*(..));
+    site = cell*sites + sub. One term for each cell and each member of `bonds`; a bond names,
+    for each bound index, (sub, offset per dimension). Open directions drop bonds that leave.
+    """
+    indices: tuple[str, ...]
+    size: tuple[Expr, ...]
+    periodic: tuple[bool, ...]
+    sites: int
+    bonds: tuple[tuple[tuple[int, tuple[int, ...]], ...], ...]
+    family: str = ""
+
+    @property
+    def bound(self):
+        return self.indices
+
+
+@dataclass(frozen=True)
+class Graph:
+    """Edges of a file: `edge(i, j, J) of g`; one term for each edge, columns by name."""
+    first: str
+    second: str
+    edges: tuple[tuple[int, int], ...]
+    columns: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    family: str = ""
+
+    @property
+    def bound(self):
+        return (self.first, self.second)
+
+
+Over = Union[Once, Sites, Pairs, Each, Lattice, Graph]
+
+
+@dataclass(frozen=True)
+class Term:
+    """A named sum over an index family: an effect (energy) or an observable (value)."""
+    name: str
+    over: Over
+    value: Expr
+    meaning: str = ""
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class FamilyStart:
+    """Where one family starts.
+
+    kind 'vectors': value = tuple of (x, y, z) numbers; 'formula': value = three Exprs in
+    Idx('i') and parameters (angles theta, phi are turned into these by the reader);
+    'random': value = seed (int), uniform on the sphere; 'file': value = path of a table.
+    """
+    family: str
+    kind: str
+    value: object
+    normalise: bool = False
+
+
+@dataclass(frozen=True)
+class Start:
+    name: str
+    families: tuple[FamilyStart, ...]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A named run. h and time are Exprs in the parameters (h may be negative)."""
+    name: str
+    start: str
+    method: str
+    h: Expr
+    time: Optional[Expr] = None
+    steps: Optional[Expr] = None
+    every: int = 1
+    section: Optional[Expr] = None      # stroboscopic period: output at its multiples only
+    what: tuple[str, ...] = ("states", "energy")
+    effects: Optional[tuple[str, ...]] = None   # None: all
+    solver: str = "auto"
+    values: tuple[tuple[str, object], ...] = ()     # parameter values this run sets
+    meaning: str = ""
+    checkpoint: Optional[int] = None    # steps between checkpoints of a run that writes a file
+    substeps: bool = False              # take a step that fails as smaller ones
+
+
+@dataclass(frozen=True)
+class Spec:
+    name: str
+    title: str
+    parameters: tuple[Parameter, ...]
+    families: tuple[Family, ...]
+    effects: tuple[Term, ...]
+    observables: tuple[Term, ...] = ()
+    tables: tuple[tuple[str, tuple[float, ...]], ...] = ()   # constant lists, e.g. kappa = [1, 2]
+    starts: tuple[Start, ...] = ()
+    runs: tuple[Run, ...] = ()
+    orientation: int = +1        # +1: the paper's sign; -1: every bracket reversed
+    path: str = ""
+    digest: str = ""             # sha256 of the text and of the files it names
+    sources: tuple[tuple[str, str], ...] = ()
+
+    def __repr__(self) -> str:
+        held = ("parameters", "families", "effects", "observables", "starts", "runs")
+        parts = [f"{name} {few(x.name for x in getattr(self, name))}" for name in held if getattr(self, name)]
+        return f"<Spec {self.name}: {'; '.join(parts)}>"

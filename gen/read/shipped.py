@@ -1,0 +1,42 @@
+"""The specs that come with smidgen, and how a SPEC on the command line is found."""
+from __future__ import annotations
+
+import difflib
+import os
+from pathlib import Path
+
+from .. import read
+from ..errors import UsageError
+from ..language.spec import Spec
+from ..public import public
+from ..resources import folder
+
+
+def shipped() -> dict[str, Path]:
+    """name -> path of every spec that comes with smidgen."""
+    return {p.stem: p for p in sorted(folder("specs").rglob("*.toml"))}
+
+
+def find_spec(word: str) -> Path:
+    """The file that `word` means: a path, or the name of a shipped spec."""
+    path, known = Path(word), shipped()
+    if path.is_file() or os.sep in word or word.endswith(".toml"):
+        return path
+    if word in known:
+        return known[word]
+    close = difflib.get_close_matches(word, known, 1)
+    hint = f"did you mean '{close[0]}'?" if close else "`smidgen list` shows those that come with it"
+    raise UsageError(f"'{word}' is neither a file nor a shipped spec; {hint}")
+
+
+@public
+def load(spec: str | os.PathLike) -> Spec:
+    """Read a spec: the path of a TOML file, or the name of one that comes with smidgen.
+
+    Raises UsageError for a word that is neither, SpecError with up to ten diagnostics for a
+    file that cannot be read or has errors.
+    """
+    return read.load(find_spec(spec) if isinstance(spec, str) else spec)
+
+
+load_spec = load        # under the name that the commands use

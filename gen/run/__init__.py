@@ -1,0 +1,1 @@
+"""Stage `run`: a compiled model steps numpy arrays; settings, records, results, checkpoints."""

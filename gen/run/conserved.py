@@ -1,0 +1,89 @@
+"""The energy and the momentum that are reported, and what of them is conserved: one rule for all.
+
+The energy is that of the effects that no tracer feels: a tracer moves in a given flow, and what
+it adds to H is not conserved. It is conserved when none of these effects depends on time. The
+momentum is sum kappa w of the sites that are no tracers; the directions in which it is
+conserved follow from the field.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+from ..language.expr import Spin, Time, walk
+from .start import kappas, radii
+
+STATES = 6          # random states at which the torque is looked at
+EPSILON = 1e-10     # a torque below this part of its terms is round-off
+
+
+def with_tracers(spec) -> set[str]:
+    """Names of the effects that tracers feel: their energy is not conserved."""
+    tracers = {f.name for f in spec.families if f.tracer}
+    return {e.name for e in spec.effects
+            if any(isinstance(n, Spin) and n.family in tracers for n in walk(e.value))}
+
+
+def of_time(spec, effects=None) -> bool:
+    """Does an effect (of those named) depend on the time?"""
+    return any(isinstance(node, Time) for e in spec.effects if effects is None or e.name in effects
+               for node in walk(e.value))
+
+
+def driven(spec, effects=None) -> bool:
+    """Does the reported energy (of the effects named) depend on the time?"""
+    called = {e.name for e in spec.effects} if effects is None else set(effects)
+    return of_time(spec, called - with_tracers(spec))
+
+
+def energy_of(values, without=()):
+    """The reported energy from columns name -> number or array; None when there is none.
+
+    without: names of the effects that tracers feel.
+    """
+    if not without:
+        return values.get("energy")
+    kept = [v for n, v in values.items() if n.startswith("energy.") and n.removeprefix("energy.") not in without]
+    return np.sum(kept, axis=0) if kept else None
+
+
+def momentum_of(values, spec) -> np.ndarray:
+    """(.., 3): sum kappa w without tracers, from columns `momentum.<family>` of shape (.., 3)."""
+    return sum((np.asarray(values[f"momentum.{f.name}"]) for f in spec.families if not f.tracer), np.zeros(3))
+
+
+def conserved_axes(model, span: float = 5.0) -> np.ndarray:
+    """Orthonormal rows (k, 3), k = 0, 1 or 3: the directions in which the field keeps the momentum.
+
+    d/dt sum kappa w = sum kappa w x b vanishes along them at random states and times within
+    `span` of the present one. Nambu factors have other brackets, and no such momentum.
+    """
+    spec, own = model.scene, acting_sites(model)
+    if not own.size or any(f.kind == "nambu" for f in spec.families):
+        return np.zeros((0, 3))
+    dice, kappa = np.random.Generator(np.random.PCG64(11)), kappas(spec, model.values_in)[own, None]
+    rows = [torque(model, random_state(model, dice), model.t + dice.uniform(0, 1) * span, own, kappa)
+            for _ in range(STATES)]
+    rows = [row for row in rows if np.isfinite(row).all()]
+    if not rows:
+        return np.zeros((0, 3))
+    _, size, axes = np.linalg.svd(np.array([*rows, np.zeros(3), np.zeros(3)]))
+    return axes[size <= EPSILON]
+
+
+def random_state(model, dice) -> np.ndarray:
+    """Uniform on the spheres, and on the unit sphere for other factors; shape (sites, 3)."""
+    w, radius = dice.standard_normal((model.sites, 3)), radii(model.scene, model.values_in)
+    return w * (np.where(np.isnan(radius), 1, radius) / np.linalg.norm(w, axis=1))[:, None]
+
+
+def torque(model, w, t: float, own, kappa) -> np.ndarray:
+    """sum kappa w x b of the sites `own`, in units of the sizes of its terms; shape (3,)."""
+    terms = kappa * np.cross(w, np.asarray(model.field(w, t), float))[own]
+    return terms.sum(axis=0) / (np.abs(terms).sum() or 1)
+
+
+def acting_sites(model) -> np.ndarray:
+    """Numbers of the sites that are no tracers."""
+    parts = [np.arange(first, first + count) for f in model.scene.families if not f.tracer
+             for first, count in [model.families[f.name]]]
+    return np.concatenate([np.arange(0), *parts])

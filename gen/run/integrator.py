@@ -1,0 +1,451 @@
+"""A compiled model in Python: step numpy arrays in place.
+
+    spec = smidgen.load("top.toml")
+    top = smidgen.build(spec)
+    top.start("tilted", h=0.1)
+    top.steps(100)
+    top.t, top.w                # the time, and the state: an array of shape (sites, 3)
+"""
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Iterable, Mapping
+from types import SimpleNamespace
+
+import numpy as np
+
+from ..build.library import Built, build_library
+from ..errors import BuildError, RunError, UsageError
+from ..language import limits
+from ..language.spec import Spec
+from ..public import ReadOnly, few, public
+from .saved import Saved
+from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
+
+# smg_status of runtime/smidgen.h: number -> (name, what happened)
+STATUS = {
+    1: ("no convergence", "the step equation did not converge"),
+    2: ("no solution", "the branch of solutions from this state ends before this step"),
+    3: ("wrong branch", "the solution found is not connected to the state as h goes to 0"),
+    4: ("not finite", "a value is not finite"),
+    5: ("bad parameter", "a parameter or a size is out of range"),
+    6: ("off manifold", "the start is off its sphere or leaf"),
+    7: ("singular", "the Newton matrix is singular"),
+}
+METHODS = ("spherical-midpoint", "classical-midpoint", "moser-veselov")
+SOLVERS = ("auto", "newton", "rotation", "plain")
+
+
+@public
+def build(spec: Spec, method: str = "spherical-midpoint", effects: Iterable[str] | None = None,
+          values: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
+          native: bool = False, features: Iterable[str] = ()) -> Integrator:
+    """Compile `spec` (or take the build from the cache) and return an Integrator.
+
+    method: one of METHODS; solver: one of SOLVERS; effects: names of the effects to keep, None for all;
+    values: parameter values by name, in the units of the spec (a number, or a sequence for an array);
+    real: "double" or "long double"; native: compile for this processor; features: names of
+    `features.FEATURES`. Raises UsageError for a name that is not known or a value that does not fit,
+    MissingTool without a C compiler, BuildError when it fails.
+    """
+    choose("method", method, METHODS)
+    choose("solver", solver, SOLVERS)
+    choose("real", real, ("double", "long double"))
+    scene = scene_of(spec, effects, values)
+    known = parameter_values(spec, values)
+    built = build_library(scene, method, solver, real, native, features)
+    return Integrator(spec, scene, built, known, method, solver)
+
+
+def scene_of(spec: Spec, effects=None, values=None) -> Spec:
+    """The spec with these effects, and `values` for defaults."""
+    from ..compile.select import select
+    return select(spec, None if effects is None else tuple(effects), dict(values or {}))
+
+
+def choose(what: str, name: str, names) -> str:
+    """`name`, if it is one of `names`; else UsageError with the list."""
+    if name not in names:
+        raise UsageError(f"no {what} '{name}'; there are: {', '.join(names)}")
+    return name
+
+
+class Integrator(ReadOnly):
+    """One model with its parameter values, compiled; at most one trajectory at a time.
+
+    name, method, solver: as asked for; `notes`: what the generator chose. `w` is the state,
+    shape (sites, 3); it is the same array after every step, and the caller's own if
+    `start` was given one of that shape and type. h: the step, nan before `start`; t0: the time
+    of the start; count: the steps taken since; times in the unit that the spec's energy implies.
+    values_in: the parameter values; families: name -> (first site, number of sites); columns:
+    the names of what `values` gives. All of them are only read: ReadOnlyError says what to call.
+    """
+    spec: Spec
+    scene: Spec
+    built: Built
+    name: str
+    method: str
+    solver: str
+    notes: dict
+    values_in: dict
+    families: dict[str, tuple[int, int]]
+    real: np.dtype
+    columns: list[str]
+    h: float
+    t0: float
+    count: int
+    w: np.ndarray | None
+    INSTEAD = {"": "smidgen.build(spec, ...) makes another model", "count": "steps(count) takes steps"} | dict.fromkeys(
+        ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step")
+
+    def __init__(self, spec, scene, built: Built, values, method, solver):
+        self.spec, self.scene, self.built = spec, scene, built
+        self.name, self.method, self.solver = scene.name, method, solver
+        self.notes = built.notes
+        self.values_in = _known_to(scene, values)
+        self.families = sizes(scene, self.values_in)
+        self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
+        self._c = _functions(_loaded(built.binary), self.name)
+        self._state, self._keep = None, None
+        self.h, self.t0, self.count, self.w = math.nan, 0.0, 0, None
+        self.columns = value_columns(scene)
+
+    def __repr__(self) -> str:
+        at = f"step {self.count}, t = {self.t:.10g}, h = {self.h:.10g}" if self._state else "not started"
+        return f"<Integrator {self.name}: {self.method}, {self.sites} sites of {few(self.families)}; {at}>"
+
+    def _now(self, **facts) -> None:
+        """Where the trajectory is; the one way past ReadOnly."""
+        vars(self).update(facts)
+
+    @property
+    def sites(self) -> int:
+        """Number of sites: the state has shape (sites, 3)."""
+        return sum(count for _, count in self.families.values())
+
+    @public
+    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None) -> Integrator:
+        """Begin a trajectory at time t0 with step h (negative: backward).
+
+        w: an array of shape (sites, 3), which the steps change in place, the name of a start
+        of the spec, or None for its only one; seed replaces the seed of random starts. Raises
+        UsageError for a wrong shape, a start off its sphere or no h, RunError for what the C
+        refuses.
+        """
+        if h is None or not math.isfinite(h) or h == 0:
+            raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")
+        self.close()
+        self._now(w=self._array(w, seed), h=float(h), t0=float(t0), count=0)
+        self._new()
+        return self
+
+    def step(self) -> Integrator:
+        """One step; w is changed in place. Raises RunError, then w is as before."""
+        return self.steps(1)
+
+    def steps(self, count: int) -> Integrator:
+        """`count` steps. On failure w is the state before the step that failed."""
+        done = self.advance(count)
+        self._c.state(self._state, self.w.ctypes.data)
+        if done < count:
+            self._fail(self._status)
+        return self
+
+    def advance(self, count: int) -> int:
+        """Up to `count` steps without fetching w; returns how many succeeded."""
+        self._started()
+        if count < 0:
+            raise UsageError("a number of steps from 0 up; a negative h runs backward")
+        done = ctypes.c_int64(0)
+        self._status = self._c.steps(self._state, count, ctypes.byref(done))
+        self._now(count=self.count + done.value)
+        return done.value
+
+    def failure(self) -> RunError | None:
+        """The error of the last step, or None when it succeeded."""
+        try:
+            self._fail(self._status)
+        except RunError as error:
+            return error
+
+    @property
+    def t(self) -> float:
+        """The time t0 + count*h."""
+        self._started()
+        return self._c.time(self._state)
+
+    def state(self, out=None) -> np.ndarray:
+        """A copy of the state, or the state written into `out` of shape (sites, 3)."""
+        self._started()
+        out = np.empty((self.sites, 3), self.real) if out is None else out
+        self._c.state(self._state, out.ctypes.data)
+        return out
+
+    def report(self) -> dict:
+        """Of the last step: iterations, residual (in units of w), site and partner (-1: none), and
+        reached, the part of h up to which its branch of solutions was followed (0: it was not)."""
+        self._started()
+        found = (ctypes.c_int(0), ctypes.c_double(0), ctypes.c_int64(-1), ctypes.c_int64(-1), ctypes.c_double(0))
+        self._c.report(self._state, *map(ctypes.byref, found))
+        return dict(zip(("iterations", "residual", "site", "partner", "reached"), (f.value for f in found)))
+
+    def save(self) -> np.ndarray:
+        """All that decides later steps, to go on with the same bits: `saved.Saved` reads it."""
+        self._started()
+        out = np.empty(self._c.savesize(self._state), self.real)
+        self._c.save(self._state, out.ctypes.data)
+        return out
+
+    def restore(self, saved: np.ndarray) -> Integrator:
+        """Be where `save` was called, after a start with the same parameter values.
+
+        Raises RunError for what no `save` of this model wrote; the state is then as it was.
+        """
+        self._started()
+        saved = np.ascontiguousarray(saved, self.real)
+        size = self._c.savesize(self._state)
+        status = self._c.restore(self._state, saved.ctypes.data) if saved.shape == (size,) else 5
+        if status:
+            raise RunError(f"no saved state of {self.name}: {STATUS[status][1]}", status)
+        head = Saved.of(saved)
+        self._now(t0=head.t0, h=head.h, count=head.count)
+        self._status = 0
+        self._c.state(self._state, self.w.ctypes.data)
+        return self
+
+    def values(self, out=None) -> np.ndarray:
+        """All conserved quantities and observables, in the order of `columns`."""
+        self._started()
+        out = np.empty(len(self.columns), self.real) if out is None else out
+        self._c.values(self._state, out.ctypes.data)
+        return out
+
+    def casimirs(self, out=None) -> np.ndarray:
+        """|w|^2, or C(w) of a Nambu factor, for each site: shape (sites,)."""
+        self._started()
+        out = np.empty(self.sites, self.real) if out is None else out
+        self._c.casimirs(self._state, out.ctypes.data)
+        return out
+
+    def energy(self, w=None, t: float | None = None) -> float:
+        """H(t, w), by default of the present state and time."""
+        self._started()
+        w = self._given(self.w if w is None else w)
+        out = np.empty(1, self.real)
+        self._c.energy(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
+        return out[0]
+
+    def field(self, w=None, t: float | None = None) -> np.ndarray:
+        """b = (1/kappa) dH/dw of shape (sites, 3), by default of the present state."""
+        self._started()
+        w, out = self._given(self.w if w is None else w), np.empty((self.sites, 3), self.real)
+        self._c.field(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
+        return out
+
+    def tangent(self, v) -> np.ndarray:
+        """Carry tangent vectors through the step just taken: dw before it -> dW after it, in place.
+
+        v: (sites, 3) or (columns, sites, 3); an array that C can work on is changed in place, and it comes
+        back. The step is W = w + h X(m), so that on spheres (I - K) dW = (I + K) dw with K = (h/2) DX(m) P';
+        where the leaf moves with w, on R^3 and Nambu factors, its derivative is in it. Raises UsageError
+        before the first step, for a wrong shape and without the feature "tangent", RunError for what the C
+        refuses; v is then as it was.
+        """
+        if self.count == 0 and self._state:
+            raise UsageError("no step taken yet: the tangent map is that of the step just taken")
+        return self._carry(v, 0)
+
+    def carry(self, v, count: int) -> np.ndarray:
+        """`count` steps, tangent vectors carried through each: v of shape ([columns,] sites, 3), in place.
+
+        Where a step or its tangent map fails, RunError: w is the state before the step that failed, and v
+        is as it was before the call.
+        """
+        if count < 0:
+            raise UsageError("a number of steps from 0 up; a negative h runs backward")
+        return self._carry(v, count) if count else v
+
+    def _carry(self, v, count):
+        self._started()
+        if not hasattr(self._c, "tangent"):
+            raise UsageError("no tangent map in this build: build(..., features=('tangent',))")
+        array = _real_array(v, self.real)
+        if array.ndim not in (2, 3) or array.shape[-2:] != (self.sites, 3):
+            raise UsageError(f"tangent vectors of {self.name} have shape ({self.sites}, 3) or "
+                             f"(columns, {self.sites}, 3), not {np.shape(v)}")
+        carried, done = array.copy(), ctypes.c_int64(0)
+        status = self._c.tangent(self._state, carried.ctypes.data, array.size // (3 * self.sites), count,
+                                 ctypes.byref(done))
+        self._now(count=self.count + done.value)
+        self._c.state(self._state, self.w.ctypes.data)
+        self._status = status if status < 100 else 0
+        self._fail(self._status)
+        if status:
+            name, meaning = STATUS.get(status - 100, ("no memory", "there is not enough memory"))
+            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - 100, self.count,
+                           site=self.report()["site"])
+        if not array.flags.writeable:
+            return carried
+        array[...] = carried
+        return array
+
+    def close(self) -> None:
+        """Give the memory of the trajectory back."""
+        if self._state:
+            self._c.free(self._state)
+        self._state = None
+
+    def __del__(self):
+        if getattr(self, "_state", None):
+            self.close()
+
+    def _started(self):
+        if not self._state:
+            raise UsageError("no trajectory yet: call start(w, h=...) first")
+
+    def _array(self, w, seed):
+        if w is None or isinstance(w, str):
+            find_start(self.spec, w)
+            w = initial_state(self.scene, w, self.values_in, seed)
+        return self._given(w)
+
+    def _given(self, w):
+        """`w` itself if C can work on it, else a copy. Raises UsageError for its shape."""
+        try:
+            array = np.ascontiguousarray(w, dtype=self.real)
+        except (TypeError, ValueError):
+            raise UsageError("a state is an array of numbers") from None
+        if array.shape != (self.sites, 3):
+            raise UsageError(f"a state of {self.name} has shape ({self.sites}, 3), "
+                             f"not {np.shape(w)}")
+        return array if array.flags.writeable else array.copy()
+
+    def _new(self):
+        scalars, arrays = _packed(self.scene, self.values_in)
+        pointers = (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
+        status = ctypes.c_int(0)
+        self._keep = scalars, arrays, pointers
+        self._state = self._c.new(scalars.ctypes.data, pointers, self.w.ctypes.data, self.t0,
+                                  self.h, ctypes.byref(status))
+        self._status = status.value
+        if not self._state:
+            name, meaning = STATUS.get(status.value, ("no memory", "there is not enough memory"))
+            raise RunError(f"{self.name} cannot start: {name}: {meaning}{self._off()}", status.value)
+
+    def _off(self) -> str:
+        """Which strength is wrong, or where a start lies farthest off its sphere."""
+        try:
+            kappas(self.scene, self.values_in)
+        except UsageError as refusal:
+            return f" ({refusal})"
+        largest, radius = np.abs(self.w).max(axis=1), radii(self.scene, self.values_in)
+        wild = ~np.isfinite(largest)
+        if np.any(wild):
+            return f" (site {int(np.argmax(wild))} of the start)"
+        wide = np.isnan(radius) & (largest > 0) & ~((largest >= limits.SHORTEST) & (largest <= limits.LARGEST))
+        if np.any(wide):
+            site = int(np.argmax(wide))
+            return (f" (site {site} of the start: its largest component is {largest[site]:.3g}; a vector is 0 or has "
+                    f"one between {limits.SHORTEST:g} and {limits.LARGEST:g})")
+        with np.errstate(over="ignore"):
+            length = np.linalg.norm(self.w, axis=1)
+        off = np.abs(length - radius) / radius
+        if not np.any(off > limits.SPHERE):
+            return ""
+        site = int(np.nanargmax(off))
+        return f" (site {site}: |w| = {length[site]:.15g}, its sphere has radius {radius[site]:.15g})"
+
+    def _fail(self, status):
+        if status == 0:
+            return
+        name, meaning = STATUS.get(status, (f"status {status}", "unknown"))
+        found = self.report()
+        found["rate"] = self._rate(found["site"])
+        raise RunError(f"step {self.count + 1} from t = {self.t:.12g}: {name}: {meaning}"
+                       f"{why(found)}{advice(status, found, self.h)}", status, self.count, **found)
+
+    def _rate(self, site: int) -> float:
+        """|h b|, the angle by which the field turns `site` in a step; of the fastest one for -1."""
+        b = np.asarray(self.field(self.state()), float)
+        turns = abs(self.h) * np.hypot(np.hypot(b[:, 0], b[:, 1]), b[:, 2])
+        return float(turns[site] if site >= 0 else turns.max())
+
+
+def why(found: dict) -> str:
+    """What a failed step reports: sites, residual, iterations, h times the local rate."""
+    sites = [str(found[k]) for k in ("site", "partner") if found[k] >= 0]
+    where = f" at site {sites[0]}" if len(sites) == 1 else f" at sites {' and '.join(sites)}" if sites else ""
+    return (f"{where} (residual {found['residual']:.3g} after {found['iterations']} iterations, "
+            f"h times the local rate {found['rate']:.3g})")
+
+
+def advice(status: int, found: dict, h: float) -> str:
+    """What to try after a step that failed."""
+    if status == 2 and 0 < found["reached"] <= 1:
+        return (f"; from here, and with H as it is at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
+                "take a smaller one")
+    return f"; try a smaller step, half of it, or what `smidgen advise` says" if status in (1, 2, 3, 7) else ""
+
+
+def value_columns(scene: Spec) -> list[str]:
+    """Names of what `m_abi_values` fills, in its order."""
+    axes = [f"momentum.{f.name}.{axis}" for f in scene.families for axis in "xyz"]
+    return ["energy", *(f"energy.{e.name}" for e in scene.effects), *axes,
+            *(o.name for o in scene.observables)]
+
+
+def _known_to(scene, values):
+    """The values of the parameters that the scene has kept."""
+    return {p.name: values[p.name] for p in scene.parameters if p.name in values}
+
+
+def _packed(scene, values):
+    """(scalars, arrays) as the C takes them: run-time parameters in the order of the spec."""
+    numbers = parameter_values(scene, values)
+    free = [p for p in scene.parameters if not p.fixed]
+    scalars = [float(numbers[p.name]) for p in free if p.kind != "array"]
+    arrays = [np.ascontiguousarray(numbers[p.name], float) for p in free if p.kind == "array"]
+    return np.array(scalars or [0.0]), arrays
+
+
+def _real_array(v, real):
+    """`v` itself if C can work on it, else a copy. Raises UsageError for what is no array of numbers."""
+    try:
+        return np.ascontiguousarray(v, dtype=real)
+    except (TypeError, ValueError):
+        raise UsageError("tangent vectors are an array of numbers") from None
+
+
+def _loaded(path):
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as problem:
+        raise BuildError(f"cannot load {path}: {problem}") from None
+
+
+def _functions(library, name):
+    """The C functions of <name>_abi.c with their types."""
+    pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
+    types = {
+        "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
+        "steps": (ctypes.c_int, [pointer, integer, pointer]),
+        "time": (real, [pointer]), "sites": (integer, [pointer]),
+        "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
+        "restore": (ctypes.c_int, [pointer, pointer]),
+        "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),
+        "casimirs": (None, [pointer, pointer]), "report": (None, [pointer] * 6),
+        "field": (None, [pointer, real, pointer, pointer]),
+        "energy": (None, [pointer, real, pointer, pointer]), "free": (None, [pointer]),
+    }
+    if hasattr(library, f"{name}_abi_tangent"):
+        types["tangent"] = (ctypes.c_int, [pointer, pointer, integer, integer, pointer])
+    found = SimpleNamespace()
+    for word, (result, arguments) in types.items():
+        function = getattr(library, f"{name}_abi_{word}", None)
+        if function is None:
+            raise BuildError(f"the library of {name} shows no function {name}_abi_{word}: use the compiler without options "
+                             "that hide or rename functions (CC)")
+        function.restype, function.argtypes = result, arguments
+        setattr(found, word, function)
+    return found

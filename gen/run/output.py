@@ -1,0 +1,377 @@
+"""Results and their files: .csv, .npz and .h5, written as the run goes.
+
+All three hold the same columns under the spec's own names: `step`, `t`, each family (shape
+(count, 3)), `energy`, `energy.<effect>`, `momentum.<family>` (3), `casimirs` (one a site),
+observables; and `meta`, JSON with all that is needed to repeat the run. A file appears
+under its name when it is complete: until then an earlier one stays as it was.
+"""
+from __future__ import annotations
+
+import io
+import json
+import os
+import shutil
+import tempfile
+import zipfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import OutputError, UsageError
+from ..language import limits
+from ..public import ReadOnly, few, public
+from .durable import sync_folder
+from .received import read
+
+FORMATS = (".csv", ".npz", ".h5")
+RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
+
+
+@dataclass(repr=False)
+class Result(ReadOnly):
+    """What a run computed: k outputs, in the units of the spec.
+
+    meta: everything about the run. step, t: shape (k,). w: family -> (k, count, 3), None
+    when states were not asked for. values: name -> (k,) or (k, m). final: the last state,
+    shape (sites, 3), at meta["done"] steps. substeps: rows step, t, k of the steps that were
+    taken as 2^k smaller ones, shape (m, 3), None when that was not asked for. summary: the
+    last time t, the largest changes over the outputs, of conserved quantities (errors) and of
+    others (changes), seconds of stepping and writing. A notebook shows the player of the states.
+    """
+    INSTEAD = {"": "smidgen.run(spec, ...) makes another result"}
+    meta: dict
+    step: np.ndarray
+    t: np.ndarray
+    w: dict | None
+    values: dict
+    final: np.ndarray | None = None
+    substeps: np.ndarray | None = None
+    summary: dict = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        said = " ".join(str(self.meta.get(word) or "") for word in ("spec", "run")).strip()
+        over = f" over t = {self.t[0]:.6g} .. {self.t[-1]:.6g}" if len(self.t) else ""
+        return (f"<Result {said}: {self.meta.get('method')}, {self.meta.get('status')}, {len(self.t)} outputs{over}: "
+                f"{few([*(self.w or {}), *self.values]) or 'nothing kept'}>")
+
+    def _repr_html_(self) -> str | None:
+        """The player, for notebooks; None where there is nothing to play, and the repr is shown."""
+        from ..show.plot import page  # what is downstream is needed here alone
+        from ..show.plot.player import framed
+        try:
+            return framed(page(self))
+        except UsageError:
+            return None
+
+
+@public
+def load_result(path: str | os.PathLike) -> Result:
+    """Read a file that a run wrote. Raises UsageError when it is none, is damaged or promises more than it has."""
+    known_format(path)
+    return result_of(*read(path))
+
+
+def result_of(meta: dict, columns: dict, summary: dict | None = None) -> Result:
+    """Sort `columns` (name -> array) into a Result."""
+    columns = dict(columns)
+    step, t, final = columns.pop("step"), columns.pop("t"), columns.pop("final", None)
+    substeps = columns.pop("substeps", None)
+    states = {f: columns.pop(f) for f in meta["families"] if f in columns}
+    return Result(meta, step, t, states or None, columns, final, substeps, summary or {})
+
+
+def known_format(path) -> str:
+    """The suffix of `path`, if it names a format."""
+    suffix = Path(path).suffix
+    if suffix not in FORMATS:
+        raise UsageError(f"{path}: the name of a result ends in {', '.join(FORMATS)}")
+    return suffix
+
+
+def open_sink(path, meta: dict, layout: dict, work=None):
+    """A sink for the file `path`; layout: column -> (shape of one entry, dtype).
+
+    work: the folder for what is not complete, by default that of `path`.
+    """
+    return _SINKS[known_format(path)](Path(path), meta, layout, work)
+
+
+def check_layout(path, layout: dict) -> None:
+    """Raise OutputError when the format of `path` cannot hold these columns."""
+    count = sum(int(np.prod(shape, dtype=int)) for shape, _ in layout.values())
+    if known_format(path) == ".csv" and count > limits.CSV_COLUMNS:
+        raise OutputError(f"cannot write {path}: {count} columns are too many for .csv; use .h5 or .npz")
+
+
+class MemorySink:
+    """Keeps everything; `columns` afterwards."""
+
+    def __init__(self, layout: dict):
+        self.layout, self.parts = layout, {name: [] for name in layout}
+
+    def write(self, chunk: dict) -> None:
+        """Append k entries to each column."""
+        for name, rows in chunk.items():
+            self.parts[name].append(rows.copy())
+
+    @property
+    def columns(self) -> dict:
+        return {name: np.concatenate(self.parts[name] or [np.empty((0, *shape), kind)])
+                for name, (shape, kind) in self.layout.items()}
+
+
+class FileSink:
+    """Writes beside `path` and renames at the end; every failure is an OutputError."""
+
+    def __init__(self, path: Path, meta: dict, layout: dict, work=None):
+        self.path, self.meta, self.layout = path, meta, layout
+        check_layout(path, layout)
+        with self._guard():
+            self.work = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=work or path.parent))
+            self.file = self.work / path.name
+            self._begin()
+
+    def write(self, chunk: dict) -> None:
+        """Append k entries to each column. Raises OutputError."""
+        with self._guard():
+            self._append(chunk)
+
+    def close(self, meta: dict, extras: dict) -> None:
+        """Finish with the final metadata and the arrays `extras` that are no columns (final,
+        substeps); the file gets its name here, when all of it is on the disk."""
+        with self._guard():
+            self._finish(meta, extras)
+            with open(self.file, "rb") as done:
+                os.fsync(done.fileno())
+            os.replace(self.file, self.path)
+            sync_folder(self.path.parent)
+        shutil.rmtree(self.work, ignore_errors=True)
+
+    def abandon(self) -> None:
+        """Leave no trace; a file of that name from before stays."""
+        try:
+            self._release()
+        except (OSError, RuntimeError, ValueError):
+            pass                                # its content is thrown away anyway
+        shutil.rmtree(getattr(self, "work", ""), ignore_errors=True)
+
+    def _release(self):
+        pass
+
+    def _guard(self):
+        return _Guard(self)
+
+
+class _Guard:
+    """Turns what goes wrong while writing into an OutputError, and cleans up."""
+
+    def __init__(self, sink):
+        self.sink = sink
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, problem, trace):
+        if kind is None or not issubclass(kind, (OSError, RuntimeError, ValueError)):
+            return False
+        self.sink.abandon()
+        said = getattr(problem, "strerror", None) or problem
+        raise OutputError(f"cannot write {self.sink.path}: {said}") from None
+
+
+class CsvSink(FileSink):
+    """Text: comment lines with the metadata, a header, one line an output."""
+    body = None
+
+    def _begin(self):
+        names = [n for name in self.layout for n in flat_names(name, self.layout[name][0])]
+        self.names, self.body = names, open(self.work / "body", "w", encoding="ascii")
+        self.formats = ["%d"] + ["%.17g" if self.layout["t"][1] == np.float64 else "%.21g"] \
+            * (len(names) - 1)
+
+    def _append(self, chunk):
+        rows = [np.asarray(chunk[n]).reshape(len(chunk["t"]), -1) for n in self.layout]
+        np.savetxt(self.body, np.concatenate(rows, axis=1), self.formats, delimiter=",")
+
+    def _finish(self, meta, extras):
+        self.body.close()
+        with open(self.file, "wb") as out, open(self.work / "body", "rb") as body:
+            out.write(csv_head(meta, extras, self.names).encode())
+            shutil.copyfileobj(body, out)
+
+    def _release(self):
+        if self.body:
+            self.body.close()
+
+
+class NpzSink(FileSink):
+    """numpy's format; columns grow in raw files until their length is known."""
+    raw = {}
+
+    def _begin(self):
+        self.rows, self.raw = 0, {}
+        for number, name in enumerate(self.layout):
+            self.raw[name] = open(self.work / f"column{number}", "wb")
+
+    def _append(self, chunk):
+        self.rows += len(chunk["t"])
+        for name, rows in chunk.items():
+            self.raw[name].write(np.ascontiguousarray(rows).data)
+
+    def _finish(self, meta, extras):
+        self._release()
+        with zipfile.ZipFile(self.file, "w") as archive:
+            for name, (shape, kind) in self.layout.items():
+                with _member(archive, name) as out, open(self.raw[name].name, "rb") as body:
+                    _npy_header(out, (self.rows, *shape), kind)
+                    shutil.copyfileobj(body, out)
+            for name, value in (*extras.items(), ("meta", np.array(json.dumps(meta)))):
+                with _member(archive, name) as out:
+                    np.lib.format.write_array(out, value, allow_pickle=False)
+
+    def _release(self):
+        for raw in self.raw.values():
+            raw.close()
+
+
+class H5Sink(FileSink):
+    """HDF5: one data set a column, grown chunk by chunk, and the string `meta`."""
+    h5 = None
+
+    def _begin(self):
+        import h5py
+        self.disk = Disk(self.file)
+        self.h5 = h5py.File(self.disk, "w")
+        for name, (shape, kind) in self.layout.items():
+            rows = max(1, min(4096, 2 ** 20 // (8 * int(np.prod(shape, dtype=int)) or 1)))
+            self.h5.create_dataset(name, (0, *shape), kind, maxshape=(None, *shape),
+                                   chunks=_h5_chunk(rows, shape))
+
+    def _append(self, chunk):
+        for name, rows in chunk.items():
+            data = self.h5[name]
+            data.resize(len(data) + len(rows), axis=0)
+            data[len(data) - len(rows):] = rows
+        self.h5.flush()
+        self.disk.check()
+
+    def _finish(self, meta, extras):
+        for name, value in extras.items():
+            self.h5.create_dataset(name, data=value)
+        put_text(self.h5, "meta", json.dumps(meta))
+        self._release()
+        self.disk.check()
+
+    def _release(self):
+        if self.h5:
+            self.h5.close()
+            self.disk.close()
+
+
+def put_text(h5, name: str, text: str) -> None:
+    """A text of fixed length. HDF5 keeps others in a heap, and a damaged heap may keep its reader for ever."""
+    import h5py
+    data = text.encode()
+    h5.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8", len(data)))
+
+
+class Disk(io.RawIOBase):
+    """A file for HDF5 that never fails under it: HDF5 cannot take back a write that did and
+    crashes later. The first failure is kept for `check`; what is written after it is lost."""
+
+    def __init__(self, path):
+        self.file, self.problem, self.position, self.end = open(path, "w+b", 0), None, 0, 0
+
+    def check(self) -> None:
+        """Raise the first failure."""
+        if self.problem:
+            raise self.problem
+
+    def write(self, data):
+        data = memoryview(data).cast("B")
+        self._try(self._write_all, data)
+        self.position += len(data)
+        self.end = max(self.end, self.position)
+        return len(data)
+
+    def _write_all(self, data):
+        self.file.seek(self.position)
+        while len(data):
+            data = data[self.file.write(data):]
+
+    def readinto(self, buffer):
+        self.file.seek(self.position)
+        count = self.file.readinto(buffer)
+        self.position += count
+        return count
+
+    def seek(self, offset, whence=0):
+        self.position = offset + (0, self.position, self.end)[whence]
+        return self.position
+
+    def tell(self):
+        return self.position
+
+    def truncate(self, size=None):
+        self.end = self.position if size is None else size
+        self._try(self.file.truncate, self.end)
+        return self.end
+
+    def flush(self):
+        pass
+
+    def close(self):
+        super().close()
+        self.file.close()
+
+    def _try(self, act, argument):
+        try:
+            if self.problem is None:
+                act(argument)
+        except OSError as problem:
+            self.problem = problem
+
+
+def flat_names(name: str, shape: tuple) -> list[str]:
+    """CSV columns of one entry: `w[3].x`, `momentum.w.x`, `casimirs[2]`, `energy`."""
+    if not shape:
+        return [name]
+    if len(shape) == 2:
+        return [f"{name}[{i}].{axis}" for i in range(shape[0]) for axis in "xyz"]
+    if name.startswith("momentum."):
+        return [f"{name}.{axis}" for axis in "xyz"]
+    return [f"{name}[{i}]" for i in range(shape[0])]
+
+
+def csv_head(meta: dict, extras: dict, names) -> str:
+    """Comment lines that a person reads, then those that the reader needs, then the header."""
+    shown = ("spec", "title", "run", "method", "h", "steps", "orientation", "status")
+    lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if meta.get(key)]
+    lines += [f"# {name}: {json.dumps(rows.astype(float).ravel().tolist())}" for name, rows in extras.items()]
+    lines += [f"# meta: {json.dumps(meta)}", ",".join(names)]
+    return "\n".join(lines) + "\n"
+
+
+def _one_line(value):
+    return " ".join(str(value).split())
+
+
+def _h5_chunk(rows, shape):
+    """About a megabyte: whole entries, or parts of one when it is larger than that."""
+    first = min(shape[0], 2 ** 15) if shape else 0
+    return (rows, *((first,) if shape else ()), *shape[1:])
+
+
+def _member(archive, name):
+    """A member without a date: the same run gives the same bytes."""
+    return archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True)
+
+
+def _npy_header(out, shape, kind):
+    np.lib.format.write_array_header_2_0(
+        out, {"descr": np.lib.format.dtype_to_descr(np.dtype(kind)),
+              "fortran_order": False, "shape": shape})
+
+
+_SINKS = {".csv": CsvSink, ".npz": NpzSink, ".h5": H5Sink}

@@ -1,0 +1,305 @@
+"""A result from elsewhere: read within limits, and checked before anything is made of it.
+
+Neither its bytes nor its metadata are trusted. A file is a regular one, and no array is taken for
+more than the bytes that the file has: what is compressed, linked or filled in by the reader is
+refused, for no result of smidgen holds any. `META` says what the metadata must be.
+"""
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import stat
+import sys
+import warnings
+import zipfile
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import UsageError
+from ..language import limits
+
+AXES = "xyz"
+
+
+class Wrong(Exception):
+    """What is wrong with a file; the message says it."""
+
+
+def read(path) -> tuple[dict, dict]:
+    """(metadata, columns: name -> array) of a .csv, .npz or .h5 that a run wrote. Raises UsageError."""
+    with refusing(path), opened(path) as file:
+        meta, columns = READERS[Path(path).suffix](file, os.fstat(file.fileno()).st_size)
+        meta = checked(meta)
+        fit(meta, columns)
+        return meta, columns
+
+
+@contextmanager
+def refusing(path, kind=UsageError):
+    """Whatever goes wrong with a file becomes one error: what HDF5, zip and numpy raise has no list."""
+    try:
+        yield
+    except kind:
+        raise
+    except Wrong as problem:
+        raise kind(f"{path} is no file of a smidgen run: {problem}") from None
+    except MemoryError:
+        raise kind(f"{path}: there is not enough memory to read it") from None
+    except Exception:
+        raise kind(f"{path} is no file of a smidgen run, or it is damaged") from None
+
+
+@contextmanager
+def opened(path, kind=UsageError):
+    """The regular file `path`: a pipe is not waited for, a device not read."""
+    try:
+        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    except (OSError, ValueError) as problem:
+        raise kind(f"cannot read {path}: {getattr(problem, 'strerror', None) or problem}") from None
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise kind(f"cannot read {path}: it is not a regular file")
+    with open(handle, "rb") as file:
+        yield file
+
+
+# -- the three formats --------------------------------------------------------------------------
+
+def from_csv(file, size):
+    comments, header = head_of(file)
+    names = header.strip().split(",")
+    if len(names) > limits.CSV_COLUMNS:
+        raise Wrong(f"more than {limits.CSV_COLUMNS} columns")
+    table = rows_of(file) if file.tell() < size else np.empty((0, len(names)))
+    if table.shape[1] != len(names):
+        raise Wrong("its rows do not fit its header")
+    columns = gathered(table, names)
+    columns["step"] = integers(columns.get("step"))
+    for name in comments.keys() - {"meta"}:
+        columns[name] = np.array(parsed(comments[name], listed(finite_or_not)), float).reshape(-1, 3)
+    return comments.get("meta", ""), columns
+
+
+def head_of(file):
+    """The comments that the reader needs, and the header."""
+    found, line = {}, file.readline()
+    while line.startswith(b"# "):
+        key, _, value = line[2:].partition(b": ")
+        if key in (b"meta", b"final", b"substeps"):
+            found[key.decode()] = value.decode().rstrip("\n")
+        line = file.readline()
+    return found, line.decode()
+
+
+def rows_of(file):
+    """The numbers of the lines that are left."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")          # numpy's "no data"
+        return np.loadtxt(file, delimiter=",", ndmin=2, encoding="ascii")
+
+
+def integers(column):
+    """A column of whole numbers."""
+    if column is None or column.ndim != 1 or not np.all(np.abs(column) < 2.0 ** 63) or np.any(column != np.rint(column)):
+        raise Wrong("the steps are no integers")
+    return column.astype(np.int64)
+
+
+def gathered(table, names) -> dict:
+    """Columns w[0].x, w[0].y, ... as arrays again."""
+    places = {}
+    for place, name in enumerate(names):
+        stem = name.partition("[")[0]
+        places.setdefault(stem[:-2] if name.startswith("momentum.") else stem, []).append(place)
+    columns = {}
+    for name, at in places.items():
+        block = table[:, at] if len(at) > 1 or "[" in names[at[0]] else table[:, at[0]]
+        columns[name] = block.reshape(len(table), -1, 3) if "]." in names[at[0]] else block
+    return columns
+
+
+def from_npz(file, size):
+    with zipfile.ZipFile(file) as archive:
+        members = archive.infolist()
+        if any(m.compress_type != zipfile.ZIP_STORED or m.flag_bits & 1 for m in members):
+            raise Wrong("its arrays are compressed or locked")
+        within([m.file_size for m in members], size)
+        columns = {m.filename.removesuffix(".npy"): from_npy(archive.read(m)) for m in members}
+    meta = columns.pop("meta", None)
+    if meta is None or meta.dtype.kind != "U" or meta.shape != ():
+        raise Wrong("it has no metadata")
+    return str(meta), columns
+
+
+def from_npy(data: bytes):
+    """The array of a .npy image; its head must promise what follows, no less and no more."""
+    head = io.BytesIO(data)
+    version = np.lib.format.read_magic(head)
+    read_head = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, fortran, kind = read_head(head)
+    at = head.tell()
+    if fortran or kind.hasobject or math.prod(shape) * kind.itemsize != len(data) - at:
+        raise Wrong("an array is not what its head says")
+    return np.frombuffer(bytearray(data[at:]), kind).reshape(shape)
+
+
+def from_h5(file, size):
+    import h5py
+    with h5py.File(file, "r") as h5:
+        return sets_of(h5, h5, "meta", size)
+
+
+def sets_of(h5, group, key, size):
+    """(the text `key` of an open file, the arrays of one of its groups)."""
+    head = plain_set(h5, key, size) if key in h5 else None
+    if head is None or head.shape != () or head.dtype.kind != "S":      # of fixed length: see output.put_text
+        raise Wrong("it has no metadata, or that of an earlier version")
+    found = {name: plain_set(group, name, size) for name in group if name != key}
+    within([s.size * s.dtype.itemsize for s in (head, *found.values())], size)
+    if any(s.dtype.kind not in "fiu" for s in found.values()):
+        raise Wrong("it holds other things than numbers")
+    return head[()].decode(), {name: s[...] for name, s in found.items()}
+
+
+def plain_set(group, name, size):
+    """A data set that lies in the file itself: no link, no filter, no other file, not compiled from others."""
+    import h5py
+    link = group.get(name, getlink=True)
+    found = group[name] if isinstance(link, h5py.HardLink) else None
+    if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external or found.shape is None:
+        raise Wrong("it holds what is no data set of its own")
+    if found.id.get_create_plist().get_nfilters():
+        raise Wrong("its data sets are compressed")
+    if found.chunks and found.size:
+        within([math.prod(found.chunks) * found.dtype.itemsize], size)
+    return found
+
+
+def within(sizes, size):
+    """No more bytes are promised than the file has."""
+    if sum(sizes) > size:
+        raise Wrong(f"it promises {sum(sizes)} bytes and has {size}")
+
+
+READERS = {".csv": from_csv, ".npz": from_npz, ".h5": from_h5}
+
+
+# -- the metadata -------------------------------------------------------------------------------
+
+def text(value) -> bool:
+    return isinstance(value, str)
+
+
+def flag(value) -> bool:
+    return isinstance(value, (bool, int)) and value in (0, 1)
+
+
+def number(value) -> bool:
+    """An int or float that is a finite double."""
+    return isinstance(value, (int, float)) and abs(value) <= sys.float_info.max
+
+
+def count(value) -> bool:
+    return isinstance(value, int) and 0 <= value <= limits.INTEGER
+
+
+def seed(value) -> bool:
+    return isinstance(value, int) and value >= 0
+
+
+def finite_or_not(value) -> bool:
+    """A number of a state that may have overflowed."""
+    return number(value) or isinstance(value, float)
+
+
+def either(*kinds):
+    return lambda value: any(kind(value) for kind in kinds)
+
+
+def none(value) -> bool:
+    return value is None
+
+
+def listed(kind):
+    return lambda value: isinstance(value, list) and all(map(kind, value))
+
+
+def table(kind):
+    return lambda value: isinstance(value, dict) and all(map(kind, value.values()))
+
+
+def triple(value) -> bool:
+    """Three finite numbers."""
+    return listed(number)(value) and len(value) == 3
+
+
+def source(value) -> bool:
+    """A file of the spec: its name and its text."""
+    return listed(text)(value) and len(value) == 2
+
+
+VALUE = either(number, text, listed(either(number, text)))
+META = {    # what `run.describe` writes
+    "program": text, "version": text, "generator": text, "spec": text, "title": text, "digest": text,
+    "sources": listed(source), "orientation": lambda value: flag(value) or value == -1,
+    "run": text, "start": either(text, listed(listed(finite_or_not))), "method": text, "solver": text,
+    "h": number, "steps": count, "every": count, "section": either(none, number), "what": listed(text),
+    "effects": listed(text), "seed": either(none, seed), "real": text, "native": flag, "substeps": flag,
+    "set": table(VALUE), "values": table(VALUE), "chosen": table(either(none, VALUE)), "families": table(count),
+    "compiler": text, "flags": listed(text), "status": text, "done": count,
+}
+ADDED = {"substeps": False}     # keys that files of earlier versions lack, and what they meant
+
+
+def parsed(given: str, kind):
+    """JSON of the right kind. Raises Wrong."""
+    if len(given) > limits.META:
+        raise Wrong(f"its metadata has {len(given)} characters; at most {limits.META} are read")
+    try:
+        value = json.loads(given)
+    except (ValueError, RecursionError):
+        raise Wrong("its metadata is no JSON, or too deep") from None
+    if not kind(value):
+        raise Wrong("its metadata or a state beside it is not what it should be")
+    return value
+
+
+def checked(given) -> dict:
+    """The metadata: text of JSON, or what it says, with every key of META and no other."""
+    meta = parsed(given, lambda value: True) if isinstance(given, str) else given
+    if not isinstance(meta, dict):
+        raise Wrong("its metadata is no table")
+    meta = {**ADDED, **meta}
+    wrong = [key for key, kind in META.items() if key not in meta or not kind(meta[key])]
+    if wrong:
+        raise Wrong(f"its metadata lacks '{wrong[0]}', or that is not what it should be")
+    return {key: meta[key] for key in meta if key in META}
+
+
+# -- what belongs to what -----------------------------------------------------------------------
+
+def fit(meta: dict, columns: dict) -> None:
+    """Columns of k numbers or rows of numbers, states of k x count x 3. Raises Wrong."""
+    rows = columns["t"].shape if "t" in columns else ()
+    if len(rows) != 1 or "step" not in columns or "final" not in columns:
+        raise Wrong("it lacks the columns step and t, or the last state")
+    for name, column in columns.items():
+        if column.dtype.kind not in "fiu" or not shaped(name, column.shape, rows, meta["families"]):
+            raise Wrong("a column does not fit the others")
+
+
+def shaped(name, shape, rows, families) -> bool:
+    """Has the column `name` the shape that it must have, where there are `rows` outputs?"""
+    if name == "final":
+        return shape == (sum(families.values()), 3)
+    if name == "substeps":
+        return len(shape) == 2 and shape[1] == 3
+    if name in ("step", "t"):
+        return shape == rows
+    if name in families:
+        return shape == (*rows, families[name], 3)
+    return shape[:1] == rows and len(shape) <= 2

@@ -1,0 +1,177 @@
+"""What a run records: columns, the buffers that collect them, and the largest deviations."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..errors import UsageError
+from .conserved import conserved_axes, driven, energy_of, momentum_of, with_tracers
+from .integrator import Integrator
+from .nearness import Nearest
+from .output import RESERVED
+
+CHUNK = 2 ** 22         # bytes of outputs between two writes
+
+
+class Recorder:
+    """Collects outputs in buffers and hands them to the sinks; keeps the largest deviations.
+
+    span: how long the run is.
+    """
+
+    def __init__(self, model, layout, sinks, span: float):
+        self.model, self.sinks, self.rows, self.begun = model, sinks, 0, False
+        self.capacity = max(1, min(4096, CHUNK // entry_size(layout)))
+        self.buffers = {n: np.empty((self.capacity, *shape), kind)
+                        for n, (shape, kind) in layout.items()}
+        self.state = model.state()
+        self.values, self.casimirs = model.values(), model.casimirs()
+        self.deviations = Deviations(model, self.values, self.casimirs, span)
+        self.nearest = Nearest(model)
+        self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
+        self.picks = [(n, f) for n, f in outputs_of(model).items() if n in layout]
+        self.states = any(f in layout for f in model.families)
+
+    def record(self) -> None:
+        """One output: the present step."""
+        self.begun = True
+        self.model.values(self.values)
+        self.model.casimirs(self.casimirs)
+        self.deviations.see(self.values, self.casimirs)
+        self.nearest.see(self.model)
+        if self.sinks:
+            self._fill(self.rows)
+            self.rows += 1
+            if self.rows == self.capacity:
+                self.flush()
+
+    def _fill(self, row):
+        model, buffers = self.model, self.buffers
+        buffers["step"][row], buffers["t"][row] = model.count, model.t
+        if self.states:
+            model.state(self.state)
+        for name, pick in self.picks:
+            buffers[name][row] = pick(self)
+
+    def split(self, k: int) -> None:
+        """The step to the present state was taken as 2^k smaller ones."""
+        self.substeps.append((self.model.count, self.model.t, k))
+
+    def facts(self) -> dict:
+        """What a resumed run must know beside the state and the rows."""
+        return {**self.deviations.facts(), "substeps": self.substeps}
+
+    def go_on(self, facts: dict) -> None:
+        """Be where `facts` were taken."""
+        self.begun = True
+        self.deviations.go_on(facts)
+        self.substeps = [tuple(row) for row in facts["substeps"]]
+
+    def flush(self) -> None:
+        """Hand the buffered outputs on."""
+        chunk = {name: rows[:self.rows] for name, rows in self.buffers.items()}
+        for sink in self.sinks:
+            sink.write(chunk)
+        self.rows = 0
+
+
+class Deviations:
+    """The largest deviations from the first output: errors of what is conserved, changes of the rest.
+
+    span: how long the run is. Which energy and momentum are meant, and what of them is
+    conserved, says conserved.py; with one output there is nothing to compare.
+    """
+
+    def __init__(self, model, values, casimirs, span: float):
+        self.scene, self.columns, self.c0, self.outputs = model.scene, model.columns, casimirs.copy(), 0
+        self.without, self.driven = with_tracers(model.scene), driven(model.scene)
+        self.axes, self.largest = conserved_axes(model, span), {}
+        self.energy, self.momentum = self._of(values)
+
+    def _of(self, values):
+        """(energy or None, momentum (3,)) of an output."""
+        named = dict(zip(self.columns, values))
+        rows = {f"momentum.{f.name}": [named[f"momentum.{f.name}.{x}"] for x in "xyz"] for f in self.scene.families}
+        return energy_of(named, self.without), momentum_of(rows, self.scene)
+
+    def see(self, values, casimirs) -> None:
+        """Compare one output with the first."""
+        self.outputs += 1
+        energy, momentum = self._of(values)
+        if energy is not None:
+            self._raise("changes" if self.driven else "errors", "energy", energy - self.energy)
+        if not all(f.tracer for f in self.scene.families):
+            self._momentum(momentum - self.momentum)
+        self._raise("errors", "casimirs", casimirs - self.c0)
+
+    def _momentum(self, change):
+        """Its part in the conserved directions, and the rest."""
+        along = self.axes @ change
+        if len(self.axes):
+            self._raise("errors", "momentum", along)
+        if len(self.axes) < 3:
+            self._raise("changes", "momentum", change - along @ self.axes)
+
+    def _raise(self, kind, name, change):
+        value, found = float(abs(change).max()), self.largest.setdefault(kind, {})
+        if not value <= found.get(name, -1.0):      # NaN must not be lost
+            found[name] = value
+
+    def summary(self) -> dict:
+        """errors and changes: name -> the largest one; without: the effects that the energy leaves out."""
+        found = self.largest if self.outputs > 1 else {}
+        return {"errors": found.get("errors", {}), "changes": found.get("changes", {}), "without": sorted(self.without)}
+
+    def facts(self) -> dict:
+        """What a resumed run must know."""
+        return {"outputs": self.outputs, "largest": self.largest}
+
+    def go_on(self, facts: dict) -> None:
+        """Be where `facts` were taken."""
+        self.outputs, self.largest = facts["outputs"], facts["largest"]
+
+
+def entry_size(layout: dict) -> int:
+    """Bytes of one output."""
+    return sum(kind.itemsize * math.prod(shape) for shape, kind in layout.values())
+
+
+def outputs_of(model) -> dict:
+    """column -> function that takes it from a Recorder's present values."""
+    at = {name: k for k, name in enumerate(model.columns)}
+    found = {}
+    for family, (first, count) in model.families.items():
+        found[family] = lambda r, a=first, b=first + count: r.state[a:b]
+        k = at[f"momentum.{family}.x"]
+        found[f"momentum.{family}"] = lambda r, k=k: r.values[k:k + 3]
+    for name, k in at.items():
+        if not name.startswith("momentum."):
+            found[name] = lambda r, k=k: r.values[k]
+    found["casimirs"] = lambda r: r.casimirs
+    return found
+
+
+def columns_of(model: Integrator, what) -> dict:
+    """Layout of the outputs: column -> (shape of one entry, dtype)."""
+    named = {"step": ((), np.dtype(np.int64)), "t": ((), np.dtype(np.float64))}
+    real, scene = model.real, model.scene
+    if "states" in what:
+        named.update({f: ((count, 3), real) for f, (_, count) in model.families.items()})
+    if "energy" in what:
+        named["energy"] = ((), real)
+        named.update({f"energy.{e.name}": ((), real) for e in scene.effects})
+    if "momentum" in what:
+        named.update({f"momentum.{f}": ((3,), real) for f in model.families})
+    if "casimirs" in what:
+        named["casimirs"] = ((model.sites,), real)
+    _distinct([*model.families, *(o.name for o in scene.observables)])
+    named.update({o.name: ((), real) for o in scene.observables if o.name in what})
+    return named
+
+
+def _distinct(names):
+    for k, name in enumerate(names):
+        if name in RESERVED or name in names[:k]:
+            raise UsageError(f"'{name}' already names another column of the results; "
+                             "call the family or observable something else")

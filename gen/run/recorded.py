@@ -1,0 +1,46 @@
+"""From the metadata of a result back to the spec and the settings that made it."""
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from ..errors import UsageError
+
+ASKED = ("start", "method", "solver", "h", "steps", "every", "section", "what", "effects",
+         "seed", "real", "native", "substeps")
+
+
+def recorded(meta: dict):
+    """(spec, run's name, settings) of a result's metadata, as `received.checked` gives it. Raises UsageError, SpecError."""
+    settings = {key: meta[key] for key in ASKED}
+    return spec_of(meta["sources"]), meta["run"] or None, {**settings, "values": meta["set"]}
+
+
+def spec_of(sources):
+    """Read a spec from its recorded texts: the spec itself first, then files it names. Raises UsageError, SpecError."""
+    from ..read import load
+    with tempfile.TemporaryDirectory(prefix="smidgen-") as folder:
+        try:
+            path = _written(Path(folder), sources)
+        except (OSError, ValueError) as problem:
+            raise UsageError(f"the spec in the metadata cannot be read: {problem}") from None
+        return load(str(path))
+
+
+def _written(folder: Path, sources) -> Path:
+    """The path of the spec, when all files lie in `folder`."""
+    if not sources:
+        raise ValueError("there is no text of it")
+    paths = [_inside(folder, name) for name in ("spec.toml", *(name for name, _ in sources[1:]))]
+    for path, (_, text) in zip(paths, sources):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="")
+    return paths[0]
+
+
+def _inside(folder: Path, name: str) -> Path:
+    """A recorded name is data: it must stay in the folder made for it."""
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise ValueError(f"{name!r} leaves the folder of the spec")
+    return path

@@ -1,0 +1,88 @@
+"""Going on with a run that was stopped: `smidgen.resume("result.h5")`."""
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+from ..build.library import generator_name
+from ..errors import UsageError
+from ..public import public
+from .checkpoint import CheckpointError, Folder, folder_of
+from .integrator import build
+from .output import Result, load_result
+from .recorded import recorded
+from .run import describe, execute
+from .settings import settle
+
+
+@public
+def resume(path: str | os.PathLike, *, keep: bool = False, progress: Callable[[int], object] | None = None,
+           tell: Callable[[str], object] = warnings.warn) -> Result:
+    """Go on with the run that was writing `path` with checkpoints, and return its Result.
+
+    The result has the bits of a run that was never stopped. A result that is complete is
+    returned as it is. keep: hold the outputs in memory as well; progress: a function of the
+    steps done; tell: a function that takes a sentence about damage that was got round.
+    Raises CheckpointError when nothing was saved, when what was saved is damaged or is from
+    another version of smidgen or of the compiler, or while another run writes; what was saved
+    is then as it was.
+    """
+    if not folder_of(path).is_dir():
+        return _complete(path)
+    folder = Folder.open(path)
+    try:
+        if not folder.parts("run"):
+            result = _complete(path)
+            folder.finish()
+            return result
+        meta = folder.run()
+        model, settings = begun(meta, path)
+        return execute(model, settings, path, keep, progress, (folder, folder.newest(tell)))
+    except OSError as problem:
+        raise CheckpointError(f"cannot use {folder.path}: {problem.strerror or problem}") from None
+    finally:
+        folder.release()
+
+
+def saved_run(path) -> dict:
+    """The metadata of the run to go on with, or of the complete result. Raises CheckpointError."""
+    folder = Folder(path)
+    if folder.path.is_dir() and folder.parts("run"):
+        return folder.run()
+    return _complete(path).meta
+
+
+def begun(meta: dict, path):
+    """(model at its start, settings) of a saved run, when this program is the one that began it."""
+    if meta["generator"] != generator_name():
+        raise CheckpointError(f"{path} was begun by {meta['generator']}, this is {generator_name()}: the bits "
+                              f"would differ. Go on with that version, or remove {folder_of(path)} and begin anew")
+    spec, name, given = recorded(meta)
+    settings = settle(spec, name, **given)
+    model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
+                  settings.real, settings.native)
+    model.start(settings.start, h=settings.h, seed=settings.seed)
+    now = json.loads(json.dumps(describe(model, settings)))
+    differing = [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]
+    if differing:
+        raise CheckpointError(f"{path} was begun with another {', '.join(differing)}: the bits would differ. "
+                              f"Remove {folder_of(path)} to begin anew")
+    return model, settings
+
+
+def _complete(path):
+    """The result `path`, if it is complete."""
+    try:
+        result = load_result(path)
+    except UsageError:
+        result = None
+    if result is None or result.meta["status"] != "complete":
+        raise CheckpointError(f"nothing was saved of {Path(path)}: a run that can go on is one with checkpoints, "
+                              "`smidgen run SPEC --checkpoint 10000 --out result.h5`")
+    return dataclasses.replace(result, summary={
+        "t": result.meta["h"] * result.meta["done"], "errors": {}, "changes": {}, "seconds": 0.0,
+        "in_parts": 0 if result.substeps is None else len(result.substeps)})

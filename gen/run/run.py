@@ -1,0 +1,285 @@
+"""A run: settings from the spec and the caller, steps in C, outputs on the way.
+
+    result = smidgen.run(spec, "demo", h=0.05, out="demo.h5")
+"""
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import math
+import os
+import signal
+import threading
+import time as clock
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+
+from .. import __version__
+from ..errors import UsageError
+from ..language.spec import Spec
+from ..public import public
+from .checkpoint import refuse_unfinished
+from .integrator import Integrator, build
+from .output import MemorySink, Result, load_result, open_sink, result_of
+from .record import Recorder, columns_of, entry_size
+from .safe import SafeSink
+from .settings import Settings, settle
+from .start import find_start
+from .substeps import RESCUED, substep
+
+MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
+PATIENCE = 0.05         # seconds in C at most, so that Ctrl-C and the progress are prompt
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C: the step was finished; `result` holds what was computed."""
+
+    def __init__(self, result):
+        super().__init__("interrupted")
+        self.result = result
+
+
+@public
+def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None = None,
+        method: str | None = None, solver: str | None = None, h: float | str | None = None,
+        steps: int | None = None, time: float | str | None = None, every: int | None = None,
+        section: float | str | None = None, what: Iterable[str] | None = None,
+        effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+        seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
+        out: str | os.PathLike | None = None, keep: bool | None = None,
+        progress: Callable[[int], object] | None = None, real: str = "double",
+        native: bool = False) -> Result:
+    """Run `spec` and return a Result.
+
+    name: a run of the spec, by default its first. In place of what that run says:
+    start: the name of a start, or an array of shape (sites, 3); method, solver: their names;
+    h: the step, and steps (their number) or time (a multiple of h), how long; every: steps
+    between outputs, or section: the time between them; h, time and section in the unit of
+    time of the spec, numbers or formulas of its parameters such as "2*pi/n"; what: names of
+    outputs (states, energy, momentum, casimirs, observables); effects: names of those to keep;
+    values: parameter name -> number, or a sequence for an array; seed: of random starts;
+    checkpoint: steps between two checkpoints (needs `out`); substeps: take a step that fails
+    as up to 2^10 smaller ones.
+    out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
+    `out`; progress: a function of the steps done; real: "double" or "long double"; native:
+    compile for this processor.
+    Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
+    Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
+    cannot be written, MissingTool and BuildError as `build` does.
+    """
+    if out is None and checkpoint:
+        raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
+    settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
+                      every=every, section=section, what=what, effects=effects, values=values, seed=seed,
+                      real=real, native=native, substeps=substeps, checkpoint=checkpoint)
+    model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
+                  real, native)
+    model.start(settings.start, h=settings.h, seed=settings.seed)
+    return execute(model, settings, out, out is None if keep is None else keep, progress)
+
+
+@public
+def repeat(path: str | os.PathLike, out: str | os.PathLike | None = None, *, keep: bool | None = None,
+           progress: Callable[[int], object] | None = None) -> Result:
+    """Do again what wrote the file `path`; the same program gives the same numbers.
+
+    out, keep, progress: as for `run`, which also says what is raised.
+    """
+    from .recorded import recorded
+    spec, name, settings = recorded(load_result(path).meta)
+    return run(spec, name, out=out, keep=keep, progress=progress, **settings)
+
+
+def execute(model: Integrator, settings: Settings, out, keep: bool, progress=None, place=None):
+    """Step a started model through the run and write the outputs.
+
+    place: (folder, newest state) of a run to go on with, as `resume` finds them.
+    """
+    layout = columns_of(model, settings.what)
+    _affordable(layout, settings, keep)
+    sinks = [MemorySink(layout)] if keep else []
+    if out is not None:
+        sinks.append(_file_sink(out, model, settings, layout, place))
+    recorder = Recorder(model, layout, sinks, settings.steps * settings.h)
+    began = clock.perf_counter()
+    try:
+        began -= _go_on(model, recorder, sinks, place)
+        status, error = advance(model, settings, recorder, progress or (lambda done: None),
+                                lambda: _save(model, recorder, began))
+        return _finish(model, settings, recorder, status, error, began)
+    except BaseException:
+        for sink in sinks:
+            getattr(sink, "abandon", lambda: None)()
+        raise
+
+
+def _file_sink(out, model, settings, layout, place):
+    """The sink of a file: with checkpoints, or one that writes as the run goes."""
+    meta = describe(model, settings)
+    if place:
+        return SafeSink(out, meta, layout, place[0])
+    if settings.checkpoint:
+        return SafeSink(out, meta, layout)
+    refuse_unfinished(out)
+    return open_sink(out, meta, layout)
+
+
+def _go_on(model, recorder, sinks, place) -> float:
+    """Be where a run was stopped; returns the seconds it had taken. The recorder has seen the start."""
+    if not place:
+        return 0.0
+    safe = sinks[-1]
+    facts, arrays = place[1] or ({"count": None, "rows": 0, "seconds": 0.0}, None)
+    safe.go_on(facts)
+    if arrays is None:
+        return 0.0
+    for sink in sinks[:-1]:
+        for chunk in safe.chunks():
+            sink.write(chunk)
+    model.restore(arrays["state"])
+    recorder.go_on(facts)
+    return facts["seconds"]
+
+
+def advance(model, settings, recorder, progress, save):
+    """(status, error) after stepping to the end, to a failure or to Ctrl-C; save() makes a checkpoint."""
+    pace, stops = Pace(), [settings.every] + [settings.checkpoint] * bool(settings.checkpoint)
+    with on_interrupt() as interrupted:
+        if not recorder.begun:
+            recorder.record()
+            save()
+        while model.count < settings.steps:
+            if interrupted():
+                return "interrupted", None
+            goal = min(settings.steps, *((model.count // every + 1) * every for every in stops))
+            asked = min(goal - model.count, pace.size)
+            if pace.timed(model.advance, asked) < asked:
+                error = model.failure()
+                if not (settings.substeps and _rescued(model, recorder, error)):
+                    return f"failed: {error}", error
+            if model.count % settings.every == 0:
+                recorder.record()
+            if settings.checkpoint and model.count % settings.checkpoint == 0:
+                save()
+            progress(model.count)
+    return "complete", None
+
+
+def _rescued(model, recorder, error) -> bool:
+    """Was the step that failed taken as smaller ones?"""
+    k = substep(model) if error.status in RESCUED else None
+    if k is not None:
+        recorder.split(k)
+    return k is not None
+
+
+def _save(model, recorder, began) -> None:
+    """A checkpoint, for a sink that makes them: all rows, then the state that goes with them."""
+    for sink in recorder.sinks:
+        if isinstance(sink, SafeSink):
+            recorder.flush()
+            sink.save(model.count, model.save(), {**recorder.facts(), "seconds": clock.perf_counter() - began})
+
+
+class Pace:
+    """How many steps fit in PATIENCE seconds, from those before."""
+
+    def __init__(self):
+        self.size, self.seconds = 1, 0.0
+
+    def timed(self, advance, asked: int) -> int:
+        """Call advance(asked); returns its value and learns from its time."""
+        begin = clock.perf_counter()
+        done = advance(asked)
+        taken = clock.perf_counter() - begin
+        self.seconds += taken
+        if taken > PATIENCE:
+            self.size = max(1, self.size // 2)
+        elif asked == self.size and taken < PATIENCE / 4:
+            self.size *= 2
+        return done
+
+
+def _affordable(layout, settings, keep):
+    total = entry_size(layout) * (settings.steps // settings.every + 1)
+    if keep and total > MEMORY:
+        raise UsageError(f"the outputs take {total / 2 ** 30:.1f} GiB of memory: write them to "
+                         "a file (out=\"result.h5\"), or give a larger every")
+
+
+def describe(model: Integrator, settings: Settings, status: str = "running") -> dict:
+    """The metadata of a run: all that is needed to repeat it."""
+    spec, built = model.spec, model.built
+    facts = {k: v for k, v in dataclasses.asdict(settings).items() if k not in ("values", "start", "checkpoint")}
+    start, scene = settings.start, model.scene
+    if not isinstance(start, str):
+        start = find_start(spec, None).name if start is None else np.asarray(start).tolist()
+    return {
+        "program": "smidgen", "version": __version__, "generator": built.generator,
+        "spec": spec.name, "title": spec.title, "digest": spec.digest,
+        "sources": [list(pair) for pair in spec.sources], "orientation": spec.orientation,
+        **facts, "what": list(settings.what), "start": start, "set": _plain(settings.values),
+        "values": _plain(model.values_in), "effects": [e.name for e in scene.effects],
+        "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
+        "compiler": built.compiler, "flags": list(built.flags),
+        "status": status, "done": model.count,
+    }
+
+
+def _plain(values: dict) -> dict:
+    """Values as JSON has them; floats keep all their digits."""
+    return {k: v.tolist() if isinstance(v, (np.ndarray, np.generic)) else v
+            for k, v in values.items()}
+
+
+def _finish(model, settings, recorder, status, error, began):
+    recorder.flush()
+    meta, extras = describe(model, settings, status), {"final": model.state()}
+    if settings.substeps:
+        extras["substeps"] = np.array(recorder.substeps, float).reshape(-1, 3)
+    memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
+    _close(model, recorder, meta, extras, began)
+    empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
+    summary = {"t": model.t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
+               "nearest": recorder.nearest.fact(), "seconds": clock.perf_counter() - began}
+    return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
+
+
+def _close(model, recorder, meta, extras, began):
+    """Give the files their names. A run with checkpoints is safe before; interrupted, it may go on."""
+    for sink in recorder.sinks:
+        if isinstance(sink, SafeSink):
+            _save(model, recorder, began)
+            sink.close(meta, extras, recorder.capacity, keep=meta["status"] == "interrupted")
+        elif not isinstance(sink, MemorySink):
+            sink.close(meta, extras)
+
+
+def _outcome(result, status, error):
+    if error is not None:
+        error.result = result
+        raise error
+    if status == "interrupted":
+        raise Interrupted(result)
+    return result
+
+
+@contextlib.contextmanager
+def on_interrupt():
+    """Yields a function that says whether Ctrl-C came; a second one stops at once."""
+    seen = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield seen.is_set
+        return
+
+    def first(number_, frame):
+        seen.set()
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.getsignal(signal.SIGINT)
+    signal.signal(signal.SIGINT, first)
+    try:
+        yield seen.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)

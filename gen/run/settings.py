@@ -1,0 +1,180 @@
+"""Every choice of a run: what the caller gives, else what the spec's run says."""
+from __future__ import annotations
+
+import dataclasses
+import math
+import numbers
+import typing
+
+from ..errors import UsageError
+from ..language import limits
+from ..language.evaluate import evaluate, integer
+from ..language.expr import Expr
+from ..language.spec import Run, Spec
+from ..read.given import formula
+from .integrator import METHODS, SOLVERS, choose
+from .start import parameter_values
+
+_FORMULA = typing.get_args(Expr)
+KINDS = ("states", "energy", "momentum", "casimirs")
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """A run with every choice made. every: steps between outputs; start: a name or an
+    array; section: the stroboscopic period when every came from one; substeps: take a step
+    that fails as smaller ones; checkpoint: steps between two checkpoints, None for none."""
+    run: str
+    start: object
+    method: str
+    solver: str
+    h: float
+    steps: int
+    every: int
+    section: float | None
+    what: tuple[str, ...]
+    effects: tuple[str, ...] | None
+    values: dict
+    seed: int | None
+    real: str = "double"
+    native: bool = False
+    substeps: bool = False
+    checkpoint: int | None = None
+
+
+def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
+           h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
+           values=None, seed=None, real="double", native=False, substeps=None,
+           checkpoint=None) -> Settings:
+    """All choices of a run: what is given, else what the run says, else the defaults."""
+    base = find_run(spec, name)
+    values = {**dict(base.values), **(values or {})}
+    env = parameter_values(spec, values)
+    h, time, section = (_read(spec, what_, value) for what_, value in
+                        (("h", h), ("time", time), ("section", section)))
+    h = step_size(base.h if h is None else h, env)
+    if steps is None and time is None:
+        steps, time = base.steps, base.time
+    if every is None and section is None:
+        every, section = (base.every, None) if base.section is None else (None, base.section)
+    section = None if section is None else abs(number(section, env, "the section's period"))
+    return Settings(
+        base.name, base.start if start is None else start,
+        choose("method", method or base.method, METHODS),
+        choose("solver", solver or base.solver, SOLVERS), h,
+        number_of_steps(steps, time, h, env), interval(every, section, h), section,
+        chosen_outputs(spec, tuple(what or base.what)),
+        base.effects if effects is None else tuple(effects), values,
+        None if seed is None else whole(seed, "a seed"), real, native,
+        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint))
+
+
+def _read(spec: Spec, what: str, value):
+    """Text becomes a formula of the spec's parameters; the rest stays."""
+    return formula(value, what, spec.parameters) if isinstance(value, str) else value
+
+
+def whole(value, what: str) -> int:
+    """An integer from 0 up. Raises UsageError."""
+    if not isinstance(value, numbers.Real) or value != int(value) or value < 0:
+        raise UsageError(f"{what} must be an integer from 0 up, not {value}")
+    return int(value)
+
+
+def find_run(spec: Spec, name: str | None) -> Run:
+    """The run of that name; None: the first one, or an empty one for a spec without runs."""
+    if not isinstance(spec, Spec):
+        raise UsageError(f"a spec is needed, as smidgen.load gives it, not a {type(spec).__name__}")
+    if name is None:
+        return spec.runs[0] if spec.runs else Run("", None, METHODS[0], None)
+    for run_ in spec.runs:
+        if run_.name == name:
+            return run_
+    names = ", ".join(r.name for r in spec.runs) or "none"
+    raise UsageError(f"no run '{name}' in {spec.name}; it has: {names}")
+
+
+def number(value, env, what: str) -> float:
+    """A finite number from a number or a formula."""
+    if isinstance(value, _FORMULA):
+        value = evaluate(value, env)
+    if not isinstance(value, numbers.Real):
+        raise UsageError(f"{what} must be a number or a formula, not {value!r}")
+    if not math.isfinite(value):
+        raise UsageError(f"{what} must be finite, not {value}")
+    return float(value)
+
+
+def step_size(h, env) -> float:
+    """The step h: finite, not zero."""
+    if h is None:
+        raise UsageError("no step: give h (on the command line: --h 0.1)")
+    h = number(h, env, "h")
+    if h == 0:
+        raise UsageError("h must not be 0")
+    return h
+
+
+def number_of_steps(steps, time, h: float, env) -> int:
+    """From a number of steps or a duration; both is an error, and so is neither."""
+    if (steps is None) == (time is None):
+        raise UsageError("how long? give either steps or time"
+                         " (on the command line: --steps 1000 or --time 100)")
+    if time is not None:
+        return multiple(number(time, env, "time"), h, "the duration")
+    steps = integer(steps, env, "steps") if isinstance(steps, _FORMULA) else whole(steps, "steps")
+    if not 0 <= steps <= limits.STEPS:
+        raise UsageError(f"steps must be from 0 to {limits.STEPS}, not {steps}")
+    return steps
+
+
+def duration(spec: Spec, base: Run, s: Settings, steps=None, time=None) -> float | None:
+    """How long a run is, whether or not that is a multiple of h; None: nothing says so."""
+    if steps is None and time is None:
+        steps, time = base.steps, base.time
+    env = parameter_values(spec, s.values)
+    if time is not None:
+        return abs(number(_read(spec, "time", time), env, "time"))
+    return None if steps is None else abs(s.h) * number_of_steps(steps, None, s.h, env)
+
+
+def multiple(duration: float, h: float, what: str) -> int:
+    """duration / |h| as an integer. Raises UsageError that names the two nearest."""
+    if duration < 0 < h:
+        raise UsageError(f"{what} is {duration:g}: to run backward give a negative h")
+    duration, h = abs(duration), abs(h)
+    n = round(duration / h)
+    if n > limits.STEPS:
+        raise UsageError(f"{what} of {duration:g} takes more than {limits.STEPS} steps")
+    if abs(n * h - duration) <= limits.MULTIPLE * duration:
+        return n
+    low = math.floor(duration / h)
+    raise UsageError(f"{what} {duration:.15g} is no multiple of h = {h:.15g}; the nearest are "
+                     f"{low * h:.15g} ({low} steps) and {(low + 1) * h:.15g} ({low + 1} steps)")
+
+
+def interval(every, section, h: float) -> int:
+    """Steps between outputs, from a count or from a stroboscopic period."""
+    if section is not None:
+        every = multiple(section, h, "the section's period")
+    every = whole(every, "every")
+    if not 1 <= every <= limits.EVERY:
+        raise UsageError(f"every must be from 1 to {limits.EVERY} steps, not {every}")
+    return every
+
+
+def cadence(given, otherwise) -> int | None:
+    """Steps between checkpoints: what is given, else what the run says."""
+    steps = otherwise if given is None else whole(given, "checkpoint")
+    if steps is not None and not 1 <= steps <= limits.EVERY:
+        raise UsageError(f"checkpoint must be from 1 to {limits.EVERY} steps, not {steps}")
+    return steps
+
+
+def chosen_outputs(spec: Spec, what) -> tuple[str, ...]:
+    """Names of outputs, checked."""
+    known = [*KINDS, *(o.name for o in spec.observables)]
+    for name in what:
+        if name not in known:
+            raise UsageError(f"no output '{name}'; there are: {', '.join(known)}")
+    return what

@@ -1,0 +1,1 @@
+"""Pictures, the player, and the demo."""

@@ -1,0 +1,40 @@
+"""Pictures: `plot` draws a result; `figures` holds those of the paper and the demo.
+
+    smidgen.plot("chain.h5", kind="chain", out="chain.pdf")
+
+matplotlib is imported with the first picture. After `import smidgen`, `smidgen.plot` is the
+function, and `from smidgen.show.plot import ...` finds this package.
+"""
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...public import public
+
+__all__ = ["kinds", "page", "plot"]
+
+
+@public
+def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
+    """Draw `source` and return the path of the picture.
+
+    source: a Result, the path of a file that a run wrote (.csv, .npz, .h5), or a spec (its
+    path, the name of one that comes with smidgen, or a Spec), of which `run` (by default
+    the first) is run. kind: one of `kinds()`. out: a path that ends in .png, .svg, .pdf, or
+    .html for the player; by default the spec's name and the kind, here.
+    Raises UsageError for a wrong kind or ending, and what reading and running raise.
+    """
+    from .draw import plot as draw
+    return draw(source, kind, out, run)
+
+
+def kinds() -> dict[str, str]:
+    """name -> one line, of every kind that `plot` draws."""
+    from .pictures import kinds as known
+    return known()
+
+
+def page(result) -> str:
+    """The HTML page that turns and plays a result. Raises UsageError for one that cannot be drawn."""
+    from .draw import page as drawn
+    return drawn(result)

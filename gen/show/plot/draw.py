@@ -1,0 +1,108 @@
+"""`plot`: from a result, a result's file or a spec to a picture file."""
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from ...errors import UsageError
+from .facts import with_facts
+from .pictures import KINDS, drawable, kinds, suitable
+from .style import FORMATS, save, styled
+
+
+def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
+    """The path of the picture; `smidgen.plot` says what the arguments mean."""
+    wanted(kind, out)
+    result = shown(result_of(source, run))
+    chosen = suitable(result, is_page(out)) if kind == "auto" else kind
+    path = Path(out) if out is not None else default_path(result, chosen)
+    check_pair(chosen, path)
+    picture = styled(KINDS[chosen][0])(result)
+    return write_page(picture, path) if chosen == "player" else save(picture, path)
+
+
+def shown(result):
+    """What of a result can be drawn. Raises UsageError when nothing can."""
+    if len(result.t) == 0:
+        raise UsageError("nothing to draw: the result holds no outputs")
+    return drawable(result)
+
+
+def page(result) -> str:
+    """The player of a result, as HTML text. Raises UsageError for one that cannot be drawn."""
+    return styled(KINDS["player"][0])(shown(with_facts(result)))
+
+
+def wanted(kind: str, out) -> None:
+    """Refuse a wrong kind or ending before anything is run."""
+    if kind not in kinds():
+        close = difflib.get_close_matches(kind, kinds(), 1)
+        hint = f"; did you mean '{close[0]}'?" if close else ""
+        raise UsageError(f"no kind of picture '{kind}'{hint} There are: {', '.join(kinds())}"
+                         if hint else f"no kind of picture '{kind}'; there are: {', '.join(kinds())}")
+    if out is not None and kind != "auto":
+        check_pair(kind, Path(out))
+    elif out is not None and not is_page(out):
+        check_ending(Path(out))
+
+
+def is_page(out) -> bool:
+    return out is not None and Path(out).suffix.lower() in (".html", ".htm")
+
+
+def check_pair(kind: str, path: Path) -> None:
+    """Only the player is a page, and it is nothing else."""
+    if (kind == "player") != is_page(path):
+        raise UsageError(f"the kind 'player' is written to .html, not '{path.name}'"
+                         if kind == "player" else
+                         f"the kind '{kind}' is a picture ({', '.join('.' + f for f in FORMATS)}); "
+                         "only 'player' is written to .html")
+    if kind != "player":
+        check_ending(path)
+
+
+def check_ending(path: Path) -> None:
+    if path.suffix.lower().lstrip(".") not in FORMATS:
+        raise UsageError(f"cannot draw into '{path.name}': the ending must be one of "
+                         + ", ".join("." + f for f in FORMATS) + ", or .html for the player")
+
+
+def result_of(source, run: str | None):
+    """The Result that `source` means; a spec is run for it."""
+    if hasattr(source, "values") and hasattr(source, "t"):
+        return with_facts(source)
+    from ...run.output import FORMATS as RESULTS, load_result
+    if not hasattr(source, "families") and Path(source).suffix in RESULTS:
+        return with_facts(load_result(source))
+    from ...run.run import run as run_spec
+    spec = loaded(source)
+    return with_facts(run_spec(spec, run, what=outputs_for(spec)))
+
+
+def loaded(source):
+    """A Spec from a path, a name or a Spec."""
+    if hasattr(source, "families"):
+        return source
+    from ...read.shipped import load_spec
+    return load_spec(str(source))
+
+
+def outputs_for(spec) -> list[str]:
+    """All that a picture may need."""
+    return ["states", "energy", "momentum", "casimirs", *(o.name for o in spec.observables)]
+
+
+def default_path(result, kind: str) -> Path:
+    """<spec>_<kind>.png or .html in the present directory."""
+    name = "".join(c for c in str(result.meta.get("spec", "result")) if c.isalnum() or c in "_-")
+    return Path(f"{name or 'result'}_{kind}.{'html' if kind == 'player' else 'png'}")
+
+
+def write_page(text: str, path: Path) -> Path:
+    """Write HTML. Raises UsageError where it cannot be written."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    except OSError as e:
+        raise UsageError(f"cannot write '{path}': {e.strerror or e}") from None
+    return path

@@ -1,0 +1,62 @@
+"""What a picture must know of a result's spec: leaves, bonds, tracers, dependence on time."""
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from ...language.spec import Graph, Lattice
+from ...run.conserved import driven, energy_of, with_tracers
+
+BONDED = 20_000     # most sites of a family whose bonds are drawn
+
+
+def with_facts(result):
+    """The result with more in its meta, from the spec that it carries in `meta["sources"]`:
+
+    casimirs: family -> matrix A of C = w.(A w)/2, of Nambu families; bonds: family -> (m, 2)
+    numbers of joined sites; unconserved: names of the effects that tracers feel; driven: does
+    the energy of the others depend on time? A result without its spec is drawn from its numbers
+    alone. Raises SpecError when the spec is spoilt.
+    """
+    meta = result.meta
+    if "casimirs" in meta or not meta.get("sources"):
+        return result
+    from ...run.recorded import spec_of
+    spec, called = spec_of(meta["sources"]), set(meta.get("effects") or ())
+    known = {p.name for p in spec.parameters}
+    values = {n: v for n, v in (meta.get("values") or {}).items() if n in known}
+    return dataclasses.replace(result, meta={
+        **meta, "casimirs": matrices(spec, values), "bonds": bonds(spec, values, called),
+        "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called)})
+
+
+def bonds(spec, values, called) -> dict:
+    """family -> (m, 2) numbers of the sites that the first of its lattices and graphs joins."""
+    from ...run.start import parameter_values, sizes
+    from ...check.witness.instances import instances_of
+    env, places, found = parameter_values(spec, values), sizes(spec, values), {}
+    for over in (e.over for e in spec.effects if e.name in called):
+        if isinstance(over, (Lattice, Graph)) and len(over.bound) == 2 and \
+                over.family not in found and places[over.family][1] <= BONDED:
+            numbers, _ = instances_of(over, env, places)
+            found[over.family] = np.stack([numbers[index] for index in over.bound], axis=1)
+    return found
+
+
+def matrices(spec, values) -> dict:
+    """family -> 3 x 3 list, of the Nambu families of a spec."""
+    from ...run.start import casimir_matrices, sizes
+    every, places = casimir_matrices(spec, values), sizes(spec, values)
+    return {f.name: every[places[f.name][0]].tolist()
+            for f in spec.families if f.casimir is not None}
+
+
+def conserved_energy(result) -> tuple[np.ndarray | None, str]:
+    """(H (k,) without what only tracers feel, what to call it); None without energies."""
+    without = result.meta.get("unconserved") or ()
+    energy = energy_of(result.values, without)
+    if energy is None:
+        return None, ""
+    notes = ["without tracers"] * bool(without) + ["H depends on time"] * bool(result.meta.get("driven"))
+    return np.asarray(energy, float), ", ".join(notes)

@@ -1,0 +1,90 @@
+"""The one style of every picture: fonts, axes, the looks of methods, and how a figure is saved."""
+from __future__ import annotations
+
+import functools
+import warnings
+from pathlib import Path
+
+import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from ...errors import UsageError
+from .colours import INK, METHODS, PALETTE, SOFT
+from .text import shown
+
+STYLE = {
+    "figure.dpi": 110, "savefig.dpi": 160, "savefig.bbox": "tight",
+    "figure.facecolor": "white", "savefig.facecolor": "white",
+    "font.family": "DejaVu Sans", "font.size": 9.5, "mathtext.fontset": "dejavusans",
+    "axes.titlesize": 10.5, "axes.titlelocation": "left", "axes.labelsize": 9.5,
+    "axes.spines.top": False, "axes.spines.right": False,
+    "axes.edgecolor": "#4A4F55", "axes.linewidth": 0.8,
+    "axes.grid": True, "grid.color": "#E3E6EA", "grid.linewidth": 0.6,
+    "axes.axisbelow": True, "axes.prop_cycle": matplotlib.cycler(color=PALETTE),
+    "lines.linewidth": 1.2, "lines.markersize": 4.5,
+    "legend.frameon": False, "legend.fontsize": 8.5,
+    "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
+    "svg.hashsalt": "smidgen", "svg.fonttype": "path", "pdf.fonttype": 42,
+    "image.interpolation": "nearest", "image.cmap": "cividis",
+}
+
+FORMATS = ("png", "svg", "pdf")
+_UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
+
+def method_style(name: str) -> dict:
+    """Keyword arguments of `Axes.plot` for a method: the same colours in every figure."""
+    label, color, dash, _ = METHODS.get(name, (name, INK, ":", "d"))
+    return {"label": label, "color": color, "linestyle": dash}
+
+
+def method_marker(name: str) -> str:
+    """The marker of a method."""
+    return METHODS.get(name, (name, INK, ":", "d"))[3]
+
+
+def footnote(figure: Figure, *words: str) -> None:
+    """What a figure must say below its axes, such as "24 of 400 sites shown"; nothing of no words."""
+    said = "; ".join(word for word in words if word)
+    if said:
+        figure.supxlabel(shown(said), x=0.01, ha="left", fontsize=8, color=SOFT)
+
+
+def styled(function):
+    """Decorator: draw under the one style, whatever the caller's own rc settings are."""
+    @functools.wraps(function)
+    def inner(*args, **kwargs):
+        with matplotlib.rc_context():
+            matplotlib.rcdefaults()
+            matplotlib.rcParams.update(STYLE)
+            return function(*args, **kwargs)
+    return inner
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of width x height inches that belongs to no window and no global state."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+@styled
+def save(figure: Figure, out) -> Path:
+    """Write `figure` to `out` (.png, .svg, .pdf): same figure, same bytes, no date inside.
+
+    Raises UsageError for another ending or where the file cannot be written.
+    """
+    path = Path(out)
+    kind = path.suffix.lstrip(".").lower()
+    if kind not in FORMATS:
+        raise UsageError(f"cannot draw into '{path.name}': the ending must be one of "
+                         + ", ".join("." + f for f in FORMATS) + " (or .html for the player)")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Glyph .* missing")     # a box is drawn instead
+            figure.savefig(path, format=kind, metadata=_UNDATED[kind])
+    except OSError as e:
+        raise UsageError(f"cannot write '{path}': {e.strerror or e}") from None
+    return path
