@@ -10,8 +10,15 @@ from pathlib import Path
 
 import pytest
 
-LEFT_OUT = shutil.ignore_patterns(".git", ".venv", "build", "out", "dist", "*.egg-info",
-                                  "__pycache__", ".pytest_cache", ".hypothesis")
+LEFT_OUT = {".git", ".venv", "build", "out", "dist"}     # at the top of a checkout
+
+
+def left_out(folder, names):
+    """What is no source: folders at the top, and bytecode anywhere."""
+    at_top = (Path(folder) / "pyproject.toml").is_file()
+    return {n for n in names if n == "__pycache__" or n.endswith(".egg-info") or at_top and n in LEFT_OUT}
+
+
 PLACES = {"gen": "smidgen", "templates": "smidgen/templates", "runtime": "smidgen/runtime",
           "specs": "smidgen/specs"}
 
@@ -27,7 +34,7 @@ def called(*words, **more):
 def wheel(tmp_path_factory):
     """The wheel of the checkout, built in a copy of it."""
     root, copy = Path(__file__).parent.parent, tmp_path_factory.mktemp("copy") / "smidgen"
-    shutil.copytree(root, copy, ignore=LEFT_OUT)
+    shutil.copytree(root, copy, ignore=left_out)
     called(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation",
            "--no-index", "--wheel-dir", copy / "dist", copy)
     (built,) = (copy / "dist").glob("*.whl")
