@@ -9,3 +9,19 @@ def folder(name: str) -> Path:
     """The folder `templates`, `runtime` or `specs`."""
     inside = HERE / name
     return inside if inside.is_dir() else HERE.parent / name
+
+
+def runtime_folders() -> list[Path]:
+    """The folders of runtime/ whose headers generated C includes by name alone."""
+    return [folder("runtime") / name for name in ("core", "solve", "method")]
+
+
+def include_flags() -> list[str]:
+    """`-I` for each of them."""
+    return [f"-I{place}" for place in runtime_folders()]
+
+
+def runtime_header(name: str) -> Path | None:
+    """The file of a header of runtime/, whatever its folder; None where there is no such."""
+    found = (place / name for place in runtime_folders())
+    return next((path for path in found if path.is_file()), None)

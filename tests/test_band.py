@@ -1,9 +1,8 @@
 """Block-band systems of the C runtime (chains and rings) against numpy, and mutants of their closure."""
-import shutil
 
 import numpy as np
 import pytest
-from support.filters import (EVERY_BUILD, QUICK, RUNTIME, backward_error, block_pivots,
+from support.filters import (EVERY_BUILD, QUICK, backward_error, block_pivots, copied_runtime,
                              compile_filter, feed, make, positive, random)  # noqa: F401
 
 
@@ -185,12 +184,12 @@ MUTANTS = {
 def test_band_mutants_are_caught(mutant, tmp_path):
     """A wrong index or sign in the ring's closure shows in the residual."""
     old, new = MUTANTS[mutant]
-    shutil.copytree(RUNTIME, tmp_path / "runtime")
-    header = tmp_path / "runtime" / "smg_band.h"
+    copied = copied_runtime(tmp_path)
+    header = copied / "smg_band.h"
     text = header.read_text()
     assert text.count(old) == 1
     header.write_text(text.replace(old, new))
-    program = compile_filter("gcc", "band", 2, tmp_path, tmp_path / "runtime")
+    program = compile_filter("gcc", "band", 2, tmp_path, copied)
     rng, worst = random(1), 0.0
     for k in (1, 2, 3):
         for n in (2 * k + 1, 11, 200):

@@ -13,7 +13,7 @@ import pytest
 
 from smidgen.compile.emit.emit import generate
 from smidgen.read import load_text
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 
 VORTICES = """
 [model]
@@ -38,9 +38,9 @@ int main(void) {{
   pairs_params p; pairs_state s;
   pairs_defaults(&p);
   if (pairs_init(&s, &p, mem, w, 0, {h}) != SMG_OK) return 2;
-  pairs_clock(&s.c, 0);
+  smg_clock(&s.c, 0);
   memcpy(s.mbar, guess, sizeof guess);
-  const int status = pairs_iterate(&s, {h});
+  const int status = smg_newton(&s, {h});
   double moved = 0;
   for (int k = 0; k < (int)(sizeof w / sizeof *w); ++k) moved = fmax(moved, fabs(s.w[k] - w[k]) + fabs(s.carry[k]));
   printf("%d %.3e %.17g", status, (double)s.report.residual, moved);
@@ -76,7 +76,7 @@ def ask(folder_of_test, pairs, a, h, wrong, solver="auto"):
     for name, content in {**files, "main.c": text}.items():
         (folder_of_test / name).write_text(content)
     program = folder_of_test / "program"
-    subprocess.run(["gcc", "-O2", "-std=c11", "-ffp-contract=off", f"-I{folder('runtime')}", f"-I{folder_of_test}",
+    subprocess.run(["gcc", "-O2", "-std=c11", "-ffp-contract=off", *include_flags(), f"-I{folder_of_test}",
                     str(folder_of_test / "main.c"), "-lm", "-o", str(program)], check=True)
     words = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
     return int(words[0]), float(words[1]), float(words[2]), int(words[3]), [float(x) for x in words[4:]]
@@ -117,7 +117,7 @@ def test_beyond_the_fold_there_is_no_step(tmp_path):
                          guess=", ".join(repr(x) for p in turned(a, theta / 2) for x in p))
     for name, content in {**generate(load_text(VORTICES.format(n=2))), "main.c": text}.items():
         (tmp_path / name).write_text(content)
-    subprocess.run(["gcc", "-O2", "-std=c11", f"-I{folder('runtime')}", f"-I{tmp_path}", str(tmp_path / "main.c"),
+    subprocess.run(["gcc", "-O2", "-std=c11", *include_flags(), f"-I{tmp_path}", str(tmp_path / "main.c"),
                     "-lm", "-o", str(tmp_path / "program")], check=True)
     words = subprocess.run([str(tmp_path / "program")], capture_output=True, text=True, check=True).stdout.split()
     assert int(words[3]) == 2                       # SMG_NO_SOLUTION

@@ -12,8 +12,8 @@ from smidgen.build.library import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.run.integrator import SOLVERS
-from smidgen.compile.emit.prune import without_uncalled
-from smidgen.resources import folder
+from smidgen.compile.emit.statics import Static, needed_statics
+from smidgen.resources import include_flags
 from smidgen.compile.select import select
 from smidgen.run.start import parameter_values
 
@@ -56,7 +56,7 @@ def check_clean(where, sources):
             assert not said, f"{compiler} {real}:\n{said[:3000]}"
     words = ["gcc", "-std=c11", *WARNINGS, "-O2", "-I.", "-c", "-o", "/dev/null"]
     for source in sources:
-        said = subprocess.run([*words, f"-I{folder('runtime')}", source], cwd=where, capture_output=True, text=True)
+        said = subprocess.run([*words, *include_flags(), source], cwd=where, capture_output=True, text=True)
         assert said.returncode == 0, said.stderr[:3000]
 
 
@@ -172,13 +172,10 @@ def test_functions_of_time_stay_whole():
 
 
 def test_what_nothing_calls_is_left_out():
-    """In chains, tables too; what a macro names stays."""
-    text = ("/* a */\nstatic inline double a(void) {\n  return b(t[0]);\n}\n"
-            "static double b(double x) {\n  if (x > 0) {\n    return x;\n  }\n  return b(-x);\n}\n"
-            "static const double t[2] = {1, 2};\n#define use d\n"
-            "static int d(int x) {\n  return x;\n}\nint e(void) { return use(1); }\n")
-    assert without_uncalled(text) == ("#define use d\nstatic int d(int x) {\n  return x;\n}\n"
-                                      "int e(void) { return use(1); }\n")
+    chain = [Static("a", "int a(void) { return 0; }"), Static("unused", "int unused(void) { return a(); }"),
+             Static("b", "int b(void) { return a(); }"), Static("wanted", "int wanted(void) { return 1; }", True)]
+    assert [s.name for s in needed_statics(chain, "int main(void) { return b(); }")] == ["a", "b", "wanted"]
+    assert [s.name for s in needed_statics(chain, "")] == ["wanted"]
 
 
 # -- sanitizers -----------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import pytest
 
 from smidgen.compile.emit.emit import generate
 from smidgen.read import load_text
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 
 pytestmark = pytest.mark.quick
 HEAD = '[model]\nname = "m"\n[space]\n{space}\n[effects.one]\nover = "{over}"\nenergy = "{energy}"\n'
@@ -71,7 +71,7 @@ def said(request, tmp_path):
     files = {**generate(load_text(text)), "main.c": PROGRAM.format(w=", ".join(repr(float(x)) for x in w.ravel()))}
     for name, content in files.items():
         (tmp_path / name).write_text(content)
-    subprocess.run(["gcc", "-O1", "-std=c11", "-ffp-contract=off", f"-I{folder('runtime')}", "-I.", "main.c", "m.c", "-lm",
+    subprocess.run(["gcc", "-O1", "-std=c11", "-ffp-contract=off", *include_flags(), "-I.", "main.c", "m.c", "-lm",
                     "-o", "program"], cwd=tmp_path, check=True)
     lines = subprocess.run(["./program"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.splitlines()
     return request.param, lines, sites

@@ -297,7 +297,7 @@ def test_slope_triangle_has_the_slope():
 
 
 def test_methods_differ_in_colour_dash_and_marker():
-    looks = list(style.METHODS.values())
+    looks = list(style.STYLES.values())
     for column in (1, 2, 3):
         assert len({look[column] for look in looks}) == len(looks)
 
@@ -319,7 +319,7 @@ def names_and_colors(figure):
 def every_figure(top):
     """The figures of the paper that name something, and the kinds of picture of one result."""
     w, t = top.w["w"][:, 0], top.t
-    methods = list(style.METHODS)
+    methods = list(style.STYLES)
     series = [(m, t, 1e-6 * (k + 1) * np.sin(t)) for k, m in enumerate(reversed(methods))]
     h = 2.0 ** -np.arange(1, 5)
     made = [FIGURES["free_body_errors"].draw([("a", {m: (h, h**2) for m in methods})]),
@@ -340,7 +340,7 @@ def test_a_name_has_one_colour_in_every_figure_and_panel(every_figure):
 
 
 def test_methods_components_and_orbits_share_no_colour():
-    taken = [look[1] for look in style.METHODS.values()] + [*colours.COMPONENTS.values(), colours.CHAOTIC]
+    taken = [look[1] for look in style.STYLES.values()] + [*colours.COMPONENTS.values(), colours.CHAOTIC]
     assert len(set(taken)) == len(taken)
 
 

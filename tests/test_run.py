@@ -114,7 +114,7 @@ def test_wrong_names(toy, wrong, said):
 
 def test_the_status_texts_are_those_of_the_runtime(root):
     from smidgen.run.integrator import STATUS
-    header = (root / "runtime" / "smidgen.h").read_text()
+    header = (root / "runtime" / "core" / "smidgen.h").read_text()
     for number, (name, _) in STATUS.items():
         assert f"SMG_{name.upper().replace(' ', '_')} = {number}," in header.replace(
             "SMG_SINGULAR = 7", "SMG_SINGULAR = 7,")

@@ -1,9 +1,8 @@
 """Dense systems, the branch test, the single spin and frames of the C runtime, against numpy."""
-import shutil
 
 import numpy as np
 import pytest
-from support.filters import (EVERY_BUILD, QUICK, RUNTIME, backward_error, compile_filter, feed, make,
+from support.filters import (EVERY_BUILD, QUICK, backward_error, compile_filter, copied_runtime, feed, make,
                              positive, random)  # noqa: F401
 
 
@@ -264,12 +263,12 @@ JUDGES = {"dense": worst_dense, "branch": worst_branch, "spin": worst_spin}
 def test_mutants_are_caught(mutant, make, tmp_path):
     """Each wrong line fails the comparison that the right one passes."""
     name, header, old, new = MUTANTS[mutant]
-    shutil.copytree(RUNTIME, tmp_path / "runtime")
-    text = (tmp_path / "runtime" / header).read_text()
+    copied = copied_runtime(tmp_path)
+    text = (copied / header).read_text()
     assert text.count(old) == 1
-    (tmp_path / "runtime" / header).write_text(text.replace(old, new))
+    (copied / header).write_text(text.replace(old, new))
     assert not JUDGES[name](make("gcc", name))
-    assert JUDGES[name](compile_filter("gcc", name, 2, tmp_path, tmp_path / "runtime"))
+    assert JUDGES[name](compile_filter("gcc", name, 2, tmp_path, copied))
 
 
 @pytest.mark.parametrize("other", ["clang", "g++", "clang++"])

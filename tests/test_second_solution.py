@@ -13,7 +13,7 @@ import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
 from smidgen.read import load_text
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 
 OK, WRONG_BRANCH = 0, 3
 
@@ -151,7 +151,7 @@ def step_of(files, w, u, h, place):
     main = DRIVER.format(w=numbers[0], u=numbers[1], h=repr(h), size=np.size(w))
     for name, content in {**files, "main.c": main}.items():
         (place / name).write_text(content)
-    subprocess.run(["gcc", "-O1", "-std=c11", "-ffp-contract=off", f"-I{folder('runtime')}", "-I.", "main.c", "-lm",
+    subprocess.run(["gcc", "-O1", "-std=c11", "-ffp-contract=off", *include_flags(), "-I.", "main.c", "-lm",
                     "-o", "program"], cwd=place, check=True)
     said = subprocess.run(["./program"], cwd=place, capture_output=True, text=True, check=True).stdout.split()
     return int(said[0]), np.array(said[1:], float).reshape(np.shape(w))

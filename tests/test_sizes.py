@@ -11,7 +11,7 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.compile.features import FEATURES
 from smidgen.read import load_text
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 from smidgen.compile.select import select
 
 SPEC = """
@@ -145,7 +145,7 @@ def test_the_c_refuses_the_sizes_that_the_reader_refuses(tmp_path):
     box = ", ".join(f"{{{n}, {m}, {k}}}" for n, m, k in BOX)
     main = f"{heads}#include <stdio.h>\n{tries}\nint main(void) {{\n  static const int box[][3] = {{{box}}};\n{calls}  return 0;\n}}\n"
     write_files({**files, "main.c": main}, tmp_path)
-    subprocess.run(["gcc", "-std=c11", *WARNINGS, "-O0", f"-I{folder('runtime')}", "-I.", *sorted(f for f in files if f.endswith(".c")),
+    subprocess.run(["gcc", "-std=c11", *WARNINGS, "-O0", *include_flags(), "-I.", *sorted(f for f in files if f.endswith(".c")),
                     "main.c", "-lm", "-o", "program"], cwd=tmp_path, check=True)
     said = subprocess.run(["./program"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.splitlines()
     assert len(said) == len(specs)

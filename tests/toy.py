@@ -77,7 +77,7 @@ int toy_abi_steps(void *v, int64_t count, int64_t *done) {
   return 0;
 }
 int64_t toy_abi_savesize(void *v) { return 10 + 3 * ((toy *)v)->n; }
-void toy_abi_save(void *v, smg_real *out) {      /* the head of templates/save.c.j2, then w */
+void toy_abi_save(void *v, smg_real *out) {      /* the head of runtime/core/smg_saved.h, then w */
   toy *s = v;
   const smg_real head[10] = {(smg_real)(10 + 3 * s->n), (smg_real)(10 + 3 * s->n), (smg_real)s->t0, (smg_real)s->h,
                              (smg_real)(s->count / 4294967296), (smg_real)(s->count % 4294967296)};

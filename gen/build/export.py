@@ -12,7 +12,7 @@ from pathlib import Path
 from .. import __version__
 from ..errors import BuildError, OutputError
 from ..language.spec import Spec
-from ..resources import folder
+from ..resources import runtime_header
 from .library import FLAGS, find_compiler, ran, split_notes, write_files
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([A-Za-z0-9_.]+)"', re.MULTILINE)
@@ -42,8 +42,8 @@ def runtime_headers(files: dict) -> dict:
     found, waiting = {}, list(files.values())
     while waiting:
         for name in INCLUDE.findall(waiting.pop()):
-            path = folder("runtime") / name
-            if name not in files and name not in found and path.exists():
+            path = runtime_header(name)
+            if name not in files and name not in found and path is not None:
                 found[name] = path.read_text(encoding="utf-8")
                 waiting.append(found[name])
     return found

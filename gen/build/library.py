@@ -19,20 +19,21 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from ..methods import DEFAULT
 from .. import __version__
 from ..compile.features import chosen_features
 from ..compile.plan.plan import choose
 from ..compile.program import program_of
 from ..errors import BuildError, MissingTool
 from ..language.spec import Spec
-from ..resources import HERE, folder
+from ..resources import HERE, folder, include_flags
 from .cache import cache_folder, entry
 
 FLAGS = ("-std=c11", "-O3", "-ffp-contract=off")    # the same bits on every machine
 SHARED = ("-fPIC", "-shared")
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
-GENERATOR = ("language", "read", "compile")     # the stages that decide the generated text, beside templates and runtime
+GENERATOR = ("methods.py", "language", "read", "compile")     # what decides the generated text, beside templates and runtime
 
 
 @dataclasses.dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Built:
     generator: str
 
 
-def build_library(spec: Spec, method: str = "spherical-midpoint", solver: str = "auto",
+def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   real: str = "double", native: bool = False, features=(), generate=None) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
@@ -111,7 +112,7 @@ def compiler_version(compiler: tuple[str, ...]) -> str:
 def generator_digest() -> str:
     """Digest of what decides the generated text: the compiler's own modules and templates."""
     roots = [*(HERE / stage for stage in GENERATOR), folder("templates"), folder("runtime")]
-    files = sorted(p for root in roots for p in root.rglob("*") if p.is_file() and "__pycache__" not in p.parts)
+    files = sorted(p for root in roots for p in (root, *root.rglob("*")) if p.is_file() and "__pycache__" not in p.parts)
     return digest(*((p.name, p.read_bytes()) for p in files))
 
 
@@ -159,7 +160,7 @@ def write_files(files: dict, where: Path) -> None:
 
 def compile_shared(work: Path, sources, compiler, flags) -> None:
     """model.so from `sources` in `work`. BuildError names the log that is kept."""
-    command = [*compiler, *flags, "-I", ".", "-I", str(folder("runtime")),
+    command = [*compiler, *flags, "-I", ".", *include_flags(),
                *sources, "-o", LIBRARY, "-lm"]
     said = ran(command, work)
     if said.returncode or not (work / LIBRARY).is_file():

@@ -11,6 +11,7 @@ from typing import Iterator
 
 import numpy as np
 
+from ..methods import METHODS, others
 from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate
@@ -474,7 +475,8 @@ def section(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
 def method(spec: Spec, r: Run, path: tuple) -> Iterator[Trouble]:
     free = len(spec.families) == 1 and spec.families[0].count == Num(1) \
         and spec.families[0].kind != "nambu"
-    if r.method == "moser-veselov" and not free:
-        yield Trouble(path, codes.METHOD, "the discrete Moser-Veselov method is for one free "
+    chosen = METHODS[r.method]
+    if chosen.free_body and not free:
+        yield Trouble(path, codes.METHOD, f"the {chosen.title.removeprefix('the ')} method is for one free "
                       "rigid body: `{ sphere = 1 }` or `{ r3 = 1 }`",
-                      "use spherical-midpoint or classical-midpoint")
+                      f"use {others(chosen.name)}")

@@ -1,6 +1,7 @@
 """[runs]: named computations."""
 from __future__ import annotations
 
+from ..methods import NAMES as METHODS, SOLVERS
 from ..language import limits
 from ..language.spec import Run
 from . import codes
@@ -12,8 +13,6 @@ from .text import meaning
 from .tree import Node
 from .values import ValueReader
 
-METHODS = ("spherical-midpoint", "classical-midpoint", "moser-veselov")
-SOLVERS = ("auto", "newton", "rotation", "plain")
 KEYS = ("start", "method", "h", "time", "steps", "effects", "set", "solver", "output", "meaning",
         "checkpoint", "substeps")
 

@@ -15,6 +15,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from ..methods import DEFAULT, NAMES as METHODS, SOLVERS
 from ..build.library import Built, build_library
 from ..errors import BuildError, RunError, UsageError
 from ..language import limits
@@ -23,7 +24,7 @@ from ..public import ReadOnly, few, public
 from .saved import Saved
 from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
 
-# smg_status of runtime/smidgen.h: number -> (name, what happened)
+# smg_status of runtime/core/smidgen.h: number -> (name, what happened)
 STATUS = {
     1: ("no convergence", "the step equation did not converge"),
     2: ("no solution", "the branch of solutions from this state ends before this step"),
@@ -33,12 +34,10 @@ STATUS = {
     6: ("off manifold", "the start is off its sphere or leaf"),
     7: ("singular", "the Newton matrix is singular"),
 }
-METHODS = ("spherical-midpoint", "classical-midpoint", "moser-veselov")
-SOLVERS = ("auto", "newton", "rotation", "plain")
 
 
 @public
-def build(spec: Spec, method: str = "spherical-midpoint", effects: Iterable[str] | None = None,
+def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = None,
           values: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
           native: bool = False, features: Iterable[str] = ()) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.

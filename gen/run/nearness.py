@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..methods import METHODS
 from .saved import PAST
 
 NEAR = 0.1      # of the radius
@@ -22,7 +23,7 @@ class Nearest:
 
     def __init__(self, model):
         kinds = {f.name: f.kind for f in model.scene.families}
-        spherical = model.method == "spherical-midpoint"
+        spherical = METHODS[model.method].onto_leaf
         self.parts = [part for name, part in model.families.items() if spherical and kinds[name] in ("sphere", "r3")]
         self.rho, self.site, self.step, self.t, self.seen = np.inf, -1, 0, 0.0, 0
         self.stride = min(STRIDE, 1 + model.sites // STRIDE)

@@ -1,4 +1,4 @@
-"""The head of a saved state: the numbers that `m_save` of templates/save.c.j2 writes first."""
+"""The head of a saved state: the numbers that `m_save` of runtime/core/smg_saved.h writes first."""
 from __future__ import annotations
 
 from dataclasses import dataclass

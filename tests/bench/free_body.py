@@ -19,7 +19,7 @@ import smidgen
 from machine import machine
 from smidgen.build.library import FLAGS, find_compiler
 from smidgen.compile.emit.emit import generate
-from smidgen.resources import folder
+from smidgen.resources import folder, include_flags
 
 HERE = Path(__file__).parent / "free_body"
 DEGREES = (5, 6)
@@ -30,7 +30,7 @@ def compile_all(place: Path) -> Path:
     files = generate(smidgen.load(str(folder("specs") / "free_rigid_body.toml")))
     for name, text in files.items():
         (place / name).write_text(text)
-    common = [*find_compiler(), *FLAGS, "-D_POSIX_C_SOURCE=200809L", f"-I{HERE}", f"-I{folder('runtime')}", f"-I{place}"]
+    common = [*find_compiler(), *FLAGS, "-D_POSIX_C_SOURCE=200809L", f"-I{HERE}", *include_flags(), f"-I{place}"]
     objects = []
     sources = [(HERE / "bench.c", ()), (HERE / "hand.c", ()), (HERE / "generated.c", ()), (place / "free_rigid_body.c", ())]
     sources += [(HERE / "generic_prototype.c", (f"-DDEGREE={d}",)) for d in DEGREES]

@@ -20,7 +20,7 @@ from machine import machine
 from smidgen.build.library import FLAGS, find_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.run.integrator import scene_of
-from smidgen.resources import folder
+from smidgen.resources import folder, include_flags
 
 SYSTEMS = [("heisenberg_chain", dict(n=100), dict(n=1_000_000)),
            ("j1j2_chain", dict(n=100), dict(n=1_000_000)),
@@ -41,7 +41,7 @@ def compile_seconds(files, name: str) -> float:
     with tempfile.TemporaryDirectory() as place:
         for file, text in files.items():
             Path(place, file).write_text(text)
-        command = [*find_compiler(), *FLAGS, "-fPIC", "-shared", f"-I{folder('runtime')}", f"{name}.c",
+        command = [*find_compiler(), *FLAGS, "-fPIC", "-shared", *include_flags(), f"{name}.c",
                    "-o", "model.so", "-lm"]
         return timed(subprocess.run, command, cwd=place, check=True)[1]
 

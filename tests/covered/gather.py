@@ -13,7 +13,7 @@ def counts(data: Path, runtime: Path) -> dict:
     for notes in sorted(data.rglob("*.gcno")):
         for file in files_of(notes):
             path = Path(file["file"])
-            if path.parent == runtime:
+            if runtime in path.parents:
                 merge(merged.setdefault(path.name, {}), file["lines"])
     return merged
 

@@ -41,7 +41,7 @@ def measure(place: Path) -> tuple[dict, str]:
 
 def missing(header: str, taken: dict) -> list:
     """(line number, its text, how many of its branches were taken, of how many), for each line that lacks some."""
-    text = (ROOT / "runtime" / header).read_text().split("\n")
+    text = next((ROOT / "runtime").rglob(header)).read_text().split("\n")
     return [(n, text[n - 1].strip(), sum(c > 0 for c in b), len(b)) for n, b in sorted(taken.items()) if b and 0 in b]
 
 
@@ -52,7 +52,7 @@ def reasons() -> dict:
 def rows(found: dict) -> list:
     """(header, taken, branches, per cent) of every header of the runtime; one that nothing includes has no branch."""
     table_rows = []
-    for header in sorted(p.name for p in (ROOT / "runtime").glob("*.h")):
+    for header in sorted(p.name for p in (ROOT / "runtime").rglob("*.h")):
         branches = [c for b in found.get(header, {}).values() for c in b]
         taken = sum(c > 0 for c in branches)
         table_rows.append((header, taken, len(branches), f"{100 * taken / len(branches):.1f}" if branches else

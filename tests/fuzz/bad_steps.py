@@ -14,7 +14,7 @@ from pathlib import Path
 import smidgen
 from smidgen.build.library import write_files
 from smidgen.compile.emit.emit import generate
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 from smidgen.compile.select import select
 
 from .bad_models import MODELS
@@ -166,7 +166,7 @@ def build(name, where, sanitize=False, change=None):
 
 
 def compiled(name, where, flags):
-    words = ["gcc", *FLAGS, *flags, "-I.", f"-I{HERE}", f"-I{folder('runtime')}"]
+    words = ["gcc", *FLAGS, *flags, "-I.", f"-I{HERE}", *include_flags()]
     for source in ("exact.c", "reference.c"):
         subprocess.run([*words, "-DSMG_LONG_DOUBLE", "-c", source], cwd=where, check=True)
     program = where / "bad_steps"

@@ -23,7 +23,7 @@ from smidgen.build.library import build_library, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.run.integrator import Integrator, scene_of
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 from smidgen.compile.select import select
 from smidgen.run.settings import settle
 from smidgen.run.start import initial_state, parameter_values
@@ -146,7 +146,7 @@ class Passage:
         (here / "main.c").write_text(program(self.scene, self.values, self.w, self.t, self.h, self.features))
         compiler = ("gcc", "clang")[len(self.text) % 2]
         self.exact = self.same and compiler in find_compiler()[0] or compiler == "gcc" and self.same
-        ran(here, compiler, "-std=c11", *SANITIZE, "-I.", f"-I{folder('runtime')}", f"{name}.c", "main.c", "-o", "program", "-lm")
+        ran(here, compiler, "-std=c11", *SANITIZE, "-I.", *include_flags(), f"{name}.c", "main.c", "-o", "program", "-lm")
         said = numbers_of(ran(here, "./program"))
         if said["check"][0] or said["init"][0]:
             return self.refused(f"check {said['check'][0]:g}, init {said.get('init', [0])[0]:g}")

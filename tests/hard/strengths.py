@@ -14,7 +14,7 @@ import numpy as np
 import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import SmidgenError
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 from smidgen.check.witness import Witness
 
 from .case import EPS, Row, below, case, near
@@ -51,7 +51,7 @@ def compiled(here: Path) -> Path:
     """The driver, around the generated C."""
     for name, text in {**generate(load("two_spins")), "main.c": DRIVER}.items():
         (here / name).write_text(text)
-    subprocess.run(["cc", "-O1", "-std=c11", "-ffp-contract=off", f"-I{folder('runtime')}", f"-I{here}", str(here / "main.c"),
+    subprocess.run(["cc", "-O1", "-std=c11", "-ffp-contract=off", *include_flags(), f"-I{here}", str(here / "main.c"),
                     "-lm", "-o", str(here / "main")], check=True)
     return here / "main"
 

@@ -24,7 +24,7 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.compile.features import FEATURES
 from smidgen.run.integrator import METHODS, SOLVERS, scene_of
-from smidgen.resources import folder
+from smidgen.resources import folder, include_flags
 
 SPHERICAL, CLASSICAL, VESELOV = METHODS
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
@@ -82,13 +82,13 @@ def model_digest(which, place: Path, how: str):
     for file, text in files.items():
         (place / file).write_text(text)
     for file in sorted(f for f in files if f.endswith(".c") and how != "text"):
-        parts.append(compiled(["-I.", f"-I{folder('runtime')}"], place, file, how == "objects"))
+        parts.append(compiled(["-I.", *include_flags()], place, file, how == "objects"))
     return digest(parts)
 
 
 def filter_digest(name: str, bs: int, place: Path, how: str) -> str:
     """Of one test program, compiled with all the warnings that its test asks for."""
-    words = [*WARNINGS, f"-DSMG_BS={bs}", f"-I{folder('runtime')}", f"-I{HERE / 'runtime'}"]
+    words = [*WARNINGS, f"-DSMG_BS={bs}", *include_flags(), f"-I{HERE / 'runtime'}"]
     (place / f"{name}.c").write_text((HERE / "runtime" / f"{name}.c").read_text())
     return digest([compiled(words, place, f"{name}.c", how == "objects")])
 

@@ -25,13 +25,13 @@ SHARP = 3       # stages that are run before the quick tier
 MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
-            "templates/tangent.c.j2": r"test_tangent|test_lyapunov", "templates/wide.c.j2": r"wide|round_off|extended",
-            "templates/save.c.j2": r"test_(checkpoint|resume|substeps)", "templates/sweep.c.j2": r"lattice|chain|sweep|glass|bad_steps.*cubic",
-            "templates/local.c.j2": r"product|tracers|local|decoupled", "templates/solo.c.j2": r"rigid_body|solo|top",
-            "templates/newton.c.j2": r"chain|vortices|graph|newton", "templates/interface.c.j2": r"test_interface|energy|momentum",
-            "templates/family.c.j2": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable",
-            "runtime/smg_site.h": r"units|frame", "runtime/smg_follow.h": r"follow|curve", "runtime/smg_band.h": r"band|branch", "runtime/smg_sparse.h": r"sparse|branch",
-            "runtime/smg_dense.h": r"dense|branch", "runtime/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
+            "runtime/method/smg_tangent.h": r"test_tangent|test_lyapunov", "runtime/method/smg_extended.h": r"wide|round_off|extended",
+            "runtime/core/smg_saved.h": r"test_(checkpoint|resume|substeps)", "runtime/solve/smg_sweep.h": r"lattice|chain|sweep|glass|bad_steps.*cubic",
+            "runtime/solve/smg_alone.h": r"product|tracers|local|decoupled", "runtime/method/smg_single_sphere.h": r"rigid_body|solo|top",
+            "runtime/solve/smg_newton.h": r"chain|vortices|graph|newton", "runtime/core/smg_state.h": r"test_interface|energy|momentum",
+            "runtime/method/smg_midpoint.h": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable",
+            "runtime/core/smg_site.h": r"units|frame", "runtime/solve/smg_follow.h": r"follow|curve", "runtime/solve/smg_band.h": r"band|branch", "runtime/solve/smg_sparse.h": r"sparse|branch",
+            "runtime/solve/smg_dense.h": r"dense|branch", "runtime/solve/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
 OTHER_BUILDS = re.compile(r"\[(.*-)?(clang|g\+\+|gcc-long-double)")      # the same again, by another compiler
 SANITIZED = re.compile(r"runs?_clean")     # whole models, built with sanitizers
 LONGEST = 25.0      # seconds: a test that takes longer is left to the other tiers

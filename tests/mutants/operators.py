@@ -11,13 +11,13 @@ from pathlib import Path
 from .masks import code_lines
 from .rules import RULES
 
-STEP = ("templates/*.j2", "runtime/*.h")       # the C as it is written
+STEP = ("templates/*.j2", "runtime/*/*.h")       # the C as it is written
 GENERATOR = ("gen/compile/derive/derivatives.py", "gen/compile/lower/lowering.py", "gen/compile/lower/loops.py", "gen/compile/lower/kernels.py", "gen/compile/lower/cprint.py", "gen/compile/plan/ordering.py",
              "gen/compile/emit/emit.py", "gen/compile/emit/*.py")     # what decides the rest of it
 
 # What cannot be wrong, only slow, wordy or elsewhere in memory: no faults are planted there.
 SPARED = (
-    ("runtime/smidgen.h", r".", "types, statuses and messages; no arithmetic"),
+    ("runtime/core/smidgen.h", r".", "types, statuses and messages; no arithmetic"),
     ("templates/model.*", r".", "the frame of a file: declarations and comments"),
     ("gen/compile/emit/amalgamate.py", r".", "copies the runtime into the file; tests/test_build.py compiles it"),
     ("gen/compile/emit/text.py", r"comment|plain|return plain", "text of comments"),
@@ -26,7 +26,7 @@ SPARED = (
     ("gen/compile/emit/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
     ("gen/compile/emit/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
-    ("runtime/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
+    ("runtime/solve/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
     ("templates/abi.c.j2", r"free\(", "memory that is given back late; nobody links this file"),
     ("gen/compile/emit/memory.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
     ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),

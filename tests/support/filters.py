@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from smidgen.resources import folder, include_flags
 
 HERE = Path(__file__).parent.parent
-RUNTIME = HERE.parent / "runtime"
 WARNINGS = ("-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Werror "
             "-ffp-contract=off").split()
 BUILDS = {
@@ -24,14 +24,23 @@ QUICK = ("gcc", "gcc-sanitized")
 EVERY_BUILD = [pytest.param(b, marks=pytest.mark.quick if b in QUICK else ()) for b in BUILDS]
 
 
-def compile_filter(build, name, bs, to, include=RUNTIME):
+def copied_runtime(to):
+    """The headers of runtime/ in one folder, to be changed."""
+    place = to / "runtime"
+    place.mkdir()
+    for header in folder("runtime").rglob("*.h"):
+        shutil.copy(header, place)
+    return place
+
+
+def compile_filter(build, name, bs, to, include=None):
     command = BUILDS[build]
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
     program = to / f"{build}-{name}{bs}"
     if not program.exists():
         fresh = to / f"{program.name}-{os.getpid()}"
-        subprocess.run([*command, *WARNINGS, f"-DSMG_BS={bs}", f"-I{include}", f"-I{HERE / 'runtime'}",
+        subprocess.run([*command, *WARNINGS, f"-DSMG_BS={bs}", *([f"-I{include}"] if include else include_flags()), f"-I{HERE / 'runtime'}",
                         str(HERE / "runtime" / f"{name}.c"), "-o", str(fresh), "-lm"], check=True)
         fresh.replace(program)
     return program

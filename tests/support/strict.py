@@ -2,7 +2,7 @@
 import shutil
 import subprocess
 
-from smidgen.resources import folder
+from smidgen.resources import include_flags
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Wdouble-promotion",
             "-Wvla", "-Werror")
@@ -55,7 +55,7 @@ int main(void) {{
 def compile_all(where, sources, compiler, *more, real="double"):
     """Compile generated files to nothing; returns what the compiler said: '' when all is well."""
     said = subprocess.run([compiler, *COMPILERS[compiler], *WARNINGS, *REALS[real], *more, "-I.",
-                           f"-I{folder('runtime')}", "-fsyntax-only", *sources],
+                           *include_flags(), "-fsyntax-only", *sources],
                           cwd=where, capture_output=True, text=True)
     return said.stderr if said.returncode or said.stderr else ""
 
@@ -76,7 +76,7 @@ def driver(model, h, w, scalars, arrays, count=50):
 def run_sanitized(where, sources, compiler="gcc", real="double"):
     """(exit status, output) of the program made of `sources` under ASan and UBSan."""
     words = [compiler, "-std=c11", "-O0", "-ffp-contract=off", "-fsanitize=address,undefined",
-             "-fno-sanitize-recover=all", *REALS[real], "-I.", f"-I{folder('runtime')}", *sources,
+             "-fno-sanitize-recover=all", *REALS[real], "-I.", *include_flags(), *sources,
              "-o", "program", "-lm"]
     subprocess.run(words, cwd=where, check=True, capture_output=True, text=True)
     said = subprocess.run(["./program"], cwd=where, capture_output=True, text=True, timeout=120)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...methods import METHODS
 from ...run.integrator import Integrator
 from ...run.start import casimir_matrices, radii
 
@@ -43,7 +44,7 @@ class StepEquation:
 
     def project(self, mbar):
         """m = mbar sqrt(c/C(mbar)), of one state or of many; the origin of R^3 stays. Raises Nowhere."""
-        if self.model.method != "spherical-midpoint":
+        if not METHODS[self.model.method].onto_leaf:
             return mbar
         with np.errstate(all="ignore"):
             ratio = np.where(self.length == 0, 0, self.level / self._twice_c(mbar))
@@ -57,7 +58,7 @@ class StepEquation:
         b = np.reshape([self.model.field(one, t) for one in m.reshape(-1, *self.w.shape)], m.shape).astype(float)
         with np.errstate(all="ignore"):
             y = self.sign * self.model.scene.orientation * np.cross(np.einsum("sij,...sj->...si", self.casimir, m), b)
-            if self.model.method == "moser-veselov":
+            if METHODS[self.model.method].divided:
                 y = y / ((1 + np.sqrt(1 - h * h * np.sum(b * b, axis=-1))) / 2)[..., None]
         _refuse(~np.isfinite(y).all(axis=-1))
         return y

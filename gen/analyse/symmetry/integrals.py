@@ -35,8 +35,6 @@ class Integral:
         return {k: getattr(self, k) for k in ("name", "kind", "formula", "kept", "why", "always", "count")}
 
 
-SPHERICAL, CLASSICAL, VESELOV = "spherical-midpoint", "classical-midpoint", "moser-veselov"
-SAID = {SPHERICAL: "the spherical midpoint", CLASSICAL: "the classical midpoint", VESELOV: "discrete Moser-Veselov"}
 
 WHY = {
     "linear": "a.(W - w) = h a.X(m), which is zero at every point m",
@@ -48,5 +46,5 @@ WHY = {
     "energy": "H is a sum of linear and single-site quadratic integrals",
     "bounded": "its error stays bounded over long times for small h, as the method is symplectic",
     "drift": "the classical midpoint is not symplectic on spheres: the energy may drift",
-    "body": "discrete Moser-Veselov keeps the energy and the momentum of the free body",
+    "body": "the discrete free body keeps the energy and the momentum of the free body",
 }

@@ -6,12 +6,13 @@ import itertools
 import numpy as np
 import sympy as sp
 
+from ...methods import METHODS
 from ...language.expr import Time, walk
 from ...run.start import casimir_matrices
 from . import polynomial as poly
 from .conserved import PAIRS
 from .energy import Energy
-from .integrals import CLASSICAL, VESELOV, WHY, Integral
+from .integrals import WHY, Integral
 from .orbits import passive
 from .questions import Asked, attempt
 
@@ -63,9 +64,9 @@ def energy_integral(asked: Asked, method: str, changes):
 
 
 def _kept(asked: Asked, method: str):
-    if method == VESELOV:
+    if METHODS[method].free_body:
         return True, WHY["body"]
-    if method == CLASSICAL:
+    if not METHODS[method].symplectic:
         return (True, WHY["every"]) if attempt(lambda: _quadratic(asked.off)) else (False, WHY["drift"])
     return (True, WHY["energy"]) if attempt(lambda: _single_site(asked)) else (False, WHY["bounded"])
 

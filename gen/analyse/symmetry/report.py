@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy as sp
 
+from ...methods import DEFAULT, METHODS
 from ...compile.select import select
 from ...public import few, public
-from ...run.integrator import METHODS, choose
+from ...run.integrator import choose
 from ...run.start import casimir_matrices, kappas
 from . import conserved, spaces
-from .integrals import SPHERICAL, WHY, Integral
+from .integrals import WHY, Integral
 from .kept_energy import energy_form, energy_integral, parity, time_dependent
 from .look import unchanged
 from .names import axis_text, form_text, number
@@ -61,7 +62,7 @@ class Report:
 
 
 @public
-def explain(spec, values=None, method: str = "spherical-midpoint", effects=None) -> Report:
+def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
     """Which rotations leave H unchanged, what is conserved, what the method keeps exactly.
 
     values: parameter values by name; effects: names of the effects to keep, None for all. Raises
@@ -69,7 +70,7 @@ def explain(spec, values=None, method: str = "spherical-midpoint", effects=None)
     """
     choose("method", method, METHODS)
     scene = select(spec, None if effects is None else tuple(effects), dict(values or {}))
-    asked = ask(scene, {}, on_sphere=method == SPHERICAL)
+    asked = ask(scene, {}, on_sphere=METHODS[method].onto_leaf)
     undecided: list = []
     seen = attempt(lambda: unchanged(asked.spec, asked.values))
     turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families), seen)
@@ -201,7 +202,7 @@ def _own_linear(asked, method, name, axis, rows):
 
 
 def _linear_integral(asked, method, name, text, vector, rows, numbers, count):
-    kept = method == SPHERICAL or holds(asked.off, rows, vector)
+    kept = METHODS[method].onto_leaf or holds(asked.off, rows, vector)
     return Integral(name, "linear", text, kept, WHY["linear" if kept else "off"],
                     holds(asked.always, rows, vector), count, numbers)
 
@@ -228,7 +229,7 @@ def _quadratic(asked: Asked, method, undecided):
 
 def _own_quadratic(asked, method, name, q, rows):
     text, matrix = form_text(name if asked.places[name][1] == 1 else f"{name}[i]", q), _matrix(q)
-    kept = method == SPHERICAL or holds(asked.off, rows, q)
+    kept = METHODS[method].onto_leaf or holds(asked.off, rows, q)
     many = "" if asked.places[name][1] == 1 else " of every site"
     return Integral(text + many, "quadratic", text, kept, WHY["off" if not kept else "own"],
                     holds(asked.always, rows, q), asked.places[name][1],
@@ -247,8 +248,8 @@ def _summed_quadratic(asked: Asked, method):
     for q in spaces.beyond(basis, known):
         parts = {n: _matrix(q[6 * f:6 * f + 6]) for f, n in enumerate(names) if any(q[6 * f:6 * f + 6])}
         text = " + ".join(f"sum kappa ({form_text(n, q[6 * names.index(n):6 * names.index(n) + 6])})" for n in parts)
-        kept = method != SPHERICAL and holds(asked.off, rows, q)
-        yield Integral(text, "quadratic", text, kept, WHY["every" if kept else "sum" if method == SPHERICAL else "off"],
+        kept = not METHODS[method].onto_leaf and holds(asked.off, rows, q)
+        yield Integral(text, "quadratic", text, kept, WHY["every" if kept else "sum" if METHODS[method].onto_leaf else "off"],
                        holds(asked.always, rows, q), 1, _summed_form(asked, parts, strength))
 
 

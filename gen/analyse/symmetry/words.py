@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 
-from .integrals import SAID
+from ...methods import METHODS
 from .names import axis_name
 
 
@@ -53,7 +53,7 @@ def _numbers(count: int) -> str:
 
 
 def _kept(r, i) -> str:
-    return f"kept exactly by {SAID[r.method]}" if i.kept else f"not shown to be kept exactly by {SAID[r.method]}: {i.why}"
+    return f"kept exactly by {METHODS[r.method].title}" if i.kept else f"not shown to be kept exactly by {METHODS[r.method].title}: {i.why}"
 
 
 def _linear(r):
@@ -90,7 +90,7 @@ def _energy(r):
 def _casimirs(r):
     for i in r.integrals:
         if i.kind == "casimir":
-            yield f"{i.name} is kept exactly by {SAID[r.method]}."
+            yield f"{i.name} is kept exactly by {METHODS[r.method].title}."
 
 
 def _signs(r):

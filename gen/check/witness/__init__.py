@@ -36,7 +36,7 @@ class Witness:
     """The system of `spec` for parameter values `values`, with the effects named.
 
     States are float64 arrays of shape (sites, 3). Every method raises UsageError for a
-    wrong name or shape and RunError (with a status of runtime/smidgen.h) where the numbers
+    wrong name or shape and RunError (with a status of runtime/core/smidgen.h) where the numbers
     do not exist.
     """
 

@@ -1,7 +1,7 @@
 """The single-file form: the runtime inside the two files of a model."""
 from __future__ import annotations
 
-from ...resources import folder
+from ...resources import runtime_header
 
 # A model calls some of the runtime's functions only; in a header no compiler minds.
 UNUSED_PUSH = """#if defined(__GNUC__)
@@ -38,4 +38,4 @@ def inline_runtime(files, name: str):
 
 
 def read_runtime(name: str) -> str:
-    return (folder("runtime") / name).read_text()
+    return runtime_header(name).read_text()

@@ -5,27 +5,23 @@ from ... import __version__ as VERSION
 from ...language import limits
 from ...language.spec import Graph, Lattice
 from ..lower.cprint import number
+from ..lower.kernels import function
 from ..lower.loops import indent
 from ..lower.lowering import CLOCK, PREPARE
+from .statics import Static
 from .text import comment
 
-METHODS = {"spherical-midpoint": "spherical midpoint (symplectic, order 2)",
-           "classical-midpoint": "classical midpoint (comparator: not symplectic on spheres)",
-           "moser-veselov": "discrete Moser-Veselov (free body)"}
 
 
 class InterfaceParts:
     """Header, parameters and flat functions; part of `Emitter`."""
 
     def interface(self):
-        energies = [dict(function=f"energy_{t.derived.term.name}", sums=self.sums([t], self.value_body))
-                    for t in self.effects]
-        energies += [dict(function=f"observe_{t.derived.term.name}", sums=self.sums([t], self.value_body))
-                     for t in self.observables]
+        terms = [("energy", t) for t in self.effects] + [("observe", t) for t in self.observables]
+        values = [dict(function=f"{kind}_{t.derived.term.name}", sums="\n".join(indent(self.sums([t], self.value_body)))) for kind, t in terms]
         energy = " + ".join(f"{self.M}_energy_{t.derived.term.name}(p, t, w)" for t in self.effects)
-        return self.render("interface.c.j2", defaults=self.defaults(), arrays=self.arrays(), solo=self.solo,
-                           saved=self.saved(), checks=self.checks(), energies=energies, energy_sum=energy or "0",
-                           field_sums=self.sums(self.effects, self.gradient_body("w", "b")), **self.common())
+        return self.render("interface.c.j2", defaults=self.defaults(), values=values, energy_sum=energy or "0",
+                           tangent="tangent" in self.features)
 
     def defaults(self):
         """Statements of `_defaults`; None where the caller gives all values."""
@@ -77,36 +73,40 @@ class InterfaceParts:
         top = max((max(e) for e in t.over.edges), default=-1)
         return [f"if ({self.by_name[f].count} <= {top}) return SMG_BAD_PARAMETER;" for f, _ in t.slots]
 
-    def sizes_text(self):
-        lines = ["k->p = *p;", "k->t = 0;", "k->h = 0;", f"const {self.M}_coefficients *c = k;", "(void)c;"]
-        lines += [f"k->{name} = {text};" for text, name in self.low.integers.items()]
-        return "\n".join([f"static void {self.M}_sizes({self.M}_coefficients *k, const {self.M}_params *p) {{",
-                          *indent(lines), "}"])
+    def coefficient_functions(self):
+        """smg_sizes, smg_check_sizes, smg_prepare and smg_clock: what parameters, and what time alone decide."""
+        k = ["smg_coefficients *k"]
+        sizes = ["k->p = *p;", "k->t = 0;", "k->h = 0;", *self.on_coefficients([f"k->{name} = {text};" for text, name in self.low.integers.items()])]
+        clock = ["k->t = t;", *self.on_coefficients(self.hoisted(CLOCK))]
+        return [Static("smg_sizes", function("void smg_sizes", [*k, "const smg_params *p"], sizes, []), True),
+                Static("smg_check_sizes", function("smg_status smg_check_sizes", ["const smg_coefficients *c"], [*self.checks(), "return SMG_OK;"], ["c"]), True),
+                Static("smg_prepare", function("int smg_prepare", k, self.prepare_lines(), ["k"]), True),
+                Static("smg_clock", function("void smg_clock", [*k, "smg_real t"], clock, []), True)]
 
-    def prepare_text(self):
+    def on_coefficients(self, lines):
+        """The lines, which read the coefficients as c."""
+        return ["const smg_coefficients *c = k;", *lines] if any("c->" in line for line in lines) else list(lines)
+
+    def hoisted(self, when: int):
+        return [f"k->{name} = {text};" for name, text, level in self.low.coefficients() if level == when]
+
+    def prepare_lines(self):
         """Once per model: hoisted values of the parameters; 0 when a parameter is not finite."""
-        lines = [f"const {self.M}_coefficients *c = k;", "int finite = 1;", "(void)c;"]
+        tests = []
         for p in self.run_time():
             if p.kind == "real":
-                lines.append(f"finite &= c->p.{p.name} - c->p.{p.name} == 0;")
+                tests.append(f"finite &= c->p.{p.name} - c->p.{p.name} == 0;")
             elif p.kind == "array":
-                lines.append(f"for (int64_t i = 0; i < {self.low.size(p.size)}; ++i) "
-                             f"finite &= c->p.{p.name}[i] - c->p.{p.name}[i] == 0;")
-        lines += [f"k->{name} = {text};" for name, text, level in self.low.coefficients() if level == PREPARE]
-        return "\n".join([f"static int {self.M}_prepare({self.M}_coefficients *k) {{",
-                          *indent([*lines, "return finite;"]), "}"])
-
-    def clock_text(self):
-        lines = [f"const {self.M}_coefficients *c = k;", "k->t = t;", "(void)c;"]
-        lines += [f"k->{name} = {text};" for name, text, level in self.low.coefficients() if level == CLOCK]
-        return "\n".join([f"static void {self.M}_clock({self.M}_coefficients *k, smg_real t) {{", *indent(lines), "}"])
+                tests.append(f"for (int64_t i = 0; i < {self.low.size(p.size)}; ++i) finite &= c->p.{p.name}[i] - c->p.{p.name}[i] == 0;")
+        lines = self.on_coefficients([*tests, *self.hoisted(PREPARE)])
+        return ["int finite = 1;", *lines, "return finite;"] if tests else [*lines, "return 1;"]
 
     def header(self) -> str:
         return self.render(
             "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=self.history(), solo=self.solo,
             integer_names=list(self.low.integers.values()), effects=[e.name for e in self.spec.effects],
-            hoisted_names=[name for name, _, _ in self.low.coefficients()], tangent=self.tangent_header(),
-            observables=[o.name for o in self.spec.observables], extended=self.extended,
+            hoisted_names=[name for name, _, _ in self.low.coefficients()], tangent="tangent" in self.features,
+            observables=[o.name for o in self.spec.observables],
             wide_names=self.wide_names(), **self.banner())
 
     def declare(self, p):
@@ -119,9 +119,10 @@ class InterfaceParts:
         counts = [f"{t.derived.term.name} {t.operations[1]}" for t in self.effects]
         return dict(
             title=comment(spec.title or spec.name), version=VERSION, digest=spec.digest[:16] or "(no file)",
-            method_text=METHODS[self.method], solver_text=comment(f"{plan.solver}: {plan.reason}"),
+            method_text=self.method.summary, solver_text=comment(f"{plan.solver}: {plan.reason}"),
             bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw",
             effects_text=comment(", ".join(e.name for e in spec.effects) or "none"),
+            extended=self.extended,
             operations_text=comment("gradient of one term: " + ", ".join(counts)),
             families_text=comment(", ".join(f.name for f in self.families)),
             family_names=comment(", ".join(f.name for f in self.families)))

@@ -1,12 +1,12 @@
 """The arrays of a state: what the caller's memory holds."""
 from __future__ import annotations
 
+from ..lower.loops import indent
 from .text import times
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
 SOLO = 8        # the same of a single sphere, where another row costs less than another iteration
 ROWS = 64       # rows of history of a single sphere before they are moved back
-SAVED = ("w", "carry")      # what a step reads and the step before wrote: all else is scratch
 
 
 class MemoryParts:
@@ -23,7 +23,7 @@ class MemoryParts:
         if self.solo:
             found.append(("rows", str(4 * ROWS), "history: increment and 1/|w + W| of each step, newest first"))
         if any(f.kind != "sphere" for f in self.families):
-            found.append(("level", n1, "|w| or C(w): the leaf each site is on"))
+            found.append(("leaf", n1, "|w| or C(w): the leaf each site is on"))
         found.append(("m", n3, "the points where the field is taken") if self.plan.coupled else
                      ("m", "0", "midpoints of coupled sites: none here"))
         if self.plan.coupled:
@@ -34,9 +34,12 @@ class MemoryParts:
         found += self.wide_arrays()
         return [dict(name=a, size=b, meaning=c) for a, b, c in found]
 
-    def saved(self):
-        """The arrays that decide later steps; the history comes on top."""
-        return [a for a in self.arrays() if a["name"] in SAVED]
+    def layout(self):
+        """The arrays one after the other in mem; how many numbers they take."""
+        lines = ["const smg_coefficients *c = &s->c;", "size_t used = 0;", "(void)c;"]
+        lines += [f"used = smg_place_array(&s->{a['name']}, mem, used, (size_t)({a['size']}));" for a in self.arrays()]
+        lines.append("return used;" if self.solo else "return smg_place_history(s, mem, used);")
+        return "\n".join(["static size_t smg_layout(smg_state *s, smg_real *mem) {", *indent(lines), "}"])
 
     def matrix_arrays(self):
         bs, n = self.plan.block, self.total

@@ -7,6 +7,7 @@ from ..derive.derivatives import scalar
 from ..derive.parts import expanded, functions_apart, is_short
 from ..lower.kernels import function
 from ..lower.lowering import SITE
+from .statics import Static
 
 
 class SoloParts:
@@ -15,8 +16,8 @@ class SoloParts:
     def is_solo(self) -> bool:
         """One unit sphere whose field depends on itself: the fastest step."""
         f = self.families[0]
-        return (self.method == "spherical-midpoint" and len(self.families) == 1 and f.count == "1"
-                and f.kind == "sphere" and f.level == "1.0" and not self.closed_form(f)
+        return (self.method.onto_leaf and len(self.families) == 1 and f.count == "1"
+                and f.unit and not self.closed_form(f)
                 and not any(t.derived.parts for t in self.effects)
                 and all(self.low.level(s.name) < SITE for t in self.effects for b in t.derived.hessian.values()
                         for s in b.free_symbols if s.name[0] != "v")
@@ -32,17 +33,18 @@ class SoloParts:
         X = m.cross(b).applyfunc(lambda e: shorter(e, m))
         return m, b, X, X.jacobian(m).applyfunc(lambda e: shorter(e, m))
 
-    def solo_kernels(self) -> str:
+    def solo_kernels(self):
         """h X(m), its derivative times q in a struct of its non-zero entries, and e = h DX(m) m."""
         m, b, X, D = self.solo_field()
         entries = [(a, b) for a in range(3) for b in range(3) if D[a, b] != 0]
-        return "\n\n".join([self.solo_motion(X, b, m), self.solo_radial(X, D, m),
-                            self.solo_matrix(entries), self.solo_derivative(D, entries),
-                            self.solo_apply(entries), self.solo_minors(entries)])
+        functions = {"smg_motion": self.solo_motion(X, b, m), "smg_radial": self.solo_radial(X, D, m), "smg_slope": self.solo_matrix(entries),
+                     "smg_derivative": self.solo_derivative(D, entries), "smg_slope_times": self.solo_apply(entries),
+                     "smg_slope_minors": self.solo_minors(entries)}
+        return [Static(name, text, True) for name, text in functions.items()]
 
     def solo_function(self, kind: str, name: str, arguments, body) -> str:
-        declared = [f"const {self.M}_coefficients *c", *arguments]
-        return function(f"{kind} {self.M}_solo_{name}", declared, [by_value(line) for line in body],
+        declared = ["const smg_coefficients *c", *arguments]
+        return function(f"{kind} {name}", declared, [by_value(line) for line in body],
                         ["c", *(x.split()[1] for x in arguments)])
 
     def solo_vector(self, name: str, arguments, expressions) -> str:
@@ -54,9 +56,9 @@ class SoloParts:
         """h X(m). As m x b it stays tangent whatever the coefficients are rounded to; three single
         products, a free body's, need less work and what rounding leaves, d mx my mz, averages out."""
         if all(is_short(x) and len(sp.Add.make_args(expanded(x))) == 1 for x in X):
-            return self.solo_vector("motion", ["smg_vec m"], list(X))
+            return self.solo_vector("smg_motion", ["smg_vec m"], list(X))
         kernel = self.low.kernel(list(b), {})
-        return self.solo_function("smg_vec", "motion", ["smg_vec m"],
+        return self.solo_function("smg_vec", "smg_motion", ["smg_vec m"],
                                   [*kernel.lines, f"return smg_vec_cross(m, smg_vec_of({', '.join(kernel.results)}));"])
 
     def solo_radial(self, X, D, m) -> str:
@@ -64,25 +66,25 @@ class SoloParts:
         e = D * m
         for degree in range(1, 9):
             if all(expanded(e[a] - degree * X[a]) == 0 for a in range(3)):
-                return self.solo_function("smg_vec", "radial", ["smg_vec m", "smg_vec g"],
+                return self.solo_function("smg_vec", "smg_radial", ["smg_vec m", "smg_vec g"],
                                           [f"return smg_vec_scale({degree}, g);"])
-        return self.solo_vector("radial", ["smg_vec m", "smg_vec g"], [shorter(x, m) for x in e])
+        return self.solo_vector("smg_radial", ["smg_vec m", "smg_vec g"], [shorter(x, m) for x in e])
 
     def solo_matrix(self, entries) -> str:
         members = ", ".join(f"e{a}{b}" for a, b in entries) or "none"
-        return f"typedef struct {self.M}_solo_matrix {{\n  smg_real {members};\n}} {self.M}_solo_matrix;"
+        return f"typedef struct smg_slope {{\n  smg_real {members};\n}} smg_slope;"
 
     def solo_derivative(self, D, entries) -> str:
         q = sp.Symbol("q", real=True)
         kernel = self.low.kernel([q * D[a, b] for a, b in entries], {})
-        body = [*kernel.lines, f"{self.M}_solo_matrix D;"]
+        body = [*kernel.lines, f"smg_slope D;"]
         body += [f"D.e{a}{b} = {result};" for (a, b), result in zip(entries, kernel.results)]
-        return self.solo_function(f"{self.M}_solo_matrix", "derivative", ["smg_vec m", "smg_real q"],
+        return self.solo_function("smg_slope", "smg_derivative", ["smg_vec m", "smg_real q"],
                                   [*body, "return D;"])
 
     def solo_apply(self, entries) -> str:
         rows = [" + ".join(f"D.e{a}{b}*v.{'xyz'[b]}" for a, b in entries if a == row) or "0" for row in range(3)]
-        return function(f"smg_vec {self.M}_solo_apply", [f"{self.M}_solo_matrix D", "smg_vec v"],
+        return function("smg_vec smg_slope_times", ["smg_slope D", "smg_vec v"],
                         [f"return smg_vec_of({', '.join(rows)});"], ["D", "v"])
 
     def solo_minors(self, entries) -> str:
@@ -94,7 +96,7 @@ class SoloParts:
             if (a, b) in entries and (b, a) in entries:
                 terms.append(f"- D.e{a}{b}*D.e{b}{a}")
         text = " ".join(terms).removeprefix("+ ") or "0"
-        return function(f"smg_real {self.M}_solo_minors", [f"{self.M}_solo_matrix D"], [f"return {text};"], ["D"])
+        return function("smg_real smg_slope_minors", ["smg_slope D"], [f"return {text};"], ["D"])
 
 
 def shorter(e, m):

@@ -3,8 +3,11 @@ from __future__ import annotations
 
 from ...language.spec import Lattice
 from ..lower.kernels import function
-from ..lower.loops import indent
+from .families import names_of
+from .statics import Static
 from .text import plus
+
+COORDINATES = ("sub", "s0", "s1", "s2", "s3")
 
 
 class SumParts:
@@ -22,7 +25,7 @@ class SumParts:
         lines = []
         for term in (t for t in terms if body(t)):      # a term without curvature has no blocks
             lines += self.loops.scatter(term.over, lambda _, t=term: body(t))
-        return "\n".join(indent(lines))
+        return lines
 
     def coupled_effects(self):
         return [e for e in self.effects if not self.passive(e)
@@ -40,14 +43,9 @@ class SumParts:
         return body
 
     def block_body(self, t):
-        lines = []
         vectors = [self.vector("s->m", s) for s in t.slots]
-        for k, l in t.derived.hessian:
-            rows = [plus(self.by_name[t.slots[q][0]].row, str(t.slots[q][1])) for q in (k, l)]
-            where = [self.site(t.slots[q]) for q in (k, l)]
-            lines.append(f"{self.M}_ADD({where[0]}, {where[1]}, {rows[0]}, {rows[1]}, {t.prefix}_hessian_{k}{l}, "
-                         f"{', '.join([*t.common(), *vectors])});")
-        return lines
+        return [f"SMG_BLOCK({self.site(t.slots[k])}, {self.site(t.slots[l])}, {t.prefix}_hessian_{k}{l}, "
+                f"{', '.join([*t.common(), *vectors])});" for k, l in t.derived.hessian]
 
     def product_body(self, t):
         """s->felt += B s->along for the Hessian blocks that join two sites."""
@@ -59,6 +57,46 @@ class SumParts:
         call = t.call("value", [self.vector("w", s) for s in t.slots])
         return [f"smg_add_carry(&sum, &lost, {call});"]
 
+    # -- the contract -------------------------------------------------------------------------
+    def sum_functions(self):
+        """Gradients, Hessian blocks and products over all sites."""
+        every, some = self.sums(self.effects, self.gradient_body("w", "g")), self.sums(self.coupled_effects(), self.gradient_body("w", "g"))
+        found = [self.gradient("smg_gradient", every)]
+        if self.plan.coupled:
+            found.append(self.gradient("smg_coupled_gradient", some if some != every else ["smg_gradient(c, w, g);"]))
+            found.append(self.of_state("smg_hessian_blocks", self.sums(self.coupled_effects(), self.block_body)))
+        if self.plan.coupled and not self.plan.matrix:
+            found.append(self.of_state("smg_hessian_vector", self.sums(self.coupled_effects(), self.product_body)))
+        return found
+
+    def gradient(self, name: str, lines):
+        return Static(name, function(f"void {name}", ["const smg_coefficients *c", "const smg_real *w", "smg_real *g"],
+                                     lines, ["c", "w", "g"]), True)
+
+    def of_state(self, name: str, lines):
+        return Static(name, function(f"void {name}", ["const smg_state *s"], ["const smg_coefficients *c = &s->c;", "(void)c;", *lines], ["s"]), True)
+
+    def site_sums(self):
+        """Gradient, curvature and the pull of the neighbours of one site."""
+        tangent = "tangent" in self.features and (self.plan.local or self.lifts())
+        newton = any(not self.closed_form(f) for f in self.chosen(self.plan.local))
+        found = []
+        if self.plan.local or self.plan.rotation:
+            found.append(self.of_site("smg_gather", ["smg_real *g"], self.gather_lines))
+        if newton or tangent:
+            found.append(self.of_site("smg_curvature", ["const smg_real *v", "smg_real *y"], self.curvature_lines))
+        if tangent:
+            found.append(self.of_site("smg_bend", ["const smg_real *dm", "smg_real *y"], self.bend_lines))
+        return found
+
+    def of_site(self, name: str, more, lines_of):
+        def lines(f):
+            found = lines_of(f.name)
+            used = [x for x in COORDINATES if self.lattice(f.name) is not None]
+            return [*(f"const int64_t {x} = at.{x};" for x in used if x in names_of(found)), *found]
+        arguments = ["const smg_coefficients *c", "smg_place at", "const smg_real *all", "const smg_real *own", *more]
+        return Static(name, self.by_family(f"void {name}", arguments, lines, number="at.k", index="site"), True)
+
     def roles(self, family: str):
         """The effects and slots through which a site of `family` feels something."""
         for t in self.effects:
@@ -66,19 +104,6 @@ class SumParts:
             for k, s in enumerate(t.slots):
                 if s[0] == family and (not passive or s in passive):
                     yield t, k
-
-    def gather(self, family: str, what: str, lines):
-        out = ["const smg_real *v", "smg_real *y"] if what == "curvature" else ["smg_real *g"]
-        place = self.place(family)
-        return function(f"void {self.M}_{family}_{what}",
-                        [f"const {self.M}_coefficients *c", *(f"int64_t {n}" for n in place),
-                         "const smg_real *all", "const smg_real *own", *out], lines,
-                        ["c", *place, "all", "own", *(o.split("*")[1] for o in out)]) + "\n"
-
-    def place(self, family: str):
-        """What a gather must know of a site: its number and, on a lattice, its cell and place."""
-        lattice = self.lattice(family)
-        return ["site"] if lattice is None else ["site", "sub", *(f"s{d}" for d in range(len(lattice.size)))]
 
     def lattice(self, family: str):
         """The lattice that a swept family lives on, when all its bonds agree on it."""
@@ -88,42 +113,40 @@ class SumParts:
         same = {(o.size, o.sites) for o in overs}
         return overs[0] if len(same) == 1 else None
 
-    def gather_gradient(self, family: str):
-        placed = self.lattice(family) is not None
+    def gathered(self, family: str, calls_of):
+        """Loops over the terms of one site, with the statements `calls_of(term, slot)` of each."""
         lines = []
         for t, k in self.roles(family):
-            lines += self.loops.gather(t.over, t.slots[k], lambda _, t=t, k=k: self.gather_body(t, k), placed)
-        return self.gather(family, "gather", lines)
+            calls = calls_of(t, k)
+            if calls:
+                lines += self.loops.gather(t.over, t.slots[k], lambda _, calls=calls: calls, self.lattice(family) is not None)
+        return lines
 
     def seen(self, t, k):
         return ["own" if q == k else self.vector("all", s) for q, s in enumerate(t.slots)]
 
-    def gather_body(self, t, k):
-        outputs = ["g" if q == k else f"o{q}" for q in range(len(t.slots))]
-        spare = [f"smg_real {o}[3] = {{0, 0, 0}};" for o in outputs if o != "g"]
-        return [*spare, t.call("gradient", self.seen(t, k), *outputs) + ";"]
+    def gather_lines(self, family: str):
+        def calls(t, k):
+            outputs = ["g" if q == k else f"o{q}" for q in range(len(t.slots))]
+            spare = [f"smg_real {o}[3] = {{0, 0, 0}};" for o in outputs if o != "g"]
+            return [*spare, t.call("gradient", self.seen(t, k), *outputs) + ";"]
+        return self.gathered(family, calls)
 
-    def gather_curvature(self, family: str):
-        lines = []
-        for t, k in self.roles(family):
-            if (k, k) in t.derived.hessian:
-                call = t.call(f"hessian_{k}{k}", self.seen(t, k), "v", "y") + ";"
-                lines += self.loops.gather(t.over, t.slots[k], lambda _, call=call: [call])
-        return self.gather(family, "curvature", lines)
+    def curvature_lines(self, family: str):
+        def calls(t, k):
+            return [t.call(f"hessian_{k}{k}", self.seen(t, k), "v", "y") + ";"] if (k, k) in t.derived.hessian else []
+        return self.gathered(family, calls)
+
+    def bend_lines(self, family: str):
+        def calls(t, k):
+            return [t.call(f"hessian_{k}{l}", self.seen(t, k), self.vector("dm", t.slots[l]), "y") + ";"
+                    for l in range(len(t.slots)) if l != k and (k, l) in t.derived.hessian]
+        return self.gathered(family, calls)
 
     def is_linear(self, family: str) -> bool:
         return not any((k, k) in t.derived.hessian for t, k in self.roles(family))
 
     def closed_form(self, f) -> bool:
         """A site alone in a field that does not depend on it: the step is an exact rotation."""
-        return self.method == "spherical-midpoint" and f.kind != "nambu" and self.is_linear(f.name)
+        return self.method.onto_leaf and f.kind != "nambu" and self.is_linear(f.name)
 
-    def gathers(self):
-        text = []
-        local = self.plan.local
-        for f in self.families:
-            if f.name in local or self.plan.rotation:
-                text.append(self.gather_gradient(f.name))
-            if f.name in local and not self.closed_form(f):
-                text.append(self.gather_curvature(f.name))
-        return "\n".join(text)

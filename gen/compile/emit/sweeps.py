@@ -1,39 +1,49 @@
-"""Rotation sweeps: the order of the sites, and a bound that shows a contraction."""
+"""Visits of every coupled site in the order of a sweep, and a bound that shows a contraction."""
 from __future__ import annotations
 
 import sympy as sp
 
 from ...language.spec import Lattice, Sites
-from ..lower.loops import indent, loop
+from ..lower.kernels import function
+from ..lower.loops import loop
 from ..lower.lowering import CLOCK
 from ..plan.colouring import colouring, one_colour
+from .statics import Static
+from .text import plus
 
 
 class SweepParts:
-    """Loops of a sweep; part of `Emitter`."""
+    """Visits; part of `Emitter`."""
 
-    def sweep_loops(self, what: str, result: str, coloured: bool):
-        """Calls of `what` for all sites of the swept families, on a lattice cell by cell or by colour."""
-        lines = []
-        for f in self.chosen(self.plan.coupled):
-            call = f"{self.M}_{f.name}_{what}(s, h, {{}}, &{result});"
-            lattice = self.lattice(f.name)
-            if lattice is None:
-                lines += loop("site", f.count, [call.format("site")])
-                continue
-            overs = [t.over for t, _ in self.roles(f.name) if isinstance(t.over, Lattice)]
-            colours = colouring(overs) if coloured else one_colour(lattice)
-            cells = ", ".join(f"s{d}" for d in range(len(lattice.size)))
-            lines += self.loops.by_colour(lattice, colours,
-                                          lambda sub: [call.format(f"site, {sub}, {cells}")])
-        return "\n".join(indent(lines))
+    def visits(self):
+        """smg_each, cell by cell, and smg_each_coloured, colour after colour."""
+        found = []
+        if self.plan.coupled and (self.plan.rotation or "tangent" in self.features and self.lifts()):
+            found.append(self.visit("smg_each", False))
+        if self.plan.rotation:
+            found.append(self.visit("smg_each_coloured", True))
+            if self.reach() is not None:
+                found.append(Static("smg_reach", self.by_family("smg_real smg_reach", ["const smg_coefficients *c", "int64_t k"],
+                                                                lambda f: [f"return {self.reach()[f.name]};"], self.chosen(self.plan.coupled)), True))
+        return found
 
-    def sweep_slots(self):
-        if not self.plan.rotation:
-            return dict(sweep_loops="", close_loops="", reach=None, place={})
-        return dict(sweep_loops=self.sweep_loops("relax", "change", True),
-                    close_loops=self.sweep_loops("close", "found", False), reach=self.reach(),
-                    place={f: self.place(f) for f in self.plan.coupled})
+    def visit(self, name: str, coloured: bool):
+        arguments = ["const smg_coefficients *c", "void *of", "void (*visit)(void *of, smg_place at)"]
+        lines = [line for f in self.chosen(self.plan.coupled) for line in self.visit_family(f, coloured)]
+        text = function(f"void {name}", arguments, lines, ["c"])
+        return Static(name, text.replace("static inline", "SMG_INLINE", 1), True)     # so that the call of `visit` is inlined too
+
+    def visit_family(self, f, coloured: bool):
+        """Calls of `visit` for all sites of a family."""
+        def call(sub: str, cells: str):
+            return [f"const smg_place at = {{{plus(f.first, 'site')}, {sub}, {cells}}};", "visit(of, at);"]
+        lattice = self.lattice(f.name)
+        if lattice is None:
+            return loop("site", f.count, call("0", "0, 0, 0, 0"))
+        overs = [t.over for t, _ in self.roles(f.name) if isinstance(t.over, Lattice)]
+        colours = colouring(overs) if coloured else one_colour(lattice)
+        cells = ", ".join([f"s{d}" for d in range(len(lattice.size))] + ["0"] * (4 - len(lattice.size)))
+        return self.loops.by_colour(lattice, colours, lambda sub: call(str(sub), cells))
 
     def reach(self):
         """Sum of the norms of the Hessian blocks in a row, where they are the same for all sites; else None."""

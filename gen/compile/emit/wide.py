@@ -5,8 +5,8 @@ import re
 
 from ..derive.derivatives import scalar
 from ..lower.kernels import function
-from ..lower.loops import indent
 from ..lower.lowering import CLOCK, PREPARE
+from .statics import Static
 from .text import times
 from .wideprint import WideLowering
 
@@ -32,18 +32,32 @@ class WideParts:
                 ("wide_s", "0" if self.solo else self.total, "m = s mbar"),
                 ("wide_y", "0" if self.solo else n3, "change of dH/dw")]
 
-    def wide_text(self) -> str:
-        """All of the closing evaluation: coefficients, kernels, evaluation."""
+    def wide_functions(self):
+        """What runtime/method/smg_extended.h asks of a model: coefficients, and kernels in pairs."""
         if not self.extended:
-            return ""
-        wide = self.wide_low
-        terms = [self.wide_gradient(t) for t in self.effects if t.slots]
-        families = [self.wide_family(f, text) for f, text in zip(self.spec.families, self.families)]
+            return []
         effects = [t for t in self.effects if t.slots]
-        return self.render("wide.c.j2", kernels="\n\n".join(terms), sites="\n".join(families), solo=self.solo,
-                           sums=self.sums(effects, self.wide_body), curvatures=self.sums(effects, self.wide_curvature),
-                           prepared=self.wide_values(PREPARE), timed_values=self.wide_values(CLOCK),
-                           reads_time=wide.is_timed(), **self.common())
+        found = [*(self.wide_gradient(t) for t in effects), *self.wide_sites(),
+                 self.wide_sum("smg_wide_gradient", self.sums(effects, self.wide_body))]
+        if not self.solo:
+            found.append(self.wide_sum("smg_wide_curvatures", self.sums(effects, self.wide_curvature)))
+        timed = self.wide_low.is_timed()
+        return [*self.wide_coefficients(timed), *found]
+
+    def wide_sum(self, name: str, lines):
+        head = ["const smg_coefficients *c = &s->c;", "const smg_wide_coefficients *wide = &s->wide;", "(void)c;", "(void)wide;"]
+        return Static(name, function(f"void {name}", ["smg_state *s"], [*head, *lines], ["s"]), True)
+
+    def wide_coefficients(self, timed: bool):
+        """Coefficients to all digits; what the caller gave is exact."""
+        lines = ["wide->h = smg_wide_of(c->h);", "wide->t = smg_wide_of(0);", *self.wide_values(PREPARE)]
+        found = [Static("smg_wide_prepare", function("void smg_wide_prepare", ["smg_wide_coefficients *wide", "const smg_coefficients *c"], lines, ["c"]), True)]
+        if timed:
+            time = "smg_wide_scale((smg_real)s->count + (smg_real)0.5, smg_wide_of((smg_real)s->h))"
+            lines = ["const smg_coefficients *c = &s->c;", "smg_wide_coefficients *wide = &s->wide;",
+                     f"wide->t = smg_wide_add(smg_wide_of((smg_real)s->t0), {time});", "(void)c;", *self.wide_values(CLOCK)]
+            found.append(Static("smg_wide_clock", function("void smg_wide_clock", ["smg_state *s"], lines, []), True))
+        return found
 
     @property
     def wide_low(self) -> WideLowering:
@@ -58,18 +72,19 @@ class WideParts:
 
     def wide_includes(self):
         """The elementary functions, where a wide kernel calls one."""
-        return ["smg_wide_math.h"] if self.extended and _CALLS.search(self.wide_text()) else []
+        text = "\n".join(s.text for s in self.wide_functions())
+        return ["smg_wide_math.h"] if _CALLS.search(text) else []
 
     def wide_names(self):
         """Hoisted members of the struct of wide coefficients."""
         return [name for name, _, _ in self.wide_low.coefficients()]
 
-    def wide_function(self, kind: str, name: str, arguments, lines) -> str:
-        declared = [f"const {self.M}_coefficients *c", f"const {self.M}_wide_coefficients *wide", *arguments]
+    def wide_function(self, kind: str, name: str, arguments, lines) -> Static:
+        declared = ["const smg_coefficients *c", "const smg_wide_coefficients *wide", *arguments]
         names = ["c", "wide", *(a.split()[-1].lstrip("*") for a in arguments)]
-        return function(f"{kind} {self.M}_wide_{name}", declared, lines, names)
+        return Static(name, function(f"{kind} {name}", declared, lines, names))
 
-    def wide_gradient(self, t) -> str:
+    def wide_gradient(self, t) -> Static:
         """g_k += d(term)/d(slot k), all in pairs."""
         kernel = self.wide_low.kernel([x for row in t.derived.gradient for x in row], t.derived.leaves, t.derived.parts)
         slots = range(len(t.slots))
@@ -78,7 +93,7 @@ class WideParts:
                  if value != "smg_wide_of(0.0)"]
         arguments = [*(f"int64_t {i}" for i in t.over.bound), *(f"smg_real {w}" for w in t.weights()),
                      *(f"const smg_real *v{k}" for k in slots), *(f"smg_real *g{k}" for k in slots)]
-        return self.wide_function("void", f"{t.prefix.removeprefix(self.M + '_')}_gradient", arguments,
+        return self.wide_function("void", f"wide_{t.prefix}_gradient", arguments,
                                   [*kernel.lines, *lines])
 
     def wide_body(self, t):
@@ -87,7 +102,7 @@ class WideParts:
         at = [f"6*({self.site(s)})" for s in t.slots]
         given = [f"s->wide_m + {a}" for a in at]
         taken = [f"spare{k}" if k in spare else f"s->wide_g + {a}" for k, a in enumerate(at)]
-        name = f"{self.M}_wide_{t.prefix.removeprefix(self.M + '_')}_gradient"
+        name = f"wide_{t.prefix}_gradient"
         call = f"{name}({', '.join(['c', 'wide', *t.common()[1:], *given, *taken])});"
         return [f"smg_real spare{k}[6] = {{0, 0, 0, 0, 0, 0}};" for k in spare] + [call]
 
@@ -99,29 +114,31 @@ class WideParts:
                        f"s->wide_y + 3*({self.site(t.slots[k])})") + ";"
                 for k, l in t.derived.hessian if k in felt]
 
-    def wide_family(self, f, text) -> str:
-        """h/kappa, the radius, and the normal grad C of one family."""
-        parts = [self.wide_formula(f"{f.name}_rate", f.kappa, lambda kappa: self.wide_low.step_size() / kappa)]
-        if f.kind == "sphere":
-            parts.append(self.wide_formula(f"{f.name}_radius", f.radius, lambda radius: radius))
-        if f.kind == "nambu":
-            parts.append(self.wide_normal(f))
-        return "\n\n".join(parts)
+    def wide_sites(self):
+        """h/kappa, the radius, and the normal grad C of every site."""
+        site = ["const smg_coefficients *c", "const smg_wide_coefficients *wide", "int64_t k"]
+        functions = [("smg_wide_rate", "smg_wide", site, lambda f: self.wide_formula(f.kappa, lambda kappa: self.wide_low.step_size() / kappa)),
+                     ("smg_wide_normal", "void", [*site, "const smg_wide *v", "smg_wide *n"], self.wide_normal)]
+        if any(f.kind == "sphere" for f in self.families) and not self.unit_radius() and self.method.onto_leaf:
+            functions.append(("smg_wide_radius", "smg_wide", site, lambda f: self.wide_formula(f.radius, lambda r: r) if f.kind == "sphere" else ["return smg_wide_of(0);"]))
+        by_name = {f.name: f for f in self.spec.families}
+        return [Static(name, self.by_family(f"{kind} {name}", arguments, lambda f, lines=lines: lines(by_name[f.name])), True)
+                for name, kind, arguments, lines in functions]
 
-    def wide_formula(self, name: str, formula, value) -> str:
+    def unit_radius(self) -> bool:
+        """Are all spheres of radius 1?"""
+        return all(f.unit for f in self.families if f.kind == "sphere")
+
+    def wide_formula(self, formula, value):
         e, leaves = scalar(formula)
         kernel = self.wide_low.kernel([value(e)], leaves)
-        return self.wide_function("smg_wide", name, ["int64_t i"], [*kernel.lines, f"return {kernel.results[0]};"])
+        return [*kernel.lines, f"return {kernel.results[0]};"]
 
-    def wide_normal(self, f) -> str:
+    def wide_normal(self, f):
         """n = grad C(v) of C(v) = v.C v/2."""
+        if f.kind != "nambu":
+            return [f"n[{a}] = v[{a}];" for a in range(3)]
         rows, leaves = self.casimir_rows(f)
         kernel = self.wide_low.kernel(rows, leaves)
         lines = [*kernel.lines, *(f"n[{a}] = {value};" for a, value in enumerate(kernel.results))]
-        lines = [re.sub(r"smg_wide_load\(v0, (\d)\)", r"v[\1]", line) for line in lines]
-        return self.wide_function("void", f"{f.name}_normal", ["const smg_wide *v", "smg_wide *n"], lines)
-
-
-def wide_members(names):
-    """Members of the struct, for the header."""
-    return indent([f"smg_wide {name};" for name in ("h", "t", *names)])
+        return [re.sub(r"smg_wide_load\(v0, (\d)\)", r"v[\1]", line) for line in lines]

@@ -17,7 +17,7 @@ DIGITS = 40     # decimal places from which a constant is split into a pair
 
 
 class WidePrinter(Printer):
-    """Expressions as calls of runtime/smg_wide.h; names give smg_wide texts."""
+    """Expressions as calls of runtime/core/smg_wide.h; names give smg_wide texts."""
 
     def constant(self, e):
         if e.is_Float or e.is_Rational and Fraction(float(e)) == Fraction(int(e.p), int(e.q)):

@@ -24,11 +24,11 @@ NAME = re.compile(r"x\d+")
 class TermKernels:
     """One term of the model: its derivatives and the C text of its functions.
 
-    prefix: common beginning of the function names; operations: of value and gradient.
+    prefix: common beginning of the function names; text: name -> C text; operations: of value and gradient.
     """
     derived: Derived
     prefix: str
-    text: tuple
+    text: dict
     operations: tuple
 
     @property
@@ -76,21 +76,21 @@ def mentions(text: str, name: str) -> bool:
 def term_kernels(low: Lowering, term: Term, role: str, with_derivatives: bool = True) -> TermKernels:
     """Value, gradient and Hessian functions of one effect (role 'effect') or observable ('observe')."""
     d = derive(term, with_derivatives)
-    kernels = TermKernels(d, f"{low.model}_{role}_{term.name}", (), ())
+    kernels = TermKernels(d, f"{role}_{term.name}", {}, ())
     value = low.kernel([d.value], d.leaves, d.parts)
-    text = [value_function(low, kernels, value)]
+    text = {f"{kernels.prefix}_value": value_function(low, kernels, value)}
     operations = [value.operations]
     if with_derivatives:
         gradient = low.kernel([x for row in d.gradient for x in row], d.leaves, d.parts)
-        text.append(gradient_function(low, kernels, gradient))
-        text += [hessian_function(low, kernels, pair) for pair in d.hessian]
+        text[f"{kernels.prefix}_gradient"] = gradient_function(low, kernels, gradient)
+        text |= {f"{kernels.prefix}_hessian_{k}{l}": hessian_function(low, kernels, (k, l)) for k, l in d.hessian}
         operations.append(gradient.operations)
-    return TermKernels(d, kernels.prefix, tuple(text), tuple(operations))
+    return TermKernels(d, kernels.prefix, text, tuple(operations))
 
 
 def arguments(low: Lowering, kernels: TermKernels):
     names = kernels.common() + [f"v{k}" for k in range(len(kernels.slots))]
-    declared = ([f"const {low.model}_coefficients *c"] + [f"int64_t {i}" for i in kernels.over.bound]
+    declared = (["const smg_coefficients *c"] + [f"int64_t {i}" for i in kernels.over.bound]
                 + [f"smg_real {w}" for w in kernels.weights()]
                 + [f"const smg_real *v{k}" for k in range(len(kernels.slots))])
     return declared, names

@@ -57,13 +57,13 @@ class Loops:
 
     def scatter_graph(self, over: Graph, body):
         i, j, name = over.first, over.second, graph_name(over)
-        head = [f"const int64_t {i} = {self.low.model}_{name}_edge[e][0];",
-                f"const int64_t {j} = {self.low.model}_{name}_edge[e][1];"]
+        head = [f"const int64_t {i} = {name}_edge[e][0];",
+                f"const int64_t {j} = {name}_edge[e][1];"]
         return loop("e", str(len(over.edges)), head + self.weights(over) + body(Instance({i: i, j: j})))
 
     def weights(self, over: Graph):
         name = graph_name(over)
-        return [f"const smg_real weight_{c} = {self.low.model}_{name}_{c}[e];" for c, _ in over.columns]
+        return [f"const smg_real weight_{c} = {name}_{c}[e];" for c, _ in over.columns]
 
     def scatter_lattice(self, over: Lattice, body):
         cells = [f"c{d}" for d in range(len(over.size))]
@@ -136,16 +136,16 @@ class Loops:
 
     def gather_graph(self, over: Graph, slot, body):
         """Adjacency rows: for each site the edges that it begins (or ends)."""
-        i, j, name, model = over.first, over.second, graph_name(over), self.low.model
+        i, j, name = over.first, over.second, graph_name(over)
         side = "first" if slot[1] == i else "second"
-        head = [f"const int64_t e = {model}_{name}_{side}[row];",
-                f"const int64_t {i} = {model}_{name}_edge[e][0];",
-                f"const int64_t {j} = {model}_{name}_edge[e][1];"]
+        head = [f"const int64_t e = {name}_{side}[row];",
+                f"const int64_t {i} = {name}_edge[e][0];",
+                f"const int64_t {j} = {name}_edge[e][1];"]
         sites = 1 + max((max(e) for e in over.edges), default=0)     # later sites have no edge and no row
         return block(f"if (site < {sites})", loop(
-            "row", f"{model}_{name}_{side}_row[site + 1]",
+            "row", f"{name}_{side}_row[site + 1]",
             head + self.weights(over) + body(Instance({i: i, j: j})),
-            start=f"{model}_{name}_{side}_row[site]"))
+            start=f"{name}_{side}_row[site]"))
 
     def gather_lattice(self, over: Lattice, slot, body, placed: bool = False):
         lines = [] if placed else self.cell_of_site(over)

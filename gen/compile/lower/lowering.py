@@ -39,7 +39,6 @@ class Lowering:
 
     def __init__(self, spec: Spec):
         self.spec = spec
-        self.model = spec.name
         self.parameters = {p.name: p for p in spec.parameters}
         self.tables = dict(spec.tables)
         self.hoisted: dict = {}         # sympy expression -> (name, level)
@@ -99,7 +98,7 @@ class Lowering:
         if p is not None and not p.fixed:
             return f"c->p.{e.name}[{self.index(e.index)}]"
         self.used_tables[e.name] = p.default if p is not None else self.tables[e.name]
-        return f"{self.model}_table_{e.name}[{self.index(e.index)}]"
+        return f"table_{e.name}[{self.index(e.index)}]"
 
     def index(self, e: Expr) -> str:
         """An integer formula in bound indices and int parameters, as int64_t text."""

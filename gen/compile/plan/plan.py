@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from ...methods import METHODS, others
 from ...errors import UsageError
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, slots_of, walk
@@ -39,7 +40,7 @@ class Plan:
     @property
     def block(self) -> int:
         """Unknowns per site: 2 in the tangent plane, 3 where the midpoint is not projected."""
-        return 2 if self.method == "spherical-midpoint" else 3
+        return METHODS[self.method].unknowns
 
     @property
     def matrix(self) -> bool:
@@ -106,20 +107,20 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     local = tuple(f.name for f in spec.families if f.name not in coupled)
     if not coupled:
         return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
-    if solver == "rotation" and method != "spherical-midpoint":
-        raise UsageError("solver 'rotation' belongs to the spherical midpoint; use newton or plain")
+    if solver not in METHODS[method].solvers:
+        raise UsageError(f"solver '{solver}' belongs to {others(method).split(' or ')[0]}; use newton or plain")
     if solver in ("rotation", "plain"):
         return Plan(method, local, coupled, solver, "as asked for", rotation=solver == "rotation")
     plan = newton_plan(spec, method, local, coupled)
-    if plan is not None and plan.solver == "band" and solver == "auto" and method == "spherical-midpoint":
+    if plan is not None and plan.solver == "band" and solver == "auto" and METHODS[method].onto_leaf:
         return replace(plan, rotation=True, reason="chain: rotation sweeps while they settle soon, else " + plan.reason[7:])
     if plan is not None:
         return plan
     if solver == "newton":
-        other = "rotation or plain" if method == "spherical-midpoint" else "plain"
+        other = "rotation or plain" if "rotation" in METHODS[method].solvers else "plain"
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
                          f"a sparse factorisation and models of few sites; here use solver {other}")
-    if method != "spherical-midpoint":
+    if "rotation" not in METHODS[method].solvers:
         return Plan(method, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point, else Newton with GMRES")
     return Plan(method, local, coupled, "rotation",
                 "the coupling is no chain and of many sites: rotation sweeps, one spin after the other, else Newton with GMRES", rotation=True)
@@ -128,7 +129,7 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
 def newton_plan(spec: Spec, method: str, local, coupled):
     """Dense, band or sparse Newton; None when its factorisation would not fit."""
     n = site_count(spec, coupled)
-    size = n * (2 if method == "spherical-midpoint" else 3)
+    size = n * METHODS[method].unknowns
     width, wrap = chain_band(spec, coupled)
     small = size <= DENSE_SMALL
     if 0 < width <= BAND_LIMIT and n >= 2 * width + 1 and not (small and fixed_size(spec, coupled)):
@@ -162,22 +163,22 @@ def sparse_plan(spec, method, local, coupled, n):
                 pattern=pattern)
 
 
-def require_free_body(spec: Spec) -> None:
-    """Moser-Veselov is the discrete free body: one site alone, H a time-independent quadratic form."""
+def require_free_body(spec: Spec, method: str) -> None:
+    """A method of the free body needs one site alone, H a time-independent quadratic form."""
     from ..derive.derivatives import derive
     coupled = coupled_families(spec)
     if any(f.kind == "nambu" for f in spec.families):
-        raise UsageError("method moser-veselov needs a rigid body on a sphere or in R^3, not a Nambu factor")
+        raise UsageError(f"method {method} needs a rigid body on a sphere or in R^3, not a Nambu factor")
     for effect in spec.effects:
         d = derive(effect)
         if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
-            raise UsageError("method moser-veselov needs a single body whose energy does not depend on time")
+            raise UsageError(f"method {method} needs a single body whose energy does not depend on time")
         if d.parts:
-            raise UsageError(f"method moser-veselov needs a quadratic form in w, and the formula of '{effect.name}' is too long "
+            raise UsageError(f"method {method} needs a quadratic form in w, and the formula of '{effect.name}' is too long "
                              "to be known as one: write it shorter, or as several effects")
         for k, row in enumerate(d.gradient):
             for a in range(3):
                 linear = sum(d.hessian[k, k][a, b] * d.vectors[k][b] for b in range(3)) if (k, k) in d.hessian else 0
                 if (row[a] - linear).expand() != 0 or any(
                         v in d.hessian.get((k, k), row[a] * 0 + 0).free_symbols for v in d.vectors[k]):
-                    raise UsageError("method moser-veselov needs an energy that is a quadratic form in w")
+                    raise UsageError(f"method {method} needs an energy that is a quadratic form in w")

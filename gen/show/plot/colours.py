@@ -1,7 +1,7 @@
 """What a colour means: one rule for every figure and for the player.
 
     what is coloured                    its colour
-    a method                            that of METHODS, with its dash and marker
+    a method                            that of STYLES, with its dash and marker
     a component x, y, z                 that of COMPONENTS
     an orbit of a section               a shade of `regular`, or CHAOTIC
     a site                              that of `of_sites`
@@ -17,17 +17,16 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import to_hex, to_rgb
 
+from ...methods import METHODS
+
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY, BROWN = "#CC79A7", "#E69F00", "#56B4E9", "#6B4C00"
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
 INK, SOFT, FAINT, SINGULAR = "#222222", "#5B6570", "#8A94A0", "#C8102E"
 
 # method -> label, colour, dash, marker
-METHODS = {
-    "spherical-midpoint": ("spherical midpoint", BLUE, "-", "o"),
-    "classical-midpoint": ("classical midpoint", VERMILION, "--", "s"),
-    "moser-veselov": ("Moser\u2013Veselov", GREEN, "-.", "^"),
-}
+STYLES = {name: (method.label, *style) for (name, method), style in zip(METHODS.items(), (
+    (BLUE, "-", "o"), (VERMILION, "--", "s"), (GREEN, "-.", "^"), (INK, ":", "D"), ("#888888", (0, (5, 1)), "v")))}
 COMPONENTS = {"x": PURPLE, "y": SKY, "z": BROWN}
 CHAOTIC = ORANGE
 

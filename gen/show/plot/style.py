@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ...errors import UsageError
-from .colours import INK, METHODS, PALETTE, SOFT
+from .colours import INK, STYLES, PALETTE, SOFT
 from .text import shown
 
 STYLE = {
@@ -35,13 +35,13 @@ _UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationD
 
 def method_style(name: str) -> dict:
     """Keyword arguments of `Axes.plot` for a method: the same colours in every figure."""
-    label, color, dash, _ = METHODS.get(name, (name, INK, ":", "d"))
+    label, color, dash, _ = STYLES.get(name, (name, INK, ":", "d"))
     return {"label": label, "color": color, "linestyle": dash}
 
 
 def method_marker(name: str) -> str:
     """The marker of a method."""
-    return METHODS.get(name, (name, INK, ":", "d"))[3]
+    return STYLES.get(name, (name, INK, ":", "d"))[3]
 
 
 def footnote(figure: Figure, *words: str) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import smidgen
 from smidgen.build.library import write_files
 from smidgen.compile.emit.emit import generate
-from smidgen.resources import folder
+from smidgen.resources import folder, include_flags
 from smidgen.compile.select import select
 
 HERE = Path(__file__).resolve().parent
@@ -34,7 +34,7 @@ def program(where: Path, name: str, variant: str, driver: str, real: str = "") -
         place.mkdir(parents=True)
         write_files(generate(select(smidgen.load(folder("specs") / f"{name}.toml")), features=features), place)
         words = ["gcc", *FLAGS, *flags, *([real] if real else []), f'-DMODEL="{name}.h"', f"-DM={name}", "-I.",
-                 f"-I{folder('runtime')}", f"{name}.c", str(HERE / driver), "-o", "program"]
+                 *include_flags(), f"{name}.c", str(HERE / driver), "-o", "program"]
         subprocess.run([*words, *(["-lquadmath"] if real == "-DSMG_QUAD" else []), "-lm"], cwd=place, check=True)
     return path
 

@@ -103,7 +103,7 @@ static inline int smg_settled(const smg_change *now, const smg_change *last, smg
 }
 
 /* Has an iterate left for somewhere else? Its residual grew. */
-static inline int smg_wild(const smg_change *now, const smg_change *last, smg_real scale) {
+static inline int smg_residual_grew(const smg_change *now, const smg_change *last, smg_real scale) {
   return now->absolute > last->absolute && now->absolute > (smg_real)1e-9 * scale;
 }
 

@@ -1,0 +1,51 @@
+"""The registry of methods: the one place that knows their names. Readers, plans, emission, checks and pictures ask it.
+
+A method is one entry here and one header of runtime/ over the contract of runtime/core/smg_model.h.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SOLVERS = ("auto", "newton", "rotation", "plain")
+
+
+@dataclass(frozen=True)
+class Method:
+    """What the stages must know of a method.
+
+    name: as specs and the command give it; title: with its article, in sentences; label: in legends and tables;
+    summary: one line of the C header's comment; order: of its error in h; header: its file in runtime/;
+    onto_leaf: is the field taken at a point of the leaf (m = P(mbar)), or at the midpoint as it is; symplectic: on
+    spheres and leaves; divided: is h X divided by a function q of the field; unknowns: of Newton a site;
+    solvers: those it may be asked for; free_body: it is for one free rigid body alone, whose energy and momentum it
+    keeps.
+    """
+    name: str
+    title: str
+    label: str
+    summary: str
+    order: int
+    header: str
+    onto_leaf: bool = False
+    symplectic: bool = False
+    divided: bool = False
+    unknowns: int = 3
+    solvers: tuple = ("auto", "newton", "plain")
+    free_body: bool = False
+
+
+METHODS = {m.name: m for m in (
+    Method("spherical-midpoint", "the spherical midpoint", "spherical midpoint", "spherical midpoint (symplectic, order 2)", 2,
+           "smg_spherical_midpoint.h", onto_leaf=True, symplectic=True, unknowns=2, solvers=SOLVERS),
+    Method("classical-midpoint", "the classical midpoint", "classical midpoint", "classical midpoint (comparator: not symplectic on spheres)", 2,
+           "smg_classical_midpoint.h"),
+    Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
+           "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS),
+)}
+NAMES = tuple(METHODS)
+DEFAULT = NAMES[0]
+
+
+def others(name: str) -> str:
+    """The methods that serve any model, for a hint: `a or b`."""
+    return " or ".join(m.name for m in METHODS.values() if m.name != name and not m.free_body)

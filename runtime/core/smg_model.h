@@ -1,0 +1,72 @@
+/* smidgen runtime: what a method may ask of a model.
+ *
+ * A model is a handful of static functions; its .c defines them and then includes the header of its method, which knows nothing
+ * else of it. Sites are numbered over the whole state, k = 0 .. smg_sites(c) - 1, family by family; vectors are three numbers a
+ * site. The equation is w' = (1/kappa) grad C(w) x dH/dw on every site; C = |w|^2/2 on spheres and in R^3.
+ *
+ *   sizes      smg_sites(c)                       sites
+ *              smg_coupled(c), smg_site(c, row)   sites that are solved together, and each of them by its row in Newton's matrix
+ *              smg_row(c, k)                      the row of site k
+ *              smg_alone(c, n), smg_tracer(c, k)  the n-th site that is solved alone; does it feel the coupled ones?
+ *   a site     smg_kind(c, k)                     SMG_SPHERE, SMG_R3 or SMG_NAMBU
+ *              smg_kappa(c, k), smg_rate(c, k, h) its strength, and h/kappa
+ *              smg_radius(c, k)                   of a sphere
+ *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
+ *              smg_leaf(s, k)                     what tells its leaf in the step under way: radius, |w| or C(w)
+ *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
+ *              smg_coupled_gradient(c, w, g)      g += dH/dw of the coupled sites, by the terms that couple them
+ *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`
+ *              smg_curvature(c, at, all, own, v, y)  y += (d2H/dw_k dw_k) v
+ *              smg_hessian_blocks(s)              SMG_BLOCK for every d2H/dw_i dw_j at s->m
+ *              smg_hessian_vector(s)              s->felt += d2H/dw2 s->along, of the blocks that join two sites
+ *              smg_each(of, visit)                every coupled site, cell by cell
+ *              smg_each_coloured(of, visit)       the same colour after colour: sites of one colour do not feel each other
+ *   time       smg_clock(&c, t)                   what depends on time, at t
+ *
+ * c: const smg_coefficients *, the parameters and what depends on them alone; s: smg_state *; at: smg_place. */
+#ifndef SMG_MODEL_H
+#define SMG_MODEL_H
+
+#include "smg_site.h"
+
+/* What the model says of itself by macros, 0 where it says nothing: SMG_BS unknowns a site of Newton's matrix, SMG_HISTORY
+ * increments kept, SMG_FAMILIES, SMG_ORIENTATION of the bracket (1 or -1), SMG_TIMED: H depends on time; SMG_HAS_COUPLED,
+ * SMG_HAS_ALONE: sites of both kinds; SMG_LEAVES: leaves are kept in s->leaf. */
+
+enum { SMG_SPHERE, SMG_R3, SMG_NAMBU };
+
+/* A site, and where it stands on a lattice: its place in the cell and the coordinates of the cell. */
+typedef struct smg_place {
+  int64_t k, sub, s0, s1, s2, s3;
+} smg_place;
+
+#if SMG_HAS_COUPLED
+/* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: of the header of the matrix. */
+#if SMG_MATRIX_FREE
+static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y, const smg_real *z);
+#else
+static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y);
+#endif
+#endif
+
+/* A Hessian block B = d2H/dw_i dw_j of one term for Newton's matrix; `hessian` adds B v to its last argument. */
+#if SMG_MATRIX_FREE
+#define SMG_BLOCK(i, j, hessian, ...)                                                  \
+  do {                                                                                 \
+    smg_real y[3 * SMG_BS] = {0}, z[3 * SMG_BS] = {0};                                 \
+    for (int l = 0; l < SMG_BS; ++l) {                                                 \
+      hessian(__VA_ARGS__, s->S + 3 * (SMG_BS * (j) + l), y + 3 * l);                  \
+      if ((i) != (j)) hessian(__VA_ARGS__, s->G + 3 * (SMG_BS * (j) + l), z + 3 * l);  \
+    }                                                                                  \
+    smg_add_hessian(s, i, j, y, z);                                                    \
+  } while (0)
+#else
+#define SMG_BLOCK(i, j, hessian, ...)                                                  \
+  do {                                                                                 \
+    smg_real y[3 * SMG_BS] = {0};                                                      \
+    for (int l = 0; l < SMG_BS; ++l) hessian(__VA_ARGS__, s->S + 3 * (SMG_BS * (j) + l), y + 3 * l); \
+    smg_add_hessian(s, i, j, y);                                                       \
+  } while (0)
+#endif
+
+#endif

@@ -1,0 +1,83 @@
+/* smidgen runtime: a saved state, all that decides later bits: this head, then w and carry, then the history, newest first. What
+ * is not in it (scratch, values of the parameters) decides none. */
+#ifndef SMG_SAVED_HEADER
+#define SMG_SAVED_HEADER
+
+#include "smg_state.h"
+
+enum {
+  SMG_SAVED_SIZE, SMG_SAVED_PAST, SMG_SAVED_T0, SMG_SAVED_H, SMG_SAVED_COUNT_HIGH, SMG_SAVED_COUNT_LOW,
+  SMG_SAVED_HISTORY, SMG_SAVED_DEGREE, SMG_SAVED_REST, SMG_SAVED_SCALE, SMG_SAVED_HEAD
+};
+
+/* Numbers before the history. */
+static size_t smg_saved_past(const smg_coefficients *c) { return SMG_SAVED_HEAD + (size_t)(6 * smg_sites(c)); }
+
+static size_t smg_saved_size(const smg_params *p) {
+  smg_coefficients c;
+  smg_sizes(&c, p);
+  return smg_saved_past(&c) + smg_history_size(&c);
+}
+
+static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
+  for (size_t k = 0; k < size; ++k) to[k] = from[k];
+}
+
+static void smg_save_state(const smg_state *s, smg_real *out) {
+  const size_t n3 = (size_t)(3 * smg_sites(&s->c));
+  out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c.p);
+  out[SMG_SAVED_PAST] = (smg_real)smg_saved_past(&s->c);
+  out[SMG_SAVED_T0] = (smg_real)s->t0;
+  out[SMG_SAVED_H] = (smg_real)s->h;
+  out[SMG_SAVED_COUNT_HIGH] = (smg_real)(s->count / 4294967296); /* 2^32: a double holds no count beyond 2^53 */
+  out[SMG_SAVED_COUNT_LOW] = (smg_real)(s->count % 4294967296);
+  out[SMG_SAVED_HISTORY] = (smg_real)s->history;
+  out[SMG_SAVED_DEGREE] = (smg_real)s->degree;
+  out[SMG_SAVED_REST] = smg_saved_rest(s);
+  out[SMG_SAVED_SCALE] = s->scale;
+  smg_copy(out + SMG_SAVED_HEAD, s->w, n3);
+  smg_copy(out + SMG_SAVED_HEAD + n3, s->carry, n3);
+  smg_save_history(s, out + smg_saved_past(&s->c));
+}
+
+static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
+  return x >= least && x <= most && x == (smg_real)(int64_t)x;
+}
+
+/* Is this a saved state of a model with these sizes, by all that can be seen? */
+static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in) {
+  const size_t size = smg_saved_size(&c->p);
+  if (!(in[SMG_SAVED_SIZE] == (smg_real)size)) return SMG_BAD_PARAMETER;
+  for (size_t k = 0; k < size; ++k)
+    if (!(SMG_MATH(fabs)(in[k]) <= SMG_MAX)) return SMG_NOT_FINITE;
+  const int good = in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) && in[SMG_SAVED_H] != 0 &&
+                   smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, 2147483647) &&
+                   smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
+                   smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
+                   smg_integer_in(in[SMG_SAVED_REST], 0, SMG_REST) && in[SMG_SAVED_SCALE] >= 0;
+  return good ? SMG_OK : SMG_BAD_PARAMETER;
+}
+
+static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
+  const size_t n3 = (size_t)(3 * smg_sites(&s->c));
+  const smg_status status = smg_check_saved(&s->c, in);
+  if (status != SMG_OK) return status;
+  s->t0 = (double)in[SMG_SAVED_T0];
+  s->h = (double)in[SMG_SAVED_H];
+  s->count = (int64_t)in[SMG_SAVED_COUNT_HIGH] * 4294967296 + (int64_t)in[SMG_SAVED_COUNT_LOW];
+  s->history = (int)in[SMG_SAVED_HISTORY];
+  s->degree = s->history > 0 ? (int)in[SMG_SAVED_DEGREE] : SMG_NO_DEGREE;
+  s->scale = in[SMG_SAVED_SCALE];
+  s->c.h = smg_signed_h(s->h);
+  (void)smg_prepare(&s->c); /* some of its values have h in them */
+#if SMG_EXTENDED
+  smg_wide_prepare(&s->wide, &s->c);
+#endif
+  smg_restore_rest(s, in[SMG_SAVED_REST]);
+  smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
+  smg_copy(s->carry, in + SMG_SAVED_HEAD + n3, n3);
+  smg_restore_history(s, in + smg_saved_past(&s->c));
+  return SMG_OK;
+}
+
+#endif

@@ -1,0 +1,166 @@
+/* smidgen runtime: a state from its parameters and a start, and what can be asked of both without a step.
+ *
+ * The model gives smg_sizes(&c, p), smg_prepare(&c), smg_check_sizes(c), and its families: SMG_FAMILIES of
+ * them, the f-th ending before the site smg_family_end(c, f). */
+#ifndef SMG_STATE_H
+#define SMG_STATE_H
+
+#include "smg_leaf.h"
+
+/* h with the sign of the bracket that the spec means. */
+static inline smg_real smg_signed_h(double h) { return SMG_ORIENTATION * (smg_real)h; }
+
+/* The time of `steps` steps and a part more: t0 + steps h, from the integer. */
+static inline smg_real smg_time_at(const smg_state *s, smg_real part) {
+  return (smg_real)s->t0 + ((smg_real)s->count + part) * (smg_real)s->h;
+}
+
+/* The arrays of the state, one after the other in mem; returns how many numbers they take. */
+static size_t smg_layout(smg_state *s, smg_real *mem);
+
+/* An array of the state begins at mem + used, where there is memory; returns where the next one does. */
+static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t used, size_t size) {
+  *array = mem ? mem + used : NULL;
+  return used + size;
+}
+
+static inline size_t smg_memory(const smg_params *p) {
+  smg_state s;
+  smg_sizes(&s.c, p);
+  return sizeof(smg_real) * smg_layout(&s, NULL);
+}
+
+/* Strengths and radii that no step could use. */
+static smg_status smg_check_sites(const smg_coefficients *c) {
+  for (int64_t k = 0; k < smg_sites(c); ++k) {
+    const smg_real kappa = smg_kappa(c, k);
+    if (!(kappa != 0) || !(SMG_MATH(fabs)(kappa) <= SMG_MAX)) return SMG_BAD_PARAMETER;
+    if (smg_kind(c, k) != SMG_SPHERE) continue;
+    const smg_real radius = smg_radius(c, k);
+    if (!(radius > 0 && radius <= SMG_MAX)) return SMG_BAD_PARAMETER;
+  }
+  return SMG_OK;
+}
+
+static smg_status smg_check_params(const smg_params *p) {
+  smg_coefficients c;
+  smg_sizes(&c, p);
+  const smg_status status = smg_check_sizes(&c);
+  if (status != SMG_OK) return status;
+  return smg_prepare(&c) ? smg_check_sites(&c) : SMG_NOT_FINITE;
+}
+
+/* The start of one site is on its sphere, or so near that it is put there; in R^3 it has a size that can be squared; a Nambu leaf
+ * that the method projects onto has C != 0. */
+static inline smg_status smg_check_site_start(const smg_coefficients *c, int64_t k, smg_real *w) {
+  const smg_real leaf = smg_leaf_of(c, k, w);
+  if (smg_kind(c, k) == SMG_SPHERE) {
+    const smg_real size = SMG_MATH(sqrt)(smg_dot(w, w)), off = SMG_MATH(fabs)(size - leaf);
+    if (!(off <= 1e-12 * leaf)) return SMG_OFF_MANIFOLD;
+    if (off > 8 * SMG_EPS * leaf) /* given with some digits less */
+      for (int b = 0; b < 3; ++b) w[b] *= leaf / size;
+    return SMG_OK;
+  }
+  const smg_real size = smg_largest(w);
+  if (size > 0 && !(size >= (smg_real)1e-150 && size <= (smg_real)1e150)) return SMG_BAD_PARAMETER; /* w.w is no number */
+  return smg_kind(c, k) == SMG_NAMBU && SMG_ONTO_LEAF && !(leaf != 0) ? SMG_OFF_MANIFOLD : SMG_OK;
+}
+
+/* A start is finite, and each of its sites good; s->scale becomes its largest component. */
+static smg_status smg_check_start(smg_state *s) {
+  const int64_t sites = smg_sites(&s->c);
+  for (int64_t k = 0; k < 3 * sites; ++k) {
+    const smg_real size = SMG_MATH(fabs)(s->w[k]);
+    s->report.site = k / 3;
+    if (!(size <= SMG_MAX)) return SMG_NOT_FINITE;
+    if (size > s->scale) s->scale = size;
+  }
+  for (int64_t k = 0; k < sites; ++k) {
+    s->report.site = k;
+    const smg_status status = smg_check_site_start(&s->c, k, s->w + 3 * k);
+    if (status != SMG_OK) return status;
+  }
+  s->report.site = -1;
+  return SMG_OK;
+}
+
+/* The state before any memory is known: all that is not an array. */
+static void smg_blank(smg_state *s, const smg_params *p, double t0, double h) {
+  smg_sizes(&s->c, p);
+  s->report.status = SMG_BAD_PARAMETER;
+  s->report.iterations = 0;
+  s->report.residual = 0;
+  s->report.site = s->report.partner = -1;
+  s->report.reached = 0;
+  s->t0 = t0;
+  s->h = h;
+  s->count = 0;
+  s->history = 0;
+  s->scale = 0;
+  s->c.h = smg_signed_h(h);
+  smg_blank_history(s);
+}
+
+static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0, double h) {
+  smg_blank(s, p, t0, h);
+  if (smg_check_sizes(&s->c) != SMG_OK) return s->report.status;
+  const int finite = smg_prepare(&s->c) && t0 - t0 == 0 && h - h == 0;
+  if (!finite) return s->report.status = SMG_NOT_FINITE;
+  if (h != 0 && h < DBL_MIN && h > -DBL_MIN) return s->report.status; /* too few digits */
+#if SMG_EXTENDED
+  smg_wide_prepare(&s->wide, &s->c);
+#endif
+  s->report.status = smg_check_sites(&s->c);
+  if (s->report.status != SMG_OK) return s->report.status;
+  const size_t used = smg_layout(s, (smg_real *)mem);
+  for (size_t k = 0; k < used; ++k) ((smg_real *)mem)[k] = 0;
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->w[k] = w[k];
+  return s->report.status = smg_check_start(s);
+}
+
+/* The coefficients for a call that has no state. */
+static void smg_begin(smg_coefficients *c, const smg_params *p, smg_real t) {
+  smg_sizes(c, p);
+  (void)smg_prepare(c);
+  smg_clock(c, t);
+}
+
+static inline int64_t smg_sites_of(const smg_params *p) {
+  smg_coefficients c;
+  smg_sizes(&c, p);
+  return smg_sites(&c);
+}
+
+/* b = (1/kappa) dH/dw. */
+static void smg_field_of(const smg_params *p, smg_real t, const smg_real *w, smg_real *b) {
+  smg_coefficients c;
+  smg_begin(&c, p, t);
+  for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) b[q] = 0;
+  smg_gradient(&c, w, b);
+  for (int64_t k = 0; k < smg_sites(&c); ++k)
+    for (int64_t q = 3 * k; q < 3 * k + 3; ++q) b[q] /= smg_kappa(&c, k);
+}
+
+/* sum of kappa w over each family. */
+static void smg_momentum_of(const smg_params *p, const smg_real *w, smg_real *out) {
+  smg_coefficients c;
+  int64_t first = 0;
+  smg_begin(&c, p, 0);
+  for (int f = 0; f < SMG_FAMILIES; ++f) {
+    for (int b = 0; b < 3; ++b) {
+      smg_real sum = 0, lost = 0;
+      for (int64_t k = first; k < smg_family_end(&c, f); ++k) smg_add_carry(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
+      out[3 * f + b] = sum + lost;
+    }
+    first = smg_family_end(&c, f);
+  }
+}
+
+/* |w|^2, or C(w) of a Nambu site. */
+static void smg_casimirs_of(const smg_params *p, const smg_real *w, smg_real *out) {
+  smg_coefficients c;
+  smg_begin(&c, p, 0);
+  for (int64_t k = 0; k < smg_sites(&c); ++k) out[k] = smg_casimir(&c, k, w + 3 * k);
+}
+
+#endif

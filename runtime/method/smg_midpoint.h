@@ -1,0 +1,110 @@
+/* smidgen method: what the midpoint methods share, one site at a time. They solve W - w = h X(m), m = P(mbar),
+ * mbar = (w + W)/2, with a P of their own (smg_project) and X(m) = (1/kappa) grad C(m) x dH/dw(m). */
+#ifndef SMG_MIDPOINT_H
+#define SMG_MIDPOINT_H
+
+#include "smg_leaf.h"
+#include "smg_spin.h"
+
+#if SMG_BS == 2
+#define smg_solve_block smg_solve2
+#define smg_det_block smg_det2
+#else
+#define smg_solve_block smg_solve3
+#define smg_det_block smg_det3
+#endif
+
+/* u = h X(m) = (h/kappa) grad C(m) x g, g = dH/dw. */
+static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g, smg_real *u) {
+  const smg_real rate = smg_rate(c, k, h);
+  smg_real n[3];
+  smg_normal(c, k, m, n);
+  smg_cross(u, n, g); /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
+  for (int b = 0; b < 3; ++b) u[b] *= rate;
+}
+
+/* Takes from u its part along grad C at the midpoint of w + carry, which is round-off of the product h X. */
+static inline void smg_tangential(const smg_coefficients *c, int64_t k, const smg_real *w, const smg_real *carry, smg_real *u) {
+  smg_real mbar[3], n[3];
+  smg_middle(3, w, carry, u, mbar);
+  smg_normal(c, k, mbar, n);
+  smg_unit(n, n);
+  const smg_real off = smg_dot(n, u) / smg_dot(n, n);
+  for (int b = 0; b < 3; ++b) u[b] -= off * n[b];
+}
+
+/* The size of the products that u is made of. */
+static inline smg_real smg_product_scale(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g) {
+  smg_real n[3];
+  if (smg_kind(c, k) == SMG_NAMBU) smg_normal(c, k, m, n);
+  else
+    for (int b = 0; b < 3; ++b) n[b] = m[b];
+  return smg_abs(smg_rate(c, k, h)) * smg_largest(n) * smg_largest(g);
+}
+
+/* Tangent vectors E of the leaf at m, and dual rows F: F.E = 1, F.m = 0. */
+static inline void smg_tangent_frame(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *n, smg_real *E, smg_real *F) {
+#if SMG_ONTO_LEAF
+  if (smg_kind(c, k) == SMG_NAMBU) {
+    smg_leaf_frame(m, n, E, F);
+    return;
+  }
+  smg_frame(m, E, E + 3);
+  for (int q = 0; q < 6; ++q) F[q] = E[q];
+#else
+  (void)c;
+  (void)k;
+  (void)m;
+  (void)n;
+  for (int q = 0; q < 9; ++q) E[q] = F[q] = q % 4 == 0;
+#endif
+}
+
+/* Rows G and columns S of Newton's matrix, J = I - (h/2) DX(m) P'(mbar), in the tangent frame of the leaf (or all of R^3):
+ *   J_ij = delta_ij + G_i (d2H/dw_i dw_j) S_j^T,  G = -(h/2)(1/kappa) F x grad C(m),  S = s E.
+ * own: the part of the diagonal block from the curvature of C, -(h/2)(1/kappa) F.(grad C(S) x g). rhs = F.res. */
+static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, smg_real *G, smg_real *S, smg_real *own, smg_real *rhs) {
+  const smg_real rate = -0.5 * smg_rate(c, k, h);
+  smg_real E[3 * SMG_BS], F[3 * SMG_BS], n[3];
+  smg_normal(c, k, m, n);
+  smg_tangent_frame(c, k, m, n, E, F);
+  for (int l = 0; l < SMG_BS; ++l) {
+    smg_real dn[3], turned[3], row[3];
+    smg_normal(c, k, E + 3 * l, dn);
+    smg_cross(turned, dn, g);
+    smg_cross(row, F + 3 * l, n);
+    for (int a = 0; a < 3; ++a) {
+      S[3 * l + a] = s * E[3 * l + a];
+      G[3 * l + a] = rate * row[a];
+    }
+    for (int r = 0; r < SMG_BS; ++r) own[SMG_BS * r + l] = rate * s * smg_dot(F + 3 * r, turned) + (r == l);
+    rhs[l] = smg_dot(F + 3 * l, res);
+  }
+}
+
+/* mbar += E a + gamma m, Newton's correction from its coordinates a in the tangent frame:
+ * gamma = n.res + (h/2)(1/kappa) n.(grad C(S a) x g), n = grad C(m)/(2 C(m)). */
+static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, const smg_real *S, const smg_real *a, smg_real *mbar) {
+#if SMG_ONTO_LEAF
+  const smg_real rate = 0.5 * smg_rate(c, k, h);
+  smg_real n[3], v[3], dn[3], turned[3];
+  smg_normal(c, k, m, n);
+  for (int b = 0; b < 3; ++b) v[b] = S[b] * a[0] + S[3 + b] * a[1];
+  smg_normal(c, k, v, dn);
+  smg_cross(turned, dn, g);
+  if (smg_kind(c, k) == SMG_R3) {
+    if (!(s > 0)) return;
+    smg_unit(m, n); /* m may be too small to be squared */
+    const smg_real gamma = smg_dot(n, res) + rate * smg_dot(n, turned);
+    for (int b = 0; b < 3; ++b) mbar[b] += v[b] / s + gamma * n[b];
+    return;
+  }
+  const smg_real gamma = (smg_dot(n, res) + rate * smg_dot(n, turned)) / smg_dot(m, n);
+  for (int b = 0; b < 3; ++b) mbar[b] += v[b] / s + gamma * m[b];
+#else
+  (void)c; (void)k; (void)h; (void)m; (void)s; (void)g; (void)res; (void)S;
+  for (int b = 0; b < 3; ++b) mbar[b] += a[b];
+#endif
+}
+
+#endif

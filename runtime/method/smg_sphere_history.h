@@ -1,0 +1,47 @@
+/* smidgen method: the history of a single sphere, SMG_ROWS rows of (u, 1/|w + W|) in one array; s->row is the newest. */
+#ifndef SMG_SPHERE_HISTORY_H
+#define SMG_SPHERE_HISTORY_H
+
+#include "smg_model.h"
+#include "smg_tolerances.h"
+
+#define SMG_NO_DEGREE 0
+#define SMG_ROWS 64 /* rows before they are moved back */
+
+static inline void smg_blank_history(smg_state *s) {
+  s->degree = SMG_NO_DEGREE;
+  s->row = SMG_ROWS - SMG_HISTORY;
+  for (int k = 0; k < 4; ++k) s->older[k] = 0;
+}
+
+/* Numbers of the history. */
+static inline size_t smg_history_size(const smg_coefficients *c) {
+  (void)c;
+  return 4 * SMG_HISTORY;
+}
+
+/* The increment of site k in the step just taken. */
+static inline const smg_real *smg_last_increment(const smg_state *s, int64_t k) {
+  (void)k;
+  return s->rows + 4 * s->row;
+}
+
+static inline smg_real smg_saved_rest(const smg_state *s) {
+  (void)s;
+  return 0;
+}
+
+static inline void smg_restore_rest(smg_state *s, smg_real rest) {
+  (void)rest;
+  s->row = SMG_ROWS - SMG_HISTORY;
+}
+
+static inline void smg_save_history(const smg_state *s, smg_real *out) {
+  for (int k = 0; k < 4 * SMG_HISTORY; ++k) out[k] = s->rows[4 * s->row + k];
+}
+
+static inline void smg_restore_history(smg_state *s, const smg_real *in) {
+  for (int k = 0; k < 4 * SMG_HISTORY; ++k) s->rows[4 * s->row + k] = in[k];
+}
+
+#endif

@@ -1,0 +1,262 @@
+/* smidgen method: the tangent map of a midpoint step W = w + h X(m), m = P(mbar; leaf(w)), mbar = (w + W)/2. For a tangent vector
+ * dw of w
+ *     dm = P' d + z,   d = dw + (h/2) DX(m) dm,   dW = 2 d - dw,
+ * with z = (dP/dleaf) dleaf: J d = dw + (h/2) DX z with the matrix J = I - (h/2) DX(m) P' of the step. With n = grad C(m),
+ * g = dH/dw(m) and the Hessian B of H: DX dm = (1/kappa) (grad C(dm) x g + n x (B dm)). */
+#ifndef SMG_TANGENT_H
+#define SMG_TANGENT_H
+
+#if SMG_SINGLE_SPHERE
+#include "smg_single_sphere.h"
+#else
+#include "smg_step.h"
+#endif
+
+/* Does the leaf of a site move with w? */
+static inline int smg_lifted(const smg_coefficients *c, int64_t k) { return SMG_ONTO_LEAF && smg_kind(c, k) != SMG_SPHERE; }
+
+/* P' d = s (d - m (n.d)/(n.m)). */
+static inline void smg_project_change(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real s, const smg_real *d, smg_real *out) {
+#if SMG_ONTO_LEAF
+  smg_real n[3];
+  smg_normal(c, k, m, n);
+  const smg_real a = smg_dot(n, d) / smg_dot(n, m);
+  for (int b = 0; b < 3; ++b) out[b] = s * (d[b] - a * m[b]);
+#else
+  (void)c; (void)k; (void)m; (void)s;
+  for (int b = 0; b < 3; ++b) out[b] = d[b];
+#endif
+}
+
+/* z = m (grad C(w).dw)/(n.m), w the state before the step: the leaf moves with w. */
+static inline void smg_lift(const smg_state *s, int64_t k, const smg_real *m, const smg_real *dw, smg_real *z) {
+  smg_real w[3], before[3], n[3];
+  for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - smg_last_increment(s, k)[b];
+  smg_normal(&s->c, k, w, before);
+  smg_normal(&s->c, k, m, n);
+  const smg_real a = smg_dot(before, dw) / smg_dot(n, m);
+  for (int b = 0; b < 3; ++b) z[b] = a * m[b];
+}
+
+/* out = h DX dm from dm and y = B dm. */
+static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g, const smg_real *dm, const smg_real *y, smg_real *out) {
+  const smg_real rate = smg_rate(c, k, h);
+  smg_real n[3], dn[3], turned[3];
+  smg_normal(c, k, m, n);
+  smg_normal(c, k, dm, dn);
+  smg_cross(turned, dn, g);
+  smg_cross(out, n, y);
+#if SMG_DIVIDED
+  /* u = h X/q: on top of h DX dm/q comes h X d(1/q) */
+  smg_real X[3], root;
+  const smg_real q = smg_divisor(c, k, h, g, &root), slope = smg_divisor_slope(c, k, h, g, y, q, root);
+  smg_cross(X, n, g);
+  for (int b = 0; b < 3; ++b) out[b] = rate * (turned[b] + out[b] + slope * X[b]) / q;
+#else
+  for (int b = 0; b < 3; ++b) out[b] = rate * (turned[b] + out[b]);
+#endif
+}
+
+#if SMG_HAS_ALONE
+/* Solves (1 - (h/2) DX P') d = r for one site; d holds r. 0, or not where it is singular. */
+static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, const smg_real *m, smg_real scale, const smg_real *g, smg_real *d) {
+  const smg_coefficients *c = &s->c;
+  smg_real J[9];
+  for (int l = 0; l < 3; ++l) {
+    const smg_real e[3] = {(smg_real)(l == 0), (smg_real)(l == 1), (smg_real)(l == 2)};
+    smg_real dm[3], y[3] = {0, 0, 0}, column[3];
+    smg_project_change(c, k, m, scale, e, dm);
+    smg_curvature(c, smg_at(k), s->m, m, dm, y);
+    smg_vary(c, k, h, m, g, dm, y, column);
+    for (int b = 0; b < 3; ++b) J[3 * b + l] = e[b] - 0.5 * column[b];
+  }
+  return smg_solve3(J, d);
+}
+
+/* One site alone; a tracer is moved by the coupled ones, whose dm is known. */
+static smg_status smg_carry_alone(smg_state *s, smg_real h, int64_t k, smg_real *v, const smg_real *dm) {
+  const smg_coefficients *c = &s->c;
+  smg_real m[3], mbar[3], g[3] = {0, 0, 0}, y[3] = {0, 0, 0}, z[3] = {0, 0, 0}, d[3];
+  for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] - 0.5 * smg_last_increment(s, k)[b];
+  const smg_real scale = smg_project(c, k, smg_leaf(s, k), mbar, m);
+  smg_gather(c, smg_at(k), s->m, m, g);
+  if (smg_lifted(c, k)) {
+    smg_lift(s, k, m, v + 3 * k, z);
+    smg_curvature(c, smg_at(k), s->m, m, z, y);
+  }
+  smg_bend(c, smg_at(k), s->m, m, dm, y);
+  smg_vary(c, k, h, m, g, z, y, d);
+  for (int b = 0; b < 3; ++b) d[b] = v[3 * k + b] + 0.5 * d[b];
+  s->report.site = k;
+  if (smg_solve_change(s, h, k, m, scale, g, d)) return SMG_SINGULAR;
+  for (int b = 0; b < 3; ++b) v[3 * k + b] = 2 * d[b] - v[3 * k + b];
+  return SMG_OK;
+}
+#endif
+
+#if SMG_HAS_COUPLED
+/* A column under way: dw, d and dm of all sites. */
+typedef struct smg_variation {
+  smg_state *s;
+  smg_real h;
+  const smg_real *v;
+  smg_real *d, *dm;
+} smg_variation;
+
+#if SMG_COUPLED_LIFTED
+/* r = dw + (h/2) DX z of one site; dm holds z of all. */
+static inline void smg_load_change(void *of, smg_place at) {
+  smg_variation *q = (smg_variation *)of;
+  smg_state *s = q->s;
+  const smg_coefficients *c = &s->c;
+  const int64_t k = at.k;
+  smg_real y[3] = {0, 0, 0}, *r = s->r + 3 * k;
+  smg_bend(c, at, s->m, s->m + 3 * k, q->dm, y);
+  smg_curvature(c, at, s->m, s->m + 3 * k, q->dm + 3 * k, y);
+  smg_vary(c, k, q->h, s->m + 3 * k, s->g + 3 * k, q->dm + 3 * k, y, r);
+  for (int b = 0; b < 3; ++b) r[b] = q->v[3 * k + b] + 0.5 * r[b];
+}
+
+#endif
+
+/* The right-hand sides r of all coupled sites. */
+static void smg_load_changes(smg_variation *q) {
+  smg_state *s = q->s;
+  const smg_coefficients *c = &s->c;
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    for (int b = 0; b < 3; ++b) {
+      q->dm[3 * k + b] = 0;
+      s->r[3 * k + b] = q->v[3 * k + b];
+    }
+    if (smg_lifted(c, k)) smg_lift(s, k, s->m + 3 * k, q->v + 3 * k, q->dm + 3 * k);
+  }
+#if SMG_COUPLED_LIFTED
+  smg_each(c, q, smg_load_change);
+#endif
+}
+
+/* dm = P' d + z of a coupled site, for the tracers that it moves. */
+static inline void smg_midpoint_change(smg_variation *q, int64_t k) {
+  const smg_state *s = q->s;
+  smg_real z[3] = {0, 0, 0};
+  smg_project_change(&s->c, k, s->m + 3 * k, s->s[k], q->d + 3 * k, q->dm + 3 * k);
+  if (!smg_lifted(&s->c, k)) return;
+  smg_lift(s, k, s->m + 3 * k, q->v + 3 * k, z);
+  for (int b = 0; b < 3; ++b) q->dm[3 * k + b] += z[b];
+}
+
+/* J d = r in the frames of the tangent planes; d in q->d. */
+static smg_status smg_carry_coupled(smg_variation *q, smg_real *keep) {
+  smg_state *s = q->s;
+  const smg_coefficients *c = &s->c;
+  smg_load_changes(q);
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    smg_real own[SMG_BS * SMG_BS];
+    smg_newton_frame(c, k, q->h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_place_of(row));
+  }
+  const int64_t bad = smg_solve_kept(s, keep);
+  s->report.site = bad > 0 ? smg_site_of(s, bad - 1) : -1;
+  if (bad > 0) return SMG_SINGULAR;
+  smg_correct_all(s, q->h, q->d);
+#if SMG_HAS_ALONE
+  for (int64_t row = 0; row < smg_coupled(c); ++row) smg_midpoint_change(q, smg_site(c, row));
+#endif
+  return SMG_OK;
+}
+
+/* The matrix of the step at its solution, factored where that serves all columns. */
+static smg_status smg_tangent_matrix(smg_state *s, smg_real h, smg_real *keep) {
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] - 0.5 * s->past[0][k];
+  (void)smg_evaluate(s, h);
+  smg_assemble(s, h);
+  const int64_t bad = smg_keep_matrix(s, keep);
+  s->report.site = bad > 0 ? smg_site_of(s, bad - 1) : s->report.site;
+  return bad > 0 ? SMG_SINGULAR : SMG_OK;
+}
+#endif
+
+/* Is every number of a column finite? */
+static smg_status smg_finite_column(smg_state *s, const smg_real *v) {
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k)
+    if (!(smg_abs(v[k]) <= SMG_MAX)) {
+      s->report.site = k / 3;
+      return SMG_NOT_FINITE;
+    }
+  return SMG_OK;
+}
+
+/* One column; mem: d and dm of all sites, then what the matrix keeps. */
+static smg_status smg_carry_column(smg_state *s, smg_real h, smg_real *v, smg_real *mem) {
+  smg_status status = smg_finite_column(s, v);
+  const smg_real *dm = NULL;
+  if (status != SMG_OK) return status;
+#if SMG_HAS_COUPLED
+  const int64_t size = 3 * smg_sites(&s->c);
+  smg_variation q = {s, h, v, mem, mem + size};
+  status = smg_carry_coupled(&q, mem + 2 * size);
+  if (status != SMG_OK) return status;
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = 3 * smg_site(&s->c, row);
+    for (int b = 0; b < 3; ++b) v[k + b] = 2 * q.d[k + b] - v[k + b];
+  }
+  dm = q.dm;
+#else
+  (void)mem;
+#endif
+#if SMG_HAS_ALONE
+  for (int64_t n = 0; n < smg_alone(&s->c) && status == SMG_OK; ++n) status = smg_carry_alone(s, h, smg_alone_site(&s->c, n), v, dm);
+#else
+  (void)dm;
+#endif
+  return status == SMG_OK ? smg_finite_column(s, v) : status;
+}
+
+static size_t smg_tangent_memory(const smg_params *p) {
+#if SMG_HAS_COUPLED
+  smg_coefficients c;
+  smg_sizes(&c, p);
+  return sizeof(smg_real) * (size_t)(6 * smg_sites(&c) + smg_kept_size(&c));
+#else
+  (void)p;
+  return 0;
+#endif
+}
+
+/* The leaf that a site was on before the step just taken. */
+static smg_status smg_leaf_before(smg_state *s, int64_t k) {
+#if SMG_LEAVES
+  smg_real w[3];
+  if (!smg_lifted(&s->c, k)) return SMG_OK;
+  for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - smg_last_increment(s, k)[b];
+  s->leaf[k] = smg_leaf_of(&s->c, k, w);
+  if (smg_kind(&s->c, k) != SMG_R3) return SMG_OK;
+  s->report.site = k; /* m = |w| mbar/|mbar| has no derivative at w = 0 */
+  return s->leaf[k] > 0 ? SMG_OK : SMG_SINGULAR;
+#else
+  (void)s;
+  (void)k;
+  return SMG_OK;
+#endif
+}
+
+static smg_status smg_carry_tangent(smg_state *s, smg_real *v, int64_t columns, void *mem) {
+  const smg_real h = smg_signed_h(s->h);
+  const smg_report report = s->report;
+  const int64_t sites = smg_sites(&s->c);
+  smg_status status = s->count > 0 ? SMG_OK : SMG_BAD_PARAMETER;
+#if SMG_TIMED
+  smg_clock(&s->c, smg_time_at(s, (smg_real)-0.5));
+#endif
+  for (int64_t k = 0; k < sites && status == SMG_OK; ++k) status = smg_leaf_before(s, k);
+#if SMG_HAS_COUPLED
+  if (status == SMG_OK) status = smg_tangent_matrix(s, h, (smg_real *)mem + 6 * sites);
+#endif
+  for (int64_t j = 0; j < columns && status == SMG_OK; ++j) status = smg_carry_column(s, h, v + 3 * sites * j, (smg_real *)mem);
+  if (status == SMG_OK) s->report = report;
+  s->report.status = status;
+  return status;
+}
+
+#endif

@@ -1,0 +1,322 @@
+/* smidgen runtime: the step of sites that are solved alone, each by Newton on its own midpoint, in the field of its neighbours
+ * where it is a tracer. */
+#ifndef SMG_ALONE_H
+#define SMG_ALONE_H
+
+#include "smg_follow.h"
+#include "smg_midpoint.h"
+#if !SMG_SINGLE_SPHERE
+#include "smg_predictor.h"
+#endif
+#include "smg_tolerances.h"
+
+static inline smg_place smg_at(int64_t k) {
+  const smg_place at = {k, 0, 0, 0, 0, 0};
+  return at;
+}
+
+#if SMG_ALONE_LINEAR
+/* A linear field turns each site exactly: the step equation in closed form. */
+static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
+  const smg_coefficients *c = &s->c;
+  smg_real g[3] = {0, 0, 0}, half[3], m[3], *u = s->u + 3 * k;
+  smg_gather(c, smg_at(k), s->m, s->w + 3 * k, g);
+  for (int b = 0; b < 3; ++b) half[b] = 0.5 * smg_rate(c, k, h) * g[b];
+  s->report.iterations = 0;
+  s->report.residual = 0;
+  if (smg_kind(c, k) == SMG_R3 && !(smg_leaf(s, k) > 0)) return SMG_OK;
+  if (!(smg_dot(half, half) <= SMG_MAX)) smg_shorten(half);
+  if (!smg_own_spin(s->w + 3 * k, smg_leaf(s, k), half, m)) { /* across its field: steps exist below h |b| = 2 */
+    s->report.site = k;
+    s->report.reached = 2 / smg_abs(smg_rate(c, k, h) * smg_norm(g));
+    return SMG_NO_SOLUTION;
+  }
+  smg_increment(c, k, h, m, g, u);
+  if (smg_dot(half, half) >= 1) { /* u = 2((m.w/m.m) m - w): the same, but h X would bring the round-off of a strong field */
+    smg_unit(m, m);
+    const smg_real rho = smg_dot(m, s->w + 3 * k) / smg_dot(m, m);
+    for (int b = 0; b < 3; ++b) u[b] = 2 * (rho * m[b] - s->w[3 * k + b]);
+  }
+  if (smg_dot(half, half) >= 0.25) smg_stretch(s->w + 3 * k, s->carry + 3 * k, smg_leaf(s, k), u);
+  if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
+  s->report.site = k;
+  return SMG_NOT_FINITE;
+}
+#endif
+
+#if SMG_ALONE_NEWTON
+/* The step equation of one site at one midpoint: m = s mbar, g = dH/dw, the residual r, Newton's J and right-hand side a, and
+ * curved = B S. */
+typedef struct smg_site_equation {
+  smg_real s, m[3], g[3], r[3], S[3 * SMG_BS], J[SMG_BS * SMG_BS], a[SMG_BS], curved[3 * SMG_BS];
+} smg_site_equation;
+
+/* m = P(mbar), g there, and u = h X(m). */
+static inline void smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+  const smg_coefficients *c = &s->c;
+  e->g[0] = e->g[1] = e->g[2] = 0;
+  e->s = smg_project(c, k, smg_leaf(s, k), mbar, e->m);
+  smg_gather(c, smg_at(k), s->m, e->m, e->g);
+  smg_increment(c, k, h, e->m, e->g, u);
+}
+
+/* The frame of one site and its Newton matrix J, with the right-hand side a of the residual r. */
+static inline void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_site_equation *e) {
+  const smg_coefficients *c = &s->c;
+  smg_real G[3 * SMG_BS];
+  smg_newton_frame(c, k, h, e->m, e->s, e->g, e->r, G, e->S, e->J, e->a);
+  for (int l = 0; l < SMG_BS; ++l) {
+    smg_real *y = e->curved + 3 * l;
+    y[0] = y[1] = y[2] = 0;
+    smg_curvature(c, smg_at(k), s->m, e->m, e->S + 3 * l, y);
+    for (int n = 0; n < SMG_BS; ++n) e->J[SMG_BS * n + l] += smg_dot(G + 3 * n, y);
+  }
+}
+
+/* Is the increment u right to its round-off? */
+static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_real bound) {
+  smg_site_equation e;
+  smg_real x[3];
+  smg_site_evaluate(s, h, k, mbar, &e, x);
+  for (int b = 0; b < 3; ++b) x[b] -= u[b];
+  const smg_real terms = smg_product_scale(&s->c, k, h, e.m, e.g);
+  const smg_real allowed = SMG_ULPS * SMG_EPS * ((1 + bound) * smg_largest(s->w + 3 * k) + terms);
+  return smg_largest(x) <= smg_min(allowed, SMG_BLIND * s->scale);
+}
+
+/* r = w + u/2 - mbar, and how large it is. */
+static inline smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_site_equation *e) {
+  const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
+  smg_change now = {0, 0, 0};
+  now.terms = smg_product_scale(&s->c, k, h, e->m, e->g);
+  for (int b = 0; b < 3; ++b) {
+    e->r[b] = w[b] + 0.5 * u[b] - mbar[b];
+    smg_change_add(&now, e->r[b], SMG_MATH(fabs)(w[b]) + 0.5 * SMG_MATH(fabs)(u[b]), up);
+  }
+  return now;
+}
+
+/* What round-off is measured by. C(w) = w.grad C(w)/2 cancels near its cone, and P divides by it. */
+static inline smg_real smg_site_size(const smg_state *s, int64_t k) {
+  const smg_real *w = s->w + 3 * k;
+  smg_real n[3];
+  if (!SMG_ONTO_LEAF || smg_kind(&s->c, k) != SMG_NAMBU) return s->scale;
+  smg_normal(&s->c, k, w, n);
+  return s->scale * (smg_norm(w) * smg_norm(n) / SMG_MATH(fabs)(smg_dot(w, n)));
+}
+
+/* One site alone: Newton on mbar. *sure: the solution is shown to be connected to W = w at h = 0. */
+static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, int *sure) {
+  const smg_coefficients *c = &s->c;
+  const smg_real *w = s->w + 3 * k;
+  smg_change last = {SMG_MAX, SMG_MAX, 0};
+  smg_real entry = 0, bound = 0, most = 0, left = 1;
+  int refining = 0;
+  for (int it = 0;; ++it) {
+    smg_site_equation e;
+    smg_site_evaluate(s, h, k, mbar, &e, u);
+#if SMG_DIVIDED
+    smg_real root;
+    const smg_real q = smg_divisor(c, k, h, e.g, &root), rate = h / q;
+    if (q < 0) return SMG_NO_CONVERGENCE; /* of this iterate: no proof */
+    for (int b = 0; b < 3; ++b) u[b] /= q;
+#else
+    const smg_real rate = h;
+#endif
+    if (refining > 0) {
+      left *= bound <= SMG_CONTRACTS ? bound : 0; /* more of them would enlarge it */
+      if (left <= SMG_LEFT || refining == SMG_REFINEMENTS) {
+        smg_tangential(c, k, w, s->carry + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
+        return smg_largest(u) <= SMG_MAX ? SMG_OK : SMG_NOT_FINITE;
+      }
+      smg_middle(3, w, s->carry + 3 * k, u, mbar);
+      ++refining;
+      continue;
+    }
+    const smg_change now = smg_site_residual(s, h, k, mbar, u, &e);
+    s->report.iterations = it;
+    s->report.residual = now.absolute;
+    if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+    const smg_real size = smg_site_size(s, k);
+    if (!(size <= SMG_NARROW * s->scale)) return SMG_NO_CONVERGENCE; /* no digit of P is left */
+    const int done = smg_settled(&now, &last, size * (1 + entry));
+    int stiff = now.terms > SMG_STIFF * size || bound > SMG_DAMPS;
+    if (done && it > 0 && !stiff) { /* once more at the midpoint of w + carry: what is left of the iteration would drift */
+      smg_middle(3, w, s->carry + 3 * k, u, mbar);
+      refining = 1;
+      continue;
+    }
+    if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
+    if (smg_kind(c, k) == SMG_R3 && !(smg_leaf(s, k) > 0)) {
+      *sure = 1;
+      return SMG_OK;
+    }
+    smg_site_matrix(s, rate, k, &e);
+#if SMG_DIVIDED
+    for (int l = 0; l < SMG_BS; ++l) {
+      const smg_real slope = smg_divisor_slope(c, k, h, e.g, e.curved + 3 * l, q, root);
+      for (int n = 0; n < SMG_BS; ++n) e.J[SMG_BS * n + l] -= 0.5 * u[n] * slope;
+    }
+#endif
+    bound = smg_bound(SMG_BS, e.J);
+    stiff = stiff || bound > SMG_DAMPS;
+    most = smg_max(most, bound); /* a contraction on the way too: another branch may look as calm */
+    *sure = most <= SMG_CONTRACTS;
+    if (it >= SMG_LATE) entry = bound;
+    if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
+    if (done && !stiff) continue; /* begun at the solution */
+    smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, mbar);
+    if (done) { /* what h X would enlarge: the midpoint tells u */
+      for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
+      smg_tangential(c, k, w, s->carry + 3 * k, u);
+      smg_middle(3, w, s->carry + 3 * k, u, mbar);
+      if (smg_site_within_round_off(s, rate, k, mbar, u, bound)) return SMG_OK;
+    }
+    last = now;
+  }
+}
+
+#if !SMG_DIVIDED
+/* One step of one site as a curve. */
+typedef struct smg_site_whole {
+  smg_state *s;
+  smg_real h;
+  int64_t k;
+} smg_site_whole;
+
+/* Newton's correction a of the midpoint y for the part p of h, and slope, how it changes with p. */
+static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *slope, int *sign) {
+  const smg_site_whole *whole = (const smg_site_whole *)of;
+  smg_state *s = whole->s;
+  const smg_coefficients *c = &s->c;
+  const int64_t k = whole->k;
+  const smg_real h = p * whole->h;
+  smg_real u[3];
+  smg_site_equation e;
+  smg_site_evaluate(s, whole->h, k, y, &e, u);
+  for (int which = 0; which < 2; ++which) {
+    smg_real *out = which == 0 ? a : slope;
+    for (int b = 0; b < 3; ++b) e.r[b] = which == 0 ? s->w[3 * k + b] + 0.5 * p * u[b] - y[b] : 0.5 * u[b];
+    if (!(smg_largest(e.r) <= SMG_MAX)) return SMG_NOT_FINITE;
+    smg_site_matrix(s, h, k, &e);
+    *sign = smg_det_block(e.J) < 0 ? -1 : 1;
+    if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
+    out[0] = out[1] = out[2] = 0;
+    smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, out);
+  }
+  return SMG_OK;
+}
+
+/* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
+static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real *mbar) {
+  smg_site_whole whole;
+  smg_real room[15];
+  smg_curve f;
+  whole.s = s;
+  whole.h = h;
+  whole.k = k;
+  f.of = &whole;
+  f.newton = smg_site_curve_newton;
+  f.sign_of = NULL;
+  f.n = 3;
+  f.w = s->w + 3 * k;
+  f.scale = s->scale;
+  f.y = room;
+  f.t = room + 3;
+  f.a = room + 6;
+  f.c = room + 9;
+  f.x = room + 12;
+  const smg_status status = smg_follow(&f);
+  s->report.reached = f.reached;
+  for (int b = 0; b < 3; ++b) mbar[b] = f.y[b];
+  return status;
+}
+
+/* What Newton found with `status` may be another branch's: follow the right one, and solve again at its end. */
+static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+  int sure;
+  const smg_status followed = smg_site_follow(s, h, k, mbar);
+  if (followed == SMG_OK) return smg_site_newton(s, h, k, mbar, s->u + 3 * k, &sure);
+  const int known = status == SMG_OK || followed == SMG_NO_SOLUTION || followed == SMG_WRONG_BRANCH;
+  return known ? followed : status; /* whatever Newton found elsewhere */
+}
+#else
+/* The solution from W = w at h = 0 by stages of h. */
+static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+  const smg_real *w = s->w + 3 * k;
+  smg_real *u = s->u + 3 * k;
+  int sure;
+  for (int b = 0; b < 3; ++b) mbar[b] = w[b];
+  for (int n = 1; n <= SMG_STAGES; ++n) {
+    status = smg_site_newton(s, h * (smg_real)n / SMG_STAGES, k, mbar, u, &sure);
+    if (status != SMG_OK) break;
+    if (n < SMG_STAGES)
+      for (int b = 0; b < 3; ++b) mbar[b] = w[b] + 0.5 * u[b] * (smg_real)(n + 1) / (smg_real)n;
+  }
+  return status;
+}
+#endif
+
+/* Where Newton begins: w + u/2 with u extrapolated; a single sphere comes here when that has failed, and begins at w. */
+static inline smg_real smg_site_start(const smg_state *s, int64_t q) {
+#if SMG_SINGLE_SPHERE
+  return s->w[q];
+#else
+  return s->w[q] + 0.5 * smg_extrapolate(s, q, s->degree);
+#endif
+}
+
+/* From the extrapolated start; when that fails or may be on another branch, by the branch from rest. */
+static smg_status smg_site_solve(smg_state *s, smg_real h, int64_t k) {
+  smg_real mbar[3];
+  int sure = 0;
+  for (int b = 0; b < 3; ++b) mbar[b] = smg_site_start(s, 3 * k + b);
+  smg_status status = smg_site_newton(s, h, k, mbar, s->u + 3 * k, &sure);
+  if (status == SMG_OK && sure) return SMG_OK;
+  status = smg_site_branch(s, h, k, mbar, status);
+  if (status != SMG_OK) s->report.site = k;
+  return status;
+}
+#endif
+
+#if !SMG_SINGLE_SPHERE
+/* One site, in closed form where its field does not depend on it. */
+static smg_status smg_solve_alone(smg_state *s, smg_real h, int64_t k) {
+#if SMG_ALONE_LINEAR && SMG_ALONE_NEWTON
+  return smg_is_linear(&s->c, k) ? smg_solve_linear(s, h, k) : smg_site_solve(s, h, k);
+#elif SMG_ALONE_LINEAR
+  return smg_solve_linear(s, h, k);
+#else
+  return smg_site_solve(s, h, k);
+#endif
+}
+
+/* The step has failed; of the sites from the n-th on that fail too, the report is that of the one whose solutions end first. */
+static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, smg_status status) {
+  const smg_coefficients *c = &s->c;
+  smg_report first = s->report;
+  for (; n < smg_alone(c) && first.reached > 0; ++n) {
+    const int64_t k = smg_alone_site(c, n);
+    if (smg_tracer(c, k)) continue;
+    s->report.reached = 0;
+    const smg_status alone = smg_solve_alone(s, h, k);
+    if (alone == SMG_OK || !(s->report.reached < first.reached)) continue;
+    status = alone;
+    first = s->report;
+    first.partner = -1;
+  }
+  s->report = first;
+  return status;
+}
+
+/* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest whether or
+ * not the others have a step. */
+static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status status) {
+  const smg_coefficients *c = &s->c;
+  int64_t n = 0;
+  while (n < smg_alone(c) && status == SMG_OK) status = smg_solve_alone(s, h, smg_alone_site(c, n++));
+  return status == SMG_OK ? SMG_OK : smg_first_end(s, h, n, status);
+}
+#endif
+
+#endif

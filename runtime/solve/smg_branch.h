@@ -1,0 +1,69 @@
+/* smidgen runtime: the coupled step as a curve of solutions from W = w at h = 0, followed by its arclength. */
+#ifndef SMG_BRANCH_H
+#define SMG_BRANCH_H
+
+#include "smg_newton.h"
+
+/* One step as a curve: s and the h at its end. */
+typedef struct smg_whole {
+  smg_state *s;
+  smg_real h;
+} smg_whole;
+
+/* Newton's correction a of the midpoints y for the part p of h, and slope, how they change with p. */
+static smg_status smg_curve_newton(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *slope, int *sign) {
+  const smg_whole *whole = (const smg_whole *)of;
+  smg_state *s = whole->s;
+  const smg_real h = whole->h;
+  smg_real bound;
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = y[k];
+  if (!(smg_evaluate(s, p * h).absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+  if (smg_correction(s, p * h, a, &bound, sign) > 0) return SMG_SINGULAR;
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
+    smg_increment(&s->c, k, 0.5 * h, s->m + 3 * k, s->g + 3 * k, s->r + 3 * k);
+  }
+  return smg_correction(s, p * h, slope, &bound, NULL) > 0 ? SMG_SINGULAR : SMG_OK;
+}
+
+#if SMG_MATRIX_FREE
+static int smg_curve_sign(void *of) { return smg_sign(((smg_whole *)of)->s); }
+#endif
+
+/* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
+static smg_status smg_follow_branch(smg_state *s, smg_real h) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  smg_whole whole;
+  smg_curve f;
+  whole.s = s;
+  whole.h = h;
+  f.of = &whole;
+  f.newton = smg_curve_newton;
+#if SMG_MATRIX_FREE
+  f.sign_of = smg_curve_sign;
+#else
+  f.sign_of = NULL;
+#endif
+  f.n = n;
+  f.w = s->w;
+  f.scale = s->scale;
+  f.y = s->curve;
+  f.t = f.y + n;
+  f.a = f.t + n;
+  f.c = f.a + n;
+  f.x = f.c + n;
+  smg_status status = smg_follow(&f);
+  s->report.reached = f.reached;
+  if (status != SMG_OK) {
+    s->report.site = f.site;
+    s->report.partner = f.partner;
+    return status;
+  }
+  for (int64_t k = 0; k < n; ++k) s->mbar[k] = f.y[k];
+  const int iterations = s->report.iterations;
+  status = smg_newton(s, h);
+  if (iterations > 0) s->report.iterations = iterations; /* those of Newton before its solution was checked */
+  return status == SMG_WRONG_BRANCH ? SMG_OK : status;   /* the curve shows it to be right */
+}
+
+#endif

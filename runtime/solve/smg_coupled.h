@@ -1,0 +1,65 @@
+/* smidgen runtime: the step equation of sites that are solved together: residual, predictor, and the words of Newton's loop. */
+#ifndef SMG_COUPLED_H
+#define SMG_COUPLED_H
+
+#include "smg_follow.h"
+#include "smg_midpoint.h"
+#include "smg_predictor.h"
+#include "smg_tolerances.h"
+
+/* Midpoints for the first iterate: w + u/2 with u extrapolated (degree < 0: u = 0). */
+static void smg_predict(smg_state *s, int degree) {
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * smg_extrapolate(s, k, degree);
+}
+
+/* m = P(mbar) of every coupled site, and g = 0. */
+static inline void smg_project_all(smg_state *s) {
+  const smg_coefficients *c = &s->c;
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    s->s[k] = smg_project(c, k, smg_leaf(s, k), s->mbar + 3 * k, s->m + 3 * k);
+    s->g[3 * k] = s->g[3 * k + 1] = s->g[3 * k + 2] = 0;
+  }
+}
+
+/* m = P(mbar), g = dH/dw(m), u = h X(m) and the residual r = w + u/2 - mbar of the step equation. */
+static smg_change smg_evaluate(smg_state *s, smg_real h) {
+  const smg_coefficients *c = &s->c;
+  smg_change change = {0, 0, 0};
+  smg_project_all(s);
+  smg_coupled_gradient(c, s->m, s->g);
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    smg_increment(c, k, h, s->m + 3 * k, s->g + 3 * k, s->u + 3 * k);
+    change.terms = smg_max(change.terms, smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k));
+    const smg_real up = smg_kind(c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
+    for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
+      s->r[q] = s->w[q] + 0.5 * s->u[q] - s->mbar[q];
+      smg_change_add(&change, s->r[q], SMG_MATH(fabs)(s->w[q]) + 0.5 * SMG_MATH(fabs)(s->u[q]), up);
+    }
+  }
+  return change;
+}
+
+/* One more evaluation, at the midpoint of w + carry: what is left of the iteration would drift. */
+static smg_change smg_refine(smg_state *s, smg_real h) {
+  smg_middle(3 * smg_sites(&s->c), s->w, s->carry, s->u, s->mbar);
+  return smg_evaluate(s, h);
+}
+
+/* Where the step equation is farthest from solved. */
+static int64_t smg_worst_site(const smg_state *s) {
+  int64_t worst = 0;
+  smg_real most = -1;
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) {
+    const smg_real r = SMG_MATH(fabs)(s->r[k]);
+    if (r > most || r != r) {
+      most = r;
+      worst = k / 3;
+    }
+    if (r != r) break;
+  }
+  return worst;
+}
+
+#endif

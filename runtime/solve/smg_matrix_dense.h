@@ -1,0 +1,63 @@
+/* smidgen runtime: Newton's matrix, dense. */
+#ifndef SMG_MATRIX_DENSE_H
+#define SMG_MATRIX_DENSE_H
+
+#include "smg_dense.h"
+#include "smg_model.h"
+
+static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
+static inline int64_t smg_place_of(int64_t row) { return row; }
+
+static inline void smg_clear(const smg_state *s) {
+  for (int64_t k = 0; k < smg_order(s) * smg_order(s); ++k) s->A[k] = 0;
+}
+
+static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
+  const int64_t order = smg_order(s);
+  for (int r = 0; r < SMG_BS; ++r)
+    for (int l = 0; l < SMG_BS; ++l) s->A[(SMG_BS * row + r) * order + SMG_BS * column + l] += block[SMG_BS * r + l];
+}
+
+static inline void smg_assembled(const smg_state *s) { (void)s; }
+
+/* s->x = J^-1 s->x; 0, or 1 + the place of a singular pivot. *sign, when asked for: that of det J. */
+static int64_t smg_factor(const smg_state *s, int *sign) {
+  const int64_t order = smg_order(s);
+  if (sign) {
+    for (int64_t k = 0; k < order * order; ++k) s->work[k] = s->A[k];
+    *sign = smg_dense_sign(order, s->work);
+  }
+  const int64_t bad = smg_dense_solve(order, s->A, s->x);
+  return bad > 0 ? 1 + (bad - 1) / SMG_BS : 0;
+}
+
+/* The largest row sum of abs(J - I), and that of one site. */
+static inline smg_real smg_row_bound(const smg_state *s) { return smg_dense_bound(smg_order(s), s->A); }
+
+static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
+  smg_real most = 0;
+  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, smg_dense_row_sum(smg_order(s), s->A, r));
+  return most;
+}
+
+/* Is x.J x > 0 for every x? */
+static inline int smg_coercive(const smg_state *s) { return smg_dense_coercive(smg_order(s), s->A); }
+
+/* The matrix for many right-hand sides: factored, `keep` its permutation of the rows; 0, or 1 + a singular place. */
+static inline int64_t smg_kept_size(const smg_coefficients *c) { return SMG_BS * smg_coupled(c); }
+
+static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
+  for (int64_t k = 0; k < smg_order(s); ++k) keep[k] = (smg_real)k;
+  const int64_t bad = smg_dense_factor(smg_order(s), s->A, keep);
+  return bad > 0 ? 1 + (bad - 1) / SMG_BS : 0;
+}
+
+static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
+  const int64_t order = smg_order(s);
+  for (int64_t k = 0; k < order; ++k) s->work[k] = s->x[k];
+  for (int64_t k = 0; k < order; ++k) s->x[k] = s->work[(int64_t)keep[k]];
+  smg_dense_substitute(order, s->A, s->x);
+  return 0;
+}
+
+#endif

@@ -1,0 +1,164 @@
+/* smidgen runtime: Newton's matrix by its products with vectors alone: the diagonal blocks D are stored, of the others the row
+ * sums of their entries' sizes. J x = D x + G sum_j B_ij S_j^T x_j of each site; systems are solved by GMRES, preconditioned by D. */
+#ifndef SMG_MATRIX_FREE_H
+#define SMG_MATRIX_FREE_H
+
+#include "smg_follow.h"
+#include "smg_krylov.h"
+#include "smg_midpoint.h"
+#include "smg_tolerances.h"
+
+#define SMG_KRYLOV_TOLERANCE (smg_real)1e-5 /* of a Newton correction, relative: each iteration gains as many digits */
+#define SMG_KRYLOV_ROUNDOFF SMG_EPS         /* of a column of the tangent map: to stagnation */
+
+static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
+static inline int64_t smg_place_of(int64_t row) { return row; }
+
+static inline void smg_clear(const smg_state *s) {
+  for (int64_t k = 0; k < SMG_BS * smg_order(s); ++k) s->A[k] = 0;
+  for (int64_t k = 0; k < smg_order(s); ++k) s->sums[k] = s->mean[k] = 0;
+}
+
+static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
+  if (row == column)
+    for (int k = 0; k < SMG_BS * SMG_BS; ++k) s->A[SMG_BS * SMG_BS * row + k] += block[k];
+  else smg_row_sums(SMG_BS, block, s->sums + SMG_BS * row);
+}
+
+/* J_ij += G_i B S_j^T for the Hessian block B of one term, y = B S_j^T. The same block of J^T is S_i B G_j^T, z = B G_j^T, so that
+ * (J + J^T)/2 has half the sum of both. */
+static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y, const smg_real *z) {
+  const int64_t row = smg_row(&s->c, i), column = smg_row(&s->c, j);
+  smg_real block[SMG_BS * SMG_BS];
+  for (int l = 0; l < SMG_BS; ++l)
+    for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = smg_dot(s->G + 3 * (SMG_BS * i + r), y + 3 * l);
+  smg_add_block(s, row, column, block);
+  if (i == j) return;
+  for (int l = 0; l < SMG_BS; ++l)
+    for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = (block[SMG_BS * r + l] + smg_dot(s->S + 3 * (SMG_BS * i + r), z + 3 * l)) / 2;
+  smg_row_sums(SMG_BS, block, s->mean + SMG_BS * row);
+}
+
+static inline void smg_assembled(const smg_state *s) {
+  for (int64_t i = 0; i < smg_coupled(&s->c); ++i) smg_diagonal_sums(SMG_BS, s->A + SMG_BS * SMG_BS * i, s->sums + SMG_BS * i, s->mean + SMG_BS * i);
+}
+
+/* z = D^-1 x with the diagonal block D of one site, or x where it has no inverse. */
+static inline void smg_undo(const smg_real *D, const smg_real *x, smg_real *z) {
+  smg_real copy[SMG_BS * SMG_BS];
+  for (int k = 0; k < SMG_BS * SMG_BS; ++k) copy[k] = D[k];
+  for (int r = 0; r < SMG_BS; ++r) z[r] = x[r];
+  if (smg_solve_block(copy, z))
+    for (int r = 0; r < SMG_BS; ++r) z[r] = x[r];
+}
+
+/* Every z = D^-1 x. */
+static void smg_undo_all(const smg_state *s, const smg_real *x, smg_real *z) {
+  for (int64_t i = 0; i < smg_coupled(&s->c); ++i) smg_undo(s->A + SMG_BS * SMG_BS * i, x + SMG_BS * i, z + SMG_BS * i);
+}
+
+/* y = J z, that is D z + G sum_j B_ij S_j^T z_j of each site; or J^T z, D^T z + S sum_j B_ij G_j^T z_j. */
+static void smg_apply(const smg_state *s, int transposed, const smg_real *z, smg_real *y) {
+  const smg_coefficients *c = &s->c;
+  const smg_real *from = transposed ? s->G : s->S, *to = transposed ? s->S : s->G;
+  const int across = transposed ? 1 : SMG_BS, down = transposed ? SMG_BS : 1;
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    for (int b = 0; b < 3; ++b) {
+      s->along[3 * k + b] = s->felt[3 * k + b] = 0;
+      for (int l = 0; l < SMG_BS; ++l) s->along[3 * k + b] += from[3 * (SMG_BS * k + l) + b] * z[SMG_BS * row + l];
+    }
+  }
+  smg_hessian_vector(s);
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    const smg_real *D = s->A + SMG_BS * SMG_BS * row;
+    for (int r = 0; r < SMG_BS; ++r) {
+      smg_real sum = smg_dot(to + 3 * (SMG_BS * k + r), s->felt + 3 * k);
+      for (int l = 0; l < SMG_BS; ++l) sum += D[across * r + down * l] * z[SMG_BS * row + l];
+      y[SMG_BS * row + r] = sum;
+    }
+  }
+}
+
+/* y = J D^-1 x. */
+static void smg_times(void *of, const smg_real *x, smg_real *y) {
+  const smg_state *s = (const smg_state *)of;
+  smg_undo_all(s, x, s->product);
+  smg_apply(s, 0, s->product, y);
+}
+
+/* y = J x. */
+static void smg_product(void *of, const smg_real *x, smg_real *y) { smg_apply((const smg_state *)of, 0, x, y); }
+
+/* y = (J + J^T) x/2. */
+static void smg_times_mean(void *of, const smg_real *x, smg_real *y) {
+  const smg_state *s = (const smg_state *)of;
+  smg_apply(s, 0, x, s->product);
+  smg_apply(s, 1, x, y);
+  for (int64_t k = 0; k < smg_order(s); ++k) y[k] = (y[k] + s->product[k]) / 2;
+}
+
+/* The block row with the largest row sum. */
+static int64_t smg_worst_row(const smg_state *s) {
+  int64_t worst = 0;
+  for (int64_t k = 1; k < smg_order(s); ++k)
+    if (s->sums[k] > s->sums[worst]) worst = k;
+  return worst / SMG_BS;
+}
+
+/* s->x = J^-1 s->x by GMRES; 0, or 1 + a row where that may have failed. */
+static int64_t smg_solve_free(const smg_state *s, smg_real tolerance) {
+  const smg_krylov a = {(void *)(uintptr_t)s, smg_times, smg_order(s), s->work};
+  if (smg_krylov_solve(&a, s->x, tolerance)) return 1 + smg_worst_row(s);
+  smg_undo_all(s, s->x, s->x);
+  return 0;
+}
+
+/* The same to a Newton correction's accuracy. *sign, when asked for: 0, it is not known. */
+static int64_t smg_factor(const smg_state *s, int *sign) {
+  if (sign) *sign = 0;
+  return smg_solve_free(s, SMG_KRYLOV_TOLERANCE);
+}
+
+/* The sign of det J at the last point. */
+static int smg_sign(void *of) {
+  smg_state *s = (smg_state *)of;
+  const smg_krylov a = {s, smg_product, smg_order(s), s->work}, mean = {s, smg_times_mean, smg_order(s), s->work};
+  return smg_krylov_sign(&a, &mean, smg_curve_size(smg_order(s), s->mean));
+}
+
+/* The largest row sum of abs(J - I), and that of one site. */
+static inline smg_real smg_row_bound(const smg_state *s) { return smg_curve_size(smg_order(s), s->sums); }
+
+static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
+  smg_real most = 0;
+  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, s->sums[r]);
+  return most;
+}
+
+/* Is x.J x > 0 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos. */
+static inline int smg_coercive(const smg_state *s) {
+  const smg_real mean = smg_curve_size(smg_order(s), s->mean);
+  const smg_krylov a = {(void *)(uintptr_t)s, smg_times_mean, smg_order(s), s->work};
+  return mean <= SMG_CONTRACTS || smg_krylov_coercive(&a, mean);
+}
+
+/* The matrix for many right-hand sides: nothing is kept. */
+static inline int64_t smg_kept_size(const smg_coefficients *c) {
+  (void)c;
+  return 0;
+}
+
+static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
+  (void)s;
+  (void)keep;
+  return 0;
+}
+
+static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
+  (void)keep;
+  return smg_solve_free(s, SMG_KRYLOV_ROUNDOFF);
+}
+
+#endif

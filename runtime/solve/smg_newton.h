@@ -1,0 +1,206 @@
+/* smidgen runtime: Newton's method on the midpoints of all coupled sites, and the branch of its solution.
+ *
+ * J = I - (h/2) DX(m) P'(mbar), two unknowns a site (SMG_BS). How its blocks are stored and factored is told by the header of the
+ * matrix: smg_add_block, smg_factor, smg_bound, smg_coercive, smg_row_sum. */
+#ifndef SMG_NEWTON_H
+#define SMG_NEWTON_H
+
+#include "smg_coupled.h"
+
+/* J_ij += G_i B S_j^T for the Hessian block B of one term, y = B S_j^T. */
+#if !SMG_MATRIX_FREE
+static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y) {
+  smg_real block[SMG_BS * SMG_BS];
+  for (int l = 0; l < SMG_BS; ++l)
+    for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = smg_dot(s->G + 3 * (SMG_BS * i + r), y + 3 * l);
+  smg_add_block(s, smg_row(&s->c, i), smg_row(&s->c, j), block);
+}
+#endif
+
+/* Frames of all coupled sites, then the sum of the blocks of all terms. */
+static void smg_assemble(const smg_state *s, smg_real h) {
+  const smg_coefficients *c = &s->c;
+  smg_clear(s);
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    smg_real own[SMG_BS * SMG_BS];
+    smg_newton_frame(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_place_of(row));
+    smg_add_block(s, row, row, own);
+  }
+  smg_hessian_blocks(s);
+  smg_assembled(s);
+}
+
+/* d = J^-1 r for the midpoints from its solution s->x in the frames. */
+static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
+  const smg_coefficients *c = &s->c;
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    d[3 * k] = d[3 * k + 1] = d[3 * k + 2] = 0;
+    smg_newton_correct(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->S + 3 * SMG_BS * k, s->x + SMG_BS * smg_place_of(row), d + 3 * k);
+  }
+}
+
+/* The site that a block row of the matrix belongs to. */
+static int64_t smg_site_of(const smg_state *s, int64_t place) {
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row)
+    if (smg_place_of(row) == place) return smg_site(&s->c, row);
+  return -1;
+}
+
+/* d = J^-1 r for the midpoints, by the frames and the matrix of the last evaluation; 0, or 1 + a singular row.
+ * *bound: the largest row sum of abs(J - I); *sign, when asked for: that of det J. */
+static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *bound, int *sign) {
+  smg_assemble(s, h);
+  *bound = smg_row_bound(s);
+  const int64_t bad = smg_factor(s, sign);
+  if (bad > 0) return bad;
+  smg_correct_all(s, h, d);
+  return 0;
+}
+
+/* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction, or every eigenvalue of a J not far from I
+ * keeps clear of 0, where branches meet, and Newton came straight to it. What is not certain must be followed. */
+static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_grew) {
+  if (bound <= SMG_CONTRACTS) return 1;
+  if (residual_grew || !(bound <= SMG_CLEAR)) return 0;
+  smg_assemble(s, h);
+  return smg_coercive(s);
+}
+
+/* How far a plain evaluation x of the increments u moves when u does by one to three ulps, in six ways: what rounding does to
+ * the formula of the field. */
+static void smg_noise(smg_state *s, smg_real h, const smg_real *u, const smg_real *x, smg_real *noise) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  for (int64_t k = 0; k < n; ++k) noise[k] = 0;
+  for (int side = 0; side < 6; ++side) {
+    for (int64_t k = 0; k < n; ++k) s->u[k] = u[k] + (((k >> side / 2) + side) % 2 ? 1 : -1) * (1 + side / 2) * SMG_EPS * smg_largest(s->w + k - k % 3);
+    (void)smg_refine(s, h);
+    for (int64_t k = 0; k < n; ++k) noise[k] = smg_max(noise[k], smg_abs(s->u[k] - x[k]));
+  }
+  for (int64_t k = 0; k < n; ++k) {
+    s->u[k] = u[k];
+    s->r[k] = 0.5 * (x[k] - u[k]);
+  }
+}
+
+/* Is the increment u, whose plain evaluation left the residuals r, right to the round-off of each site? */
+static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *noise) {
+  const smg_coefficients *c = &s->c;
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    const smg_real size = smg_largest(s->w + 3 * k) + smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k);
+    const smg_real own = SMG_ULPS * SMG_EPS * (size + smg_site_row_sum(s, smg_place_of(row)) * smg_largest(s->w + 3 * k));
+    const smg_real allowed = own + (noise ? 2 * smg_largest(noise + 3 * k) : 0);
+    if (!(smg_largest(s->r + 3 * k) <= smg_min(allowed, SMG_BLIND * s->scale))) return 0;
+  }
+  return 1;
+}
+
+/* Every increment without its part along grad C, where that is round-off. Without Nambu sites only where the products are beyond
+ * the state: in smaller steps it would cost the momentum, which equal and opposite increments keep. */
+static void smg_tangential_all(smg_state *s, smg_real terms) {
+  const smg_coefficients *c = &s->c;
+  if (!SMG_COUPLED_NAMBU && !(terms > s->scale)) return;
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    smg_tangential(c, k, s->w + 3 * k, s->carry + 3 * k, s->u + 3 * k);
+  }
+}
+
+/* The residuals that a plain evaluation at the increments `before` leaves; s->u keeps them. */
+static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  for (int64_t k = 0; k < n; ++k) before[k] = s->u[k];
+  (void)smg_refine(s, h);
+  s->report.residual = 0;
+  for (int64_t k = 0; k < n; ++k) {
+    s->r[k] = 0.5 * (s->u[k] - before[k]);
+    s->report.residual = smg_max(s->report.residual, smg_abs(s->r[k]));
+    s->u[k] = before[k];
+  }
+}
+
+/* The end of a stiff step. Plain evaluations would hardly lessen what is left, or enlarge it, so Newton corrects the increment
+ * u itself: once more than the residual asks for, since what Newton leaves is of one sign along many an orbit, a drift. */
+static smg_status smg_refine_stiff(smg_state *s, smg_real h, smg_real terms) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  smg_real *before = s->curve, *d = s->curve + n, *noise = s->curve + 2 * n;
+  for (int round = 0; round <= SMG_ROUNDS; ++round) {
+    smg_increment_residual(s, h, before);
+    smg_assemble(s, h);
+    if (round > 1 && smg_within_round_off(s, h, NULL)) return SMG_OK;
+    if (round == SMG_ROUNDS) break;
+    ++s->report.iterations;
+    if (smg_factor(s, NULL) > 0) return SMG_SINGULAR;
+    smg_correct_all(s, h, d);
+    for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+      const int64_t k = 3 * smg_site(&s->c, row);
+      for (int64_t b = 0; b < 3; ++b) s->u[k + b] = before[k + b] + 2 * d[k + b];
+    }
+    smg_tangential_all(s, terms);
+  }
+  for (int64_t k = 0; k < n; ++k) d[k] = before[k] + 2 * s->r[k];
+  smg_noise(s, h, before, d, noise); /* two vortices 1/1000 apart lose a million ulps in their field, whatever is done */
+  return smg_within_round_off(s, h, noise) ? SMG_OK : SMG_NO_CONVERGENCE;
+}
+
+/* The end of a step that is not stiff: plain evaluations until a twentieth of the round-off of the iteration is left. */
+static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg_real terms) {
+  smg_real left = 1;
+  for (int n = 0; n < SMG_REFINEMENTS && left > SMG_LEFT; ++n) {
+    if (!(smg_refine(s, h).absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+    left *= bound;
+  }
+  smg_tangential_all(s, terms);
+  return SMG_OK;
+}
+
+/* What Newton's loop has seen: the largest bounds on J - I, now and on the way; is the step stiff, has the residual grown? */
+typedef struct smg_course {
+  smg_real bound, most;
+  int stiff, residual_grew;
+} smg_course;
+
+/* Newton on mbar from where it stands, to stagnation. */
+static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_course *seen, smg_change *now) {
+  smg_change last = {SMG_MAX, SMG_MAX, 0};
+  for (int it = 0;; ++it) {
+    *now = smg_evaluate(s, h);
+    s->report.iterations = it;
+    s->report.residual = now->absolute;
+    if (!(now->absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+    seen->residual_grew = seen->residual_grew || smg_residual_grew(now, &last, s->scale);
+    seen->stiff = now->terms > SMG_STIFF * s->scale || seen->bound > SMG_CONTRACTS || it > 2 * SMG_LATE;
+    const int done = smg_settled(now, &last, s->scale * (1 + (it < SMG_LATE ? 0 : seen->bound)));
+    if (it > 0 && (done || (seen->stiff && now->absolute <= SMG_NEARLY * s->scale))) return SMG_OK; /* a stiff step ends on its own */
+    if (done) { /* the sweeps have solved it */
+      smg_assemble(s, h);
+      seen->bound = smg_row_bound(s);
+      return SMG_OK;
+    }
+    if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
+    const int64_t bad = smg_correction(s, h, s->curve, &seen->bound, NULL);
+    if (bad > 0) {
+      s->report.site = smg_site_of(s, bad - 1);
+      return SMG_SINGULAR;
+    }
+    seen->most = smg_max(seen->most, seen->bound); /* on the way too: another branch may look as calm */
+    for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] += s->curve[k];
+    last = *now;
+  }
+}
+
+/* Newton, its branch, and the end of the step. */
+static smg_status smg_newton(smg_state *s, smg_real h) {
+  smg_course seen = {0, 0, 0, 0};
+  smg_change now;
+  smg_status status = smg_newton_loop(s, h, &seen, &now);
+  if (status != SMG_OK) return status;
+  const int sure = smg_on_branch(s, h, smg_max(seen.most, seen.bound), seen.residual_grew);
+  if (seen.stiff || seen.bound > SMG_CONTRACTS) status = smg_refine_stiff(s, h, now.terms);
+  else status = smg_refine_plain(s, h, seen.bound, now.terms);
+  return status != SMG_OK ? status : sure ? SMG_OK : SMG_WRONG_BRANCH;
+}
+
+#endif

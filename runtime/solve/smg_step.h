@@ -1,0 +1,108 @@
+/* smidgen runtime: one step of all sites; it works in scratch arrays and changes the state at its end. */
+#ifndef SMG_STEP_H
+#define SMG_STEP_H
+
+#if SMG_EXTENDED
+#include "smg_extended.h"
+#endif
+#include "smg_history.h"
+#include "smg_predictor.h"
+#include "smg_state.h"
+#if SMG_HAS_COUPLED
+#include "smg_branch.h"
+#if SMG_SWEPT
+#include "smg_sweep.h"
+#endif
+#endif
+#if SMG_HAS_ALONE
+#include "smg_alone.h"
+#endif
+
+#if SMG_HAS_COUPLED
+/* The coupled sites: from the extrapolated start; when that fails from rest; when that fails by following the branch. */
+static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
+  const int tries = s->degree < 0 ? 1 : 2;
+  smg_status status = SMG_OK;
+#if SMG_SWEPT
+  status = smg_sweeps(s, h);
+  if (status == SMG_OK) return SMG_OK;
+#endif
+  for (int k = 0; k < tries; ++k) {
+    smg_predict(s, k == 0 ? s->degree : -1);
+    status = smg_newton(s, h);
+    if (status == SMG_OK) return SMG_OK;
+    if (status == SMG_WRONG_BRANCH) break;
+  }
+  const smg_status followed = smg_follow_branch(s, h);
+  if (followed == SMG_WRONG_BRANCH || followed == SMG_NO_SOLUTION) return followed; /* whatever Newton found elsewhere */
+  if (status == SMG_WRONG_BRANCH) status = followed;
+  if (followed != SMG_OK && s->report.site < 0) s->report.site = smg_worst_site(s);
+  return followed == SMG_OK ? SMG_OK : status;
+}
+#endif
+
+/* The step equation of all sites; the increments end up in u. */
+static smg_status smg_solve_step(smg_state *s, smg_real h) {
+  smg_status status = SMG_OK;
+#if SMG_LEAVES
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    if (smg_kind(&s->c, k) != SMG_SPHERE) s->leaf[k] = smg_leaf_of(&s->c, k, s->w + 3 * k);
+#endif
+#if SMG_HAS_COUPLED
+  status = smg_solve_coupled(s, h);
+#endif
+#if SMG_HAS_ALONE
+  status = smg_solve_all_alone(s, h, status);
+#endif
+  return status;
+}
+
+/* w = w + u with the rounding error carried along. */
+static inline void smg_add_increment(smg_state *s) {
+  const int64_t n = 3 * smg_sites(&s->c);
+#if SMG_PLAIN_SUMS
+  for (int64_t k = 0; k < n; ++k) s->w[k] += s->u[k];
+#elif SMG_EXTENDED
+  for (int64_t k = 0; k < n; ++k) smg_wide_commit(&s->w[k], &s->carry[k], s->u[k], s->low[k]);
+#else
+  for (int64_t k = 0; k < n; ++k) smg_add_carry(&s->w[k], &s->carry[k], s->u[k]);
+#endif
+}
+
+/* The state after the step. */
+static void smg_commit(smg_state *s) {
+  if (s->history < SMG_HISTORY || s->count % 16 == 0) smg_choose_degree(s);
+#if SMG_EXTENDED
+  smg_widen(s);
+#endif
+  smg_add_increment(s);
+#if SMG_LEAVES
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k)); /* open leaves: orbits grow */
+#endif
+  smg_remember(s);
+  ++s->count;
+}
+
+static smg_status smg_step(smg_state *s) {
+#if SMG_TIMED
+  smg_clock(&s->c, smg_time_at(s, (smg_real)0.5));
+#endif
+  const int rest = s->rest;
+  s->report.site = s->report.partner = -1;
+  s->report.reached = 0;
+  s->report.status = smg_solve_step(s, smg_signed_h(s->h));
+  if (s->report.status == SMG_OK) {
+    s->report.site = -1; /* a first try may have failed there */
+    smg_commit(s);
+  } else s->rest = rest; /* a refused step leaves no trace */
+  return s->report.status;
+}
+
+static smg_status smg_steps(smg_state *s, int64_t count) {
+  smg_status status = SMG_OK;
+  while (count-- > 0 && status == SMG_OK) status = smg_step(s);
+  return status;
+}
+
+#endif

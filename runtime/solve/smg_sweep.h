@@ -1,0 +1,199 @@
+/* smidgen runtime: sweeps over the coupled sites, tried before Newton: rotations (SMG_ROTATION), each spin exactly in the field of
+ * the others, or the plain fixed point. Where they do not settle soon Newton takes over. */
+#ifndef SMG_SWEEP_H
+#define SMG_SWEEP_H
+
+#include "smg_newton.h"
+
+#if SMG_MATRIX_FREE
+#define SMG_TRIED_SWEEPS 200 /* more of them cost more than Newton */
+#else
+#define SMG_TRIED_SWEEPS 12
+#endif
+
+#if SMG_ROTATION
+/* What a sweep works on. */
+typedef struct smg_sweeping {
+  smg_state *s;
+  smg_real h;
+  smg_change change;
+} smg_sweeping;
+
+/* The midpoint of one spin whose step is exact in the field g of the others; 0 where it has no step. */
+static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_real *g, smg_real *next) {
+  const smg_coefficients *c = &s->c;
+  if (smg_kind(c, k) == SMG_NAMBU) {
+    smg_real u[3], mbar[3];
+    smg_increment(c, k, h, s->m + 3 * k, g, u);
+    for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * u[b];
+    (void)smg_project(c, k, smg_leaf(s, k), mbar, next);
+    return 1;
+  }
+  const smg_real half = 0.5 * smg_rate(c, k, h);
+  for (int b = 0; b < 3; ++b) g[b] *= half;
+  return smg_own_spin(s->w + 3 * k, smg_leaf(s, k), g, next);
+}
+
+/* One spin solves its own step exactly in the field that the others, as they stand, make at its place. */
+static inline void smg_relax(void *of, smg_place at) {
+  smg_sweeping *sweep = (smg_sweeping *)of;
+  smg_state *s = sweep->s;
+  const smg_coefficients *c = &s->c;
+  const int64_t k = at.k;
+  smg_real g[3] = {0, 0, 0}, next[3];
+  smg_gather(c, at, s->m, s->m + 3 * k, g);
+  if (!smg_relaxed(s, sweep->h, k, g, next)) { /* as the others stand: no step yet, and not settled */
+    sweep->change.absolute = smg_max(sweep->change.absolute, smg_kind(c, k) == SMG_R3 ? s->scale : smg_leaf(s, k));
+    sweep->change.relative = smg_max(sweep->change.relative, 1);
+    return;
+  }
+  const smg_real up = smg_kind(c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
+  for (int b = 0; b < 3; ++b) {
+    smg_change_add(&sweep->change, next[b] - s->m[3 * k + b], SMG_MATH(fabs)(next[b]), up);
+    s->m[3 * k + b] = next[b];
+  }
+}
+
+/* One sweep, colour after colour: each site sees the newest values of the others. */
+static smg_change smg_sweep(smg_state *s, smg_real h) {
+  smg_sweeping sweep = {s, h, {0, 0, 0}};
+  smg_each_coloured(&s->c, &sweep, smg_relax);
+  return sweep.change;
+}
+
+/* m = P(w + u/2) with u extrapolated: where the sweeps begin. */
+static void smg_sweep_start(smg_state *s) {
+  const smg_coefficients *c = &s->c;
+  for (int64_t row = 0; row < smg_coupled(c); ++row) {
+    const int64_t k = smg_site(c, row);
+    smg_real mbar[3];
+    for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * smg_extrapolate(s, 3 * k + b, s->degree);
+    (void)smg_project(c, k, smg_leaf(s, k), mbar, s->m + 3 * k);
+  }
+}
+
+/* What the increments after a sweep show: the largest residual of u - h X(m) and of m - P(w + u/2), a bound on the rows of J - I,
+ * the largest s, and the size of the products in h X. */
+typedef struct smg_sweep_end {
+  smg_state *s;
+  smg_real h, residual, row, stretch, terms;
+} smg_sweep_end;
+
+/* *most = the larger of both; NaN comes in and stays. */
+static inline void smg_take(smg_real *most, smg_real x) {
+  if (!(x <= *most)) *most = x;
+}
+
+/* u = 2((n.w/n.n) n - w), n along m: free of the round-off of h X. */
+static inline void smg_reflect(const smg_state *s, int64_t k, smg_sweep_end *end) {
+  smg_real n[3];
+  smg_unit(s->m + 3 * k, n);
+  const smg_real rho = smg_dot(n, s->w + 3 * k) / smg_dot(n, n);
+  for (int b = 0; b < 3; ++b) {
+    const smg_real x = s->u[3 * k + b];
+    s->u[3 * k + b] = 2 * (rho * n[b] - s->w[3 * k + b]);
+    smg_take(&end->residual, smg_abs(s->u[3 * k + b] - x));
+  }
+}
+
+/* u = h X(m) of one site. The rows of J - I are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
+static inline void smg_end_site(void *of, smg_place at) {
+  smg_sweep_end *end = (smg_sweep_end *)of;
+  smg_state *s = end->s;
+  const smg_coefficients *c = &s->c;
+  const int64_t k = at.k;
+  smg_real g[3] = {0, 0, 0}, mbar[3], m[3];
+  smg_gather(c, at, s->m, s->m + 3 * k, g);
+  smg_increment(c, k, end->h, s->m + 3 * k, g, s->u + 3 * k);
+  const smg_real terms = smg_product_scale(c, k, end->h, s->m + 3 * k, g);
+  smg_take(&end->terms, terms);
+  if (smg_kind(c, k) != SMG_NAMBU) {
+    if (terms > s->scale) smg_reflect(s, k, end);
+    if (3 * terms > s->scale) smg_stretch(s->w + 3 * k, s->carry + 3 * k, smg_leaf(s, k), s->u + 3 * k);
+  }
+  for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * s->u[3 * k + b];
+  const smg_real stretch = smg_project(c, k, smg_leaf(s, k), mbar, m);
+  for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(m[b] - s->m[3 * k + b]));
+#if SMG_REACH
+  const smg_real r = smg_leaf(s, k);
+  smg_take(&end->row, smg_abs(0.5 * smg_rate(c, k, end->h)) * (smg_reach(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
+#endif
+  smg_take(&end->stretch, stretch);
+}
+
+/* The increments of the solution that the sweeps left: is the step equation solved to round-off? *row: a bound on the row sums of
+ * J - I, where one is known. */
+static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
+  smg_sweep_end end = {s, h, 0, 0, 0, 0};
+  smg_each(&s->c, &end, smg_end_site);
+  s->report.residual = end.residual;
+  *row = SMG_REACH ? end.row * end.stretch : SMG_MAX;
+  return end.residual <= SMG_SETTLED * SMG_EPS * (s->scale + end.terms);
+}
+#else
+/* One sweep of the plain fixed point mbar = w + (h/2) X(P(mbar)). */
+static smg_change smg_sweep(smg_state *s, smg_real h) {
+  const smg_change change = smg_evaluate(s, h);
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * s->u[k];
+  return change;
+}
+
+static void smg_sweep_start(smg_state *s) { smg_predict(s, s->degree); }
+#endif
+
+/* Sweeps to stagnation. */
+static smg_status smg_settle(smg_state *s, smg_real h) {
+  smg_change last = {SMG_MAX, SMG_MAX, 0};
+  for (int it = 0;; ++it) {
+    const smg_change now = smg_sweep(s, h);
+    s->report.iterations = it;
+    s->report.residual = now.absolute;
+    if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+    if (smg_settled(&now, &last, s->scale)) return SMG_OK;
+    if (it == SMG_TRIED_SWEEPS) return SMG_NO_CONVERGENCE;
+    last = now;
+  }
+}
+
+/* Midpoints and frames at the solution that the sweeps left, for the matrix. */
+static void smg_sweep_midpoints(smg_state *s, smg_real h) {
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * s->u[k];
+  (void)smg_evaluate(s, h);
+}
+
+/* Do the sweeps' increments solve the step, and on the right branch? Else Newton goes on from their midpoints. */
+static int smg_sweeps_solved(smg_state *s, smg_real h) {
+#if SMG_ROTATION
+  smg_real row;
+  const int solved = smg_end_sweeps(s, h, &row);
+  if (solved && row < 1) return 1; /* J - I is a contraction */
+  smg_sweep_midpoints(s, h);
+#if SMG_MATRIX_FREE
+  smg_assemble(s, h);
+  if (solved && (smg_row_bound(s) < 1 || smg_on_branch(s, h, smg_row_bound(s), 0))) {
+    (void)smg_end_sweeps(s, h, &row); /* the matrix took another evaluation */
+    return 1;
+  }
+#endif
+#else
+  smg_sweep_midpoints(s, h);
+#endif
+  return 0;
+}
+
+/* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton, and the next SMG_REST steps with it. */
+static smg_status smg_sweeps(smg_state *s, smg_real h) {
+  if (s->rest > 0) {
+    --s->rest;
+    return SMG_NO_CONVERGENCE;
+  }
+  smg_sweep_start(s);
+  const smg_status status = smg_settle(s, h);
+  if (status != SMG_OK) {
+    s->rest = SMG_REST;
+    return status;
+  }
+  return smg_sweeps_solved(s, h) ? SMG_OK : smg_newton(s, h); /* which finds it solved, and checks the branch */
+}
+
+#endif
