@@ -20,7 +20,7 @@ from smidgen.resources import folder
 from smidgen.language.spec import Each, Graph, Lattice, Once, Pairs, Parameter, Sites, Spec, Term
 from smidgen.run.start import initial_state
 from smidgen.check.witness import Witness, native
-from smidgen.check.witness.instances import instances_of
+from smidgen.language.instances import instances_of
 
 SPECS = sorted(p.stem for p in folder("specs").glob("*.toml"))
 W0 = np.array([[np.cos(1.1), 0, np.sin(1.1)]])

@@ -5,17 +5,15 @@
 """
 from __future__ import annotations
 
-import re
 import tempfile
 from pathlib import Path
 
 from .. import __version__
+from ..compile.emit.includes import included, macros_of
 from ..errors import BuildError, OutputError
 from ..language.spec import Spec
 from ..resources import runtime_header
 from .library import FLAGS, find_compiler, ran, split_notes, write_files
-
-INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([A-Za-z0-9_.]+)"', re.MULTILINE)
 
 
 def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), certificate=None):
@@ -40,8 +38,9 @@ def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool
 def runtime_headers(files: dict) -> dict:
     """The headers of the runtime that `files` include, directly or not."""
     found, waiting = {}, list(files.values())
+    macros = {name: value for text in files.values() for name, value in macros_of(text).items()}
     while waiting:
-        for name in INCLUDE.findall(waiting.pop()):
+        for name in included(waiting.pop(), macros):
             path = runtime_header(name)
             if name not in files and name not in found and path is not None:
                 found[name] = path.read_text(encoding="utf-8")

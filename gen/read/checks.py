@@ -476,6 +476,10 @@ def method(spec: Spec, r: Run, path: tuple) -> Iterator[Trouble]:
     free = len(spec.families) == 1 and spec.families[0].count == Num(1) \
         and spec.families[0].kind != "nambu"
     chosen = METHODS[r.method]
+    for f in spec.families:
+        if f.kind not in chosen.spaces:
+            yield Trouble(path, codes.METHOD, f"method {chosen.name} is not for the factor `{f.name}`",
+                          f"use {others(chosen.name)}")
     if chosen.free_body and not free:
         yield Trouble(path, codes.METHOD, f"the {chosen.title.removeprefix('the ')} method is for one free "
                       "rigid body: `{ sphere = 1 }` or `{ r3 = 1 }`",

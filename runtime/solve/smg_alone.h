@@ -46,18 +46,32 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
 
 #if SMG_ALONE_NEWTON
 /* The step equation of one site at one midpoint: m = s mbar, g = dH/dw, the residual r, Newton's J and right-hand side a, and
- * curved = B S. */
+ * curved = B S; of a method that divides h X by q, rate = h/q and root, with which q is found. */
 typedef struct smg_site_equation {
+  smg_real rate, q, root;
   smg_real s, m[3], g[3], r[3], S[3 * SMG_BS], J[SMG_BS * SMG_BS], a[SMG_BS], curved[3 * SMG_BS];
 } smg_site_equation;
 
 /* m = P(mbar), g there, and u = h X(m). */
-static inline void smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+static inline void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
   const smg_coefficients *c = &s->c;
   e->g[0] = e->g[1] = e->g[2] = 0;
   e->s = smg_project(c, k, smg_leaf(s, k), mbar, e->m);
   smg_gather(c, smg_at(k), s->m, e->m, e->g);
   smg_increment(c, k, h, e->m, e->g, u);
+}
+
+/* The increment of the method at mbar; 0 where it has none. */
+static inline int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+  smg_site_field(s, h, k, mbar, e, u);
+  e->rate = h;
+#if SMG_DIVIDED
+  e->q = smg_divisor(&s->c, k, h, e->g, &e->root);
+  e->rate = h / e->q;
+  if (e->q < 0) return 0;
+  for (int b = 0; b < 3; ++b) u[b] /= e->q;
+#endif
+  return 1;
 }
 
 /* The frame of one site and its Newton matrix J, with the right-hand side a of the residual r. */
@@ -77,7 +91,7 @@ static inline void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, sm
 static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_real bound) {
   smg_site_equation e;
   smg_real x[3];
-  smg_site_evaluate(s, h, k, mbar, &e, x);
+  smg_site_field(s, h, k, mbar, &e, x);
   for (int b = 0; b < 3; ++b) x[b] -= u[b];
   const smg_real terms = smg_product_scale(&s->c, k, h, e.m, e.g);
   const smg_real allowed = SMG_ULPS * SMG_EPS * ((1 + bound) * smg_largest(s->w + 3 * k) + terms);
@@ -105,60 +119,67 @@ static inline smg_real smg_site_size(const smg_state *s, int64_t k) {
   return s->scale * (smg_norm(w) * smg_norm(n) / SMG_MATH(fabs)(smg_dot(w, n)));
 }
 
+/* The end of a step that is not stiff: evaluations at the midpoint of w + carry, until a twentieth of the round-off of the
+ * iteration is left, which would drift. */
+static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
+  smg_site_equation e;
+  smg_real left = 1;
+  for (int n = 0; n < SMG_REFINEMENTS && left > SMG_LEFT; ++n) {
+    smg_middle(3, s->w + 3 * k, s->carry + 3 * k, u, mbar);
+    if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE;
+    left *= bound <= SMG_CONTRACTS ? bound : 0; /* more of them would enlarge it */
+  }
+  smg_tangential(&s->c, k, s->w + 3 * k, s->carry + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
+  return smg_largest(u) <= SMG_MAX ? SMG_OK : SMG_NOT_FINITE;
+}
+
+/* Newton's matrix of the method at e; returns the largest row sum of abs(J - I). */
+static inline smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u, smg_site_equation *e) {
+  smg_site_matrix(s, e->rate, k, e);
+#if SMG_DIVIDED
+  for (int l = 0; l < SMG_BS; ++l) {
+    const smg_real slope = smg_divisor_slope(&s->c, k, h, e->g, e->curved + 3 * l, e->q, e->root);
+    for (int n = 0; n < SMG_BS; ++n) e->J[SMG_BS * n + l] -= 0.5 * u[n] * slope;
+  }
+#else
+  (void)h;
+  (void)u;
+#endif
+  return smg_bound(SMG_BS, e->J);
+}
+
+/* The end of a stiff step: h X would enlarge what is left, so the midpoint tells u; is it right to its round-off? */
+static int smg_site_refine_stiff(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
+  const smg_real *w = s->w + 3 * k, *carry = s->carry + 3 * k;
+  for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
+  smg_tangential(&s->c, k, w, carry, u);
+  smg_middle(3, w, carry, u, mbar);
+  return smg_site_within_round_off(s, rate, k, mbar, u, bound);
+}
+
 /* One site alone: Newton on mbar. *sure: the solution is shown to be connected to W = w at h = 0. */
 static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, int *sure) {
   const smg_coefficients *c = &s->c;
-  const smg_real *w = s->w + 3 * k;
   smg_change last = {SMG_MAX, SMG_MAX, 0};
-  smg_real entry = 0, bound = 0, most = 0, left = 1;
-  int refining = 0;
+  smg_real entry = 0, bound = 0, most = 0;
   for (int it = 0;; ++it) {
     smg_site_equation e;
-    smg_site_evaluate(s, h, k, mbar, &e, u);
-#if SMG_DIVIDED
-    smg_real root;
-    const smg_real q = smg_divisor(c, k, h, e.g, &root), rate = h / q;
-    if (q < 0) return SMG_NO_CONVERGENCE; /* of this iterate: no proof */
-    for (int b = 0; b < 3; ++b) u[b] /= q;
-#else
-    const smg_real rate = h;
-#endif
-    if (refining > 0) {
-      left *= bound <= SMG_CONTRACTS ? bound : 0; /* more of them would enlarge it */
-      if (left <= SMG_LEFT || refining == SMG_REFINEMENTS) {
-        smg_tangential(c, k, w, s->carry + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
-        return smg_largest(u) <= SMG_MAX ? SMG_OK : SMG_NOT_FINITE;
-      }
-      smg_middle(3, w, s->carry + 3 * k, u, mbar);
-      ++refining;
-      continue;
-    }
+    if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE; /* of this iterate: no proof */
     const smg_change now = smg_site_residual(s, h, k, mbar, u, &e);
     s->report.iterations = it;
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     const smg_real size = smg_site_size(s, k);
-    if (!(size <= SMG_NARROW * s->scale)) return SMG_NO_CONVERGENCE; /* no digit of P is left */
+    if (smg_kind(c, k) == SMG_NAMBU && !(size <= SMG_NARROW * s->scale)) return SMG_NO_CONVERGENCE; /* no digit of P is left */
     const int done = smg_settled(&now, &last, size * (1 + entry));
     int stiff = now.terms > SMG_STIFF * size || bound > SMG_DAMPS;
-    if (done && it > 0 && !stiff) { /* once more at the midpoint of w + carry: what is left of the iteration would drift */
-      smg_middle(3, w, s->carry + 3 * k, u, mbar);
-      refining = 1;
-      continue;
-    }
+    if (done && it > 0 && !stiff) return smg_site_refine(s, h, k, mbar, u, bound);
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
     if (smg_kind(c, k) == SMG_R3 && !(smg_leaf(s, k) > 0)) {
       *sure = 1;
       return SMG_OK;
     }
-    smg_site_matrix(s, rate, k, &e);
-#if SMG_DIVIDED
-    for (int l = 0; l < SMG_BS; ++l) {
-      const smg_real slope = smg_divisor_slope(c, k, h, e.g, e.curved + 3 * l, q, root);
-      for (int n = 0; n < SMG_BS; ++n) e.J[SMG_BS * n + l] -= 0.5 * u[n] * slope;
-    }
-#endif
-    bound = smg_bound(SMG_BS, e.J);
+    bound = smg_site_linearise(s, h, k, u, &e);
     stiff = stiff || bound > SMG_DAMPS;
     most = smg_max(most, bound); /* a contraction on the way too: another branch may look as calm */
     *sure = most <= SMG_CONTRACTS;
@@ -166,12 +187,7 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
     if (done && !stiff) continue; /* begun at the solution */
     smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, mbar);
-    if (done) { /* what h X would enlarge: the midpoint tells u */
-      for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
-      smg_tangential(c, k, w, s->carry + 3 * k, u);
-      smg_middle(3, w, s->carry + 3 * k, u, mbar);
-      if (smg_site_within_round_off(s, rate, k, mbar, u, bound)) return SMG_OK;
-    }
+    if (done && smg_site_refine_stiff(s, e.rate, k, mbar, u, bound)) return SMG_OK;
     last = now;
   }
 }
@@ -193,7 +209,7 @@ static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y,
   const smg_real h = p * whole->h;
   smg_real u[3];
   smg_site_equation e;
-  smg_site_evaluate(s, whole->h, k, y, &e, u);
+  smg_site_field(s, whole->h, k, y, &e, u);
   for (int which = 0; which < 2; ++which) {
     smg_real *out = which == 0 ? a : slope;
     for (int b = 0; b < 3; ++b) e.r[b] = which == 0 ? s->w[3 * k + b] + 0.5 * p * u[b] - y[b] : 0.5 * u[b];

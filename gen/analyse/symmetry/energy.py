@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...check.witness.instances import instances_of
+from ...language.instances import instances_of
 from ...language.evaluate import evaluate
 from ...language.spec import Spec
 from ...run.start import parameter_values, sizes

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ...check.witness.instances import instances_of
+from ...language.instances import instances_of
 from ...language.evaluate import integer
 from ...language.expr import slots_of
 from ...language.spec import Each, Graph, Lattice, Once, Pairs, Sites, Term

@@ -13,7 +13,7 @@ import numpy as np
 from ...errors import UsageError
 from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight
 from ...language.spec import Term
-from .instances import instances_of
+from ...language.instances import instances_of
 
 OPERATIONS = (
     "constant", "time", "column", "spin", "element",

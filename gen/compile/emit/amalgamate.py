@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from ...resources import runtime_header
+from .includes import active_lines, macros_of
 
 # A model calls some of the runtime's functions only; in a header no compiler minds.
 UNUSED_PUSH = """#if defined(__GNUC__)
@@ -16,15 +17,16 @@ UNUSED_POP = """#if defined(__GNUC__)
 def inline_runtime(files, name: str):
     """Runtime headers put in the place of their #include, each once."""
     seen: set = set()
+    macros = macros_of(files[f"{name}.c"])
 
     def expand(text: str, outermost: bool = True) -> str:
         lines = []
-        for line in text.splitlines():
+        for line, active in active_lines(text, macros):
             included = line.removeprefix('#include "').removesuffix('"') if line.startswith('#include "smg') or \
                 line.startswith('#include "smidgen') else None
             if included is None:
                 lines.append(line)
-            elif included not in seen:
+            elif active and included not in seen:
                 seen.add(included)
                 inside = expand(read_runtime(included), False)
                 lines += [UNUSED_PUSH, inside, UNUSED_POP] if outermost else [inside]

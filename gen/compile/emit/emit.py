@@ -7,6 +7,7 @@ from __future__ import annotations
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from ...methods import DEFAULT, METHODS
+from ...errors import UsageError
 from ...language.spec import Graph, Spec
 from ...resources import folder
 from ..features import chosen_features
@@ -52,6 +53,9 @@ class Emitter(FamilyParts, SumParts, SweepParts, SoloParts, WideParts, MemoryPar
         self.features = chosen_features(features)
         self.spec = safe_indices(one_site(spec))
         self.method, self.plan = METHODS[plan.method], plan
+        missing = [name for name in self.features if name not in self.method.features]
+        if missing:
+            raise UsageError(f"method {plan.method} has no feature '{missing[0]}'")
         if self.method.free_body:
             require_free_body(self.spec, plan.method)
         self.low = Lowering(self.spec)

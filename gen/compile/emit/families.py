@@ -114,7 +114,7 @@ class FamilyParts:
                      ("smg_rate", "smg_real", [*site, "smg_real h"], lambda f: [f"return {f.h_over_kappa};"]),
                      ("smg_radius", "smg_real", site, radius_lines),
                      ("smg_normal", "void", [*site, "const smg_real *v", "smg_real *n"], normal_lines)]
-        return [Static(name, self.by_family(f"{kind} {name}", arguments, lines), True)
+        return [Static(name, self.by_family(f"{kind} {name}", arguments, lines), name != "smg_rate" or self.method.midpoint)
                 for name, kind, arguments, lines in functions]
 
     def number_functions(self):

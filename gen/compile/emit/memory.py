@@ -13,13 +13,16 @@ class MemoryParts:
     """Names and sizes of the arrays; part of `Emitter`."""
 
     def history(self) -> int:
-        return SOLO if self.solo else HISTORY
+        return SOLO if self.solo else HISTORY if self.method.midpoint else 0
 
     def arrays(self):
         """The arrays of the state: name, number of entries, meaning."""
         n3, n1 = times(3, self.total), self.total
         found = [("w", n3, "the state: 3 numbers per site"), ("carry", n3, "what w has lost to rounding"),
                  ("u", n3, "increment W - w of the step under way")]
+        if not self.method.midpoint:
+            found += [(name, times(size, n1), meaning) for name, size, meaning in self.method.arrays]
+            return [dict(name=a, size=b, meaning=c) for a, b, c in found]
         if self.solo:
             found.append(("rows", str(4 * ROWS), "history: increment and 1/|w + W| of each step, newest first"))
         if any(f.kind != "sphere" for f in self.families):
@@ -38,7 +41,7 @@ class MemoryParts:
         """The arrays one after the other in mem; how many numbers they take."""
         lines = ["const smg_coefficients *c = &s->c;", "size_t used = 0;", "(void)c;"]
         lines += [f"used = smg_place_array(&s->{a['name']}, mem, used, (size_t)({a['size']}));" for a in self.arrays()]
-        lines.append("return used;" if self.solo else "return smg_place_history(s, mem, used);")
+        lines.append("return used;" if self.solo or not self.method.midpoint else "return smg_place_history(s, mem, used);")
         return "\n".join(["static size_t smg_layout(smg_state *s, smg_real *mem) {", *indent(lines), "}"])
 
     def matrix_arrays(self):

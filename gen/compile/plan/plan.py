@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ...methods import METHODS, others
+from ...methods import METHODS, Method, others
 from ...errors import UsageError
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, slots_of, walk
@@ -17,13 +17,14 @@ DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sw
 DENSE_SMALL = 24           # below this nothing beats a dense factorisation
 BAND_LIMIT = 4             # widest block band
 FILL_LIMIT = 400_000       # blocks of a sparse factorisation that still fit
+KINDS = {"sphere": "spheres", "r3": "factors R^3", "nambu": "Nambu factors"}
 
 
 @dataclass(frozen=True)
 class Plan:
     """method, the solver of the coupled part and what to say about it.
 
-    local, coupled: family names; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
+    local, coupled: family names, of midpoint methods; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
     rotation: rotation sweeps, alone or tried before Newton.
     """
@@ -105,10 +106,13 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain')."""
     coupled = coupled_families(spec)
     local = tuple(f.name for f in spec.families if f.name not in coupled)
+    check_space(spec, METHODS[method])
+    if not METHODS[method].midpoint:
+        return Plan(method, (), (), *METHODS[method].how)
     if not coupled:
         return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
     if solver not in METHODS[method].solvers:
-        raise UsageError(f"solver '{solver}' belongs to {others(method).split(' or ')[0]}; use newton or plain")
+        raise UsageError(f"method {method} has no solver '{solver}'; use {' or '.join(METHODS[method].solvers)}")
     if solver in ("rotation", "plain"):
         return Plan(method, local, coupled, solver, "as asked for", rotation=solver == "rotation")
     plan = newton_plan(spec, method, local, coupled)
@@ -124,6 +128,13 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
         return Plan(method, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point, else Newton with GMRES")
     return Plan(method, local, coupled, "rotation",
                 "the coupling is no chain and of many sites: rotation sweeps, one spin after the other, else Newton with GMRES", rotation=True)
+
+
+def check_space(spec: Spec, method: Method) -> None:
+    """Raises UsageError where a method does not serve a factor of the space."""
+    strange = [f.name for f in spec.families if f.kind not in method.spaces]
+    if strange:
+        raise UsageError(f"method {method.name} is not for {KINDS[next(f.kind for f in spec.families if f.name == strange[0])]}, as '{strange[0]}' is; use {others(method.name)}")
 
 
 def newton_plan(spec: Spec, method: str, local, coupled):

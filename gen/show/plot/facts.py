@@ -34,7 +34,7 @@ def with_facts(result):
 def bonds(spec, values, called) -> dict:
     """family -> (m, 2) numbers of the sites that the first of its lattices and graphs joins."""
     from ...run.start import parameter_values, sizes
-    from ...check.witness.instances import instances_of
+    from ...language.instances import instances_of
     env, places, found = parameter_values(spec, values), sizes(spec, values), {}
     for over in (e.over for e in spec.effects if e.name in called):
         if isinstance(over, (Lattice, Graph)) and len(over.bound) == 2 and \

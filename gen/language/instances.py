@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...language.evaluate import integer
-from ...language.spec import Each, Graph, Lattice, Once, Pairs, Sites
+from .evaluate import integer
+from .spec import Each, Graph, Lattice, Once, Pairs, Sites
 
 
 def instances_of(over, env: dict, places: dict) -> tuple[dict, dict]:
