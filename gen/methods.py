@@ -18,7 +18,7 @@ class Method:
     onto_leaf: is the field taken at a point of the leaf (m = P(mbar)), or at the midpoint as it is; symplectic: on
     spheres and leaves; divided: is h X divided by a function q of the field; unknowns: of Newton a site;
     solvers: those it may be asked for; free_body: it is for one free rigid body alone, whose energy and momentum it
-    keeps; spaces: factors of the phase space that it is for; features: of `compile.features` that it has.
+    keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as it is); spaces: factors of the phase space that it is for; features: of `compile.features` that it has.
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, `arrays` of its state as
     (name, numbers a site, meaning), and `defines` for its header.
     """
@@ -34,6 +34,7 @@ class Method:
     unknowns: int = 3
     solvers: tuple = ("auto", "newton", "plain")
     free_body: bool = False
+    keeps_quadratic: bool = True
     spaces: tuple = ("sphere", "r3", "nambu")
     features: tuple = ("tangent", "extended", "plain-sums")
     midpoint: bool = True

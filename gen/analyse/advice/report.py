@@ -6,7 +6,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from ...errors import RunError
+from ...errors import RunError, UsageError
+from ...methods import METHODS
 from ...public import public
 from ...run.integrator import build
 from ...run.settings import duration, find_run, settle
@@ -85,6 +86,8 @@ def advise(spec, run: str | None = None, *, start=None, method: str | None = Non
     stated = h is not None or base.h is not None
     s = settle(spec, run, start=start, method=method, solver=solver, h=h if stated else 1.0, steps=1, every=1,
                effects=effects, values=values, seed=seed)
+    if not METHODS[s.method].midpoint:
+        raise UsageError(f"advise follows the step equation of a midpoint method; {METHODS[s.method].title} has another")
     model = build(spec, s.method, s.effects, s.values, s.solver)
     w = model.start(s.start, h=s.h, seed=s.seed).w.copy()
     return advice_for(model, w, 0.0, s.h, s.run, stated,

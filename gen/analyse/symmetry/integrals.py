@@ -42,6 +42,7 @@ WHY = {
     "own": "W.QW - w.Qw = 2h mbar.QX(m), and mbar is a multiple of m site by site",
     "sum": "mbar is a multiple of m with a factor of its own for each site: a sum over sites is not kept",
     "every": "the classical midpoint keeps every quadratic integral",
+    "other": "the method keeps no quadratic integral of w",
     "casimir": "X(m) is perpendicular to grad C(mbar)",
     "energy": "H is a sum of linear and single-site quadratic integrals",
     "bounded": "its error stays bounded over long times for small h, as the method is symplectic",

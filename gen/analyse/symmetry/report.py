@@ -229,9 +229,9 @@ def _quadratic(asked: Asked, method, undecided):
 
 def _own_quadratic(asked, method, name, q, rows):
     text, matrix = form_text(name if asked.places[name][1] == 1 else f"{name}[i]", q), _matrix(q)
-    kept = METHODS[method].onto_leaf or holds(asked.off, rows, q)
+    kept = METHODS[method].keeps_quadratic and (METHODS[method].onto_leaf or holds(asked.off, rows, q))
     many = "" if asked.places[name][1] == 1 else " of every site"
-    return Integral(text + many, "quadratic", text, kept, WHY["off" if not kept else "own"],
+    return Integral(text + many, "quadratic", text, kept, WHY["own" if kept else "off" if METHODS[method].keeps_quadratic else "other"],
                     holds(asked.always, rows, q), asked.places[name][1],
                     lambda w: np.einsum("si,ij,sj->s", s := _sites(asked, w, name), matrix, s))
 
@@ -248,8 +248,8 @@ def _summed_quadratic(asked: Asked, method):
     for q in spaces.beyond(basis, known):
         parts = {n: _matrix(q[6 * f:6 * f + 6]) for f, n in enumerate(names) if any(q[6 * f:6 * f + 6])}
         text = " + ".join(f"sum kappa ({form_text(n, q[6 * names.index(n):6 * names.index(n) + 6])})" for n in parts)
-        kept = not METHODS[method].onto_leaf and holds(asked.off, rows, q)
-        yield Integral(text, "quadratic", text, kept, WHY["every" if kept else "sum" if METHODS[method].onto_leaf else "off"],
+        kept = METHODS[method].keeps_quadratic and not METHODS[method].onto_leaf and holds(asked.off, rows, q)
+        yield Integral(text, "quadratic", text, kept, WHY["every" if kept else "other" if not METHODS[method].keeps_quadratic else "sum" if METHODS[method].onto_leaf else "off"],
                        holds(asked.always, rows, q), 1, _summed_form(asked, parts, strength))
 
 

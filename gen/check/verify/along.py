@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
-from ..witness import METHODS
+from ..witness import EQUATIONS
 from .case import Case
 from .residual import RESIDUAL, worst
 from .row import Row, at_least, at_most, not_applicable, refused
@@ -27,7 +27,7 @@ def along(case: Case, subject) -> list[Row]:
 
 
 def run_row(case: Case, subject, count, run) -> Row:
-    if case.settings.method not in METHODS:
+    if case.settings.method not in EQUATIONS:
         return not_applicable("run", "the interpreter has no such method")
     note = f"{'all' if count == run else 'the first'} {count} steps"
     return at_most("run", worst(case, subject, case.path, 0.0, case.h), RESIDUAL, note)

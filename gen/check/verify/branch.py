@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
-from ..witness import METHODS
+from ..witness import EQUATIONS
 from .case import Case
 from .leaves import lengths
 from .residual import cancelled
@@ -39,7 +39,7 @@ CONTRACTS = 0.5         # row sums of |F' - 1|: the only solution near is the on
 
 def branch(case: Case, subject) -> list[Row]:
     """One row: which part of the long steps that were followed back ended on another branch."""
-    if case.settings.method not in METHODS:
+    if case.settings.method not in EQUATIONS:
         return [not_applicable("branch", "the interpreter has no such method")]
     if case.sites > LARGEST:
         case.unseen.append(f"whether long steps end on another branch: more than {LARGEST} sites")

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
-from ..witness import METHODS
+from ..witness import EQUATIONS
 from .case import EPS, Case
 from .leaves import lengths
 from .residual import cancelled
@@ -27,7 +27,7 @@ def sums(case: Case, subject) -> list[Row]:
     """One row: the rms over starts and sites of the summed residuals, in units of what plain sums leave."""
     if "plain-sums" in case.features:
         return [not_applicable("sums", "plain sums were asked for")]
-    if case.settings.method not in METHODS:
+    if case.settings.method not in EQUATIONS:
         return [not_applicable("sums", "the interpreter has no such method")]
     starts = np.array([case.nudged(0.1) for _ in range(max(4, -(-SAMPLES // case.sites)))])
     h = small(case, starts)

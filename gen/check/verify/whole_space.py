@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
-from ..witness import METHODS
+from ..witness import EQUATIONS
 from .case import Case
 from .leaves import lengths
 from .residual import RESIDUAL, worst
@@ -28,7 +28,7 @@ GRIDDED = 64            # sites for which it is
 
 def whole_space(case: Case, subject) -> list[Row]:
     """One row: the largest residual in ulps, from all the states that are not refused."""
-    if case.settings.method not in METHODS:
+    if case.settings.method not in EQUATIONS:
         return [not_applicable("whole space", "the interpreter has no such method")]
     starts = spread(case, max(FEWEST, min(MOST, case.of_tier(WORK) // case.sites)))
     found, ends = 0.0, []

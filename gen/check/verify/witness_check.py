@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
-from ..witness import METHODS
+from ..witness import EQUATIONS, METHODS
 from .case import EPS, Case, size
 from .leaves import LONG
 from .residual import RESIDUAL, worst
@@ -65,7 +65,7 @@ def step(case: Case, subject) -> Row:
 def residual(case: Case, subject) -> Row:
     """|W - w - h X(m)| of single steps without history."""
     method = case.settings.method
-    if method not in METHODS:
+    if method not in EQUATIONS:
         return not_applicable("residual", "the interpreter has no such method")
     found = (worst(case, subject, np.array([w, subject.step(w, t, h)]), t, h) for w, t, h in case.trials())
     return at_most("residual", max(found), RESIDUAL)

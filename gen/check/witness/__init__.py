@@ -20,7 +20,9 @@ from ...run.start import casimir_matrices, kappas, parameter_values, radii, size
 from . import native
 from .program import compile_term
 
-METHODS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 2}
+EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 2}      # of midpoints, solved in C
+STEPPERS: dict = {}     # methods by numpy: name -> function(witness, w, t, h), None where it fails
+METHODS = (*EQUATIONS, *STEPPERS)
 INTEGRATORS = {"rk8pd": 0, "bsimp": 1, "msbdf": 2}
 LARGEST_DENSE = 1000    # sites: the Newton matrix of 3*sites unknowns is dense
 
@@ -92,7 +94,9 @@ class Witness:
         precision between the steps. Raises RunError with the number of steps done.
         """
         self._small()
-        number = _choose("method", method, METHODS)
+        if method in STEPPERS:
+            return self._stepped(w, t0, h, count, method, every)
+        number = _choose("method", method, EQUATIONS)
         if count < 0 or every < 1:
             raise UsageError("a number of steps from 0 up, and output every 1 step or more")
         w, done = self._state(w), ctypes.c_int64(0)
@@ -102,6 +106,15 @@ class Witness:
         _check(status, f"step {done.value + 1}", done.value)
         return out
 
+    def _stepped(self, w, t0, h, count, method, every):
+        found = [self._state(w)]
+        for k in range(count):
+            w = STEPPERS[method](self, w, t0 + k * h, h)
+            _check(1 if w is None else 0, f"step {k + 1}", k)
+            if (k + 1) % every == 0:
+                found.append(w)
+        return np.array(found)
+
     def residual(self, w, after, t: float, h: float,
                  method: str = "spherical-midpoint") -> float:
         """max |F(W - w)| of the step equation for a step w -> W = `after` taken elsewhere."""
@@ -109,7 +122,7 @@ class Witness:
 
     def residuals(self, states, t0: float, h: float, method: str = "spherical-midpoint") -> np.ndarray:
         """F(W - w) of every step between states (count + 1, sites, 3) taken elsewhere: (count, sites, 3)."""
-        number, states = _choose("method", method, METHODS), np.ascontiguousarray([self._state(w) for w in states])
+        number, states = _choose("method", method, EQUATIONS), np.ascontiguousarray([self._state(w) for w in states])
         out = np.empty((len(states) - 1, self.sites, 3))
         _check(self._c.witness_residuals(self._system_pointer, number, t0, h, len(out), states.ctypes.data,
                                          out.ctypes.data), "the residual")
@@ -118,7 +131,7 @@ class Witness:
     def equation(self, w, d, t: float, h: float, method: str = "spherical-midpoint"):
         """(F(d), F'(d)) of the step equation from w: shapes (sites, 3) and (3*sites, 3*sites)."""
         self._small()
-        number, w, d, n = _choose("method", method, METHODS), self._state(w), self._state(d), 3 * self.sites
+        number, w, d, n = _choose("method", method, EQUATIONS), self._state(w), self._state(d), 3 * self.sites
         f, jacobian = np.empty((self.sites, 3)), np.empty((n, n))
         _check(self._c.witness_equation(self._system_pointer, number, t, h, w.ctypes.data, d.ctypes.data,
                                         f.ctypes.data, jacobian.ctypes.data), "the step equation")
