@@ -19,7 +19,8 @@ class Method:
     spheres and leaves; divided: is h X divided by a function q of the field; unknowns: of Newton a site;
     solvers: those it may be asked for; free_body: it is for one free rigid body alone, whose energy and momentum it
     keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as it is); spaces: factors of the phase space that it is for; features: of `compile.features` that it has.
-    A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, `arrays` of its state as
+    A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps
+    that its `history` reaches back, `arrays` of its state as
     (name, numbers a site, meaning), and `defines` for its header.
     """
     name: str
@@ -39,6 +40,7 @@ class Method:
     features: tuple = ("tangent", "extended", "plain-sums")
     midpoint: bool = True
     how: tuple = ()
+    history: int = 0
     arrays: tuple = ()
     defines: tuple = ()
 

@@ -46,7 +46,7 @@ JACOBIAN = (
     ("runtime/solve/smg_matrix_*.h", r"at\[k\] \+= block", r"at[k] = block"),
     (NEWTON, r"smg_hessian_blocks\(s\);", r""),
     (ALONE, r"e->J\[SMG_BS \* n \+ l\] \+= smg_dot\(G \+ 3 \* n, y\)", r"(void)n"),
-    (ALONE, r"e\.J\[SMG_BS \* n \+ l\] -= 0\.5 \* u\[n\] \* slope", r"(void)slope"),
+    (ALONE, r"e->J\[SMG_BS \* n \+ l\] -= 0\.5 \* u\[n\] \* slope", r"(void)slope"),
     (SPHERE, r"eps \+ q \* mu", r"eps"),
     (SPHERE, r"smg_vec_add\(g0, smg_vec_scale\(eps, e\)\)", r"g0"),
     (SPHERE, r" - \(q \* q\) \* smg_vec_dot\(g0, e\)", r""),

@@ -13,7 +13,7 @@ class MemoryParts:
     """Names and sizes of the arrays; part of `Emitter`."""
 
     def history(self) -> int:
-        return SOLO if self.solo else HISTORY if self.method.midpoint else 0
+        return SOLO if self.solo else HISTORY if self.method.midpoint else self.method.history
 
     def arrays(self):
         """The arrays of the state: name, number of entries, meaning."""
