@@ -37,7 +37,9 @@ static const smg_real smg_sphere_weights[SMG_HISTORY][4 * SMG_HISTORY] = {
     {7, 7, 7, 7, -21, -21, -21, -21, 35, 35, 35, 35, -35, -35, -35, -35, 21, 21, 21, 21, -7, -7, -7, -7, 1, 1, 1, 1},
     {8, 8, 8, 8, -28, -28, -28, -28, 56, 56, 56, 56, -70, -70, -70, -70, 56, 56, 56, 56, -28, -28, -28, -28, 8, 8, 8, 8, -1, -1, -1, -1}};
 
-SMG_INLINE int smg_clear_of_branches(smg_real det) { return smg_abs(det - (smg_real)2.71875) < (smg_real)2.28125; }
+/* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear of 0 by as much
+ * as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
+SMG_INLINE int smg_clear_of_branches(smg_real det) { return (det > (smg_real)0.4375) & (det < 5); }
 
 /* The largest row sum of abs(M), which bounds E: det(1 - E) may be moderate where E is not. */
 SMG_COLD static smg_real smg_sphere_bound(const smg_coefficients *c, smg_vec m, smg_real q) {

@@ -77,7 +77,7 @@ BRANCH = (
     (STEP, r"\*sure = most <= SMG_CONTRACTS", r"*sure = most <= 4"),
     (STEP, r"if \(!smg_clear_of_branches\(det\)( \|\| .*)?\) return SMG_WRONG_BRANCH;", r""),
     (STEP, r"smg_clear_of_branches\(det\) && ", r""),
-    (STEP, r"return smg_abs\(det - .*;", r"return det > 0;"),
+    (STEP, r"return \(det > .*;", r"return det > 0;"),
     (STEP, r"solved && row < 1", r"solved"),
     (STEP, r"solved && ", r""),
     (STEP, r"mean <= SMG_CONTRACTS \|\| smg_krylov_coercive\(&a, mean\)", r"1"),
