@@ -18,7 +18,8 @@ class Method:
     onto_leaf: is the field taken at a point of the leaf (m = P(mbar)), or at the midpoint as it is; symplectic: on
     spheres and leaves; divided: is h X divided by a function q of the field; unknowns: of Newton a site;
     solvers: those it may be asked for; free_body: it is for one free rigid body alone, whose energy and momentum it
-    keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as it is); spaces: factors of the phase space that it is for; features: of `compile.features` that it has.
+    keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as it is); spaces: factors of the phase space that it is for; features: of `compile.features` that it has;
+    needs: functions of a site in the contract that its header calls, beside those of every model.
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps
     that its `history` reaches back, `arrays` of its state as
     (name, numbers a site, meaning), and `defines` for its header.
@@ -38,6 +39,7 @@ class Method:
     keeps_quadratic: bool = True
     spaces: tuple = ("sphere", "r3", "nambu")
     features: tuple = ("tangent", "extended", "plain-sums")
+    needs: tuple = ("smg_rate",)
     midpoint: bool = True
     how: tuple = ()
     history: int = 0
@@ -59,4 +61,4 @@ DEFAULT = NAMES[0]
 
 def others(name: str) -> str:
     """The methods that serve any model, for a hint: `a or b`."""
-    return " or ".join(m.name for m in METHODS.values() if m.name != name and not m.free_body)
+    return " or ".join(m.name for m in METHODS.values() if m.name != name and not m.free_body and len(m.spaces) == 3)

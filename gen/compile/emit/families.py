@@ -11,6 +11,7 @@ from ..lower.loops import block
 from .statics import WORD, Static
 from .text import comment, per_site, plus, total
 
+ALWAYS = ("smg_kind", "smg_kappa", "smg_radius", "smg_normal")     # what runtime/core asks of every model
 KINDS = {"sphere": "SMG_SPHERE", "r3": "SMG_R3", "nambu": "SMG_NAMBU"}
 
 
@@ -114,7 +115,7 @@ class FamilyParts:
                      ("smg_rate", "smg_real", [*site, "smg_real h"], lambda f: [f"return {f.h_over_kappa};"]),
                      ("smg_radius", "smg_real", site, radius_lines),
                      ("smg_normal", "void", [*site, "const smg_real *v", "smg_real *n"], normal_lines)]
-        return [Static(name, self.by_family(f"{kind} {name}", arguments, lines), name != "smg_rate" or self.method.midpoint)
+        return [Static(name, self.by_family(f"{kind} {name}", arguments, lines), name in ALWAYS or name in self.method.needs)
                 for name, kind, arguments, lines in functions]
 
     def number_functions(self):
