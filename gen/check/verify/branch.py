@@ -40,7 +40,7 @@ CONTRACTS = 0.5         # row sums of |F' - 1|: the only solution near is the on
 def branch(case: Case, subject) -> list[Row]:
     """One row: which part of the long steps that were followed back ended on another branch."""
     if case.settings.method not in EQUATIONS:
-        return [not_applicable("branch", "the interpreter has no such method")]
+        return [not_applicable("branch", "the interpreter has no residual of this method")]
     if case.sites > LARGEST:
         case.unseen.append(f"whether long steps end on another branch: more than {LARGEST} sites")
         return [not_applicable("branch", f"more than {LARGEST} sites: the interpreter's matrix is dense")]

@@ -12,6 +12,7 @@ from typing import Callable
 import numpy as np
 
 from ...errors import RunError
+from ...methods import METHODS
 from .case import EPS, Case
 from .leaves import LONG, lengths
 from .row import Row, at_most, not_applicable
@@ -56,6 +57,7 @@ def known_integrals(case: Case) -> Known:
     momentum += [integral(case, i.numbers) for i in said if i.kind == "linear"]
     quadratic = [integral(case, form(one.site, x)) for one in sites for x in one.quadratic]
     quadratic += [integral(case, i.numbers) for i in said if i.kind == "quadratic"]
+    quadratic = quadratic if METHODS[case.settings.method].keeps_quadratic else []
     claimed = any(i.kind == "energy" for i in said)
     return Known(found, momentum, quadratic, not case.timed and (claimed or made_of(case, [*momentum, *quadratic])))
 
@@ -91,7 +93,7 @@ def form(site, s):
 def integrals(case: Case, subject, known: Known) -> list[Row]:
     """Momentum, quadratic integrals, energy."""
     return [kept(case, subject, "momentum", known.momentum, "no rotation leaves H unchanged"),
-            kept(case, subject, "quadratic integrals", known.quadratic, "no single site has any"),
+            kept(case, subject, "quadratic integrals", known.quadratic, "no single site has any that the method keeps"),
             energy(case, subject, known)]
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...methods import METHODS
 from ...build.library import digest, identity
 from ...language.spec import Spec
 from ...run.integrator import Integrator, build
@@ -91,7 +92,7 @@ def emitted(spec: Spec, s: Settings, features=()) -> Emitted:
     """The generated code of a run, compiled as users get it; and twice more to be measured."""
     def made(real, *more):
         return build(spec, s.method, s.effects, s.values, s.solver, real, s.native, (*features, *more))
-    return Emitted(made("double"), made("long double"), made("double", "tangent"))
+    return Emitted(made("double"), made("long double"), made("double", "tangent") if "tangent" in METHODS[s.method].features else None)
 
 
 def fingerprint(scene: Spec, method: str, solver: str, features=()) -> str:

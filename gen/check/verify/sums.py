@@ -28,7 +28,7 @@ def sums(case: Case, subject) -> list[Row]:
     if "plain-sums" in case.features:
         return [not_applicable("sums", "plain sums were asked for")]
     if case.settings.method not in EQUATIONS:
-        return [not_applicable("sums", "the interpreter has no such method")]
+        return [not_applicable("sums", "the interpreter has no residual of this method")]
     starts = np.array([case.nudged(0.1) for _ in range(max(4, -(-SAMPLES // case.sites)))])
     h = small(case, starts)
     try:

@@ -29,7 +29,7 @@ GRIDDED = 64            # sites for which it is
 def whole_space(case: Case, subject) -> list[Row]:
     """One row: the largest residual in ulps, from all the states that are not refused."""
     if case.settings.method not in EQUATIONS:
-        return [not_applicable("whole space", "the interpreter has no such method")]
+        return [not_applicable("whole space", "the interpreter has no residual of this method")]
     starts = spread(case, max(FEWEST, min(MOST, case.of_tier(WORK) // case.sites)))
     found, ends = 0.0, []
     for (t, h), group in groups(case, starts).items():

@@ -66,6 +66,6 @@ def residual(case: Case, subject) -> Row:
     """|W - w - h X(m)| of single steps without history."""
     method = case.settings.method
     if method not in EQUATIONS:
-        return not_applicable("residual", "the interpreter has no such method")
+        return not_applicable("residual", "the interpreter has no residual of this method")
     found = (worst(case, subject, np.array([w, subject.step(w, t, h)]), t, h) for w, t, h in case.trials())
     return at_most("residual", max(found), RESIDUAL)

@@ -12,6 +12,7 @@ from numpy.polynomial import legendre
 
 SIGMA = np.array([[[0, 1], [1, 0]], [[0, -1j], [1j, 0]], [[1, 0], [0, -1]]])
 MOST = 1000     # fixed-point iterations
+PATIENCE = 5    # of them without a smaller change: round-off is reached
 
 
 def tableau(s: int):
@@ -46,13 +47,13 @@ def step(witness, w, t: float, h: float, s: int) -> np.ndarray | None:
     def slope(Z, at):
         return 0.5j * np.einsum("sk,kab,sb->sa", witness.field(lowered(Z), t + at * h), SIGMA, Z)
 
-    K, last = np.array([slope(z, at) for at in c]), np.inf
+    K, least, idle = np.array([slope(z, at) for at in c]), np.inf, 0
     for _ in range(MOST):
         new = np.array([slope(z + H * np.einsum("j,jsa->sa", a[i], K), c[i]) for i in range(s)])
         change, K = np.abs(new - K).max(), new
         if not np.isfinite(change):
             return None
-        if change == 0 or change >= last and change <= 1e-12 * np.abs(K).max():
+        idle, least = (0, change) if change < least else (idle + 1, least)
+        if change == 0 or idle > PATIENCE and least <= 1e-12 * np.abs(K).max():
             return lowered(z + H * np.einsum("j,jsa->sa", b, K))
-        last = change
     return None
