@@ -18,11 +18,12 @@ class Method:
     onto_leaf: is the field taken at a point of the leaf (m = P(mbar)), or at the midpoint as it is; symplectic: on
     spheres and leaves; divided: is h X divided by a function q of the field; unknowns: of Newton a site;
     solvers: those it may be asked for; free_body: it is for one free rigid body alone, whose energy and momentum it
-    keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as it is); spaces: factors of the phase space that it is for; features: of `compile.features` that it has;
-    needs: functions of a site in the contract that its header calls, beside those of every model.
+    keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as
+    it is); keeps_leaf: it stays on spheres and leaves; spaces: factors of the phase space that it is for; features: of `compile.features` that it has;
+    controlled: it takes steps of its own within h, to a tolerance; needs: functions of a site in the contract that its header calls, beside those of every model.
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps
     that its `history` reaches back, `arrays` of its state as
-    (name, numbers a site, meaning), and `defines` for its header.
+    (name, numbers a site, and how many more, meaning), and `defines` for its header.
     """
     name: str
     title: str
@@ -37,10 +38,12 @@ class Method:
     solvers: tuple = ("auto", "newton", "plain")
     free_body: bool = False
     keeps_quadratic: bool = True
+    keeps_leaf: bool = True
     spaces: tuple = ("sphere", "r3", "nambu")
     features: tuple = ("tangent", "extended", "plain-sums")
     needs: tuple = ("smg_rate",)
     midpoint: bool = True
+    controlled: bool = False
     how: tuple = ()
     history: int = 0
     arrays: tuple = ()

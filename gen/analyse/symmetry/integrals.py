@@ -43,9 +43,10 @@ WHY = {
     "sum": "mbar is a multiple of m with a factor of its own for each site: a sum over sites is not kept",
     "every": "the classical midpoint keeps every quadratic integral",
     "other": "the method keeps no quadratic integral of w",
+    "leaf": "an explicit method leaves the leaf by its error",
     "casimir": "X(m) is perpendicular to grad C(mbar)",
     "energy": "H is a sum of linear and single-site quadratic integrals",
     "bounded": "its error stays bounded over long times for small h, as the method is symplectic",
-    "drift": "the classical midpoint is not symplectic on spheres: the energy may drift",
+    "drift": "the method is not symplectic on spheres: the energy may drift",
     "body": "the discrete free body keeps the energy and the momentum of the free body",
 }

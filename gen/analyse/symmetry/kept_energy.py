@@ -66,10 +66,10 @@ def energy_integral(asked: Asked, method: str, changes):
 def _kept(asked: Asked, method: str):
     if METHODS[method].free_body:
         return True, WHY["body"]
+    if not METHODS[method].keeps_quadratic:
+        return False, WHY["bounded" if METHODS[method].symplectic else "drift"]
     if not METHODS[method].symplectic:
         return (True, WHY["every"]) if attempt(lambda: _quadratic(asked.off)) else (False, WHY["drift"])
-    if not METHODS[method].keeps_quadratic:
-        return False, WHY["bounded"]
     return (True, WHY["energy"]) if attempt(lambda: _single_site(asked)) else (False, WHY["bounded"])
 
 

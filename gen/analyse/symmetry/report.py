@@ -77,7 +77,7 @@ def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
     rotations, always, mixed = _rotations(asked, turns, seen, undecided)
     changes = time_dependent(asked)
     integrals = [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
-                 *energy_integral(asked, method, changes), *_casimirs(asked)]
+                 *energy_integral(asked, method, changes), *_casimirs(asked, METHODS[method].keeps_leaf)]
     if changes is None:
         undecided.append("whether H depends on time")
     return Report(scene.name, method, tuple(asked.families), {n: c for n, (_, c) in asked.places.items()},
@@ -284,7 +284,7 @@ def _matrix(q) -> np.ndarray:
 
 # Casimirs
 
-def _casimirs(asked: Asked):
+def _casimirs(asked: Asked, kept: bool):
     matrices = casimir_matrices(asked.spec, asked.values)
     for family in asked.spec.families:
         first, count = asked.places[family.name]
@@ -292,7 +292,7 @@ def _casimirs(asked: Asked):
         factor = 0.5 if family.kind == "nambu" else 1.0
         text = f"C({one})" if family.kind == "nambu" else f"|{one}|^2"
         forms = factor * matrices[first:first + count]
-        yield Integral(text if count == 1 else f"{text} of every site", "casimir", text, True, WHY["casimir"], True, count,
+        yield Integral(text if count == 1 else f"{text} of every site", "casimir", text, kept, WHY["casimir" if kept else "leaf"], True, count,
                        lambda w, n=family.name, m=forms: np.einsum("si,sij,sj->s", s := _sites(asked, w, n), m, s))
 
 

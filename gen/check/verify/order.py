@@ -17,7 +17,7 @@ import numpy as np
 from ...errors import RunError
 from ...methods import METHODS
 from .case import LONG_EPS, Case, size
-from .row import Row, at_least
+from .row import Row, at_least, not_applicable
 
 SLACK = 0.1             # of order 2, in proportion of others: an observed order is off by terms of higher order and by round-off
 RESOLVED = 500          # ulps of extended precision below which an error is round-off
@@ -29,6 +29,8 @@ STEPS = 8
 
 def order(case: Case, subject) -> list[Row]:
     """One row: the worst of all states of one step, and of the flow."""
+    if METHODS[case.settings.method].controlled:
+        return [not_applicable("order", "the method takes steps of its own, to a tolerance")]
     local = [(one_step(case, subject, w, t), t) for w, t in case.points]
     flow = against_flow(case, subject)
     claimed = METHODS[case.settings.method].order

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...methods import METHODS
 from .case import Case
 from .leaves import LONG, derivative, frame, lengths
-from .row import Row, at_most, not_applicable
+from .row import MOST, NO, Row, at_most, not_applicable
 
 DEFECT = 1e-12
 WIDTHS = (1e-3, 1e-4, 1e-5)     # angles of a difference: the wider has less round-off, the narrower less error
@@ -33,6 +34,8 @@ def defect_row(case: Case, subject, name, sites, note) -> Row:
     found = [(defect(case, subject, w, t, h, sites), h) for w, t, h in case.trials()]
     worst, h = max(found)
     steps = "" if len(case.steps()) == 1 else f"worst at h = {h:.3g}"
+    if METHODS[case.settings.method].controlled:
+        return Row(name, worst, MOST, DEFECT, NO, "the method is not symplectic: the defect is as small as its tolerance, and adds up")
     return at_most(name, worst, DEFECT, "; ".join(x for x in (note, steps) if x))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
+from ...methods import METHODS as METHODS_OF_SPECS
 from ..witness import EQUATIONS, METHODS
 from .case import EPS, Case, size
 from .leaves import LONG
@@ -17,6 +18,7 @@ from .row import Row, at_most, not_applicable
 
 FIELD = 1e-14           # of the largest field: the interpreter returns doubles
 STEP = 32               # ulps
+CONTROLLED = 1e5        # of a method with step control, whose tolerance is 1e-12
 STATES = {"quick": 3, "normal": 8}
 
 
@@ -59,7 +61,7 @@ def step(case: Case, subject) -> Row:
         return not_applicable("step", "the interpreter has no such method")
     found = [float(np.abs(subject.step(w, t, h) - case.witness.step(w, t, h, method)).max())
              / (EPS * size(w) * stretch(subject, w, subject.step(w, t, h), t, h)) for w, t, h in case.trials()]
-    return at_most("step", max(found), STEP)
+    return at_most("step", max(found), CONTROLLED if METHODS_OF_SPECS[method].controlled else STEP)
 
 
 def residual(case: Case, subject) -> Row:

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from ..lower.loops import indent
-from .text import times
+from .text import times, total
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
 SOLO = 8        # the same of a single sphere, where another row costs less than another iteration
@@ -21,7 +21,7 @@ class MemoryParts:
         found = [("w", n3, "the state: 3 numbers per site"), ("carry", n3, "what w has lost to rounding"),
                  ("u", n3, "increment W - w of the step under way")]
         if not self.method.midpoint:
-            found += [(name, times(size, n1), meaning) for name, size, meaning in self.method.arrays]
+            found += [(name, total([times(size, n1), str(more)]), meaning) for name, size, more, meaning in self.method.arrays]
             return [dict(name=a, size=b, meaning=c) for a, b, c in found]
         if self.solo:
             found.append(("rows", str(4 * ROWS), "history: increment and 1/|w + W| of each step, newest first"))
