@@ -306,9 +306,9 @@ def trajectory(case, w, h, count):
 def compare_flow(case: Case) -> list[Line]:
     """Order of convergence at a fixed time, and the two reference flows against each other."""
     start = moving(case)
-    time, steps, errors, tried = converge(case, start)
     if METHODS[case.settings.method].controlled:
         return compare_end(case, start)
+    time, steps, errors, tried = converge(case, start)
     claimed = METHODS[case.settings.method].order
     low, high = (claimed * part for part in ORDER)
     note = (f"errors {', '.join(f'{e:.2e}' for e in errors)} at t = {time:.4g} after "
