@@ -57,6 +57,12 @@ METHODS = {m.name: m for m in (
            "smg_classical_midpoint.h"),
     Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
            "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS),
+    *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",
+             f"Gauss collocation in collective variables, {s} stage{'s' * (s > 1)} (symplectic, order {2 * s})", 2 * s, "smg_gauss.h",
+             symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), midpoint=False,
+             how=("fixed-point", "the stages of all sites together, by fixed-point iteration"), history=1,
+             arrays=(("stages", 8 * s + 11, 0, "points, stages and slopes of every site"),), defines=(("SMG_STAGES", s),))
+      for s in range(1, 9)),
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]

@@ -11,17 +11,19 @@ equation is solved by GSL's Newton method, and the flow is integrated by GSL's o
 from __future__ import annotations
 
 import ctypes
+import functools
 
 import numpy as np
 
 from ...errors import RunError, UsageError
 from ...language.spec import Spec
 from ...run.start import casimir_matrices, kappas, parameter_values, radii, sizes
-from . import native
+from . import collocation, native
 from .program import compile_term
 
 EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 2}      # of midpoints, solved in C
-STEPPERS: dict = {}     # methods by numpy: name -> function(witness, w, t, h), None where it fails
+# methods by numpy: name -> function(witness, w, t, h), None where it fails
+STEPPERS = {f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)}
 METHODS = (*EQUATIONS, *STEPPERS)
 INTEGRATORS = {"rk8pd": 0, "bsimp": 1, "msbdf": 2}
 LARGEST_DENSE = 1000    # sites: the Newton matrix of 3*sites unknowns is dense

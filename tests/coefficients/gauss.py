@@ -1,0 +1,104 @@
+"""Writes runtime/method/smg_gauss_table.h: Gauss collocation with 1 to 8 stages (Hairer, Norsett, Wanner, Solving Ordinary
+Differential Equations I, II.7), from 70 digits.
+
+    python tests/coefficients/gauss.py > runtime/method/smg_gauss_table.h
+"""
+from mpmath import legendre, lu_solve, matrix, mp, mpf, polyroots, taylor
+
+mp.dps = 70
+MOST = 8
+
+HEAD = """\
+/* smidgen method: coefficients of Gauss collocation. Written by tests/coefficients/gauss.py; do not edit.
+ *
+ * Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.7: the nodes c_i are the zeros of the s-th Legendre
+ * polynomial on [0, 1], b_j and a_ij the integrals of Lagrange's polynomials l_j over [0, 1] and [0, c_i].
+ *
+ *   smg_gauss_node[i]      c_i
+ *   smg_gauss_weight[j]    b_j
+ *   smg_gauss_share[i][j]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
+ *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to (Antonana,
+ *                          Makazaga, Murua 2017)
+ *   smg_gauss_ahead[i][j]  (b_i / b_j) l_j(1 + c_i): the polynomial through the stages, one step on
+ *
+ * SMG_PAIR: high and low part, right to 1e-32; SMG_MIRROR: 1 less that. */
+#ifndef SMG_GAUSS_TABLE_H
+#define SMG_GAUSS_TABLE_H
+
+#include "smidgen.h"
+
+#define SMG_PAIR(high, low) ((smg_real)(high) + (smg_real)(low))
+#define SMG_MIRROR(high, low) (1 - SMG_PAIR(high, low))
+"""
+
+
+def nodes(s):
+    """The zeros of P_s(2 c - 1), symmetric about 1/2."""
+    if s == 1:
+        return [mpf(1) / 2]
+    roots = polyroots(taylor(lambda x: legendre(s, x), 0, s)[::-1], maxsteps=500, extraprec=400)
+    found = sorted((1 + x.real) / 2 for x in roots)
+    return [(a + 1 - b) / 2 for a, b in zip(found, reversed(found))]
+
+
+def lagrange(c):
+    """Coefficients of l_j, lowest power first, as rows."""
+    s = len(c)
+    powers = matrix([[x**k for x in c] for k in range(s)])          # sum_j l_j(t) c_j^k = t^k
+    return [[lu_solve(powers, matrix([int(k == q) for q in range(s)]))[j] for k in range(s)] for j in range(s)]
+
+
+def gauss(s):
+    """(c, b, a, l(1 + c)) of s stages: l[i][j] = l_j(1 + c_i)."""
+    c = nodes(s)
+    rows = lagrange(c)
+
+    def integral(row, x):
+        return sum(p * x**(k + 1) / (k + 1) for k, p in enumerate(row))
+
+    b = [integral(row, mpf(1)) for row in rows]
+    b = [(x + y) / 2 for x, y in zip(b, reversed(b))]
+    a = [[integral(row, x) for row in rows] for x in c]
+    ahead = [[sum(p * (1 + x)**k for k, p in enumerate(row)) for row in rows] for x in c]
+    return c, b, a, ahead
+
+
+def pair(x, name="SMG_PAIR"):
+    high = float(x)
+    return f"{name}({high!r}, {float(x - mpf(high))!r})"
+
+
+def share(a, b, i, j):
+    """a_ij / b_j in C."""
+    if i == j:
+        return "(smg_real)0.5"
+    if i > j:
+        return pair(a[i][j] / b[j])
+    near = a[j][i] / b[i]
+    assert 0.5 < near < 2                                           # there 1 - near is exact (Sterbenz)
+    return pair(near, "SMG_MIRROR")
+
+
+def table(s):
+    c, b, a, ahead = gauss(s)
+    every = range(s)
+
+    def listed(items, indent="    "):
+        return "{\n" + ",\n".join(indent + x for x in items) + "}"
+
+    rows = ["{" + ", ".join(share(a, b, i, j) for j in every) + "}" for i in every]
+    far = ["{" + ", ".join(f"(smg_real){float(b[i] / b[j] * ahead[i][j])!r}" for j in every) + "}" for i in every]
+    return (f"\n#if SMG_STAGES == {s}\n"
+            f"static const smg_real smg_gauss_node[{s}] = {listed(pair(x) for x in c)};\n"
+            f"static const smg_real smg_gauss_weight[{s}] = {listed(pair(x) for x in b)};\n"
+            f"static const smg_real smg_gauss_share[{s}][{s}] = {listed(rows)};\n"
+            f"static const smg_real smg_gauss_ahead[{s}][{s}] = {listed(far)};\n"
+            "#endif\n")
+
+
+def header():
+    return HEAD + "".join(table(s) for s in range(1, MOST + 1)) + "\n#endif\n"
+
+
+if __name__ == "__main__":
+    print(header(), end="")
