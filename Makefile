@@ -7,7 +7,7 @@ PYTEST := $(PY) -m pytest -n 2 --dist worksteal
 .PHONY: demo test quick test-long bench hard mutants coverage fuzz clean
 
 demo: $(VENV)/ready
-	$(PY) -m smidgen.demo --out out/demo
+	$(PY) -m smidgen.show.demo --out out/demo
 
 test: $(VENV)/ready-test
 	$(PYTEST) -m "not long"

@@ -66,6 +66,7 @@ METHODS = {m.name: m for m in (
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]
+MIDPOINTS = tuple(m.name for m in METHODS.values() if m.midpoint)
 
 
 def others(name: str) -> str:

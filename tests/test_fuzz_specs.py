@@ -17,7 +17,7 @@ from fuzz.through import Fault, through
 
 from smidgen.errors import BuildError
 from smidgen.compile.select import select
-from smidgen.run.integrator import METHODS, SOLVERS
+from smidgen.methods import MIDPOINTS as METHODS, SOLVERS
 from smidgen.run.settings import settle
 
 FEW = (5,)

@@ -23,7 +23,8 @@ import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.compile.features import FEATURES
-from smidgen.run.integrator import METHODS, SOLVERS, scene_of
+from smidgen.methods import MIDPOINTS as METHODS, SOLVERS
+from smidgen.run.integrator import scene_of
 from smidgen.resources import folder, include_flags
 
 SPHERICAL, CLASSICAL, VESELOV = METHODS

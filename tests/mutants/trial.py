@@ -6,7 +6,7 @@ from pathlib import Path
 from queue import Queue
 
 from smidgen.compile.features import FEATURES
-from smidgen.methods import NAMES as METHODS
+from smidgen.methods import MIDPOINTS as METHODS
 
 from .judge import LONGEST, baseline, failing, judge, order_of
 from .plant import Tree

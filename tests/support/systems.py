@@ -6,7 +6,7 @@ import pytest
 
 import smidgen
 from smidgen.errors import UsageError
-from smidgen.methods import NAMES as METHODS
+from smidgen.methods import MIDPOINTS as METHODS
 from smidgen.resources import folder
 from smidgen.run.settings import settle
 from smidgen.run.start import initial_state

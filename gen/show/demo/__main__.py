@@ -1,4 +1,4 @@
-"""`python -m smidgen.demo --out out/demo`."""
+"""`python -m smidgen.show.demo --out out/demo`."""
 import sys
 
 from .stages import main

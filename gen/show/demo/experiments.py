@@ -12,7 +12,7 @@ from ...analyse.sections import (CHAOTIC, UNDECIDED, census, exponent, fit_curve
 from ...check.witness import Witness
 from ...errors import RunError
 from ...read.shipped import load_spec, shipped
-from ...methods import NAMES
+from ...methods import MIDPOINTS
 from ...run.integrator import build
 from ...run.run import run
 from ...run.settings import settle
@@ -27,7 +27,7 @@ from .exact import free_body
 ANGLE = 1.1                                     # the start (cos 1.1, 0, sin 1.1)
 TENSORS = {"(1, 2, 4)": (1.0, 2.0, 4.0), "(1, 4/3, 2)": (1.0, 4 / 3, 2.0)}
 STEPS = [2.0 ** -k for k in range(1, 10)]
-SPHERICAL, CLASSICAL, VESELOV = NAMES
+SPHERICAL, CLASSICAL, VESELOV = MIDPOINTS
 PERIOD = 2 * np.pi
 CENSUS, CENSUS_PERIODS = 60, 300                # starts and periods of the chaotic fraction
 
@@ -86,7 +86,7 @@ def free_body_portrait():
 
 def free_body_errors():
     """The error table: both tensors, three methods, nine steps."""
-    panels = [(f"I = {name}", {m: (np.array(STEPS), errors_of(m, I)) for m in NAMES})
+    panels = [(f"I = {name}", {m: (np.array(STEPS), errors_of(m, I)) for m in MIDPOINTS})
               for name, I in TENSORS.items()]
     ratios = [ratio_words(methods) for _, methods in panels]
     return {"panels": panels}, (

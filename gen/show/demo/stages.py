@@ -30,8 +30,8 @@ SLOW = ("forced_sections_flow", "forced_sections", "vortex_manifold", "nambu_lea
 
 
 def main(arguments=None) -> int:
-    """`python -m smidgen.demo`: 0 when every line passed."""
-    parser = argparse.ArgumentParser(prog="smidgen.demo", description="Compile, run, validate and "
+    """`python -m smidgen.show.demo`: 0 when every line passed."""
+    parser = argparse.ArgumentParser(prog="smidgen.show.demo", description="Compile, run, validate and "
                                      "draw every system; one table, one page.")
     parser.add_argument("--out", default="out/demo", help="folder of the page and the pictures")
     parser.add_argument("--only", default="", help="names of systems and figures, with commas")
