@@ -105,14 +105,15 @@ def test_spherical_midpoint_takes_the_steps_of_the_witness(name):
     check_steps(case, SPHERICAL)
 
 
-@pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL])
-@pytest.mark.parametrize("name, values", [("heisenberg_chain", {"n": 12}), ("cubic_lattice", {"nx": 3, "ny": 3, "nz": 3}),
-                                          ("vortex_tracers", {"m": 4})])
+@pytest.mark.parametrize("name, values, method", [
+    ("heisenberg_chain", {"n": 12}, SPHERICAL), ("cubic_lattice", {"nx": 3, "ny": 3, "nz": 3}, SPHERICAL), ("vortex_tracers", {"m": 4}, SPHERICAL),
+    ("heisenberg_chain", {"n": 12}, CLASSICAL), pytest.param("cubic_lattice", {"nx": 3, "ny": 3, "nz": 3}, CLASSICAL, marks=pytest.mark.long),
+    pytest.param("vortex_tracers", {"m": 4}, CLASSICAL, marks=pytest.mark.long)])
 def test_systems_of_a_few_sites_take_the_steps_of_the_witness(name, values, method):
     check_steps(begin(name, **values), method)
 
 
-@pytest.mark.parametrize("name", tiers(SPECS, QUICK[:2], ("product",)))
+@pytest.mark.parametrize("name", tiers(SPECS, QUICK[:2], ()))
 def test_classical_midpoint_takes_the_steps_of_the_witness(name):
     check_steps(begin(name), CLASSICAL)
 

@@ -255,6 +255,7 @@ def test_a_tangent_of_another_step_is_refused():
     assert said(rough, NO) == {"tangent symplectic", "sums"}        # started anew at each step, it has no carry
 
 
+@pytest.mark.long
 def test_tracers_of_the_classical_midpoint_are_not_carried_by_area():
     certificate = smidgen.verify(load("vortex_tracers"), tier=SHORT, values={"m": 3}, method=CLASSICAL)
     assert {"symplectic", "tracers' area"} <= said(certificate, NO)
