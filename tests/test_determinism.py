@@ -63,7 +63,8 @@ def test_twice_in_one_process():
     assert text_of("two_bodies") == before
 
 
-@pytest.mark.parametrize("method", [SPHERICAL, pytest.param(CLASSICAL, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL])
 def test_every_spec_under_many_seeds(elsewhere, method):
     first = digests(folder("specs"), SPECS, "0", method)
     assert len(first) == 3 * len(SPECS)
