@@ -135,8 +135,9 @@ def test_all_solvers_take_the_same_steps(n, trials):
     assert taken > 1.5 * trials and refused > 1.5 * trials
 
 
-@pytest.mark.parametrize("n, a, bent", [(3, 0.1, 1e-3), *(pytest.param(n, a, bent, marks=long) for n, a, bent in (
-    (5, 0.1, 0), (5, 0.1, 1e-3), (8, 0.5, 0), (8, 0.5, 1e-3), (12, 1.0, 0), (12, 1.0, 1e-3)))])
+@long
+@pytest.mark.parametrize("bent", [0, 1e-3])
+@pytest.mark.parametrize("n, a", [(5, 0.1), (8, 0.5), (12, 1.0)])
 def test_a_ring_ends_at_the_same_step_for_all_solvers(n, a, bent):
     """Also where the ring, exactly symmetric, goes on as a solution beyond the first singular J."""
     dice = np.random.default_rng(3)
@@ -160,7 +161,8 @@ def with_pair(w, i, j, a):
     return w
 
 
-@pytest.mark.parametrize("solver", [pytest.param("rotation", marks=long), "plain"])
+@pytest.mark.long
+@pytest.mark.parametrize("solver", ["rotation", "plain"])
 def test_a_lattice_of_log_bonds(solver):
     """A close pair on a bond ends the step near its own fold; random states in steps of every size."""
     dice, size = np.random.default_rng(5), (6, 5)

@@ -11,7 +11,7 @@ from smidgen.compile.features import FEATURES
 from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, PAST, REST, SCALE, SIZE, Saved
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
-from support.systems import CLASSICAL, FREE_BODIES, SPECS, VESELOV, accepts, begin, model, tiers
+from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model, tiers
 
 
 # The saved state
@@ -30,7 +30,7 @@ def goes_on(one, other, w, h, before=37, after=50):
     assert other.t == one.t
 
 
-@pytest.mark.parametrize("name", tiers(SPECS, ()))
+@pytest.mark.parametrize("name", tiers(SPECS, (), (*QUICK, "heisenberg_chain", "vortex_tracers")))
 def test_every_spec_goes_on(name):
     case = begin(name)
     goes_on(model(case), model(case), case.w, case.h)

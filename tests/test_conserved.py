@@ -12,7 +12,6 @@ from smidgen.show.demo import systems
 from smidgen.show.plot import facts, page, player
 from smidgen.read.shipped import shipped
 
-pytestmark = pytest.mark.quick
 TEXT = """[model]
 name = "m"
 [space]

@@ -47,6 +47,7 @@ def test_two_folders_two_seeds_another_order(elsewhere):
     assert len(first) == 3 * len(FEW)
 
 
+@pytest.mark.long
 def test_alone_or_after_others(elsewhere):
     together = digests(folder("specs"), FEW, "random")
     for name in FEW[1:3]:
@@ -72,6 +73,7 @@ def test_every_spec_under_many_seeds(elsewhere, method):
     assert digests(elsewhere, SPECS[3:] + SPECS[:3], "random", method) == first
 
 
+@pytest.mark.long
 def test_unusual_specs(tmp_path):
     """Conditionals, time, strengths of both signs, graphs: in two folders, under two seeds."""
     found = []

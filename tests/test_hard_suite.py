@@ -7,7 +7,8 @@ import numpy as np
 
 
 SLOW = ("a rough chain, from small steps to where they end", "two vortex pairs on their wrong branches",
-        "close vortex pair, up to the fold")    # seconds, even if of the quick tier
+        "close vortex pair, up to the fold", "close vortex pair, beyond the fold", "plain iteration where it does not contract",
+        "chaos of the forced body: two Lyapunov exponents")    # seconds, even if of the quick tier
 
 
 @pytest.mark.parametrize("one", [pytest.param(c, id=c.name, marks=pytest.mark.long if c.tier == "long" or c.name in SLOW else ())

@@ -68,8 +68,8 @@ def test_every_shipped_spec_is_certified_at_length(name):
     assert said(certificate, NO) == set()
 
 
-@pytest.mark.parametrize("text", [pytest.param(texts.FIELD, marks=long), pytest.param(texts.MIXED, marks=long), texts.PULSE,
-                                  pytest.param(texts.OPEN_CHAIN, marks=long)])
+@pytest.mark.long
+@pytest.mark.parametrize("text", [texts.FIELD, texts.MIXED, texts.PULSE, texts.OPEN_CHAIN])
 def test_specs_beyond_the_shipped_ones_are_certified(text):
     """Strengths of both signs, radii, reversed bracket, time, open ends."""
     certificate = smidgen.verify(texts.read(text), tier="quick")
@@ -221,6 +221,7 @@ def test_a_frozen_time_shows_where_it_is_weak():
     assert certificate.row("order").verdict == NO and certificate.row("order").measured < 1.5
 
 
+@pytest.mark.long
 def test_a_reversed_bracket_is_refused():
     spec = load("point_vortices")
     certificate = certify(spec, tier=SHORT, subject=wrong.compiled(spec, wrong.turned_round))
@@ -239,6 +240,7 @@ def test_a_wrong_sign_with_its_hessian_is_refused(name, effect):
     assert said(certificate, YES) >= {"symplectic", "tangent map", "tangent symplectic", "reversible", "casimirs"}
 
 
+@pytest.mark.long
 def test_a_small_turn_is_refused():
     """A millionth of h, symplectic and on the spheres: the flow and the interpreter tell."""
     spec = load("irreversible_rigid_body")
