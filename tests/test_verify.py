@@ -85,9 +85,9 @@ def test_no_false_alarm_at_other_states(name, seeds):
         assert said(certify(spec, tier=SHORT, values=values, seed_of_checks=seed), NO) == set()
 
 
-@pytest.mark.parametrize("name, h", [("forced_rigid_body", -0.1), *(pytest.param("point_vortices", h, marks=long) for h in (0.01, 0.4, -0.1))])
+@pytest.mark.parametrize("name, h", [("forced_rigid_body", -np.pi / 30), *(pytest.param("point_vortices", h, marks=long) for h in (0.01, 0.4, -0.1))])
 def test_any_step_is_certified(name, h):
-    assert said(smidgen.verify(load(name), tier=SHORT, h=h, steps=1000), NO) == set()
+    assert said(smidgen.verify(load(name), tier=SHORT, h=h), NO) == set()
 
 
 def test_what_a_system_has_is_found():
