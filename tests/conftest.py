@@ -1,23 +1,38 @@
 """Fixtures that tests share."""
 import os
+import signal
 import subprocess
 import sys
+import tempfile
+import traceback
+import warnings
 from pathlib import Path
 
 import pytest
 
 import smidgen
-from smidgen.run import integrator
+from smidgen.build import cache
 from smidgen.build.library import build_library
+from smidgen.cli import main
+from smidgen.run import integrator
 
 sys.path.insert(0, str(Path(__file__).parent))
 ROOT = Path(__file__).parent.parent
 
 
+def pytest_configure(config):
+    """What is marked long is not quick, in a quick file either."""
+    if config.option.markexpr == "quick":
+        config.option.markexpr = "quick and not long"
+
+
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory):
-    """Builds of the tests leave the user's cache alone."""
-    os.environ["SMIDGEN_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    """Builds of the tests leave the user's cache alone, and all processes of one run share them: none is made twice."""
+    base = tmp_path_factory.getbasetemp()
+    place = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "cache"
+    os.environ["SMIDGEN_CACHE"] = str(place)
+    cache.KEPT = 10_000     # more models than a user keeps
 
 
 @pytest.fixture
@@ -39,8 +54,50 @@ def toy(tmp_path, monkeypatch):
 
 @pytest.fixture
 def command(tmp_path):
-    """Run `smidgen ...` in a folder of its own; returns the finished process."""
-    def call(*words, **more):
-        more = {"cwd": tmp_path, "capture_output": True, "text": True, "timeout": 300, **more}
-        return subprocess.run([sys.executable, "-m", "smidgen", *map(str, words)], **more)
+    """Run `smidgen ...` in a folder of its own; returns the finished process.
+
+    The process is a fork of this one, which has imported everything: a new interpreter would need half a second for that.
+    """
+    def call(*words, cwd=tmp_path, env=None):
+        words = [*map(str, words)]
+        said = [tempfile.TemporaryFile() for _ in range(2)]
+        child = os.fork()
+        if not child:
+            in_a_fork(words, cwd, env, said)
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        return subprocess.CompletedProcess(words, code, *map(text_of, said))
     return call
+
+
+def in_a_fork(words, cwd, env, said):
+    """What `python -m smidgen` does with these words; never returns."""
+    code = 1
+    try:
+        for number, file in enumerate([open(os.devnull, "rb"), *said]):
+            os.dup2(file.fileno(), number)
+        sys.stdin, sys.stdout, sys.stderr = (open(k, "w" if k else "r", closefd=False, encoding="utf-8") for k in range(3))
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        warnings.showwarning = lambda *args: sys.stderr.write(warnings.formatwarning(*args[:4]))     # pytest would keep them
+        warnings.resetwarnings()
+        for kind in (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning):
+            warnings.simplefilter("ignore", kind)
+        os.chdir(cwd)
+        if env is not None:
+            os.environ.clear()
+            os.environ.update(env)
+        code = main(words)
+    except SystemExit as end:
+        code = end.code or 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def text_of(file):
+    """All that was written to it."""
+    with file:
+        file.seek(0)
+        return file.read().decode()

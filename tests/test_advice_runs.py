@@ -81,8 +81,7 @@ def chain_completes(n, seed, time):
     return found, [a == b for a, b in zip(done, steps)]
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize("n, seed", [(5, 1), (9, 2)])
+@pytest.mark.parametrize("n, seed", [(5, 1), pytest.param(9, 2, marks=pytest.mark.long)])
 def test_random_chains_complete(n, seed):
     found, completes = chain_completes(n, seed, 40)
     assert all(completes) and found.completes and found.span == 40
@@ -97,7 +96,6 @@ def test_many_random_chains_complete():
     assert sum(found.t > 0 for found, _ in runs) > 10           # the start alone would not have told
 
 
-@pytest.mark.quick
 def test_what_is_not_looked_at_is_said():
     """A long run of many sites: as far as the work allows, and said how far."""
     text_ = PULSE.replace("sphere = 1", "sphere = 5000").replace('energy = "w.z"', 'over = "site(i) of w"\nenergy = "w[i].z"')
@@ -125,8 +123,7 @@ def end_state(model, h, time):
     return model.start(h=time / steps).steps(steps).w.copy()
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 6))])
 def test_a_pulse_is_seen_wherever_it_is(seed):
     """Rate, cap and accuracy are those of the pulse: the h that is called fine keeps the phase to a part in a thousand."""
     r, sign = random.Random(seed), 1 - 2 * (seed % 2)
@@ -144,7 +141,6 @@ def test_a_pulse_is_seen_wherever_it_is(seed):
     assert error < 1e-3 * whole
 
 
-@pytest.mark.quick
 def test_a_pulse_that_limits_a_step():
     """Across the pulse, and nothing else: W = -w at h A = 2, whenever it comes; steps pass it by, the advice does not."""
     spec = load_text(PULSE.replace('"w.z"', '"0.01*w.x"').replace("[[0.6, 0, 0.8]]", "[[0, 0.6, 0.8]]"))
@@ -170,18 +166,19 @@ def turning(seed, low, high):
     return {**values, "J": r.uniform(-2, 2), "K": r.uniform(-2, 2)}, on_sphere(np.random.default_rng(seed), 3)
 
 
-@pytest.mark.quick
-def test_a_uniform_rotation_is_never_the_cause_of_a_fold():
+@pytest.mark.parametrize("of_spins, of_vortices, folds", [((63,), (0, 1), 1), pytest.param(
+    (63, 101, 130, 179, 267, 295, 310), range(4), 8, marks=pytest.mark.long)])
+def test_a_uniform_rotation_is_never_the_cause_of_a_fold(of_spins, of_vortices, folds):
     """H = B . sum kappa w of any strength and direction, beside spins with an easy axis, and vortices."""
     spins, vortices = load_text(VORTICES[:VORTICES.index("[effects.interaction]")] + SPINS), load_text(VORTICES)
     causes = []
-    for seed in (63, 101, 130, 179, 267, 295, 310):
+    for seed in of_spins:
         values, w = turning(seed, -1, 1.5)
         causes.append(advise(spins, values=values, start=w, time=0))
-    for seed in range(4):
+    for seed in of_vortices:
         values, w = turning(seed, -3, 3)
         causes.append(advise(vortices, values=values, start=w, time=0))
-    assert sum(a.kind == "fold" for a in causes) >= 8
+    assert sum(a.kind == "fold" for a in causes) >= folds
     assert all(a.effect in ("exchange", "anisotropy", "interaction") for a in causes if a.kind == "fold")
 
 
@@ -237,7 +234,6 @@ def test_the_step_of_the_run_is_compared_with_the_one_that_is_named(h, side):
     assert f"The run's h = {h:.6g} is {side} the largest safe step, {found.h:.6g}" in found.words()[-1]
 
 
-@pytest.mark.quick
 def test_the_length_of_the_run():
     """Steps of the run's h, a duration that need not be a multiple of it, or steps of the advised h."""
     spec = load_text(PULSE)

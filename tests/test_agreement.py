@@ -8,7 +8,7 @@ from numpy_systems import SYSTEMS, strengths
 from support import texts
 from support.measure import STEPS, hundred_steps
 from support.systems import (CLASSICAL, FREE_BODIES, QUICK, SHORT, SPECS, SPHERICAL, VESELOV, begin,
-                             few_quick, model)
+                             tiers, model)
 
 from smidgen.errors import UsageError
 from smidgen.run.start import radii
@@ -16,6 +16,7 @@ from smidgen.check.witness import Witness
 
 EPSILON = np.finfo(float).eps
 TEXTS = {"mixed": texts.MIXED, "pulse": texts.PULSE, "corners": texts.CORNERS, "open": texts.OPEN_CHAIN}
+unusual = pytest.mark.parametrize("name", tiers(TEXTS, (), ("corners",)))
 
 
 def random_states(case, count, seed=0):
@@ -59,12 +60,12 @@ def check_numbers(case):
             assert np.abs(field - other_field).max() <= 8 * EPSILON * max(1, np.abs(field).max()) + 8 * data[1]
 
 
-@pytest.mark.parametrize("name", few_quick(SPECS))
+@pytest.mark.parametrize("name", tiers(SPECS))
 def test_energy_and_field(name):
     check_numbers(begin(name))
 
 
-@pytest.mark.parametrize("name", TEXTS)
+@unusual
 def test_energy_and_field_of_unusual_specs(name):
     check_numbers(begin(texts.read(TEXTS[name])))
 
@@ -97,14 +98,22 @@ def check_steps(case, method, **more):
     assert apart <= allowed
 
 
-@pytest.mark.parametrize("name", few_quick(SPECS))
+@pytest.mark.parametrize("name", tiers(SPECS, few=("product", "two_bodies", "point_vortices")))
 def test_spherical_midpoint_takes_the_steps_of_the_witness(name):
     case = begin(name)
     assert len(case.w) <= 100
     check_steps(case, SPHERICAL)
 
 
-@pytest.mark.parametrize("name", few_quick(SPECS, QUICK[:2]))
+@pytest.mark.parametrize("name, values, method", [
+    ("heisenberg_chain", {"n": 12}, SPHERICAL), ("cubic_lattice", {"nx": 3, "ny": 3, "nz": 3}, SPHERICAL), ("vortex_tracers", {"m": 4}, SPHERICAL),
+    ("heisenberg_chain", {"n": 12}, CLASSICAL), pytest.param("cubic_lattice", {"nx": 3, "ny": 3, "nz": 3}, CLASSICAL, marks=pytest.mark.long),
+    pytest.param("vortex_tracers", {"m": 4}, CLASSICAL, marks=pytest.mark.long)])
+def test_systems_of_a_few_sites_take_the_steps_of_the_witness(name, values, method):
+    check_steps(begin(name, **values), method)
+
+
+@pytest.mark.parametrize("name", tiers(SPECS, QUICK[:2], ()))
 def test_classical_midpoint_takes_the_steps_of_the_witness(name):
     check_steps(begin(name), CLASSICAL)
 
@@ -114,19 +123,22 @@ def test_moser_veselov_takes_the_steps_of_the_witness():
     check_steps(begin("free_rigid_body"), VESELOV)
 
 
-@pytest.mark.parametrize("name", TEXTS)
+@unusual
 def test_unusual_specs_take_the_steps_of_the_witness(name):
     check_steps(begin(texts.read(TEXTS[name])), SPHERICAL)
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
-@pytest.mark.parametrize("name", ["heisenberg_chain", "point_vortices", "product", "two_bodies",
-                                  "vortex_tracers"])
+FEW_SOLVERS = [("heisenberg_chain", "rotation"), ("point_vortices", "newton"), ("two_bodies", "plain")]
+
+
+@pytest.mark.parametrize("name, solver", [pytest.param(name, solver, marks=() if (name, solver) in FEW_SOLVERS else pytest.mark.long)
+                                          for name in ("heisenberg_chain", "point_vortices", "product", "two_bodies", "vortex_tracers")
+                                          for solver in ("newton", "rotation", "plain")])
 def test_every_solver_takes_the_steps_of_the_witness(name, solver):
     check_steps(begin(name, **({"n": 20} if name == "heisenberg_chain" else {})), SPHERICAL, solver=solver)
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
+@pytest.mark.parametrize("solver", tiers(["newton", "rotation", "plain"], (), ("newton",)))
 def test_a_graph_takes_the_steps_of_the_witness(solver, tmp_path):
     check_steps(begin(texts.read(texts.GLASS, tmp_path)), SPHERICAL, solver=solver)
 

@@ -1,7 +1,11 @@
 """Bad steps: a sample of every model, and the cases in which a step was once wrong (docs/fuzzing.md)."""
+import os
+
 import pytest
 from fuzz.bad_models import MODELS
 from fuzz.bad_steps import build, run, shares
+
+from smidgen.build.cache import lock
 
 # what was wrong: another branch (top, nambu and its classical midpoint), a state between (r3_pair), abs(w) (field, cubic,
 # chain6), the residual (vortices)
@@ -12,20 +16,26 @@ ONCE_WRONG = {"top": (13250, 10198), "nambu": (1647, 17875, 30578, 36807), "r3_p
 
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory):
-    """name -> the compiled judge of that model."""
-    built = {}
+    """name -> the compiled judge of that model, which one test process makes for all."""
+    base = tmp_path_factory.getbasetemp()
+    place = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "bad_steps"
+    place.mkdir(exist_ok=True)
 
     def program(name):
-        if name not in built:
-            built[name] = build(name, tmp_path_factory.mktemp(name), False)
-        return built[name]
+        made = place / name / "done"
+        with lock(place / name):
+            if not made.exists():
+                (place / name).mkdir()
+                build(name, place / name, False).rename(made)
+        return made
     return program
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_a_sample(name, programs):
+@pytest.mark.parametrize("name, steps", [*((name, 4_000) for name in MODELS if name in ONCE_WRONG),
+                                         *(pytest.param(name, 20_000, marks=pytest.mark.long) for name in MODELS)])
+def test_a_sample(name, steps, programs):
     """Thousands of steps of all models; every branch is followed, of large systems every eighth."""
-    cases = max(150, shares(20_000, list(MODELS))[name])
+    cases = max(150, shares(steps, list(MODELS))[name])
     found = run(name, programs(name), 1, 0, cases, 1 if cases > 200 else 8)
     assert found.status == 0 and found.violations == [] and found.numbers["steps"] > 10
 

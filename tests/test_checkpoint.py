@@ -11,7 +11,7 @@ from smidgen.compile.features import FEATURES
 from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, PAST, REST, SCALE, SIZE, Saved
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
-from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model
+from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model, tiers
 
 
 # The saved state
@@ -30,7 +30,7 @@ def goes_on(one, other, w, h, before=37, after=50):
     assert other.t == one.t
 
 
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", tiers(SPECS, (), (*QUICK, "heisenberg_chain", "vortex_tracers")))
 def test_every_spec_goes_on(name):
     case = begin(name)
     goes_on(model(case), model(case), case.w, case.h)
@@ -58,8 +58,8 @@ def test_every_method_and_feature_goes_on(name, method, feature):
     goes_on(one, model(case, method, **more), case.w, case.h)
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
-@pytest.mark.parametrize("real", ["double", "long double"])
+@pytest.mark.parametrize("solver, real", [("newton", "double"), ("rotation", "double"), ("rotation", "long double"), *(
+    pytest.param(solver, real, marks=pytest.mark.long) for solver, real in (("plain", "double"), ("newton", "long double"), ("plain", "long double")))])
 def test_every_solver_goes_on(solver, real):
     case = begin("heisenberg_chain", n=12)
     goes_on(*(model(case, solver=solver, real=real) for _ in range(2)), case.w, case.h)
@@ -145,7 +145,8 @@ def operations(path) -> int:
     return number
 
 
-@pytest.mark.parametrize("suffix, part", [(".h5", 1), (".npz", 0.3), (".csv", 0.3)])
+@pytest.mark.parametrize("suffix, part", [(".h5", 0.15), (".npz", 0.1), (".csv", 0.1), *(
+    pytest.param(suffix, part, marks=pytest.mark.long) for suffix, part in ((".h5", 1), (".npz", 0.3), (".csv", 0.3)))])
 def test_killed_at_every_operation_on_the_disk(tmp_path, patient_disk, suffix, part, unbroken):
     """In the middle of each write, before and after each fsync, rename and removal. part: of the operations, from the last on; the formats differ only when the result is put together."""
     out = tmp_path / f"a{suffix}"

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -62,7 +63,6 @@ def test_version(command):
 
 # new, check, list
 
-@pytest.mark.quick
 def test_new_check_and_run(chain, command, tmp_path):
     assert command("check", chain.name).stdout.startswith("spins.toml: good.")
     said = command("run", chain.name, "--out", "a.npz")
@@ -272,7 +272,10 @@ def started(words, tmp_path, **more):
     """A long run under way."""
     child = subprocess.Popen([sys.executable, "-m", "smidgen", *words], cwd=tmp_path, text=True,
                              **more)
-    time.sleep(3)
+    until = time.monotonic() + 60
+    while "model.so" not in Path(f"/proc/{child.pid}/maps").read_text() and time.monotonic() < until:
+        time.sleep(0.1)
+    time.sleep(1.5)
     assert child.poll() is None
     return child
 
@@ -324,6 +327,7 @@ def test_a_defect_names_a_log(monkeypatch, capsys):
 
 # The page docs/command.md
 
+@pytest.mark.long
 def test_the_page(tmp_path):
     for script in blocks("command.md", "sh"):
         sh(script, tmp_path)

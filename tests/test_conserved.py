@@ -3,6 +3,7 @@ import json
 
 import numpy as np
 import pytest
+from support.systems import tiers
 
 import smidgen
 from smidgen import cli
@@ -11,7 +12,6 @@ from smidgen.show.demo import systems
 from smidgen.show.plot import facts, page, player
 from smidgen.read.shipped import shipped
 
-pytestmark = pytest.mark.quick
 TEXT = """[model]
 name = "m"
 [space]
@@ -42,8 +42,10 @@ CASES = {       # inner, outer: is the energy conserved, in how many directions 
     "no symmetry": (FIELD + " + w[i].z^2*w[j].x", "3*dot(w[i], p[j])", True, 0),
 }
 
+cases = pytest.mark.parametrize("case", tiers(CASES, (), ("tracers feel time", "H depends on time", "a tilted field")))
 
-@pytest.mark.parametrize("case", CASES)
+
+@cases
 def test_one_energy_in_run_plot_player_and_demo(case, monkeypatch):
     inner, outer, conserved, _ = CASES[case]
     result = smidgen.run(smidgen.load_text(TEXT.format(inner=inner, outer=outer)))
@@ -63,7 +65,7 @@ def test_one_energy_in_run_plot_player_and_demo(case, monkeypatch):
     assert error == change if conserved else np.isnan(error)
 
 
-@pytest.mark.parametrize("case", CASES)
+@cases
 def test_momentum_is_an_error_where_it_is_conserved_and_a_change_elsewhere(case):
     inner, outer, _, count = CASES[case]
     spec = smidgen.load_text(TEXT.format(inner=inner, outer=outer))

@@ -47,6 +47,7 @@ def test_two_folders_two_seeds_another_order(elsewhere):
     assert len(first) == 3 * len(FEW)
 
 
+@pytest.mark.long
 def test_alone_or_after_others(elsewhere):
     together = digests(folder("specs"), FEW, "random")
     for name in FEW[1:3]:
@@ -63,7 +64,8 @@ def test_twice_in_one_process():
     assert text_of("two_bodies") == before
 
 
-@pytest.mark.parametrize("method", [SPHERICAL, pytest.param(CLASSICAL, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL])
 def test_every_spec_under_many_seeds(elsewhere, method):
     first = digests(folder("specs"), SPECS, "0", method)
     assert len(first) == 3 * len(SPECS)
@@ -71,6 +73,7 @@ def test_every_spec_under_many_seeds(elsewhere, method):
     assert digests(elsewhere, SPECS[3:] + SPECS[:3], "random", method) == first
 
 
+@pytest.mark.long
 def test_unusual_specs(tmp_path):
     """Conditionals, time, strengths of both signs, graphs: in two folders, under two seeds."""
     found = []

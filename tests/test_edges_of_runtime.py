@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from support.filters import feed, make, random  # noqa: F401
 
-pytestmark = pytest.mark.quick
 INF = np.inf
 
 

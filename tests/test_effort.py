@@ -36,7 +36,11 @@ NEWTON = [("point_vortices", SPHERICAL, "auto", 0.4), ("point_vortices", CLASSIC
           ("PULSE", SPHERICAL, "auto", 0.2), ("test_particles", SPHERICAL, "auto", 1.0)]
 
 
-@pytest.mark.parametrize("name, method, solver, h", NEWTON)
+FEW = ("point_vortices", "product", "heisenberg_chain", "GLASS", "CORNERS", "two_bodies", "free_rigid_body", "forced_rigid_body")
+
+
+@pytest.mark.parametrize("name, method, solver, h", [pytest.param(*one, marks=() if one[0] in FEW and one[1] != CLASSICAL else pytest.mark.long)
+                                                     for one in NEWTON])
 def test_newton_squares_its_error(name, method, solver, h, tmp_path):
     found = iterations(case_of(name, tmp_path), h, 1, method, solver)[0]
     print(f"{name} {method} {solver} h = {h}: {found}")
@@ -54,7 +58,7 @@ SMOOTH = [("point_vortices", "auto", 0.025), ("two_bodies", "auto", 0.0125), ("p
           ("heisenberg_chain", "plain", 0.0025), ("GLASS", "newton", 0.005)]
 
 
-@pytest.mark.parametrize("name, solver, h", SMOOTH)
+@pytest.mark.parametrize("name, solver, h", [pytest.param(*one, marks=() if one[0] in FEW else pytest.mark.long) for one in SMOOTH])
 def test_small_steps_are_predicted_to_round_off(name, solver, h, tmp_path):
     """From some steps on a single iteration confirms the prediction, for as long as one likes."""
     found = iterations(case_of(name, tmp_path), h, 200, solver=solver)[30:]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from pages import blocks, python, sh
 from support.explain_specs import planted, text
-from support.systems import SPECS, load
+from support.systems import SPECS, load, tiers
 
 import smidgen
 from smidgen.errors import RunError
@@ -158,7 +158,7 @@ def test_time_reversal(name, even):
     assert ((-1, -1, -1) in explain(load(name)).signs) == even
 
 
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(4, 25))])
 def test_a_planted_axis_is_found(seed):
     spec, axis = planted(seed)
     report = explain(load_text(spec))
@@ -236,15 +236,16 @@ def claims(seed):
     return len(report.rotations) + sum(i.kind != "casimir" for i in report.integrals), report
 
 
-@pytest.mark.parametrize("tens", range(10))
+@pytest.mark.parametrize("tens", [0, *(pytest.param(tens, marks=pytest.mark.long) for tens in range(1, 10))])
 def test_no_false_claim_on_random_hamiltonians(tens):
     found = [claims(seed) for seed in range(10 * tens, 10 * tens + 10)]
     assert sum(n for n, _ in found) > 10        # there was something to be wrong about
 
 
-def test_little_is_left_undecided():
-    reports = [explain(load_text(text(seed))) for seed in range(60)]
-    assert sum(bool(r.undecided) for r in reports) <= 3
+@pytest.mark.parametrize("count", [10, pytest.param(60, marks=pytest.mark.long)])
+def test_little_is_left_undecided(count):
+    reports = [explain(load_text(text(seed))) for seed in range(count)]
+    assert sum(bool(r.undecided) for r in reports) <= 1 + count / 30
 
 
 @pytest.mark.quick
@@ -352,8 +353,7 @@ def test_what_holds_for_equal_entries_only_says_so():
 
 # The command
 
-@pytest.mark.quick
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", tiers(SPECS))
 def test_every_shipped_spec_is_explained(name):
     report = explain(load(name))
     assert len(report.words()) >= 3 and not report.undecided
@@ -369,6 +369,7 @@ def test_command(command):
     assert command("explain", "free_rigid_body", "--effects", "no").returncode == 2
 
 
+@pytest.mark.long
 def test_the_page(tmp_path):
     sh("smidgen new spins\n" + "".join(blocks("explain.md", "sh")), tmp_path)
     said = [python(program, tmp_path) for program in blocks("explain.md", "python")]

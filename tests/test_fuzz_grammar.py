@@ -26,7 +26,7 @@ from smidgen.language.spec import Spec
 
 ROOT = Path(__file__).parent.parent
 SHIPPED = [p.read_text(encoding="utf-8") for p in sorted((ROOT / "specs").glob("*.toml"))]
-EXAMPLES = int(os.environ.get("SMIDGEN_FUZZ_EXAMPLES", 30))       # of each property; docs/fuzzing.md
+EXAMPLES = int(os.environ.get("SMIDGEN_FUZZ_EXAMPLES", 15))       # of each property; docs/fuzzing.md
 MANY = settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck))
 FEW = settings(MANY, max_examples=EXAMPLES // 5)                   # each is compiled
 

@@ -6,7 +6,13 @@ from hard.table import page, read_table, table_of
 import numpy as np
 
 
-@pytest.mark.parametrize("one", [pytest.param(c, id=c.name, marks=pytest.mark.long if c.tier == "long" else ()) for c in CASES])
+SLOW = ("a rough chain, from small steps to where they end", "two vortex pairs on their wrong branches",
+        "close vortex pair, up to the fold", "close vortex pair, beyond the fold", "plain iteration where it does not contract",
+        "chaos of the forced body: two Lyapunov exponents")    # seconds, even if of the quick tier
+
+
+@pytest.mark.parametrize("one", [pytest.param(c, id=c.name, marks=pytest.mark.long if c.tier == "long" or c.name in SLOW else ())
+                                 for c in CASES])
 def test_hard_case(one):
     """Every row holds, and the page in docs has these rows."""
     rows = one.run()

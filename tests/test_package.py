@@ -96,6 +96,7 @@ def test_it_generates_away_from_the_checkout(installed, away, tmp_path):
     assert sorted(p.name for p in (tmp_path / "c").iterdir()) == ["mine.c", "mine.h"]
 
 
+@pytest.mark.long
 def test_it_validates_away_from_the_checkout(installed, away):
     called(installed / "smidgen", "validate", "free_rigid_body", "--steps", "10", **away)
 

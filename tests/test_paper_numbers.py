@@ -11,7 +11,6 @@ from support.bodies import STEPS, TENSORS, band, drift, energy_errors, largest_e
 from support.elliptic import constants, curve, period, solution
 from support.systems import CLASSICAL, SHORT, SPECS, SPHERICAL, VESELOV
 
-pytestmark = pytest.mark.quick
 METHODS = (SPHERICAL, CLASSICAL, VESELOV)
 
 # Largest error on [0, 10] at h = 2^-1, 2^-3, .. 2^-9.
@@ -133,6 +132,7 @@ def test_classical_midpoint_drifts():
     assert found == pytest.approx((3.950e-3, 1.1979e-2, 4.567e-2, 1.589e-1), rel=THREE_DIGITS)
 
 
+@pytest.mark.long
 def test_spherical_midpoint_stays_in_its_band_for_long():
     """Three times as long, and the band is the same to a part in ten thousand."""
     assert band(60000) == pytest.approx(band(20000), rel=1e-4)

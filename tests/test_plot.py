@@ -8,6 +8,7 @@ import zlib
 
 import numpy as np
 import pytest
+from support.systems import tiers
 
 from smidgen.errors import UsageError
 from smidgen.run.output import Result
@@ -194,7 +195,7 @@ def test_every_kind_draws_something_with_named_axes(kind, top):
         assert not ax.axison or ax.get_xlabel() or ax.get_ylabel()
 
 
-@pytest.mark.parametrize("ending", style.FORMATS)
+@pytest.mark.parametrize("ending", tiers(style.FORMATS, (), ("svg",)))
 def test_same_result_same_bytes(ending, top, tmp_path):
     a, b = (draw.plot(top, "energy", tmp_path / f"{n}.{ending}").read_bytes() for n in "ab")
     assert a == b and len(a) > 1000
@@ -260,7 +261,7 @@ SPOILT = {
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("how", SPOILT)
+@pytest.mark.parametrize("how", tiers(SPOILT, (), ("nan", "all nan", "huge")))
 def test_spoilt_results_are_drawn_or_refused(how, top, tmp_path):
     w = SPOILT[how](top.w["w"])
     k = len(w)
@@ -402,8 +403,8 @@ def said_in(figure):
     return " ".join([t.get_text() for t in figure.findobj(style.matplotlib.text.Text)])
 
 
-@pytest.mark.parametrize("kind, counts", [(kind, counts) for kind in SITES_DRAWN
-                                          for counts in [(7,), (3, 20)]] + [("chain", (700,)), ("leaf", (9,))])
+@pytest.mark.parametrize("kind, counts", [*((kind, (3, 20)) for kind in SITES_DRAWN), ("chain", (700,)), *(
+    pytest.param(kind, counts, marks=pytest.mark.long) for kind, counts in [*((kind, (7,)) for kind in SITES_DRAWN), ("leaf", (9,))])])
 def test_a_picture_says_how_many_sites_it_leaves_out(kind, counts):
     figure = style.styled(pictures.KINDS[kind][0])(spins(*counts))
     drawn, every = SITES_DRAWN[kind](figure), sum(counts)

@@ -1,11 +1,13 @@
 """What the spherical midpoint promises, tried on generated code: order, symmetry, invariants."""
+import functools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import texts
 from support.exact import rotation
-from support.systems import CLASSICAL, SPHERICAL, VESELOV, begin, load, model, on_leaf
+from support.systems import CLASSICAL, QUICK, SPHERICAL, VESELOV, begin, load, model, on_leaf, tiers
 
 import smidgen
 from smidgen.compile.emit.emit import generate
@@ -13,7 +15,6 @@ from smidgen.compile.select import select
 from smidgen.run.start import kappas
 from smidgen.check.witness import Witness
 
-pytestmark = pytest.mark.quick
 EPSILON = np.finfo(float).eps
 seeds = st.integers(0, 2**32 - 1)
 some = settings(max_examples=20, deadline=None, derandomize=True)
@@ -21,6 +22,12 @@ some = settings(max_examples=20, deadline=None, derandomize=True)
 
 def sphere_points(seed, count):
     return on_leaf(np.random.default_rng(seed).standard_normal((count, 3)))
+
+
+@functools.lru_cache
+def model_of(name, method=SPHERICAL, **values):
+    """The compiled system of a shipped spec, made once for all examples."""
+    return model(begin(name, **values), method)
 
 
 def largest(a):
@@ -41,9 +48,12 @@ def orders(found):
     return np.log2(np.array(found[:-1]) / np.array(found[1:]))
 
 
-@pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL])
-@pytest.mark.parametrize("name, end", [("irreversible_rigid_body", 4.0), ("point_vortices", 6.0),
-                                       ("nambu_a38", 1.0), ("product", 2.0), ("forced_rigid_body", 5.0)])
+ORDERS = [("irreversible_rigid_body", 4.0), ("point_vortices", 6.0), ("nambu_a38", 1.0), ("product", 2.0)]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name, end, method", [("forced_rigid_body", 5.0, SPHERICAL), ("forced_rigid_body", 5.0, CLASSICAL), ("nambu_a34", 1.0, SPHERICAL), *(
+    pytest.param(name, end, method, marks=pytest.mark.long) for name, end in ORDERS for method in (SPHERICAL, CLASSICAL))])
 def test_order_two(name, end, method):
     case = begin(name)
     found = errors(case, method, case.w, end, (50, 100, 200))
@@ -60,7 +70,8 @@ def frozen(start):
     return advance
 
 
-@pytest.mark.parametrize("name, values", [("forced_rigid_body", {"eps": 1.0}), ("test_particles", {"n": 5})])
+@pytest.mark.quick
+@pytest.mark.parametrize("name, values", [("forced_rigid_body", {"eps": 1.0}), pytest.param("test_particles", {"n": 5}, marks=pytest.mark.long)])
 def test_time_is_taken_in_the_middle_of_the_step(name, values):
     """Order 2 in a field that depends on time; with time frozen at the step's beginning, order 1."""
     case = begin(name, **values)
@@ -72,19 +83,19 @@ def test_time_is_taken_in_the_middle_of_the_step(name, values):
 
 # -- symmetry -----------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL, VESELOV])
-def test_a_step_back_undoes_a_step(method):
+@pytest.mark.quick
+@pytest.mark.parametrize("name, method", [("free_rigid_body", VESELOV), *(
+    pytest.param(name, method, marks=() if name in QUICK or (name, method) == ("point_vortices", SPHERICAL) else pytest.mark.long)
+    for name in ("free_rigid_body", "forced_rigid_body", "two_bodies", "point_vortices", "product", "nambu_a34", "nambu_a39")
+    for method in (SPHERICAL, CLASSICAL))])
+def test_a_step_back_undoes_a_step(name, method):
     """phi_{-h} phi_h = 1: the step equation is the same with w and W exchanged."""
-    for name, values in (("free_rigid_body", {}), ("forced_rigid_body", {"eps": 0.7}), ("two_bodies", {}),
-                         ("point_vortices", {}), ("product", {}), ("nambu_a39", {})):
-        if method == VESELOV and name != "free_rigid_body":
-            continue
-        case = begin(name, **values)
-        one, w, t, h = model(case, method), case.w, 0.3, 2 * case.h
-        there = one.start(w.copy(), t0=t, h=h).steps(5).w.copy()
-        back = one.start(there.copy(), t0=t + 5 * h, h=-h).steps(5).w
-        assert largest(there - w) > 1e-3
-        assert largest(back - w) < 40 * EPSILON * max(1, largest(w))
+    case = begin(name, **({"eps": 0.7} if name == "forced_rigid_body" else {}))
+    one, w, t, h = model(case, method), case.w, 0.3, 2 * case.h
+    there = one.start(w.copy(), t0=t, h=h).steps(5).w.copy()
+    back = one.start(there.copy(), t0=t + 5 * h, h=-h).steps(5).w
+    assert largest(there - w) > 1e-3
+    assert largest(back - w) < 40 * EPSILON * max(1, largest(w))
 
 
 @some
@@ -93,7 +104,7 @@ def test_a_turned_start_gives_the_turned_end(seed, axis, angle, h):
     """Isotropic systems: phi_h R = R phi_h for every rotation R, to round-off."""
     turn = np.asarray(rotation(sphere_points(axis, 1)[0], angle), float).T
     for name, w in (("heisenberg_chain", sphere_points(seed, 6)), ("point_vortices", FOUR)):
-        one = model(begin(name, n=len(w)))
+        one = model_of(name, n=len(w))
         straight = one.start(w.copy(), h=h).steps(10).w.copy()
         turned = one.start(on_leaf(w @ turn), h=h).steps(10).w
         assert largest(turned - straight @ turn) < 200 * EPSILON
@@ -102,11 +113,12 @@ def test_a_turned_start_gives_the_turned_end(seed, axis, angle, h):
 FOUR = on_leaf(np.array([[1, 0.1, 0.3], [-0.2, 1, 0.5], [-0.7, -0.6, 0.2], [0.1, 0.2, -1]]))
 
 
+@pytest.mark.quick
 @some
 @given(seed=seeds)
 def test_the_free_body_keeps_its_symmetric_planes(seed):
     """H even in w_x: the reflection diag(-1, 1, 1) with time reversed maps steps to steps."""
-    one, w = model(begin("free_rigid_body")), sphere_points(seed, 1)
+    one, w = model_of("free_rigid_body"), sphere_points(seed, 1)
     mirror = np.array([-1.0, 1, 1])
     after = one.start(w.copy(), h=0.4).steps(7).w.copy()
     assert largest(one.start(w * mirror, h=-0.4).steps(7).w - after * mirror) == 0
@@ -119,7 +131,7 @@ def test_the_free_body_keeps_its_symmetric_planes(seed):
 def test_momentum_of_a_chain(seed, h):
     """sum w, an integral of the isotropic chain, is kept to round-off; so is every norm."""
     w = sphere_points(seed, 12)
-    one = model(begin("heisenberg_chain", n=12)).start(w.copy(), h=h).steps(200)
+    one = model_of("heisenberg_chain", n=12).start(w.copy(), h=h).steps(200)
     assert largest(one.w.sum(axis=0) - w.sum(axis=0)) < 30 * EPSILON
     assert largest(np.sum(one.w**2, axis=1) - np.sum(w**2, axis=1)) < 30 * EPSILON
 
@@ -134,6 +146,7 @@ def test_momentum_of_vortices(strengths):
     assert largest(np.sum(kappa * (one.w - FOUR), axis=0)) < 30 * EPSILON * np.abs(kappa).max()
 
 
+@pytest.mark.quick
 @some
 @given(seed=seeds, moments=st.tuples(*[st.floats(0.5, 5)] * 3), h=st.floats(0.01, 1))
 def test_the_energy_of_a_free_body(seed, moments, h):
@@ -141,7 +154,7 @@ def test_the_energy_of_a_free_body(seed, moments, h):
     w = sphere_points(seed, 1)
     for method in (SPHERICAL, CLASSICAL, VESELOV):
         h = min(h, 0.4) if method == VESELOV else h     # |h I^-1 w| <= 1 is its own limit
-        one = model(begin("free_rigid_body", **{f"I{k + 1}": m for k, m in enumerate(moments)}), method)
+        one = model_of("free_rigid_body", method, **{f"I{k + 1}": m for k, m in enumerate(moments)})
         start = one.start(w.copy(), h=h).energy()
         assert abs(one.steps(300).energy() - start) < 60 * EPSILON
 
@@ -160,8 +173,8 @@ def test_linear_and_quadratic_integrals_of_a_lone_spin():
     assert largest(one.casimirs() - casimir) < 20 * EPSILON * size
 
 
-@pytest.mark.parametrize("name", ["two_bodies", "product", "nambu_a31", "nambu_a34", "nambu_a36",
-                                  "nambu_a38", "nambu_a39", "forced_rigid_body"])
+@pytest.mark.parametrize("name", tiers(["two_bodies", "product", "nambu_a31", "nambu_a34", "nambu_a36",
+                                        "nambu_a38", "nambu_a39", "forced_rigid_body"], ()))
 def test_casimirs(name):
     """|w| of spheres and of R^3, C of the Nambu factors: over 2000 steps, to round-off."""
     case = begin(name)
@@ -218,11 +231,13 @@ def text(spec):
             for name, lines in generate(spec).items()}
 
 
+@pytest.mark.quick
 def test_an_effect_not_asked_for_leaves_nothing():
     """Byte for byte the text of a spec that never had it, its parameter gone too."""
     assert text(select(load("product"), ("spin", "pendulum"))) == text(smidgen.load_text(WITHOUT))
 
 
+@pytest.mark.quick
 def test_the_order_of_effects_changes_nothing():
     names = [e.name for e in load("product").effects]
     assert text(select(load("product"), names[::-1])) == text(select(load("product"), names))

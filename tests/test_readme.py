@@ -22,6 +22,7 @@ def place(tmp_path):
     return tmp_path
 
 
+@pytest.mark.long
 def test_commands(place):
     sh(blocks("sh")[0], place)
     for name in ("tops.csv", "tops.html", "two_tops.h", "two_tops.c"):

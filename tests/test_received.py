@@ -21,7 +21,6 @@ from smidgen.run.settings import settle
 from smidgen.read.shipped import load_spec
 from support.runs import chain_run, patient_disk       # noqa: F401
 
-pytestmark = pytest.mark.quick
 FORMATS = [".csv", ".npz", ".h5"]
 TERABYTES = (10 ** 12, 3)
 

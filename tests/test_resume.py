@@ -23,13 +23,13 @@ def stopped(tmp_path, patient_disk):
     out = tmp_path / "a.h5"
 
     def live():
-        real = vars(sys.modules["smidgen.run"])["_save"]
+        real = vars(sys.modules["smidgen.run.run"])["_save"]
 
         def save(model, recorder, began):
             real(model, recorder, began)
             if model.count == 120:
                 crash.die()
-        vars(sys.modules["smidgen.run"])["_save"] = save
+        vars(sys.modules["smidgen.run.run"])["_save"] = save
         chain_run(out)
     assert crash.forked(live) == -signal.SIGKILL
     return out
@@ -126,12 +126,12 @@ def test_every_bit_of_a_part_is_watched(stopped):
 
 
 def test_another_version_is_refused(stopped, monkeypatch):
-    monkeypatch.setattr(sys.modules["smidgen.resume"], "generator_name", lambda: "smidgen 9.9 0123456789abcdef")
+    monkeypatch.setattr(sys.modules["smidgen.run.resume"], "generator_name", lambda: "smidgen 9.9 0123456789abcdef")
     refused(stopped, "begun by smidgen .* this is smidgen 9.9")
 
 
 def test_another_compiler_is_refused(stopped, monkeypatch):
-    build = sys.modules["smidgen.build"]
+    build = sys.modules["smidgen.build.library"]
     monkeypatch.setattr(build, "compiler_version", lambda words: "another compiler 1.0")
     refused(stopped, "begun with another compiler")
 
@@ -215,6 +215,7 @@ def test_long_double_goes_on(tmp_path):
     np.testing.assert_array_equal(result.w["w"], whole.w["w"])
 
 
+@pytest.mark.long
 def test_many_chunks_between_two_checkpoints(tmp_path):
     """Rows are safe as they come; those after the last state are computed again."""
     spec = begin("free_rigid_body").spec

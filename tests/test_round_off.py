@@ -16,13 +16,17 @@ from support.systems import CLASSICAL, VESELOV, begin, model
 EPSILON = np.finfo(float).eps
 
 
-def changes(one, starts, h, count, quantity):
-    """Change of a quantity of one site over `count` steps of h, for every start."""
+def changes(one, starts, h, count, *quantities):
+    """Change of each quantity of one site over `count` steps of h, for every start: (quantities, starts)."""
+    def values():
+        return [np.ravel(quantity(one))[0] for quantity in quantities]
     found = []
     for w in starts:
-        before = np.ravel(quantity(one.start(w.copy(), h=h)))[0]
-        found.append(np.ravel(quantity(one.steps(count)))[0] - before)
-    return np.array(found)
+        one.start(w.copy(), h=h)
+        before = values()
+        one.steps(count)
+        found.append(np.subtract(values(), before))
+    return np.transpose(found)
 
 
 def unbiased(found) -> bool:
@@ -36,31 +40,33 @@ def test_a_bias_would_show():
     assert unbiased(dice) and not unbiased(dice + 1.2)
 
 
-@pytest.mark.parametrize("h", [0.05, 0.0877, pytest.param(0.125, marks=pytest.mark.quick), 0.4])
-def test_round_off_takes_no_side(h):
+@pytest.mark.parametrize("h, count", [(0.125, 100_000), (0.4, 100_000),
+                                      *(pytest.param(h, 1_000_000, marks=pytest.mark.long) for h in (0.05, 0.0877, 0.125, 0.4))])
+def test_round_off_takes_no_side(h, count):
     """24 orbits of the free body: what each has lost or won has no common sign."""
     one = model(begin("free_rigid_body"))
-    for quantity in (energy, casimirs):
-        found = changes(one, start_points(24), h, 1_000_000, quantity)
+    for quantity, found in zip((energy, casimirs), changes(one, start_points(24), h, count, energy, casimirs)):
         rms = np.sqrt(np.mean(found**2))
-        print(f"h = {h}: {quantity.__name__} after 1e6 steps: rms {rms:.1e}, mean {found.mean():.1e}")
+        print(f"h = {h}: {quantity.__name__} after {count} steps: rms {rms:.1e}, mean {found.mean():.1e}")
         assert unbiased(found) or rms < EPSILON
         assert rms < 60 * EPSILON
 
 
-def test_round_off_of_large_steps():
+@pytest.mark.parametrize("count", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
+def test_round_off_of_large_steps(count):
     """At h = 1 a side is taken, but |w|^2 is no worse than the random walk of steps w += h X at
     h = 0.1 without a carry: 5.2e-14 after 1e6 steps."""
-    found = changes(model(begin("free_rigid_body")), start_points(24), 1.0, 1_000_000, casimirs)
-    assert np.sqrt(np.mean(found**2)) < 5.2e-14
+    found, = changes(model(begin("free_rigid_body")), start_points(24), 1.0, count, casimirs)
+    assert np.sqrt(np.mean(found**2)) < 5.2e-14 * np.sqrt(count / 1e6)
 
 
-@pytest.mark.parametrize("name, values", [("nambu_a39", {}), ("two_bodies", {}), ("point_vortices", {}),
-                                          ("heisenberg_chain", {"n": 6})])
-def test_casimirs_do_not_drift(name, values):
+@pytest.mark.parametrize("name, values, count", [
+    ("two_bodies", {}, 1_000_000), ("heisenberg_chain", {"n": 6}, 100_000), *(pytest.param(name, values, 1_000_000, marks=pytest.mark.long) for name, values in (
+        ("nambu_a39", {}), ("point_vortices", {}), ("heisenberg_chain", {"n": 6})))])
+def test_casimirs_do_not_drift(name, values, count):
     case = begin(name, **values)
-    early, late = scatter(model(case), [case.w], case.h, (100_000, 1_000_000), casimirs)
-    print(f"{name}: rms casimir error after 1e5, 1e6 steps: {early:.1e}, {late:.1e}")
+    early, late = scatter(model(case), [case.w], case.h, (count // 10, count), casimirs)
+    print(f"{name}: rms casimir error after {count // 10}, {count} steps: {early:.1e}, {late:.1e}")
     assert late < 6 * max(early, 4 * EPSILON)        # few sites: below some ulps the law is noise
     assert late < 40 * EPSILON
 
@@ -77,7 +83,8 @@ energy = "K*dot(w[0], w[1])"
 [starts.any]
 random = 1
 """
-LARGE = [(1.0, 2, 100_000), (1.0, 3, 100_000), (1.0, 7, 100_000), (10.0, 0, 40_000), (1000.0, 0, 40_000)]
+LARGE = [(1.0, 2, 20_000), (10.0, 0, 2_000), (1000.0, 0, 2_000),
+         *(pytest.param(*one, marks=pytest.mark.long) for one in ((1.0, 2, 100_000), (1.0, 3, 100_000), (1.0, 7, 100_000), (10.0, 0, 40_000), (1000.0, 0, 40_000)))]
 
 
 @pytest.mark.parametrize("K, draw, count", LARGE)
@@ -94,11 +101,12 @@ def test_two_spins_do_not_drift_at_large_steps(K, draw, count):
     assert abs(squares[1] - squares[0]) < 10 * EPSILON * np.sqrt(count)
 
 
+@pytest.mark.parametrize("count", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
 @pytest.mark.parametrize("method", [CLASSICAL, VESELOV])
-def test_comparators_do_not_drift(method):
+def test_comparators_do_not_drift(method, count):
     """A comparison of methods must not compare their round-off."""
     one = model(begin("free_rigid_body"), method)
-    early, late = scatter(one, start_points(6), 0.1, (100_000, 1_000_000), energy)
+    early, late = scatter(one, start_points(6), 0.1, (count // 10, count), energy)
     assert late < 6 * max(early, EPSILON / 2) and late < 20 * EPSILON
 
 
@@ -118,28 +126,28 @@ def found(where, table, quantity, variant, orbits, steps):
     return [r for r in rows if r.quantity == quantity]
 
 
-@pytest.mark.quick
 def test_the_default_keeps_the_law_of_the_study(tmp_path):
     """rms dH <= 1e-18 sqrt(N) of forty orbits at 1e4 and 1e5 steps."""
     rows = found(tmp_path, "free", "H", DEFAULT, 40, (10**4, 10**5))
     assert [r.steps for r in rows] == [10**4, 10**5] and small(rows) and all(r.rms > 1e-20 for r in rows)
 
 
-@pytest.mark.parametrize("variant, size", [(PLAIN, 1e-16), (LONG, 1e-21), (PAIRS, 1e-31)])
+@pytest.mark.parametrize("variant, size", [(PLAIN, 1e-16), *(pytest.param(*one, marks=pytest.mark.long) for one in ((LONG, 1e-21), (PAIRS, 1e-31)))])
 def test_the_other_variants_are_as_large_as_their_digits(variant, size, tmp_path):
     rows = found(tmp_path, "free", "H", variant, 8, (10**4, 10**5))
     assert small(rows, size) and not small(rows, size / 1000)
     assert small(rows) == (variant != PLAIN)        # the judgement says no to sums without a carry
 
 
-@pytest.mark.parametrize("variant", LANES)
+@pytest.mark.parametrize("variant", [pytest.param(v, marks=pytest.mark.long if k else ()) for k, v in enumerate(LANES)])
 def test_lanes_keep_the_law_for_a_while(variant, tmp_path):
     rows = found(tmp_path, "lanes", "H", variant, 8, (10**4, 10**5))
     assert len(rows) == 2 and small(rows)
 
 
-@pytest.mark.parametrize("table, orbits, variant, size", [("irreversible", 8, DEFAULT, 1e-17), ("irreversible", 8, LONG, 1e-20),
-                                                          ("chain of 8", 8, DEFAULT, 1e-17), ("chain of 8", 8, LONG, 1e-19)])
+@pytest.mark.parametrize("table, orbits, variant, size", [("irreversible", 8, DEFAULT, 1e-17), *(
+    pytest.param(*one, marks=pytest.mark.long) for one in (
+        ("irreversible", 8, LONG, 1e-20), ("chain of 8", 8, DEFAULT, 1e-17), ("chain of 8", 8, LONG, 1e-19)))])
 def test_lengths_walk_at_random(table, orbits, variant, size, tmp_path):
     rows = found(tmp_path, table, "|w|", variant, orbits, (10**3, 10**4))
     assert small(rows, size) and all(r.orbits == orbits and r.rms > 0 for r in rows)
@@ -206,7 +214,6 @@ def test_the_page_is_of_its_tables(root):
     assert {(r.table, r.variant) for r in rows if r.table in RUNS} == {(t, v) for t in RUNS for v in RUNS[t]}
 
 
-@pytest.mark.quick
 def test_an_unknown_table_is_refused(root):
     said = subprocess.run([sys.executable, str(root / "tests" / "bench" / "round_off.py"), "nothing"], capture_output=True, text=True)
     assert said.returncode == 2 and "no table nothing" in said.stderr and "Traceback" not in said.stderr

@@ -352,7 +352,7 @@ def test_files_that_are_none(tmp_path, suffix):
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
-@pytest.mark.parametrize("room", [0, 100, 5000, 100_000, 1_000_000])
+@pytest.mark.parametrize("room", [0, 100, 5000, 100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
 def test_a_full_disk_leaves_the_earlier_file(toy, tmp_path, suffix, room):
     """The size limit of a process stands for the disk: writing fails in the middle."""
     out = tmp_path / f"a{suffix}"

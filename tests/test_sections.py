@@ -185,7 +185,7 @@ def test_a_chaotic_orbit_is_thick(forced):
     assert thickness(bench.generated(forced, eps=STRONG), bench.SADDLE[1]) > 0.01
 
 
-@pytest.mark.parametrize("w", [w for _, w in bench.CURVES[1:3]])
+@pytest.mark.parametrize("w", [pytest.param(bench.CURVES[1][1], marks=pytest.mark.long), bench.CURVES[2][1]])
 def test_without_reversibility_the_classical_midpoint_has_thick_curves(irreversible, w):
     assert thickness(bench.generated(irreversible), w) < THIN
     assert thickness(bench.generated(irreversible, CLASSICAL), w) > THICK
@@ -246,6 +246,7 @@ def test_chaos_of_generated_code(forced):
     assert found[STRONG].clear >= 40
 
 
+@pytest.mark.long
 def test_chaos_of_generated_code_and_of_the_flow(forced):
     starts, periods = spiral(60), 400
     ours = census(bench.generated(forced, eps=STRONG), starts, periods)

@@ -207,7 +207,6 @@ energy = "v[i].x*p[j].x + 2*v[i].y*p[j].y + v[i].z*p[j].z"
 FAINT = '[effects.faint]\nover = "pair(i, j) of v"\nenergy = "1e-40*dot(v[i], v[j])"'
 
 
-@pytest.mark.quick
 def test_tracers_of_sites_that_feel_only_themselves():
     """A coupling far below round-off between the sites changes nothing for what they carry."""
     w = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.8, 0.6, 0.0], [0.0, 1.0, 0.0]])
@@ -217,7 +216,6 @@ def test_tracers_of_sites_that_feel_only_themselves():
     assert np.abs(alone[2:] - w[2:]).min(axis=1).max() > 0 and np.abs(alone[2:] - w[2:]).max() > 0.1
 
 
-@pytest.mark.quick
 def test_a_tracer_on_a_vortex_is_refused():
     model = smidgen.build(load("vortex_tracers"))
     w = initial_state(model.scene, "ring")

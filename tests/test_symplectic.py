@@ -8,7 +8,7 @@ import pytest
 from support import texts
 from support.exact import dilation, linear_flow, pair_flow, rotation
 from support.measure import defect
-from support.systems import CLASSICAL, SPECS, SPHERICAL, VESELOV, begin
+from support.systems import CLASSICAL, SPECS, SPHERICAL, VESELOV, begin, tiers
 from support.tangent import (Leaves, LongStep, derivative, frame, leaves_of, long_start,
                              poisson_defect)
 
@@ -18,6 +18,7 @@ from smidgen.check.witness import Witness
 SYMPLECTIC, NOT_SYMPLECTIC = 1e-12, 1e-8
 ROUND_OFF = 1e-15       # some ulps of extended precision over the width of a difference
 NAMBU = ("nambu_a31", "nambu_a34", "nambu_a36", "nambu_a38", "nambu_a39")
+FEW_SOLVERS = (("heisenberg_chain", "newton"), ("product", "rotation"), ("two_bodies", "plain"))      # of `make test`
 TRACERS = "vortex_tracers"          # no Poisson map as a whole: see its own tests
 
 
@@ -98,41 +99,41 @@ def test_the_tangent_of_the_step_is_that_of_the_witness():
 
 # -- the spherical midpoint ---------------------------------------------------------------------
 
-@pytest.mark.parametrize("name", [name for name in SPECS if name != TRACERS])
+@pytest.mark.parametrize("name", tiers([name for name in SPECS if name != TRACERS], ()))
 def test_spherical_midpoint_is_symplectic(name):
     found = defect(begin(name), SPHERICAL)
     print(f"{name}: SM {found:.1e}")
     assert found < SYMPLECTIC
 
 
-@pytest.mark.parametrize("text", [texts.FIELD, texts.MIXED, texts.PULSE, texts.OPEN_CHAIN])
+@pytest.mark.parametrize("text", [texts.FIELD, texts.MIXED, *(pytest.param(text, marks=pytest.mark.long) for text in (texts.PULSE, texts.OPEN_CHAIN))])
 def test_spherical_midpoint_is_symplectic_beyond_the_shipped_specs(text):
     """Strengths of both signs, radii, reversed bracket, time, open ends."""
     assert defect(begin(texts.read(text)), SPHERICAL) < SYMPLECTIC
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
-@pytest.mark.parametrize("name", ["heisenberg_chain", "point_vortices", "product", "two_bodies",
-                                  "j1j2_chain"])
+@pytest.mark.parametrize("name, solver", [
+    pytest.param(name, solver, marks=() if (name, solver) in FEW_SOLVERS else pytest.mark.long)
+    for name in ("heisenberg_chain", "point_vortices", "product", "two_bodies", "j1j2_chain")
+    for solver in ("newton", "rotation", "plain")])
 def test_every_solver_gives_the_symplectic_step(name, solver):
     assert defect(begin(name, **({"n": 12} if "chain" in name else {})), SPHERICAL,
                   solver=solver) < SYMPLECTIC
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
+@pytest.mark.parametrize("solver", tiers(["newton", "rotation", "plain"], (), ("plain",)))
 def test_a_graph_is_symplectic(solver, tmp_path):
     assert defect(begin(texts.read(texts.GLASS, tmp_path)), SPHERICAL, solver=solver) < SYMPLECTIC
 
 
-@pytest.mark.parametrize("name, h", [("irreversible_rigid_body", 1.5), ("nambu_a39", 0.8),
-                                     ("point_vortices", 1.5), ("heisenberg_chain", 0.4),
-                                     ("two_bodies", -0.5)])
+@pytest.mark.parametrize("name, h", [("heisenberg_chain", 0.4), ("two_bodies", -0.5), *(
+    pytest.param(name, h, marks=pytest.mark.long) for name, h in (("irreversible_rigid_body", 1.5), ("nambu_a39", 0.8), ("point_vortices", 1.5)))])
 def test_symplectic_at_any_step(name, h):
     """No expansion in h: large and negative steps too; differences narrow enough for them."""
     assert defect(begin(name), SPHERICAL, h=h, steps=3, width=1e-4) < SYMPLECTIC
 
 
-@pytest.mark.parametrize("name", ["two_bodies", *NAMBU, "product"])
+@pytest.mark.parametrize("name", tiers(["two_bodies", *NAMBU, "product"], ()))
 def test_leaves_are_kept_off_the_started_one_too(name):
     """With the defect this makes the step a Poisson map of R^3n: W stays on the leaf of any w."""
     case = begin(name)
@@ -173,7 +174,7 @@ def test_tracers_leave_the_vortices_alone():
 
 # -- the comparators ----------------------------------------------------------------------------
 
-@pytest.mark.parametrize("name", [n for n in SPECS if n not in (TRACERS, "nambu_a31")])
+@pytest.mark.parametrize("name", tiers([n for n in SPECS if n not in (TRACERS, "nambu_a31")], (), ("forced_rigid_body", "nambu_a34", "heisenberg_chain")))
 def test_classical_midpoint_is_not_symplectic(name):
     found = defect(begin(name), CLASSICAL)
     print(f"{name}: CM {found:.1e}")

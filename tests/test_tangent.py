@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 from support import texts
 from support.strict import COMPILERS, REALS, compile_all, run_sanitized
-from support.systems import CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin
+from support.systems import CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, tiers
 from support.tangent import derivative, frame, leaves_of, polished
 
 import smidgen
@@ -28,8 +28,10 @@ AGREES, SYMPLECTIC = 1e-9, 1e-12
 LOCAL = ("forced_rigid_body", "free_rigid_body", "irreversible_rigid_body", "lagrange", "nambu_a31", "nambu_a34",
          "nambu_a36", "nambu_a38", "nambu_a39", "test_particles")    # every site alone: the solver has no say
 LATTICES = ("cubic_lattice", "honeycomb")       # no matrix
-PLAIN = ("product", "two_bodies", "heisenberg_chain")   # plain sweeps of the others: only `long` looks
 TRACERS = "vortex_tracers"
+FEW = {("free_rigid_body", VESELOV, "auto"), ("nambu_a34", CLASSICAL, "auto"), ("heisenberg_chain", SPHERICAL, "auto"),
+       ("heisenberg_chain", SPHERICAL, "rotation"), ("product", SPHERICAL, "newton"), ("two_bodies", SPHERICAL, "plain"),
+       ("cubic_lattice", SPHERICAL, "auto"), (TRACERS, SPHERICAL, "rotation")}    # one a plan
 SMALL_H = {("landau_lifshitz", "plain"): 0.02}  # part of its h at which plain sweeps contract
 quick = pytest.mark.quick
 few_compilers = [pytest.param(c, marks=() if c in ("gcc", "clang++") else pytest.mark.long) for c in COMPILERS]
@@ -41,8 +43,8 @@ def cases():
     for name in SPECS:
         for method in (SPHERICAL, CLASSICAL, *([VESELOV] if name in FREE_BODIES else [])):
             for solver in ("auto",) if name in LOCAL else solvers(name, method):
-                marks = [quick] if name in ("forced_rigid_body", "nambu_a34") and method == SPHERICAL else []
-                marks += [pytest.mark.long] if solver == "plain" and name not in PLAIN else []
+                fast = name in ("forced_rigid_body", "nambu_a34") and method == SPHERICAL
+                marks = quick if fast else () if (name, method, solver) in FEW else pytest.mark.long
                 found.append(pytest.param(name, method, solver, marks=marks, id=f"{name}-{method}-{solver}"))
     return found
 
@@ -119,8 +121,9 @@ def test_equals_differences_of_the_step(name, method, solver):
     assert found < AGREES
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
-@pytest.mark.parametrize("text", [texts.MIXED, texts.OPEN_CHAIN, texts.CORNERS])
+@pytest.mark.parametrize("text, solver", [
+    pytest.param(text, solver, marks=() if (text, solver) in ((texts.MIXED, "rotation"), (texts.CORNERS, "newton")) else pytest.mark.long)
+    for text in (texts.MIXED, texts.OPEN_CHAIN, texts.CORNERS) for solver in ("newton", "rotation", "plain")])
 def test_equals_differences_beyond_the_shipped_specs(text, solver):
     """Strengths of both signs, radii, reversed bracket, time, open ends, R^3, powers and pieces."""
     case = begin(texts.read(text))
@@ -136,7 +139,7 @@ def test_one_spin_alone(text):
     assert gap(step, case, generic_state(step, case)) < AGREES
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation", "plain"])
+@pytest.mark.parametrize("solver", tiers(["newton", "rotation", "plain"], (), ("newton",)))
 def test_a_graph(solver, tmp_path):
     case = begin(texts.read(texts.GLASS, tmp_path))
     step = long_step(case, solver=solver)
@@ -182,7 +185,7 @@ time = 5
 """
 
 
-@pytest.mark.parametrize("method", [SPHERICAL, CLASSICAL])
+@pytest.mark.parametrize("method", tiers([SPHERICAL, CLASSICAL], (), (SPHERICAL,)))
 def test_closed_forms_and_tracers_of_other_families(method):
     """Linear fields on spheres and on R^3 (which turn in closed form), and tracers that bodies in R^3 move."""
     case = begin(texts.read(ALONE))
@@ -190,15 +193,16 @@ def test_closed_forms_and_tracers_of_other_families(method):
     assert gap(step, case, generic_state(step, case), tries=12) < AGREES
 
 
-@pytest.mark.parametrize("name, h", [("irreversible_rigid_body", 1.5), ("nambu_a39", 0.8), ("point_vortices", 1.5),
-                                     ("heisenberg_chain", 0.4), ("two_bodies", -0.5)])
+@pytest.mark.parametrize("name, h", [("heisenberg_chain", 0.4), *(pytest.param(name, h, marks=pytest.mark.long) for name, h in (
+    ("irreversible_rigid_body", 1.5), ("nambu_a39", 0.8), ("point_vortices", 1.5), ("two_bodies", -0.5)))])
 def test_at_any_step(name, h):
     case = begin(name)
     step = long_step(case, h=h)
     assert gap(step, case, generic_state(step, case, 3), width=1e-4) < AGREES
 
 
-@pytest.mark.parametrize("name", ["forced_rigid_body", "heisenberg_chain", "product", "cubic_lattice", TRACERS])
+@pytest.mark.parametrize("name", tiers(["forced_rigid_body", "heisenberg_chain", "product", "cubic_lattice", TRACERS], (),
+                                       ("forced_rigid_body",)))
 def test_in_double_precision(name):
     """The build that users run: round-off of a double away from the long-double one."""
     case = begin(name)
@@ -212,7 +216,7 @@ def test_in_double_precision(name):
 
 
 @pytest.mark.parametrize("feature", sorted(set(FEATURES) - {"tangent"}))
-@pytest.mark.parametrize("name", ["forced_rigid_body", "product"])
+@pytest.mark.parametrize("name", tiers(["forced_rigid_body", "product"], (), ("forced_rigid_body",)))
 def test_beside_other_features(name, feature):
     case = begin(name)
     one = smidgen.build(case.spec, values=case.values, features=("tangent", feature))
@@ -224,7 +228,8 @@ def test_beside_other_features(name, feature):
 
 # -- the symplectic form ------------------------------------------------------------------------
 
-@pytest.mark.parametrize("name", [n for n in SPECS if n not in (TRACERS, *LATTICES)])
+@pytest.mark.parametrize("name", tiers([n for n in SPECS if n not in (TRACERS, *LATTICES)], (),
+                                       ("forced_rigid_body", "nambu_a34", "product", "heisenberg_chain")))
 def test_the_tangent_map_is_symplectic(name):
     case = begin(name, **({"n": 12} if "chain" in name or "landau" in name else {}))
     step = long_step(case)
@@ -232,7 +237,7 @@ def test_the_tangent_map_is_symplectic(name):
 
 
 @quick
-@pytest.mark.parametrize("name", ["forced_rigid_body", "irreversible_rigid_body", "nambu_a34"])
+@pytest.mark.parametrize("name", ["forced_rigid_body", pytest.param("irreversible_rigid_body", marks=pytest.mark.long), "nambu_a34"])
 def test_that_of_the_classical_midpoint_is_not(name):
     case = begin(name)
     step = long_step(case, CLASSICAL)
@@ -293,9 +298,9 @@ def spins(solver="auto", **more):
     return smidgen.build(case.spec, values=case.values, solver=solver, features=TANGENT, **more), case
 
 
-@pytest.mark.parametrize("name, solver", [("heisenberg_chain", "auto"), ("heisenberg_chain", "rotation"),
-                                          ("point_vortices", "newton"), ("forced_rigid_body", "auto"),
-                                          ("two_bodies", "plain"), (TRACERS, "auto")])
+@pytest.mark.parametrize("name, solver", [("heisenberg_chain", "auto"), ("forced_rigid_body", "auto"), *(
+    pytest.param(name, solver, marks=pytest.mark.long) for name, solver in (
+        ("heisenberg_chain", "rotation"), ("point_vortices", "newton"), ("two_bodies", "plain"), (TRACERS, "auto")))])
 def test_the_steps_keep_their_bits(name, solver):
     """With or without the feature, with or without calls between the steps."""
     case = begin(name)
@@ -308,7 +313,7 @@ def test_the_steps_keep_their_bits(name, solver):
         assert np.array_equal(one.w, plain.w) and one.report() == plain.report()
 
 
-@pytest.mark.parametrize("solver", ["newton", "rotation"])
+@pytest.mark.parametrize("solver", tiers(["newton", "rotation"], (), ("newton",)))
 def test_columns_are_carried_one_by_one(solver):
     model, case = spins(solver)
     model.start(case.w.copy(), h=case.h).steps(3)
@@ -459,10 +464,11 @@ PLANS = [("free_rigid_body", SPHERICAL, "auto"), ("free_rigid_body", VESELOV, "a
          ("heisenberg_chain", SPHERICAL, "auto"), ("j1j2_chain", CLASSICAL, "newton"), ("product", SPHERICAL, "newton"),
          ("product", SPHERICAL, "rotation"), ("honeycomb", SPHERICAL, "auto"), ("cubic_lattice", CLASSICAL, "auto"),
          ("two_bodies", SPHERICAL, "plain"), (TRACERS, SPHERICAL, "auto"), (TRACERS, CLASSICAL, "plain")]
+CLEAN = [PLANS[k] for k in (0, 3, 5, 8)]     # compiled in `make test`
 
 
 @pytest.mark.parametrize("compiler", few_compilers)
-@pytest.mark.parametrize("name, method, solver", PLANS)
+@pytest.mark.parametrize("name, method, solver", [pytest.param(*plan, marks=() if plan in CLEAN else pytest.mark.long) for plan in PLANS])
 def test_compiles_without_a_warning(name, method, solver, compiler, tmp_path):
     sources = written(begin(name), tmp_path, method, solver)
     for real in REALS:
@@ -476,15 +482,15 @@ def test_a_graph_compiles_without_a_warning(compiler, tmp_path):
         assert compile_all(tmp_path, written(case, tmp_path, solver=solver), compiler) == ""
 
 
-@pytest.mark.parametrize("name, solver, values", [("heisenberg_chain", "newton", {"n": 8}), ("two_bodies", "newton", {}),
-                                                  ("product", "rotation", {}), (TRACERS, "auto", {"m": 4}),
-                                                  ("forced_rigid_body", "auto", {})])
+@pytest.mark.parametrize("name, solver, values", [("heisenberg_chain", "newton", {"n": 8}), pytest.param("two_bodies", "newton", {}, marks=pytest.mark.long),
+                                                  pytest.param("product", "rotation", {}, marks=pytest.mark.long),
+                                                  (TRACERS, "auto", {"m": 4}), ("forced_rigid_body", "auto", {})])
 def test_runs_clean_under_the_sanitizers(name, solver, values, tmp_path):
     assert sanitized(begin(name, **values), tmp_path, solver, 1, values) == "ok"
 
 
 @pytest.mark.parametrize("name, solver, stretch, values", [("product", "plain", 100, {}),
-                                                           (TRACERS, "rotation", 300, {"m": 2})])
+                                                           pytest.param(TRACERS, "rotation", 300, {"m": 2}, marks=pytest.mark.long)])
 def test_where_sweeps_do_not_settle_columns_are_carried(name, solver, stretch, values, tmp_path):
     """A step many times as large, whose matrix the sweeps do not contract for: GMRES needs no contraction."""
     assert sanitized(begin(name, **values), tmp_path, solver, stretch, values) == "ok"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.systems import tiers
 
 import smidgen
 from smidgen.check.validate import validate
@@ -22,6 +23,7 @@ def path(name: str) -> str:
 
 
 each = pytest.mark.parametrize("name", SPECS)
+few = pytest.mark.parametrize("name", tiers(SPECS, (), ("kicked_spin", "signed_vortices", "spin_glass")))
 
 
 def test_none_is_left_out():
@@ -34,7 +36,7 @@ def test_check(command, name):
     assert said.returncode == 0 and ": good." in said.stdout, said.stderr
 
 
-@each
+@few
 def test_twenty_steps(name):
     """Every output comes, finite, and every site stays on its sphere."""
     spec = smidgen.load(path(name))
@@ -47,7 +49,7 @@ def test_twenty_steps(name):
     assert np.ptp(casimirs, axis=0).max() <= 1e-14 * casimirs.max()
 
 
-@each
+@few
 def test_validate(name):
     report = validate(smidgen.load(path(name)), steps=STEPS, points=2)
     assert report.passed, report.text()
@@ -123,9 +125,8 @@ def chain(t, w):
 
 
 @pytest.mark.parametrize("name, motion", [
-    ("coupled_tops", tops), ("j1j2_chain", chain), ("kicked_spin", kicked),
-    ("kitaev_honeycomb", kitaev), ("signed_vortices", vortices),
-    ("spin_glass", glass)])
+    ("kicked_spin", kicked), ("signed_vortices", vortices), ("spin_glass", glass), *(pytest.param(name, motion, marks=pytest.mark.long) for name, motion in (
+        ("coupled_tops", tops), ("j1j2_chain", chain), ("kitaev_honeycomb", kitaev)))])
 def test_the_motion_is_that_of_the_field(name, motion):
     """The distance from the flow of the equations by hand falls by four when h is halved."""
     spec = smidgen.load(path(name))

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from support.systems import QUICK, tiers
 from witness_models import body, one_term, op, precession, pulsed, sphere
 
 import smidgen
@@ -30,14 +31,15 @@ def runs_of(name):
     return [r.name for r in smidgen.load(folder("specs") / f"{name}.toml").runs]
 
 
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", tiers(SPECS, (), ("forced_rigid_body", "nambu_a34", "vortex_tracers")))
 def test_every_spec_agrees_with_the_witness(name):
     report = validate(smidgen.load(folder("specs") / f"{name}.toml")).check()
     assert {"field", "energy", "values at the start", "100 steps", "order of convergence"} <= {
         line.check for line in report.lines}
 
 
-@pytest.mark.parametrize("name, run", [(n, r) for n in SPECS for r in runs_of(n)[1:]])
+@pytest.mark.parametrize("name, run", [pytest.param(n, r, marks=() if n in QUICK else pytest.mark.long)
+                                       for n in SPECS for r in runs_of(n)[1:]])
 def test_every_other_run_agrees_too(name, run):
     validate(smidgen.load(folder("specs") / f"{name}.toml"), run).check()
 

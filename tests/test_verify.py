@@ -5,12 +5,14 @@ import numpy as np
 import pytest
 from pages import DOCS, blocks, python, sh
 from support import impostors as wrong, texts
-from support.systems import CLASSICAL, SPECS, VESELOV, load
+from support.systems import CLASSICAL, SPECS, VESELOV, load, tiers
 
 import smidgen
 from smidgen.errors import RunError, UsageError, ValidationError
 from smidgen.run.settings import settle
-from smidgen.check.verify.certificate import certify
+from smidgen.check.verify import branch, order
+from smidgen.check.verify.case import Case
+from smidgen.check.verify.certificate import STATES, certify
 from smidgen.check.verify.row import CLAIMS, NO, NOT_APPLICABLE, YES, at_most, at_least
 from smidgen.check.verify.subject import emitted
 
@@ -18,7 +20,17 @@ SIZES = {"heisenberg_chain": {"n": 10}, "honeycomb": {"nx": 2, "ny": 2}, "j1j2_c
          "landau_lifshitz": {"n": 12}, "cubic_lattice": {"nx": 2, "ny": 2, "nz": 2},
          "test_particles": {"n": 5}, "vortex_tracers": {"m": 4}}
 SHORT = 1000            # steps of round-off where something else is looked at
-quick = pytest.mark.quick
+quick, long = pytest.mark.quick, pytest.mark.long
+
+
+@pytest.fixture(autouse=True)
+def few_states(request, monkeypatch):
+    """Outside the long tier a certificate looks at as few states as that of `--quick`, however long its orbits are."""
+    if not request.node.get_closest_marker("long"):
+        monkeypatch.setattr(Case, "of_tier", lambda self, table: table["quick"])
+        monkeypatch.setitem(STATES, "normal", STATES["quick"])
+        monkeypatch.setattr(branch, "STATES", (2, 6, 6))
+        monkeypatch.setattr(order, "FLOW_HALVINGS", 7)
 
 
 def said(certificate, verdict):
@@ -39,8 +51,7 @@ def generated(spec, **given):
 
 # -- yes ---------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=quick) if n in ("free_rigid_body", "nambu_a34") else n
-                                  for n in SPECS])
+@pytest.mark.parametrize("name", tiers(SPECS, ("free_rigid_body", "nambu_a34"), ("heisenberg_chain", "vortex_tracers")))
 def test_every_shipped_spec_is_certified(name):
     certificate = smidgen.verify(load(name), tier="quick", values=SIZES.get(name, {}))
     print(certificate.text())
@@ -57,6 +68,7 @@ def test_every_shipped_spec_is_certified_at_length(name):
     assert said(certificate, NO) == set()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("text", [texts.FIELD, texts.MIXED, texts.PULSE, texts.OPEN_CHAIN])
 def test_specs_beyond_the_shipped_ones_are_certified(text):
     """Strengths of both signs, radii, reversed bracket, time, open ends."""
@@ -65,16 +77,17 @@ def test_specs_beyond_the_shipped_ones_are_certified(text):
     assert said(certificate, NO) == set()
 
 
-@pytest.mark.parametrize("name", ["free_rigid_body", "point_vortices", "two_bodies", "test_particles"])
-def test_no_false_alarm_at_other_states(name):
+@pytest.mark.parametrize("name, seeds", [("free_rigid_body", 2), *(
+    pytest.param(name, 5, marks=long) for name in ("free_rigid_body", "point_vortices", "two_bodies", "test_particles"))])
+def test_no_false_alarm_at_other_states(name, seeds):
     spec, values = load(name), SIZES.get(name, {})
-    for seed in range(5):
+    for seed in range(seeds):
         assert said(certify(spec, tier=SHORT, values=values, seed_of_checks=seed), NO) == set()
 
 
-@pytest.mark.parametrize("h", [0.01, 0.4, -0.1])
-def test_any_step_is_certified(h):
-    assert said(smidgen.verify(load("point_vortices"), tier=SHORT, h=h), NO) == set()
+@pytest.mark.parametrize("name, h", [("forced_rigid_body", -np.pi / 30), *(pytest.param("point_vortices", h, marks=long) for h in (0.01, 0.4, -0.1))])
+def test_any_step_is_certified(name, h):
+    assert said(smidgen.verify(load(name), tier=SHORT, h=h), NO) == set()
 
 
 def test_what_a_system_has_is_found():
@@ -83,6 +96,10 @@ def test_what_a_system_has_is_found():
     assert chain.row("energy").verdict == NOT_APPLICABLE
     body = smidgen.verify(load("free_rigid_body"), tier=SHORT)
     assert said(body, YES) >= {"energy", "quadratic integrals"} and "no rotation" in body.row("equivariant").note
+
+
+@long
+def test_what_fields_and_tracers_have_is_found():
     field = smidgen.verify(texts.read(texts.FIELD), tier=SHORT)
     assert field.row("equivariant").note.replace("-", "") == "about (0.36, 0.48, 0.8)" and field.row("energy").verdict == YES
     assert "time" in smidgen.verify(load("forced_rigid_body"), tier=SHORT).row("energy").note
@@ -100,7 +117,7 @@ def test_a_list_in_place_of_one_number_is_certified():
     assert found.row("momentum").verdict == YES and found.passed, found.text()
 
 
-@pytest.mark.parametrize("name, run", [("irreversible_rigid_body", "classical"), ("point_vortices", None)])
+@pytest.mark.parametrize("name, run", [("irreversible_rigid_body", "classical"), pytest.param("point_vortices", None, marks=long)])
 def test_the_classical_midpoint_is_not_symplectic(name, run):
     """Its own generated code, judged as what it is: no for what it is not, nothing else."""
     certificate = smidgen.verify(load(name), run, tier=SHORT, method=CLASSICAL)
@@ -112,7 +129,6 @@ def test_the_classical_midpoint_is_not_symplectic(name, run):
         certificate.check()
 
 
-@quick
 def test_the_classical_midpoint_that_coincides_is_symplectic():
     """On the Heisenberg algebra it is the spherical midpoint: no prejudice."""
     assert smidgen.verify(load("nambu_a31"), tier=SHORT, method=CLASSICAL).row("symplectic").verdict == YES
@@ -140,10 +156,28 @@ METHODS = [
 ]
 
 
-@pytest.mark.parametrize("system, impostor, no, yes", METHODS, ids=lambda x: getattr(x, "__name__", None))
+SLOW = (wrong.ClassicalMidpoint, wrong.GeodesicMidpoint)     # on a chain: hundreds of iterations a step
+
+
+def methods(chosen):
+    return pytest.mark.parametrize("system, impostor, no, yes", chosen, ids=lambda x: getattr(x, "__name__", None))
+
+
+@methods([one for one in METHODS if one[0] is not wrong.Chain or one[1] not in SLOW])
 def test_another_method_in_its_place_is_refused(system, impostor, no, yes):
+    """A hundred steps, two states: an impostor shows at once what it is."""
+    refused(system, impostor, no, yes, steps=100)
+
+
+@long
+@methods(METHODS)
+def test_another_method_in_its_place_is_refused_at_length(system, impostor, no, yes):
+    refused(system, impostor, no, yes)
+
+
+def refused(system, impostor, no, yes, **more):
     values = {"n": 8} if system is wrong.Chain else None
-    certificate = judged(system, impostor(system()), values=values)
+    certificate = judged(system, impostor(system()), values=values, **more)
     assert no | WITNESS <= said(certificate, NO)
     assert yes | {"field", "energy formula"} <= said(certificate, YES)
 
@@ -154,19 +188,19 @@ def test_frozen_sublattices_keep_the_energy():
     w = np.array(wrong.unit(np.random.default_rng(1).standard_normal((8, 3))))
     after = chain.run(w[None], 0.0, 0.1, [1000])[0, 0]
     assert abs(chain.energy(after, 0) - chain.energy(w, 0)) < 1e-12
-    row = judged(wrong.Chain(), chain, values={"n": 8}).row("symplectic")
+    row = judged(wrong.Chain(), chain, values={"n": 8}, steps=100).row("symplectic")
     assert row.measured > 1e-5
 
 
 def test_an_iteration_left_early_drifts():
-    certificate = judged(wrong.IrreversibleBody(), wrong.EarlyStop(wrong.IrreversibleBody()), tier=10000)
+    certificate = judged(wrong.IrreversibleBody(), wrong.EarlyStop(wrong.IrreversibleBody()), steps=100)
     assert {"round-off", "residual"} <= said(certificate, NO)
     assert certificate.row("round-off").measured > 0.8
 
 
 # -- no: generated code with a fault -----------------------------------------------------------
 
-@pytest.mark.parametrize("spec", [load("forced_rigid_body"), texts.read(texts.PULSE), texts.read(texts.MIXED)],
+@pytest.mark.parametrize("spec", [load("forced_rigid_body"), *(pytest.param(texts.read(text), marks=long) for text in (texts.PULSE, texts.MIXED))],
                          ids=lambda s: s.name)
 def test_a_frozen_time_shows_as_order_one(spec):
     certificate = certify(spec, tier=SHORT, subject=wrong.compiled(spec, wrong.frozen_time))
@@ -176,6 +210,7 @@ def test_a_frozen_time_shows_as_order_one(spec):
     assert said(certificate, YES) >= {"symplectic", "casimirs", "field"}
 
 
+@pytest.mark.long
 def test_a_frozen_time_shows_where_it_is_weak():
     """A hundred thousandth of the energy depends on time, and nothing of it at the start."""
     text = texts.PULSE.replace("2*exp(-(t - 1)^2)*w.x + sin(3*t)*w.y^2", "1e-5*cos(3*t)*w.x")
@@ -186,6 +221,7 @@ def test_a_frozen_time_shows_where_it_is_weak():
     assert certificate.row("order").verdict == NO and certificate.row("order").measured < 1.5
 
 
+@pytest.mark.long
 def test_a_reversed_bracket_is_refused():
     spec = load("point_vortices")
     certificate = certify(spec, tier=SHORT, subject=wrong.compiled(spec, wrong.turned_round))
@@ -193,7 +229,8 @@ def test_a_reversed_bracket_is_refused():
     assert said(certificate, YES) >= {"symplectic", "reversible", "momentum", "field", "tangent map"}
 
 
-@pytest.mark.parametrize("name, effect", [("product", "coupling"), ("forced_rigid_body", "loading"), ("j1j2_chain", "far")])
+@pytest.mark.parametrize("name, effect", [pytest.param("product", "coupling", marks=long), ("forced_rigid_body", "loading"),
+                                          pytest.param("j1j2_chain", "far", marks=long)])
 def test_a_wrong_sign_with_its_hessian_is_refused(name, effect):
     """The step is a perfect symplectic map of another system."""
     spec, values = load(name), SIZES.get(name, {})
@@ -203,6 +240,7 @@ def test_a_wrong_sign_with_its_hessian_is_refused(name, effect):
     assert said(certificate, YES) >= {"symplectic", "tangent map", "tangent symplectic", "reversible", "casimirs"}
 
 
+@pytest.mark.long
 def test_a_small_turn_is_refused():
     """A millionth of h, symplectic and on the spheres: the flow and the interpreter tell."""
     spec = load("irreversible_rigid_body")
@@ -219,6 +257,7 @@ def test_a_tangent_of_another_step_is_refused():
     assert said(rough, NO) == {"tangent symplectic", "sums"}        # started anew at each step, it has no carry
 
 
+@pytest.mark.long
 def test_tracers_of_the_classical_midpoint_are_not_carried_by_area():
     certificate = smidgen.verify(load("vortex_tracers"), tier=SHORT, values={"m": 3}, method=CLASSICAL)
     assert {"symplectic", "tracers' area"} <= said(certificate, NO)
@@ -365,8 +404,13 @@ def test_the_command(command, tmp_path):
         assert command("verify", "free_rigid_body", *words).returncode == 2
 
 
+@long
 def test_the_page_runs(tmp_path):
     sh("smidgen new spins\n" + "".join(blocks("verify.md", "sh")), tmp_path)
     assert "symplectic" in python(blocks("verify.md", "python")[0], tmp_path)
+
+
+@quick
+def test_the_page_names_every_row():
     page = (DOCS / "verify.md").read_text()
     assert all(f"| {name} |" in page or name in ("field", "energy formula") for name in CLAIMS)

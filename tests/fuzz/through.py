@@ -222,7 +222,7 @@ class Compared(Pair):
 @contextlib.contextmanager
 def builds(words, cache):
     """Libraries with these options of the compiler, in a cache of their own."""
-    module, cache_of_all = sys.modules["smidgen.build"], os.environ.get("SMIDGEN_CACHE")
+    module, cache_of_all = sys.modules["smidgen.build.library"], os.environ.get("SMIDGEN_CACHE")
     before, module.FLAGS, os.environ["SMIDGEN_CACHE"] = module.FLAGS, words, str(cache)
     try:
         yield

@@ -7,11 +7,15 @@ from pathlib import Path
 import pytest
 from pages import blocks, sh
 
+import smidgen
+from smidgen.cli import main
+
 HERE = Path(__file__).parent
 PAGE = "linking.md"
 STRICT = ("-O2 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion "
           "-Wdouble-promotion -Wvla -Werror").split()
-COMPILERS = [("gcc", "g++"), ("clang", "clang++")]
+COMPILERS = [("gcc", "g++"), pytest.param(("clang", "clang++"), marks=pytest.mark.long)]
+MODELS = ("heisenberg_chain", "free_rigid_body")
 
 
 @pytest.fixture
@@ -20,6 +24,30 @@ def folder(tmp_path):
     for program in ("chain.c", "tops.cpp"):
         shutil.copy(HERE / program, tmp_path)
     return tmp_path
+
+
+@pytest.fixture(scope="session")
+def amalgamated(tmp_path_factory):
+    """The folder of `smidgen gen NAME --amalgamate` for both models."""
+    place = tmp_path_factory.mktemp("amalgamated")
+    for name in MODELS:
+        assert main(["gen", name, "--amalgamate", "--out", str(place)]) == 0
+    return place
+
+
+@pytest.fixture
+def both(folder, amalgamated):
+    """The programs beside both models."""
+    shutil.copytree(amalgamated, folder, dirs_exist_ok=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    """What `smidgen build free_rigid_body --out here` has put in `here`."""
+    place = tmp_path_factory.mktemp("library") / "here"
+    assert main(["build", "free_rigid_body", "--out", str(place)]) == 0
+    return place
 
 
 @pytest.fixture(params=COMPILERS, ids=lambda pair: pair[0])
@@ -39,12 +67,14 @@ def test_the_two_files_of_the_page(folder):
     assert said.endswith(blocks(PAGE, "output")[0])
 
 
+@pytest.mark.long
 def test_the_library_of_the_page(folder):
     said = sh(blocks(PAGE, "sh")[1], folder).splitlines()[-1]
     energy, spin = map(float, re.findall(r"-?\d+\.\d+e[+-]\d+", said))
     assert said.startswith("t = 1000") and abs(energy) < 1e-6 and abs(spin) < 1e-12
 
 
+@pytest.mark.long
 def test_the_tangent_map_of_the_page(folder):
     """The rate of an unstable axis, known in closed form, from the program."""
     shutil.copy(HERE / "growth.c", folder)
@@ -53,27 +83,24 @@ def test_the_tangent_map_of_the_page(folder):
     assert sh(commands, folder).splitlines()[-1] == f"|v| grows like exp({rate:.6f} t)"
 
 
-def test_the_library_may_be_moved(folder):
-    sh("smidgen build free_rigid_body --out here; mv here there", folder)
+def test_the_library_may_be_moved(folder, library):
+    shutil.copytree(library, folder / "there")
     said = sh("c++ -std=c++17 tops.cpp $(pkg-config --cflags --libs free_rigid_body) -o t; ./t",
               folder, PKG_CONFIG_PATH=str(folder / "there/lib/pkgconfig"))
     assert said == blocks(PAGE, "output")[0]
 
 
-def test_pkg_config_knows_the_version(folder):
-    import smidgen
-    sh("smidgen build free_rigid_body --out here", folder)
-    env = {"PKG_CONFIG_PATH": str(folder / "here/lib/pkgconfig")}
+def test_pkg_config_knows_the_version(folder, library):
+    env = {"PKG_CONFIG_PATH": str(library / "lib/pkgconfig")}
     assert sh("pkg-config --modversion free_rigid_body", folder, **env).strip() == smidgen.__version__
     sh("pkg-config --validate free_rigid_body", folder, **env)
 
 
-def test_both_programs_with_the_amalgamated_files(folder, compilers):
+def test_both_programs_with_the_amalgamated_files(both, compilers):
     c, cpp = compilers
-    sh("smidgen gen heisenberg_chain --amalgamate; smidgen gen free_rigid_body --amalgamate", folder)
+    folder = both
     assert sorted(p.name for p in folder.iterdir()) == sorted(
-        ["chain.c", "tops.cpp", *(f"{m}.{e}" for m in ("heisenberg_chain", "free_rigid_body")
-                                  for e in "ch")])
+        ["chain.c", "tops.cpp", *(f"{m}.{e}" for m in MODELS for e in "ch")])
     flags = " ".join(STRICT)
     sh(f"{c} -std=c11 {flags} chain.c heisenberg_chain.c -lm -o chain; ./chain", folder)
     sh(f"{c} -std=c11 {flags} -c free_rigid_body.c; "
@@ -84,37 +111,37 @@ def test_both_programs_with_the_amalgamated_files(folder, compilers):
 def test_the_sources_are_cpp_too(folder, compilers):
     """Everything through the C++ compiler alone."""
     _, cpp = compilers
-    sh("smidgen gen free_rigid_body --out .", folder)
+    assert main(["gen", "free_rigid_body", "--out", str(folder)]) == 0
     sh(f"{cpp} -std=c++17 {' '.join(STRICT)} tops.cpp -x c++ free_rigid_body.c -lm -o tops", folder)
     assert sh("./tops", folder) == blocks(PAGE, "output")[0]
 
 
-def test_two_models_in_one_program(folder):
+def test_two_models_in_one_program(both):
     """Amalgamated files share nothing but the guarded runtime."""
-    sh("smidgen gen heisenberg_chain --amalgamate; smidgen gen free_rigid_body --amalgamate", folder)
-    (folder / "both.c").write_text(
+    (both / "both.c").write_text(
         '#include "heisenberg_chain.h"\n#include "free_rigid_body.h"\n'
         "int main(void) { heisenberg_chain_params a; free_rigid_body_params b;\n"
         "heisenberg_chain_defaults(&a); free_rigid_body_defaults(&b);\n"
         "return heisenberg_chain_sites(&a) == 100 && free_rigid_body_sites(&b) == 1 ? 0 : 1; }\n")
-    sh(f"gcc -std=c11 {' '.join(STRICT)} both.c heisenberg_chain.c free_rigid_body.c -lm -o both; ./both",
-       folder)
+    flags = " ".join(STRICT).replace("-O2", "-O0")
+    sh(f"gcc -std=c11 {flags} both.c heisenberg_chain.c free_rigid_body.c -lm -o both; ./both", both)
 
 
-def test_what_is_linked_is_no_driver(folder):
+def test_what_is_linked_is_no_driver(both):
     """No allocation, no output, no exit: the object needs nothing but the C library's mathematics."""
-    sh("smidgen gen heisenberg_chain --amalgamate; gcc -std=c11 -O2 -c heisenberg_chain.c", folder)
-    wanted = {line.split()[-1] for line in sh("nm -u heisenberg_chain.o", folder).splitlines()}
+    sh("gcc -std=c11 -O2 -c heisenberg_chain.c", both)
+    wanted = {line.split()[-1] for line in sh("nm -u heisenberg_chain.o", both).splitlines()}
     allowed = {"sqrt", "fabs", "memcpy", "memset", "memmove", "_GLOBAL_OFFSET_TABLE_",
                "__stack_chk_fail", "fmax", "fmin", "copysign"}
     assert wanted <= allowed, wanted - allowed
-    writable = [line for line in sh("nm heisenberg_chain.o", folder).splitlines()
+    writable = [line for line in sh("nm heisenberg_chain.o", both).splitlines()
                 if re.search(r" [bBdD] ", line)]
     assert writable == []
 
 
-def test_the_steps_are_those_of_smidgen_run(folder, command):
+def test_the_steps_are_those_of_smidgen_run(both):
     """The linked program and the command give the same bits."""
+    folder = both
     (folder / "bits.c").write_text(
         '#include "free_rigid_body.h"\n#include <stdio.h>\n'
         "int main(void) { free_rigid_body_params p; free_rigid_body_state s; smg_real mem[4096];\n"
@@ -123,9 +150,7 @@ def test_the_steps_are_those_of_smidgen_run(folder, command):
         "if (free_rigid_body_memsize(&p) > sizeof mem) return 3;\n"
         "free_rigid_body_init(&s, &p, mem, w, 0, 0.125); free_rigid_body_steps(&s, 80);\n"
         'printf("%a %a %a\\n", s.w[0], s.w[1], s.w[2]); return 0; }\n')
-    sh("smidgen gen free_rigid_body --amalgamate; "
-       "gcc -std=c11 -O3 -ffp-contract=off bits.c free_rigid_body.c -lm -o bits", folder)
-    import smidgen
+    sh("gcc -std=c11 -O3 -ffp-contract=off bits.c free_rigid_body.c -lm -o bits", folder)
     from smidgen.read.shipped import load_spec
     result = smidgen.run(load_spec("free_rigid_body"), "demo", steps=80)
     first, last = result.w["w"][0, 0], result.final[0]

@@ -21,7 +21,7 @@ BUILDS = {
     "clang++": ["clang++", "-x", "c++", "-std=c++11", "-O2"],
 }
 QUICK = ("gcc", "gcc-sanitized")
-EVERY_BUILD = [pytest.param(b, marks=pytest.mark.quick if b in QUICK else ()) for b in BUILDS]
+EVERY_BUILD = [pytest.param(b, marks=pytest.mark.quick if b == "gcc" else () if b in (*QUICK, "clang++") else pytest.mark.long) for b in BUILDS]
 
 
 def copied_runtime(to):

@@ -17,7 +17,14 @@ from smidgen.run.integrator import Integrator, scene_of
 from smidgen.run.start import parameter_values
 from smidgen.check.verify.subject import Emitted
 
+NEXT, LAST = [1, 2, 0], [2, 0, 1]
+
 # -- systems: field b = dH/dw and energy, kappa = 1 on unit spheres, w' = w x b ------------------
+
+
+def cross(a, b):
+    """np.cross for vectors along the last axis, in a third of its time."""
+    return a[..., NEXT] * b[..., LAST] - a[..., LAST] * b[..., NEXT]
 
 
 class IrreversibleBody:
@@ -65,7 +72,7 @@ class Impostor:
 
     def x(self, w, t):
         """X = w x b."""
-        return np.cross(w, self.field(w, t))
+        return cross(w, self.field(w, t))
 
     def step(self, w, t, h):
         return self.motion(w, w.dtype.type(t), w.dtype.type(h))
@@ -93,7 +100,7 @@ def unit(w):
 def turned(w, axis, angle):
     """w turned about unit axes by angles of shape (..., 1)."""
     c, s = np.cos(angle), np.sin(angle)
-    return c * w + s * np.cross(axis, w) + (1 - c) * np.sum(axis * w, axis=-1, keepdims=True) * axis
+    return c * w + s * cross(axis, w) + (1 - c) * np.sum(axis * w, axis=-1, keepdims=True) * axis
 
 
 class Implicit(Impostor):
@@ -105,7 +112,7 @@ class Implicit(Impostor):
         for _ in range(200):
             v = self.increment(self.middle(w + u / 2), t + h / 2, h)
             moved, u = np.abs(v - u).max(), v
-            if moved <= self.tolerance or moved >= best and moved < 1e-13:
+            if moved <= self.tolerance or moved >= best and moved < 1e-13 or not moved < 1e3:
                 break
             best = min(best, moved)
         return w + u

@@ -8,7 +8,7 @@ import time
 
 START, COMPUTING, WRITING, RESULT, ENDED = range(5)
 NAMES = ("start", "computing", "checkpoint writing", "putting the result together")
-RUN = vars(sys.modules["smidgen.run"])
+RUN = vars(sys.modules["smidgen.run.run"])
 
 
 class Phases:

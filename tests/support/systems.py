@@ -14,8 +14,8 @@ from smidgen.run.start import initial_state
 SPECS = sorted(path.stem for path in folder("specs").glob("*.toml"))
 SPHERICAL, CLASSICAL, VESELOV = METHODS
 SHORT = {SPHERICAL: "SM", CLASSICAL: "CM", VESELOV: "DMV"}
-QUICK = ("free_rigid_body", "forced_rigid_body", "nambu_a31", "nambu_a34", "nambu_a36", "nambu_a38",
-         "nambu_a39", "product", "two_bodies")      # small C, a moment to compile
+QUICK = ("free_rigid_body", "forced_rigid_body", "nambu_a34")       # small C, a moment to compile
+FEW = (*QUICK, "product", "two_bodies", "heisenberg_chain", "cubic_lattice", "point_vortices", "vortex_tracers")   # one a plan of the step
 FREE_BODIES = ("free_rigid_body",)      # what Moser-Veselov accepts
 
 
@@ -60,6 +60,7 @@ def on_leaf(w, radius=1.0):
     return w * (radius / np.sqrt(np.sum(w * w, axis=1)))[:, None]
 
 
-def few_quick(names, quick=QUICK):
-    """Parameters of a test, of which those in `quick` belong to the quick part."""
-    return [pytest.param(n, marks=pytest.mark.quick) if n in quick else n for n in names]
+def tiers(names, quick=QUICK, few=FEW):
+    """Parameters of a test: those in `quick` for `make quick` too, the others in `few` for `make test`, all for `make test-long`."""
+    marks = {**dict.fromkeys(few, ()), **dict.fromkeys(quick, pytest.mark.quick)}
+    return [pytest.param(n, marks=marks.get(n, pytest.mark.long)) for n in names]
