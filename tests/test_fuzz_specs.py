@@ -16,6 +16,7 @@ from fuzz.specs import KINDS, attempt, closing, many, rows_of, signature
 from fuzz.through import Fault, through
 
 from smidgen.errors import BuildError
+from smidgen.compile.emit.amalgamate import inline_runtime
 from smidgen.compile.select import select
 from smidgen.methods import MIDPOINTS as METHODS, SOLVERS
 from smidgen.run.settings import settle
@@ -55,16 +56,15 @@ steps = 10
 """
 FAULTS = {
     "a size that is never set": ("k->n0 = c->p.n;", "", (Fault, BuildError), "compilers|sanitizers|library"),
-    "an entry beyond the array": ("; i < c->n0; ++i) {\n    const smg_real kappa", "; i <= c->n0; ++i) {\n    const smg_real kappa", Fault, "sanitizers"),
-    "an index that nothing declares": ("h / random_model_w_kappa(c, i)", "h / random_model_w_kappa(c, site)", Fault, "compilers"),
-    "a variable that nothing uses": ("h / random_model_w_kappa(c, i);", "h / random_model_w_kappa(c, i);\n  int unused;", Fault, "compilers"),
-    "memory that is too small": ("return sizeof(smg_real) * random_model_carve(&s, NULL);",
-                                 "return sizeof(smg_real) * random_model_carve(&s, NULL) - 8;", Fault, "sanitizers"),
-    "what a restored state lacks": ("s->degree = s->history > 0 ? (int)in[random_model_SAVED_DEGREE] : -1;", "s->degree = 0;", Fault, "sanitizers"),
+    "an entry beyond the array": ("k < smg_sites(c); ++k) {\n    const smg_real kappa", "k <= smg_sites(c); ++k) {\n    const smg_real kappa",
+                                  Fault, "sanitizers"),
+    "an index that nothing declares": ("  const int64_t i = k;\n  return c->p.gamma[i];", "  return c->p.gamma[i];", Fault, "compilers"),
+    "a variable that nothing uses": ("  return h / smg_kappa(c, k);", "  int unused;\n  return h / smg_kappa(c, k);", Fault, "compilers"),
+    "memory that is too small": ("return sizeof(smg_real) * smg_layout(&s, NULL);", "return sizeof(smg_real) * smg_layout(&s, NULL) - 8;", Fault, "sanitizers"),
+    "what a restored state lacks": ("  smg_copy(s->carry, in + SMG_SAVED_HEAD + n3, n3);\n", "", Fault, "sanitizers"),
     "a sum of integers that overflows": ("++s->count;", "s->count += 9223372036854775807;", Fault, "sanitizers"),
     "a step that never ends": ("if (c->n0 < 1 ||", "for (volatile int k = 1; k;) {}\n  if (c->n0 < 1 ||", Fault, "sanitizers"),
-    "a strength that is wrong by 1e-12": ("= h / random_model_w_kappa(c, i)", "= h * (smg_real)1.000000000001 / random_model_w_kappa(c, i)",
-                                          Mismatch, "witness")}
+    "a strength that is wrong by 1e-12": ("return h / smg_kappa(c, k)", "return h * (smg_real)1.000000000001 / smg_kappa(c, k)", Mismatch, "witness")}
 
 
 @pytest.mark.parametrize("name", [n if n in list(FAULTS)[:4] else pytest.param(n, marks=pytest.mark.long) for n in FAULTS])
@@ -73,6 +73,7 @@ def test_a_planted_fault_is_found(monkeypatch, name):
     stages = []
 
     def change(files):
+        files = inline_runtime(files, "random_model")
         assert old in files["random_model.c"]
         return {**files, "random_model.c": files["random_model.c"].replace(old, new, 1)}
     monkeypatch.setattr(passage, "SECONDS", 3 if name == "a step that never ends" else 20)
