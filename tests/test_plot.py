@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from support.systems import tiers
 
+from smidgen.methods import NAMES
 from smidgen.errors import UsageError
 from smidgen.run.output import Result
 from smidgen.show.plot import chain, colours, curves, draw, equilibria, facts, leaf, orbits, overview, pictures
@@ -299,6 +300,7 @@ def test_slope_triangle_has_the_slope():
 
 def test_methods_differ_in_colour_dash_and_marker():
     looks = list(style.STYLES.values())
+    assert list(style.STYLES) == list(NAMES)
     for column in (1, 2, 3):
         assert len({look[column] for look in looks}) == len(looks)
 

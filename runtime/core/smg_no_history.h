@@ -7,7 +7,7 @@
 #define SMG_NO_DEGREE 0
 #define SMG_REST 0
 
-static inline void smg_blank_history(smg_state *s) { (void)s; }
+static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 
 /* Numbers of the history. */
 static inline size_t smg_history_size(const smg_coefficients *c) {

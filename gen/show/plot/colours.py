@@ -24,9 +24,10 @@ PURPLE, ORANGE, SKY, BROWN = "#CC79A7", "#E69F00", "#56B4E9", "#6B4C00"
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
 INK, SOFT, FAINT, SINGULAR = "#222222", "#5B6570", "#8A94A0", "#C8102E"
 
-# method -> label, colour, dash, marker
-STYLES = {name: (method.label, *style) for (name, method), style in zip(METHODS.items(), (
-    (BLUE, "-", "o"), (VERMILION, "--", "s"), (GREEN, "-.", "^"), (INK, ":", "D"), ("#888888", (0, (5, 1)), "v")))}
+# method -> label, colour, dash, marker: the midpoints by name of the palette, the others in the order of the registry
+LOOKS = ((BLUE, "-", "o"), (VERMILION, "--", "s"), (GREEN, "-.", "^"),
+         *((to_hex(matplotlib.colormaps["cividis"](k / 12)), (0, (1 + k, 1, 1, 1)), marker) for k, marker in enumerate("Dv<>pPhHXd*8")))
+STYLES = {name: (method.label, *look) for (name, method), look in zip(METHODS.items(), LOOKS)}
 COMPONENTS = {"x": PURPLE, "y": SKY, "z": BROWN}
 CHAOTIC = ORANGE
 
