@@ -63,6 +63,12 @@ METHODS = {m.name: m for m in (
              how=("fixed-point", "the stages of all sites together, by fixed-point iteration"), history=1,
              arrays=(("stages", 8 * s + 11, 0, "points, stages and slopes of every site"),), defines=(("SMG_STAGES", s),))
       for s in range(1, 9)),
+    *(Method(f"dop853{kind}", f"Dormand-Prince 8(5,3){said}", f"DOP853{said}",
+             f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",
+             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, solvers=("auto",), features=(), needs=(), midpoint=False,
+             how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
+             arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
+      for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]
