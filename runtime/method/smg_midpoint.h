@@ -62,7 +62,7 @@ static inline void smg_tangent_frame(const smg_coefficients *c, int64_t k, const
 
 /* Rows G and columns S of Newton's matrix, J = I - (h/2) DX(m) P'(mbar), in the tangent frame of the leaf (or all of R^3):
  *   J_ij = delta_ij + G_i (d2H/dw_i dw_j) S_j^T,  G = -(h/2)(1/kappa) F x grad C(m),  S = s E.
- * own: the part of the diagonal block from the curvature of C, -(h/2)(1/kappa) F.(grad C(S) x g). rhs = F.res. */
+ * own: delta and the part of the diagonal block from the curvature of C, -(h/2)(1/kappa) F.(grad C(S) x g). rhs = F.res. */
 static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, smg_real *G, smg_real *S, smg_real *own, smg_real *rhs) {
   const smg_real rate = -0.5 * smg_rate(c, k, h);
   smg_real E[3 * SMG_BS], F[3 * SMG_BS], n[3];
@@ -83,7 +83,7 @@ static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_re
 }
 
 /* mbar += E a + gamma m, Newton's correction from its coordinates a in the tangent frame:
- * gamma = n.res + (h/2)(1/kappa) n.(grad C(S a) x g), n = grad C(m)/(2 C(m)). */
+ * gamma = N.res + (h/2)(1/kappa) N.(grad C(S a) x g), N = n/(n.m), n = grad C(m). */
 static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, const smg_real *S, const smg_real *a, smg_real *mbar) {
 #if SMG_ONTO_LEAF
   const smg_real rate = 0.5 * smg_rate(c, k, h);

@@ -263,10 +263,10 @@ static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real 
   smg_real *u = s->u + 3 * k;
   int sure;
   for (int b = 0; b < 3; ++b) mbar[b] = w[b];
-  for (int n = 1; n <= SMG_STAGES; ++n) {
-    status = smg_site_newton(s, h * (smg_real)n / SMG_STAGES, k, mbar, u, &sure);
+  for (int n = 1; n <= SMG_CONTINUATION_STEPS; ++n) {
+    status = smg_site_newton(s, h * (smg_real)n / SMG_CONTINUATION_STEPS, k, mbar, u, &sure);
     if (status != SMG_OK) break;
-    if (n < SMG_STAGES)
+    if (n < SMG_CONTINUATION_STEPS)
       for (int b = 0; b < 3; ++b) mbar[b] = w[b] + 0.5 * u[b] * (smg_real)(n + 1) / (smg_real)n;
   }
   return status;

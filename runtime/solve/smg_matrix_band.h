@@ -39,7 +39,7 @@ static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   return most;
 }
 
-/* Is x.J x > 0 for every x? */
+/* Is x.J x >= x.x/4 for every x? */
 static inline int smg_coercive(const smg_state *s) {
   return smg_band_coercive(smg_coupled(&s->c), SMG_BAND, SMG_CYCLIC, s->A, s->x, s->work);
 }

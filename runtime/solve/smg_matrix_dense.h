@@ -40,7 +40,7 @@ static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   return most;
 }
 
-/* Is x.J x > 0 for every x? */
+/* Is x.J x >= x.x/4 for every x? */
 static inline int smg_coercive(const smg_state *s) { return smg_dense_coercive(smg_order(s), s->A); }
 
 /* The matrix for many right-hand sides: factored, `keep` its permutation of the rows; 0, or 1 + a singular place. */

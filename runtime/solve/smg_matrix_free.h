@@ -137,7 +137,7 @@ static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   return most;
 }
 
-/* Is x.J x > 0 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos. */
+/* Is x.J x >= x.x/4 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos. */
 static inline int smg_coercive(const smg_state *s) {
   const smg_real mean = smg_curve_size(smg_order(s), s->mean);
   const smg_krylov a = {(void *)(uintptr_t)s, smg_times_mean, smg_order(s), s->work};

@@ -1,7 +1,8 @@
 /* smidgen runtime: Newton's method on the midpoints of all coupled sites, and the branch of its solution.
  *
- * J = I - (h/2) DX(m) P'(mbar), two unknowns a site (SMG_BS). How its blocks are stored and factored is told by the header of the
- * matrix: smg_add_block, smg_factor, smg_bound, smg_coercive, smg_row_sum. */
+ * J = I - (h/2) DX(m) P'(mbar), SMG_BS unknowns a site. How its blocks are stored and solved is told by the header of the matrix,
+ * one of smg_matrix_*.h: smg_clear, smg_add_block, smg_assembled, smg_factor, smg_row_bound, smg_site_row_sum, smg_coercive.
+ * smg_place_of(row) is where the row of a site stands after elimination has been ordered; the sparse matrix alone moves rows. */
 #ifndef SMG_NEWTON_H
 #define SMG_NEWTON_H
 
@@ -48,7 +49,7 @@ static int64_t smg_site_of(const smg_state *s, int64_t place) {
   return -1;
 }
 
-/* d = J^-1 r for the midpoints, by the frames and the matrix of the last evaluation; 0, or 1 + a singular row.
+/* d = J^-1 r for the midpoints, by the frames and the matrix of the last evaluation; 0, or 1 + the place of a singular row.
  * *bound: the largest row sum of abs(J - I); *sign, when asked for: that of det J. */
 static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *bound, int *sign) {
   smg_assemble(s, h);
@@ -59,8 +60,9 @@ static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *b
   return 0;
 }
 
-/* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction, or every eigenvalue of a J not far from I
- * keeps clear of 0, where branches meet, and Newton came straight to it. What is not certain must be followed. */
+/* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction; or the row sums of J - I are at most
+ * SMG_CLEAR, the symmetric part of J is at least 1/4, which keeps it clear of singular matrices, where branches meet, and Newton
+ * came straight to it. What is not certain must be followed. */
 static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_grew) {
   if (bound <= SMG_CONTRACTS) return 1;
   if (residual_grew || !(bound <= SMG_CLEAR)) return 0;
@@ -69,7 +71,7 @@ static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_
 }
 
 /* How far a plain evaluation x of the increments u moves when u does by one to three ulps, in six ways: what rounding does to
- * the formula of the field. */
+ * the formula of the field. At the end s->u is u again, and s->r the residual (x - u)/2. */
 static void smg_noise(smg_state *s, smg_real h, const smg_real *u, const smg_real *x, smg_real *noise) {
   const int64_t n = 3 * smg_sites(&s->c);
   for (int64_t k = 0; k < n; ++k) noise[k] = 0;
@@ -84,7 +86,8 @@ static void smg_noise(smg_state *s, smg_real h, const smg_real *u, const smg_rea
   }
 }
 
-/* Is the increment u, whose plain evaluation left the residuals r, right to the round-off of each site? */
+/* Is the increment u, whose plain evaluation left the residuals r, right to the round-off of each site? noise: that of the field,
+ * or NULL where it is not known. */
 static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *noise) {
   const smg_coefficients *c = &s->c;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
@@ -122,7 +125,8 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
 }
 
 /* The end of a stiff step. Plain evaluations would hardly lessen what is left, or enlarge it, so Newton corrects the increment
- * u itself: once more than the residual asks for, since what Newton leaves is of one sign along many an orbit, a drift. */
+ * u itself: at least twice, since what one correction leaves is of one sign along many an orbit, a drift. u = 2 (mbar - w), so it
+ * moves by twice what mbar does. */
 static smg_status smg_refine_stiff(smg_state *s, smg_real h, smg_real terms) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_real *before = s->curve, *d = s->curve + n, *noise = s->curve + 2 * n;

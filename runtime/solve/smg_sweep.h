@@ -128,7 +128,7 @@ static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
   smg_each(&s->c, &end, smg_end_site);
   s->report.residual = end.residual;
   *row = SMG_REACH ? end.row * end.stretch : SMG_MAX;
-  return end.residual <= SMG_SETTLED * SMG_EPS * (s->scale + end.terms);
+  return end.residual <= SMG_SWEEP_ULPS * SMG_EPS * (s->scale + end.terms);
 }
 #else
 /* One sweep of the plain fixed point mbar = w + (h/2) X(P(mbar)). */

@@ -99,7 +99,7 @@ BRANCH = (
 
 TOLERANCE = (
     (C, r"(?<!\(sqrt\)\()(?<!NEGLIGIBLE \()(?<!EPS \* )\bSMG_EPS\b", r"(1000000 * SMG_EPS)"),
-    (C, r"end\.residual <= SMG_SETTLED", r"1 || end.residual <= SMG_SETTLED"),
+    (C, r"end\.residual <= SMG_SWEEP_ULPS", r"1 || end.residual <= SMG_SWEEP_ULPS"),
     (C, r"(?<=define SMG_NEGLIGIBLE ).*", r"1e-3"),
     (C, r"\bSMG_ROUNDOFF\b(?= \*)", r"(100000000 * SMG_ROUNDOFF)"),
     (C, r"\b1e-(12|9|5)\b(?! *\*/)", r"1e-3"),

@@ -63,8 +63,8 @@ class InterfaceParts:
         for d, n in enumerate(sizes):
             far = max(abs(offset[d]) for bond in t.over.bonds for _, offset in bond)
             lines.append(outside(n, max(1, far)))
-        product = "*".join([*sizes, str(t.over.sites)])
-        for family in dict.fromkeys(f for f, _ in t.slots):
+        product = "*".join([*sizes, *([str(t.over.sites)] if t.over.sites > 1 else [])])
+        for family in dict.fromkeys(f for f, _ in t.slots if self.by_name[f].count != product):
             lines.append(f"if ({self.by_name[family].count} != {product}) return SMG_BAD_PARAMETER;")
         return lines
 

@@ -21,7 +21,7 @@ def indent(lines, by: int = 1):
 
 
 def block(head: str, lines):
-    return [head + " {", *indent(lines), "}"]
+    return [f"{head} {{".lstrip(), *indent(lines), "}"]
 
 
 def loop(name: str, end: str, lines, start: str = "0"):
