@@ -31,6 +31,13 @@ OK, NO_CONVERGENCE, NOT_FINITE = 0, 1, 4
 mp.mp.dps = 50
 
 
+@pytest.fixture(autouse=True)
+def digits():
+    """Other tests set the digits of mpmath too."""
+    with mp.mp.workdps(50):
+        yield
+
+
 @pytest.fixture(scope="session")
 def build(tmp_path_factory):
     """build(*flags): the driver compiled with them, once."""

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from mpmath import cos, fsum, log, matrix, mpc, mpf, sin
+from mpmath import cos, fsum, log, matrix, mp, mpc, mpf, sin
 from smidgen.resources import folder
 from support.gauss import (BODY, FREE, KAPPA, STARTS, TIMED, UNREAL, VORTICES, COMMANDS, apart, compile_gauss, cross, dot, norm,
                            on_sphere, run)
@@ -19,6 +19,13 @@ EPSILON = 2.0**-52
 OK, NO_CONVERGENCE, NOT_FINITE = 0, 1, 4
 STAGES = [pytest.param(s, marks=() if s in (1, 2, 3, 8) else pytest.mark.long) for s in range(1, 9)]
 NAMES = {FREE: "free body", BODY: "irreversible body", VORTICES: "vortices", TIMED: "in time"}
+
+
+@pytest.fixture(autouse=True)
+def digits():
+    """Other tests set the digits of mpmath too."""
+    with mp.workdps(70):
+        yield
 
 
 def fields(*which):

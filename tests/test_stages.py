@@ -72,5 +72,12 @@ def test_functions_are_short():
     assert list(long_functions()) == []
 
 
+def test_no_header_defines_a_function_that_other_files_see():
+    """Two models are linked into one program: what headers define is static."""
+    found = [f"{path.name}: {line}" for path in (ROOT / "runtime").rglob("*.h") for line in path.read_text().splitlines()
+             if re.match(r"(?!static|SMG_INLINE|SMG_COLD static|typedef|#|/|\s|return|extern)\w[\w *]*\w+\([^;]*\) \{", line)]
+    assert found == []
+
+
 def test_templates_are_shells():
     assert sum(len(p.read_text().splitlines()) for p in (ROOT / "templates").glob("*")) < 700

@@ -228,7 +228,7 @@ def compiled(spec, change, method="spherical-midpoint", values=None) -> Emitted:
     """The generated code after change(text) of its .c file. A change that finds nothing is an error."""
     def made(real, features=()):
         scene, place = scene_of(spec, None, values), Path(tempfile.mkdtemp(prefix="impostor-"))
-        files = generate(scene, method, features=features)
+        files = generate(scene, method, features=features, amalgamate=True)
         source = f"{scene.name}.c"
         text = change(files[source])
         assert text != files[source], "the planted fault finds no place"
@@ -242,12 +242,12 @@ def compiled(spec, change, method="spherical-midpoint", values=None) -> Emitted:
 
 def frozen_time(text):
     """Time is read where the step begins."""
-    return text.replace("+ (smg_real)0.5) * (smg_real)s->h", "+ (smg_real)0.0) * (smg_real)s->h")
+    return text.replace("smg_time_at(s, (smg_real)0.5)", "smg_time_at(s, 0)")
 
 
 def turned_round(text):
     """The orientation of the bracket is reversed."""
-    return text.replace("= (smg_real)h;", "= -(smg_real)h;").replace("= (smg_real)s->h;", "= -(smg_real)s->h;")
+    return text.replace("return SMG_ORIENTATION * (smg_real)h;", "return -SMG_ORIENTATION * (smg_real)h;")
 
 
 def wrong_sign(spec, effect):

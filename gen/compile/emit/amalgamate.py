@@ -33,6 +33,8 @@ def inline_runtime(files, name: str):
         return "\n".join(lines)
 
     out = type(files)()
+    if hasattr(files, "notes"):
+        out.notes = files.notes
     for key in (f"{name}.h", f"{name}.c"):
         out[key] = expand(files[key]) + "\n"
     out[f"{name}_abi.c"] = files[f"{name}_abi.c"]
