@@ -77,4 +77,4 @@ MIDPOINTS = tuple(m.name for m in METHODS.values() if m.midpoint)
 
 def others(name: str) -> str:
     """The methods that serve any model, for a hint: `a or b`."""
-    return " or ".join(m.name for m in METHODS.values() if m.name != name and not m.free_body and len(m.spaces) == 3)
+    return " or ".join(m.name for m in METHODS.values() if m.name != name and m.midpoint and not m.free_body)

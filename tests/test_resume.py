@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.run.checkpoint import Folder, folder_of
+from smidgen.build import library
 from smidgen.errors import Exit
 from support import crash
 from support.runs import chain_run, patient_disk, same_as_unbroken, unbroken    # noqa: F401
@@ -272,7 +273,8 @@ def test_each_name_is_given_when_the_bytes_are_on_the_disk(tmp_path, monkeypatch
 
 # The command
 
-def test_the_command(command, tmp_path):
+def test_the_command(command, tmp_path, monkeypatch):
+    monkeypatch.setattr(library, "FLAGS", ("-std=c11", "-O3", "-ffp-contract=off"))     # as the new process has them
     words = ["run", "free_rigid_body", "--steps", 10 ** 6, "--every", 70_000]
     assert command(*words, "--out", "whole.h5").returncode == 0
     out = tmp_path / "a.h5"
