@@ -25,7 +25,7 @@ def test_the_free_body_is_where_theory_has_it(method, h):
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", ["forced_rigid_body", "point_vortices", "vortex_tracers", "nambu_a31", "product", "lagrange"])
+@pytest.mark.parametrize("name", ["forced_rigid_body", "lagrange", *(pytest.param(n, marks=pytest.mark.long) for n in ("point_vortices", "vortex_tracers", "nambu_a31", "product"))])
 def test_validate(name, method):
     report = smidgen.validate(smidgen.load(name), method=method, steps=20)
     assert report.passed, report

@@ -289,7 +289,7 @@ def test_accepted_steps_are_of_one_branch(make, s, field):
 
 @pytest.mark.parametrize("build", [b for b in COMMANDS if b not in ("double", "quad")])
 @fields(BODY, TIMED)
-@pytest.mark.parametrize("s", [1, 3, 8])
+@pytest.mark.parametrize("s", [pytest.param(1, marks=pytest.mark.long), 3, pytest.param(8, marks=pytest.mark.long)])
 def test_every_compiler_takes_it_without_a_warning(make, s, field, build):
     found, wanted = (run(make(s, field, b), STARTS[field], 0.0625, 10) for b in (build, "quad"))
     assert found.status == OK and apart(found.state, wanted.state) < 1e-14
