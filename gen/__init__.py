@@ -8,7 +8,7 @@
 
 Where a function and a package share a name (build, run), the attribute of `smidgen` is the
 function, whatever is imported and when: each such package is imported here, and its name bound
-to the function afterwards. `from smidgen.build.library import ...` finds the package.
+to the function afterwards. `from smidgen.build.binary import ...` finds the package.
 """
 from typing import TYPE_CHECKING
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import smidgen
-from smidgen.build import cache, library
-from smidgen.build.library import build_library
+from smidgen.build import binary, cache
+from smidgen.build.binary import build_library
 from smidgen.cli import main
 from smidgen.run import integrator
 
@@ -38,10 +38,10 @@ def own_cache(tmp_path_factory):
 @pytest.fixture(scope="session", autouse=True)
 def cheaper_builds():
     """-O1 in place of -O3, here and in what is forked: the same bits, in half the time. Programs that tests start anew use -O3."""
-    flags = library.FLAGS
-    library.FLAGS = tuple("-O1" if f == "-O3" else f for f in flags)
+    flags = binary.FLAGS
+    binary.FLAGS = tuple("-O1" if f == "-O3" else f for f in flags)
     yield
-    library.FLAGS = flags
+    binary.FLAGS = flags
 
 
 @pytest.fixture

@@ -10,10 +10,10 @@ import pytest
 import smidgen
 from smidgen.build import cache
 import toy as model
-from smidgen.build.library import build_library, cache_folder, find_compiler, generator_digest
+from smidgen.build.binary import build_library, cache_folder, find_compiler, generator_digest
 
 pytestmark = pytest.mark.quick
-BUILD = sys.modules["smidgen.build.library"]
+BUILD = sys.modules["smidgen.build.binary"]
 
 
 @pytest.fixture(autouse=True)

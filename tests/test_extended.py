@@ -6,7 +6,7 @@ from bench.round_off.programs import DEFAULT, LONG, PAIRS, PLAIN, VARIANTS, ask,
 from support.strict import COMPILERS, compile_all
 from support.systems import begin, load, model
 
-from smidgen.build.library import write_files
+from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
 

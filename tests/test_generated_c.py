@@ -8,7 +8,7 @@ from support.strict import COMPILERS, REALS, WARNINGS, compile_all, driver, run_
 from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, load,
                              model, tiers)
 
-from smidgen.build.library import write_files
+from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.run.integrator import SOLVERS

@@ -5,12 +5,12 @@ import sys
 import numpy as np
 import pytest
 import smidgen
-from smidgen.build.library import build_library, split_notes
+from smidgen.build.binary import build_library, split_notes
 from smidgen.compile.emit.emit import generate
 from smidgen.run.integrator import Integrator, scene_of
 from smidgen.run.start import initial_state, parameter_values
 
-BUILD = sys.modules["smidgen.build.library"]
+BUILD = sys.modules["smidgen.build.binary"]
 HEAD = '[model]\nname = "many"\n[space]\n'
 CHAIN = HEAD + """w = { sphere = "n" }
 [parameters]

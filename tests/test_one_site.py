@@ -6,7 +6,7 @@ from itertools import cycle
 import pytest
 from support.strict import WARNINGS, compile_all
 
-from smidgen.build.library import write_files
+from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.features import FEATURES
 from smidgen.read import load_text

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.run.checkpoint import Folder, folder_of
-from smidgen.build import library
+from smidgen.build import binary
 from smidgen.errors import Exit
 from support import crash
 from support.runs import chain_run, patient_disk, same_as_unbroken, unbroken    # noqa: F401
@@ -132,7 +132,7 @@ def test_another_version_is_refused(stopped, monkeypatch):
 
 
 def test_another_compiler_is_refused(stopped, monkeypatch):
-    build = sys.modules["smidgen.build.library"]
+    build = sys.modules["smidgen.build.binary"]
     monkeypatch.setattr(build, "compiler_version", lambda words: "another compiler 1.0")
     refused(stopped, "begun with another compiler")
 
@@ -274,7 +274,7 @@ def test_each_name_is_given_when_the_bytes_are_on_the_disk(tmp_path, monkeypatch
 # The command
 
 def test_the_command(command, tmp_path, monkeypatch):
-    monkeypatch.setattr(library, "FLAGS", ("-std=c11", "-O3", "-ffp-contract=off"))     # as the new process has them
+    monkeypatch.setattr(binary, "FLAGS", ("-std=c11", "-O3", "-ffp-contract=off"))     # as the new process has them
     words = ["run", "free_rigid_body", "--steps", 10 ** 6, "--every", 70_000]
     assert command(*words, "--out", "whole.h5").returncode == 0
     out = tmp_path / "a.h5"

@@ -15,7 +15,7 @@ from support.tangent import derivative, frame, leaves_of, polished
 
 import smidgen
 import smidgen.compile.lower.kernels
-from smidgen.build.library import build_library
+from smidgen.build.binary import build_library
 from smidgen.compile.derive.derivatives import derive, hessian_blocks
 from smidgen.compile.derive.parts import Whole
 from smidgen.compile.emit.emit import generate

@@ -13,7 +13,7 @@ from ..compile.emit.includes import included, macros_of
 from ..errors import BuildError, OutputError
 from ..language.spec import Spec
 from ..resources import runtime_header
-from .library import FLAGS, find_compiler, ran, split_notes, write_files
+from .binary import FLAGS, find_compiler, ran, split_notes, write_files
 
 
 def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), certificate=None):

@@ -59,7 +59,7 @@ def gen(args):
 
 def build(args):
     """Compile into the cache or below --out; the paths are the data."""
-    from ..build.library import build_library
+    from ..build.binary import build_library
     from ..build.export import export_library
     scene, method, solver = scene_of(args)
     if args.out:

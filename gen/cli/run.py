@@ -128,7 +128,7 @@ def asked(args):
         return load_spec(args.spec), args.run, choices(args)
     if args.spec is not None:
         raise UsageError("--repeat takes the spec from the file: leave SPEC out")
-    from ..build.library import generator_name
+    from ..build.binary import generator_name
     from ..run.output import load_result
     from ..run.recorded import recorded
     refuse_choices(args)

@@ -16,7 +16,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from ..methods import DEFAULT, NAMES as METHODS, SOLVERS
-from ..build.library import Built, build_library
+from ..build.binary import Built, build_library
 from ..errors import BuildError, RunError, UsageError
 from ..language import limits
 from ..language.spec import Spec

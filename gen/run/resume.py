@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
-from ..build.library import generator_name
+from ..build.binary import generator_name
 from ..errors import UsageError
 from ..public import public
 from .checkpoint import CheckpointError, Folder, folder_of

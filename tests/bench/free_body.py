@@ -17,7 +17,7 @@ from pathlib import Path
 
 import smidgen
 from machine import machine
-from smidgen.build.library import FLAGS, find_compiler
+from smidgen.build.binary import FLAGS, find_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import folder, include_flags
 

@@ -4,7 +4,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-from smidgen.build.library import FLAGS, find_compiler
+from smidgen.build.binary import FLAGS, find_compiler
 
 
 def processor() -> str:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import smidgen
-from smidgen.build.library import write_files
+from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 from smidgen.compile.select import select

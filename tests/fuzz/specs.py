@@ -28,7 +28,7 @@ from multiprocessing.connection import wait
 from pathlib import Path
 
 import smidgen
-from smidgen.build.library import generator_digest
+from smidgen.build.binary import generator_digest
 from smidgen.check.witness import Witness
 
 from .invent import spec_text

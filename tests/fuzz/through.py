@@ -19,7 +19,7 @@ import numpy as np
 from support.strict import COMPILERS, WARNINGS, compile_all
 
 import smidgen
-from smidgen.build.library import build_library, find_compiler, write_files
+from smidgen.build.binary import build_library, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.run.integrator import Integrator, scene_of
@@ -222,7 +222,7 @@ class Compared(Pair):
 @contextlib.contextmanager
 def builds(words, cache):
     """Libraries with these options of the compiler, in a cache of their own."""
-    module, cache_of_all = sys.modules["smidgen.build.library"], os.environ.get("SMIDGEN_CACHE")
+    module, cache_of_all = sys.modules["smidgen.build.binary"], os.environ.get("SMIDGEN_CACHE")
     before, module.FLAGS, os.environ["SMIDGEN_CACHE"] = module.FLAGS, words, str(cache)
     try:
         yield

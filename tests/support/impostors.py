@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smidgen.build.library import FLAGS, REALS, SHARED, Built, compile_shared, find_compiler, write_files
+from smidgen.build.binary import FLAGS, REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.language.expr import Op
 from smidgen.run.integrator import Integrator, scene_of

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smidgen.build.library import REALS, SHARED, Built, compile_shared, find_compiler, write_files
+from smidgen.build.binary import REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.run.integrator import Integrator, scene_of
 from smidgen.run.start import parameter_values

@@ -5,7 +5,7 @@ import dataclasses
 import json
 
 from ... import __version__
-from ...build.library import compiler_version, find_compiler, generator_digest
+from ...build.binary import compiler_version, find_compiler, generator_digest
 from ...compile.features import chosen_features
 from ...errors import RunError, UsageError, ValidationError
 from ...language.spec import Spec
@@ -170,7 +170,7 @@ def facts_of(case: Case, tier, features=()) -> dict:
 
 def compiled_with(settings) -> dict:
     """Compiler and flags of the code that was measured."""
-    from ...build.library import FLAGS, SHARED
+    from ...build.binary import FLAGS, SHARED
     native = ("-march=native",) if settings.native else ()
     return {"compiler": compiler_version(find_compiler()), "flags": [*FLAGS, *SHARED, *native]}
 

@@ -10,7 +10,7 @@ import json
 import math
 from pathlib import Path
 
-from ...build.library import generator_digest
+from ...build.binary import generator_digest
 from ...errors import UsageError
 from .certificate import FORMAT, VERSION
 from .row import CLAIMS, LEAST, MOST, NO, NOT_APPLICABLE, VERDICTS, YES, Row, verdict

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...methods import METHODS
-from ...build.library import digest, identity
+from ...build.binary import digest, identity
 from ...language.spec import Spec
 from ...run.integrator import Integrator, build
 from ...run.settings import Settings

@@ -6,7 +6,7 @@ import functools
 from pathlib import Path
 
 from ...build.cache import entry
-from ...build.library import digest, find_compiler, ran
+from ...build.binary import digest, find_compiler, ran
 from ...errors import BuildError, MissingTool
 
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-shared")

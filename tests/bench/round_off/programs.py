@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import smidgen
-from smidgen.build.library import write_files
+from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import folder, include_flags
 from smidgen.compile.select import select
