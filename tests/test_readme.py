@@ -45,6 +45,7 @@ def test_linking(place):
     assert subprocess.run(["./main"], cwd=place).returncode == 0
 
 
+@pytest.mark.long
 def test_the_certificate_that_is_shown(place):
     """The same verdicts and criteria of the same properties."""
     shown = (ROOT / "README.md").read_text().partition("property  ")[2].partition("\n\n")[0].splitlines()[1:]

@@ -30,7 +30,7 @@ def agrees(found, full, bs):
 
 
 @pytest.mark.parametrize("build", EVERY_BUILD)
-@pytest.mark.parametrize("bs", [2, 3])
+@pytest.mark.parametrize("bs", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_one_block(make, build, bs):
     rng, seen = random(bs), set()
     for shift in np.linspace(-1, 3, 30):
