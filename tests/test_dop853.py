@@ -70,7 +70,8 @@ def test_it_has_no_features():
 
 @pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"]], ids=lambda c: c[0])
 @pytest.mark.parametrize("name", ["vortex_tracers", "product"])
-def test_clean_c(tmp_path, name, compiler):
-    for file, text in generate(smidgen.load(name), method="dop853-projected").items():
+@pytest.mark.parametrize("amalgamate", [False, True])
+def test_clean_c(tmp_path, name, compiler, amalgamate):
+    for file, text in generate(smidgen.load(name), method="dop853-projected", amalgamate=amalgamate).items():
         (tmp_path / file).write_text(text)
     subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", f"{name}.c"], cwd=tmp_path, check=True)

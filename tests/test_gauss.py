@@ -102,8 +102,9 @@ def test_the_command(command):
 
 @pytest.mark.parametrize("order", [2, 8, *(pytest.param(p, marks=pytest.mark.long) for p in ORDERS if p not in (2, 8))])
 @pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"]], ids=lambda c: c[0])
-def test_clean_c(tmp_path, order, compiler):
-    files = generate(smidgen.load("vortex_tracers"), method=f"gauss-{order}")
+@pytest.mark.parametrize("amalgamate", [False, True])
+def test_clean_c(tmp_path, order, compiler, amalgamate):
+    files = generate(smidgen.load("vortex_tracers"), method=f"gauss-{order}", amalgamate=amalgamate)
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", "vortex_tracers.c"], cwd=tmp_path, check=True)

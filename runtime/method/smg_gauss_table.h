@@ -3,7 +3,7 @@
  * Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.7: the nodes c_i are the zeros of the s-th Legendre
  * polynomial on [0, 1], b_j and a_ij the integrals of Lagrange's polynomials l_j over [0, 1] and [0, c_i].
  *
- *   smg_gauss_node[i]      c_i
+ *   smg_gauss_node[i]      c_i, where H depends on time
  *   smg_gauss_weight[j]    b_j
  *   smg_gauss_share[i][j]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
  *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to (Antonana,
@@ -20,8 +20,10 @@
 #define SMG_MIRROR(high, low) (1 - SMG_PAIR(high, low))
 
 #if SMG_STAGES == 1
+#if SMG_TIMED
 static const smg_real smg_gauss_node[1] = {
     SMG_PAIR(0.5, 0.0)};
+#endif
 static const smg_real smg_gauss_weight[1] = {
     SMG_PAIR(1.0, 0.0)};
 static const smg_real smg_gauss_share[1][1] = {
@@ -31,9 +33,11 @@ static const smg_real smg_gauss_ahead[1][1] = {
 #endif
 
 #if SMG_STAGES == 2
+#if SMG_TIMED
 static const smg_real smg_gauss_node[2] = {
     SMG_PAIR(0.2113248654051871, 1.1030435245950743e-17),
     SMG_PAIR(0.7886751345948129, 1.6725140369678172e-17)};
+#endif
 static const smg_real smg_gauss_weight[2] = {
     SMG_PAIR(0.5, 0.0),
     SMG_PAIR(0.5, 0.0)};
@@ -46,10 +50,12 @@ static const smg_real smg_gauss_ahead[2][2] = {
 #endif
 
 #if SMG_STAGES == 3
+#if SMG_TIMED
 static const smg_real smg_gauss_node[3] = {
     SMG_PAIR(0.11270166537925831, -2.5675694035077516e-19),
     SMG_PAIR(0.5, 0.0),
     SMG_PAIR(0.8872983346207417, -1.3621030867463682e-17)};
+#endif
 static const smg_real smg_gauss_weight[3] = {
     SMG_PAIR(0.2777777777777778, -1.2335811384723961e-17),
     SMG_PAIR(0.4444444444444444, 2.4671622769447922e-17),
@@ -65,11 +71,13 @@ static const smg_real smg_gauss_ahead[3][3] = {
 #endif
 
 #if SMG_STAGES == 4
+#if SMG_TIMED
 static const smg_real smg_gauss_node[4] = {
     SMG_PAIR(0.06943184420297371, -1.3430706493351195e-18),
     SMG_PAIR(0.33000947820757187, -3.745660853481089e-18),
     SMG_PAIR(0.6699905217924281, 3.745660853481089e-18),
     SMG_PAIR(0.9305681557970263, -5.416808058192271e-17)};
+#endif
 static const smg_real smg_gauss_weight[4] = {
     SMG_PAIR(0.17392742256872692, 3.830168194374721e-18),
     SMG_PAIR(0.32607257743127305, 2.3925407421254193e-17),
@@ -88,12 +96,14 @@ static const smg_real smg_gauss_ahead[4][4] = {
 #endif
 
 #if SMG_STAGES == 5
+#if SMG_TIMED
 static const smg_real smg_gauss_node[5] = {
     SMG_PAIR(0.046910077030668004, -6.708649580599991e-19),
     SMG_PAIR(0.23076534494715845, 8.339077447348323e-18),
     SMG_PAIR(0.5, 0.0),
     SMG_PAIR(0.7692346550528415, 4.7172073783909507e-17),
     SMG_PAIR(0.953089922969332, -4.096249846538337e-17)};
+#endif
 static const smg_real smg_gauss_weight[5] = {
     SMG_PAIR(0.11846344252809454, 1.3074527819438207e-18),
     SMG_PAIR(0.23931433524968324, -1.4308108957910601e-18),
@@ -115,6 +125,7 @@ static const smg_real smg_gauss_ahead[5][5] = {
 #endif
 
 #if SMG_STAGES == 6
+#if SMG_TIMED
 static const smg_real smg_gauss_node[6] = {
     SMG_PAIR(0.03376524289842399, -2.7549058501693557e-18),
     SMG_PAIR(0.16939530676686773, 1.1695420103743016e-17),
@@ -122,6 +133,7 @@ static const smg_real smg_gauss_node[6] = {
     SMG_PAIR(0.6193095930415985, -3.9674601298007144e-17),
     SMG_PAIR(0.8306046932331322, 1.6060155511885896e-17),
     SMG_PAIR(0.966234757101576, -1.11228819576451e-17)};
+#endif
 static const smg_real smg_gauss_weight[6] = {
     SMG_PAIR(0.08566224618958518, -5.815186987277487e-18),
     SMG_PAIR(0.1803807865240693, 6.510175455300783e-19),
@@ -146,6 +158,7 @@ static const smg_real smg_gauss_ahead[6][6] = {
 #endif
 
 #if SMG_STAGES == 7
+#if SMG_TIMED
 static const smg_real smg_gauss_node[7] = {
     SMG_PAIR(0.025446043828620736, 1.6876987723888342e-18),
     SMG_PAIR(0.12923440720030277, 1.0110067387034948e-17),
@@ -154,6 +167,7 @@ static const smg_real smg_gauss_node[7] = {
     SMG_PAIR(0.7029225756886985, 4.688651350748428e-17),
     SMG_PAIR(0.8707655927996972, -1.0110067387034948e-17),
     SMG_PAIR(0.9745539561713793, -3.6382168291924974e-17)};
+#endif
 static const smg_real smg_gauss_weight[7] = {
     SMG_PAIR(0.06474248308443485, -4.812724485142202e-18),
     SMG_PAIR(0.13985269574463832, 1.1633590110858569e-17),
@@ -181,6 +195,7 @@ static const smg_real smg_gauss_ahead[7][7] = {
 #endif
 
 #if SMG_STAGES == 8
+#if SMG_TIMED
 static const smg_real smg_gauss_node[8] = {
     SMG_PAIR(0.019855071751231884, -1.1322220207511075e-20),
     SMG_PAIR(0.10166676129318664, -5.812859914874862e-18),
@@ -190,6 +205,7 @@ static const smg_real smg_gauss_node[8] = {
     SMG_PAIR(0.7627662049581645, -2.4999537888879484e-18),
     SMG_PAIR(0.8983332387068134, 5.812859914874862e-18),
     SMG_PAIR(0.9801449282487681, 2.7766897835836425e-17)};
+#endif
 static const smg_real smg_gauss_weight[8] = {
     SMG_PAIR(0.05061426814518813, 2.431871133231763e-19),
     SMG_PAIR(0.11119051722668724, -5.753650714613641e-18),

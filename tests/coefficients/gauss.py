@@ -14,7 +14,7 @@ HEAD = """\
  * Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.7: the nodes c_i are the zeros of the s-th Legendre
  * polynomial on [0, 1], b_j and a_ij the integrals of Lagrange's polynomials l_j over [0, 1] and [0, c_i].
  *
- *   smg_gauss_node[i]      c_i
+ *   smg_gauss_node[i]      c_i, where H depends on time
  *   smg_gauss_weight[j]    b_j
  *   smg_gauss_share[i][j]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
  *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to (Antonana,
@@ -89,7 +89,7 @@ def table(s):
     rows = ["{" + ", ".join(share(a, b, i, j) for j in every) + "}" for i in every]
     far = ["{" + ", ".join(f"(smg_real){float(b[i] / b[j] * ahead[i][j])!r}" for j in every) + "}" for i in every]
     return (f"\n#if SMG_STAGES == {s}\n"
-            f"static const smg_real smg_gauss_node[{s}] = {listed(pair(x) for x in c)};\n"
+            f"#if SMG_TIMED\nstatic const smg_real smg_gauss_node[{s}] = {listed(pair(x) for x in c)};\n#endif\n"
             f"static const smg_real smg_gauss_weight[{s}] = {listed(pair(x) for x in b)};\n"
             f"static const smg_real smg_gauss_share[{s}][{s}] = {listed(rows)};\n"
             f"static const smg_real smg_gauss_ahead[{s}][{s}] = {listed(far)};\n"
