@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ..methods import DEFAULT, NAMES as METHODS, SOLVERS
+from ..methods import DEFAULT, METHODS as METHODS_BY_NAME, NAMES as METHODS, SOLVERS
 from ..build.binary import Built, build_library
 from ..errors import BuildError, RunError, UsageError
 from ..language import limits
@@ -362,7 +362,7 @@ class Integrator(ReadOnly):
         found = self.report()
         found["rate"] = self._rate(found["site"])
         raise RunError(f"step {self.count + 1} from t = {self.t:.12g}: {name}: {meaning}"
-                       f"{why(found)}{advice(status, found, self.h)}", status, self.count, **found)
+                       f"{why(found)}{advice(status, found, self.h, METHODS_BY_NAME[self.method].midpoint)}", status, self.count, **found)
 
     def _rate(self, site: int) -> float:
         """|h b|, the angle by which the field turns `site` in a step; of the fastest one for -1."""
@@ -379,12 +379,14 @@ def why(found: dict) -> str:
             f"h times the local rate {found['rate']:.3g})")
 
 
-def advice(status: int, found: dict, h: float) -> str:
-    """What to try after a step that failed."""
+def advice(status: int, found: dict, h: float, midpoint: bool) -> str:
+    """What to try after a step that failed; `smidgen advise` knows midpoint methods."""
     if status == 2 and 0 < found["reached"] <= 1:
         return (f"; from here, and with H as it is at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
                 "take a smaller one")
-    return f"; try a smaller step, half of it, or what `smidgen advise` says" if status in (1, 2, 3, 7) else ""
+    if status not in (1, 2, 3, 7):
+        return ""
+    return "; try a smaller step, half of it" + ", or what `smidgen advise` says" * midpoint
 
 
 def value_columns(scene: Spec) -> list[str]:

@@ -90,7 +90,7 @@ def _energy(r):
 def _casimirs(r):
     for i in r.integrals:
         if i.kind == "casimir":
-            yield f"{i.name} is kept exactly by {METHODS[r.method].title}."
+            yield f"{i.name} is {_kept(r, i)}."
 
 
 def _signs(r):
