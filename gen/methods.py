@@ -19,11 +19,12 @@ class Method:
     spheres and leaves; divided: is h X divided by a function q of the field; unknowns: of Newton a site;
     solvers: those it may be asked for; free_body: it is for one free rigid body alone, whose energy and momentum it
     keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as
-    it is); keeps_leaf: it stays on spheres and leaves; spaces: factors of the phase space that it is for; features: of `compile.features` that it has;
-    controlled: it takes steps of its own within h, to a tolerance; needs: functions of a site in the contract that its header calls, beside those of every model.
-    A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps
-    that its `history` reaches back, `arrays` of its state as
-    (name, numbers a site, and how many more, meaning), and `defines` for its header.
+    it is); keeps_leaf: it stays on spheres and leaves; spaces: factors of the phase space that it is for; features: of
+    `compile.features` that it has; controlled: it takes steps of its own within h, to a tolerance; needs: functions of
+    a site in the contract that its header calls, beside those of every model.
+    A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps that its
+    `history` reaches back, `arrays` of its state as (name, numbers a site, and how many more, meaning), and `defines`
+    for its header.
     """
     name: str
     title: str

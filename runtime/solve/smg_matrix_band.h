@@ -3,6 +3,7 @@
 #define SMG_MATRIX_BAND_H
 
 #include "smg_band.h"
+#include "smg_matrix_unkept.h"
 #include "smg_model.h"
 
 static inline int64_t smg_place_of(int64_t row) { return row; }
@@ -45,17 +46,6 @@ static inline int smg_coercive(const smg_state *s) {
 }
 
 /* The matrix for many right-hand sides: each factors it anew, and leaves it as it is. */
-static inline int64_t smg_kept_size(const smg_coefficients *c) {
-  (void)c;
-  return 0;
-}
-
-static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
-  (void)s;
-  (void)keep;
-  return 0;
-}
-
 static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
   (void)keep;
   return smg_factor(s, NULL);

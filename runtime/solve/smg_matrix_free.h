@@ -5,6 +5,7 @@
 
 #include "smg_follow.h"
 #include "smg_krylov.h"
+#include "smg_matrix_unkept.h"
 #include "smg_midpoint.h"
 #include "smg_tolerances.h"
 
@@ -145,17 +146,6 @@ static inline int smg_coercive(const smg_state *s) {
 }
 
 /* The matrix for many right-hand sides: nothing is kept. */
-static inline int64_t smg_kept_size(const smg_coefficients *c) {
-  (void)c;
-  return 0;
-}
-
-static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
-  (void)s;
-  (void)keep;
-  return 0;
-}
-
 static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
   (void)keep;
   return smg_solve_free(s, SMG_KRYLOV_ROUNDOFF);

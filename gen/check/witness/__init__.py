@@ -21,12 +21,13 @@ from ...run.start import casimir_matrices, kappas, parameter_values, radii, size
 from . import collocation, native
 from .program import compile_term
 
-EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 2}      # of midpoints, solved in C
+
 def reference(witness, w, t: float, h: float):
     """The flow by GSL, to which methods with step control come within their tolerance."""
     return witness.flow(w, t, [t + h], tol=1e-14)[0]
 
 
+EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 2}      # of midpoints, solved in C
 # methods by numpy: name -> function(witness, w, t, h), None where it fails
 STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)}}
