@@ -42,7 +42,7 @@ class Method:
     keeps_leaf: bool = True
     spaces: tuple = ("sphere", "r3", "nambu")
     features: tuple = ("tangent", "extended", "plain-sums")
-    needs: tuple = ("smg_rate",)
+    needs: tuple = ("smg_h_over_kappa",)
     midpoint: bool = True
     controlled: bool = False
     how: tuple = ()

@@ -38,11 +38,11 @@ int main(void) {{
   pairs_params p; pairs_state s;
   pairs_defaults(&p);
   if (pairs_init(&s, &p, mem, w, 0, {h}) != SMG_OK) return 2;
-  smg_clock(&s.c, 0);
+  smg_set_time(&s.c, 0);
   memcpy(s.mbar, guess, sizeof guess);
   const int status = smg_newton(&s, {h});
   double moved = 0;
-  for (int k = 0; k < (int)(sizeof w / sizeof *w); ++k) moved = fmax(moved, fabs(s.w[k] - w[k]) + fabs(s.carry[k]));
+  for (int k = 0; k < (int)(sizeof w / sizeof *w); ++k) moved = fmax(moved, fabs(s.w[k] - w[k]) + fabs(s.compensation[k]));
   printf("%d %.3e %.17g", status, (double)s.report.residual, moved);
   printf(" %d", (int)pairs_step(&s));
   for (int k = 0; k < (int)(sizeof w / sizeof *w); ++k) printf(" %.17g", s.w[k]);

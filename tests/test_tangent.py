@@ -222,7 +222,7 @@ def test_beside_other_features(name, feature):
     one = smidgen.build(case.spec, values=case.values, features=("tangent", feature))
     alone = smidgen.build(case.spec, values=case.values, features=TANGENT)
     v = np.random.default_rng(0).standard_normal((2, *case.w.shape))
-    expected, found = (m.start(case.w.copy(), h=case.h).carry(v.copy(), 3) for m in (alone, one))
+    expected, found = (m.start(case.w.copy(), h=case.h).push_forward(v.copy(), 3) for m in (alone, one))
     assert np.abs(found - expected).max() < 1e-13 * np.abs(expected).max()
 
 
@@ -341,7 +341,7 @@ def test_carry_is_step_and_tangent_in_turn():
     for _ in range(5):
         w.step().tangent(expected)
     after = w.w.copy()
-    found = model.start(case.w.copy(), h=case.h).carry(v, 5)
+    found = model.start(case.w.copy(), h=case.h).push_forward(v, 5)
     assert found is v and model.count == 5
     assert np.array_equal(v, expected) and np.array_equal(model.w, after)
 
@@ -365,7 +365,7 @@ def test_arrays_of_other_shapes_and_types():
         with pytest.raises(UsageError):
             model.tangent(wrong)
     with pytest.raises(UsageError, match="from 0 up"):
-        model.carry(expected, -1)
+        model.push_forward(expected, -1)
     with pytest.raises(UsageError, match="features"):
         smidgen.build(case.spec).start(case.w.copy(), h=case.h).step().tangent(np.eye(3)[:1])
 

@@ -73,7 +73,7 @@ def exponents(model, w, h: float, steps: int, columns: int | None = None, every:
     v = tangent_vectors(model, columns, seed)
     growth = np.empty((blocks, columns))
     for k in range(blocks):
-        model.carry(v, every)
+        model.push_forward(v, every)
         v, growth[k] = orthonormal(on_leaves(model, v))
     return _exponents(growth, every * abs(h))
 

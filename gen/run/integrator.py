@@ -255,7 +255,7 @@ class Integrator(ReadOnly):
             raise UsageError("no step taken yet: the tangent map is that of the step just taken")
         return self._carry(v, 0)
 
-    def carry(self, v, count: int) -> np.ndarray:
+    def push_forward(self, v, count: int) -> np.ndarray:
         """`count` steps, tangent vectors carried through each: v of shape ([columns,] sites, 3), in place.
 
         Where a step or its tangent map fails, RunError: w is the state before the step that failed, and v

@@ -12,15 +12,15 @@ static inline smg_real smg_casimir(const smg_coefficients *c, int64_t k, const s
 }
 
 /* What tells the leaf through w: the radius of a sphere, |w| in R^3, C(w) of a Nambu factor. */
-static inline smg_real smg_leaf_of(const smg_coefficients *c, int64_t k, const smg_real *w) {
+static inline smg_real smg_leaf_value_of(const smg_coefficients *c, int64_t k, const smg_real *w) {
   if (smg_kind(c, k) == SMG_SPHERE) return smg_radius(c, k);
   return smg_kind(c, k) == SMG_R3 ? smg_norm(w) : smg_casimir(c, k, w);
 }
 
 /* The same of the step under way. */
-static inline smg_real smg_leaf(const smg_state *s, int64_t k) {
+static inline smg_real smg_leaf_value(const smg_state *s, int64_t k) {
 #if SMG_LEAVES
-  return smg_kind(&s->c, k) == SMG_SPHERE ? smg_radius(&s->c, k) : s->leaf[k];
+  return smg_kind(&s->c, k) == SMG_SPHERE ? smg_radius(&s->c, k) : s->leaf_value[k];
 #else
   return smg_radius(&s->c, k);
 #endif

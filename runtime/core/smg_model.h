@@ -9,29 +9,29 @@
  *              smg_row(c, k)                      the row of site k
  *              smg_alone(c, n), smg_tracer(c, k)  the n-th site that is solved alone; does it feel the coupled ones?
  *   a site     smg_kind(c, k)                     SMG_SPHERE, SMG_R3 or SMG_NAMBU
- *              smg_kappa(c, k), smg_rate(c, k, h) its strength, and h/kappa
+ *              smg_kappa(c, k), smg_h_over_kappa(c, k, h) its strength, and h/kappa
  *              smg_radius(c, k)                   of a sphere
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
  *              smg_coupled_gradient(c, w, g)      g += dH/dw of the coupled sites, by the terms that couple them
  *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`
- *              smg_curvature(c, at, all, own, v, y)  y += (d2H/dw_k dw_k) v
+ *              smg_site_hessian_vector(c, at, all, own, v, y)  y += (d2H/dw_k dw_k) v
  *              smg_hessian_blocks(s)              SMG_BLOCK for every d2H/dw_i dw_j at s->m
- *              smg_hessian_vector(s)              s->felt += d2H/dw2 s->along, of the blocks that join two sites
- *              smg_each(of, visit)                every coupled site, cell by cell
- *              smg_each_coloured(of, visit)       the same colour after colour: sites of one colour do not feel each other
- *   time       smg_clock(&c, t)                   what depends on time, at t
+ *              smg_hessian_vector(s)              s->hessian_v += d2H/dw2 s->v, of the blocks that join two sites
+ *              smg_each(context, visit)                every coupled site, cell by cell
+ *              smg_each_coloured(context, visit)       the same colour after colour: sites of one colour do not feel each other
+ *   time       smg_set_time(&c, t)                   what depends on time, at t
  *
  *   parameters smg_sizes(&c, p)                   takes them in, and the sizes that they give
  *              smg_check_sizes(c)                 SMG_BAD_PARAMETER where a size or an index does not fit
  *              smg_prepare(&c)                    what they alone decide; 0 where one is not finite
  *              smg_family_end(c, f)               the site after the last of the f-th family
- *   bound      smg_reach(c, k)                    sum of the norms of the Hessian blocks in the row of site k, where SMG_REACH says
+ *   bound      smg_hessian_row_norm(c, k)                    sum of the norms of the Hessian blocks in the row of site k, where SMG_CONSTANT_HESSIAN says
  *                                                 that it is the same at all states
  *
  * A tracer feels others and acts on none.
  *
- * c: const smg_coefficients *, the parameters and what depends on them alone; s: smg_state *; at: smg_place. */
+ * c: const smg_coefficients *, the parameters and what depends on them alone; s: smg_state *; at: smg_lattice_site. */
 #ifndef SMG_MODEL_H
 #define SMG_MODEL_H
 
@@ -40,7 +40,7 @@
 /* What the model says of itself by macros, 0 where it says nothing: SMG_BS unknowns a site of Newton's matrix, SMG_HISTORY
  * increments kept, SMG_FAMILIES, SMG_ORIENTATION of the bracket (1 or -1), SMG_TIMED: H depends on time; SMG_HAS_COUPLED,
  * SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not depend on themselves, and
- * the others; SMG_LEAVES: leaves are kept in s->leaf; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
+ * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
  * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly. Features: SMG_EXTENDED,
  * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone. */
@@ -48,9 +48,9 @@
 enum { SMG_SPHERE, SMG_R3, SMG_NAMBU };
 
 /* A site, and where it stands on a lattice: its place in the cell and the coordinates of the cell. */
-typedef struct smg_place {
+typedef struct smg_lattice_site {
   int64_t k, sub, s0, s1, s2, s3;
-} smg_place;
+} smg_lattice_site;
 
 #if SMG_HAS_COUPLED
 /* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: defined by smg_matrix_*.h. */

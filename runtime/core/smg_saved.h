@@ -1,4 +1,4 @@
-/* smidgen runtime: a saved state, all that decides later bits: this head, then w and carry, then the history, newest first. What
+/* smidgen runtime: a saved state, all that decides later bits: this head, then w and compensation, then the history, newest first. What
  * is not in it (scratch, values of the parameters) decides none. */
 #ifndef SMG_SAVED_HEADER
 #define SMG_SAVED_HEADER
@@ -33,10 +33,10 @@ static void smg_save_state(const smg_state *s, smg_real *out) {
   out[SMG_SAVED_COUNT_LOW] = (smg_real)(s->count % 4294967296);
   out[SMG_SAVED_HISTORY] = (smg_real)s->history;
   out[SMG_SAVED_DEGREE] = (smg_real)s->degree;
-  out[SMG_SAVED_REST] = smg_saved_rest(s);
+  out[SMG_SAVED_REST] = smg_saved_newton_steps(s);
   out[SMG_SAVED_SCALE] = s->scale;
   smg_copy(out + SMG_SAVED_HEAD, s->w, n3);
-  smg_copy(out + SMG_SAVED_HEAD + n3, s->carry, n3);
+  smg_copy(out + SMG_SAVED_HEAD + n3, s->compensation, n3);
   smg_save_history(s, out + smg_saved_past(&s->c));
 }
 
@@ -54,7 +54,7 @@ static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in)
                    smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, 2147483647) &&
                    smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
                    smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
-                   smg_integer_in(in[SMG_SAVED_REST], 0, SMG_REST) && in[SMG_SAVED_SCALE] >= 0;
+                   smg_integer_in(in[SMG_SAVED_REST], 0, SMG_NEWTON_STEPS) && in[SMG_SAVED_SCALE] >= 0;
   return good ? SMG_OK : SMG_BAD_PARAMETER;
 }
 
@@ -73,9 +73,9 @@ static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
 #if SMG_EXTENDED
   smg_wide_prepare(&s->wide, &s->c);
 #endif
-  smg_restore_rest(s, in[SMG_SAVED_REST]);
+  smg_restore_newton_steps(s, in[SMG_SAVED_REST]);
   smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
-  smg_copy(s->carry, in + SMG_SAVED_HEAD + n3, n3);
+  smg_copy(s->compensation, in + SMG_SAVED_HEAD + n3, n3);
   smg_restore_history(s, in + smg_saved_past(&s->c));
   return SMG_OK;
 }

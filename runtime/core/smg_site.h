@@ -72,7 +72,7 @@ static inline int64_t smg_quotient(int64_t a, int64_t b) { return (a - smg_mod(a
 /* How far an iterate moved: relative to each component's own size, and absolutely, a small site of R^3 as
  * if it were as large as the others; and the size of the products that increments are made of, h (1/kappa) |grad C| |dH/dw|: their round-off stays. */
 typedef struct smg_change {
-  smg_real relative, absolute, terms;
+  smg_real relative, absolute, rounding_scale;
 } smg_change;
 
 /* Takes in one component: r = its change, own = the size of what it is made of, up = smg_up of its site. */
@@ -99,7 +99,7 @@ static inline smg_real smg_up(smg_real scale, const smg_real *w) {
  * that still converges at its own rate keeps the iteration going. */
 static inline int smg_settled(const smg_change *now, const smg_change *last, smg_real scale) {
   if (now->relative <= SMG_EPS) return 1;
-  return now->absolute <= 8 * SMG_EPS * smg_max(scale, now->terms) && now->relative >= last->relative / 2;
+  return now->absolute <= 8 * SMG_EPS * smg_max(scale, now->rounding_scale) && now->relative >= last->relative / 2;
 }
 
 /* Has an iterate left for somewhere else? Its residual grew. */
@@ -107,16 +107,16 @@ static inline int smg_residual_grew(const smg_change *now, const smg_change *las
   return now->absolute > last->absolute && now->absolute > (smg_real)1e-9 * scale;
 }
 
-/* mbar = w + carry + u/2, the midpoint of n components of a step with the increment u. */
-SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *carry, const smg_real *u, smg_real *mbar) {
-  for (int64_t k = 0; k < n; ++k) mbar[k] = w[k] + (carry[k] + 0.5 * u[k]);
+/* mbar = w + compensation + u/2, the midpoint of n components of a step with the increment u. */
+SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *compensation, const smg_real *u, smg_real *mbar) {
+  for (int64_t k = 0; k < n; ++k) mbar[k] = w[k] + (compensation[k] + 0.5 * u[k]);
 }
 
-/* Kahan: w + carry := w + carry + u, with the rounding error of w kept in carry. */
-static inline void smg_add_carry(smg_real *w, smg_real *carry, smg_real u) {
-  const smg_real y = u + *carry;
+/* Kahan: w + compensation := w + compensation + u, with the rounding error of w kept in compensation. */
+static inline void smg_add_compensated(smg_real *w, smg_real *compensation, smg_real u) {
+  const smg_real y = u + *compensation;
   const smg_real sum = *w + y;
-  *carry = y - (sum - *w);
+  *compensation = y - (sum - *w);
   *w = sum;
 }
 

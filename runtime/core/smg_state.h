@@ -53,7 +53,7 @@ static smg_status smg_check_params(const smg_params *p) {
 /* The start of one site is on its sphere, or so near that it is put there; in R^3 it has a size that can be squared; a Nambu leaf
  * that the method projects onto has C != 0. */
 static inline smg_status smg_check_site_start(const smg_coefficients *c, int64_t k, smg_real *w) {
-  const smg_real leaf = smg_leaf_of(c, k, w);
+  const smg_real leaf = smg_leaf_value_of(c, k, w);
   if (smg_kind(c, k) == SMG_SPHERE) {
     const smg_real size = SMG_MATH(sqrt)(smg_dot(w, w)), off = SMG_MATH(fabs)(size - leaf);
     if (!(off <= 1e-12 * leaf)) return SMG_OFF_MANIFOLD;
@@ -122,7 +122,7 @@ static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, 
 static void smg_begin(smg_coefficients *c, const smg_params *p, smg_real t) {
   smg_sizes(c, p);
   (void)smg_prepare(c);
-  smg_clock(c, t);
+  smg_set_time(c, t);
 }
 
 static inline int64_t smg_sites_of(const smg_params *p) {
@@ -149,7 +149,7 @@ static void smg_momentum_of(const smg_params *p, const smg_real *w, smg_real *ou
   for (int f = 0; f < SMG_FAMILIES; ++f) {
     for (int b = 0; b < 3; ++b) {
       smg_real sum = 0, lost = 0;
-      for (int64_t k = first; k < smg_family_end(&c, f); ++k) smg_add_carry(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
+      for (int64_t k = first; k < smg_family_end(&c, f); ++k) smg_add_compensated(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
       out[3 * f + b] = sum + lost;
     }
     first = smg_family_end(&c, f);

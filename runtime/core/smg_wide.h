@@ -45,11 +45,11 @@ static inline int smg_wide_equal(smg_wide a, smg_wide b) { return !(a < b) && !(
 static inline smg_wide smg_wide_sqrt(smg_wide a) { return SMG_WIDE_MATH(sqrt)(a); }
 static inline smg_wide smg_wide_rsqrt(smg_wide a) { return 1 / SMG_WIDE_MATH(sqrt)(a); }
 
-/* W + carry = w + carry + (hi + lo): what W loses to rounding stays in carry, to twice its digits. */
-static inline void smg_wide_commit(smg_real *w, smg_real *carry, smg_real hi, smg_real lo) {
-  const smg_wide y = ((smg_wide)*carry + (smg_wide)lo) + (smg_wide)hi;
+/* W + compensation = w + compensation + (hi + lo): what W loses to rounding stays in compensation, to twice its digits. */
+static inline void smg_wide_commit(smg_real *w, smg_real *compensation, smg_real hi, smg_real lo) {
+  const smg_wide y = ((smg_wide)*compensation + (smg_wide)lo) + (smg_wide)hi;
   const smg_real sum = (smg_real)((smg_wide)*w + y);
-  *carry = (smg_real)(y - ((smg_wide)sum - (smg_wide)*w));
+  *compensation = (smg_real)(y - ((smg_wide)sum - (smg_wide)*w));
   *w = sum;
 }
 
@@ -145,11 +145,11 @@ static inline smg_wide smg_wide_rsqrt(smg_wide a) {
   return smg_wide_ordered(q, 0.5 * q * (r.hi + r.lo));
 }
 
-/* W + carry = w + carry + (hi + lo): what W loses to rounding stays in carry, to twice its digits. */
-static inline void smg_wide_commit(smg_real *w, smg_real *carry, smg_real hi, smg_real lo) {
-  const smg_wide sum = smg_wide_add(smg_wide_sum(*w, hi), smg_wide_sum(*carry, lo));
+/* W + compensation = w + compensation + (hi + lo): what W loses to rounding stays in compensation, to twice its digits. */
+static inline void smg_wide_commit(smg_real *w, smg_real *compensation, smg_real hi, smg_real lo) {
+  const smg_wide sum = smg_wide_add(smg_wide_sum(*w, hi), smg_wide_sum(*compensation, lo));
   *w = sum.hi;
-  *carry = sum.lo;
+  *compensation = sum.lo;
 }
 
 #endif

@@ -13,7 +13,7 @@
  *     SMG_TOLERANCE   error of an internal step, as part of s->scale, the largest component: 1e-12, long double 1e-15, quad 1e-26
  *     SMG_PROJECT     1: after every internal step each site goes back to its leaf, along grad C; default 0
  *     SMG_FIXED_STEP  1: h itself is the only internal step, whatever its error; default 0
- * Arrays: s->w, s->carry, s->u (3 a site) and s->stages, which has 45 numbers a site and 4 more. */
+ * Arrays: s->w, s->compensation, s->u (3 a site) and s->stages, which has 45 numbers a site and 4 more. */
 #ifndef SMG_DOP853_H
 #define SMG_DOP853_H
 
@@ -21,7 +21,7 @@
 
 #define SMG_ONTO_LEAF 0
 #define SMG_NO_DEGREE -1 /* there is no predictor */
-#define SMG_REST 0
+#define SMG_NEWTON_STEPS 0
 
 #ifndef SMG_HISTORY
 #define SMG_HISTORY 0 /* increments of steps before: none are kept */
@@ -51,7 +51,7 @@
 
 /* s->stages: fifteen vectors of 3 numbers a site, then four numbers. The places of k_2 .. k_5, which neither the increment nor
  * the estimates need, serve k_13 .. k_16 of the dense output: "in order of places" is 1, 13, 14, 15, 16, 6, 7, .., 12. */
-enum { SMG_STAGES_USED = 12, SMG_Y = 12, SMG_Y_CARRY, SMG_Y_BEFORE, SMG_STAGE_VECTORS };
+enum { SMG_STAGES_USED = 12, SMG_Y = 12, SMG_Y_COMPENSATION, SMG_Y_BEFORE, SMG_STAGE_VECTORS };
 
 /* The four numbers: the size of the last internal step that nothing cut short (0: none yet); where the last internal step began
  * and its size (0: there is none to interpolate); are k_13 .. k_16 there? Sizes are parts of h. */
@@ -69,14 +69,14 @@ static inline size_t smg_history_size(const smg_coefficients *c) {
   return 1;
 }
 
-static inline smg_real smg_saved_rest(const smg_state *s) {
+static inline smg_real smg_saved_newton_steps(const smg_state *s) {
   (void)s;
   return 0;
 }
 
-static inline void smg_restore_rest(smg_state *s, smg_real rest) {
+static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
   (void)s;
-  (void)rest;
+  (void)steps;
 }
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) { out[0] = smg_kept(s)[SMG_NATURAL]; }
@@ -216,9 +216,9 @@ static inline void smg_sum_stages(const smg_state *s, const smg_real *a, int cou
 }
 
 /* What depends on time, at the part `part` of the step that s->count tells. */
-static inline void smg_clock_at(smg_coefficients *c, const smg_state *s, smg_real part) {
+static inline void smg_set_time_at(smg_coefficients *c, const smg_state *s, smg_real part) {
 #if SMG_TIMED
-  smg_clock(c, smg_time_at(s, part));
+  smg_set_time(c, smg_time_at(s, part));
 #else
   (void)c;
   (void)s;
@@ -243,11 +243,11 @@ static inline void smg_right_side(const smg_coefficients *c, const smg_real *w, 
 /* k_2 .. k_12 of the internal step from the part `from` of h, of the size `size`; h with the sign of the bracket. */
 static inline void smg_later_stages(smg_state *s, smg_real from, smg_real size) {
   const int64_t n = 3 * smg_sites(&s->c);
-  const smg_real *y = smg_vector(s, SMG_Y), *carry = smg_vector(s, SMG_Y_CARRY), p = smg_signed_h(s->h) * size;
+  const smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION), p = smg_signed_h(s->h) * size;
   for (int i = 1; i < SMG_STAGES_USED; ++i) {
     smg_sum_stages(s, smg_dop853_a[i], i, s->u);
-    for (int64_t q = 0; q < n; ++q) s->u[q] = y[q] + (carry[q] + p * s->u[q]);
-    smg_clock_at(&s->c, s, from + smg_dop853_c[i] * size);
+    for (int64_t q = 0; q < n; ++q) s->u[q] = y[q] + (compensation[q] + p * s->u[q]);
+    smg_set_time_at(&s->c, s, from + smg_dop853_c[i] * size);
     smg_right_side(&s->c, s->u, smg_vector(s, i));
   }
 }
@@ -295,40 +295,40 @@ static inline void smg_estimate(smg_state *s, smg_pace *pace) {
 }
 
 #if SMG_PROJECT
-/* v.grad C(v) at v = w + carry, which is |v|^2, or 2 C(v); n = grad C(w). */
-static inline smg_real smg_twice_casimir(const smg_coefficients *c, int64_t k, const smg_real *w, const smg_real *carry, smg_real *n) {
+/* v.grad C(v) at v = w + compensation, which is |v|^2, or 2 C(v); n = grad C(w). */
+static inline smg_real smg_twice_casimir(const smg_coefficients *c, int64_t k, const smg_real *w, const smg_real *compensation, smg_real *n) {
   smg_normal(c, k, w, n);
-  return smg_dot(n, w) + 2 * smg_dot(n, carry);
+  return smg_dot(n, w) + 2 * smg_dot(n, compensation);
 }
 
 /* y of site k back on the leaf of the start of the output step: y + a n, n = grad C(y), 2 a |n|^2 = 2 C - 2 C(y), repeated. */
-static inline void smg_back_on_leaf(const smg_state *s, int64_t k, smg_real *y, smg_real *carry) {
+static inline void smg_back_on_leaf(const smg_state *s, int64_t k, smg_real *y, smg_real *compensation) {
   smg_real n[3], leaf;
   if (smg_kind(&s->c, k) == SMG_SPHERE) leaf = smg_radius(&s->c, k) * smg_radius(&s->c, k);
-  else leaf = smg_twice_casimir(&s->c, k, s->w + 3 * k, s->carry + 3 * k, n);
+  else leaf = smg_twice_casimir(&s->c, k, s->w + 3 * k, s->compensation + 3 * k, n);
   for (int round = 0; round < SMG_LEAF_ROUNDS; ++round) {
-    const smg_real off = leaf - smg_twice_casimir(&s->c, k, y, carry, n), square = smg_dot(n, n);
+    const smg_real off = leaf - smg_twice_casimir(&s->c, k, y, compensation, n), square = smg_dot(n, n);
     if (!(square > 0) || smg_abs(off) <= SMG_EPS * smg_norm(n) * smg_norm(y)) return;
-    for (int b = 0; b < 3; ++b) smg_add_carry(&y[b], &carry[b], off / (2 * square) * n[b]);
+    for (int b = 0; b < 3; ++b) smg_add_compensated(&y[b], &compensation[b], off / (2 * square) * n[b]);
   }
 }
 #endif
 
 /* The increment u is taken: y + u with its rounding error carried along, and back on the leaves. */
 static inline void smg_take(smg_state *s) {
-  smg_real *y = smg_vector(s, SMG_Y), *carry = smg_vector(s, SMG_Y_CARRY), *before = smg_vector(s, SMG_Y_BEFORE);
+  smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION), *before = smg_vector(s, SMG_Y_BEFORE);
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) {
     before[q] = y[q];
 #if SMG_PLAIN_SUMS
     y[q] += s->u[q];
 #else
-    smg_add_carry(&y[q], &carry[q], s->u[q]);
+    smg_add_compensated(&y[q], &compensation[q], s->u[q]);
 #endif
   }
 #if SMG_PROJECT
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_back_on_leaf(s, k, y + 3 * k, carry + 3 * k);
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_back_on_leaf(s, k, y + 3 * k, compensation + 3 * k);
 #endif
-  (void)carry;
+  (void)compensation;
 }
 
 /* ---- control of the size ------------------------------------------------------------------------------------------------- */
@@ -343,10 +343,10 @@ static inline smg_real smg_factor(smg_real error) {
 
 /* k_1, at the start of an internal step. */
 static inline smg_status smg_first_stage(smg_state *s, smg_pace *pace) {
-  const smg_real *y = smg_vector(s, SMG_Y), *carry = smg_vector(s, SMG_Y_CARRY), *k = smg_vector(s, 0);
+  const smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION), *k = smg_vector(s, 0);
   const int64_t n = 3 * smg_sites(&s->c);
-  for (int64_t q = 0; q < n; ++q) s->u[q] = y[q] + carry[q];
-  smg_clock_at(&s->c, s, pace->done);
+  for (int64_t q = 0; q < n; ++q) s->u[q] = y[q] + compensation[q];
+  smg_set_time_at(&s->c, s, pace->done);
   smg_right_side(&s->c, s->u, smg_vector(s, 0));
   for (int64_t q = 0; q < n; ++q) {
     if (smg_abs(k[q]) <= SMG_MAX) continue;
@@ -417,11 +417,11 @@ static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
 
 /* The state after the step. */
 static void smg_commit(smg_state *s, const smg_pace *pace) {
-  const smg_real *y = smg_vector(s, SMG_Y), *carry = smg_vector(s, SMG_Y_CARRY);
+  const smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION);
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
     for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
       s->w[q] = y[q];
-      s->carry[q] = carry[q];
+      s->compensation[q] = compensation[q];
     }
     if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(y + 3 * k)); /* open leaves: orbits grow */
   }
@@ -431,11 +431,11 @@ static void smg_commit(smg_state *s, const smg_pace *pace) {
 }
 
 static smg_status smg_step(smg_state *s) {
-  smg_real *y = smg_vector(s, SMG_Y), *carry = smg_vector(s, SMG_Y_CARRY), *kept = smg_kept(s);
+  smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION), *kept = smg_kept(s);
   smg_pace pace = {0, 0, kept[SMG_NATURAL], 0, 0, -1, 0, 0, 0};
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) {
     y[q] = s->w[q];
-    carry[q] = s->carry[q];
+    compensation[q] = s->compensation[q];
   }
   kept[SMG_LAST_SIZE] = kept[SMG_EXTRA_READY] = 0;
   s->report.partner = -1;
@@ -462,12 +462,12 @@ static inline smg_real smg_dense_part(const smg_state *s) { return smg_kept(s)[S
 static inline void smg_extra_stages(const smg_state *s) {
   const smg_real *before = smg_vector(s, SMG_Y_BEFORE), *kept = smg_kept(s), p = smg_signed_h(s->h) * kept[SMG_LAST_SIZE];
   smg_coefficients c = s->c;
-  smg_clock_at(&c, s, 0);
+  smg_set_time_at(&c, s, 0);
   smg_right_side(&c, s->w, smg_vector(s, 1));
   for (int i = 0; i < 3; ++i) {
     smg_sum_stages(s, smg_dop853_extra[i], SMG_STAGES_USED, s->u);
     for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) s->u[q] = before[q] + p * s->u[q];
-    smg_clock_at(&c, s, kept[SMG_LAST_FROM] + smg_dop853_c[13 + i] * kept[SMG_LAST_SIZE] - 1);
+    smg_set_time_at(&c, s, kept[SMG_LAST_FROM] + smg_dop853_c[13 + i] * kept[SMG_LAST_SIZE] - 1);
     smg_right_side(&c, s->u, smg_vector(s, 2 + i));
   }
 }

@@ -1,8 +1,8 @@
 /* smidgen method: the last evaluation of a midpoint step in extended precision (double-double).
  *
- * The model adds smg_wide_prepare(wide, c) and smg_wide_clock(s), its coefficients to all digits; smg_wide_rate(c, wide, k) = h/kappa,
+ * The model adds smg_wide_prepare(wide, c) and smg_wide_set_time(s), its coefficients to all digits; smg_wide_h_over_kappa(c, wide, k) = h/kappa,
  * smg_wide_radius(c, wide, k), smg_wide_normal(c, wide, k, v, n); smg_wide_gradient(s), s->wide_g += dH/dw at s->wide_m; and
- * smg_wide_curvatures(s), s->wide_y += d2H/dw2 s->wide_d in double. */
+ * smg_wide_hessian_vector(s), s->wide_y += d2H/dw2 s->wide_d in double. */
 #ifndef SMG_EXTENDED_H
 #define SMG_EXTENDED_H
 
@@ -40,11 +40,11 @@ static inline smg_wide smg_wide_scale_of(const smg_state *s, int64_t k, const sm
 #endif
 }
 
-/* m = P(mbar), mbar = w + carry + u/2, of one site. */
+/* m = P(mbar), mbar = w + compensation + u/2, of one site. */
 static inline void smg_wide_midpoint(smg_state *s, int64_t k) {
   smg_wide w[3], mbar[3];
   for (int b = 0; b < 3; ++b) {
-    w[b] = smg_wide_sum(s->w[3 * k + b], s->carry[3 * k + b]);
+    w[b] = smg_wide_sum(s->w[3 * k + b], s->compensation[3 * k + b]);
     mbar[b] = smg_wide_add(w[b], smg_wide_of(0.5 * s->u[3 * k + b]));
   }
   const smg_wide scale = smg_wide_scale_of(s, k, w, mbar);
@@ -61,7 +61,7 @@ static inline void smg_wide_midpoint(smg_state *s, int64_t k) {
 static inline void smg_wide_increment(smg_state *s, int64_t k) {
   const smg_coefficients *c = &s->c;
   const smg_wide_coefficients *wide = &s->wide;
-  smg_wide m[3], g[3], n[3], u[3], rate = smg_wide_rate(c, wide, k);
+  smg_wide m[3], g[3], n[3], u[3], rate = smg_wide_h_over_kappa(c, wide, k);
   for (int b = 0; b < 3; ++b) {
     m[b] = smg_wide_load(s->wide_m + 6 * k, b);
     g[b] = smg_wide_load(s->wide_g + 6 * k, b);
@@ -79,10 +79,10 @@ static inline void smg_wide_increment(smg_state *s, int64_t k) {
   }
 }
 
-/* v = h X(m) of all sites at m = P(w + carry + u/2), and d = v - u. */
+/* v = h X(m) of all sites at m = P(w + compensation + u/2), and d = v - u. */
 static void smg_wide_evaluate(smg_state *s) {
 #if SMG_WIDE_TIMED
-  smg_wide_clock(s);
+  smg_wide_set_time(s);
 #endif
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_wide_midpoint(s, k);
   smg_wide_gradient(s);
@@ -121,7 +121,7 @@ static inline void smg_wide_turn(smg_state *s, int64_t k) {
 /* d <- the change of h X(m) when m changes by d and dH/dw by y; joins v. */
 static inline void smg_wide_follow(smg_state *s, int64_t k) {
   const smg_coefficients *c = &s->c;
-  const smg_real rate = smg_rate(c, k, c->h);
+  const smg_real rate = smg_h_over_kappa(c, k, c->h);
   smg_real n[3], dn[3], a[3], e[3], *d = s->wide_d + 3 * k;
   smg_normal(c, k, s->wide_m + 6 * k, n);
   smg_normal(c, k, d, dn);
@@ -135,7 +135,7 @@ static smg_real smg_wide_linear(smg_state *s) {
   const int64_t sites = smg_sites(&s->c);
   smg_real most = 0;
   for (int64_t k = 0; k < sites; ++k) smg_wide_turn(s, k);
-  smg_wide_curvatures(s);
+  smg_wide_hessian_vector(s);
   for (int64_t k = 0; k < sites; ++k) smg_wide_follow(s, k);
   for (int64_t k = 0; k < 3 * sites; ++k) most = smg_max(most, smg_abs(s->wide_d[k]));
   return most;

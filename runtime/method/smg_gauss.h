@@ -15,7 +15,7 @@
  * H is taken as its formula has it off the sphere too: |w(Z_i)| differs from |w| by (h b)^2. Vortices d apart, whose b along w is
  * as large as 1/d^2, therefore need an h below about d^3.
  *
- * Of the model it needs SMG_STAGES, SMG_HISTORY 1, and beside w, carry and u one array, s->stages, of (8 s + 11) numbers a site:
+ * Of the model it needs SMG_STAGES, SMG_HISTORY 1, and beside w, compensation and u one array, s->stages, of (8 s + 11) numbers a site:
  * three of the points w(Z_i) of one stage, for all sites; then site by site z, Z_i, the L_j, and the L_j of the step before. */
 #ifndef SMG_GAUSS_H
 #define SMG_GAUSS_H
@@ -30,7 +30,7 @@
 #endif
 
 #define SMG_NO_DEGREE 0
-#define SMG_REST 0
+#define SMG_NEWTON_STEPS 0
 
 #define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* the L_j of a site */
 #define SMG_STAGE_SITE (8 * SMG_STAGES + 8)
@@ -60,14 +60,14 @@ static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; 
 /* Numbers of the history. */
 static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
 
-static inline smg_real smg_saved_rest(const smg_state *s) {
+static inline smg_real smg_saved_newton_steps(const smg_state *s) {
   (void)s;
   return 0;
 }
 
-static inline void smg_restore_rest(smg_state *s, smg_real rest) {
+static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
   (void)s;
-  (void)rest;
+  (void)steps;
 }
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
@@ -160,14 +160,14 @@ static void smg_stage_field(smg_state *s, int i) {
     for (int b = 0; b < 3; ++b) s->u[3 * k + b] = 0;
   }
 #if SMG_TIMED
-  smg_clock(&s->c, smg_time_at(s, smg_gauss_node[i]));
+  smg_set_time(&s->c, smg_time_at(s, smg_gauss_node[i]));
 #endif
   smg_gradient(&s->c, smg_stage_points(s), s->u);
 }
 
 /* L_i = h b_i (i/2) (b.sigma) Z_i of site k; its change is measured in w, as 2 |Z| |change of L|, next to the products in it. */
 static void smg_new_slope(smg_state *s, int64_t k, int i, smg_real h, smg_change *change) {
-  const smg_real half = 0.5 * smg_rate(&s->c, k, h * smg_gauss_weight[i]), *g = s->u + 3 * k, *stage = smg_own_stage(s, k);
+  const smg_real half = 0.5 * smg_h_over_kappa(&s->c, k, h * smg_gauss_weight[i]), *g = s->u + 3 * k, *stage = smg_own_stage(s, k);
   const smg_real a[3] = {half * g[0], half * g[1], half * g[2]};
   const smg_real size = smg_max(smg_largest(stage), smg_abs(stage[3]));
   const smg_real own = 2 * size * size * (smg_abs(a[0]) + smg_abs(a[1]) + smg_abs(a[2]));
@@ -178,7 +178,7 @@ static void smg_new_slope(smg_state *s, int64_t k, int i, smg_real h, smg_change
     smg_change_add(change, 2 * size * (next[b] - slope[b]), own, up);
     slope[b] = next[b];
   }
-  change->terms = smg_max(change->terms, up * own);
+  change->rounding_scale = smg_max(change->rounding_scale, up * own);
   if (change->absolute > before || (before == before && change->absolute != change->absolute)) s->report.site = k;
 }
 
@@ -223,7 +223,7 @@ static smg_status smg_settle_stages(smg_state *s, smg_real h) {
   watch.last.relative = SMG_MAX;
   for (int n = 0; n < SMG_MOST_SWEEPS; ++n) {
     const smg_change now = smg_sweep_stages(s, h);
-    const smg_real size = smg_max(s->scale, now.terms);
+    const smg_real size = smg_max(s->scale, now.rounding_scale);
     ++s->report.iterations;
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
@@ -255,7 +255,7 @@ static inline void smg_add_to_site(smg_state *s, int64_t k) {
 #if SMG_PLAIN_SUMS
     s->w[q] += s->u[q];
 #else
-    smg_add_carry(&s->w[q], &s->carry[q], s->u[q]);
+    smg_add_compensated(&s->w[q], &s->compensation[q], s->u[q]);
 #endif
   }
 }

@@ -16,17 +16,17 @@
 
 /* u = h X(m) = (h/kappa) grad C(m) x g, g = dH/dw. */
 static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g, smg_real *u) {
-  const smg_real rate = smg_rate(c, k, h);
+  const smg_real rate = smg_h_over_kappa(c, k, h);
   smg_real n[3];
   smg_normal(c, k, m, n);
   smg_cross(u, n, g); /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
   for (int b = 0; b < 3; ++b) u[b] *= rate;
 }
 
-/* Takes from u its part along grad C at the midpoint of w + carry, which is round-off of the product h X. */
-static inline void smg_tangential(const smg_coefficients *c, int64_t k, const smg_real *w, const smg_real *carry, smg_real *u) {
+/* Takes from u its part along grad C at the midpoint of w + compensation, which is round-off of the product h X. */
+static inline void smg_tangential(const smg_coefficients *c, int64_t k, const smg_real *w, const smg_real *compensation, smg_real *u) {
   smg_real mbar[3], n[3];
-  smg_middle(3, w, carry, u, mbar);
+  smg_middle(3, w, compensation, u, mbar);
   smg_normal(c, k, mbar, n);
   smg_unit(n, n);
   const smg_real off = smg_dot(n, u) / smg_dot(n, n);
@@ -39,7 +39,7 @@ static inline smg_real smg_product_scale(const smg_coefficients *c, int64_t k, s
   if (smg_kind(c, k) == SMG_NAMBU) smg_normal(c, k, m, n);
   else
     for (int b = 0; b < 3; ++b) n[b] = m[b];
-  return smg_abs(smg_rate(c, k, h)) * smg_largest(n) * smg_largest(g);
+  return smg_abs(smg_h_over_kappa(c, k, h)) * smg_largest(n) * smg_largest(g);
 }
 
 /* Tangent vectors E of the leaf at m, and dual rows F: F.E = 1, F.m = 0. */
@@ -64,7 +64,7 @@ static inline void smg_tangent_frame(const smg_coefficients *c, int64_t k, const
  *   J_ij = delta_ij + G_i (d2H/dw_i dw_j) S_j^T,  G = -(h/2)(1/kappa) F x grad C(m),  S = s E.
  * own: delta and the part of the diagonal block from the curvature of C, -(h/2)(1/kappa) F.(grad C(S) x g). rhs = F.res. */
 static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, smg_real *G, smg_real *S, smg_real *own, smg_real *rhs) {
-  const smg_real rate = -0.5 * smg_rate(c, k, h);
+  const smg_real rate = -0.5 * smg_h_over_kappa(c, k, h);
   smg_real E[3 * SMG_BS], F[3 * SMG_BS], n[3];
   smg_normal(c, k, m, n);
   smg_tangent_frame(c, k, m, n, E, F);
@@ -86,7 +86,7 @@ static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_re
  * gamma = N.res + (h/2)(1/kappa) N.(grad C(S a) x g), N = n/(n.m), n = grad C(m). */
 static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, const smg_real *S, const smg_real *a, smg_real *mbar) {
 #if SMG_ONTO_LEAF
-  const smg_real rate = 0.5 * smg_rate(c, k, h);
+  const smg_real rate = 0.5 * smg_h_over_kappa(c, k, h);
   smg_real n[3], v[3], dn[3], turned[3];
   smg_normal(c, k, m, n);
   for (int b = 0; b < 3; ++b) v[b] = S[b] * a[0] + S[3 + b] * a[1];

@@ -94,7 +94,7 @@ SMG_INLINE smg_vec smg_image(const smg_coefficients *c, smg_vec S, smg_real q) {
   return smg_motion(c, smg_vec_scale(q, S));
 }
 #if SMG_EXTENDED
-/* The solution to the digits of smg_wide: (u, low) = V + e, V = h X(m) at m = P(w + carry + v/2), e = E d/(1 - E)
+/* The solution to the digits of smg_wide: (u, low) = V + e, V = h X(m) at m = P(w + compensation + v/2), e = E d/(1 - E)
  * = (E + E^2) d/det(1 - E), d = V - v. d is so small that its own digits are plenty. */
 SMG_INLINE void smg_sphere_widen(smg_state *s, smg_vec v, smg_real q) {
   const smg_coefficients *c = &s->c;
@@ -113,7 +113,7 @@ SMG_INLINE void smg_sphere_widen(smg_state *s, smg_vec v, smg_real q) {
   smg_wide_take(s);
 }
 #endif
-/* W = w + v with its rounding error in carry; v and q become the newest row of the history. */
+/* W = w + v with its rounding error in compensation; v and q become the newest row of the history. */
 SMG_INLINE void smg_sphere_commit(smg_state *s, smg_vec W, smg_vec y, smg_vec v, smg_real q) {
   if (s->row == 0) {
     for (int k = 0; k < 4 * (SMG_HISTORY - 1); ++k) s->rows[4 * (SMG_ROWS - SMG_HISTORY + 1) + k] = s->rows[k];
@@ -127,15 +127,15 @@ SMG_INLINE void smg_sphere_commit(smg_state *s, smg_vec W, smg_vec y, smg_vec v,
 #if SMG_PLAIN_SUMS
   for (int k = 0; k < 3; ++k) s->w[k] += s->u[k];
 #else
-  for (int k = 0; k < 3; ++k) smg_wide_commit(&s->w[k], &s->carry[k], s->u[k], s->low[k]);
+  for (int k = 0; k < 3; ++k) smg_wide_commit(&s->w[k], &s->compensation[k], s->u[k], s->low[k]);
 #endif
 #else
 #if SMG_PLAIN_SUMS
   (void)y;
 #else
-  s->carry[0] = y.x - (W.x - s->w[0]);
-  s->carry[1] = y.y - (W.y - s->w[1]);
-  s->carry[2] = y.z - (W.z - s->w[2]);
+  s->compensation[0] = y.x - (W.x - s->w[0]);
+  s->compensation[1] = y.y - (W.y - s->w[1]);
+  s->compensation[2] = y.z - (W.z - s->w[2]);
 #endif
   s->w[0] = W.x;
   s->w[1] = W.y;
@@ -171,28 +171,28 @@ SMG_INLINE int smg_within_ulp(smg_real d, smg_real W, smg_real v, int late) {
   return smg_abs(d) <= SMG_EPS * smg_abs(W) || (late && smg_abs(d) <= 8 * SMG_EPS * smg_abs(v));
 }
 
-/* One more evaluation, at the midpoint of w + carry and w + carry + v: what is left of the iteration would drift. */
+/* One more evaluation, at the midpoint of w + compensation and w + compensation + v: what is left of the iteration would drift. */
 SMG_INLINE smg_vec smg_sphere_refine(const smg_state *s, smg_vec v, smg_real q) {
-  const smg_vec twice = smg_vec_scale(2, smg_vec_load(s->carry));
+  const smg_vec twice = smg_vec_scale(2, smg_vec_load(s->compensation));
   return smg_image(&s->c, smg_twice_midpoint(smg_vec_load(s->w), smg_vec_add(v, twice)), q);
 }
 
-/* u without its part along the midpoint of w + carry and w + carry + u: then abs(W) = abs(w). */
+/* u without its part along the midpoint of w + compensation and w + compensation + u: then abs(W) = abs(w). */
 SMG_INLINE smg_vec smg_sphere_tangential(const smg_state *s, smg_vec u) {
-  const smg_vec S = smg_twice_midpoint(smg_vec_load(s->w), smg_vec_add(u, smg_vec_scale(2, smg_vec_load(s->carry))));
+  const smg_vec S = smg_twice_midpoint(smg_vec_load(s->w), smg_vec_add(u, smg_vec_scale(2, smg_vec_load(s->compensation))));
   return smg_vec_sub(u, smg_vec_scale(smg_vec_dot(u, S) / smg_vec_dot(S, S), S));
 }
 
 /* Newton to stagnation with honest square roots, from the guess u. At round-off plain evaluation and Newton take turns. */
 SMG_COLD static smg_status smg_sphere_iterate(smg_state *s, smg_vec u) {
   const smg_coefficients *c = &s->c;
-  const smg_vec w = smg_vec_load(s->w), carry = smg_vec_load(s->carry);
+  const smg_vec w = smg_vec_load(s->w), compensation = smg_vec_load(s->compensation);
   smg_real det = 0, size, most = 0;
   for (int it = 0; it < SMG_MAX_NEWTON; ++it) {
     const smg_vec S = smg_twice_midpoint(w, u);
     smg_real q = 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S));
     const smg_real exact = q;
-    const smg_vec v = smg_image(c, S, q), W = smg_vec_add(w, smg_vec_add(v, carry)), d = smg_vec_sub(v, u);
+    const smg_vec v = smg_image(c, S, q), W = smg_vec_add(w, smg_vec_add(v, compensation)), d = smg_vec_sub(v, u);
     const int late = it > 6;
     most = smg_max(most, smg_sphere_bound(c, smg_vec_scale(q, S), q)); /* on the way too: another branch may look as calm */
     s->report.iterations = it + 1;
@@ -203,7 +203,7 @@ SMG_COLD static smg_status smg_sphere_iterate(smg_state *s, smg_vec u) {
     if (done) {
       if (!smg_clear_of_branches(det) || !(most <= SMG_CONTRACTS)) return SMG_WRONG_BRANCH;
       /* twice: what the first leaves of the bias is not small at large h */
-      const smg_vec z = smg_sphere_tangential(s, smg_sphere_refine(s, smg_sphere_refine(s, v, exact), exact)), y = smg_vec_add(z, carry), left = smg_vec_sub(z, v);
+      const smg_vec z = smg_sphere_tangential(s, smg_sphere_refine(s, smg_sphere_refine(s, v, exact), exact)), y = smg_vec_add(z, compensation), left = smg_vec_sub(z, v);
       if (!(smg_within_ulp(left.x, W.x, z.x, 1) && smg_within_ulp(left.y, W.y, z.y, 1) && smg_within_ulp(left.z, W.z, z.z, 1))) return SMG_NO_CONVERGENCE;
       smg_sphere_commit(s, smg_vec_add(w, y), y, z, exact);
       return SMG_OK;
@@ -220,7 +220,7 @@ SMG_COLD static smg_status smg_sphere_hard(smg_state *s, smg_vec u) {
   if (status != SMG_OK) {
     status = smg_site_solve(s, smg_signed_h(s->h), 0);
     if (status == SMG_OK) {
-      const smg_vec w = smg_vec_load(s->w), v = smg_vec_load(s->u), y = smg_vec_add(v, smg_vec_load(s->carry)), S = smg_twice_midpoint(w, v);
+      const smg_vec w = smg_vec_load(s->w), v = smg_vec_load(s->u), y = smg_vec_add(v, smg_vec_load(s->compensation)), S = smg_twice_midpoint(w, v);
       smg_sphere_commit(s, smg_vec_add(w, y), y, v, 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S)));
     }
   }
@@ -238,7 +238,7 @@ SMG_INLINE int smg_sphere_settled(smg_vec v, smg_vec u, smg_vec W) {
  * must confirm it; else a second Newton iteration, from u. */
 SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_vec u, smg_vec v, smg_real q, smg_real det, smg_real size) {
   const smg_coefficients *c = &s->c;
-  const smg_vec w = smg_vec_load(s->w), carry = smg_vec_load(s->carry);
+  const smg_vec w = smg_vec_load(s->w), compensation = smg_vec_load(s->compensation);
   int settled = 1;
   s->report.iterations = 1;
   if (!(size < SMG_SMALL)) {
@@ -249,7 +249,7 @@ SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_vec u, smg_vec v, 
     s->report.iterations = 2;
     settled = smg_sphere_settled(v, u, smg_vec_add(w, v));
   }
-  const smg_vec z = smg_sphere_refine(s, v, q), y = smg_vec_add(z, carry), W = smg_vec_add(w, y);
+  const smg_vec z = smg_sphere_refine(s, v, q), y = smg_vec_add(z, compensation), W = smg_vec_add(w, y);
   if (s->report.iterations == 1 || !settled) /* confirmed? */
     settled = smg_within_ulp(z.x - v.x, W.x, z.x, 1) && smg_within_ulp(z.y - v.y, W.y, z.y, 1) && smg_within_ulp(z.z - v.z, W.z, z.z, 1);
   if (!(settled && smg_clear_of_branches(det) && smg_sphere_bound(c, smg_vec_scale(q, smg_twice_midpoint(w, u)), q) <= SMG_DAMPS && size < SMG_SMALL && smg_vec_largest(z) <= SMG_MAX)) return smg_sphere_hard(s, z);
@@ -262,12 +262,12 @@ SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_vec u, smg_vec v, 
 static smg_status smg_step(smg_state *s) {
   const smg_coefficients *c = &s->c;
 #if SMG_TIMED
-  smg_clock(&s->c, smg_time_at(s, (smg_real)0.5));
+  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
 #endif
-  const smg_vec w = smg_vec_load(s->w), carry = smg_vec_load(s->carry);
+  const smg_vec w = smg_vec_load(s->w), compensation = smg_vec_load(s->compensation);
   smg_real q, det, size; /* the empty rows of the first steps give q = 0 and a large size */
   const smg_vec p = smg_sphere_predict(s, &q), u = smg_sphere_newton(c, w, p, &q, &det, &size);
-  const smg_vec v = smg_image(c, smg_twice_midpoint(w, u), q), y = smg_vec_add(v, carry), W = smg_vec_add(w, y);
+  const smg_vec v = smg_image(c, smg_twice_midpoint(w, u), q), y = smg_vec_add(v, compensation), W = smg_vec_add(w, y);
   const smg_real change = smg_abs(v.x - u.x) + smg_abs(v.y - u.y) + smg_abs(v.z - u.z);
   if (!(smg_sphere_settled(v, u, W) && smg_clear_of_branches(det) && size < SMG_SMALL && change <= SMG_MAX)) {
     s->report.status = size < 0.01 ? smg_sphere_again(s, u, v, q, det, size) : smg_sphere_hard(s, smg_vec_of(0, 0, 0));

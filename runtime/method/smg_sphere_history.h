@@ -26,13 +26,13 @@ static inline const smg_real *smg_last_increment(const smg_state *s, int64_t k) 
   return s->rows + 4 * s->row;
 }
 
-static inline smg_real smg_saved_rest(const smg_state *s) {
+static inline smg_real smg_saved_newton_steps(const smg_state *s) {
   (void)s;
   return 0;
 }
 
-static inline void smg_restore_rest(smg_state *s, smg_real rest) {
-  (void)rest;
+static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
+  (void)steps;
   s->row = SMG_ROWS - SMG_HISTORY;
 }
 

@@ -40,7 +40,7 @@ static inline void smg_lift(const smg_state *s, int64_t k, const smg_real *m, co
 
 /* out = h DX dm from dm and y = B dm. */
 static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g, const smg_real *dm, const smg_real *y, smg_real *out) {
-  const smg_real rate = smg_rate(c, k, h);
+  const smg_real rate = smg_h_over_kappa(c, k, h);
   smg_real n[3], dn[3], turned[3];
   smg_normal(c, k, m, n);
   smg_normal(c, k, dm, dn);
@@ -66,7 +66,7 @@ static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, co
     const smg_real e[3] = {(smg_real)(l == 0), (smg_real)(l == 1), (smg_real)(l == 2)};
     smg_real dm[3], y[3] = {0, 0, 0}, column[3];
     smg_project_change(c, k, m, scale, e, dm);
-    smg_curvature(c, smg_at(k), s->m, m, dm, y);
+    smg_site_hessian_vector(c, smg_at(k), s->m, m, dm, y);
     smg_vary(c, k, h, m, g, dm, y, column);
     for (int b = 0; b < 3; ++b) J[3 * b + l] = e[b] - 0.5 * column[b];
   }
@@ -74,15 +74,15 @@ static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, co
 }
 
 /* One site alone; a tracer is moved by the coupled ones, whose dm is known. */
-static smg_status smg_carry_alone(smg_state *s, smg_real h, int64_t k, smg_real *v, const smg_real *dm) {
+static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *v, const smg_real *dm) {
   const smg_coefficients *c = &s->c;
   smg_real m[3], mbar[3], g[3] = {0, 0, 0}, y[3] = {0, 0, 0}, z[3] = {0, 0, 0}, d[3];
   for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] - 0.5 * smg_last_increment(s, k)[b];
-  const smg_real scale = smg_project(c, k, smg_leaf(s, k), mbar, m);
+  const smg_real scale = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
   smg_gather(c, smg_at(k), s->m, m, g);
   if (smg_lifted(c, k)) {
     smg_lift(s, k, m, v + 3 * k, z);
-    smg_curvature(c, smg_at(k), s->m, m, z, y);
+    smg_site_hessian_vector(c, smg_at(k), s->m, m, z, y);
   }
   smg_bend(c, smg_at(k), s->m, m, dm, y);
   smg_vary(c, k, h, m, g, z, y, d);
@@ -105,14 +105,14 @@ typedef struct smg_variation {
 
 #if SMG_COUPLED_LIFTED
 /* r = dw + (h/2) DX z of one site; dm holds z of all. */
-static inline void smg_load_change(void *of, smg_place at) {
+static inline void smg_load_change(void *of, smg_lattice_site at) {
   smg_variation *q = (smg_variation *)of;
   smg_state *s = q->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
   smg_real y[3] = {0, 0, 0}, *r = s->r + 3 * k;
   smg_bend(c, at, s->m, s->m + 3 * k, q->dm, y);
-  smg_curvature(c, at, s->m, s->m + 3 * k, q->dm + 3 * k, y);
+  smg_site_hessian_vector(c, at, s->m, s->m + 3 * k, q->dm + 3 * k, y);
   smg_vary(c, k, q->h, s->m + 3 * k, s->g + 3 * k, q->dm + 3 * k, y, r);
   for (int b = 0; b < 3; ++b) r[b] = q->v[3 * k + b] + 0.5 * r[b];
 }
@@ -147,14 +147,14 @@ static inline void smg_midpoint_change(smg_variation *q, int64_t k) {
 }
 
 /* J d = r in the frames of the tangent planes; d in q->d. */
-static smg_status smg_carry_coupled(smg_variation *q, smg_real *keep) {
+static smg_status smg_push_coupled(smg_variation *q, smg_real *keep) {
   smg_state *s = q->s;
   const smg_coefficients *c = &s->c;
   smg_load_changes(q);
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_real own[SMG_BS * SMG_BS];
-    smg_newton_frame(c, k, q->h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_place_of(row));
+    smg_newton_frame(c, k, q->h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
   }
   const int64_t bad = smg_solve_kept(s, keep);
   s->report.site = bad > 0 ? smg_site_of(s, bad - 1) : -1;
@@ -188,14 +188,14 @@ static smg_status smg_finite_column(smg_state *s, const smg_real *v) {
 }
 
 /* One column; mem: d and dm of all sites, then what the matrix keeps. */
-static smg_status smg_carry_column(smg_state *s, smg_real h, smg_real *v, smg_real *mem) {
+static smg_status smg_push_column(smg_state *s, smg_real h, smg_real *v, smg_real *mem) {
   smg_status status = smg_finite_column(s, v);
   const smg_real *dm = NULL;
   if (status != SMG_OK) return status;
 #if SMG_HAS_COUPLED
   const int64_t size = 3 * smg_sites(&s->c);
   smg_variation q = {s, h, v, mem, mem + size};
-  status = smg_carry_coupled(&q, mem + 2 * size);
+  status = smg_push_coupled(&q, mem + 2 * size);
   if (status != SMG_OK) return status;
   for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
     const int64_t k = 3 * smg_site(&s->c, row);
@@ -206,7 +206,7 @@ static smg_status smg_carry_column(smg_state *s, smg_real h, smg_real *v, smg_re
   (void)mem;
 #endif
 #if SMG_HAS_ALONE
-  for (int64_t n = 0; n < smg_alone(&s->c) && status == SMG_OK; ++n) status = smg_carry_alone(s, h, smg_alone_site(&s->c, n), v, dm);
+  for (int64_t n = 0; n < smg_alone(&s->c) && status == SMG_OK; ++n) status = smg_push_alone(s, h, smg_alone_site(&s->c, n), v, dm);
 #else
   (void)dm;
 #endif
@@ -230,10 +230,10 @@ static smg_status smg_leaf_before(smg_state *s, int64_t k) {
   smg_real w[3];
   if (!smg_lifted(&s->c, k)) return SMG_OK;
   for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - smg_last_increment(s, k)[b];
-  s->leaf[k] = smg_leaf_of(&s->c, k, w);
+  s->leaf_value[k] = smg_leaf_value_of(&s->c, k, w);
   if (smg_kind(&s->c, k) != SMG_R3) return SMG_OK;
   s->report.site = k; /* m = |w| mbar/|mbar| has no derivative at w = 0 */
-  return s->leaf[k] > 0 ? SMG_OK : SMG_SINGULAR;
+  return s->leaf_value[k] > 0 ? SMG_OK : SMG_SINGULAR;
 #else
   (void)s;
   (void)k;
@@ -241,19 +241,19 @@ static smg_status smg_leaf_before(smg_state *s, int64_t k) {
 #endif
 }
 
-static smg_status smg_carry_tangent(smg_state *s, smg_real *v, int64_t columns, void *mem) {
+static smg_status smg_push_forward(smg_state *s, smg_real *v, int64_t columns, void *mem) {
   const smg_real h = smg_signed_h(s->h);
   const smg_report report = s->report;
   const int64_t sites = smg_sites(&s->c);
   smg_status status = s->count > 0 ? SMG_OK : SMG_BAD_PARAMETER;
 #if SMG_TIMED
-  smg_clock(&s->c, smg_time_at(s, (smg_real)-0.5));
+  smg_set_time(&s->c, smg_time_at(s, (smg_real)-0.5));
 #endif
   for (int64_t k = 0; k < sites && status == SMG_OK; ++k) status = smg_leaf_before(s, k);
 #if SMG_HAS_COUPLED
   if (status == SMG_OK) status = smg_tangent_matrix(s, h, (smg_real *)mem + 6 * sites);
 #endif
-  for (int64_t j = 0; j < columns && status == SMG_OK; ++j) status = smg_carry_column(s, h, v + 3 * sites * j, (smg_real *)mem);
+  for (int64_t j = 0; j < columns && status == SMG_OK; ++j) status = smg_push_column(s, h, v + 3 * sites * j, (smg_real *)mem);
   if (status == SMG_OK) s->report = report;
   s->report.status = status;
   return status;

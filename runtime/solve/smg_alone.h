@@ -10,8 +10,8 @@
 #endif
 #include "smg_tolerances.h"
 
-static inline smg_place smg_at(int64_t k) {
-  const smg_place at = {k, 0, 0, 0, 0, 0};
+static inline smg_lattice_site smg_at(int64_t k) {
+  const smg_lattice_site at = {k, 0, 0, 0, 0, 0};
   return at;
 }
 
@@ -21,14 +21,14 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
   const smg_coefficients *c = &s->c;
   smg_real g[3] = {0, 0, 0}, half[3], m[3], *u = s->u + 3 * k;
   smg_gather(c, smg_at(k), s->m, s->w + 3 * k, g);
-  for (int b = 0; b < 3; ++b) half[b] = 0.5 * smg_rate(c, k, h) * g[b];
+  for (int b = 0; b < 3; ++b) half[b] = 0.5 * smg_h_over_kappa(c, k, h) * g[b];
   s->report.iterations = 0;
   s->report.residual = 0;
-  if (smg_kind(c, k) == SMG_R3 && !(smg_leaf(s, k) > 0)) return SMG_OK;
+  if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) return SMG_OK;
   if (!(smg_dot(half, half) <= SMG_MAX)) smg_shorten(half);
-  if (!smg_own_spin(s->w + 3 * k, smg_leaf(s, k), half, m)) { /* across its field: steps exist below h |b| = 2 */
+  if (!smg_own_spin(s->w + 3 * k, smg_leaf_value(s, k), half, m)) { /* across its field: steps exist below h |b| = 2 */
     s->report.site = k;
-    s->report.reached = 2 / smg_abs(smg_rate(c, k, h) * smg_norm(g));
+    s->report.reached = 2 / smg_abs(smg_h_over_kappa(c, k, h) * smg_norm(g));
     return SMG_NO_SOLUTION;
   }
   smg_increment(c, k, h, m, g, u);
@@ -37,7 +37,7 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
     const smg_real rho = smg_dot(m, s->w + 3 * k) / smg_dot(m, m);
     for (int b = 0; b < 3; ++b) u[b] = 2 * (rho * m[b] - s->w[3 * k + b]);
   }
-  if (smg_dot(half, half) >= 0.25) smg_stretch(s->w + 3 * k, s->carry + 3 * k, smg_leaf(s, k), u);
+  if (smg_dot(half, half) >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), u);
   if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
   s->report.site = k;
   return SMG_NOT_FINITE;
@@ -56,7 +56,7 @@ typedef struct smg_site_equation {
 static inline void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
   const smg_coefficients *c = &s->c;
   e->g[0] = e->g[1] = e->g[2] = 0;
-  e->s = smg_project(c, k, smg_leaf(s, k), mbar, e->m);
+  e->s = smg_project(c, k, smg_leaf_value(s, k), mbar, e->m);
   smg_gather(c, smg_at(k), s->m, e->m, e->g);
   smg_increment(c, k, h, e->m, e->g, u);
 }
@@ -82,7 +82,7 @@ static inline void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, sm
   for (int l = 0; l < SMG_BS; ++l) {
     smg_real *y = e->curved + 3 * l;
     y[0] = y[1] = y[2] = 0;
-    smg_curvature(c, smg_at(k), s->m, e->m, e->S + 3 * l, y);
+    smg_site_hessian_vector(c, smg_at(k), s->m, e->m, e->S + 3 * l, y);
     for (int n = 0; n < SMG_BS; ++n) e->J[SMG_BS * n + l] += smg_dot(G + 3 * n, y);
   }
 }
@@ -93,8 +93,8 @@ static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, 
   smg_real x[3];
   smg_site_field(s, h, k, mbar, &e, x);
   for (int b = 0; b < 3; ++b) x[b] -= u[b];
-  const smg_real terms = smg_product_scale(&s->c, k, h, e.m, e.g);
-  const smg_real allowed = SMG_ULPS * SMG_EPS * ((1 + bound) * smg_largest(s->w + 3 * k) + terms);
+  const smg_real rounding_scale = smg_product_scale(&s->c, k, h, e.m, e.g);
+  const smg_real allowed = SMG_ULPS * SMG_EPS * ((1 + bound) * smg_largest(s->w + 3 * k) + rounding_scale);
   return smg_largest(x) <= smg_min(allowed, SMG_BLIND * s->scale);
 }
 
@@ -102,7 +102,7 @@ static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, 
 static inline smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_site_equation *e) {
   const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
   smg_change now = {0, 0, 0};
-  now.terms = smg_product_scale(&s->c, k, h, e->m, e->g);
+  now.rounding_scale = smg_product_scale(&s->c, k, h, e->m, e->g);
   for (int b = 0; b < 3; ++b) {
     e->r[b] = w[b] + 0.5 * u[b] - mbar[b];
     smg_change_add(&now, e->r[b], SMG_MATH(fabs)(w[b]) + 0.5 * SMG_MATH(fabs)(u[b]), up);
@@ -119,17 +119,17 @@ static inline smg_real smg_site_size(const smg_state *s, int64_t k) {
   return s->scale * (smg_norm(w) * smg_norm(n) / SMG_MATH(fabs)(smg_dot(w, n)));
 }
 
-/* The end of a step that is not stiff: evaluations at the midpoint of w + carry, until a twentieth of the round-off of the
+/* The end of a contractive step: evaluations at the midpoint of w + compensation, until a twentieth of the round-off of the
  * iteration is left, which would drift. */
 static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
   smg_site_equation e;
   smg_real left = 1;
   for (int n = 0; n < SMG_REFINEMENTS && left > SMG_LEFT; ++n) {
-    smg_middle(3, s->w + 3 * k, s->carry + 3 * k, u, mbar);
+    smg_middle(3, s->w + 3 * k, s->compensation + 3 * k, u, mbar);
     if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE;
     left *= bound <= SMG_CONTRACTS ? bound : 0; /* more of them would enlarge it */
   }
-  smg_tangential(&s->c, k, s->w + 3 * k, s->carry + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
+  smg_tangential(&s->c, k, s->w + 3 * k, s->compensation + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
   return smg_largest(u) <= SMG_MAX ? SMG_OK : SMG_NOT_FINITE;
 }
 
@@ -148,12 +148,12 @@ static inline smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_
   return smg_bound(SMG_BS, e->J);
 }
 
-/* The end of a stiff step: h X would enlarge what is left, so the midpoint tells u; is it right to its round-off? */
-static int smg_site_refine_stiff(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
-  const smg_real *w = s->w + 3 * k, *carry = s->carry + 3 * k;
+/* The end of a non-contractive step: h X would enlarge what is left, so the midpoint tells u; is it right to its round-off? */
+static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
+  const smg_real *w = s->w + 3 * k, *compensation = s->compensation + 3 * k;
   for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
-  smg_tangential(&s->c, k, w, carry, u);
-  smg_middle(3, w, carry, u, mbar);
+  smg_tangential(&s->c, k, w, compensation, u);
+  smg_middle(3, w, compensation, u, mbar);
   return smg_site_within_round_off(s, rate, k, mbar, u, bound);
 }
 
@@ -172,22 +172,22 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     const smg_real size = smg_site_size(s, k);
     if (smg_kind(c, k) == SMG_NAMBU && !(size <= SMG_NARROW * s->scale)) return SMG_NO_CONVERGENCE; /* no digit of P is left */
     const int done = smg_settled(&now, &last, size * (1 + entry));
-    int stiff = now.terms > SMG_STIFF * size || bound > SMG_DAMPS;
-    if (done && it > 0 && !stiff) return smg_site_refine(s, h, k, mbar, u, bound);
+    int noncontractive = now.rounding_scale > SMG_STRONG_FIELD * size || bound > SMG_DAMPS;
+    if (done && it > 0 && !noncontractive) return smg_site_refine(s, h, k, mbar, u, bound);
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
-    if (smg_kind(c, k) == SMG_R3 && !(smg_leaf(s, k) > 0)) {
+    if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) {
       *sure = 1;
       return SMG_OK;
     }
     bound = smg_site_linearise(s, h, k, u, &e);
-    stiff = stiff || bound > SMG_DAMPS;
+    noncontractive = noncontractive || bound > SMG_DAMPS;
     most = smg_max(most, bound); /* a contraction on the way too: another branch may look as calm */
     *sure = most <= SMG_CONTRACTS;
     if (it >= SMG_LATE) entry = bound;
     if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
-    if (done && !stiff) continue; /* begun at the solution */
+    if (done && !noncontractive) continue; /* begun at the solution */
     smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, mbar);
-    if (done && smg_site_refine_stiff(s, e.rate, k, mbar, u, bound)) return SMG_OK;
+    if (done && smg_site_refine_by_newton(s, e.rate, k, mbar, u, bound)) return SMG_OK;
     last = now;
   }
 }

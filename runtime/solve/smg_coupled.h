@@ -17,7 +17,7 @@ static inline void smg_project_all(smg_state *s) {
   const smg_coefficients *c = &s->c;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    s->s[k] = smg_project(c, k, smg_leaf(s, k), s->mbar + 3 * k, s->m + 3 * k);
+    s->s[k] = smg_project(c, k, smg_leaf_value(s, k), s->mbar + 3 * k, s->m + 3 * k);
     s->g[3 * k] = s->g[3 * k + 1] = s->g[3 * k + 2] = 0;
   }
 }
@@ -31,7 +31,7 @@ static smg_change smg_evaluate(smg_state *s, smg_real h) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_increment(c, k, h, s->m + 3 * k, s->g + 3 * k, s->u + 3 * k);
-    change.terms = smg_max(change.terms, smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k));
+    change.rounding_scale = smg_max(change.rounding_scale, smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k));
     const smg_real up = smg_kind(c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
     for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
       s->r[q] = s->w[q] + 0.5 * s->u[q] - s->mbar[q];
@@ -41,9 +41,9 @@ static smg_change smg_evaluate(smg_state *s, smg_real h) {
   return change;
 }
 
-/* One more evaluation, at the midpoint of w + carry: what is left of the iteration would drift. */
+/* One more evaluation, at the midpoint of w + compensation: what is left of the iteration would drift. */
 static smg_change smg_refine(smg_state *s, smg_real h) {
-  smg_middle(3 * smg_sites(&s->c), s->w, s->carry, s->u, s->mbar);
+  smg_middle(3 * smg_sites(&s->c), s->w, s->compensation, s->u, s->mbar);
   return smg_evaluate(s, h);
 }
 

@@ -6,7 +6,7 @@
 #include "smg_matrix_unkept.h"
 #include "smg_model.h"
 
-static inline int64_t smg_place_of(int64_t row) { return row; }
+static inline int64_t smg_block_row(int64_t row) { return row; }
 
 static inline void smg_clear(const smg_state *s) {
   const int64_t size = SMG_BS * SMG_BS * (2 * SMG_BAND + 1) * smg_coupled(&s->c);

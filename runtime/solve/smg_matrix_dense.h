@@ -6,7 +6,7 @@
 #include "smg_model.h"
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
-static inline int64_t smg_place_of(int64_t row) { return row; }
+static inline int64_t smg_block_row(int64_t row) { return row; }
 
 static inline void smg_clear(const smg_state *s) {
   for (int64_t k = 0; k < smg_order(s) * smg_order(s); ++k) s->A[k] = 0;

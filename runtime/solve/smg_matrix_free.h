@@ -13,7 +13,7 @@
 #define SMG_KRYLOV_ROUNDOFF SMG_EPS         /* of a column of the tangent map: to stagnation */
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
-static inline int64_t smg_place_of(int64_t row) { return row; }
+static inline int64_t smg_block_row(int64_t row) { return row; }
 
 static inline void smg_clear(const smg_state *s) {
   for (int64_t k = 0; k < SMG_BS * smg_order(s); ++k) s->A[k] = 0;
@@ -66,8 +66,8 @@ static void smg_apply(const smg_state *s, int transposed, const smg_real *z, smg
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     for (int b = 0; b < 3; ++b) {
-      s->along[3 * k + b] = s->felt[3 * k + b] = 0;
-      for (int l = 0; l < SMG_BS; ++l) s->along[3 * k + b] += from[3 * (SMG_BS * k + l) + b] * z[SMG_BS * row + l];
+      s->v[3 * k + b] = s->hessian_v[3 * k + b] = 0;
+      for (int l = 0; l < SMG_BS; ++l) s->v[3 * k + b] += from[3 * (SMG_BS * k + l) + b] * z[SMG_BS * row + l];
     }
   }
   smg_hessian_vector(s);
@@ -75,7 +75,7 @@ static void smg_apply(const smg_state *s, int transposed, const smg_real *z, smg
     const int64_t k = smg_site(c, row);
     const smg_real *D = s->A + SMG_BS * SMG_BS * row;
     for (int r = 0; r < SMG_BS; ++r) {
-      smg_real sum = smg_dot(to + 3 * (SMG_BS * k + r), s->felt + 3 * k);
+      smg_real sum = smg_dot(to + 3 * (SMG_BS * k + r), s->hessian_v + 3 * k);
       for (int l = 0; l < SMG_BS; ++l) sum += D[across * r + down * l] * z[SMG_BS * row + l];
       y[SMG_BS * row + r] = sum;
     }

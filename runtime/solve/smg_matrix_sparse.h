@@ -1,4 +1,4 @@
-/* smidgen runtime: Newton's matrix of a graph, sparse blocks in the elimination order smg_place that the generator found; its
+/* smidgen runtime: Newton's matrix of a graph, sparse blocks in the elimination order smg_lattice_site that the generator found; its
  * pattern is smg_rows, smg_columns, smg_diagonal. */
 #ifndef SMG_MATRIX_SPARSE_H
 #define SMG_MATRIX_SPARSE_H
@@ -6,14 +6,14 @@
 #include "smg_model.h"
 #include "smg_sparse.h"
 
-static inline int64_t smg_place_of(int64_t row) { return smg_place_table[row]; }
+static inline int64_t smg_block_row(int64_t row) { return smg_block_rows[row]; }
 
 static inline void smg_clear(const smg_state *s) {
   for (int64_t k = 0; k < (int64_t)SMG_BS * SMG_BS * smg_rows[SMG_ORDER]; ++k) s->A[k] = 0;
 }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
-  const int place = smg_place_table[row], other = smg_place_table[column];
+  const int place = smg_block_rows[row], other = smg_block_rows[column];
   int at = smg_rows[place];
   while (smg_columns[at] != other) ++at;
   for (int k = 0; k < SMG_BS * SMG_BS; ++k) s->A[(int64_t)at * SMG_BS * SMG_BS + k] += block[k];

@@ -2,7 +2,7 @@
  *
  * J = I - (h/2) DX(m) P'(mbar), SMG_BS unknowns a site. How its blocks are stored and solved is told by the header of the matrix,
  * one of smg_matrix_*.h: smg_clear, smg_add_block, smg_assembled, smg_factor, smg_row_bound, smg_site_row_sum, smg_coercive.
- * smg_place_of(row) is where the row of a site stands after elimination has been ordered; the sparse matrix alone moves rows. */
+ * smg_block_row(row) is where the row of a site stands after elimination has been ordered; the sparse matrix alone moves rows. */
 #ifndef SMG_NEWTON_H
 #define SMG_NEWTON_H
 
@@ -25,7 +25,7 @@ static void smg_assemble(const smg_state *s, smg_real h) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_real own[SMG_BS * SMG_BS];
-    smg_newton_frame(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_place_of(row));
+    smg_newton_frame(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
     smg_add_block(s, row, row, own);
   }
   smg_hessian_blocks(s);
@@ -38,14 +38,14 @@ static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     d[3 * k] = d[3 * k + 1] = d[3 * k + 2] = 0;
-    smg_newton_correct(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->S + 3 * SMG_BS * k, s->x + SMG_BS * smg_place_of(row), d + 3 * k);
+    smg_newton_correct(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->S + 3 * SMG_BS * k, s->x + SMG_BS * smg_block_row(row), d + 3 * k);
   }
 }
 
 /* The site that a block row of the matrix belongs to. */
 static int64_t smg_site_of(const smg_state *s, int64_t place) {
   for (int64_t row = 0; row < smg_coupled(&s->c); ++row)
-    if (smg_place_of(row) == place) return smg_site(&s->c, row);
+    if (smg_block_row(row) == place) return smg_site(&s->c, row);
   return -1;
 }
 
@@ -93,7 +93,7 @@ static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     const smg_real size = smg_largest(s->w + 3 * k) + smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k);
-    const smg_real own = SMG_ULPS * SMG_EPS * (size + smg_site_row_sum(s, smg_place_of(row)) * smg_largest(s->w + 3 * k));
+    const smg_real own = SMG_ULPS * SMG_EPS * (size + smg_site_row_sum(s, smg_block_row(row)) * smg_largest(s->w + 3 * k));
     const smg_real allowed = own + (noise ? 2 * smg_largest(noise + 3 * k) : 0);
     if (!(smg_largest(s->r + 3 * k) <= smg_min(allowed, SMG_BLIND * s->scale))) return 0;
   }
@@ -102,12 +102,12 @@ static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *
 
 /* Every increment without its part along grad C, where that is round-off. Without Nambu sites only where the products are beyond
  * the state: in smaller steps it would cost the momentum, which equal and opposite increments keep. */
-static void smg_tangential_all(smg_state *s, smg_real terms) {
+static void smg_tangential_all(smg_state *s, smg_real rounding_scale) {
   const smg_coefficients *c = &s->c;
-  if (!SMG_COUPLED_NAMBU && !(terms > s->scale)) return;
+  if (!SMG_COUPLED_NAMBU && !(rounding_scale > s->scale)) return;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    smg_tangential(c, k, s->w + 3 * k, s->carry + 3 * k, s->u + 3 * k);
+    smg_tangential(c, k, s->w + 3 * k, s->compensation + 3 * k, s->u + 3 * k);
   }
 }
 
@@ -124,10 +124,10 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
   }
 }
 
-/* The end of a stiff step. Plain evaluations would hardly lessen what is left, or enlarge it, so Newton corrects the increment
+/* The end of a non-contractive step. Plain evaluations would hardly lessen what is left, or enlarge it, so Newton corrects the increment
  * u itself: at least twice, since what one correction leaves is of one sign along many an orbit, a drift. u = 2 (mbar - w), so it
  * moves by twice what mbar does. */
-static smg_status smg_refine_stiff(smg_state *s, smg_real h, smg_real terms) {
+static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real rounding_scale) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_real *before = s->curve, *d = s->curve + n, *noise = s->curve + 2 * n;
   for (int round = 0; round <= SMG_ROUNDS; ++round) {
@@ -142,54 +142,54 @@ static smg_status smg_refine_stiff(smg_state *s, smg_real h, smg_real terms) {
       const int64_t k = 3 * smg_site(&s->c, row);
       for (int64_t b = 0; b < 3; ++b) s->u[k + b] = before[k + b] + 2 * d[k + b];
     }
-    smg_tangential_all(s, terms);
+    smg_tangential_all(s, rounding_scale);
   }
   for (int64_t k = 0; k < n; ++k) d[k] = before[k] + 2 * s->r[k];
   smg_noise(s, h, before, d, noise); /* two vortices 1/1000 apart lose a million ulps in their field, whatever is done */
   return smg_within_round_off(s, h, noise) ? SMG_OK : SMG_NO_CONVERGENCE;
 }
 
-/* The end of a step that is not stiff: plain evaluations until a twentieth of the round-off of the iteration is left. */
-static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg_real terms) {
+/* The end of a contractive step: plain evaluations until a twentieth of the round-off of the iteration is left. */
+static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg_real rounding_scale) {
   smg_real left = 1;
   for (int n = 0; n < SMG_REFINEMENTS && left > SMG_LEFT; ++n) {
     if (!(smg_refine(s, h).absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     left *= bound;
   }
-  smg_tangential_all(s, terms);
+  smg_tangential_all(s, rounding_scale);
   return SMG_OK;
 }
 
-/* What Newton's loop has seen: the largest bounds on J - I, now and on the way; is the step stiff, has the residual grown? */
-typedef struct smg_course {
+/* The way that Newton's loop took: the largest bounds on J - I, now and on the way; is the step non-contractive, has the residual grown? */
+typedef struct smg_newton_path {
   smg_real bound, most;
-  int stiff, residual_grew;
-} smg_course;
+  int noncontractive, residual_grew;
+} smg_newton_path;
 
 /* Newton on mbar from where it stands, to stagnation. */
-static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_course *seen, smg_change *now) {
+static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *path, smg_change *now) {
   smg_change last = {SMG_MAX, SMG_MAX, 0};
   for (int it = 0;; ++it) {
     *now = smg_evaluate(s, h);
     s->report.iterations = it;
     s->report.residual = now->absolute;
     if (!(now->absolute <= SMG_MAX)) return SMG_NOT_FINITE;
-    seen->residual_grew = seen->residual_grew || smg_residual_grew(now, &last, s->scale);
-    seen->stiff = now->terms > SMG_STIFF * s->scale || seen->bound > SMG_CONTRACTS || it > 2 * SMG_LATE;
-    const int done = smg_settled(now, &last, s->scale * (1 + (it < SMG_LATE ? 0 : seen->bound)));
-    if (it > 0 && (done || (seen->stiff && now->absolute <= SMG_NEARLY * s->scale))) return SMG_OK; /* a stiff step ends on its own */
+    path->residual_grew = path->residual_grew || smg_residual_grew(now, &last, s->scale);
+    path->noncontractive = now->rounding_scale > SMG_STRONG_FIELD * s->scale || path->bound > SMG_CONTRACTS || it > 2 * SMG_LATE;
+    const int done = smg_settled(now, &last, s->scale * (1 + (it < SMG_LATE ? 0 : path->bound)));
+    if (it > 0 && (done || (path->noncontractive && now->absolute <= SMG_NEARLY * s->scale))) return SMG_OK; /* its end is another */
     if (done) { /* the sweeps have solved it */
       smg_assemble(s, h);
-      seen->bound = smg_row_bound(s);
+      path->bound = smg_row_bound(s);
       return SMG_OK;
     }
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
-    const int64_t bad = smg_correction(s, h, s->curve, &seen->bound, NULL);
+    const int64_t bad = smg_correction(s, h, s->curve, &path->bound, NULL);
     if (bad > 0) {
       s->report.site = smg_site_of(s, bad - 1);
       return SMG_SINGULAR;
     }
-    seen->most = smg_max(seen->most, seen->bound); /* on the way too: another branch may look as calm */
+    path->most = smg_max(path->most, path->bound); /* on the way too: another branch may look as calm */
     for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] += s->curve[k];
     last = *now;
   }
@@ -197,14 +197,14 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_course *seen, sm
 
 /* Newton, its branch, and the end of the step. */
 static smg_status smg_newton(smg_state *s, smg_real h) {
-  smg_course seen = {0, 0, 0, 0};
+  smg_newton_path path = {0, 0, 0, 0};
   smg_change now;
-  smg_status status = smg_newton_loop(s, h, &seen, &now);
+  smg_status status = smg_newton_loop(s, h, &path, &now);
   if (status != SMG_OK) return status;
-  const int sure = smg_on_branch(s, h, smg_max(seen.most, seen.bound), seen.residual_grew);
-  if (seen.stiff || seen.bound > SMG_CONTRACTS) status = smg_refine_stiff(s, h, now.terms);
-  else status = smg_refine_plain(s, h, seen.bound, now.terms);
-  return status != SMG_OK ? status : sure ? SMG_OK : SMG_WRONG_BRANCH;
+  const int certified = smg_on_branch(s, h, smg_max(path.most, path.bound), path.residual_grew);
+  if (path.noncontractive || path.bound > SMG_CONTRACTS) status = smg_refine_by_newton(s, h, now.rounding_scale);
+  else status = smg_refine_plain(s, h, path.bound, now.rounding_scale);
+  return status != SMG_OK ? status : certified ? SMG_OK : SMG_WRONG_BRANCH;
 }
 
 #endif

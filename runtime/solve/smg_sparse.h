@@ -89,7 +89,7 @@ static inline smg_real smg_sparse_bound(int32_t n, const int32_t *rowptr, const 
 }
 
 /* Where block (i, j) lies. */
-static inline int64_t smg_sparse_place(const int32_t *rowptr, const int32_t *col, int32_t i, int32_t j) {
+static inline int64_t smg_sparse_position(const int32_t *rowptr, const int32_t *col, int32_t i, int32_t j) {
   int32_t p = rowptr[i];
   while (col[p] != j) p++;
   return (int64_t)p * SMG_BB;
@@ -101,7 +101,7 @@ static inline int smg_sparse_coercive(int32_t n, const int32_t *rowptr, const in
   int positive = 0;
   for (int32_t i = 0; i < n; i++) {
     for (int32_t p = diag[i]; p < rowptr[i + 1]; p++)
-      smg_block_mirror(A + (int64_t)p * SMG_BB, A + smg_sparse_place(rowptr, col, col[p], i));
+      smg_block_mirror(A + (int64_t)p * SMG_BB, A + smg_sparse_position(rowptr, col, col[p], i));
     smg_block_lower(A + (int64_t)diag[i] * SMG_BB);
   }
   return smg_sparse_solve(n, rowptr, col, diag, A, x, work, &positive) == 0 && positive == 1;

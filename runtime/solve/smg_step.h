@@ -46,7 +46,7 @@ static smg_status smg_solve_step(smg_state *s, smg_real h) {
   smg_status status = SMG_OK;
 #if SMG_LEAVES
   for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-    if (smg_kind(&s->c, k) != SMG_SPHERE) s->leaf[k] = smg_leaf_of(&s->c, k, s->w + 3 * k);
+    if (smg_kind(&s->c, k) != SMG_SPHERE) s->leaf_value[k] = smg_leaf_value_of(&s->c, k, s->w + 3 * k);
 #endif
 #if SMG_HAS_COUPLED
   status = smg_solve_coupled(s, h);
@@ -63,9 +63,9 @@ static inline void smg_add_increment(smg_state *s) {
 #if SMG_PLAIN_SUMS
   for (int64_t k = 0; k < n; ++k) s->w[k] += s->u[k];
 #elif SMG_EXTENDED
-  for (int64_t k = 0; k < n; ++k) smg_wide_commit(&s->w[k], &s->carry[k], s->u[k], s->low[k]);
+  for (int64_t k = 0; k < n; ++k) smg_wide_commit(&s->w[k], &s->compensation[k], s->u[k], s->low[k]);
 #else
-  for (int64_t k = 0; k < n; ++k) smg_add_carry(&s->w[k], &s->carry[k], s->u[k]);
+  for (int64_t k = 0; k < n; ++k) smg_add_compensated(&s->w[k], &s->compensation[k], s->u[k]);
 #endif
 }
 
@@ -86,16 +86,16 @@ static void smg_commit(smg_state *s) {
 
 static smg_status smg_step(smg_state *s) {
 #if SMG_TIMED
-  smg_clock(&s->c, smg_time_at(s, (smg_real)0.5));
+  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
 #endif
-  const int rest = s->rest;
+  const int newton_steps = s->newton_steps;
   s->report.site = s->report.partner = -1;
   s->report.reached = 0;
   s->report.status = smg_solve_step(s, smg_signed_h(s->h));
   if (s->report.status == SMG_OK) {
     s->report.site = -1; /* a first try may have failed there */
     smg_commit(s);
-  } else s->rest = rest; /* a refused step leaves no trace */
+  } else s->newton_steps = newton_steps; /* a refused step leaves no trace */
   return s->report.status;
 }
 

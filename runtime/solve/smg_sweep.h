@@ -26,24 +26,24 @@ static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_rea
     smg_real u[3], mbar[3];
     smg_increment(c, k, h, s->m + 3 * k, g, u);
     for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * u[b];
-    (void)smg_project(c, k, smg_leaf(s, k), mbar, next);
+    (void)smg_project(c, k, smg_leaf_value(s, k), mbar, next);
     return 1;
   }
-  const smg_real half = 0.5 * smg_rate(c, k, h);
+  const smg_real half = 0.5 * smg_h_over_kappa(c, k, h);
   for (int b = 0; b < 3; ++b) g[b] *= half;
-  return smg_own_spin(s->w + 3 * k, smg_leaf(s, k), g, next);
+  return smg_own_spin(s->w + 3 * k, smg_leaf_value(s, k), g, next);
 }
 
 /* One spin solves its own step exactly in the field that the others, as they stand, make at its place. */
-static inline void smg_relax(void *of, smg_place at) {
-  smg_sweeping *sweep = (smg_sweeping *)of;
+static inline void smg_relax(void *context, smg_lattice_site at) {
+  smg_sweeping *sweep = (smg_sweeping *)context;
   smg_state *s = sweep->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
   smg_real g[3] = {0, 0, 0}, next[3];
   smg_gather(c, at, s->m, s->m + 3 * k, g);
   if (!smg_relaxed(s, sweep->h, k, g, next)) { /* as the others stand: no step yet, and not settled */
-    sweep->change.absolute = smg_max(sweep->change.absolute, smg_kind(c, k) == SMG_R3 ? s->scale : smg_leaf(s, k));
+    sweep->change.absolute = smg_max(sweep->change.absolute, smg_kind(c, k) == SMG_R3 ? s->scale : smg_leaf_value(s, k));
     sweep->change.relative = smg_max(sweep->change.relative, 1);
     return;
   }
@@ -68,7 +68,7 @@ static void smg_sweep_start(smg_state *s) {
     const int64_t k = smg_site(c, row);
     smg_real mbar[3];
     for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * smg_extrapolate(s, 3 * k + b, s->degree);
-    (void)smg_project(c, k, smg_leaf(s, k), mbar, s->m + 3 * k);
+    (void)smg_project(c, k, smg_leaf_value(s, k), mbar, s->m + 3 * k);
   }
 }
 
@@ -76,7 +76,7 @@ static void smg_sweep_start(smg_state *s) {
  * the largest s, and the size of the products in h X. */
 typedef struct smg_sweep_end {
   smg_state *s;
-  smg_real h, residual, row, stretch, terms;
+  smg_real h, residual, row, stretch, rounding_scale;
 } smg_sweep_end;
 
 /* *most = the larger of both; NaN comes in and stays. */
@@ -97,26 +97,26 @@ static inline void smg_reflect(const smg_state *s, int64_t k, smg_sweep_end *end
 }
 
 /* u = h X(m) of one site. The rows of J - I are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
-static inline void smg_end_site(void *of, smg_place at) {
-  smg_sweep_end *end = (smg_sweep_end *)of;
+static inline void smg_end_site(void *context, smg_lattice_site at) {
+  smg_sweep_end *end = (smg_sweep_end *)context;
   smg_state *s = end->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
   smg_real g[3] = {0, 0, 0}, mbar[3], m[3];
   smg_gather(c, at, s->m, s->m + 3 * k, g);
   smg_increment(c, k, end->h, s->m + 3 * k, g, s->u + 3 * k);
-  const smg_real terms = smg_product_scale(c, k, end->h, s->m + 3 * k, g);
-  smg_take(&end->terms, terms);
+  const smg_real rounding_scale = smg_product_scale(c, k, end->h, s->m + 3 * k, g);
+  smg_take(&end->rounding_scale, rounding_scale);
   if (smg_kind(c, k) != SMG_NAMBU) {
-    if (terms > s->scale) smg_reflect(s, k, end);
-    if (3 * terms > s->scale) smg_stretch(s->w + 3 * k, s->carry + 3 * k, smg_leaf(s, k), s->u + 3 * k);
+    if (rounding_scale > s->scale) smg_reflect(s, k, end);
+    if (3 * rounding_scale > s->scale) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), s->u + 3 * k);
   }
   for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * s->u[3 * k + b];
-  const smg_real stretch = smg_project(c, k, smg_leaf(s, k), mbar, m);
+  const smg_real stretch = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
   for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(m[b] - s->m[3 * k + b]));
-#if SMG_REACH
-  const smg_real r = smg_leaf(s, k);
-  smg_take(&end->row, smg_abs(0.5 * smg_rate(c, k, end->h)) * (smg_reach(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
+#if SMG_CONSTANT_HESSIAN
+  const smg_real r = smg_leaf_value(s, k);
+  smg_take(&end->row, smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) * (smg_hessian_row_norm(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
 #endif
   smg_take(&end->stretch, stretch);
 }
@@ -127,8 +127,8 @@ static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
   smg_sweep_end end = {s, h, 0, 0, 0, 0};
   smg_each(&s->c, &end, smg_end_site);
   s->report.residual = end.residual;
-  *row = SMG_REACH ? end.row * end.stretch : SMG_MAX;
-  return end.residual <= SMG_SWEEP_ULPS * SMG_EPS * (s->scale + end.terms);
+  *row = SMG_CONSTANT_HESSIAN ? end.row * end.stretch : SMG_MAX;
+  return end.residual <= SMG_SWEEP_ULPS * SMG_EPS * (s->scale + end.rounding_scale);
 }
 #else
 /* One sweep of the plain fixed point mbar = w + (h/2) X(P(mbar)). */
@@ -181,16 +181,16 @@ static int smg_sweeps_solved(smg_state *s, smg_real h) {
   return 0;
 }
 
-/* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton, and the next SMG_REST steps with it. */
+/* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton, and the next SMG_NEWTON_STEPS steps with it. */
 static smg_status smg_sweeps(smg_state *s, smg_real h) {
-  if (s->rest > 0) {
-    --s->rest;
+  if (s->newton_steps > 0) {
+    --s->newton_steps;
     return SMG_NO_CONVERGENCE;
   }
   smg_sweep_start(s);
   const smg_status status = smg_settle(s, h);
   if (status != SMG_OK) {
-    s->rest = SMG_REST;
+    s->newton_steps = SMG_NEWTON_STEPS;
     return status;
   }
   return smg_sweeps_solved(s, h) ? SMG_OK : smg_newton(s, h); /* which finds it solved, and checks the branch */

@@ -117,9 +117,9 @@ static void draw_start(dice *d, const equation *e, double *w) {
 
 /* ---- judgement ---------------------------------------------------------------------------- */
 
-/* w + carry, where the trajectory truly is. */
+/* w + compensation, where the trajectory truly is. */
 static void true_state(const S *s, int64_t sites, real *w) {
-  for (int64_t k = 0; k < 3 * sites; k++) w[k] = (real)s->w[k] + (real)s->carry[k];
+  for (int64_t k = 0; k < 3 * sites; k++) w[k] = (real)s->w[k] + (real)s->compensation[k];
 }
 
 /* The levels of r3 and of Nambu factors are those of the state at hand. */

@@ -21,7 +21,7 @@ SPARED = (
     ("templates/model.*", r".", "the frame of a file: declarations and comments"),
     ("gen/compile/emit/amalgamate.py", r".", "copies the runtime into the file; tests/test_build.py compiles it"),
     ("gen/compile/emit/text.py", r"comment|plain|return plain", "text of comments"),
-    ("*", r"SMG_MAX_NEWTON|SMG_MAX_SWEEPS|SMG_TRIED_SWEEPS|SMG_REST|SMG_CONTINUATION_STEPS|SMG_LATE|SMG_FARTHEST|SMG_STRAIGHT|SMG_ALONG|SMG_PANEL\b"
+    ("*", r"SMG_MAX_NEWTON|SMG_MAX_SWEEPS|SMG_TRIED_SWEEPS|SMG_NEWTON_STEPS|SMG_CONTINUATION_STEPS|SMG_LATE|SMG_FARTHEST|SMG_STRAIGHT|SMG_ALONG|SMG_PANEL\b"
           r"|SMG_MAX_POINTS|SMG_CURVE_WORK|SMG_MAX_CORRECTIONS|^HISTORY|^SOLO|^ROWS|MOST_", "how long an iteration may take, how much it remembers: any value is right"),
     ("gen/compile/emit/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),

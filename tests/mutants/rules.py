@@ -18,14 +18,14 @@ TIME = (
     (STEP, r"\(\(smg_real\)s->count \+ part\)", r"part"),
     (STEP, r"return \(smg_real\)s->t0 \+ ", r"return "),
     (STEP, r"return \(smg_real\)s->t0 \+ .*;", r"return (smg_real)s->t0;"),
-    (STEP, r"smg_clock\(c, t\)", r"smg_clock(c, 0)"),
+    (STEP, r"smg_set_time\(c, t\)", r"smg_set_time(c, 0)"),
     (STEP, r"smg_begin\(&(k|c), p, t\)", r"smg_begin(&\1, p, 0)"),
     (STEP, r"return s->t0 \+ \(double\)s->count \* s->h", r"return s->t0"),
     (STEP, r"return s->t0 \+ \(double\)s->count", r"return s->t0 + (double)(s->count - 1)"),
     (STEP, r"\+\+s->count;", r";"),
     ("gen/compile/lower/lowering.py", r"return CLOCK", r"return PREPARE"),
     ("gen/compile/lower/lowering.py", r"max\(self\.when\(a\) for a in early\)", r"min(self.when(a) for a in early)"),
-    ("gen/compile/emit/interface.py", r'"k->t = t;"', r'"k->t = 0;"'),
+    ("gen/compile/emit/interface.py", r'"c->t = t;"', r'"c->t = 0;"'),
     ("gen/compile/emit/interface.py", r"self\.hoisted\(CLOCK\)", r"self.hoisted(CLOCK)[:-1]"),
 )
 
@@ -68,7 +68,7 @@ JACOBIAN = (
 
 # The solution must be the one connected to W = w at h = 0.
 BRANCH = (
-    (STEP, r"(?<!\w)sure \? SMG_OK : ", r"1 ? SMG_OK : "),
+    (STEP, r"(?<!\w)certified \? SMG_OK : ", r"1 ? SMG_OK : "),
     (STEP, r"(\*sure = )\w+ <= .*;", r"\1 1;"),
     (STEP, r"status == SMG_OK && sure\)", r"status == SMG_OK)"),
     (STEP, r"if \(residual_grew \|\| !\(bound <= SMG_CLEAR\)\) return 0;", r""),

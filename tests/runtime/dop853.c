@@ -29,7 +29,7 @@ typedef struct smg_state {
   double t0, h;
   int64_t count;
   int history, degree, rest;
-  smg_real *w, *carry, *u, *stages, scale;
+  smg_real *w, *compensation, *u, *stages, scale;
   smg_report report;
 } smg_state;
 
@@ -40,7 +40,7 @@ typedef struct smg_state {
 #endif
 #include "smg_model.h"
 
-static inline void smg_clock(smg_coefficients *c, smg_real t) {
+static inline void smg_set_time(smg_coefficients *c, smg_real t) {
   c->t = t;
   c->field[0] = (smg_real)0.7 * SMG_MATH(cos)(2 * t);
   c->field[1] = (smg_real)0.7 * SMG_MATH(sin)(2 * t);
@@ -50,7 +50,7 @@ static inline void smg_clock(smg_coefficients *c, smg_real t) {
 static inline void smg_sizes(smg_coefficients *c, const smg_params *p) {
   c->p = *p;
   c->h = 0;
-  smg_clock(c, 0);
+  smg_set_time(c, 0);
 }
 
 static inline smg_status smg_check_sizes(const smg_coefficients *c) { return c->p.sites < 1 ? SMG_BAD_PARAMETER : SMG_OK; }
@@ -106,7 +106,7 @@ static inline void smg_gradient(const smg_coefficients *c, const smg_real *w, sm
 static size_t smg_layout(smg_state *s, smg_real *mem) {
   const size_t n = (size_t)smg_sites(&s->c);
   size_t used = smg_place_array(&s->w, mem, 0, 3 * n);
-  used = smg_place_array(&s->carry, mem, used, 3 * n);
+  used = smg_place_array(&s->compensation, mem, used, 3 * n);
   used = smg_place_array(&s->u, mem, used, 3 * n);
   return smg_place_array(&s->stages, mem, used, 45 * n + 4);
 }
@@ -135,7 +135,7 @@ static void show_all(const smg_real *x, int64_t n) {
   for (int64_t k = 0; k < n; ++k) show(x[k]);
 }
 
-/* iterations in all, the largest residual, w, and how far site 0 is from its leaf, with its carry */
+/* iterations in all, the largest residual, w, and how far site 0 is from its leaf, with its compensation */
 static void run(smg_state *s, const smg_real *start, int64_t steps) {
   long iterations = 0;
   smg_real residual = 0;

@@ -1,6 +1,6 @@
 /* Models written by hand around smg_gauss.h, and a filter: numbers travel as three doubles each, so that none is lost in quad.
  *
- *     gauss h t0 steps [back]   < start   > status iterations site count, then w and carry
+ *     gauss h t0 steps [back]   < start   > status iterations site count, then w and compensation
  *
  * back: as many steps of -h after them. SMG_FIELD: 0 the free body, 1 the irreversible body, 2 four vortices on a sphere of
  * radius 2, 3 a spin of radius 1/2 and two bodies in R^3 with coupling and field that depend on time, 5 a field that is NaN. */
@@ -17,7 +17,7 @@ typedef struct {
   double t0, h;
   int64_t count;
   int history, degree;
-  smg_real *w, *carry, *u, *stages;
+  smg_real *w, *compensation, *u, *stages;
   smg_real scale;
   smg_report report;
 } smg_state;
@@ -45,7 +45,7 @@ static inline void smg_sizes(smg_coefficients *c, const smg_params *p) {
 }
 static inline smg_status smg_check_sizes(const smg_coefficients *c) { return c->p.nothing ? SMG_BAD_PARAMETER : SMG_OK; }
 static inline int smg_prepare(smg_coefficients *c) { return c->t - c->t == 0; }
-static inline void smg_clock(smg_coefficients *c, smg_real t) { c->t = t; }
+static inline void smg_set_time(smg_coefficients *c, smg_real t) { c->t = t; }
 static inline int64_t smg_sites(const smg_coefficients *c) {
   (void)c;
   return SITES;
@@ -63,7 +63,7 @@ static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) {
   (void)c;
   return SITES == 1 ? 1 : (smg_real)kappa[k];
 }
-static inline smg_real smg_rate(const smg_coefficients *c, int64_t k, smg_real h) { return h / smg_kappa(c, k); }
+static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, smg_real h) { return h / smg_kappa(c, k); }
 static inline smg_real smg_radius(const smg_coefficients *c, int64_t k) {
   (void)c;
   (void)k;
@@ -120,7 +120,7 @@ static inline void smg_gradient(const smg_coefficients *c, const smg_real *w, sm
 static size_t smg_layout(smg_state *s, smg_real *mem) {
   size_t used = 0;
   used = smg_place_array(&s->w, mem, used, 3 * SITES);
-  used = smg_place_array(&s->carry, mem, used, 3 * SITES);
+  used = smg_place_array(&s->compensation, mem, used, 3 * SITES);
   used = smg_place_array(&s->u, mem, used, 3 * SITES);
   return smg_place_array(&s->stages, mem, used, STAGES_SIZE);
 }
@@ -188,6 +188,6 @@ int main(int count, char **words) {
   put((smg_real)s.report.site);
   put((smg_real)s.count);
   for (int k = 0; k < 3 * SITES; ++k) put(s.w[k]);
-  for (int k = 0; k < 3 * SITES; ++k) put(s.carry[k]);
+  for (int k = 0; k < 3 * SITES; ++k) put(s.compensation[k]);
   return 0;
 }

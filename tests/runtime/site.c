@@ -1,6 +1,6 @@
 /* In: count, then count times a, b, then as many integers x, n.
  * Out: the lengths of the messages of the statuses -1 .. 9; per pair: min, max, the largest of (a, b, a), the
- * change after a and then b of sizes 1 and 2 (relative, absolute), settled after it, the sum and carry of a + b;
+ * change after a and then b of sizes 1 and 2 (relative, absolute), settled after it, the sum and compensation of a + b;
  * per pair of integers: wrap, remainder, quotient. */
 #include <string.h>
 
@@ -10,7 +10,7 @@
 static void pair(smg_real a, smg_real b) {
   const smg_real three[3] = {a, b, a};
   smg_change change = {0, 0, 0}, last = {1, 1, 0};
-  smg_real w = a, carry = 0;
+  smg_real w = a, compensation = 0;
   pipe_put((double)smg_min(a, b));
   pipe_put((double)smg_max(a, b));
   pipe_put((double)smg_largest(three));
@@ -19,9 +19,9 @@ static void pair(smg_real a, smg_real b) {
   pipe_put((double)change.relative);
   pipe_put((double)change.absolute);
   pipe_put(smg_settled(&change, &last, 1));
-  smg_add_carry(&w, &carry, b);
+  smg_add_compensated(&w, &compensation, b);
   pipe_put((double)w);
-  pipe_put((double)carry);
+  pipe_put((double)compensation);
 }
 
 int main(void) {

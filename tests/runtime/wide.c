@@ -1,7 +1,7 @@
 /* In: count, then count times a, b as pairs hi, lo; a > 0.
  * Out, per pair of numbers, each as hi, lo: a + b, a - b, a b, a/b, a.hi b, sqrt a, 1/sqrt a, abs b, min, max,
- * the sign of b, a^3, (a, b, b).(b, a, a), the three of (a, b, b) x (b, a, b), and w + carry with
- * w = a.hi, carry = a.lo after b is added; then less, equal, and a equal to itself. */
+ * the sign of b, a^3, (a, b, b).(b, a, a), the three of (a, b, b) x (b, a, b), and w + compensation with
+ * w = a.hi, compensation = a.lo after b is added; then less, equal, and a equal to itself. */
 #include "pipe.h"
 #include "smg_wide.h"
 
@@ -34,10 +34,10 @@ static void vectors(smg_wide a, smg_wide b) {
 }
 
 static void committed(const smg_real *v) {
-  smg_real w = v[0], carry = v[1], sum[6] = {0};
-  smg_wide_commit(&w, &carry, v[2], v[3]);
+  smg_real w = v[0], compensation = v[1], sum[6] = {0};
+  smg_wide_commit(&w, &compensation, v[2], v[3]);
   pipe_put((double)w);
-  pipe_put((double)carry);
+  pipe_put((double)compensation);
   smg_wide_into(sum, 1, smg_wide_sum(v[0], v[2]));
   smg_wide_into(sum, 1, smg_wide_of(v[1]));
   put(smg_wide_load(sum, 1));

@@ -42,8 +42,8 @@ static smg_real planted_cap(smg_real x, smg_real y, smg_real z) {
 # name -> (pattern, replacement) of the emitted text; @ is the number of the fault
 FAULTS = {
     "no carry": [(r"s->carry\[(\d)\] = (y\..*);", r"s->carry[\1] = planted == @ ? 0 : \2;"),
-                 (r"smg_add_carry\(&s->w\[k\], &s->carry\[k\], s->u\[k\]\);",
-                  r"if (planted == @) s->w[k] += s->u[k]; else smg_add_carry(&s->w[k], &s->carry[k], s->u[k]);")],
+                 (r"smg_add_compensated\(&s->w\[k\], &s->compensation\[k\], s->u\[k\]\);",
+                  r"if (planted == @) s->w[k] += s->u[k]; else smg_add_compensated(&s->w[k], &s->compensation[k], s->u[k]);")],
     "no branch check": [(r"if \((!smg_clear_of_branches\(det\) .*)\) return SMG_WRONG_BRANCH;", r"if (planted != @ && (\1)) return SMG_WRONG_BRANCH;"),
                         (r": sure \? SMG_OK : SMG_WRONG_BRANCH;", r": sure || planted == @ ? SMG_OK : SMG_WRONG_BRANCH;"),
                         (r"status == SMG_OK && sure\)", r"status == SMG_OK && (sure || planted == @))")],

@@ -112,7 +112,7 @@ class FamilyParts:
         site = ["const smg_coefficients *c", "int64_t k"]
         functions = [("smg_kind", "int", site, lambda f: [f"return {KINDS[f.kind]};"]),
                      ("smg_kappa", "smg_real", site, lambda f: [*f.kappa.lines, f"return {f.kappa.results[0]};"]),
-                     ("smg_rate", "smg_real", [*site, "smg_real h"], lambda f: [f"return {f.h_over_kappa};"]),
+                     ("smg_h_over_kappa", "smg_real", [*site, "smg_real h"], lambda f: [f"return {f.h_over_kappa};"]),
                      ("smg_radius", "smg_real", site, radius_lines),
                      ("smg_normal", "void", [*site, "const smg_real *v", "smg_real *n"], normal_lines)]
         return [Static(name, self.by_family(f"{kind} {name}", arguments, lines), name in ALWAYS or name in self.method.needs)

@@ -74,21 +74,17 @@ class InterfaceParts:
         return [f"if ({self.by_name[f].count} <= {top}) return SMG_BAD_PARAMETER;" for f, _ in t.slots]
 
     def coefficient_functions(self):
-        """smg_sizes, smg_check_sizes, smg_prepare and smg_clock: what parameters, and what time alone decide."""
-        k = ["smg_coefficients *k"]
-        sizes = ["k->p = *p;", "k->t = 0;", "k->h = 0;", *self.on_coefficients([f"k->{name} = {text};" for text, name in self.low.integers.items()])]
-        clock = ["k->t = t;", *self.on_coefficients(self.hoisted(CLOCK))]
-        return [Static("smg_sizes", function("void smg_sizes", [*k, "const smg_params *p"], sizes, []), True),
+        """smg_sizes, smg_check_sizes, smg_prepare and smg_set_time: what parameters, and what time alone decide."""
+        c = ["smg_coefficients *c"]
+        sizes = ["c->p = *p;", "c->t = 0;", "c->h = 0;", *(f"c->{name} = {text};" for text, name in self.low.integers.items())]
+        timed = ["c->t = t;", *self.hoisted(CLOCK)]
+        return [Static("smg_sizes", function("void smg_sizes", [*c, "const smg_params *p"], sizes, []), True),
                 Static("smg_check_sizes", function("smg_status smg_check_sizes", ["const smg_coefficients *c"], [*self.checks(), "return SMG_OK;"], ["c"]), True),
-                Static("smg_prepare", function("int smg_prepare", k, self.prepare_lines(), ["k"]), True),
-                Static("smg_clock", function("void smg_clock", [*k, "smg_real t"], clock, []), True)]
-
-    def on_coefficients(self, lines):
-        """The lines, which read the coefficients as c."""
-        return ["const smg_coefficients *c = k;", *lines] if any("c->" in line for line in lines) else list(lines)
+                Static("smg_prepare", function("int smg_prepare", c, self.prepare_lines(), ["c"]), True),
+                Static("smg_set_time", function("void smg_set_time", [*c, "smg_real t"], timed, []), True)]
 
     def hoisted(self, when: int):
-        return [f"k->{name} = {text};" for name, text, level in self.low.coefficients() if level == when]
+        return [f"c->{name} = {text};" for name, text, level in self.low.coefficients() if level == when]
 
     def prepare_lines(self):
         """Once per model: hoisted values of the parameters; 0 when a parameter is not finite."""
@@ -98,7 +94,7 @@ class InterfaceParts:
                 tests.append(f"finite &= c->p.{p.name} - c->p.{p.name} == 0;")
             elif p.kind == "array":
                 tests.append(f"for (int64_t i = 0; i < {self.low.size(p.size)}; ++i) finite &= c->p.{p.name}[i] - c->p.{p.name}[i] == 0;")
-        lines = self.on_coefficients([*tests, *self.hoisted(PREPARE)])
+        lines = [*tests, *self.hoisted(PREPARE)]
         return ["int finite = 1;", *lines, "return finite;"] if tests else [*lines, "return 1;"]
 
     def header(self) -> str:

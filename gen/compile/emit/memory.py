@@ -18,7 +18,7 @@ class MemoryParts:
     def arrays(self):
         """The arrays of the state: name, number of entries, meaning."""
         n3, n1 = times(3, self.total), self.total
-        found = [("w", n3, "the state: 3 numbers per site"), ("carry", n3, "what w has lost to rounding"),
+        found = [("w", n3, "the state: 3 numbers per site"), ("compensation", n3, "what w has lost to rounding"),
                  ("u", n3, "increment W - w of the step under way")]
         if not self.method.midpoint:
             found += [(name, total([times(size, n1), str(more)]), meaning) for name, size, more, meaning in self.method.arrays]
@@ -26,7 +26,7 @@ class MemoryParts:
         if self.solo:
             found.append(("rows", str(4 * ROWS), "history: increment and 1/|w + W| of each step, newest first"))
         if any(f.kind != "sphere" for f in self.families):
-            found.append(("leaf", n1, "|w| or C(w): the leaf each site is on"))
+            found.append(("leaf_value", n1, "|w| or C(w): the leaf each site is on"))
         found.append(("m", n3, "the points where the field is taken") if self.plan.coupled else
                      ("m", "0", "midpoints of coupled sites: none here"))
         if self.plan.coupled:
@@ -52,8 +52,8 @@ class MemoryParts:
             return frame + [("A", self.matrix_size(), "Newton matrix"), ("work", self.work_size(), "its factorisation")]
         rows, n3 = times(bs, self.rows), times(3, n)
         return frame + [("A", self.matrix_size(), "diagonal blocks of the Newton matrix J"), ("sums", rows, "row sums of abs(J - I)"),
-                        ("mean", rows, "the same of (J + J^T)/2"), ("along", n3, "a change of the midpoints"),
-                        ("felt", n3, "the change of dH/dw that it makes"), ("product", rows, "half of a product with J"), ("work", self.work_size(), "basis of a Krylov space")]
+                        ("mean", rows, "the same of (J + J^T)/2"), ("v", n3, "a change of the midpoints"),
+                        ("hessian_v", n3, "the change of dH/dw that it makes, d2H/dw2 v"), ("product", rows, "half of a product with J"), ("work", self.work_size(), "basis of a Krylov space")]
 
     def matrix_size(self) -> str:
         bs2, n = self.plan.block ** 2, self.rows

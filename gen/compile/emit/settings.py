@@ -20,13 +20,13 @@ class SettingParts:
             "SMG_COUPLED_NAMBU": any(f.kind == "nambu" for f in coupled),
             "SMG_COUPLED_LIFTED": "tangent" in self.features and self.lifts(),
             "SMG_MATRIX_FREE": bool(coupled) and not plan.matrix, "SMG_SWEPT": plan.swept, "SMG_ROTATION": plan.swept and plan.rotation,
-            "SMG_REACH": plan.swept and plan.rotation and self.reach() is not None,
+            "SMG_CONSTANT_HESSIAN": plan.swept and plan.rotation and self.reach() is not None,
             "SMG_BAND": plan.band if plan.solver == "band" else 0, "SMG_CYCLIC": plan.solver == "band" and plan.wrap,
             "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
             "SMG_EXTENDED": self.extended, "SMG_PLAIN_SUMS": "plain-sums" in self.features,
             "SMG_WIDE_TIMED": self.extended and self.wide_low.is_timed(),
             **dict(self.method.defines), "SMG_UNIT_RADIUS": self.extended and self.method.onto_leaf and self.unit_radius()}
-        read = {"SMG_COUPLED_NAMBU": coupled, "SMG_REACH": plan.swept and plan.rotation, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
+        read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": plan.swept and plan.rotation, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
         return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 
     def lifts(self) -> bool:

@@ -23,7 +23,7 @@ class SumParts:
 
     def sums(self, terms, body):
         lines = []
-        for term in (t for t in terms if body(t)):      # a term without curvature has no blocks
+        for term in (t for t in terms if body(t)):      # a linear term has no blocks
             lines += self.loops.scatter(term.over, lambda _, t=term: body(t))
         return lines
 
@@ -48,14 +48,14 @@ class SumParts:
                 f"{', '.join([*t.common(), *vectors])});" for k, l in t.derived.hessian]
 
     def product_body(self, t):
-        """s->felt += B s->along for the Hessian blocks that join two sites."""
+        """s->hessian_v += B s->v for the Hessian blocks that join two sites."""
         vectors = [self.vector("s->m", s) for s in t.slots]
-        return [t.call(f"hessian_{k}{l}", vectors, self.vector("s->along", t.slots[l]), self.vector("s->felt", t.slots[k])) + ";"
+        return [t.call(f"hessian_{k}{l}", vectors, self.vector("s->v", t.slots[l]), self.vector("s->hessian_v", t.slots[k])) + ";"
                 for k, l in t.derived.hessian if k != l]
 
     def value_body(self, t):
         call = t.call("value", [self.vector("w", s) for s in t.slots])
-        return [f"smg_add_carry(&sum, &lost, {call});"]
+        return [f"smg_add_compensated(&sum, &lost, {call});"]
 
     # -- the contract -------------------------------------------------------------------------
     def sum_functions(self):
@@ -77,14 +77,14 @@ class SumParts:
         return Static(name, function(f"void {name}", ["const smg_state *s"], ["const smg_coefficients *c = &s->c;", "(void)c;", *lines], ["s"]), True)
 
     def site_sums(self):
-        """Gradient, curvature and the pull of the neighbours of one site."""
+        """Gradient, Hessian and the pull of the neighbours of one site."""
         tangent = "tangent" in self.features and (self.plan.local or self.lifts())
         newton = any(not self.closed_form(f) for f in self.chosen(self.plan.local))
         found = []
         if self.plan.local or self.plan.rotation:
             found.append(self.of_site("smg_gather", ["smg_real *g"], self.gather_lines))
         if newton or tangent:
-            found.append(self.of_site("smg_curvature", ["const smg_real *v", "smg_real *y"], self.curvature_lines))
+            found.append(self.of_site("smg_site_hessian_vector", ["const smg_real *v", "smg_real *y"], self.own_hessian_lines))
         if tangent:
             found.append(self.of_site("smg_bend", ["const smg_real *dm", "smg_real *y"], self.bend_lines))
         return found
@@ -94,7 +94,7 @@ class SumParts:
             found = lines_of(f.name)
             used = [x for x in COORDINATES if self.lattice(f.name) is not None]
             return [*(f"const int64_t {x} = at.{x};" for x in used if x in names_of(found)), *found]
-        arguments = ["const smg_coefficients *c", "smg_place at", "const smg_real *all", "const smg_real *own", *more]
+        arguments = ["const smg_coefficients *c", "smg_lattice_site at", "const smg_real *all", "const smg_real *own", *more]
         return Static(name, self.by_family(f"void {name}", arguments, lines, number="at.k", index="site"), True)
 
     def roles(self, family: str):
@@ -122,24 +122,24 @@ class SumParts:
                 lines += self.loops.gather(t.over, t.slots[k], lambda _, calls=calls: calls, self.lattice(family) is not None)
         return lines
 
-    def seen(self, t, k):
+    def points(self, t, k):
         return ["own" if q == k else self.vector("all", s) for q, s in enumerate(t.slots)]
 
     def gather_lines(self, family: str):
         def calls(t, k):
             outputs = ["g" if q == k else f"o{q}" for q in range(len(t.slots))]
             spare = [f"smg_real {o}[3] = {{0, 0, 0}};" for o in outputs if o != "g"]
-            return [*spare, t.call("gradient", self.seen(t, k), *outputs) + ";"]
+            return [*spare, t.call("gradient", self.points(t, k), *outputs) + ";"]
         return self.gathered(family, calls)
 
-    def curvature_lines(self, family: str):
+    def own_hessian_lines(self, family: str):
         def calls(t, k):
-            return [t.call(f"hessian_{k}{k}", self.seen(t, k), "v", "y") + ";"] if (k, k) in t.derived.hessian else []
+            return [t.call(f"hessian_{k}{k}", self.points(t, k), "v", "y") + ";"] if (k, k) in t.derived.hessian else []
         return self.gathered(family, calls)
 
     def bend_lines(self, family: str):
         def calls(t, k):
-            return [t.call(f"hessian_{k}{l}", self.seen(t, k), self.vector("dm", t.slots[l]), "y") + ";"
+            return [t.call(f"hessian_{k}{l}", self.points(t, k), self.vector("dm", t.slots[l]), "y") + ";"
                     for l in range(len(t.slots)) if l != k and (k, l) in t.derived.hessian]
         return self.gathered(family, calls)
 

@@ -23,12 +23,12 @@ class SweepParts:
         if self.plan.rotation:
             found.append(self.visit("smg_each_coloured", True))
             if self.reach() is not None:
-                found.append(Static("smg_reach", self.by_family("smg_real smg_reach", ["const smg_coefficients *c", "int64_t k"],
+                found.append(Static("smg_hessian_row_norm", self.by_family("smg_real smg_hessian_row_norm", ["const smg_coefficients *c", "int64_t k"],
                                                                 lambda f: [f"return {self.reach()[f.name]};"], self.chosen(self.plan.coupled)), True))
         return found
 
     def visit(self, name: str, coloured: bool):
-        arguments = ["const smg_coefficients *c", "void *of", "void (*visit)(void *of, smg_place at)"]
+        arguments = ["const smg_coefficients *c", "void *context", "void (*visit)(void *context, smg_lattice_site at)"]
         lines = [line for f in self.chosen(self.plan.coupled) for line in self.visit_family(f, coloured)]
         text = function(f"void {name}", arguments, lines, ["c"])
         return Static(name, text.replace("static inline", "SMG_INLINE", 1), True)     # so that the call of `visit` is inlined too
@@ -36,7 +36,7 @@ class SweepParts:
     def visit_family(self, f, coloured: bool):
         """Calls of `visit` for all sites of a family."""
         def call(sub: str, cells: str):
-            return [f"const smg_place at = {{{plus(f.first, 'site')}, {sub}, {cells}}};", "visit(of, at);"]
+            return [f"const smg_lattice_site at = {{{plus(f.first, 'site')}, {sub}, {cells}}};", "visit(context, at);"]
         lattice = self.lattice(f.name)
         if lattice is None:
             return loop("site", f.count, call("0", "0, 0, 0, 0"))

@@ -26,6 +26,6 @@ def graph_tables(name: str, over: Graph):
 
 def pattern_tables(pattern):
     entries = {"rows": pattern.rowptr, "columns": pattern.col, "diagonal": pattern.diag,
-               "place_table": pattern.place}
+               "block_rows": pattern.place}
     return [f"static const int32_t smg_{name}[] = {{{', '.join(str(int(x)) for x in values)}}};"
             for name, values in entries.items()]

@@ -40,7 +40,7 @@ class WideParts:
         found = [*(self.wide_gradient(t) for t in effects), *self.wide_sites(),
                  self.wide_sum("smg_wide_gradient", self.sums(effects, self.wide_body))]
         if not self.solo:
-            found.append(self.wide_sum("smg_wide_curvatures", self.sums(effects, self.wide_curvature)))
+            found.append(self.wide_sum("smg_wide_hessian_vector", self.sums(effects, self.wide_hessian_vector)))
         timed = self.wide_low.is_timed()
         return [*self.wide_coefficients(timed), *found]
 
@@ -56,7 +56,7 @@ class WideParts:
             time = "smg_wide_scale((smg_real)s->count + (smg_real)0.5, smg_wide_of((smg_real)s->h))"
             lines = ["const smg_coefficients *c = &s->c;", "smg_wide_coefficients *wide = &s->wide;",
                      f"wide->t = smg_wide_add(smg_wide_of((smg_real)s->t0), {time});", "(void)c;", *self.wide_values(CLOCK)]
-            found.append(Static("smg_wide_clock", function("void smg_wide_clock", ["smg_state *s"], lines, []), True))
+            found.append(Static("smg_wide_set_time", function("void smg_wide_set_time", ["smg_state *s"], lines, []), True))
         return found
 
     @property
@@ -106,7 +106,7 @@ class WideParts:
         call = f"{name}({', '.join(['c', 'wide', *t.common()[1:], *given, *taken])});"
         return [f"smg_real spare{k}[6] = {{0, 0, 0, 0, 0, 0}};" for k in spare] + [call]
 
-    def wide_curvature(self, t):
+    def wide_hessian_vector(self, t):
         """y_k += (d2e/dk dl) d_l, in double."""
         felt = {k for k, s in enumerate(t.slots) if not self.passive(t) or s[0] in self.tracers}
         vectors = [f"s->wide_m + 6*({self.site(s)})" for s in t.slots]
@@ -117,7 +117,7 @@ class WideParts:
     def wide_sites(self):
         """h/kappa, the radius, and the normal grad C of every site."""
         site = ["const smg_coefficients *c", "const smg_wide_coefficients *wide", "int64_t k"]
-        functions = [("smg_wide_rate", "smg_wide", site, lambda f: self.wide_formula(f.kappa, lambda kappa: self.wide_low.step_size() / kappa)),
+        functions = [("smg_wide_h_over_kappa", "smg_wide", site, lambda f: self.wide_formula(f.kappa, lambda kappa: self.wide_low.step_size() / kappa)),
                      ("smg_wide_normal", "void", [*site, "const smg_wide *v", "smg_wide *n"], self.wide_normal)]
         if any(f.kind == "sphere" for f in self.families) and not self.unit_radius() and self.method.onto_leaf:
             functions.append(("smg_wide_radius", "smg_wide", site, lambda f: self.wide_formula(f.radius, lambda r: r) if f.kind == "sphere" else ["return smg_wide_of(0);"]))

@@ -3,7 +3,7 @@
  *     W - w = h m x I^-1 m,   m = mbar/|mbar|,   mbar = (w + W)/2,   |w| = 1.
  *
  * With S = w + W the equation is u = W - w = h (S x I^-1 S)/|S|^2, free of square roots.
- * No status, no branch check, no carry: the lower bound that generated code is held against.
+ * No status, no branch check, no compensation: the lower bound that generated code is held against.
  * Stop: no component of W changes any more, or every change is at most one unit in its last place. */
 #ifndef FREE_BODY_H
 #define FREE_BODY_H

@@ -1,4 +1,4 @@
-/* The generated step, as a contender: status, branch check, carry and all. */
+/* The generated step, as a contender: status, branch check, compensation and all. */
 #include "free_rigid_body.h"
 #include <stddef.h>
 

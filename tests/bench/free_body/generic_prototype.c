@@ -25,7 +25,7 @@
 
 typedef struct generic {
   body_params p;
-  double w[3], carry[3];
+  double w[3], compensation[3];
   double constant[3], older[4];
   int64_t k;
   smg_report report;
@@ -120,7 +120,7 @@ ALWAYS void commit(generic *s, vec W, vec y, vec v, double q) {
     s->k = ROWS - DEGREE;
   }
   double *row = s->u[--s->k];
-  s->carry[0] = y.x - (W.x - s->w[0]), s->carry[1] = y.y - (W.y - s->w[1]), s->carry[2] = y.z - (W.z - s->w[2]);
+  s->compensation[0] = y.x - (W.x - s->w[0]), s->compensation[1] = y.y - (W.y - s->w[1]), s->compensation[2] = y.z - (W.z - s->w[2]);
   s->w[0] = W.x, s->w[1] = W.y, s->w[2] = W.z;
   row[0] = v.x, row[1] = v.y, row[2] = v.z, row[3] = q;
 }
@@ -137,11 +137,11 @@ ALWAYS int within(double d, double V, double v, int late) {
 /* Newton from u to stagnation with honest square roots: the first steps, hard steps, failures.
  * Where the residual v - u is round-off of u, v itself is tried in turn with Newton. */
 __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int evaluations, double det, int known) {
-  const vec w = load(s->w), carry = load(s->carry);
+  const vec w = load(s->w), compensation = load(s->compensation);
   for (int k = evaluations; k < CAP; k++) {
     const vec S = sum(w, u);
     double q = 1 / sqrt(dot(S, S));
-    const vec v = image(s, S, q), y = add(v, carry), V = add(w, y), d = sub(v, u);
+    const vec v = image(s, S, q), y = add(v, compensation), V = add(w, y), d = sub(v, u);
     if (!(fabs(v.x) + fabs(v.y) + fabs(v.z) <= DBL_MAX)) return s->report.status = SMG_NOT_FINITE;
     const int late = k > evaluations + TRIES;
     const int done = within(fabs(d.x), V.x, v.x, late) & within(fabs(d.y), V.y, v.y, late) & within(fabs(d.z), V.z, v.z, late);
@@ -160,10 +160,10 @@ __attribute__((noinline, cold)) static smg_status slow(generic *s, vec u, int ev
 }
 
 STEP smg_status PASTE(generic_step_, DEGREE)(generic *s) {
-  const vec w = load(s->w), carry = load(s->carry);
+  const vec w = load(s->w), compensation = load(s->compensation);
   double q, det, size;
   const vec p = predict(s, &q), u = newton(s, w, p, &q, &det, &size), v = image(s, sum(w, u), q);
-  const vec y = add(v, carry), V = add(w, y);
+  const vec y = add(v, compensation), V = add(w, y);
   const double dx = fabs(v.x - u.x), dy = fabs(v.y - u.y), dz = fabs(v.z - u.z), change = dx + dy + dz;
   if (!(det > .125 && size < SMALL)) return slow(s, size < .01 ? u : (vec){0, 0, 0}, 1, 0, 0);
   if (!(dx <= DBL_EPSILON * fabs(V.x) && dy <= DBL_EPSILON * fabs(V.y) && dz <= DBL_EPSILON * fabs(V.z) && change <= DBL_MAX))

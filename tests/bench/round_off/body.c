@@ -2,7 +2,7 @@
  *
  *     body I1 I2 I3 sigma N1 N2 ..  < starts        each start: x y z h
  *
- * prints, for every start, dH and d|w|^2 after N1, N2, .. steps, of w with its carry, in quadruple precision.
+ * prints, for every start, dH and d|w|^2 after N1, N2, .. steps, of w with its compensation, in quadruple precision.
  * MODEL names the generated header, M its functions. */
 #include MODEL
 
@@ -20,7 +20,7 @@ static double inertia[3], sigma;
 static void constants(const F(_state) * s, quad *energy, quad *square) {
   *energy = *square = 0;
   for (int k = 0; k < 3; ++k) {
-    const quad w = (quad)s->w[k] + (quad)s->carry[k];
+    const quad w = (quad)s->w[k] + (quad)s->compensation[k];
     *energy += w * w * (1 + sigma * w) / (2 * (quad)inertia[k]);
     *square += w * w;
   }

@@ -2,7 +2,7 @@
  *
  *     chain h N1 N2 ..  < start        the start: n, then x y z of each spin
  *
- * prints dH and the root mean square of d|w_i|^2 over the spins after N1, N2, .. steps, of w with its carry, in
+ * prints dH and the root mean square of d|w_i|^2 over the spins after N1, N2, .. steps, of w with its compensation, in
  * quadruple precision. MODEL names the generated header, M its functions. */
 #include MODEL
 
@@ -15,7 +15,7 @@
 
 typedef __float128 quad;
 
-static quad part(const F(_state) * s, int64_t k) { return (quad)s->w[k] + (quad)s->carry[k]; }
+static quad part(const F(_state) * s, int64_t k) { return (quad)s->w[k] + (quad)s->compensation[k]; }
 
 static quad constants(const F(_state) * s, int64_t n, quad *square) {
   quad energy = 0;

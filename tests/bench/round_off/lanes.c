@@ -4,9 +4,9 @@
  *
  * Every step: start values from the last seven increments; Newton for u = h X(m), m = S/|S|, S = 2w + u, of the kind
  * (1 - E)^-1 (F(u) - u), E = h DX(m) (1 - m m^T)/|S|, no status and no branch check; then
- *     PLAIN  v = h X(m) once more, W = w + (v + carry);
- *     WIDE   V = h X(m) at m = P(w + carry + v/2) in pairs of doubles, plus the first-order remainder E d/(1 - E),
- *            d = V - v, and W + carry as a pair. */
+ *     PLAIN  v = h X(m) once more, W = w + (v + compensation);
+ *     WIDE   V = h X(m) at m = P(w + compensation + v/2) in pairs of doubles, plus the first-order remainder E d/(1 - E),
+ *            d = V - v, and W + compensation as a pair. */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <stdio.h>
@@ -101,9 +101,9 @@ static inline wide inverse_root(wide a) {
   return ordered(q, 0.5 * q * (r.hi + r.lo));
 }
 
-/* W + carry = w + carry + V + e */
-static inline void last(real h, vec *w, vec *carry, vec *v) {
-  const real *p = &w->x, *c = &carry->x, *u = &v->x, factor[3] = {h * A, h * B, h * C};
+/* W + compensation = w + compensation + V + e */
+static inline void last(real h, vec *w, vec *compensation, vec *v) {
+  const real *p = &w->x, *c = &compensation->x, *u = &v->x, factor[3] = {h * A, h * B, h * C};
   wide s[3], m[3], V[3];
   for (int k = 0; k < 3; ++k) s[k] = plus(sum(p[k], c[k]), (wide){0.5 * u[k], all(0)});
   const wide square = plus(plus(times(s[0], s[0]), times(s[1], s[1])), times(s[2], s[2])), q = inverse_root(square);
@@ -113,24 +113,24 @@ static inline void last(real h, vec *w, vec *carry, vec *v) {
   const vec n = {m[0].hi, m[1].hi, m[2].hi}, e = sub(resolve(h, n, 0.5 * q.hi, d), d);
   const real *rest = &e.x;
   for (int k = 0; k < 3; ++k) {
-    const wide W = plus(sum((&w->x)[k], (&carry->x)[k]), plus(V[k], (wide){rest[k], all(0)}));
+    const wide W = plus(sum((&w->x)[k], (&compensation->x)[k]), plus(V[k], (wide){rest[k], all(0)}));
     (&w->x)[k] = W.hi;
-    (&carry->x)[k] = W.lo;
+    (&compensation->x)[k] = W.lo;
     (&v->x)[k] = V[k].hi;
   }
 }
 #else
-/* W = w + (v + carry), Kahan */
-static inline void last(real h, vec *w, vec *carry, vec *v) {
-  const vec S = add(add(mul(all(2), *w), *v), mul(all(2), *carry));
+/* W = w + (v + compensation), Kahan */
+static inline void last(real h, vec *w, vec *compensation, vec *v) {
+  const vec S = add(add(mul(all(2), *w), *v), mul(all(2), *compensation));
   *v = motion(h, mul(1 / root(dot(S, S)), S));
-  const vec y = add(*v, *carry), W = add(*w, y);
-  *carry = sub(y, sub(W, *w));
+  const vec y = add(*v, *compensation), W = add(*w, y);
+  *compensation = sub(y, sub(W, *w));
   *w = W;
 }
 #endif
 
-typedef struct { vec w, carry, past[7]; real h; long count; } bodies;
+typedef struct { vec w, compensation, past[7]; real h; long count; } bodies;
 
 static inline void step(bodies *s) {
   const vec *p = s->past;
@@ -142,7 +142,7 @@ static inline void step(bodies *s) {
     const vec m = mul(q, S);
     u = add(u, resolve(s->h, m, q, sub(motion(s->h, m), u)));
   }
-  last(s->h, &s->w, &s->carry, &u);
+  last(s->h, &s->w, &s->compensation, &u);
   for (int k = 6; k > 0; --k) s->past[k] = s->past[k - 1];
   s->past[0] = u;
   ++s->count;
@@ -152,7 +152,7 @@ static void constants(const bodies *s, int l, __float128 *found) {
   static const double inertia[3] = {1, 2, 4};
   found[0] = found[1] = 0;
   for (int k = 0; k < 3; ++k) {
-    const __float128 w = (__float128)(&s->w.x)[k][l] + (__float128)(&s->carry.x)[k][l];
+    const __float128 w = (__float128)(&s->w.x)[k][l] + (__float128)(&s->compensation.x)[k][l];
     found[0] += w * w / (2 * inertia[k]);
     found[1] += w * w;
   }
@@ -163,7 +163,7 @@ static void begin(bodies *s, double start[LANES][4]) {
   for (int l = 0; l < LANES; ++l) {
     for (int k = 0; k < 3; ++k) {
       (&s->w.x)[k][l] = start[l][k];
-      (&s->carry.x)[k][l] = 0;
+      (&s->compensation.x)[k][l] = 0;
       for (int j = 0; j < 7; ++j) (&s->past[j].x)[k][l] = 0;
     }
     s->h[l] = start[l][3];

@@ -1,4 +1,4 @@
-/* States of one trajectory, w with its carry, after N1, N2, .. steps: each number as two doubles.
+/* States of one trajectory, w with its compensation, after N1, N2, .. steps: each number as two doubles.
  *
  *     states h N1 N2 ..  < start       the start: the number of sites, then x y z of each
  *
@@ -15,7 +15,7 @@
 static void show(const F(_state) * s, int64_t n) {
   for (int64_t k = 0; k < n; ++k) {
     const smg_real w = s->w[k];
-    const double hi = (double)w, lo = (double)((w - (smg_real)hi) + s->carry[k]);
+    const double hi = (double)w, lo = (double)((w - (smg_real)hi) + s->compensation[k]);
     printf(" %.17g %.17g", hi, lo);
   }
   printf("\n");
