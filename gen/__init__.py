@@ -28,14 +28,15 @@ from .read.shipped import load  # noqa: E402
 from .language.spec import Spec  # noqa: E402
 from .check.validate import validate  # noqa: E402
 from .check.verify import verify  # noqa: E402
+from .cost import Choice, Cost, choose, cost, load_cost  # noqa: E402
 
 if TYPE_CHECKING:
     from .analyse.advice import advise
     from .analyse.symmetry import explain
 
-__all__ = ["BuildError", "CheckpointError", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
+__all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "UsageError", "ValidationError",
-           "advise", "build", "explain", "load", "load_result", "load_text", "lyapunov", "plot", "repeat", "resume",
+           "advise", "build", "choose", "cost", "explain", "load", "load_cost", "load_result", "load_text", "lyapunov", "plot", "repeat", "resume",
            "run", "validate", "verify"]
 
 

@@ -100,7 +100,7 @@ class Diagnostic:
     """One error in a spec.
 
     line and column count from 1 in code points; text is the source line, length the
-    number of characters that the caret underlines, cause what is wrong, mend what to
+    number of characters that the caret underlines, cause what is wrong, hint what to
     write instead.
     """
     code: str
@@ -109,18 +109,18 @@ class Diagnostic:
     column: int
     text: str
     cause: str
-    mend: str
+    hint: str
     length: int = 1
 
     def render(self) -> str:
-        """`file:line:column: error[CODE]: cause`, the line, a caret, the mend."""
+        """`file:line:column: error[CODE]: cause`, the line, a caret, the hint."""
         head = (f"{printable(self.file)}:{self.line}:{self.column}: "
                 f"error[{self.code}]: {printable(self.cause)}")
         shown, pad, width = excerpt(self.text, self.column - 1, self.length)
         gutter = " " * len(str(self.line))
         lines = [head, f" {self.line} | {shown}",
                  f" {gutter} | {' ' * pad}^{'~' * (width - 1)}"]
-        return "\n".join(lines + [f" {gutter} = {printable(self.mend)}"] * bool(self.mend))
+        return "\n".join(lines + [f" {gutter} = {printable(self.hint)}"] * bool(self.hint))
 
 
 class SpecError(SmidgenError):
@@ -133,7 +133,7 @@ class SpecError(SmidgenError):
         super().__init__(self.__str__())
 
     def __str__(self) -> str:
-        tail = ["there are more errors; mend these first"] if self.more else []
+        tail = ["there are more errors; correct these first"] if self.more else []
         return "\n\n".join([d.render() for d in self.diagnostics] + tail)
 
 

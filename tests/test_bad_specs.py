@@ -40,7 +40,7 @@ def test_every_diagnostic_is_complete(spec):
     lines = spec.read_bytes().decode("utf-8", "replace").removeprefix("\ufeff").splitlines() or [""]
     assert error.exit_code == Exit.SPEC and 1 <= len(error.diagnostics) <= 10
     for d in error.diagnostics:
-        assert d.code in CODES and d.cause and d.mend and d.file == str(spec)
+        assert d.code in CODES and d.cause and d.hint and d.file == str(spec)
         assert d.text == (lines[d.line - 1] if d.line <= len(lines) else "")
         assert 1 <= d.column <= len(d.text) + 1 and d.length >= 1
 

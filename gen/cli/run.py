@@ -42,9 +42,11 @@ def add(commands):
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
-    parser.add_argument("--checkpoint", type=whole, metavar="N", help="every N steps, make safe what is computed: "
+    parser.add_argument("--checkpoint", type=whole, metavar="N", help="write a checkpoint every N steps: "
                         "a run that is killed goes on from there")
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
+    parser.add_argument("--no-estimate", action="store_true", help="do not take the run again with half as many steps "
+                        "to estimate its error, which takes half its time")
     parser.add_argument("--substeps", action="store_true", default=None,
                         help="take a step that fails as up to 1024 smaller ones, and say so")
     json_option(parser)
@@ -146,7 +148,7 @@ CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "sectio
 def choices(args) -> dict:
     """What the command line chooses, by the names that `run` has for it."""
     given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
-    given.update(values=dict(args.values), native=args.native, real=args.real)
+    given.update(values=dict(args.values), native=args.native, real=args.real, estimate=not args.no_estimate)
     if args.start is not None:
         given["start"] = start_of(args.start)
     return given
@@ -187,6 +189,7 @@ def lines(args, result):
     if meta["chosen"]:
         yield f"chosen: {notes_line(meta['chosen'])}"
     yield from deviation_lines(result.summary)
+    yield from estimate_lines(result)
     yield from split_lines(result)
     yield from near_lines(result)
     if meta["status"] != "complete":
@@ -204,6 +207,20 @@ def deviation_lines(summary):
         if summary[kind]:
             found = (f"{names.get(name, name)} {value:.3g}" for name, value in summary[kind].items())
             yield f"{said} over the outputs: {', '.join(found)}"
+
+
+VAGUE = 0.1     # an estimate beyond this tells that the end is not known
+
+
+def estimate_lines(result):
+    """How far the end is from the exact solution."""
+    error = result.meta.get("end_error")
+    if error is None:
+        return
+    if error < VAGUE:
+        yield f"estimated error of the end: {error:.2g} of |w| (the run again with half as many steps; --no-estimate leaves it out)"
+    else:
+        yield "the end is not known: with half as many steps it is another one (h is too large, or the motion is chaotic)"
 
 
 def split_lines(result):

@@ -23,7 +23,7 @@ def select(spec: Spec, effects=None, values=None) -> Spec:
     spec = with_defaults(spec, dict(values or {}))
     spec = used(with_effects(spec, effects))
     for trouble in checks.model(spec, defaults(spec)):
-        raise UsageError(f"{trouble.cause}: {trouble.mend}" if trouble.mend else trouble.cause)
+        raise UsageError(f"{trouble.cause}: {trouble.hint}" if trouble.hint else trouble.cause)
     return spec
 
 

@@ -34,7 +34,7 @@ class Trouble:
     path: tuple
     code: str
     cause: str
-    mend: str
+    hint: str
     part: object = None     # the Spin or Elem of the formula that is wrong
 
 
@@ -380,7 +380,7 @@ def on_leaf(w, i, part, family: Family, path: tuple, values: dict) -> Iterator[T
         k = i[bad[0]]
         yield Trouble(at(path, part, k), codes.START,
                       f"the start of `{family.name}[{k}]` is not finite",
-                      "mend the formula for this site; `i` counts from 0")
+                      "correct the formula for this site; `i` counts from 0")
     elif family.kind == "sphere":
         yield from on_sphere(w, i, part, family, path, values)
     elif family.kind == "nambu":

@@ -37,10 +37,10 @@ class Formulas:
         result = self.typed(text, scope)
         if result.kind != "s":
             what = {"v": "a vector", "b": "a condition"}[result.kind]
-            mend = "take a component or `dot(a, b)`" if result.kind == "v" else \
+            hint = "take a component or `dot(a, b)`" if result.kind == "v" else \
                 "write `if(condition, 1, 0)`"
             self.problems.fail(codes.KIND, text.whole, f"a number is needed here, this is {what}",
-                               mend)
+                               hint)
         return result.expr
 
     def free(self, node: Node, place: str, index: Optional[str] = None) -> Expr:

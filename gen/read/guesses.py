@@ -17,7 +17,7 @@ GLUED = re.compile(r"(.+?)_?([xyz]|[i-n]|\d+)\Z", re.ASCII)
 
 
 def meant(name: str, scope: Scope) -> str:
-    """The mend for the undeclared `name`."""
+    """The hint for the undeclared `name`."""
     if name in SELDOM:
         return SELDOM[name]
     return glued(name, scope) or unbound(name, scope) or nearest(name, scope.known(), FUNCTIONS)

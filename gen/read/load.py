@@ -237,7 +237,7 @@ class Reader:
         span = mark.value if mark else Span(0, 1)
         if mark and mark.text:
             span = self.problems.places.get((mark.text.whole, trouble.part), span)
-        self.problems.note(trouble.code, span, trouble.cause, trouble.mend)
+        self.problems.note(trouble.code, span, trouble.cause, trouble.hint)
 
     def nearest_mark(self, path: tuple):
         """A start of the only family stands in [starts.name] itself."""

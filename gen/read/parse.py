@@ -52,8 +52,8 @@ class Parser:
     def found(self) -> str:
         return "the end" if self.now.kind == "end" else f"`{self.now.text}`"
 
-    def fail(self, cause: str, mend: str):
-        self.problems.fail(codes.SYNTAX, self.now.span, cause, mend)
+    def fail(self, cause: str, hint: str):
+        self.problems.fail(codes.SYNTAX, self.now.span, cause, hint)
 
     def name(self, what: str) -> Token:
         if self.now.kind != "name":
@@ -64,10 +64,10 @@ class Parser:
         """Refuse whatever follows a complete formula."""
         if self.now.kind == "end":
             return
-        mend = "an operator such as `*` is missing"
+        hint = "an operator such as `*` is missing"
         if self.at(")", "]"):
-            mend = "there is one bracket too many"
-        self.fail(f"{self.found()} does not continue the formula", self.misplaced() or mend)
+            hint = "there is one bracket too many"
+        self.fail(f"{self.found()} does not continue the formula", self.misplaced() or hint)
 
     def misplaced(self) -> str:
         """What to write in place of a comma or an index that stands wrongly here."""

@@ -27,7 +27,7 @@ class Problems:
         self.seen: set = set()
         self.places: dict = {}      # (formula's place, Expr) -> place of that part
 
-    def note(self, code: str, span: Span, cause: str, mend: str) -> None:
+    def note(self, code: str, span: Span, cause: str, hint: str) -> None:
         """Record an error; raises SpecError when there are too many to be useful."""
         place = (code, span) if code != codes.MISSING else (code, span, cause)     # a table may lack several keys
         if place in self.seen:
@@ -39,11 +39,11 @@ class Problems:
         text = self.source.line(line)
         length = max(1, min(span.end - span.start, len(text) - column + 1))
         self.found.append(Diagnostic(code, self.source.name, line, column, text,
-                                     cause, mend, length))
+                                     cause, hint, length))
 
-    def fail(self, code: str, span: Span, cause: str, mend: str):
+    def fail(self, code: str, span: Span, cause: str, hint: str):
         """Record an error and leave what is being read."""
-        self.note(code, span, cause, mend)
+        self.note(code, span, cause, hint)
         raise Bad
 
     @contextmanager

@@ -34,13 +34,13 @@ class Resolver:
         return result
 
     def bounded(self, depth: int, nodes: int, span: Span) -> None:
-        mend = "split it into several effects, or sum over an index family"
+        hint = "split it into several effects, or sum over an index family"
         if nodes > limits.NODES:
             self.stop(codes.BIG, span, f"the formula expands to more than {limits.NODES} "
-                      "operations and operands", mend)
+                      "operations and operands", hint)
         if depth > limits.TREE:
             self.stop(codes.BIG, span, f"more than {limits.TREE} operations inside each other "
-                      "(a sum has one for each term)", mend)
+                      "(a sum has one for each term)", hint)
 
     def stop(self, *told) -> None:
         """Report a formula that is too big, and leave it."""
@@ -63,10 +63,10 @@ class Resolver:
             raise Bad
         return found
 
-    def fail(self, code: str, span: Span, cause: str, mend: str):
+    def fail(self, code: str, span: Span, cause: str, hint: str):
         inside = self.scope.inside
         note = f" (in formula `{inside[-1]}`)" if inside else ""
-        self.problems.fail(code, span, cause + note, mend)
+        self.problems.fail(code, span, cause + note, hint)
 
     # Leaves
 

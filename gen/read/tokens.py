@@ -57,10 +57,10 @@ def stray(text: Text, k: int, problems: Problems):
     name = unicodedata.name(c, "no name")
     shown = f"`{c}`" if 32 < ord(c) < 127 else f"U+{ord(c):04X} ({name})"
     plain = unicodedata.normalize("NFKC", c)
-    mend = HINTS.get(c, "")
-    if not mend and name.startswith("GREEK "):
-        mend = f"spell it: `{name.split()[-1].lower()}`"
-    elif not mend and plain != c and plain.isascii() and plain.strip():
-        mend = f"write the ASCII character `{plain}`"
+    hint = HINTS.get(c, "")
+    if not hint and name.startswith("GREEK "):
+        hint = f"spell it: `{name.split()[-1].lower()}`"
+    elif not hint and plain != c and plain.isascii() and plain.strip():
+        hint = f"write the ASCII character `{plain}`"
     problems.fail(codes.CHARACTER, text.span(k, k + 1), f"{shown} has no meaning in a formula",
-                  mend or "formulas are written in ASCII: letters, digits and + - * / ^ ( ) . ,")
+                  hint or "formulas are written in ASCII: letters, digits and + - * / ^ ( ) . ,")

@@ -43,11 +43,11 @@ class Node:
     def span(self) -> Span:
         return self.marks[self.path].value if self.path in self.marks else Span(0, 1)
 
-    def wrong(self, code: str, cause: str, mend: str):
+    def wrong(self, code: str, cause: str, hint: str):
         """Report this value and give it up; silently when it was set aside."""
         if self.raw is LOST:
             raise Bad
-        self.problems.fail(code, self.span, cause, mend)
+        self.problems.fail(code, self.span, cause, hint)
 
     # Tables
 
@@ -78,14 +78,14 @@ class Node:
             return None
         return Node(self.raw[key], self.path + (key,), self.marks, self.problems)
 
-    def need(self, key: str, mend: str) -> "Node":
+    def need(self, key: str, hint: str) -> "Node":
         child = self.get(key)
         if child is None and any((codes.UNKNOWN_KEY, c.key) in self.problems.seen
                                  for c in self.items()):
             raise Bad           # most likely misspelt, which is noted already
         if child is None:
             where = f"`{self.label}` has no `{key}`" if self.path else f"the spec has no [{key}]"
-            self.problems.fail(codes.MISSING, self.key, where, mend)
+            self.problems.fail(codes.MISSING, self.key, where, hint)
         return child
 
     def has(self, key: str) -> bool:

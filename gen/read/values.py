@@ -24,7 +24,7 @@ class ValueReader:
         if node.name not in known:
             if node.name in self.declared.broken:
                 node.wrong(codes.UNKNOWN_NAME, f"the parameter `{node.name}` has errors",
-                           "mend its declaration first")
+                           "correct its declaration first")
             node.problems.fail(codes.UNKNOWN_NAME, node.key, f"there is no parameter "
                                f"`{node.name}`", nearest(node.name, known))
         return node.name, self.value(node, known[node.name])

@@ -20,6 +20,7 @@ from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
 from .checkpoint import refuse_unfinished
+from .estimate import end_error
 from .integrator import Integrator, build
 from .output import MemorySink, Result, load_result, open_sink, result_of
 from .record import Recorder, columns_of, entry_size
@@ -49,7 +50,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
         out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None, real: str = "double",
-        native: bool = False) -> Result:
+        native: bool = False, estimate: bool = False) -> Result:
     """Run `spec` and return a Result.
 
     name: a run of the spec, by default its first. In place of what that run says:
@@ -63,7 +64,8 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     as up to 2^10 smaller ones.
     out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
     `out`; progress: a function of the steps done; real: "double" or "long double"; native:
-    compile for this processor.
+    compile for this processor; estimate: take the run again with half as many steps, and tell by it
+    how far the end is from the exact solution: `meta["end_error"]`, in units of the largest |w|.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
     Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
     cannot be written, MissingTool and BuildError as `build` does.
@@ -72,7 +74,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
     settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
                       every=every, section=section, what=what, effects=effects, values=values, seed=seed,
-                      real=real, native=native, substeps=substeps, checkpoint=checkpoint)
+                      real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
                   real, native)
     model.start(settings.start, h=settings.h, seed=settings.seed)
@@ -223,7 +225,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "values": _plain(model.values_in), "effects": [e.name for e in scene.effects],
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),
-        "status": status, "done": model.count,
+        "status": status, "done": model.count, "end_error": None,
     }
 
 
@@ -235,15 +237,23 @@ def _plain(values: dict) -> dict:
 
 def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
-    meta, extras = describe(model, settings, status), {"final": model.state()}
+    meta, extras, t = describe(model, settings, status), {"final": model.state()}, model.t
+    if settings.estimate and status == "complete":
+        meta["end_error"] = estimated(model, settings, extras["final"])
     if settings.substeps:
         extras["substeps"] = np.array(recorder.substeps, float).reshape(-1, 3)
     memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
-    summary = {"t": model.t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
+    summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
                "nearest": recorder.nearest.fact(), "seconds": clock.perf_counter() - began}
     return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
+
+
+def estimated(model, settings, final) -> float | None:
+    """The error of the end; the trajectory of the run is kept."""
+    with on_interrupt() as interrupted:
+        return end_error(Integrator(model.spec, model.scene, model.built, model.values_in, model.method, model.solver), settings, final, interrupted)
 
 
 def _close(model, recorder, meta, extras, began):

@@ -85,5 +85,5 @@ class SafeSink:
     def _way_on(self) -> str:
         if not self.folder or not self.folder.path.is_dir() or not self.folder.parts("run"):
             return ""
-        return (f". The first {self.saved or 0} steps are safe in {self.folder.path}: when this is mended, go on "
+        return (f". The first {self.saved or 0} steps are safe in {self.folder.path}: when there is room, go on "
                 f"with `smidgen run --resume {self.out}`")

@@ -23,7 +23,8 @@ KINDS = ("states", "energy", "momentum", "casimirs")
 class Settings:
     """A run with every choice made. every: steps between outputs; start: a name or an
     array; section: the stroboscopic period when every came from one; substeps: take a step
-    that fails as smaller ones; checkpoint: steps between two checkpoints, None for none."""
+    that fails as smaller ones; checkpoint: steps between two checkpoints, None for none; estimate: of the
+    error at the end."""
     run: str
     start: object
     method: str
@@ -40,12 +41,13 @@ class Settings:
     native: bool = False
     substeps: bool = False
     checkpoint: int | None = None
+    estimate: bool = False
 
 
 def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
            values=None, seed=None, real="double", native=False, substeps=None,
-           checkpoint=None) -> Settings:
+           checkpoint=None, estimate=False) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = find_run(spec, name)
     values = {**dict(base.values), **(values or {})}
@@ -66,7 +68,7 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         chosen_outputs(spec, tuple(what or base.what)),
         base.effects if effects is None else tuple(effects), values,
         None if seed is None else whole(seed, "a seed"), real, native,
-        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint))
+        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate))
 
 
 def _read(spec: Spec, what: str, value):

@@ -1,0 +1,71 @@
+"""`smidgen choose`: a method and a step for an accuracy."""
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import UsageError
+from .options import assignment, json_option, names, number, spec_argument, whole
+from .run import start_of
+from .say import printed, say
+
+EXAMPLES = """  smidgen choose free_rigid_body --error 1e-8 --time 100
+  smidgen choose heisenberg_chain --error 1e-6 --symplectic
+  smidgen choose point_vortices --energy 1e-10
+  smidgen choose top.toml --error 1e-9 --out chosen.toml   the spec with a run `chosen`"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("choose", command, "find the method and step that give an accuracy in the least time", EXAMPLES)
+    spec_argument(parser)
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
+    for word, said in (("--error", "error of the state at the end, as part of the largest |w|"),
+                       ("--energy", "largest error of the energy on the way, in its unit")):
+        parser.add_argument(word, type=lambda text, word=word: number(text, word), metavar="E", help=said)
+    parser.add_argument("--time", help="how long: a number or a formula; default: as long as the run")
+    parser.add_argument("--symplectic", action="store_true", help="of the symplectic methods only")
+    parser.add_argument("--methods", type=names, metavar="A,B", help="of these only; default: all that serve")
+    parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
+    parser.add_argument("--set", type=assignment, action="append", default=[], dest="values", metavar="NAME=VALUE",
+                        help="a parameter; a list as 1,2,3; repeatable")
+    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
+    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    parser.add_argument("--native", action="store_true", help="compile for this processor")
+    parser.add_argument("--out", metavar="FILE.toml", help="write the spec with the choice as a run of it")
+    json_option(parser)
+
+
+def command(args):
+    """The choice in words; with --out also as a run."""
+    from ..cost import choose
+    from ..progress import progress
+    from ..read.shipped import load_spec
+    spec = load_spec(args.spec)
+    with progress(1000, "choose") as tick:
+        choice = choose(spec, args.run, error=args.error, energy=args.energy, time=args.time, methods=args.methods, effects=args.effects,
+                        values=dict(args.values), start=None if args.start is None else start_of(args.start), seed=args.seed,
+                        symplectic=args.symplectic, native=args.native, progress=lambda what, done: tick(int(1000 * done)))
+    if args.out:
+        say(f"wrote {written(spec, args, choice)}")
+    if args.json:
+        return printed(choice.as_dict())
+    print(choice)
+
+
+def written(spec, args, choice) -> Path:
+    """The text of the spec with a run `chosen` at its end."""
+    path = Path(args.out)
+    if len(spec.sources) != 1:
+        raise UsageError("a spec that includes others cannot be written as one file")
+    if any(run.name == "chosen" for run in spec.runs):
+        raise UsageError("the spec has a run 'chosen' already")
+    if args.values or args.effects or args.seed is not None or args.start is not None:
+        raise UsageError("--out writes the run of the spec as it is: leave --set, --effects, --seed and --start out")
+    base = next((run for run in spec.runs if run.name == args.run), spec.runs[0] if spec.runs else None)
+    start = f'start = "{base.start}"\n' if base is not None and base.start else ""
+    row = choice.row
+    try:
+        path.write_text(f"{spec.sources[0][1].rstrip()}\n\n[runs.chosen]\n{start}method = \"{row.method}\"\nh = {row.h!r}\nsteps = {row.steps}\n", encoding="utf-8")
+    except OSError as problem:
+        raise UsageError(f"cannot write {path}: {problem.strerror}") from None
+    return path

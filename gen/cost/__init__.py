@@ -1,0 +1,101 @@
+"""What accuracy costs in time, measured: every method that serves a spec, with steps from large to small.
+
+    table = smidgen.cost(spec, "demo", time=100)
+    print(table)
+    table.save("demo_cost.csv")
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+
+from ..errors import RunError, UsageError
+from ..language.spec import Spec
+from ..public import public
+from ..run.settings import settle
+from .case import Case, asked_time, candidates
+from .choice import Choice, choose, known_methods
+from .report import Cost, load_cost, machine
+from .reference import reference
+from .sweep import Row, ladder, sample
+from .timing import take_times
+
+__all__ = ["Choice", "Cost", "choose", "cost", "load_cost"]
+
+SECONDS = 60.0      # what the timed runs may take together
+LONG = 100          # times the time: the long runs
+POINTS = 120        # of a long run
+AIM = 1e-6          # end error of the runs that are made long
+
+
+@public
+def cost(spec: Spec, name: str | None = None, *, time: float | str | None = None, methods: Iterable[str] | None = None,
+         start: str | np.ndarray | None = None, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+         seed: int | None = None, seconds: float = SECONDS, long: bool = True, native: bool = False,
+         progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
+    """Sweep the methods of the registry over steps, and time them.
+
+    name, start, effects, values, seed, native: as for `run`; time: how long, by default that of the run; methods: names,
+    by default all that serve; seconds: what the timed runs may take together; long: also the energy along runs a hundred
+    times as long; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
+    and where no reference can be had (`reference.reference`).
+    """
+    settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native, time=None)
+    methods = known_methods(methods)
+    case = Case(spec, settings, asked_time(spec, settings, time))
+    progress("reference", 0.0)
+    known = reference(case)
+    names = candidates(case, methods)
+    if not names:
+        raise UsageError("none of these methods serves this spec")
+    rows = []
+    for k, method in enumerate(names):
+        progress(f"sweep of {method}", k / len(names))
+        rows += ladder(case, method, known, seconds / (4 * len(names)))
+    take_times(case, rows, seconds / 2, lambda done: progress("times", done))
+    return Cost(rows, long_runs(case, rows, seconds / 4, progress) if long else [], facts(case, known))
+
+
+def facts(case: Case, known) -> dict:
+    """What heads the file."""
+    sampled = case.model(case.settings.method).start(case.w.copy(), h=case.settings.h)
+    agree = " and ".join(known.methods)
+    said = f"{agree} in extended precision, which agree to {known.error:.1e}" + " (chaotic, or not resolved)" * known.chaotic
+    return {"spec": case.spec.name, "run": case.settings.run, "time": f"{case.time:.10g}", "sites": len(case.w),
+            "energy": f"{abs(float(sample(sampled)[1])):.6g}", "machine": machine(), "reference": said,
+            **{f"refused {name}": " ".join(why.split()) for (name, real), why in case.refused.items() if real == "double"}}
+
+
+def long_runs(case: Case, rows: list[Row], seconds: float, progress) -> list[tuple]:
+    """(method, h, t, energy error) of a hundred times the time, of each method with the step that comes next to AIM."""
+    found, picked = [], [row for row in map(lambda name: nearest(rows, name), dict.fromkeys(r.method for r in rows)) if row]
+    for k, row in enumerate(picked):
+        progress("long runs", k / len(picked))
+        share = min(1.0, seconds / len(picked) / (LONG * row.seconds))
+        found += along(case, row, LONG * share)
+    return found
+
+
+def nearest(rows: list[Row], name: str) -> Row | None:
+    """The row of a method whose end error comes next to AIM; without end errors, the one in the middle."""
+    own = [r for r in rows if r.method == name and not r.status]
+    judged = [r for r in own if r.end_error > 0]
+    if judged:
+        return min(judged, key=lambda r: abs(np.log(r.end_error / AIM)))
+    return own[len(own) // 2] if own else None
+
+
+def along(case: Case, row: Row, times: float) -> list[tuple]:
+    """Energy errors at times spaced evenly in their logarithm."""
+    if case.timed:
+        return []
+    model = case.model(row.method).start(case.w.copy(), h=row.h)
+    first, found = sample(model)[1], []
+    for count in np.unique(np.geomspace(1, max(2, row.steps * times), POINTS).astype(int)):
+        try:
+            model.steps(int(count) - model.count)
+        except RunError:
+            break
+        found.append((row.method, row.h, model.t, abs(float(sample(model)[1] - first))))
+    return found

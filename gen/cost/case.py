@@ -1,0 +1,90 @@
+"""What is measured: one system from one start over one time, and the compiled models of its methods."""
+from __future__ import annotations
+
+import time as clock
+
+import numpy as np
+
+from ..errors import BuildError, RunError, SmidgenError, UsageError
+from ..language.expr import Time, walk
+from ..language.spec import Spec
+from ..methods import METHODS
+from ..read.given import formula
+from ..run.integrator import Integrator, build
+from ..run.settings import Settings, number
+from ..run.start import initial_state, parameter_values
+
+
+class Case:
+    """spec and settings of a run; time: how long; w: its start, (sites, 3); rate: the fastest turning at the start,
+    max |(1/kappa) dH/dw|; size: the largest |w|; timed: does H depend on time?"""
+
+    def __init__(self, spec: Spec, settings: Settings, time: float | None = None):
+        self.spec, self.settings = spec, settings
+        self.time = float(settings.h * settings.steps if time is None else time)
+        if not self.time:
+            raise UsageError("a time that is not 0 is needed")
+        self.models, self.refused, self.compiled = {}, {}, {}
+        self.w = self._start()
+        any_model = self.model(settings.method)
+        if any_model is None:
+            raise UsageError(self.refused[settings.method, "double"])
+        any_model.start(self.w.copy(), h=settings.h)
+        self.rate = float(np.linalg.norm(np.asarray(any_model.field(), float), axis=1).max())
+        self.size = float(np.linalg.norm(self.w, axis=1).max())
+        self.timed = any(isinstance(node, Time) for e in any_model.scene.effects for node in walk(e.value))
+
+    def _start(self) -> np.ndarray:
+        s = self.settings
+        if isinstance(s.start, np.ndarray):
+            return np.array(s.start, float)
+        return np.array(initial_state(self.spec, s.start, s.values, s.seed), float)
+
+    def model(self, method: str, real: str = "double") -> Integrator | None:
+        """The compiled model, from memory; None where the method refuses the spec: `refused` says why."""
+        key = method, real
+        if key not in self.models:
+            s, began = self.settings, clock.perf_counter()
+            try:
+                self.models[key] = build(self.spec, method, s.effects, s.values, s.solver if method == s.method else "auto", real, s.native)
+            except BuildError:
+                raise
+            except SmidgenError as error:
+                self.models[key], self.refused[key] = None, str(error)
+            self.compiled[key] = clock.perf_counter() - began
+        return self.models[key]
+
+    def end(self, method: str, steps: int, real: str = "double") -> np.ndarray:
+        """The state after the time, by that many steps. Raises RunError for a step that fails."""
+        model = self.model(method, real)
+        model.start(self.w.copy(), h=self.time / steps)
+        model.steps(steps)
+        return np.array(model.w)
+
+    def reached(self, method: str, steps: int, real: str = "double") -> np.ndarray | None:
+        """The same; None where a step fails."""
+        try:
+            return self.end(method, steps, real)
+        except RunError:
+            return None
+
+    def distance(self, a, b) -> float:
+        """The largest distance of a site, in units of the largest |w|."""
+        return float(np.linalg.norm(np.asarray(a - b, np.longdouble), axis=1).max()) / self.size
+
+    def fewest(self, turn: float) -> int:
+        """Steps that turn the fastest site of the start by that angle, at least one."""
+        return max(1, int(np.ceil(abs(self.time) * self.rate / turn)))
+
+
+def asked_time(spec: Spec, settings: Settings, time) -> float | None:
+    """The time as a number; a formula of the spec's parameters is one."""
+    if time is None:
+        return None
+    asked = formula(time, "the time", spec.parameters) if isinstance(time, str) else time
+    return number(asked, parameter_values(spec, settings.values), "the time")
+
+
+def candidates(case: Case, methods=None) -> list[str]:
+    """The methods that serve this spec, in the order of the registry, of those that are asked for."""
+    return [name for name in METHODS if (methods is None or name in methods) and case.model(name) is not None]

@@ -1,0 +1,186 @@
+"""A method and a step for an accuracy, found by measuring.
+
+    pick = smidgen.choose(spec, "demo", error=1e-8, time=100)
+    print(pick)                         # why
+    smidgen.run(spec, "demo", **pick.settings)
+"""
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import UsageError
+from ..language.spec import Spec
+from ..methods import METHODS
+from ..public import public
+from ..run.integrator import choose as one_of
+from ..run.settings import settle
+from .case import Case, asked_time, candidates
+from .reference import Reference, reference
+from .report import duration, label
+from .sweep import TURN, Row, one, ratio
+from .timing import take_times
+
+MARGIN = 0.6        # of the error asked for, which the choice aims at
+SLOWER = 4.0        # times the best so far: a method that needs more is left
+ROUNDS = 40         # runs of a method at most while its step is looked for
+TRIES = 3           # runs that bring the step closer to the largest one that is good enough
+SECONDS = 10.0      # a run that takes longer is too long to choose by
+
+
+@dataclass(frozen=True)
+class Choice:
+    """row: the pick (`sweep.Row`); others: rows of the other methods that are accurate enough, by time; short: methods that are
+    not, and why; asked: what was asked for; known: the reference."""
+    row: Row
+    others: list
+    short: dict
+    asked: dict
+    known: Reference
+
+    @property
+    def settings(self) -> dict:
+        """Keywords of `smidgen.run`: method, h, steps."""
+        return {"method": self.row.method, "h": self.row.h, "steps": self.row.steps}
+
+    def as_dict(self) -> dict:
+        """For JSON."""
+        return {**self.settings, "asked": self.asked, "row": vars(self.row), "others": [vars(r) for r in self.others], "short": self.short}
+
+    def __str__(self) -> str:
+        return "\n".join(words(self))
+
+
+@public
+def choose(spec: Spec, name: str | None = None, *, error: float | None = None, energy: float | None = None,
+           time: float | str | None = None, methods: Iterable[str] | None = None, start: str | np.ndarray | None = None,
+           effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None, seed: int | None = None,
+           symplectic: bool = False, native: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
+    """The method and step that meet the errors asked for in the least time.
+
+    error: at the end, in units of the largest |w|; energy: the largest energy error on the way, in units of the energy; one of
+    them is needed. symplectic: of the symplectic methods only. The rest as for `cost`. Raises UsageError where no method meets
+    them, where ends cannot be judged (a chaotic run: ask for an energy error), and as `cost` does.
+    """
+    asked, methods = asked_errors(error, energy), known_methods(methods)
+    settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native)
+    case = Case(spec, settings, asked_time(spec, settings, time))
+    if case.timed and energy is not None:
+        raise UsageError("H depends on time: ask for an end error")
+    progress("reference", 0.0)
+    known = reference(case, min(1e-13, (error or 1e-6) / 1000))
+    if error is not None and not known.error <= error / 3:
+        raise UsageError(f"ends cannot be judged to {error:g}: two methods with the smallest steps differ by {known.error:.1e} "
+                         "(a chaotic run, or one that is too long): ask for an energy error, or for less time")
+    names = [n for n in by_hope(candidates(case, methods)) if METHODS[n].symplectic or not symplectic]
+    good, short = search(case, names, known, asked, progress)
+    if not good:
+        raise UsageError("no method gets there: " + "; ".join(f"{label(n)}: {why}" for n, why in short.items()))
+    take_times(case, good, 2.0)
+    good.sort(key=lambda row: row.seconds)
+    return Choice(good[0], good[1:], short, asked, known)
+
+
+def known_methods(methods) -> list | None:
+    """The names that are asked for. Raises UsageError for one that is none."""
+    return None if methods is None else [one_of("method", m, tuple(METHODS)) for m in methods]
+
+
+def asked_errors(error, energy) -> dict:
+    """What is asked for, by the name of the column."""
+    asked = {k: float(v) for k, v in (("end_error", error), ("energy", energy)) if v is not None}
+    if not asked:
+        raise UsageError("what accuracy? give an end error (--error 1e-8) or an energy error (--energy 1e-10)")
+    for value in asked.values():
+        if not 0 < value < math.inf:
+            raise UsageError(f"an error that is asked for is a positive number, not {value:g}")
+    return asked
+
+
+def by_hope(names) -> list[str]:
+    """High orders first: they find the best time soon, so that slower methods are left soon."""
+    return sorted(names, key=lambda name: (-METHODS[name].order, name))
+
+
+def search(case: Case, names, known: Reference, asked: dict, progress):
+    """(rows that are good enough, method -> why not)."""
+    good, short, best = [], {}, SECONDS / SLOWER
+    for k, name in enumerate(names):
+        progress(f"step of {name}", k / len(names))
+        row, why = largest_step(case, name, known, asked, SLOWER * best)
+        if row is None:
+            short[name] = why
+        else:
+            good.append(row)
+            best = min(best, row.seconds)
+    return good, short
+
+
+def largest_step(case: Case, name: str, known: Reference, asked: dict, limit: float):
+    """(row, "") of about the largest step that is good enough, or (None, why)."""
+    steps, failed = case.fewest(TURN), None
+    for _ in range(ROUNDS):
+        row = one(case, name, steps, known)
+        if enough(row, asked):
+            return closer(case, name, known, asked, row, failed), ""
+        if not row.status and row.seconds * ratio(name) > limit:
+            return None, f"more than {SLOWER:g} times the time of another, with an error of {misses(row, asked)}"
+        failed, steps = row, max(steps + 1, round(steps * jump(name, row, asked)))
+    return None, f"its error stays at {misses(row, asked)}" if not row.status else row.status
+
+
+def jump(name: str, row: Row, asked: dict) -> float:
+    """How many times more steps to take next: as the order promises, within a factor of 4 and not below a neighbour's."""
+    if row.status:
+        return 1.5
+    excess = max(getattr(row, what) / (MARGIN * value) for what, value in asked.items())
+    return float(np.clip(excess ** (1 / METHODS[name].order) if excess == excess else 2.0, 1.1, 4.0))
+
+
+def closer(case: Case, name: str, known: Reference, asked: dict, good: Row, failed: Row | None) -> Row:
+    """A larger step that is good enough, between one that is and one that is not."""
+    for _ in range(TRIES):
+        if failed is None or good.steps < 1.12 * failed.steps:
+            return good
+        row = one(case, name, round(math.sqrt(good.steps * failed.steps)), known)
+        good, failed = (row, failed) if enough(row, asked) else (good, row)
+    return good
+
+
+def enough(row: Row, asked: dict) -> bool:
+    """Does the row meet what is asked for, with the margin?"""
+    return not row.status and all(getattr(row, what) <= MARGIN * value for what, value in asked.items())
+
+
+def misses(row: Row, asked: dict) -> str:
+    """The errors of a row, in words."""
+    return " and ".join(f"{getattr(row, what):.1e}" for what in asked)
+
+
+def words(choice: Choice) -> list[str]:
+    """The pick, and why."""
+    row = choice.row
+    kinds = {"end_error": "end error", "energy": "energy error"}
+    said = [f"{label(row.method)} (--method {row.method}) with h = {row.h:.17g}, {row.steps} steps",
+            f"takes {duration(row.seconds)} ({duration(row.ns_step / 1e9)} a step); "
+            + ", ".join(f"{kinds[w]} {getattr(row, w):.1e} where {v:g} is asked for" for w, v in choice.asked.items()),
+            f"measured against {' and '.join(choice.known.methods)} in extended precision, which agree to {choice.known.error:.1e}"]
+    for other in choice.others[:4]:
+        said.append(f"  {label(other.method)}: {other.seconds / row.seconds:.3g} times that, h = {other.h:.4g}")
+    return said + broken_even(choice)
+
+
+def broken_even(choice: Choice) -> list[str]:
+    """After how many steps a symplectic pick, or the other way round, has paid for its compiler."""
+    row = choice.row
+    if not choice.others or not row.compiled > 0.05:
+        return []
+    other = choice.others[0]
+    gained = other.seconds - row.seconds
+    if gained <= 0:
+        return []
+    runs = max(1, math.ceil(row.compiled / gained))
+    return [f"  compiling it took {duration(row.compiled)}: beside {label(other.method)}, compiled already, it has paid after {runs * row.steps:.2g} steps"]

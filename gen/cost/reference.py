@@ -1,0 +1,74 @@
+"""The end that errors are measured against, with an error of its own.
+
+Two methods that share neither equation nor code path, in extended precision, each with smaller steps until nothing more is
+gained. Their error is what they differ by, among themselves and from their own next to last.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import UsageError
+from ..methods import METHODS
+from .case import Case
+
+REAL = "long double"
+TURN = 1.0          # angle of the first steps
+GOOD = 1e-15        # an error that no run in double resolves
+HALVINGS = 14
+WORK = 4_000_000    # sites times steps that a halving may take
+CHAOS = 1e-5        # a reference no better than this: ends are not judged
+
+
+@dataclass(frozen=True)
+class Reference:
+    """end: (sites, 3) in extended precision; error: of it, in units of |w|; methods: that agree on it; chaotic: it is
+    too uncertain to judge ends by."""
+    end: np.ndarray
+    error: float
+    methods: tuple[str, ...]
+
+    @property
+    def chaotic(self) -> bool:
+        return not self.error <= CHAOS
+
+
+def reference(case: Case, good: float = GOOD) -> Reference:
+    """The reference end of a case, to `good` where that can be had. Raises UsageError where no two methods serve."""
+    ends = [(name, *refined(case, name, good)) for name in pair(case)]
+    ends = [one for one in ends if one[1] is not None]
+    if len(ends) < 2:
+        raise UsageError("no reference: fewer than two independent methods get to the end of this run")
+    (first, end, error), (second, other, more) = ends[:2]
+    return Reference(end if error <= more else other, max(error, more, case.distance(end, other)), (first, second))
+
+
+def pair(case: Case) -> list[str]:
+    """The most accurate methods of two kinds: a method with a tolerance, and one of each other header."""
+    found = {}
+    for name, method in METHODS.items():
+        if case.model(name, REAL) is not None:
+            best = found.get(method.header)
+            if best is None or METHODS[best].order < method.order:
+                found[method.header] = name
+    return sorted(found.values(), key=lambda name: -METHODS[name].order)[:3]
+
+
+def refined(case: Case, name: str, good: float):
+    """(end, error) of a method with ever smaller steps; (None, inf) where no two of them get to the end."""
+    steps, before, best = case.fewest(TURN), None, (None, np.inf)
+    for _ in range(HALVINGS):
+        end = case.reached(name, steps, REAL)
+        if end is not None and before is not None:
+            error = case.distance(end, before)
+            if error > best[1] / 2 and best[1] < 1e-9:
+                break       # round-off
+            if error < best[1]:
+                best = end, error
+            if error < good:
+                break
+        before, steps = end if end is not None else before, 2 * steps
+        if steps * len(case.w) > WORK:
+            break
+    return best

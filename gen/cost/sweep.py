@@ -1,0 +1,128 @@
+"""Methods with steps from large to small: which error each has at the end, and what it keeps on the way."""
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import RunError
+from ..methods import METHODS
+from .case import Case
+from .reference import Reference
+
+TURN = 4.0          # angle of the fastest site in the largest steps
+RATIO = {2: 2.0, 4: 2 ** 0.5}       # order -> ratio of the steps of neighbours; others:
+FINE = 2 ** 0.25
+FLOOR = 4           # times the error of the reference: nothing smaller is resolved
+STALLED = 3         # neighbours without a gain: round-off
+SAMPLES = 48        # points of a run at which invariants are looked at
+
+
+@dataclass
+class Row:
+    """One method with one step. h, steps; status: "" or why it failed; end_error: in units of |w|; energy, momentum,
+    casimir: the largest errors on the way, of the energy absolute, of the others in units of |kappa w| and C; drift: of
+    the energy in a unit of time, with its error; iterations: the mean of a step; seconds of a run, half their spread, and of
+    the compiler (0: from the cache)."""
+    method: str
+    h: float
+    steps: int
+    status: str = ""
+    end_error: float = math.nan
+    energy: float = math.nan
+    momentum: float = math.nan
+    casimir: float = math.nan
+    drift: float = math.nan
+    drift_error: float = math.nan
+    iterations: float = math.nan
+    seconds: float = math.nan
+    spread: float = math.nan
+    ns_step: float = math.nan
+    compiled: float = math.nan
+
+
+COLUMNS = tuple(f.name for f in dataclasses.fields(Row))
+
+
+def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
+    """Rows of one method, from large steps to round-off, or until a run would take more than `limit` seconds."""
+    rows, best, stalled, steps = [], math.inf, 0, case.fewest(TURN)
+    while True:
+        row = one(case, name, steps, known)
+        rows.append(row)
+        gained = row.status == "" and row.end_error < 0.7 * best
+        best, stalled = (row.end_error, 0) if gained else (best, stalled + (best < 1e-3))
+        if stalled >= STALLED or row.end_error <= FLOOR * known.error or next_seconds(case, name, row) > limit:
+            return rows
+        steps = max(steps + 1, round(steps * ratio(name)))
+
+
+def ratio(name: str) -> float:
+    """Between the numbers of steps of neighbours."""
+    return RATIO.get(METHODS[name].order, FINE)
+
+
+def next_seconds(case: Case, name: str, row: Row) -> float:
+    """How long the next row would take, by this one."""
+    return row.seconds * ratio(name) if row.seconds == row.seconds else 0.0
+
+
+def one(case: Case, name: str, steps: int, known: Reference | None) -> Row:
+    """A run with samples of what it keeps; its time is taken once, for an estimate."""
+    import time as clock
+    row = Row(name, case.time / steps, steps, compiled=case.compiled[name, "double"])
+    model = case.model(name)
+    try:
+        model.start(case.w.copy(), h=row.h)
+        samples = [sample(model)]
+        spent, iterations = 0.0, []
+        for count in parts(steps):
+            began = clock.perf_counter()
+            model.steps(count)
+            spent += clock.perf_counter() - began
+            samples.append(sample(model))
+            iterations.append(model.report()["iterations"])
+    except RunError as error:
+        return dataclasses.replace(row, status=str(error).split(";")[0])
+    row.seconds, row.iterations = spent, float(np.mean(iterations))
+    row.ns_step = 1e9 * spent / steps
+    if known is not None and not known.chaotic:
+        row.end_error = case.distance(model.w, known.end)
+    kept(case, row, samples)
+    return row
+
+
+def parts(steps: int) -> list[int]:
+    """The numbers of steps between samples."""
+    edges = np.unique(np.round(np.linspace(0, steps, min(SAMPLES, steps) + 1)).astype(int))
+    return list(np.diff(edges))
+
+
+def sample(model) -> tuple:
+    """(t, energy, momenta, Casimirs)."""
+    names, values = model.columns, model.values()
+    momenta = [v for name, v in zip(names, values) if name.startswith("momentum.")]
+    return model.t, values[0], np.array(momenta), model.casimirs()
+
+
+def kept(case: Case, row: Row, samples) -> None:
+    """What the samples say of the energy, the momenta and the Casimirs."""
+    t, energy = np.array([s[0] for s in samples], float), np.array([s[1] for s in samples], float)
+    momenta, casimirs = np.array([s[2] for s in samples], float), np.array([s[3] for s in samples], float)
+    row.momentum = float(np.abs(momenta - momenta[0]).max()) / case.size
+    row.casimir = float((np.abs(casimirs - casimirs[0]) / np.maximum(np.abs(casimirs[0]), 1e-300)).max())
+    if case.timed:
+        return
+    row.energy = float(np.abs(energy - energy[0]).max())
+    if len(t) > 3:
+        row.drift, row.drift_error = slope(t, energy - energy[0])
+
+
+def slope(t, y) -> tuple[float, float]:
+    """Of the line through the points, with its standard error."""
+    x = t - t.mean()
+    a = float(x @ y / (x @ x))
+    left = y - y.mean() - a * x
+    return a, float(np.sqrt(left @ left / (len(t) - 2) / (x @ x)))

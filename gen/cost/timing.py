@@ -1,0 +1,44 @@
+"""Times of runs: all of them in turn, again and again; the median and the spread of each."""
+from __future__ import annotations
+
+import time as clock
+
+import numpy as np
+
+from .case import Case
+from .sweep import Row
+
+ROUNDS = 3, 101         # at least and at most
+SHORT = 5e-4            # seconds that a measurement takes at least: short runs are repeated within it; less than a slice of the scheduler
+
+
+def take_times(case: Case, rows: list[Row], seconds: float, tick=lambda done: None) -> None:
+    """Fills in seconds, spread and ns_step of the rows that got to their end, within about `seconds`."""
+    good = [row for row in rows if not row.status]
+    if not good:
+        return
+    whole = sum(max(row.seconds, SHORT) for row in good)
+    rounds = int(np.clip(seconds / whole, *ROUNDS))
+    taken = {id(row): [] for row in good}
+    for lap in range(rounds):
+        for row in good:
+            taken[id(row)].append(once(case, row))
+        tick((lap + 1) / rounds)
+    for row in good:
+        low, row.seconds, high = (float(x) for x in np.percentile(taken[id(row)], (25, 50, 75)))
+        row.spread, row.ns_step = (high - low) / 2, 1e9 * row.seconds / row.steps
+
+
+def once(case: Case, row: Row) -> float:
+    """Seconds of one run, without its start; the mean of several of short ones."""
+    model = case.model(row.method)
+    times = max(1, min(50, int(SHORT / max(row.seconds, 1e-7))))
+    spent = 0.0
+    for _ in range(times):
+        model.start(case.w.copy(), h=row.h)
+        idle = clock.perf_counter()
+        model.advance(0)
+        began = clock.perf_counter()
+        model.advance(row.steps)
+        spent += (clock.perf_counter() - began) - (began - idle)
+    return max(spent / times, 1e-9)

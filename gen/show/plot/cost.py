@@ -1,0 +1,59 @@
+"""The figure of a cost table, four panels: errors against the time they take, and the energy along long runs.
+
+It draws what the table holds and nothing else: the same file gives the same picture.
+"""
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...cost.report import Cost, cost_is_chaotic
+from ...methods import METHODS
+from .style import footnote, method_marker, method_style, new_figure, save, styled
+
+PANELS = (("end_error", "error at the end, part of |w|"), ("energy", "largest error of the energy"),
+          ("casimir", "largest error of a Casimir, part of it"))
+LEAST = 1e-17       # below it a point stands on the lower edge
+
+
+@styled
+def draw_cost(cost: Cost, path) -> Path:
+    """Draw the table into a .png, .svg or .pdf; returns its path. Raises UsageError for another format."""
+    figure = new_figure(11, 8)
+    axes = figure.subplots(2, 2).ravel()
+    names = [name for name in dict.fromkeys(row.method for row in cost.rows)]
+    for ax, (what, label) in zip(axes, PANELS):
+        panel(ax, cost, names, what, label)
+    along(axes[3], cost)
+    if cost_is_chaotic(cost):
+        axes[0].text(0.5, 0.5, "ends are not judged:\nthey are too uncertain", ha="center", transform=axes[0].transAxes)
+    handles, labels = axes[1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper")
+    f = cost.facts
+    figure.suptitle(f"{f['spec']} {f['run']}: what accuracy costs (time {f['time']}, {f['sites']} sites)")
+    footnote(figure, f["machine"], f"reference: {f['reference']}", failures(cost))
+    return save(figure, path)
+
+
+def panel(ax, cost: Cost, names, what: str, label: str) -> None:
+    """An error against the time of a run, a line a method."""
+    for name in names:
+        rows = [r for r in cost.rows if r.method == name and not r.status and getattr(r, what) == getattr(r, what)]
+        if rows:
+            ax.plot([r.seconds for r in rows], [max(getattr(r, what), LEAST) for r in rows], marker=method_marker(name), markersize=3.5,
+                    **method_style(name))
+    ax.set(xscale="log", yscale="log", xlabel="time of the run [s]", ylabel=label)
+
+
+def along(ax, cost: Cost) -> None:
+    """The energy along long runs: each method with the step that came next to the same end error."""
+    for name in dict.fromkeys(m for m, *_ in cost.long):
+        points = [(t, max(e, LEAST)) for m, _, t, e in cost.long if m == name]
+        ax.plot(*zip(*points), **method_style(name))
+    ax.set(xscale="log", yscale="log", xlabel="time along the run", ylabel="error of the energy")
+
+
+def failures(cost: Cost) -> str:
+    """How many runs did not get to the end."""
+    failed = [row for row in cost.rows if row.status]
+    names = ", ".join(dict.fromkeys(METHODS[r.method].label if r.method in METHODS else r.method for r in failed))
+    return f"{len(failed)} runs with steps too large did not get to the end ({names})" if failed else ""

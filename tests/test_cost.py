@@ -1,0 +1,209 @@
+"""What accuracy costs: the table, its file and figure, the choice of a method, the error of a run."""
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import smidgen
+from smidgen.check.witness import Witness
+from smidgen.cost.case import Case
+from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
+from smidgen.cost.reference import reference
+from smidgen.cost.report import load_cost
+from smidgen.cost.sweep import Row, parts, slope
+from smidgen.errors import RunError, UsageError
+from smidgen.methods import METHODS
+from smidgen.run.settings import settle
+from smidgen.show.plot.cost import draw_cost
+
+FEW = ("spherical-midpoint", "gauss-6", "dop853")
+
+
+def rows(name="a", order=2, steps=(10, 20, 40), one=1e-6):
+    """Rows whose error is N^-order and whose time is N*one."""
+    return [Row(name, 1 / n, n, end_error=float(n) ** -order, energy=1e-17, seconds=n * one) for n in steps]
+
+
+@pytest.fixture(scope="module")
+def table():
+    return smidgen.cost(smidgen.load("irreversible_rigid_body"), time=10, methods=FEW, seconds=2)
+
+
+@pytest.mark.quick
+def test_the_time_for_an_error_lies_on_the_line_between_neighbours():
+    assert math.isclose(seconds_for(rows(order=2), "end_error", 30.0 ** -2), 30e-6)
+    assert math.isclose(seconds_for(rows(), "end_error", 1.0), 10e-6)           # the largest step is good enough
+    assert math.isnan(seconds_for(rows(), "end_error", 1e-9))       # none is
+    failed = [dataclasses.replace(rows()[0], status="no solution"), *rows()[1:]]
+    assert math.isclose(seconds_for(failed, "end_error", 1.0), 20e-6)
+
+
+@pytest.mark.quick
+def test_the_first_is_the_fastest_of_those_that_get_there():
+    both = rows("slow", 4, one=5e-6) + rows("fast", 2)
+    assert first(both, "end_error", 1e-2)[0] == "fast"
+    assert first(both, "end_error", 1e-5)[0] == "slow"
+    assert first(both, "end_error", 1e-5, lambda name: name == "fast")[0] == ""
+    assert list(by_method(both)) == ["slow", "fast"]
+
+
+@pytest.mark.quick
+def test_energy_is_kept_where_every_step_keeps_it():
+    good, bad = rows("good"), rows("bad")
+    bad[0].energy = 1e-12
+    assert keeps_energy(good + bad, 1.0) == {"good"}
+
+
+@pytest.mark.quick
+def test_a_slope_comes_with_its_error():
+    t = np.linspace(0, 10, 50)
+    noise = 0.01 * (-1.0) ** np.arange(50)
+    a, off = slope(t, 3 * t + 1 + noise)
+    assert abs(a - 3) < 3 * off < 3e-3
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("steps", [1, 5, 48, 49, 1000])
+def test_samples_add_up_to_the_run(steps):
+    assert sum(parts(steps)) == steps and min(parts(steps)) > 0
+
+
+def test_the_reference_is_the_flow_to_the_error_it_states():
+    spec = smidgen.load("point_vortices")
+    case = Case(spec, settle(spec), 5.0)
+    known = reference(case)
+    flow = Witness(spec).flow(case.w, 0.0, [5.0])[0]
+    assert known.error < 1e-13 and case.distance(known.end, flow) < 1e-11
+    assert len({METHODS[name].header for name in known.methods}) == 2
+
+
+@pytest.mark.long
+def test_an_end_that_nobody_knows_is_not_judged():
+    spec = smidgen.load("heisenberg_chain")
+    chain = dict(values={"n": 6}, time=600, start=np.random.default_rng(3).normal(size=(6, 3)))
+    chain["start"] /= np.linalg.norm(chain["start"], axis=1)[:, None]
+    found = smidgen.cost(spec, methods=("spherical-midpoint",), seconds=1, long=False, **chain)
+    assert all(math.isnan(row.end_error) for row in found.rows) and "ends are not judged" in str(found)
+    with pytest.raises(UsageError, match="chaotic"):
+        smidgen.choose(spec, error=1e-8, methods=("spherical-midpoint",), **chain)
+
+
+def test_errors_fall_as_the_order_says(table):
+    for name, own in by_method(table.rows).items():
+        good = [r for r in own if not r.status and 1e-11 < r.end_error < 1e-3]
+        if METHODS[name].controlled or len(good) < 2:
+            continue
+        observed = math.log(good[0].end_error / good[-1].end_error) / math.log(good[-1].steps / good[0].steps)
+        assert abs(observed - METHODS[name].order) < 0.1 * METHODS[name].order, name
+
+
+def test_every_row_is_whole(table):
+    assert {row.method for row in table.rows} == set(FEW)
+    for row in table.rows:
+        assert row.status or (row.seconds > 0 and row.end_error >= 0 and row.casimir < 1e-9 and row.ns_step > 0)
+    assert {name for name, *_ in table.long} == set(FEW)
+    assert "fastest, symplectic" in str(table)
+
+
+def test_the_file_holds_the_table_and_the_figure_is_made_of_it_alone(table, tmp_path):
+    again = load_cost(table.save(tmp_path / "a.csv"))
+    assert again.save(tmp_path / "b.csv").read_bytes() == (tmp_path / "a.csv").read_bytes()
+    assert again.facts == {k: str(v) for k, v in table.facts.items()}
+    one, two = (draw_cost(again, tmp_path / name).read_bytes() for name in ("a.png", "b.png"))
+    assert one == two
+
+
+@pytest.mark.quick
+def test_a_file_of_something_else_is_refused(tmp_path):
+    for text in ("", "a,b\n1,2\n", "\x00"):
+        (tmp_path / "x.csv").write_text(text)
+        with pytest.raises(UsageError):
+            load_cost(tmp_path / "x.csv")
+    with pytest.raises(UsageError):
+        load_cost(tmp_path / "none.csv")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("error, symplectic", [(1e-4, True), (1e-9, False)])
+def test_the_choice_is_as_good_as_was_asked_for(error, symplectic):
+    """Judged by the witness, which the choice does not know."""
+    spec = smidgen.load("irreversible_rigid_body")
+    pick = smidgen.choose(spec, error=error, time=10, symplectic=symplectic, methods=("spherical-midpoint", "gauss-4", "gauss-8", "dop853"))
+    case = Case(spec, settle(spec), 10.0)
+    end = smidgen.run(spec, **pick.settings).final
+    assert case.distance(end, Witness(spec).flow(case.w, 0.0, [10.0])[0]) <= error
+    assert METHODS[pick.row.method].symplectic or not symplectic
+    assert all(pick.row.seconds <= other.seconds for other in pick.others) and pick.row.method in str(pick)
+
+
+def test_a_choice_by_energy():
+    pick = smidgen.choose(smidgen.load("irreversible_rigid_body"), energy=1e-7, time=10, methods=("spherical-midpoint", "gauss-6"))
+    assert pick.row.method == "gauss-6" and pick.row.energy <= 1e-7
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("asked, said", [({}, "what accuracy"), ({"error": 0.0}, "positive"), ({"error": -1.0}, "positive"),
+                                         ({"energy": math.inf}, "positive"), ({"error": 1e-3, "time": 0}, "time"),
+                                         ({"error": 1e-3, "methods": ["nothing"]}, "nothing")])
+def test_what_cannot_be_asked_for_is_refused(asked, said):
+    with pytest.raises(UsageError, match=said):
+        smidgen.choose(smidgen.load("free_rigid_body"), **asked)
+
+
+@pytest.mark.long
+def test_the_chosen_run_is_a_run_of_the_spec(command, tmp_path):
+    out = command("choose", "free_rigid_body", "--error", "1e-6", "--time", "5", "--methods", "gauss-4,gauss-6", "--out", "chosen.toml")
+    assert out.returncode == 0 and "Gauss" in out.stdout
+    assert command("run", "chosen.toml", "chosen").returncode == 0
+    assert command("choose", "chosen.toml", "--error", "1e-6", "--out", "again.toml").returncode == 2
+
+
+def test_the_command_draws_and_reads(command, tmp_path):
+    out = command("cost", "free_rigid_body", "--time", "2", "--methods", "gauss-4", "--seconds", "1", "--out", "c.csv", "--plot", "c.svg")
+    assert out.returncode == 0 and "Gauss 4" in out.stdout
+    again = command("cost", "--from", "c.csv")
+    assert again.returncode == 0 and again.stdout == out.stdout
+    assert command("cost").returncode == 2
+
+
+# The error of a run
+
+@pytest.mark.parametrize("name, method, h, steps", [("free_rigid_body", "spherical-midpoint", 0.125, 80), ("irreversible_rigid_body", "gauss-4", 0.2, 51),
+                                                    ("point_vortices", "spherical-midpoint", 0.05, 101), ("forced_rigid_body", "classical-midpoint", 0.05, 100)])
+def test_the_estimate_is_the_error_within_a_factor(name, method, h, steps):
+    spec = smidgen.load(name)
+    result = smidgen.run(spec, method=method, h=h, steps=steps, estimate=True)
+    case = Case(spec, settle(spec), h * steps)
+    error = case.distance(result.final, Witness(spec).flow(case.w, 0.0, [h * steps])[0])
+    assert error / 1.5 < result.meta["end_error"] < 1.5 * error
+
+
+@pytest.mark.quick
+def test_the_estimate_changes_nothing_else(tmp_path):
+    spec = smidgen.load("free_rigid_body")
+    one, two = (smidgen.run(spec, steps=64, estimate=asked) for asked in (False, True))
+    assert np.array_equal(one.final, two.final) and one.summary["t"] == two.summary["t"]
+    assert one.meta["end_error"] is None and two.meta["end_error"] > 0
+    smidgen.run(spec, steps=64, estimate=True, out=tmp_path / "a.npz")
+    smidgen.repeat(tmp_path / "a.npz", tmp_path / "b.npz")
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+    assert smidgen.load_result(tmp_path / "a.npz").meta["end_error"] == two.meta["end_error"]
+
+
+@pytest.mark.quick
+def test_no_estimate_where_there_is_none_to_be_had():
+    spec = smidgen.load("free_rigid_body")
+    assert smidgen.run(spec, steps=8, method="dop853", estimate=True).meta["end_error"] is None
+    assert smidgen.run(spec, steps=1, estimate=True).meta["end_error"] > 0      # by two halves
+    with pytest.raises(RunError) as failed:
+        smidgen.run(smidgen.load("point_vortices"), h=50, steps=4, estimate=True)
+    assert failed.value.result.meta["end_error"] is None
+
+
+@pytest.mark.quick
+def test_the_summary_tells_the_estimate(command):
+    said = command("run", "free_rigid_body", "--steps", "80")
+    assert "estimated error of the end: 0.000" in said.stdout
+    assert "estimated" not in command("run", "free_rigid_body", "--steps", "80", "--no-estimate").stdout
+    assert "the end is not known" in command("run", "irreversible_rigid_body", "--h", "2", "--steps", "100").stdout
