@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ..errors import UsageError
 from ..methods import METHODS
+from ..public import public
 from ..tables import text_of
 from .frontier import TARGETS, first, frontier, keeps_energy, symplectic
 from .sweep import COLUMNS, Row
@@ -56,6 +57,7 @@ def shown(value) -> str:
     return str(value)
 
 
+@public
 def load_cost(path: str | os.PathLike) -> Cost:
     """The cost table of a file. Raises UsageError for what `save` has not written."""
     try:
