@@ -4,13 +4,14 @@ from __future__ import annotations
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS
-from ..features import chosen_features
+from ..features import ASKS, chosen_features
 from ..lower.code import At, Name
 from ..lower.indices import one_site, safe_indices
 from ..lower.integers import Index, Int, total
 from ..lower.kernels import term_kernels
 from ..lower.loops import Loops
 from ..lower.lowering import Lowering
+from ..plan.contributions import contributions_of, require
 from ..plan.plan import Plan, require_free_body
 from .families import FamilyCode, family_codes
 from .solo import solo_kernels
@@ -44,6 +45,8 @@ class Model:
         missing = [name for name in self.features if name not in self.method.features]
         if missing:
             raise UsageError(f"method {self.plan.method} has no feature '{missing[0]}'")
+        for feature in self.features:
+            require(contributions_of(self.spec), ASKS.get(feature, ()), f"feature {feature}")
         if self.method.free_body:
             require_free_body(self.spec, self.plan.method)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from sympy.logic.boolalg import Boolean
 
-from ..lower.code import mentions
-from ..lower.integers import Int, Product, Whole
+from ..lower.code import Return, mentions
+from ..lower.integers import Int, Product, Whole, times
 from .formulas import ATOM, PRODUCT, SUM, TEST, Formulas, number
 
 STRENGTH = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT, "==": TEST}
@@ -18,7 +18,7 @@ def indent(lines, by: int = 1) -> list:
 
 
 def block(head: str, lines) -> list:
-    return [f"{head} {{".lstrip(), *indent(lines), "}"]
+    return [f"{head} {{" if head else "{", *indent(lines), "}"]
 
 
 class Scalar:
@@ -61,16 +61,15 @@ class Scalar:
     def show_sum(self, n):
         text = self(n.terms[0])
         for term in n.terms[1:]:
-            shown = self.inside(term, SUM)
-            text += f" - {shown[1:]}" if is_negative(term) else f" + {shown}"
+            text += f" - {self.inside(times(-1, term), PRODUCT)}" if is_negative(term) else f" + {self.inside(term, PRODUCT)}"
         return text, SUM
 
     def show_product(self, n):
         first, *others = n.factors
         if first == Whole(-1):
-            return "-" + "*".join(self.inside(f, PRODUCT if k == 0 else ATOM) for k, f in enumerate(others)), SUM
-        return "*".join([self(first) if isinstance(first, Whole) else self.inside(first, ATOM), *(self.inside(f, ATOM) for f in others)]), \
-            SUM if is_negative(n) else PRODUCT
+            return "-" + self.inside(times(*others), PRODUCT), SUM
+        shown = self(first) if isinstance(first, Whole) else self.inside(first, ATOM)
+        return "*".join([shown, *(self.inside(f, ATOM) for f in others)]), SUM if is_negative(n) else PRODUCT
 
     def show_divided(self, n):
         return f"{self.inside(n.above, PRODUCT)} {n.op} {self.inside(n.below, ATOM)}", PRODUCT
@@ -188,8 +187,10 @@ class Scalar:
         return block(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", self.lines(s.body))
 
     def do_if(self, s):
-        head, body = f"if ({' && '.join(map(self, s.tests))})", self.lines(s.body)
-        return [f"{head} {body[0]}"] if len(body) == 1 and body[0].startswith("return") else block(head, body)
+        head = f"if ({' && '.join(map(self, s.tests))})"
+        if len(s.body) == 1 and isinstance(s.body[0], Return):
+            return [f"{head} {self.do(s.body[0])[0]}"]
+        return block(head, self.lines(s.body))
 
     def do_scope(self, s):
         return block("", self.lines(s.body))

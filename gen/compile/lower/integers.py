@@ -167,7 +167,7 @@ def times(*factors) -> Int:
 
 
 def remainder(a: Int, b) -> Int:
-    return ZERO if b == ONE else Divided("%", a, whole(b))
+    return ZERO if whole(b) == ONE else Divided("%", a, whole(b))
 
 
 def quotient(a: Int, b) -> Int:
