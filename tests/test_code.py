@@ -3,7 +3,6 @@ import ast
 from pathlib import Path
 
 import pytest
-import smidgen
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -84,6 +84,11 @@ class Real(Node):
         return bool(self.expr.is_Number) and float(self.expr) == value
 
 
+def real_of(leaf: Node) -> Real:
+    """The number that is one leaf."""
+    return Real(sp.Symbol("it"), {"it": leaf})
+
+
 # Other values
 
 @dataclass(frozen=True)
@@ -222,8 +227,8 @@ class Block(Node):
 
 @dataclass(frozen=True)
 class For(Block):
-    """index = start, start + step, .. below end. over: what is counted (`sites`, `pairs`, `cells`, `edges`, `colours`); of a
-    loop over colours alone the order matters, and within one no site is written twice."""
+    """index = start, start + step, .. below end. over: what is counted, for targets that share work out: `sites`, `pairs`,
+    `edges`, `cells` of a lattice, `entries` of an array, or `colours`: one after the other, and within one no two sites meet."""
     index: str
     start: Int
     end: Int

@@ -9,7 +9,7 @@ from functools import lru_cache
 from hashlib import sha256
 
 from ...language.spec import Each, Graph, Lattice, Once, Pairs, Sites
-from .code import Entry, For, Let, Real, Scope, Value, tidy, where
+from .code import Entry, For, Let, Scope, Value, real_of, tidy, where
 from .integers import ZERO, Cell, Index, compare, modulo, quotient, remainder, total, wrapped
 
 SITE = Index("site")
@@ -47,7 +47,7 @@ class Loops:
         """The sites and weights of the edge e."""
         name, e = graph_name(over), Index("e")
         ends = [Let(i, Cell(f"{name}_edge", (e, total(side)))) for side, i in enumerate(over.bound)]
-        return [*ends, *(Value(f"weight_{c}", whole_real(Entry(f"{name}_{c}", e))) for c, _ in over.columns)]
+        return [*ends, *(Value(f"weight_{c}", real_of(Entry(f"{name}_{c}", e))) for c, _ in over.columns)]
 
     def scatter_lattice(self, over: Lattice, body):
         cells = [Index(f"c{d}") for d in range(len(over.size))]
@@ -173,12 +173,6 @@ def first_of_colour(others, weight: int, step: int):
     if others == ZERO and inverse == 1:
         return Index("colour")
     return modulo(inverse * (Index("colour") - others), step)
-
-
-def whole_real(leaf) -> Real:
-    """A real number that is one leaf."""
-    import sympy as sp
-    return Real(sp.Symbol("it"), {"it": leaf})
 
 
 @lru_cache(maxsize=64)

@@ -63,7 +63,7 @@ class Lowering:
         self.parameters = {p.name: p for p in spec.parameters}
         self.tables = dict(spec.tables)
         self.hoisted: dict = {}         # sympy expression -> (name, level)
-        self.kept: dict = {}            # name of the symbol of a hoisted value -> its level
+        self.kept: dict = {}            # name of the symbol of a hoisted value -> (what it stands for, its level)
         self.sizes = self.named_sizes()         # size -> member of the coefficients
         self.leaves: dict = {}
         self.reads_time = False
@@ -71,7 +71,7 @@ class Lowering:
     # -- leaves -----------------------------------------------------------------------------
     def level(self, name: str) -> int:
         if name in self.kept:
-            return self.kept[name]
+            return self.kept[name][1]
         node = self.leaves.get(name)
         if node is STEP:
             return PREPARE
@@ -87,7 +87,7 @@ class Lowering:
         """What a symbol stands for."""
         node = self.leaves.get(name)
         if name in self.kept:
-            return Held(name.partition(".")[2], self.holder)
+            return self.kept[name][0]
         if node is None:
             return component(name)
         if node is STEP:
@@ -192,8 +192,9 @@ class Lowering:
             return -self.remember(-e, level)
         if e not in self.hoisted:
             self.hoisted[e] = (f"k{len(self.hoisted)}", level)
-        name = f"{self.holder}.{self.hoisted[e][0]}"
-        self.kept[name] = level
+        short = self.hoisted[e][0]
+        name = f"{self.holder}.{short}"
+        self.kept[name] = Held(short, self.holder), level
         return sp.Symbol(name)          # nothing is assumed of it: a root may have no real value
 
     def number_values(self, e):
