@@ -8,6 +8,11 @@ from dataclasses import dataclass
 
 SOLVERS = ("auto", "newton", "rotation", "plain")
 
+# What a contribution to the motion may offer, and a method, a solver or a feature ask of each.
+ENERGY, GRADIENT, SITE_GRADIENT, HESSIAN, WIDE_GRADIENT = (
+    "energy", "gradient", "gradient of a single site", "Hessian", "gradient in extended precision")
+OFFERS = frozenset((ENERGY, GRADIENT, SITE_GRADIENT, HESSIAN, WIDE_GRADIENT))
+
 
 @dataclass(frozen=True)
 class Method:
@@ -21,7 +26,8 @@ class Method:
     keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as
     it is); keeps_leaf: it stays on spheres and leaves; spaces: factors of the phase space that it is for; features: of
     `compile.features` that it has; controlled: it takes steps of its own within h, to a tolerance; needs: functions of
-    a site in the contract that its header calls, beside those of every model.
+    a site in the contract that its header calls, beside those of every model; asks: what every contribution to the motion
+    must offer it (`OFFERS`), whatever the solver.
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps that its
     `history` reaches back, `arrays` of its state as (name, numbers a site, and how many more, meaning), and `defines`
     for its header.
@@ -43,6 +49,7 @@ class Method:
     spaces: tuple = ("sphere", "r3", "nambu")
     features: tuple = ("tangent", "extended", "plain-sums")
     needs: tuple = ("smg_h_over_kappa",)
+    asks: tuple = (GRADIENT, HESSIAN)
     midpoint: bool = True
     controlled: bool = False
     how: tuple = ()
@@ -57,16 +64,16 @@ METHODS = {m.name: m for m in (
     Method("classical-midpoint", "the classical midpoint", "classical midpoint", "classical midpoint (comparator: not symplectic on spheres)", 2,
            "smg_classical_midpoint.h"),
     Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
-           "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS),
+           "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS, asks=(ENERGY, GRADIENT, HESSIAN)),
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",
              f"Gauss collocation in collective variables, {s} stage{'s' * (s > 1)} (symplectic, order {2 * s})", 2 * s, "smg_gauss.h",
-             symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), midpoint=False,
+             symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False,
              how=("fixed-point", "the stages of all sites together, by fixed-point iteration"), history=1,
              arrays=(("stages", 8 * s + 11, 0, "points, stages and slopes of every site"),), defines=(("SMG_STAGES", s),))
       for s in range(1, 9)),
     *(Method(f"dop853{kind}", f"Dormand-Prince 8(5,3){said}", f"DOP853{said}",
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",
-             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, solvers=("auto",), features=(), needs=(), midpoint=False,
+             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, solvers=("auto",), features=(), needs=(), asks=(GRADIENT,), midpoint=False,
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
              arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),

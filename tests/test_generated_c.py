@@ -12,7 +12,8 @@ from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.run.integrator import SOLVERS
-from smidgen.compile.emit.statics import Static, needed_statics
+from smidgen.compile.lower.code import Call, Function, Return, needed
+from smidgen.compile.lower.integers import ONE, ZERO
 from smidgen.resources import include_flags
 from smidgen.compile.select import select
 from smidgen.run.start import parameter_values
@@ -177,10 +178,12 @@ def test_functions_of_time_stay_whole():
 
 
 def test_what_nothing_calls_is_left_out():
-    chain = [Static("a", "int a(void) { return 0; }"), Static("unused", "int unused(void) { return a(); }"),
-             Static("b", "int b(void) { return a(); }"), Static("wanted", "int wanted(void) { return 1; }", True)]
-    assert [s.name for s in needed_statics(chain, "int main(void) { return b(); }")] == ["a", "b", "wanted"]
-    assert [s.name for s in needed_statics(chain, "")] == ["wanted"]
+    """By name, whether a function that stays calls it or the rest does."""
+    def function(name, value, wanted=False):
+        return Function("int", name, (), (Return(value),), wanted=wanted)
+    chain = [function("a", ZERO), function("unused", Call("a", ())), function("b", Call("a", ())), function("wanted", ONE, True)]
+    assert [f.name for f in needed(chain, {"b"})] == ["a", "b", "wanted"]
+    assert [f.name for f in needed(chain, ())] == ["wanted"]
 
 
 # -- sanitizers -----------------------------------------------------------------------------------

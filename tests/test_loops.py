@@ -4,8 +4,11 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from smidgen.compile.emit.tables import graph_tables
-from smidgen.compile.lower.loops import Loops, graph_name, indent
+from smidgen.compile.assemble.tables import graph_tables
+from smidgen.compile.emit.targets import PRINTERS, printed
+from smidgen.compile.lower.code import Call, Name, Unary
+from smidgen.compile.lower.integers import Index
+from smidgen.compile.lower.loops import Loops, graph_name
 from smidgen.compile.lower.lowering import Lowering
 from smidgen.compile.plan.colouring import colouring
 from smidgen.language.instances import instances_of
@@ -62,18 +65,22 @@ def spec_of(name, ends=None):
     return load_text(SPEC.format(sites=sites, over=over, energy=energy, more=more))
 
 
-def printed(tmp_path, name):
+def say(form, indices):
+    return Call("printf", (Name(form), *(Unary("(int)", Index(i)) for i in indices)))
+
+
+def visited(tmp_path, name):
     """(terms of the sum, (site, term) of the sums of each site) as the C loops visit them, and the term."""
     spec = spec_of(name)
     low, term = Lowering(spec), spec.effects[0]
     counts = {f.name: low.size(f.count) for f in spec.families}
-    loops = Loops(low, counts.get)
+    loops, show = Loops(low, counts.get), PRINTERS["scalar"]
     tables = graph_tables(graph_name(term.over), term.over) if isinstance(term.over, Graph) else []
-    line = f'printf("{" ".join(["%d"] * len(term.over.bound))}\\n", {", ".join(f"(int){i}" for i in term.over.bound)});'
+    line = say('"' + " ".join(["%d"] * len(term.over.bound)) + '\\n"', term.over.bound)
     own = [slot for slot in (("w", i) for i in term.over.bound) if not (name == "each" and slot[1] == "j")]
-    gather = [g for slot in own for g in loops.gather(term.over, slot, lambda _: ['printf("%d: ", (int)site);', line])]
-    text = PROGRAM.format(tables="\n".join(tables), sizes="\n".join(f"  k.{member} = {c};" for c, member in low.integers.items()),
-                          scatter="\n".join(indent(loops.scatter(term.over, lambda _: [line]))), sites=counts["w"], gather="\n".join(indent(gather, 2)))
+    gather = [g for slot in own for g in loops.gather(term.over, slot, (say('"%d: "', ["site"]), line))]
+    text = PROGRAM.format(tables="\n".join(map(printed, tables)), sizes="\n".join(f"  k.{member} = {show(n)};" for n, member in low.sizes.items()),
+                          scatter="\n".join(show.lines(loops.scatter(term.over, (line,)))), sites=show(counts["w"]), gather="\n".join(show.lines(gather)))
     (tmp_path / "main.c").write_text(text)
     subprocess.run(["gcc", "-std=c11", *include_flags(), "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
     said = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
@@ -84,7 +91,7 @@ def printed(tmp_path, name):
 @pytest.mark.parametrize("name", FAMILIES)
 def test_loops_visit_each_term_once(name, tmp_path):
     """The same terms as the interpreter's numpy arrays have, and each site meets those in which it stands."""
-    whole, by_site, spec = printed(tmp_path, name)
+    whole, by_site, spec = visited(tmp_path, name)
     over = spec.effects[0].over
     sites = {"n": 5, "n*n": 25, "n*n*n": 125}[FAMILIES[name][0]]
     index, _ = instances_of(over, {"n": 5}, {"w": (0, sites), "v": (sites, 3)})

@@ -1,9 +1,10 @@
 """The plan: which sites are solved together, and by which solver (stage `plan`), from the coupling alone."""
 import pytest
 import smidgen
+from smidgen.compile.plan.contributions import Contribution, contributions_of, require
 from smidgen.compile.plan.plan import choose, coupled_families
 from smidgen.errors import UsageError
-from smidgen.methods import METHODS, MIDPOINTS
+from smidgen.methods import ENERGY, GRADIENT, HESSIAN, METHODS, MIDPOINTS, OFFERS, SITE_GRADIENT, WIDE_GRADIENT
 
 pytestmark = pytest.mark.quick
 SPHERICAL, CLASSICAL, _ = MIDPOINTS
@@ -78,3 +79,79 @@ def test_what_does_not_go_together_is_refused(name, method, solver, said):
 def test_methods_with_a_step_of_their_own_need_no_solver(method):
     found = plan("heisenberg_chain", method)
     assert found.coupled == found.local == () and found.solver == METHODS[method].how[0]
+
+
+# Contributions that offer less than a local energy term does
+
+SUM_BY_FFT = Contribution("far", (("w", "i"), ("w", "j")), offers=frozenset((ENERGY, GRADIENT, HESSIAN)))
+DAMPING = Contribution("damping", (("w", "i"),), offers=frozenset((GRADIENT,)), conservative=False)
+
+
+def with_more(name, more, method=SPHERICAL, solver="auto"):
+    spec = smidgen.load(name)
+    return choose(spec, method, solver, (*contributions_of(spec), more))
+
+
+def test_an_effect_is_an_energy_and_offers_all():
+    found = contributions_of(smidgen.load("vortex_tracers"))
+    assert [c.name for c in found] == [e.name for e in smidgen.load("vortex_tracers").effects]
+    assert all(c.offers == OFFERS and c.conservative and not c.lacks(OFFERS) for c in found)
+
+
+def test_a_contribution_that_offers_all_is_planned_like_an_effect():
+    chain = smidgen.load("heisenberg_chain")
+    again = Contribution("again", *[(c.slots, c.over) for c in contributions_of(chain)][0])
+    assert with_more("heisenberg_chain", again) == choose(chain, SPHERICAL, "auto")
+
+
+@pytest.mark.parametrize("name, solver", [("heisenberg_chain", "plain"), ("cubic_lattice", "plain"), ("two_bodies", "dense")])
+def test_no_gradient_of_a_single_site_no_rotation_sweeps(name, solver):
+    """A sum over all sites: no band either, and a small matrix as before."""
+    found = with_more(name, SUM_BY_FFT)
+    assert (found.solver, found.rotation) == (solver, False)
+    with pytest.raises(UsageError, match="solver rotation needs the gradient of a single site of every effect, and 'far' offers none"):
+        with_more(name, SUM_BY_FFT, solver="rotation")
+
+
+def test_a_chain_whose_terms_have_no_gradient_of_a_single_site_is_solved_by_newton_alone():
+    spec = smidgen.load("heisenberg_chain")
+    bonds = [Contribution(c.name, c.slots, c.over, OFFERS - {SITE_GRADIENT}) for c in contributions_of(spec)]
+    found = choose(spec, SPHERICAL, "auto", bonds)
+    assert (found.solver, found.rotation, found.swept) == ("band", False, False)
+
+
+def test_a_site_that_is_solved_alone_needs_its_own_gradient():
+    """Only where the contribution meets such a site: spins of a chain are not alone."""
+    field = Contribution("field", (("w", "i"),), offers=OFFERS - {SITE_GRADIENT})
+    with pytest.raises(UsageError, match="solved alone needs the gradient of a single site"):
+        with_more("free_rigid_body", field)
+    assert with_more("two_bodies", field).solver == "dense"
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_method_is_refused_where_a_contribution_lacks_what_it_asks(method):
+    """Without a Hessian there is no Newton; methods of gradients alone take any, and the refusal names them."""
+    if HESSIAN in METHODS[method].asks:
+        with pytest.raises(UsageError, match=f"method {method} needs the .* of every effect, and 'damping' offers none; use gauss-2 or "):
+            with_more("free_rigid_body", DAMPING, method)
+    else:
+        assert with_more("free_rigid_body", DAMPING, method).solver == METHODS[method].how[0]
+
+
+def test_a_method_of_energies_refuses_what_is_none():
+    """Moser and Veselov discretise a Lagrangian; the offers alone would let this pass."""
+    method = next(m for m in METHODS if METHODS[m].free_body)
+    twist = Contribution("twist", (("w", "i"),), conservative=False)
+    with pytest.raises(UsageError, match="'twist' is no gradient"):
+        with_more("free_rigid_body", twist, method)
+    assert with_more("free_rigid_body", twist).solver == "local"
+
+
+def test_what_is_asked_has_a_name():
+    """A word that nothing offers would refuse every effect."""
+    from smidgen.compile.features import ASKS as OF_FEATURES, FEATURES
+    from smidgen.compile.plan.plan import ASKS as OF_SOLVERS
+    asked = [*(m.asks for m in METHODS.values()), *OF_FEATURES.values(), *OF_SOLVERS.values()]
+    assert all(set(asks) <= OFFERS and GRADIENT in (*asks, *asked[0]) for asks in asked) and set(OF_FEATURES) <= set(FEATURES)
+    with pytest.raises(UsageError, match="feature extended needs the gradient in extended precision"):
+        require([SUM_BY_FFT], (WIDE_GRADIENT,), "feature extended")

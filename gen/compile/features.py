@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 from ..errors import UsageError
+from ..methods import HESSIAN, WIDE_GRADIENT
 
 FEATURES = {
     "tangent": "the tangent map of the step, for Lyapunov exponents and stability",
     "extended": "the last evaluation of a step in extended precision: round-off far below a unit of w",
     "plain-sums": "no compensated summation: w + u is rounded, its error forgotten",
 }
+ASKS = {"tangent": (HESSIAN,), "extended": (WIDE_GRADIENT, HESSIAN)}       # of every contribution
 
 
 def chosen_features(names) -> tuple[str, ...]:

@@ -12,8 +12,8 @@ from .masks import code_lines
 from .rules import RULES
 
 STEP = ("templates/*.j2", "runtime/*/*.h")       # the C as it is written
-GENERATOR = ("gen/compile/derive/derivatives.py", "gen/compile/lower/lowering.py", "gen/compile/lower/loops.py", "gen/compile/lower/kernels.py", "gen/compile/lower/cprint.py", "gen/compile/plan/ordering.py",
-             "gen/compile/emit/emit.py", "gen/compile/emit/*.py")     # what decides the rest of it
+GENERATOR = ("gen/compile/derive/derivatives.py", "gen/compile/lower/lowering.py", "gen/compile/lower/loops.py", "gen/compile/lower/kernels.py", "gen/compile/lower/integers.py", "gen/compile/lower/code.py", "gen/compile/plan/ordering.py",
+             "gen/compile/assemble/*.py", "gen/compile/emit/*.py")     # what decides the rest of it
 
 # What cannot be wrong, only slow, wordy or elsewhere in memory: no faults are planted there.
 SPARED = (
@@ -25,10 +25,10 @@ SPARED = (
           r"|SMG_MAX_POINTS|SMG_CURVE_WORK|SMG_MAX_CORRECTIONS|^HISTORY|^SOLO|^ROWS|MOST_", "how long an iteration may take, how much it remembers: any value is right"),
     ("gen/compile/emit/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
-    ("gen/compile/emit/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
+    ("gen/compile/assemble/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
     ("runtime/solve/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
     ("templates/abi.c.j2", r"free\(", "memory that is given back late; nobody links this file"),
-    ("gen/compile/emit/memory.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
+    ("gen/compile/assemble/buffers.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
     ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
 )
 

@@ -1,49 +1,52 @@
 """What a model says of itself by macros, and the headers that its method is made of."""
 from __future__ import annotations
 
+from ..assemble.buffers import history
+from ..assemble.model import Model
+from .print_wide import elementary
+
 MATRICES = {"dense": "smg_matrix_dense.h", "band": "smg_matrix_band.h", "sparse": "smg_matrix_sparse.h"}
 
 
-class SettingParts:
-    """Macros and headers; part of `Emitter`."""
+def settings(model: Model) -> list:
+    """(name, value) of every macro that is not 0."""
+    coupled, alone, plan = model.coupled, model.alone, model.plan
+    turned = plan.swept and plan.rotation
+    found = {
+        "SMG_BS": plan.block, "SMG_HISTORY": history(model), "SMG_FAMILIES": len(model.families),
+        "SMG_ORIENTATION": 1 if model.spec.orientation > 0 else -1, "SMG_TIMED": model.coefficients.timed,
+        "SMG_SINGLE_SPHERE": bool(model.solo), "SMG_HAS_COUPLED": bool(coupled), "SMG_HAS_ALONE": bool(alone),
+        "SMG_LEAVES": model.method.midpoint and any(f.kind != "sphere" for f in model.families),
+        "SMG_ALONE_LINEAR": any(model.closed_form(f) for f in alone),
+        "SMG_ALONE_NEWTON": any(not model.closed_form(f) for f in alone),
+        "SMG_COUPLED_NAMBU": any(f.kind == "nambu" for f in coupled),
+        "SMG_COUPLED_LIFTED": "tangent" in model.features and model.lifts(),
+        "SMG_MATRIX_FREE": bool(coupled) and not plan.matrix, "SMG_SWEPT": plan.swept, "SMG_ROTATION": turned,
+        "SMG_CONSTANT_HESSIAN": turned and model.reach is not None,
+        "SMG_BAND": plan.band if plan.solver == "band" else 0, "SMG_CYCLIC": plan.solver == "band" and plan.wrap,
+        "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
+        "SMG_EXTENDED": model.wide is not None, "SMG_PLAIN_SUMS": "plain-sums" in model.features,
+        "SMG_WIDE_TIMED": model.wide is not None and model.wide.coefficients.timed,
+        **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
+    read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
+    return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 
-    def settings(self):
-        """(name, value) of every macro that is not 0."""
-        coupled, alone, plan = self.chosen(self.plan.coupled), self.chosen(self.plan.local), self.plan
-        found = {
-            "SMG_BS": plan.block, "SMG_HISTORY": self.history(), "SMG_FAMILIES": len(self.families),
-            "SMG_ORIENTATION": 1 if self.spec.orientation > 0 else -1, "SMG_TIMED": self.low.is_timed(),
-            "SMG_SINGLE_SPHERE": self.solo, "SMG_HAS_COUPLED": bool(coupled), "SMG_HAS_ALONE": bool(alone),
-            "SMG_LEAVES": self.method.midpoint and any(f.kind != "sphere" for f in self.families),
-            "SMG_ALONE_LINEAR": any(self.closed_form(f) for f in alone),
-            "SMG_ALONE_NEWTON": any(not self.closed_form(f) for f in alone),
-            "SMG_COUPLED_NAMBU": any(f.kind == "nambu" for f in coupled),
-            "SMG_COUPLED_LIFTED": "tangent" in self.features and self.lifts(),
-            "SMG_MATRIX_FREE": bool(coupled) and not plan.matrix, "SMG_SWEPT": plan.swept, "SMG_ROTATION": plan.swept and plan.rotation,
-            "SMG_CONSTANT_HESSIAN": plan.swept and plan.rotation and self.reach() is not None,
-            "SMG_BAND": plan.band if plan.solver == "band" else 0, "SMG_CYCLIC": plan.solver == "band" and plan.wrap,
-            "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
-            "SMG_EXTENDED": self.extended, "SMG_PLAIN_SUMS": "plain-sums" in self.features,
-            "SMG_WIDE_TIMED": self.extended and self.wide_low.is_timed(),
-            **dict(self.method.defines), "SMG_UNIT_RADIUS": self.extended and self.method.onto_leaf and self.unit_radius()}
-        read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": plan.swept and plan.rotation, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
-        return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 
-    def lifts(self) -> bool:
-        """Does the leaf of a coupled site move with w?"""
-        return self.method.onto_leaf and any(f.kind != "sphere" for f in self.chosen(self.plan.coupled))
+def headers(model: Model) -> list:
+    """What the functions of the model are written with."""
+    return ["smg_model.h", *(["smg_vec.h"] if model.solo else []), *(["smg_wide_math.h"] if takes_wide_functions(model) else [])]
 
-    def headers(self):
-        """What the functions of the model are written with."""
-        return ["smg_model.h", *(["smg_vec.h"] if self.solo else []), *self.wide_includes()]
 
-    def method_header(self):
-        """The method, what its step is made of, and its features."""
-        names = [self.method.header]
-        if not self.method.midpoint:
-            return [*names, "smg_saved.h"]
-        if self.plan.coupled:
-            names.append(MATRICES.get(self.plan.solver, "smg_matrix_free.h"))
-        names.append("smg_single_sphere.h" if self.solo else "smg_step.h")
-        names += ["smg_saved.h", *(["smg_tangent.h"] if "tangent" in self.features else [])]
-        return names
+def takes_wide_functions(model: Model) -> bool:
+    return model.wide is not None and elementary([*model.wide.functions, *(value for _, value, _ in model.wide.coefficients.values)])
+
+
+def method_headers(model: Model) -> list:
+    """The method, what its step is made of, and its features."""
+    names = [model.method.header]
+    if not model.method.midpoint:
+        return [*names, "smg_saved.h"]
+    if model.plan.coupled:
+        names.append(MATRICES.get(model.plan.solver, "smg_matrix_free.h"))
+    names.append("smg_single_sphere.h" if model.solo else "smg_step.h")
+    return [*names, "smg_saved.h", *(["smg_tangent.h"] if "tangent" in model.features else [])]

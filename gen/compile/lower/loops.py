@@ -1,216 +1,181 @@
-"""Index families as C loops: the sum over an orbit, never written out.
+"""Index families as loops: the sum over an orbit, never written out.
 
-`scatter` visits every term once; `gather` visits, for one site, the terms in which it takes part.
-A body is a function of `Instance`: the C text of each bound index.
+`scatter` visits every term once; `gather` visits, for one site, the terms in which it takes part. A body is a tuple of
+statements in the indices that the family binds.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import lru_cache
+from hashlib import sha256
 
 from ...language.spec import Each, Graph, Lattice, Once, Pairs, Sites
+from .code import Entry, For, Let, Scope, Value, real_of, tidy, where
+from .integers import ZERO, Cell, Index, compare, modulo, quotient, remainder, total, wrapped
 
-
-@dataclass(frozen=True)
-class Instance:
-    """One term of the sum: index name -> C text of the site's number in its family."""
-    index: dict
-
-
-def indent(lines, by: int = 1):
-    return ["  " * by + line for line in lines]
-
-
-def block(head: str, lines):
-    return [f"{head} {{".lstrip(), *indent(lines), "}"]
-
-
-def loop(name: str, end: str, lines, start: str = "0"):
-    return block(f"for (int64_t {name} = {start}; {name} < {end}; ++{name})", lines)
+SITE = Index("site")
 
 
 class Loops:
-    """Writes loops for one model; `low` gives sizes, `count(family)` the text of a family's size."""
+    """The loops of one model; `low` gives sizes, `count(family)` a family's."""
 
     def __init__(self, low, count):
         self.low, self.count = low, count
 
     # -- every term once --------------------------------------------------------------------
-    def scatter(self, over, body):
-        return getattr(self, "scatter_" + type(over).__name__.lower())(over, body)
+    def scatter(self, over, body) -> tuple:
+        return tidy(getattr(self, "scatter_" + type(over).__name__.lower())(over, tuple(body)))
 
     def scatter_once(self, over: Once, body):
-        return body(Instance({}))
+        return body
 
     def scatter_sites(self, over: Sites, body):
-        return loop(over.index, self.count(over.family), body(Instance({over.index: over.index})))
+        return (For(over.index, ZERO, self.count(over.family), body),)
 
     def scatter_pairs(self, over: Pairs, body):
         n, i, j = self.count(over.family), over.first, over.second
-        inner = loop(j, n, body(Instance({i: i, j: j})), start=f"{i} + 1")
-        return loop(i, n, inner)
+        return (For(i, ZERO, n, (For(j, Index(i) + 1, n, body, over="pairs"),), over="pairs"),)
 
     def scatter_each(self, over: Each, body):
-        lines = body(Instance({i: i for i in over.indices}))
         for i, family in reversed(list(zip(over.indices, over.families))):
-            lines = loop(i, self.count(family), lines)
-        return lines
+            body = (For(i, ZERO, self.count(family), body),)
+        return body
 
     def scatter_graph(self, over: Graph, body):
-        i, j, name = over.first, over.second, graph_name(over)
-        head = [f"const int64_t {i} = {name}_edge[e][0];",
-                f"const int64_t {j} = {name}_edge[e][1];"]
-        return loop("e", str(len(over.edges)), head + self.weights(over) + body(Instance({i: i, j: j})))
+        return (For("e", ZERO, total(len(over.edges)), (*self.edge(over), *body), over="edges"),)
 
-    def weights(self, over: Graph):
-        name = graph_name(over)
-        return [f"const smg_real weight_{c} = {name}_{c}[e];" for c, _ in over.columns]
+    def edge(self, over: Graph):
+        """The sites and weights of the edge e."""
+        name, e = graph_name(over), Index("e")
+        ends = [Let(i, Cell(f"{name}_edge", (e, total(side)))) for side, i in enumerate(over.bound)]
+        return [*ends, *(Value(f"weight_{c}", real_of(Entry(f"{name}_{c}", e))) for c, _ in over.columns)]
 
     def scatter_lattice(self, over: Lattice, body):
-        cells = [f"c{d}" for d in range(len(over.size))]
-        lines = []
-        for bond in over.bonds:
-            lines += self.bond(over, bond, cells, range(len(bond)), body)
+        cells = [Index(f"c{d}") for d in range(len(over.size))]
+        lines = tuple(self.bond(over, bond, cells, body) for bond in over.bonds)
         for d, size in enumerate(over.size):        # direction 0 is the fastest: innermost
-            lines = loop(f"c{d}", self.low.size(size), lines)
+            lines = (For(f"c{d}", ZERO, self.low.size(size), lines, over="cells"),)
         return lines
 
     # -- lattice bonds ----------------------------------------------------------------------
-    def bond(self, over: Lattice, bond, cells, given, body):
+    def bond(self, over: Lattice, bond, cells, body):
         """One term from its base cell `cells`, inside a test where open ends may cut it off."""
         tests, lines = [], []
         for name, (sub, offset) in zip(over.indices, bond):
-            lines += self.site(over, name, sub, offset, cells, tests)
-        lines += body(Instance({i: i for i in over.indices}))
-        if tests:
-            return block("if (" + " && ".join(dict.fromkeys(tests)) + ")", lines)
-        return block("", lines)
+            lines.append(self.site(over, name, sub, offset, cells, tests))
+        return where(tests, (*lines, *body))
+
+    def moved(self, over: Lattice, d: int, cell, shift: int, tests):
+        """The coordinate `cell + shift` in direction d: on a ring, or tested to lie within open ends."""
+        size, place = self.low.size(over.size[d]), cell + shift
+        if shift and over.periodic[d]:
+            return wrapped(place, size)
+        if shift:
+            tests.append(compare(place, "<", size) if shift > 0 else compare(place, ">=", ZERO))
+        return place
 
     def site(self, over: Lattice, name: str, sub: int, offset, cells, tests):
-        """Statements that compute the number of the site `sub` in the cell at `offset`."""
-        lines, text = [], []
-        for d, (cell, shift) in enumerate(zip(cells, offset)):
-            size = self.low.size(over.size[d])
-            moved = cell if shift == 0 else f"{cell} {'+' if shift > 0 else '-'} {abs(shift)}"
-            if shift and over.periodic[d]:
-                moved = f"smg_wrap({moved}, {size})"
-            elif shift:
-                tests.append(f"{moved} < {size}" if shift > 0 else f"{moved} >= 0")
-            text.append(moved)
-        number = text[-1]
+        """The number of the site `sub` in the cell at `offset`."""
+        places = [self.moved(over, d, cell, shift, tests) for d, (cell, shift) in enumerate(zip(cells, offset))]
+        number = places[-1]
         for d in range(len(cells) - 2, -1, -1):
-            number = f"{text[d]} + {self.low.size(over.size[d])}*({number})"
-        if over.sites > 1:
-            number = f"({number})*{over.sites} + {sub}"
-        return [*lines, f"const int64_t {name} = {number};"]
+            number = places[d] + self.low.size(over.size[d]) * number
+        return Let(name, number * over.sites + sub)
 
     # -- the terms of one site --------------------------------------------------------------
-    def gather(self, over, slot, body, placed: bool = False):
-        """Terms in which site `i` (C variable `site`) stands at `slot` = (family, index name).
+    def gather(self, over, slot, body, placed: bool = False) -> tuple:
+        """Terms in which the site `site` stands at `slot` = (family, index name).
 
         placed: the site's cell s0, s1, .. and place `sub` are variables already.
         """
         if isinstance(over, Lattice):
-            return self.gather_lattice(over, slot, body, placed)
-        return getattr(self, "gather_" + type(over).__name__.lower())(over, slot, body)
+            return (Scope(self.gather_lattice(over, slot, tuple(body), placed)),)
+        return (Scope(getattr(self, "gather_" + type(over).__name__.lower())(over, slot, tuple(body))),)
 
     def gather_once(self, over: Once, slot, body):
-        return block(f"if (site == {slot[1]})", body(Instance({})))
+        return (where([compare(SITE, "==", total(slot[1]))], body),)
 
     def gather_sites(self, over: Sites, slot, body):
-        return block("", [f"const int64_t {over.index} = site;", *body(Instance({over.index: over.index}))])
+        return (Let(over.index, SITE), *body)
 
     def gather_pairs(self, over: Pairs, slot, body):
         n, own = self.count(over.family), slot[1]
-        inner = [f"const int64_t {own} = site;", *body(Instance({over.first: over.first,
-                                                                  over.second: over.second}))]
+        inner = (Let(own, SITE), *body)
         if own == over.first:
-            return loop(over.second, n, inner, start="site + 1")
-        return loop(over.first, "site", inner)
+            return (For(over.second, SITE + 1, n, inner, over="pairs"),)
+        return (For(over.first, ZERO, SITE, inner, over="pairs"),)
 
     def gather_each(self, over: Each, slot, body):
-        lines = [f"const int64_t {slot[1]} = site;", *body(Instance({i: i for i in over.indices}))]
+        lines = (Let(slot[1], SITE), *body)
         for i, family in reversed(list(zip(over.indices, over.families))):
             if i != slot[1]:
-                lines = loop(i, self.count(family), lines)
-        return block("", lines)
+                lines = (For(i, ZERO, self.count(family), lines),)
+        return lines
 
     def gather_graph(self, over: Graph, slot, body):
         """Adjacency rows: for each site the edges that it begins (or ends)."""
-        i, j, name = over.first, over.second, graph_name(over)
-        side = "first" if slot[1] == i else "second"
-        head = [f"const int64_t e = {name}_{side}[row];",
-                f"const int64_t {i} = {name}_edge[e][0];",
-                f"const int64_t {j} = {name}_edge[e][1];"]
+        side = graph_name(over) + ("_first" if slot[1] == over.first else "_second")
         sites = 1 + max((max(e) for e in over.edges), default=0)     # later sites have no edge and no row
-        return block(f"if (site < {sites})", loop(
-            "row", f"{name}_{side}_row[site + 1]",
-            head + self.weights(over) + body(Instance({i: i, j: j})),
-            start=f"{name}_{side}_row[site]"))
+        inside = (Let("e", Cell(side, (Index("row"),))), *self.edge(over), *body)
+        rows = For("row", Cell(f"{side}_row", (SITE,)), Cell(f"{side}_row", (SITE + 1,)), inside, over="edges")
+        return (where([compare(SITE, "<", total(sites))], (rows,)),)
 
     def gather_lattice(self, over: Lattice, slot, body, placed: bool = False):
-        lines = [] if placed else self.cell_of_site(over)
+        place = () if placed else self.cell_of_site(over)
         position = over.indices.index(slot[1])
-        for bond in over.bonds:
-            lines += self.gather_bond(over, bond, position, body)
-        return block("", lines)
+        return (*place, *(self.gather_bond(over, bond, position, body) for bond in over.bonds))
 
     def cell_of_site(self, over: Lattice):
         """The coordinates of the cell that holds the site, and its place in the cell."""
-        lines = [f"const int64_t sub = site % {over.sites};"] if over.sites > 1 else []
-        rest = f"site / {over.sites}" if over.sites > 1 else "site"
+        lines = [Let("sub", remainder(SITE, over.sites))] if over.sites > 1 else []
+        rest = quotient(SITE, over.sites)
         for d in range(len(over.size) - 1):
             size = self.low.size(over.size[d])
-            lines += [f"const int64_t r{d} = {rest};", f"const int64_t s{d} = r{d} % {size};"]
-            rest = f"r{d} / {size}"
-        return [*lines, f"const int64_t s{len(over.size) - 1} = {rest};"]
-
-    def by_colour(self, over: Lattice, colours, body):
-        """All sites of a lattice, colour after colour; `body(sub)` finds site, s0, s1, .. set."""
-        lines = []
-        for sub in range(over.sites):
-            lines += self.one_place(over, colours, sub, body)
-        return loop("colour", str(colours.colours), lines) if colours.colours > 1 else lines
-
-    def one_place(self, over: Lattice, colours, sub: int, body):
-        cells = [f"s{d}" for d in range(len(over.size))]
-        inner = self.site(over, "site", sub, (0,) * len(cells), cells, []) + body(sub)
-        step, w = colours.colours, colours.weights
-        others = " + ".join([f"{w[d]}*s{d}" for d in range(1, len(cells)) if w[d]] + [str(colours.shift[sub])])
-        for d, size in enumerate(over.size):
-            end = self.low.size(size)
-            if d == 0 and w[0] and step > 1:    # the cells of this colour: s0 = inverse*(colour - others)
-                inverse = pow(w[0], -1, step)
-                start = f"smg_mod({inverse}*(colour - ({others})), {step})"
-                inner = block(f"for (int64_t s0 = {start}; s0 < {end}; s0 += {step})", inner)
-            else:
-                inner = loop(f"s{d}", end, inner)
-        if step > 1 and not w[0]:
-            inner = self.whole_rows(colours, others, inner)
-        return inner
-
-    def whole_rows(self, colours, others: str, inner):
-        if any(colours.weights):
-            raise ValueError("a colouring that leaves out the fastest direction")
-        return block(f"if (colour == {others})", inner)
+            lines += [Let(f"r{d}", rest), Let(f"s{d}", remainder(Index(f"r{d}"), size))]
+            rest = quotient(Index(f"r{d}"), size)
+        return (*lines, Let(f"s{len(over.size) - 1}", rest))
 
     def gather_bond(self, over: Lattice, bond, position: int, body):
+        """The term whose member `position` is the site: its base cell is as far back as the bond reaches there."""
         sub, offset = bond[position]
-        tests = [f"sub == {sub}"] if over.sites > 1 else []
+        tests = [compare(Index("sub"), "==", total(sub))] if over.sites > 1 else []
         lines, cells = [], []
         for d, shift in enumerate(offset):
-            cells.append(f"b{d}")
-            size = self.low.size(over.size[d])
-            moved = f"s{d}" if shift == 0 else f"s{d} {'-' if shift > 0 else '+'} {abs(shift)}"
-            if shift and over.periodic[d]:
-                moved = f"smg_wrap({moved}, {size})"
-            elif shift:
-                tests.append(f"{moved} >= 0" if shift > 0 else f"{moved} < {size}")
-            lines.append(f"const int64_t b{d} = {moved};")
-        lines += self.bond(over, bond, cells, (), body)
-        return block("if (" + " && ".join(tests) + ")" if tests else "", lines)
+            cell = self.moved(over, d, Index(f"s{d}"), -shift, tests)
+            if shift:
+                lines.append(Let(f"b{d}", cell))
+            cells.append(Index(f"b{d}") if shift else cell)
+        return where(tests, (*lines, self.bond(over, bond, cells, body)))
+
+    # -- all sites in an order --------------------------------------------------------------
+    def by_colour(self, over: Lattice, colours, body) -> tuple:
+        """All sites of a lattice, colour after colour; `body(sub)` finds site, s0, s1, .. set."""
+        lines = tuple(line for sub in range(over.sites) for line in self.one_place(over, colours, sub, body))
+        return (For("colour", ZERO, total(colours.colours), lines, over="colours"),) if colours.colours > 1 else lines
+
+    def one_place(self, over: Lattice, colours, sub: int, body):
+        """The sites `sub` of the cells of a colour: those with (weights . cell + shift) mod colours = colour."""
+        cells, step, w = [Index(f"s{d}") for d in range(len(over.size))], colours.colours, colours.weights
+        inner = (self.site(over, "site", sub, (0,) * len(cells), cells, []), *body(sub))
+        others = total(*(w[d] * cells[d] for d in range(1, len(cells))), colours.shift[sub])
+        start, stride = (first_of_colour(others, w[0], step), step) if w[0] and step > 1 else (ZERO, 1)
+        for d, size in enumerate(over.size):
+            inner = (For(f"s{d}", start if d == 0 else ZERO, self.low.size(size), inner, step=stride if d == 0 else 1, over="cells"),)
+        if step > 1 and not w[0]:
+            if any(w):
+                raise ValueError("a colouring that leaves out the fastest direction")
+            inner = (where([compare(Index("colour"), "==", others)], inner),)
+        return inner
 
 
+def first_of_colour(others, weight: int, step: int):
+    """The least s0 with weight s0 + others = colour (mod step); the colour itself, 0 <= colour < step, where that says it."""
+    inverse = pow(weight, -1, step)
+    if others == ZERO and inverse == 1:
+        return Index("colour")
+    return modulo(inverse * (Index("colour") - others), step)
+
+
+@lru_cache(maxsize=64)
 def graph_name(over: Graph) -> str:
     """Graphs are told apart by their content, so that equal ones share their tables."""
-    from hashlib import sha256
     return "graph_" + sha256(repr((over.edges, over.columns)).encode()).hexdigest()[:8]

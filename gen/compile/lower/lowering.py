@@ -1,4 +1,4 @@
-"""Lowering: derivatives -> kernels in C statements, each computed as rarely as possible.
+"""Lowering: derivatives -> kernels as data, each value computed as rarely as possible.
 
 What depends on parameters alone is computed once (`prepare`), what depends on time too once a
 step (`clock`), what depends on the sites each time; common subexpressions are shared.
@@ -19,39 +19,59 @@ from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Time, Weight, walk
 from ...language.spec import Spec
 from ..derive.derivatives import is_real, scalar
 from ..derive.parts import in_order, needed
-from .cprint import Printer, number
+from .code import Component, Constant, Entry, Held, Local, Parameter, Real, Value
+from .integers import Computed, Given, Index, Int, Size, Whole, modulo, times, total
 
 STEP = object()     # stands for the step h among the leaves
 NUMBER, PREPARE, CLOCK, SITE = range(4)      # when a value is known
 
 
-@dataclass
+@dataclass(frozen=True)
 class Kernel:
-    """One C function body: statements, and the expressions of its results."""
-    lines: list
-    results: list
-    operations: int
+    """What one function computes: named values in their order, and the results. No text."""
+    values: tuple
+    results: tuple
+    operations: int = 0
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """What a model computes before its sites: values = ((name, number, level), ..) in order, sizes = ((name, integer), ..).
+
+    timed: does anything depend on time?
+    """
+    values: tuple
+    sizes: tuple
+    timed: bool
+
+    @property
+    def names(self):
+        return [name for name, _, _ in self.values]
+
+    def at(self, level: int):
+        return [(name, value) for name, value, when in self.values if when == level]
 
 
 class Lowering:
-    """Collects hoisted values while it turns expressions into C text for one model."""
-    printer, real, holder = Printer, "smg_real", "c"     # how numbers are written, their type, and what holds hoisted ones
+    """Collects hoisted values while it turns expressions into kernels for one model; `finished` says which they are.
 
-    def __init__(self, spec: Spec):
-        self.spec = spec
+    holder: the variable that holds them.
+    """
+
+    def __init__(self, spec: Spec, holder: str = "c"):
+        self.spec, self.holder = spec, holder
         self.parameters = {p.name: p for p in spec.parameters}
         self.tables = dict(spec.tables)
         self.hoisted: dict = {}         # sympy expression -> (name, level)
-        self.kept: dict = {}            # symbol of a hoisted value -> its level
-        self.integers = self.named_sizes()      # C text of a size -> member of the coefficients
+        self.kept: dict = {}            # name of the symbol of a hoisted value -> (what it stands for, its level)
+        self.sizes = self.named_sizes()         # size -> member of the coefficients
         self.leaves: dict = {}
-        self.used_tables: dict = {}
-        self.uses_time = False
+        self.reads_time = False
 
     # -- leaves -----------------------------------------------------------------------------
     def level(self, name: str) -> int:
         if name in self.kept:
-            return self.kept[name]
+            return self.kept[name][1]
         node = self.leaves.get(name)
         if node is STEP:
             return PREPARE
@@ -63,73 +83,80 @@ class Lowering:
             return PREPARE
         return SITE
 
-    def text(self, name: str) -> str:
-        """The C text of a symbol."""
+    def leaf(self, name: str):
+        """What a symbol stands for."""
         node = self.leaves.get(name)
+        if name in self.kept:
+            return self.kept[name][0]
         if node is None:
             return component(name)
         if node is STEP:
-            return "c->h"
+            return Held("h", self.holder)
         if isinstance(node, Time):
-            self.uses_time = True
-            return "c->t"
+            self.reads_time = True
+            return Held("t", self.holder)
         if isinstance(node, Par):
             return self.parameter(node.name)
         if isinstance(node, Idx):
-            return f"(smg_real){node.name}"
+            return Index(node.name)
         if isinstance(node, Weight):
-            return f"weight_{node.name}"
+            return Local(f"weight_{node.name}", exact=True)
         return self.entry(node)
+
+    def real(self, e, own=MappingProxyType({})) -> Real:
+        """An expression with what its symbols stand for; own: symbol name -> leaf, where it is another than the model's."""
+        names = sorted(s.name for s in e.free_symbols)
+        return Real(e, {name: own[name] if name in own else self.leaf(name) for name in names})
 
     def step_size(self):
         """The symbol of h, signed by the orientation: known like a parameter once a trajectory begins."""
         self.leaves["h"] = STEP
         return sp.Symbol("h", real=True)
 
-    def parameter(self, name: str) -> str:
+    def parameter(self, name: str):
         p = self.parameters[name]
         if p.fixed:
-            return number(p.default)
-        return f"(smg_real)c->p.{name}" if p.kind == "int" else f"c->p.{name}"
+            return Constant(p.default)
+        return Given(name) if p.kind == "int" else Parameter(name)
 
-    def entry(self, e: Elem) -> str:
+    def entry(self, e: Elem):
         """Entry of an array parameter or of a constant table."""
         p = self.parameters.get(e.name)
         if p is not None and not p.fixed:
-            return f"c->p.{e.name}[{self.index(e.index)}]"
-        self.used_tables[e.name] = p.default if p is not None else self.tables[e.name]
-        return f"table_{e.name}[{self.index(e.index)}]"
+            return Parameter(e.name, self.index(e.index))
+        return Entry(f"table_{e.name}", self.index(e.index))
 
-    def index(self, e: Expr) -> str:
-        """An integer formula in bound indices and int parameters, as int64_t text."""
+    def constants(self) -> dict:
+        """Tables and arrays whose values are compiled in."""
+        return {**self.tables, **{p.name: p.default for p in self.parameters.values() if p.fixed and p.kind == "array"}}
+
+    def index(self, e: Expr) -> Int:
+        """An integer formula in bound indices and int parameters."""
         if isinstance(e, Num):
-            return str(int(e.value))
+            return Whole(int(e.value))
         if isinstance(e, Idx):
-            return e.name
+            return Index(e.name)
         if isinstance(e, Par):
             p = self.parameters[e.name]
-            return str(int(p.default)) if p.fixed else f"c->p.{e.name}"
-        args = [self.index(a) for a in e.args]
-        if e.op == "neg":
-            return f"(-{args[0]})"
-        if e.op == "mod":
-            return f"smg_mod({args[0]}, {args[1]})"
+            return Whole(int(p.default)) if p.fixed else Given(e.name)
         if e.op == "floor" and isinstance(e.args[0], Op) and e.args[0].op == "/":
-            return f"smg_quotient({self.index(e.args[0].args[0])}, {self.index(e.args[0].args[1])})"
+            return Computed("smg_quotient", tuple(map(self.index, e.args[0].args)))
         if e.op == "^":
-            return "(" + "*".join([args[0]] * int(e.args[1].value)) + ")"
-        return f"({args[0]} {e.op} {args[1]})"
+            return times(*[self.index(e.args[0])] * int(e.args[1].value))
+        args = [self.index(a) for a in e.args]
+        return {"neg": lambda: times(-1, *args), "mod": lambda: modulo(*args), "floor": lambda: args[0], "+": lambda: total(*args),
+                "-": lambda: args[0] - args[1], "*": lambda: times(*args)}[e.op]()
 
-    def size(self, e: Expr) -> str:
-        """A size: a literal when it is known at compile time, else a member of the coefficients."""
+    def size(self, e: Expr) -> Int:
+        """A size: a number when it is known at compile time, else a member of the coefficients."""
         if not runtime_names(e, self.parameters):
-            return str(constant_integer(e, self.parameters))
-        return f"c->{self.integers[self.index(e)]}"
+            return Whole(constant_integer(e, self.parameters))
+        return Size(self.sizes[self.index(e)])
 
     def named_sizes(self) -> dict:
-        """C text -> name of every size known at run time only: from the spec, before anything is printed."""
-        texts = dict.fromkeys(self.index(e) for e in sizes_of(self.spec) if runtime_names(e, self.parameters))
-        return {text: f"n{k}" for k, text in enumerate(texts)}
+        """Every size known at run time only, and its name."""
+        found = dict.fromkeys(self.index(e) for e in sizes_of(self.spec) if runtime_names(e, self.parameters))
+        return {size: f"n{k}" for k, size in enumerate(found)}
 
     # -- expressions ------------------------------------------------------------------------
     def when(self, e) -> int:
@@ -165,8 +192,9 @@ class Lowering:
             return -self.remember(-e, level)
         if e not in self.hoisted:
             self.hoisted[e] = (f"k{len(self.hoisted)}", level)
-        name = f"{self.holder}->{self.hoisted[e][0]}"
-        self.kept[name] = level
+        short = self.hoisted[e][0]
+        name = f"{self.holder}.{short}"
+        self.kept[name] = Held(short, self.holder), level
         return sp.Symbol(name)          # nothing is assumed of it: a root may have no real value
 
     def number_values(self, e):
@@ -176,21 +204,20 @@ class Lowering:
         done = e.subs(values) if values else e
         return done if is_real(done) else e
 
-    def kernel(self, expressions, leaves, parts=None) -> Kernel:
-        """Statements for several expressions at once, with their common parts named x0, x1, ..
+    def kernel(self, expressions, leaves, parts=None, own=MappingProxyType({})) -> Kernel:
+        """Several expressions at once, their common parts named x0, x1, ..
 
-        parts: of large formulas, symbol -> expression, as `derive` gives them.
+        parts: of large formulas, symbol -> expression, as `derive` gives them; own: as in `real`.
         """
         self.leaves.update(leaves)
         work = [sp.sympify(e) for e in expressions]
         known, late = self.placed(needed(work, parts or {}))
         work = [self.hoist(self.number_values(e.xreplace(known))) for e in work]
         shared, results = shared_parts(late, work)
-        show = self.printer(self.text)
-        lines = [f"const int {show(s)} = {show.test(e)};" if isinstance(e, Boolean) and not e.is_Symbol else
-                 f"const {self.real} {show(s)} = {show(e)};" for s, e in shared]
         operations = sum(int(sp.count_ops(e)) for e in [e for _, e in shared] + results)
-        return Kernel(lines, [show(r) for r in results], operations)
+        kept = needed(results, dict(shared))        # without what has cancelled out
+        return Kernel(tuple(Value(s.name, self.real(e, own)) for s, e in kept.items()),
+                      tuple(self.real(e, own) for e in results), operations)
 
     def placed(self, parts: dict):
         """(what stands for those parts that are known before the sites, the others as statements)."""
@@ -207,18 +234,13 @@ class Lowering:
         value, leaves = scalar(e)
         return self.kernel([value], leaves)
 
-    def is_timed(self) -> bool:
-        """Does any kernel so far depend on time?"""
-        return self.uses_time or any(level == CLOCK for _, level in self.hoisted.values())
-
-    def close(self):
-        """All kernels are there: a value hoisted from here on would not be computed, so it raises TypeError."""
+    def finished(self) -> Coefficients:
+        """What is hoisted, each after those that it depends on. A value hoisted from here on would not be computed, so it
+        raises TypeError."""
         self.hoisted = MappingProxyType(self.hoisted)
-
-    def coefficients(self):
-        """Hoisted values in dependency order: [(name, C text, level)]."""
-        show = self.printer(self.text)
-        return [(name, show(e), level) for e, (name, level) in self.hoisted.items()]
+        values = tuple((name, self.real(e), level) for e, (name, level) in self.hoisted.items())
+        return Coefficients(values, tuple((name, size) for size, name in self.sizes.items()),
+                            self.reads_time or any(level == CLOCK for _, _, level in values))
 
 
 def shared_parts(late: dict, work: list):
@@ -230,11 +252,11 @@ def shared_parts(late: dict, work: list):
     return in_order({**dict(zip(late, results)), **dict(shared)}), results[len(late):]
 
 
-def component(name: str) -> str:
-    """v0x -> v0[0]; dx -> d[0]; everything else is itself."""
+def component(name: str):
+    """v0x and dx are components of the vectors v0 and d; everything else is a number of its own."""
     vector, axis = name[:-1], name[-1]
     known = vector == "d" or (vector[:1] == "v" and vector[1:].isdigit())
-    return f"{vector}[{'xyz'.index(axis)}]" if known and axis in "xyz" else name
+    return Component(vector, "xyz".index(axis)) if known and axis in "xyz" else Local(name)
 
 
 def index_names(e: Expr) -> set:

@@ -7,16 +7,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ...methods import METHODS, Method, others
+from ...methods import GRADIENT, HESSIAN, METHODS, SITE_GRADIENT, Method, others
 from ...errors import UsageError
 from ...language.counts import constant_integer, runtime_names
-from ...language.expr import Time, slots_of, walk
+from ...language.expr import Time, walk
 from ...language.spec import Graph, Lattice, Spec
+from .contributions import all_offer, contributions_of, require, require_of_method
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
 DENSE_SMALL = 24           # below this nothing beats a dense factorisation
 BAND_LIMIT = 4             # widest block band
 FILL_LIMIT = 400_000       # blocks of a sparse factorisation that still fit
+ASKS = {"local": (SITE_GRADIENT, HESSIAN), "newton": (GRADIENT, HESSIAN), "rotation": (GRADIENT, SITE_GRADIENT, HESSIAN),
+        "plain": (GRADIENT, HESSIAN)}      # of every contribution; where sweeps do not settle, Newton takes Hessians
 KINDS = {"sphere": "spheres", "r3": "factors R^3", "nambu": "Nambu factors"}
 
 
@@ -54,16 +57,15 @@ class Plan:
         return bool(self.coupled) and (self.rotation or not self.matrix)
 
 
-def coupled_families(spec: Spec) -> tuple:
+def coupled_families(spec: Spec, contributions=None) -> tuple:
     """Families with a term that joins several of their sites, and those whose midpoints move tracers."""
     tracers = {f.name for f in spec.families if f.tracer}
     coupled = set()
-    for effect in spec.effects:
-        slots = slots_of(effect.value)
-        active = [s for s in slots if s[0] not in tracers]
-        passive = [s for s in slots if s[0] in tracers]
+    for c in contributions_of(spec) if contributions is None else contributions:
+        active = [s for s in c.slots if s[0] not in tracers]
+        passive = [s for s in c.slots if s[0] in tracers]
         if len(passive) > 1:
-            raise UsageError(f"effect '{effect.name}' joins two tracers; tracers act on none")
+            raise UsageError(f"effect '{c.name}' joins two tracers; tracers act on none")
         if passive or len(active) > 1:
             coupled.update(f for f, _ in active)
     return tuple(f.name for f in spec.families if f.name in coupled)
@@ -79,13 +81,10 @@ def fixed_size(spec: Spec, families) -> bool:
     return not any(runtime_names(f.count, parameters) for f in spec.families if f.name in families)
 
 
-def joint_overs(spec: Spec):
-    """Index families of the effects that join several sites, tracers left out."""
+def joint_overs(spec: Spec, contributions):
+    """Index families of the contributions that join several sites, tracers left out."""
     tracers = {f.name for f in spec.families if f.tracer}
-    for effect in spec.effects:
-        slots = slots_of(effect.value)
-        if len(slots) > 1 and not any(f in tracers for f, _ in slots):
-            yield effect.over
+    return [c.over for c in contributions if len(c.slots) > 1 and not any(f in tracers for f, _ in c.slots)]
 
 
 def reach(over) -> int:
@@ -94,39 +93,50 @@ def reach(over) -> int:
     return max(max(p) - min(p) for p in places)
 
 
-def chain_band(spec: Spec, coupled) -> tuple:
+def chain_band(overs, coupled) -> tuple:
     """(width, cyclic) when all coupling is along one-dimensional lattices of one family."""
-    overs = list(joint_overs(spec))
     if len(coupled) != 1 or not overs or not all(isinstance(o, Lattice) and len(o.size) == 1 for o in overs):
         return 0, False
     return max(reach(o) for o in overs), any(o.periodic[0] for o in overs)
 
 
-def choose(spec: Spec, method: str, solver: str) -> Plan:
-    """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain')."""
-    coupled = coupled_families(spec)
+def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
+    """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain'), from what methods ask and
+    contributions offer (None: the effects of the spec)."""
+    contributions = contributions_of(spec) if contributions is None else contributions
+    coupled = coupled_families(spec, contributions)
     local = tuple(f.name for f in spec.families if f.name not in coupled)
     check_space(spec, METHODS[method])
+    require_of_method(contributions, METHODS[method])
     if not METHODS[method].midpoint:
         return Plan(method, (), (), *METHODS[method].how)
+    require([c for c in contributions if any(f in local for f, _ in c.slots)], ASKS["local"], "a site that is solved alone")
     if not coupled:
         return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
     if solver not in METHODS[method].solvers:
         raise UsageError(f"method {method} has no solver '{solver}'; use {' or '.join(METHODS[method].solvers)}")
     if solver in ("rotation", "plain"):
+        require(contributions, ASKS[solver], f"solver {solver}")
         return Plan(method, local, coupled, solver, "as asked for", rotation=solver == "rotation")
-    plan = newton_plan(spec, method, local, coupled)
-    if plan is not None and plan.solver == "band" and solver == "auto" and METHODS[method].onto_leaf:
+    return coupled_plan(spec, METHODS[method], solver, local, coupled, contributions)
+
+
+def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contributions) -> Plan:
+    """Newton where its factorisation fits, on a chain after sweeps; else sweeps."""
+    turns = "rotation" in method.solvers and all_offer(contributions, ASKS["rotation"])
+    factored = all_offer(contributions, ASKS["newton"])
+    plan = newton_plan(spec, method.name, local, coupled, joint_overs(spec, contributions)) if factored else None
+    if plan is not None and plan.solver == "band" and solver == "auto" and method.onto_leaf and turns:
         return replace(plan, rotation=True, reason="chain: rotation sweeps while they settle soon, else " + plan.reason[7:])
     if plan is not None:
         return plan
     if solver == "newton":
-        other = "rotation or plain" if "rotation" in METHODS[method].solvers else "plain"
+        other = "rotation or plain" if turns else "plain"
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
                          f"a sparse factorisation and models of few sites; here use solver {other}")
-    if "rotation" not in METHODS[method].solvers:
-        return Plan(method, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point, else Newton with GMRES")
-    return Plan(method, local, coupled, "rotation",
+    if not turns:
+        return Plan(method.name, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point, else Newton with GMRES")
+    return Plan(method.name, local, coupled, "rotation",
                 "the coupling is no chain and of many sites: rotation sweeps, one spin after the other, else Newton with GMRES", rotation=True)
 
 
@@ -137,11 +147,11 @@ def check_space(spec: Spec, method: Method) -> None:
         raise UsageError(f"method {method.name} is not for {KINDS[next(f.kind for f in spec.families if f.name == strange[0])]}, as '{strange[0]}' is; use {others(method.name)}")
 
 
-def newton_plan(spec: Spec, method: str, local, coupled):
+def newton_plan(spec: Spec, method: str, local, coupled, overs):
     """Dense, band or sparse Newton; None when its factorisation would not fit."""
     n = site_count(spec, coupled)
     size = n * METHODS[method].unknowns
-    width, wrap = chain_band(spec, coupled)
+    width, wrap = chain_band(overs, coupled)
     small = size <= DENSE_SMALL
     if 0 < width <= BAND_LIMIT and n >= 2 * width + 1 and not (small and fixed_size(spec, coupled)):
         kind = "cyclic" if wrap else "open"
@@ -149,19 +159,18 @@ def newton_plan(spec: Spec, method: str, local, coupled):
                     band=width, wrap=wrap)
     if small:
         return Plan(method, local, coupled, "dense", "few sites: dense Newton")
-    if any(isinstance(o, Graph) for o in joint_overs(spec)) and len(coupled) == 1:
-        plan = sparse_plan(spec, method, local, coupled, n)
+    if any(isinstance(o, Graph) for o in overs) and len(coupled) == 1:
+        plan = sparse_plan(method, local, coupled, n, overs)
         if plan is not None:
             return plan
-    if size <= DENSE_UNKNOWNS and not any(isinstance(o, Lattice) for o in joint_overs(spec)):
+    if size <= DENSE_UNKNOWNS and not any(isinstance(o, Lattice) for o in overs):
         return Plan(method, local, coupled, "dense", "few sites: dense Newton")
     return None
 
 
-def sparse_plan(spec, method, local, coupled, n):
+def sparse_plan(method, local, coupled, n, overs):
     """Newton with a compile-time elimination order, when the coupling is edges of fixed graphs."""
     from .ordering import TooMuchFill, symbolic
-    overs = list(joint_overs(spec))
     if not all(isinstance(o, Graph) for o in overs):
         return None
     edges = sorted({(min(e), max(e)) for o in overs for e in o.edges})

@@ -1,4 +1,4 @@
-"""The printer: sympy expressions as C, deterministic and exact.
+"""Formulas: sympy expressions as C, deterministic and exact.
 
 Numbers round-trip; integer powers become products; x^-n becomes a division. The order of sums
 and products is sympy's canonical one, so that the same spec gives the same bytes.
@@ -10,9 +10,9 @@ from sympy.core.sorting import default_sort_key
 
 from ..derive import derivatives as derive
 
-SUM, PRODUCT, ATOM = 1, 2, 3    # binding strength of the printed text
+TEST, SUM, PRODUCT, ATOM = range(4)     # binding strength of the printed text
 
-_FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.tan: "tan",
+ELEMENTARY = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.tan: "tan",
               sp.asin: "asin", sp.acos: "acos", sp.atan: "atan", sp.sinh: "sinh",
               sp.cosh: "cosh", sp.tanh: "tanh", sp.atan2: "atan2",
               derive.absolute: "fabs", derive.floor_: "floor", derive.power: "pow"}
@@ -29,11 +29,21 @@ def number(x: float) -> str:
     return text if any(c in text for c in ".en") else text + ".0"
 
 
-class Printer:
-    """`names` maps a symbol's name to its C text."""
+def power_of(exponent) -> str:
+    """How x^exponent is computed (of a negative one, its inverse): by products and roots where they are few."""
+    size = -exponent if exponent.is_number and exponent.is_negative else exponent
+    if size == sp.S.Half:
+        return "root"
+    if size.is_Integer and size <= 8:
+        return "product"
+    return "product and root" if size.is_Rational and size.q == 2 and size.p <= 9 else "general"
 
-    def __init__(self, names):
-        self.names = names
+
+class Formulas:
+    """`leaf` maps a symbol's name to its text and strength."""
+
+    def __init__(self, leaf):
+        self.leaf = leaf
 
     def __call__(self, e) -> str:
         return self.show(e)[0]
@@ -44,7 +54,7 @@ class Printer:
 
     def show(self, e) -> tuple[str, int]:
         if e.is_Symbol:
-            return self.names(e.name), ATOM
+            return self.leaf(e.name)
         if e.is_Number or e.is_NumberSymbol:
             return self.constant(e)
         for kind, method in ((sp.Add, self.add), (sp.Mul, self.mul), (sp.Pow, self.pow),
@@ -85,13 +95,14 @@ class Printer:
 
     def pow(self, e):
         base, exponent = e.args
+        way = power_of(exponent)
         if exponent.is_number and exponent.is_negative:
             return "1.0/" + self.inside(1 / e, ATOM), PRODUCT
-        if exponent == sp.S.Half:
+        if way == "root":
             return f"SMG_MATH(sqrt)({self(base)})", ATOM
-        if exponent.is_Integer and exponent <= 8:
+        if way == "product":
             return "*".join([self.inside(base, ATOM)] * int(exponent)), PRODUCT
-        if exponent.is_Rational and exponent.q == 2 and exponent.p <= 9:
+        if way == "product and root":
             whole = "*".join([self.inside(base, ATOM)] * int(exponent.p // 2))
             return f"{whole}*SMG_MATH(sqrt)({self(base)})", PRODUCT
         return f"SMG_MATH(pow)({self(base)}, {self(exponent)})", ATOM
@@ -107,7 +118,7 @@ class Printer:
         if e in (sp.true, sp.false):
             return "1" if e == sp.true else "0"
         if e.is_Symbol:         # a condition that has a name
-            return self.names(e.name)
+            return self.leaf(e.name)[0]
         if isinstance(e, (sp.And, sp.Or)):
             mark = " && " if isinstance(e, sp.And) else " || "
             return "(" + mark.join(self.test(a) for a in sorted(e.args, key=default_sort_key)) + ")"
@@ -126,5 +137,5 @@ class Printer:
             return f"SMG_MATH(fabs)({self(e.args[0])})", ATOM
         if type(e) in _RUNTIME:
             return f"{_RUNTIME[type(e)]}({', '.join(self(a) for a in e.args)})", ATOM
-        name = _FUNCTIONS[type(e)]
+        name = ELEMENTARY[type(e)]
         return f"SMG_MATH({name})({', '.join(self(a) for a in e.args)})", ATOM

@@ -7,16 +7,17 @@ import mpmath
 import sympy as sp
 from sympy.core.sorting import default_sort_key
 
-from ...language.expr import Elem, Idx, Par, Time, Weight
 from ..derive import derivatives as derive
-from ..lower.cprint import _FUNCTIONS, ATOM, Printer, number
-from ..lower.lowering import STEP, Lowering
+from ..lower.code import Component, Constant, Entry, Local, Parameter, Real, walk
+from ..lower.integers import Int
+from .formulas import ATOM, ELEMENTARY, Formulas, number, power_of
+from .print_scalar import Scalar
 
 _OWN = {derive.absolute: "fabs", sp.Abs: "fabs", derive.signum: "sign", derive.lesser: "min", derive.greater: "max"}
 DIGITS = 40     # decimal places from which a constant is split into a pair
 
 
-class WidePrinter(Printer):
+class WideFormulas(Formulas):
     """Expressions as calls of runtime/core/smg_wide.h; names give smg_wide texts."""
 
     def constant(self, e):
@@ -60,13 +61,14 @@ class WidePrinter(Printer):
 
     def pow(self, e):
         base, exponent = e.args
+        way = power_of(exponent)
         if exponent.is_number and exponent.is_negative:
             return f"smg_wide_div(smg_wide_of(1.0), {self(1 / e)})", ATOM
-        if exponent == sp.S.Half:
+        if way == "root":
             return f"smg_wide_sqrt({self(base)})", ATOM
-        if exponent.is_Integer and exponent <= 8:
+        if way == "product":
             return f"smg_wide_power({self(base)}, {int(exponent)})", ATOM
-        if exponent.is_Rational and exponent.q == 2 and exponent.p <= 9:
+        if way == "product and root":
             return f"smg_wide_mul(smg_wide_power({self(base)}, {int(exponent.p // 2)}), smg_wide_sqrt({self(base)}))", ATOM
         return f"smg_wide_pow({self(base)}, {self(exponent)})", ATOM
 
@@ -82,28 +84,34 @@ class WidePrinter(Printer):
         return less[type(e)]
 
     def call(self, e):
-        name = _OWN.get(type(e)) or _FUNCTIONS[type(e)]
+        name = _OWN.get(type(e)) or ELEMENTARY[type(e)]
         return f"smg_wide_{name}({', '.join(self(a) for a in e.args)})", ATOM
 
 
-class WideLowering(Lowering):
-    """The lowering of the same model in extended precision: its hoisted values are members of `wide`."""
-    printer, real, holder = WidePrinter, "smg_wide", "wide"
+class Wide(Scalar):
+    """Numbers of runtime/core/smg_wide.h; what the caller gives in double is exact."""
+    formulas, real = WideFormulas, "smg_wide"
 
-    def text(self, name: str) -> str:
-        """Symbols as smg_wide: what the caller gives in double is exact."""
-        node = self.leaves.get(name)
-        if node is STEP:
-            return "wide->h"
-        if isinstance(node, Time):
-            self.uses_time = True
-            return "wide->t"
-        if isinstance(node, (Par, Idx, Weight, Elem)):
-            return f"smg_wide_of({super().text(name)})"
-        vector, axis = name[:-1], name[-1]
-        if axis in "xyz" and vector[:1] == "v" and vector[1:].isdigit():
-            return f"smg_wide_load({vector}, {'xyz'.index(axis)})"
-        return name
+    def leaf(self, node):
+        if isinstance(node, Component):
+            return f"smg_wide_load({node.vector}, {node.axis})", ATOM
+        text, strength = super().leaf(node)
+        exact = isinstance(node, (Int, Parameter, Constant, Entry)) or isinstance(node, Local) and node.exact
+        return (f"smg_wide_of({text})", ATOM) if exact else (text, strength)
+
+    def do_add(self, s):
+        return [f"smg_wide_into({s.target.vector}, {s.target.axis}, {self(s.value)});"]
+
+
+def elementary(nodes) -> bool:
+    """Does any real number in these trees take a function of runtime/core/smg_wide_math.h?"""
+    return any(takes_one(e) for node in nodes for one in walk(node) if isinstance(one, Real) for e in sp.preorder_traversal(one.expr))
+
+
+def takes_one(e) -> bool:
+    if isinstance(e, sp.Pow):
+        return power_of(e.exp) == "general"
+    return type(e) in ELEMENTARY and type(e) not in _OWN
 
 
 def pair(e) -> tuple[float, float]:

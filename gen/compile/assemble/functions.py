@@ -1,0 +1,25 @@
+"""All definitions of a model, in an order in which each follows what it mentions."""
+from __future__ import annotations
+
+from .families import number_functions, site_functions
+from .parameters import parameter_functions
+from .sums import site_sums, sum_functions, sums, value_body
+from .sweeps import visits
+from .tables import tables
+from .wide import wide_functions
+from ..lower.code import mentions, needed
+
+
+def value_sums(model) -> list:
+    """[(kind, name of the term, statements that add up its values)] of the energies and observables."""
+    terms = [("energy", t) for t in model.effects] + [("observe", t) for t in model.observables]
+    return [(kind, t.derived.term.name, sums(model, [t], lambda t: value_body(model, t))) for kind, t in terms]
+
+
+def definitions(model) -> list:
+    """Tables, types and functions; what nothing mentions is left out."""
+    kernels = [f for t in (*model.effects, *model.observables) for f in t.functions]
+    functions = [*parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *sum_functions(model),
+                 *site_sums(model), *visits(model), *(model.solo or ()), *(wide_functions(model) if model.wide else ())]
+    called = mentions(*(statement for _, _, body in value_sums(model) for statement in body))
+    return needed([*tables(model), *functions], called)

@@ -1,0 +1,133 @@
+"""A model as data: its kernels, its plan, and what the functions over its sites ask of them."""
+from __future__ import annotations
+
+from ...errors import UsageError
+from ...language.spec import Lattice, Spec
+from ...methods import METHODS
+from ..features import ASKS, chosen_features
+from ..lower.code import At, Name
+from ..lower.indices import one_site, safe_indices
+from ..lower.integers import Index, Int, total
+from ..lower.kernels import term_kernels
+from ..lower.loops import Loops
+from ..lower.lowering import Lowering
+from ..plan.contributions import contributions_of, require
+from ..plan.plan import Plan, require_free_body
+from .families import FamilyCode, family_codes
+from .solo import solo_kernels
+from .sweeps import reach
+from .wide import wide_kernels
+
+
+class Model:
+    """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
+
+    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None;
+    wide: in extended precision, or None; reach: bounds of the rows of the Hessian, or None.
+    """
+
+    def __init__(self, spec: Spec, plan: Plan, features=()):
+        self.spec, self.plan, self.method = safe_indices(one_site(spec)), plan, METHODS[plan.method]
+        self.features = chosen_features(features)
+        self.refuse_what_the_method_has_not()
+        low = Lowering(self.spec)
+        self.families = family_codes(low, self.spec.families, plan.coupled)
+        self.by_name = {f.name: f for f in self.families}
+        self.effects = tuple(term_kernels(low, e, "effect") for e in self.spec.effects)
+        self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
+        self.loops = Loops(low, lambda family: self.by_name[family].count)
+        self.reach = reach(self, low) if plan.rotation else None
+        self.solo = solo_kernels(self, low)
+        self.wide = wide_kernels(self) if "extended" in self.features else None
+        self.low, self.coefficients = low, low.finished()
+
+    def refuse_what_the_method_has_not(self):
+        missing = [name for name in self.features if name not in self.method.features]
+        if missing:
+            raise UsageError(f"method {self.plan.method} has no feature '{missing[0]}'")
+        for feature in self.features:
+            require(contributions_of(self.spec), ASKS.get(feature, ()), f"feature {feature}")
+        if self.method.free_body:
+            require_free_body(self.spec, self.plan.method)
+
+    # -- families -----------------------------------------------------------------------------
+    @property
+    def coupled(self) -> list:
+        return [f for f in self.families if f.name in self.plan.coupled]
+
+    @property
+    def alone(self) -> list:
+        return [f for f in self.families if f.name in self.plan.local]
+
+    @property
+    def total(self) -> Int:
+        """The number of sites."""
+        return total(*(f.count for f in self.families))
+
+    @property
+    def rows(self) -> Int:
+        """The number of coupled sites."""
+        return total(*(f.count for f in self.coupled))
+
+    @property
+    def alone_rows(self) -> Int:
+        return total(*(f.count for f in self.alone))
+
+    def is_tracer(self, slot) -> bool:
+        return self.by_name[slot[0]].tracer
+
+    # -- sites and terms ----------------------------------------------------------------------
+    def site(self, slot) -> Int:
+        """The global number of the site at a slot; a name is its number within the family."""
+        number = Index(slot[1]) if isinstance(slot[1], str) else slot[1]
+        return self.by_name[slot[0]].first + number
+
+    def vector(self, array, slot, written: bool = False, size: int = 3) -> At:
+        """The vector of a slot in an array of all sites: a name, or a member of the state."""
+        return At(Name(array) if isinstance(array, str) else array, size * self.site(slot), written)
+
+    def passive(self, term) -> list:
+        """The tracers of a term: it moves them alone."""
+        return [s for s in term.slots if self.is_tracer(s)]
+
+    def unfelt(self, term) -> list:
+        """Numbers of the slots whose gradient is dropped: tracers act on none."""
+        return [k for k, s in enumerate(term.slots) if self.passive(term) and not self.is_tracer(s)]
+
+    def coupled_effects(self) -> list:
+        return [e for e in self.effects if not self.passive(e) and any(f in self.plan.coupled for f, _ in e.slots)]
+
+    def roles(self, family: str):
+        """The effects and slots through which a site of `family` feels something."""
+        for t in self.effects:
+            for k, s in enumerate(t.slots):
+                if s[0] == family and k not in self.unfelt(t):
+                    yield t, k
+
+    def lattices(self, family: str) -> list:
+        return [t.over for t, _ in self.roles(family) if isinstance(t.over, Lattice)]
+
+    def lattice(self, family: str):
+        """The lattice that a swept family lives on, when all its bonds agree on it."""
+        if not self.plan.rotation or family not in self.plan.coupled:
+            return None
+        overs = self.lattices(family)
+        return overs[0] if len({(o.size, o.sites) for o in overs}) == 1 else None
+
+    # -- what follows -------------------------------------------------------------------------
+    def is_linear(self, family: str) -> bool:
+        """Does the field of a site not depend on the site itself?"""
+        return not any((k, k) in t.derived.hessian for t, k in self.roles(family))
+
+    def closed_form(self, f: FamilyCode) -> bool:
+        """A site alone in a field that does not depend on it: the step is an exact rotation."""
+        return self.method.onto_leaf and f.kind != "nambu" and self.is_linear(f.name)
+
+    def lifts(self) -> bool:
+        """Does the leaf of a coupled site move with w?"""
+        return self.method.onto_leaf and any(f.kind != "sphere" for f in self.coupled)
+
+    def unit_radius(self) -> bool:
+        """Are all spheres of radius 1?"""
+        return all(f.unit for f in self.families if f.kind == "sphere")
+

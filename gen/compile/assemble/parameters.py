@@ -1,0 +1,94 @@
+"""What parameters, and what time alone decide: sizes, their checks, hoisted values."""
+from __future__ import annotations
+
+from ...language import limits
+from ...language.spec import Graph, Lattice
+from ..lower.code import Argument, Assign, For, Function, Member, Name, Ordered, Parameter, Return, Unary, Variable, refuse
+from ..lower.integers import ONE, ZERO, Index, compare, times
+from ..lower.kernels import COEFFICIENTS
+from ..lower.lowering import CLOCK, PREPARE
+from .bounds import Bounds
+
+C = Argument("smg_coefficients *", "c")
+
+
+def parameter_functions(model) -> list:
+    """smg_sizes, smg_check_sizes, smg_prepare and smg_set_time."""
+    sizes = [Assign(Member("c", name), size) for name, size in model.coefficients.sizes]
+    start = (Assign(Member("c", "p"), Unary("*", Name("p"))), Assign(Member("c", "t"), ZERO), Assign(Member("c", "h"), ZERO))
+    checks = dict.fromkeys([*checks_of(model), *Bounds(model.low, lambda f: model.by_name[f].count).checks(model.spec)])
+    return [Function("void", "smg_sizes", (C, Argument("const smg_params *", "p")), (*start, *sizes), wanted=True),
+            Function("smg_status", "smg_check_sizes", (COEFFICIENTS,), (*checks, Return(Name("SMG_OK"))), wanted=True),
+            Function("int", "smg_prepare", (C,), prepared(model), wanted=True),
+            Function("void", "smg_set_time", (C, Argument("smg_real", "t")), (Assign(Member("c", "t"), Name("t")), *stored(model, CLOCK)), wanted=True)]
+
+
+def stored(model, level: int) -> list:
+    return [Assign(Member("c", name), value) for name, value in model.coefficients.at(level)]
+
+
+def run_time(spec) -> list:
+    """The parameters that are no part of the program."""
+    return [p for p in spec.parameters if not p.fixed]
+
+
+def prepared(model) -> tuple:
+    """Once per model: hoisted values of the parameters; 0 when a parameter is not finite."""
+    tests = []
+    for p in run_time(model.spec):
+        if p.kind == "real":
+            tests.append(stays_finite(Parameter(p.name)))
+        elif p.kind == "array":
+            tests.append(For("i", ZERO, model.low.size(p.size), (stays_finite(Parameter(p.name, Index("i"))),), over="entries"))
+    values = stored(model, PREPARE)
+    if not tests:
+        return (*values, Return(ONE))
+    return (Variable("int", "finite", ONE), *tests, *values, Return(Name("finite")))
+
+
+def stays_finite(x) -> Assign:
+    """x - x is 0 for a number, and NaN for what is none."""
+    return Assign(Name("finite"), Ordered("==", Ordered("-", x, x), ZERO), "&=")
+
+
+# Checks: sizes that must hold for the loops, the solver and the arrays
+
+def checks_of(model) -> list:
+    found = [check for f in model.families for check in outside(f.count, 1)]
+    sizes = [model.low.size(p.size) for p in run_time(model.spec) if p.kind == "array"]
+    found += [check for n in sizes for check in outside(n, 1)]
+    for t in (*model.effects, *model.observables):
+        found += [check for f, k in t.slots if isinstance(k, int) for check in refuse(compare(model.by_name[f].count, "<=", k))]
+        if isinstance(t.over, Lattice):
+            found += lattice_checks(model, t)
+        if isinstance(t.over, Graph):
+            found += graph_checks(model, t)
+    if model.plan.solver == "band":
+        found += refuse(compare(model.rows, "<", 2 * model.plan.band + 1))
+    if model.plan.solver == "sparse":
+        found += refuse(compare(model.rows, "!=", model.plan.pattern.size))
+    return found
+
+
+def outside(size, least: int) -> tuple:
+    """The check of a size; beyond `limits.SITES` the products of sizes could overflow."""
+    return refuse(compare(size, "<", least), compare(size, ">", limits.SITES))
+
+
+def lattice_checks(model, t) -> list:
+    sizes = [model.low.size(s) for s in t.over.size]
+    found = []
+    for d, n in enumerate(sizes):
+        far = max(abs(offset[d]) for bond in t.over.bonds for _, offset in bond)
+        found += outside(n, max(1, far))
+    product = times(*sizes, t.over.sites)
+    for f in dict.fromkeys(f for f, _ in t.slots):
+        count = model.by_name[f].count
+        found += refuse(compare(count, "!=", product)) if count != product else ()
+    return found
+
+
+def graph_checks(model, t) -> list:
+    """Every family that an edge meets has the sites that the graph names."""
+    top = max((max(e) for e in t.over.edges), default=-1)
+    return [check for f, _ in t.slots for check in refuse(compare(model.by_name[f].count, "<=", top))]

@@ -1,0 +1,372 @@
+"""The intermediate form: loops over index families, kernels and buffers as data. Printers (`gen/compile/emit/print_*.py`)
+turn it into text; nothing of C stands in it but the names of the model's and the runtime's own variables and functions.
+
+A body is a tuple of statements. Integers are those of `integers.py`; real numbers are sympy expressions with what their
+symbols stand for, in the arithmetic of whichever printer writes them.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+from .integers import Int, Node
+
+
+# What the symbols of a real number stand for (an integer of `integers.py` among them)
+
+@dataclass(frozen=True)
+class Component(Node):
+    """x, y or z (axis 0, 1, 2) of the vector of a site."""
+    vector: str
+    axis: int
+
+    def names(self):
+        return (self.vector,)
+
+
+@dataclass(frozen=True)
+class Local(Node):
+    """A number that has a name here: a common part, an argument, the weight of an edge."""
+    name: str
+    exact: bool = False     # an input, of ordinary precision
+
+    def names(self):
+        return (self.name,)
+
+
+@dataclass(frozen=True)
+class Held(Node):
+    """A value kept with the coefficients `holder`: what was hoisted, the step h, the time t."""
+    name: str
+    holder: str
+
+    def names(self):
+        return (self.holder,)
+
+
+@dataclass(frozen=True)
+class Parameter(Node):
+    """A real parameter, or one entry of an array of them."""
+    name: str
+    place: Int | None = None
+
+    def names(self):
+        return ("c",)
+
+
+@dataclass(frozen=True)
+class Constant(Node):
+    """A parameter whose value is compiled in."""
+    value: float
+
+
+@dataclass(frozen=True)
+class Entry(Node):
+    """An entry of a constant table of real numbers."""
+    table: str
+    place: Int
+
+    def names(self):
+        return (self.table,)
+
+
+@dataclass(frozen=True)
+class Real(Node):
+    """A real number (or truth value): a sympy expression, and what its symbols stand for."""
+    expr: sp.Basic
+    leaves: dict = field(default_factory=dict, compare=False)
+
+    def parts(self):
+        return iter(self.leaves.values())
+
+    def is_number(self, value: float) -> bool:
+        return bool(self.expr.is_Number) and float(self.expr) == value
+
+
+def real_of(leaf: Node) -> Real:
+    """The number that is one leaf."""
+    return Real(sp.Symbol("it"), {"it": leaf})
+
+
+# Other values
+
+@dataclass(frozen=True)
+class Name(Node):
+    text: str
+
+    def names(self):
+        return (self.text,)
+
+
+@dataclass(frozen=True)
+class Member(Node):
+    """What a pointer's struct has under a name, as `s->m`."""
+    of: str
+    name: str
+
+    def names(self):
+        return (self.of,)
+
+
+@dataclass(frozen=True)
+class Element(Node):
+    """An entry of an array of numbers as the target has them."""
+    array: str
+    place: int
+
+    def names(self):
+        return (self.array,)
+
+
+@dataclass(frozen=True)
+class At(Node):
+    """The place `offset` of an array, handed to a function; written: whether that one writes there."""
+    array: Node
+    offset: Int
+    written: bool = False
+
+
+@dataclass(frozen=True)
+class Unary(Node):
+    """`&x`, `*x`, or a conversion `(kind)x`."""
+    op: str
+    of: Node
+
+
+@dataclass(frozen=True)
+class Ordered(Node):
+    """+, -, * or / of real numbers just as it stands: rounding is part of what it says."""
+    op: str
+    left: Node
+    right: Node
+
+
+@dataclass(frozen=True)
+class Number(Node):
+    value: float
+
+
+@dataclass(frozen=True)
+class Call(Node):
+    """Of a function; a value, or a statement."""
+    function: str
+    args: tuple
+
+    def names(self):
+        return (self.function,)
+
+
+@dataclass(frozen=True)
+class Braces(Node):
+    """The members of a struct or an array, one after the other."""
+    args: tuple
+
+
+# Statements
+
+class Declaration(Node):
+    """A statement after which its name is known."""
+
+
+@dataclass(frozen=True)
+class Let(Declaration):
+    """A constant of a kind, an integer unless it is said."""
+    name: str
+    value: Node
+    kind: str = "const int64_t"
+
+
+@dataclass(frozen=True)
+class Value(Declaration):
+    """A real number of the target, or a truth value, under a name."""
+    name: str
+    value: Real
+
+
+@dataclass(frozen=True)
+class Variable(Declaration):
+    """What is assigned later; `start`: to begin with."""
+    kind: str
+    name: str
+    start: Node | None = None
+
+
+@dataclass(frozen=True)
+class Zeros(Declaration):
+    """An array of zeros."""
+    name: str
+    size: int
+
+
+@dataclass(frozen=True)
+class Assign(Node):
+    target: Node
+    value: Node
+    op: str = "="
+
+
+@dataclass(frozen=True)
+class Add(Node):
+    """target += value, in the arithmetic of the target."""
+    target: Component
+    value: Real
+
+
+@dataclass(frozen=True)
+class Return(Node):
+    value: Node | None = None
+
+
+class Block(Node):
+    """A statement with a body; scopes in it that keep nothing apart are dissolved."""
+
+    def __post_init__(self):
+        object.__setattr__(self, "body", tidy(self.body))
+
+
+@dataclass(frozen=True)
+class For(Block):
+    """index = start, start + step, .. below end. over: what is counted, for targets that share work out: `sites`, `pairs`,
+    `edges`, `cells` of a lattice, `entries` of an array, or `colours`: one after the other, and within one no two sites meet."""
+    index: str
+    start: Int
+    end: Int
+    body: tuple
+    step: int = 1
+    over: str = "sites"
+
+    def names(self):
+        return (self.index,)
+
+
+@dataclass(frozen=True)
+class If(Block):
+    """body, where all tests hold."""
+    tests: tuple
+    body: tuple
+
+
+@dataclass(frozen=True)
+class Either(Node):
+    """A test that holds where one of these does."""
+    tests: tuple
+
+
+@dataclass(frozen=True)
+class Not(Node):
+    test: Node
+
+
+@dataclass(frozen=True)
+class Scope(Block):
+    """A body whose names are its own."""
+    body: tuple
+
+
+def tidy(body) -> tuple:
+    """The body without scopes whose names nothing else in it declares."""
+    body = tuple(body)
+    for k, statement in enumerate(body):
+        if isinstance(statement, Scope):
+            others = {name for j, other in enumerate(body) if j != k for name in declared(other)}
+            if not others & {name for inner in statement.body for name in declared(inner)}:
+                return tidy(body[:k] + statement.body + body[k + 1:])
+    return body
+
+
+def declared(statement):
+    """Names that a statement declares, in itself or deeper."""
+    return {node.name if isinstance(node, Declaration) else node.index for node in walk(statement)
+            if isinstance(node, (Declaration, For))}
+
+
+def where(tests, body) -> Node:
+    """The body under some tests, or by itself under none."""
+    tests = tuple(dict.fromkeys(test for test in tests if test is not True))
+    return If(tests, body) if tests else Scope(body)
+
+
+# Definitions
+
+@dataclass(frozen=True)
+class Argument:
+    """Of a function; signature: of a pointer to a function, its arguments."""
+    kind: str
+    name: str
+    signature: str = ""
+
+
+@dataclass(frozen=True)
+class Function(Block):
+    """target: the printer that writes it (`gen/compile/emit/targets.py`); wanted: it stays where nothing here mentions it;
+    inlined: `usual`, `always` (and the calls in it), `never`."""
+    kind: str
+    name: str
+    arguments: tuple
+    body: tuple
+    target: str = "scalar"
+    wanted: bool = False
+    inlined: str = "usual"
+
+
+@dataclass(frozen=True)
+class Struct(Node):
+    """A type of real numbers."""
+    name: str
+    members: tuple
+    wanted: bool = True
+
+
+@dataclass(frozen=True)
+class Table(Node):
+    """Constants; columns: entries of a row, where there are rows."""
+    name: str
+    kind: str
+    values: tuple = field(repr=False)
+    columns: int = 0
+    wanted: bool = False
+
+
+# What a tree says
+
+def walk(node: Node):
+    """The node and all inside it."""
+    left = [node]
+    while left:
+        one = left.pop()
+        yield one
+        left += one.parts()
+
+
+def mentions(*nodes) -> set:
+    """The names that they mention."""
+    return {name for node in nodes for one in walk(node) for name in one.names()}
+
+
+def written(*nodes) -> set:
+    """The places that they write: of arrays handed to functions, and components that are assigned or added to."""
+    found = [one for node in nodes for one in walk(node)]
+    return {one for one in found if isinstance(one, At) and one.written} | {
+        one.target for one in found if isinstance(one, (Add, Assign))}
+
+
+def needed(definitions, rest) -> list:
+    """Those that are wanted, or mentioned by `rest` or by a later one that stays; a function follows what it calls."""
+    known, kept = set(rest), []
+    for one in reversed(list(definitions)):
+        if one.wanted or one.name in known:
+            kept.append(one)
+            known |= mentions(one)
+    return kept[::-1]
+
+
+def refuse(*tests) -> tuple:
+    """Statements that return SMG_BAD_PARAMETER where one of the tests holds; none where none can."""
+    open_ = tuple(test for test in tests if test is not False)
+    if not open_:
+        return ()
+    bad = (Return(Name("SMG_BAD_PARAMETER")),)
+    if True in open_:
+        return bad
+    return (If((Either(open_) if len(open_) > 1 else open_[0],), bad),)
