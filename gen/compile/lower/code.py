@@ -6,6 +6,7 @@ symbols stand for, in the arithmetic of whichever printer writes them.
 """
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 
 import sympy as sp
@@ -267,18 +268,18 @@ class Scope(Block):
 def tidy(body) -> tuple:
     """The body without scopes whose names nothing else in it declares."""
     body = tuple(body)
-    for k, statement in enumerate(body):
-        if isinstance(statement, Scope):
-            others = {name for j, other in enumerate(body) if j != k for name in declared(other)}
-            if not others & {name for inner in statement.body for name in declared(inner)}:
-                return tidy(body[:k] + statement.body + body[k + 1:])
-    return body
+    if not any(isinstance(statement, Scope) for statement in body):
+        return body
+    names = [declared(statement) for statement in body]
+    times = Counter(name for each in names for name in each)
+    return tuple(inner for statement, each in zip(body, names)
+                 for inner in (statement.body if isinstance(statement, Scope) and all(times[name] == 1 for name in each) else (statement,)))
 
 
-def declared(statement):
+def declared(statement) -> set:
     """Names that a statement declares, in itself or deeper."""
-    return {node.name if isinstance(node, Declaration) else node.index for node in walk(statement)
-            if isinstance(node, (Declaration, For))}
+    own = {statement.name} if isinstance(statement, Declaration) else {statement.index} if isinstance(statement, For) else set()
+    return own.union(*map(declared, statement.body)) if isinstance(statement, Block) else own
 
 
 def where(tests, body) -> Node:

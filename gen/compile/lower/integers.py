@@ -4,19 +4,21 @@ writes `3*(i)` or `x - 0`.
 from __future__ import annotations
 
 import operator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 
 class Node:
     """A piece of the intermediate form: immutable, equal to what is written alike."""
 
-    def parts(self):
+    def parts(self) -> list:
         """The nodes directly inside."""
-        for field in fields(self):
-            value = getattr(self, field.name)
-            for part in value if isinstance(value, tuple) else (value,):
-                if isinstance(part, Node):
-                    yield part
+        found: list = []
+        for value in vars(self).values():
+            if isinstance(value, Node):
+                found.append(value)
+            elif isinstance(value, tuple):
+                found += [part for part in value if isinstance(part, Node)]
+        return found
 
     def names(self) -> tuple:
         """Variables, functions and tables that this node itself mentions."""
