@@ -99,7 +99,7 @@ class InterfaceParts:
 
     def header(self) -> str:
         return self.render(
-            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=self.history(), solo=self.solo, midpoint=self.method.midpoint,
+            "model.h.j2", params=[self.declare(p) for p in self.run_time()], arrays=self.arrays(), H=self.history(), solo=self.solo, midpoint=self.method.of_midpoints, composed=self.method.stages > 1,
             integer_names=list(self.low.integers.values()), effects=[e.name for e in self.spec.effects],
             hoisted_names=[name for name, _, _ in self.low.coefficients()], tangent="tangent" in self.features,
             observables=[o.name for o in self.spec.observables],

@@ -20,7 +20,7 @@ class MemoryParts:
         n3, n1 = times(3, self.total), self.total
         found = [("w", n3, "the state: 3 numbers per site"), ("compensation", n3, "what w has lost to rounding"),
                  ("u", n3, "increment W - w of the step under way")]
-        if not self.method.midpoint:
+        if not self.method.of_midpoints:
             found += [(name, total([times(size, n1), str(more)]), meaning) for name, size, more, meaning in self.method.arrays]
             return [dict(name=a, size=b, meaning=c) for a, b, c in found]
         if self.solo:
@@ -34,14 +34,30 @@ class MemoryParts:
                       ("s", n1, "m = s mbar")]
             found += self.matrix_arrays()
             found.append(("curve", times(15, self.total), "a branch of solutions followed: its point, tangent, changes"))
-        found += self.wide_arrays()
+        found += [*self.stage_arrays(), *self.wide_arrays()]
         return [dict(name=a, size=b, meaning=c) for a, b, c in found]
+
+    def stage_arrays(self):
+        """Of a composition."""
+        stages, n3 = self.method.stages, times(3, self.total)
+        if stages == 1:
+            return []
+        found = [("misses", "5", "what every level of the predictor missed in a step, and in how many stages")]
+        if self.solo:
+            one = "((sizeof(smg_coefficients) + sizeof(smg_real) - 1)/sizeof(smg_real))"
+            return [*found, ("prepared", f"2 + {stages // 2 + 1}*{one}", "coefficients for every size of stage, after 1 and the h that they are for")]
+        found.append(("before", times(6, self.total), "w and compensation before the step"))
+        return [*found, *([("increments", times(stages, n3), "increments of all stages of the step just taken")] if self.stages_kept() else [])]
+
+    def stages_kept(self) -> bool:
+        """Does the tangent map need the increments of all stages? A single sphere has them in its history."""
+        return self.method.stages > 1 and "tangent" in self.features and not self.solo
 
     def layout(self):
         """The arrays one after the other in mem; how many numbers they take."""
         lines = ["const smg_coefficients *c = &s->c;", "size_t used = 0;", "(void)c;"]
         lines += [f"used = smg_place_array(&s->{a['name']}, mem, used, (size_t)({a['size']}));" for a in self.arrays()]
-        lines.append("return used;" if self.solo or not self.method.midpoint else "return smg_place_history(s, mem, used);")
+        lines.append("return used;" if self.solo or not self.method.of_midpoints else "return smg_place_history(s, mem, used);")
         return "\n".join(["static size_t smg_layout(smg_state *s, smg_real *mem) {", *indent(lines), "}"])
 
     def matrix_arrays(self):

@@ -14,7 +14,7 @@ class SettingParts:
             "SMG_BS": plan.block, "SMG_HISTORY": self.history(), "SMG_FAMILIES": len(self.families),
             "SMG_ORIENTATION": 1 if self.spec.orientation > 0 else -1, "SMG_TIMED": self.low.is_timed(),
             "SMG_SINGLE_SPHERE": self.solo, "SMG_HAS_COUPLED": bool(coupled), "SMG_HAS_ALONE": bool(alone),
-            "SMG_LEAVES": self.method.midpoint and any(f.kind != "sphere" for f in self.families),
+            "SMG_LEAVES": self.method.of_midpoints and any(f.kind != "sphere" for f in self.families),
             "SMG_ALONE_LINEAR": any(self.closed_form(f) for f in alone),
             "SMG_ALONE_NEWTON": any(not self.closed_form(f) for f in alone),
             "SMG_COUPLED_NAMBU": any(f.kind == "nambu" for f in coupled),
@@ -25,6 +25,7 @@ class SettingParts:
             "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
             "SMG_EXTENDED": self.extended, "SMG_PLAIN_SUMS": "plain-sums" in self.features,
             "SMG_WIDE_TIMED": self.extended and self.wide_low.is_timed(),
+            "SMG_COMPOSED": self.method.stages if self.method.stages > 1 else 0, "SMG_STAGES_KEPT": self.stages_kept(),
             **dict(self.method.defines), "SMG_UNIT_RADIUS": self.extended and self.method.onto_leaf and self.unit_radius()}
         read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": plan.swept and plan.rotation, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
         return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
@@ -39,11 +40,12 @@ class SettingParts:
 
     def method_header(self):
         """The method, what its step is made of, and its features."""
-        names = [self.method.header]
-        if not self.method.midpoint:
+        composed = self.method.stages > 1
+        names = [*([self.method.scheme] if composed else []), self.method.header]
+        if not self.method.of_midpoints:
             return [*names, "smg_saved.h"]
         if self.plan.coupled:
             names.append(MATRICES.get(self.plan.solver, "smg_matrix_free.h"))
-        names.append("smg_single_sphere.h" if self.solo else "smg_step.h")
+        names.append("smg_composition.h" if composed else "smg_single_sphere.h" if self.solo else "smg_step.h")
         names += ["smg_saved.h", *(["smg_tangent.h"] if "tangent" in self.features else [])]
         return names

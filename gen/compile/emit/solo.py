@@ -16,7 +16,7 @@ class SoloParts:
     def is_solo(self) -> bool:
         """One unit sphere whose field depends on itself: the fastest step."""
         f = self.families[0]
-        return (self.method.midpoint and self.method.onto_leaf and len(self.families) == 1 and f.count == "1"
+        return (self.method.of_midpoints and self.method.onto_leaf and len(self.families) == 1 and f.count == "1"
                 and f.unit and not self.closed_form(f)
                 and not any(t.derived.parts for t in self.effects)
                 and all(self.low.level(s.name) < SITE for t in self.effects for b in t.derived.hessian.values()

@@ -107,7 +107,7 @@ def choose(spec: Spec, method: str, solver: str) -> Plan:
     coupled = coupled_families(spec)
     local = tuple(f.name for f in spec.families if f.name not in coupled)
     check_space(spec, METHODS[method])
-    if not METHODS[method].midpoint:
+    if not METHODS[method].of_midpoints:
         return Plan(method, (), (), *METHODS[method].how)
     if not coupled:
         return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
