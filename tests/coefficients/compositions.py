@@ -120,9 +120,8 @@ def defects(half, order):
 
 def refined(half, order):
     """half, changed as little as the order conditions ask for."""
-    x, width = list(half), mpf(10)**-30
-    for _ in range(3):
-        at = defects(x, order)
+    x, width, at = list(half), mpf(10)**-30, defects(half, order)
+    while max(abs(a) for a in at) > mpf(10)**-45:
         J = matrix(len(at), len(x))
         for j in range(len(x)):
             moved = defects([y + width * (k == j) for k, y in enumerate(x)], order)
@@ -130,6 +129,7 @@ def refined(half, order):
                 J[i, j] = (b - a) / width
         change = J.T * lu_solve(J * J.T, matrix(at))
         x = [a - b for a, b in zip(x, change)]
+        at = defects(x, order)
     return x
 
 
