@@ -4,7 +4,7 @@ A method is one entry here and one header of runtime/ over the contract of runti
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 SOLVERS = ("auto", "newton", "rotation", "plain")
 
@@ -31,6 +31,7 @@ class Method:
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps that its
     `history` reaches back, `arrays` of its state as (name, numbers a site, and how many more, meaning), and `defines`
     for its header.
+    A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
     """
     name: str
     title: str
@@ -56,15 +57,41 @@ class Method:
     history: int = 0
     arrays: tuple = ()
     defines: tuple = ()
+    stages: int = 1
+    scheme: str = ""
+
+    @property
+    def of_midpoints(self) -> bool:
+        """Its step is one or several of a midpoint."""
+        return self.midpoint or self.stages > 1
 
 
-METHODS = {m.name: m for m in (
+# suffix -> order, stages, header, source: the plain orders are the schemes that did best of their order
+SCHEMES = {"4": (4, 5, "smg_suzuki5.h", "Suzuki"), "6": (6, 11, "smg_ss11.h", "Sofroniou and Spaletta"),
+           "8": (8, 21, "smg_ss21.h", "Sofroniou and Spaletta"), "10": (10, 35, "smg_ss35.h", "Sofroniou and Spaletta"),
+           "ss13": (6, 13, "smg_ss13.h", "Sofroniou and Spaletta"), "kl9a": (6, 9, "smg_kl9a.h", "Kahan and Li"),
+           "kl17a": (8, 17, "smg_kl17a.h", "Kahan and Li")}
+
+
+def composed(base: Method, scheme: str) -> Method:
+    """The symmetric composition of a symmetric method of order 2."""
+    order, stages, header, source = SCHEMES[scheme]
+    kind = "symplectic, " if base.symplectic else ""
+    return replace(
+        base, name=f"{base.name}-{scheme}", title=f"{base.title} composed to order {order}", label=f"{base.label} {scheme}",
+        summary=f"{base.name} composed of {stages} stages ({kind}order {order}, {source})", order=order, midpoint=False,
+        features=("tangent", "plain-sums"), history=8, stages=stages, scheme=header)
+
+
+MIDPOINT_METHODS = (
     Method("spherical-midpoint", "the spherical midpoint", "spherical midpoint", "spherical midpoint (symplectic, order 2)", 2,
            "smg_spherical_midpoint.h", onto_leaf=True, symplectic=True, unknowns=2, solvers=SOLVERS),
     Method("classical-midpoint", "the classical midpoint", "classical midpoint", "classical midpoint (comparator: not symplectic on spheres)", 2,
            "smg_classical_midpoint.h"),
     Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
-           "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS, asks=(ENERGY, GRADIENT, HESSIAN)),
+           "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS, asks=(ENERGY, GRADIENT, HESSIAN)))
+METHODS = {m.name: m for m in (
+    *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",
              f"Gauss collocation in collective variables, {s} stage{'s' * (s > 1)} (symplectic, order {2 * s})", 2 * s, "smg_gauss.h",
              symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False,
@@ -77,10 +104,11 @@ METHODS = {m.name: m for m in (
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
              arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),
+    *(composed(base, scheme) for base in MIDPOINT_METHODS for scheme in SCHEMES),
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]
-MIDPOINTS = tuple(m.name for m in METHODS.values() if m.midpoint)
+MIDPOINTS = tuple(m.name for m in MIDPOINT_METHODS)
 
 
 def others(name: str) -> str:

@@ -42,7 +42,8 @@
  * SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not depend on themselves, and
  * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
- * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly. Features: SMG_EXTENDED,
+ * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly. SMG_COMPOSED: stages of a
+ * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. Features: SMG_EXTENDED,
  * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone. */
 
 enum { SMG_SPHERE, SMG_R3, SMG_NAMBU };

@@ -22,6 +22,11 @@ SMG_INLINE smg_vec smg_vec_of(smg_real x, smg_real y, smg_real z) {
   v.z = z;
   return v;
 }
+SMG_INLINE void smg_vec_store(smg_real *w, smg_vec a) {
+  w[0] = a.x;
+  w[1] = a.y;
+  w[2] = a.z;
+}
 SMG_INLINE smg_vec smg_vec_load(const smg_real *w) { return smg_vec_of(w[0], w[1], w[2]); }
 SMG_INLINE smg_vec smg_vec_add(smg_vec a, smg_vec b) { return smg_vec_of(a.x + b.x, a.y + b.y, a.z + b.z); }
 SMG_INLINE smg_vec smg_vec_sub(smg_vec a, smg_vec b) { return smg_vec_of(a.x - b.x, a.y - b.y, a.z - b.z); }

@@ -26,17 +26,6 @@
 /* The square of a Newton change whose remainder is far below round-off: a larger one would leave a drift. */
 #define SMG_SMALL (SMG_EPS / 64)
 
-/* The polynomial of degree d through the last d + 1 rows, one step on: weights (-1)^j C(d+1, j+1), four times each. */
-static const smg_real smg_sphere_weights[SMG_HISTORY][4 * SMG_HISTORY] = {
-    {1, 1, 1, 1},
-    {2, 2, 2, 2, -1, -1, -1, -1},
-    {3, 3, 3, 3, -3, -3, -3, -3, 1, 1, 1, 1},
-    {4, 4, 4, 4, -6, -6, -6, -6, 4, 4, 4, 4, -1, -1, -1, -1},
-    {5, 5, 5, 5, -10, -10, -10, -10, 10, 10, 10, 10, -5, -5, -5, -5, 1, 1, 1, 1},
-    {6, 6, 6, 6, -15, -15, -15, -15, 20, 20, 20, 20, -15, -15, -15, -15, 6, 6, 6, 6, -1, -1, -1, -1},
-    {7, 7, 7, 7, -21, -21, -21, -21, 35, 35, 35, 35, -35, -35, -35, -35, 21, 21, 21, 21, -7, -7, -7, -7, 1, 1, 1, 1},
-    {8, 8, 8, 8, -28, -28, -28, -28, 56, 56, 56, 56, -70, -70, -70, -70, 56, 56, 56, 56, -28, -28, -28, -28, 8, 8, 8, 8, -1, -1, -1, -1}};
-
 /* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear of 0 by as much
  * as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
 SMG_INLINE int smg_clear_of_branches(smg_real det) { return (det > (smg_real)0.4375) & (det < 5); }
@@ -52,6 +41,20 @@ SMG_COLD static smg_real smg_sphere_bound(const smg_coefficients *c, smg_vec m, 
   return smg_vec_largest(sum);
 }
 
+#if SMG_COMPOSED
+#include "smg_stage_predictor.h"
+#else
+/* The polynomial of degree d through the last d + 1 rows, one step on: weights (-1)^j C(d+1, j+1), four times each. */
+static const smg_real smg_sphere_weights[SMG_HISTORY][4 * SMG_HISTORY] = {
+    {1, 1, 1, 1},
+    {2, 2, 2, 2, -1, -1, -1, -1},
+    {3, 3, 3, 3, -3, -3, -3, -3, 1, 1, 1, 1},
+    {4, 4, 4, 4, -6, -6, -6, -6, 4, 4, 4, 4, -1, -1, -1, -1},
+    {5, 5, 5, 5, -10, -10, -10, -10, 10, 10, 10, 10, -5, -5, -5, -5, 1, 1, 1, 1},
+    {6, 6, 6, 6, -15, -15, -15, -15, 20, 20, 20, 20, -15, -15, -15, -15, 6, 6, 6, 6, -1, -1, -1, -1},
+    {7, 7, 7, 7, -21, -21, -21, -21, 35, 35, 35, 35, -35, -35, -35, -35, 21, 21, 21, 21, -7, -7, -7, -7, 1, 1, 1, 1},
+    {8, 8, 8, 8, -28, -28, -28, -28, 56, 56, 56, 56, -70, -70, -70, -70, 56, 56, 56, 56, -28, -28, -28, -28, 8, 8, 8, 8, -1, -1, -1, -1}};
+
 /* The polynomial of least error through the last increments, one step on; the sum over all but the two newest rows
  * is ready before they are. */
 SMG_INLINE smg_vec smg_sphere_predict(smg_state *s, smg_real *q) {
@@ -66,6 +69,7 @@ SMG_INLINE smg_vec smg_sphere_predict(smg_state *s, smg_real *q) {
   return smg_vec_of((s->older[0] + a[4] * row[4]) + a[0] * row[0], (s->older[1] + a[4] * row[5]) + a[0] * row[1],
                     (s->older[2] + a[4] * row[6]) + a[0] * row[2]);
 }
+#endif
 
 SMG_INLINE smg_vec smg_twice_midpoint(smg_vec w, smg_vec u) {
   return smg_vec_of(2 * w.x + u.x, 2 * w.y + u.y, 2 * w.z + u.z);
@@ -144,10 +148,16 @@ SMG_INLINE void smg_sphere_commit(smg_state *s, smg_vec W, smg_vec y, smg_vec v,
   row[0] = v.x;
   row[1] = v.y;
   row[2] = v.z;
+#if SMG_COMPOSED
+  row[3] = smg_gamma[s->stage] * q;
+  smg_stage_done(s);
+#else
   row[3] = q;
   ++s->count;
+#endif
 }
 
+#if !SMG_COMPOSED
 /* Which degree would have predicted the newest row best? Its error is the backward difference of order d + 1. */
 static void smg_sphere_degree(smg_state *s) {
   s->history = s->count < SMG_HISTORY ? (int)s->count : SMG_HISTORY;
@@ -164,6 +174,7 @@ static void smg_sphere_degree(smg_state *s) {
   for (int d = 1; d + 1 < s->history; ++d)
     if (miss[d] < miss[s->degree]) s->degree = d;
 }
+#endif
 
 /* One unit of W in its last place; after some tries also some units of u, for near a zero of W the round-off of u
  * is larger than a unit of W. */
@@ -218,13 +229,15 @@ SMG_COLD static smg_status smg_sphere_hard(smg_state *s, smg_vec u) {
   smg_status status = smg_sphere_iterate(s, u);
   if (status != SMG_OK && status != SMG_WRONG_BRANCH) status = smg_sphere_iterate(s, smg_vec_of(0, 0, 0));
   if (status != SMG_OK) {
-    status = smg_site_solve(s, smg_signed_h(s->h), 0);
+    status = smg_site_solve(s, s->c.h, 0);
     if (status == SMG_OK) {
       const smg_vec w = smg_vec_load(s->w), v = smg_vec_load(s->u), y = smg_vec_add(v, smg_vec_load(s->compensation)), S = smg_twice_midpoint(w, v);
       smg_sphere_commit(s, smg_vec_add(w, y), y, v, 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S)));
     }
   }
+#if !SMG_COMPOSED
   if (status == SMG_OK && (s->count <= SMG_HISTORY || s->count % 16 == 0)) smg_sphere_degree(s);
+#endif
   s->report.site = status == SMG_OK ? -1 : 0;
   return status;
 }
@@ -254,16 +267,16 @@ SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_vec u, smg_vec v, 
     settled = smg_within_ulp(z.x - v.x, W.x, z.x, 1) && smg_within_ulp(z.y - v.y, W.y, z.y, 1) && smg_within_ulp(z.z - v.z, W.z, z.z, 1);
   if (!(settled && smg_clear_of_branches(det) && smg_sphere_bound(c, smg_vec_scale(q, smg_twice_midpoint(w, u)), q) <= SMG_DAMPS && size < SMG_SMALL && smg_vec_largest(z) <= SMG_MAX)) return smg_sphere_hard(s, z);
   smg_sphere_commit(s, W, y, z, q);
+#if !SMG_COMPOSED
   if (s->count % 16 == 0) smg_sphere_degree(s);
+#endif
   s->report.residual = smg_vec_largest(smg_vec_sub(z, v));
   return SMG_OK;
 }
 
-static smg_status smg_step(smg_state *s) {
+/* One step of the size s->c.h, the time of its midpoint in s->c. */
+SMG_INLINE smg_status smg_sphere_step(smg_state *s) {
   const smg_coefficients *c = &s->c;
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
-#endif
   const smg_vec w = smg_vec_load(s->w), compensation = smg_vec_load(s->compensation);
   smg_real q, det, size; /* the empty rows of the first steps give q = 0 and a large size */
   const smg_vec p = smg_sphere_predict(s, &q), u = smg_sphere_newton(c, w, p, &q, &det, &size);
@@ -280,10 +293,19 @@ static smg_status smg_step(smg_state *s) {
   return SMG_OK;
 }
 
+#if !SMG_COMPOSED
+static smg_status smg_step(smg_state *s) {
+#if SMG_TIMED
+  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
+#endif
+  return smg_sphere_step(s);
+}
+
 static smg_status smg_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   while (count-- > 0 && status == SMG_OK) status = smg_step(s);
   return status;
 }
+#endif
 
 #endif

@@ -1,4 +1,4 @@
-/* smidgen method: the history of a single sphere, SMG_ROWS rows of (u, 1/|w + W|) in one array; s->row is the newest. */
+/* smidgen method: the history of a single sphere, SMG_ROWS rows of (u, 1/|w + W|) in one array (of a composition (u, gamma/|w + W|)); s->row is the newest. */
 #ifndef SMG_SPHERE_HISTORY_H
 #define SMG_SPHERE_HISTORY_H
 
@@ -12,6 +12,9 @@ static inline void smg_blank_history(smg_state *s) {
   s->degree = SMG_NO_DEGREE;
   s->row = SMG_ROWS - SMG_HISTORY;
   for (int k = 0; k < 4; ++k) s->older[k] = 0;
+#if SMG_COMPOSED
+  s->stage = 0;
+#endif
 }
 
 /* Numbers of the history. */
@@ -41,6 +44,9 @@ static inline void smg_save_history(const smg_state *s, smg_real *out) {
 }
 
 static inline void smg_restore_history(smg_state *s, const smg_real *in) {
+#if SMG_COMPOSED
+  s->stage = 0;
+#endif
   for (int k = 0; k < 4 * SMG_HISTORY; ++k) s->rows[4 * s->row + k] = in[k];
 }
 

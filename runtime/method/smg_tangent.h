@@ -6,7 +6,9 @@
 #ifndef SMG_TANGENT_H
 #define SMG_TANGENT_H
 
-#if SMG_SINGLE_SPHERE
+#if SMG_COMPOSED
+#include "smg_composition.h"
+#elif SMG_SINGLE_SPHERE
 #include "smg_single_sphere.h"
 #else
 #include "smg_step.h"
@@ -213,7 +215,7 @@ static smg_status smg_push_column(smg_state *s, smg_real h, smg_real *v, smg_rea
   return status == SMG_OK ? smg_finite_column(s, v) : status;
 }
 
-static size_t smg_tangent_memory(const smg_params *p) {
+static size_t smg_step_tangent_memory(const smg_params *p) {
 #if SMG_HAS_COUPLED
   smg_coefficients c;
   smg_sizes(&c, p);
@@ -241,22 +243,34 @@ static smg_status smg_leaf_before(smg_state *s, int64_t k) {
 #endif
 }
 
-static smg_status smg_push_forward(smg_state *s, smg_real *v, int64_t columns, void *mem) {
-  const smg_real h = smg_signed_h(s->h);
-  const smg_report report = s->report;
+/* The columns through the step of the size h that has led to s->w by the newest increment, the time of its midpoint in s->c. */
+static smg_status smg_push_step(smg_state *s, smg_real h, smg_real *v, int64_t columns, smg_real *mem) {
   const int64_t sites = smg_sites(&s->c);
+  smg_status status = SMG_OK;
+  for (int64_t k = 0; k < sites && status == SMG_OK; ++k) status = smg_leaf_before(s, k);
+#if SMG_HAS_COUPLED
+  if (status == SMG_OK) status = smg_tangent_matrix(s, h, mem + 6 * sites);
+#endif
+  for (int64_t j = 0; j < columns && status == SMG_OK; ++j) status = smg_push_column(s, h, v + 3 * sites * j, mem);
+  return status;
+}
+
+#if SMG_COMPOSED
+#include "smg_composed_tangent.h"
+#else
+static size_t smg_tangent_memory(const smg_params *p) { return smg_step_tangent_memory(p); }
+
+static smg_status smg_push_forward(smg_state *s, smg_real *v, int64_t columns, void *mem) {
+  const smg_report report = s->report;
   smg_status status = s->count > 0 ? SMG_OK : SMG_BAD_PARAMETER;
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, (smg_real)-0.5));
 #endif
-  for (int64_t k = 0; k < sites && status == SMG_OK; ++k) status = smg_leaf_before(s, k);
-#if SMG_HAS_COUPLED
-  if (status == SMG_OK) status = smg_tangent_matrix(s, h, (smg_real *)mem + 6 * sites);
-#endif
-  for (int64_t j = 0; j < columns && status == SMG_OK; ++j) status = smg_push_column(s, h, v + 3 * sites * j, (smg_real *)mem);
+  if (status == SMG_OK) status = smg_push_step(s, smg_signed_h(s->h), v, columns, (smg_real *)mem);
   if (status == SMG_OK) s->report = report;
   s->report.status = status;
   return status;
 }
+#endif
 
 #endif

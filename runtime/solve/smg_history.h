@@ -10,6 +10,9 @@
 static inline void smg_blank_history(smg_state *s) {
   s->degree = SMG_NO_DEGREE;
   s->newton_steps = 0;
+#if SMG_COMPOSED
+  s->stage = 0;
+#endif
 }
 
 /* Numbers of the history. */
@@ -19,6 +22,9 @@ static inline size_t smg_history_size(const smg_coefficients *c) { return (size_
 static inline size_t smg_place_history(smg_state *s, smg_real *mem, size_t used) {
   const size_t n3 = (size_t)(3 * smg_sites(&s->c));
   for (int j = 0; j < SMG_HISTORY; ++j, used += n3) s->past[j] = mem ? mem + used : NULL;
+#if SMG_COMPOSED
+  for (int j = 0; j < SMG_HISTORY; ++j, used += n3) s->spare[j] = mem ? mem + used : NULL;
+#endif
   return used;
 }
 
@@ -46,6 +52,9 @@ static inline void smg_save_history(const smg_state *s, smg_real *out) {
 
 static inline void smg_restore_history(smg_state *s, const smg_real *in) {
   const int64_t n3 = 3 * smg_sites(&s->c);
+#if SMG_COMPOSED
+  s->stage = 0;
+#endif
   for (int j = 0; j < SMG_HISTORY; ++j)
     for (int64_t k = 0; k < n3; ++k) s->past[j][k] = in[j * n3 + k];
 }

@@ -4,6 +4,13 @@
 
 #include "smg_model.h"
 
+#if SMG_COMPOSED
+#include "smg_stage_predictor.h"
+#else
+
+/* Is it time to look which degree serves best? */
+static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 0; }
+
 /* The polynomial of degree d through the last d + 1 increments, one step on: weights (-1)^j C(d+1, j+1). */
 static inline smg_real smg_weight(int degree, int j) {
   static const smg_real weights[7][7] = {{1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}, {5, -10, 10, -5, 1}, {6, -15, 20, -15, 6, -1}, {7, -21, 35, -35, 21, -7, 1}};
@@ -38,4 +45,5 @@ static void smg_choose_degree(smg_state *s) {
     if (miss[d] < miss[s->degree]) s->degree = d;
 }
 
+#endif
 #endif

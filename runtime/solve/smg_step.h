@@ -71,7 +71,7 @@ static inline void smg_add_increment(smg_state *s) {
 
 /* The state after the step. */
 static void smg_commit(smg_state *s) {
-  if (s->history < SMG_HISTORY || s->count % 16 == 0) smg_choose_degree(s);
+  if (smg_time_to_choose(s)) smg_choose_degree(s);
 #if SMG_EXTENDED
   smg_widen(s);
 #endif
@@ -81,17 +81,14 @@ static void smg_commit(smg_state *s) {
     if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k)); /* open leaves: orbits grow */
 #endif
   smg_remember(s);
-  ++s->count;
 }
 
-static smg_status smg_step(smg_state *s) {
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
-#endif
+/* One step of the size h, the time of its midpoint in s->c: the state after it, but not counted. */
+static smg_status smg_advance(smg_state *s, smg_real h) {
   const int newton_steps = s->newton_steps;
   s->report.site = s->report.partner = -1;
   s->report.reached = 0;
-  s->report.status = smg_solve_step(s, smg_signed_h(s->h));
+  s->report.status = smg_solve_step(s, h);
   if (s->report.status == SMG_OK) {
     s->report.site = -1; /* a first try may have failed there */
     smg_commit(s);
@@ -99,10 +96,21 @@ static smg_status smg_step(smg_state *s) {
   return s->report.status;
 }
 
+#if !SMG_COMPOSED
+static smg_status smg_step(smg_state *s) {
+#if SMG_TIMED
+  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
+#endif
+  const smg_status status = smg_advance(s, smg_signed_h(s->h));
+  if (status == SMG_OK) ++s->count;
+  return status;
+}
+
 static smg_status smg_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   while (count-- > 0 && status == SMG_OK) status = smg_step(s);
   return status;
 }
+#endif
 
 #endif

@@ -34,7 +34,7 @@ def buffers(model) -> list:
     n = model.total
     found = [buffer("w", 3 * n, "the state: 3 numbers per site"), buffer("compensation", 3 * n, "what w has lost to rounding"),
              buffer("u", 3 * n, "increment W - w of the step under way")]
-    if not model.method.midpoint:
+    if not model.method.of_midpoints:
         return found + [buffer(name, size * n + more, meaning) for name, size, more, meaning in model.method.arrays]
     if model.solo:
         found.append(buffer("rows", 4 * ROWS, "history: increment and 1/|w + W| of each step, newest first"))
@@ -46,7 +46,24 @@ def buffers(model) -> list:
         found += [buffer("mbar", 3 * n, "midpoints (w + W)/2"), buffer("g", 3 * n, "dH/dw at m"), buffer("r", 3 * n, "residual"),
                   buffer("s", n, "m = s mbar"), *matrix_buffers(model),
                   buffer("curve", 15 * n, "a branch of solutions followed: its point, tangent, changes")]
-    return found + (wide_buffers(model) if model.wide else [])
+    return [*found, *stage_buffers(model), *(wide_buffers(model) if model.wide else [])]
+
+
+def stage_buffers(model) -> list:
+    """Of a composition."""
+    stages, n = model.method.stages, model.total
+    if stages == 1:
+        return []
+    found = [buffer("misses", 5, "what every level of the predictor missed in a step, and in how many stages")]
+    if model.solo:
+        return [*found, buffer("prepared", Computed("smg_prepared_size", (whole(stages),)), "coefficients for every size of stage, after 1 and the h that they are for")]
+    found.append(buffer("before", 6 * n, "w and compensation before the step"))
+    return [*found, *([buffer("increments", 3 * stages * n, "increments of all stages of the step just taken")] if stages_kept(model) else [])]
+
+
+def stages_kept(model) -> bool:
+    """Does the tangent map need the increments of all stages? A single sphere has them in its history."""
+    return model.method.stages > 1 and "tangent" in model.features and not model.solo
 
 
 def matrix_buffers(model) -> list:
@@ -94,6 +111,6 @@ def layout(model) -> Function:
     used = Name("used")
     placed = [Assign(used, Call("smg_place_array", (Unary("&", Member("s", b.name)), Name("mem"), used, Unary("(size_t)", b.size))))
               for b in buffers(model)]
-    last = used if model.solo or not model.method.midpoint else Call("smg_place_history", (Name("s"), Name("mem"), used))
+    last = used if model.solo or not model.method.of_midpoints else Call("smg_place_history", (Name("s"), Name("mem"), used))
     return Function("size_t", "smg_layout", (Argument("smg_state *", "s"), Argument("smg_real *", "mem")),
                     (*held(placed, "c", "smg_coefficients"), Variable("size_t", "used", ZERO), *placed, Return(last)), inlined="never")

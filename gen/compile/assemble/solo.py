@@ -44,7 +44,7 @@ def solo_kernels(model, low: Lowering):
 def may_be_solo(model, low: Lowering) -> bool:
     """One unit sphere whose field depends on itself."""
     f = model.families[0]
-    return (model.method.midpoint and model.method.onto_leaf and len(model.families) == 1 and f.count == ONE and f.unit
+    return (model.method.of_midpoints and model.method.onto_leaf and len(model.families) == 1 and f.count == ONE and f.unit
             and not model.closed_form(f) and not any(t.derived.parts for t in model.effects)
             and all(low.level(s.name) < SITE for t in model.effects for b in t.derived.hessian.values()
                     for s in b.free_symbols if s.name[0] != "v"))

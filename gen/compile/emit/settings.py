@@ -1,7 +1,7 @@
 """What a model says of itself by macros, and the headers that its method is made of."""
 from __future__ import annotations
 
-from ..assemble.buffers import history
+from ..assemble.buffers import history, stages_kept
 from ..assemble.model import Model
 from .print_wide import elementary
 
@@ -16,7 +16,7 @@ def settings(model: Model) -> list:
         "SMG_BS": plan.block, "SMG_HISTORY": history(model), "SMG_FAMILIES": len(model.families),
         "SMG_ORIENTATION": 1 if model.spec.orientation > 0 else -1, "SMG_TIMED": model.coefficients.timed,
         "SMG_SINGLE_SPHERE": bool(model.solo), "SMG_HAS_COUPLED": bool(coupled), "SMG_HAS_ALONE": bool(alone),
-        "SMG_LEAVES": model.method.midpoint and any(f.kind != "sphere" for f in model.families),
+        "SMG_LEAVES": model.method.of_midpoints and any(f.kind != "sphere" for f in model.families),
         "SMG_ALONE_LINEAR": any(model.closed_form(f) for f in alone),
         "SMG_ALONE_NEWTON": any(not model.closed_form(f) for f in alone),
         "SMG_COUPLED_NAMBU": any(f.kind == "nambu" for f in coupled),
@@ -27,6 +27,7 @@ def settings(model: Model) -> list:
         "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
         "SMG_EXTENDED": model.wide is not None, "SMG_PLAIN_SUMS": "plain-sums" in model.features,
         "SMG_WIDE_TIMED": model.wide is not None and model.wide.coefficients.timed,
+        "SMG_COMPOSED": model.method.stages if model.method.stages > 1 else 0, "SMG_STAGES_KEPT": stages_kept(model),
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
     read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
@@ -43,10 +44,11 @@ def takes_wide_functions(model: Model) -> bool:
 
 def method_headers(model: Model) -> list:
     """The method, what its step is made of, and its features."""
-    names = [model.method.header]
-    if not model.method.midpoint:
+    composed = model.method.stages > 1
+    names = [*([model.method.scheme] if composed else []), model.method.header]
+    if not model.method.of_midpoints:
         return [*names, "smg_saved.h"]
     if model.plan.coupled:
         names.append(MATRICES.get(model.plan.solver, "smg_matrix_free.h"))
-    names.append("smg_single_sphere.h" if model.solo else "smg_step.h")
+    names.append("smg_composition.h" if composed else "smg_single_sphere.h" if model.solo else "smg_step.h")
     return [*names, "smg_saved.h", *(["smg_tangent.h"] if "tangent" in model.features else [])]

@@ -108,7 +108,7 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
     local = tuple(f.name for f in spec.families if f.name not in coupled)
     check_space(spec, METHODS[method])
     require_of_method(contributions, METHODS[method])
-    if not METHODS[method].midpoint:
+    if not METHODS[method].of_midpoints:
         return Plan(method, (), (), *METHODS[method].how)
     require([c for c in contributions if any(f in local for f, _ in c.slots)], ASKS["local"], "a site that is solved alone")
     if not coupled:

@@ -1,0 +1,184 @@
+/* smidgen method: a symmetric composition of a midpoint method, of the order and the coefficients that its table has.
+ *
+ * One step is SMG_COMPOSED steps of the base method one after the other, its stages,
+ *
+ *     Phi_h = phi_(gamma_n h) o .. o phi_(gamma_1 h),   sum gamma_i = 1,
+ *
+ * stage i at the time t + (gamma_1 + .. + gamma_(i-1) + gamma_i/2) h. What every phi keeps, Phi keeps: it is symplectic and
+ * time-reversible where the base method is. Some stages go backward; each passes the branch check with its own step. Hairer,
+ * Lubich and Wanner, Geometric Numerical Integration, II.4 and V.3.
+ *
+ * A stage that fails ends the step: the state, the history and all else is as it was before the first stage. The report then
+ * is that of the failed stage: its site, its residual, and `reached`, the part of gamma_i h up to which solutions exist. After a
+ * step it has the sum of the iterations and the largest residual. */
+#ifndef SMG_COMPOSITION_H
+#define SMG_COMPOSITION_H
+
+#if SMG_SINGLE_SPHERE
+#include "smg_single_sphere.h"
+#else
+#include "smg_step.h"
+#endif
+
+#if SMG_EXTENDED
+#error "smg_composition.h: no SMG_EXTENDED"
+#endif
+
+#if SMG_SINGLE_SPHERE
+/* What a step changes before it is known to succeed. */
+typedef struct smg_before {
+  smg_vec w, compensation;
+  int row, degree, history;
+} smg_before;
+
+/* The rows of a step fit below the newest one: those of the steps before stay as they are until the next begins. */
+static inline void smg_hold(smg_state *s, smg_before *b) {
+  if (s->row < SMG_COMPOSED) {
+    for (int k = 0; k < 4 * SMG_HISTORY; ++k) s->rows[4 * (SMG_ROWS - SMG_HISTORY) + k] = s->rows[4 * s->row + k];
+    s->row = SMG_ROWS - SMG_HISTORY;
+  }
+  b->w = smg_vec_load(s->w);
+  b->compensation = smg_vec_load(s->compensation);
+  b->row = s->row;
+  b->degree = s->degree;
+  b->history = s->history;
+}
+
+static inline void smg_give_back(smg_state *s, const smg_before *b) {
+  smg_vec_store(s->w, b->w);
+  smg_vec_store(s->compensation, b->compensation);
+  s->row = b->row;
+  s->degree = b->degree;
+  s->history = b->history;
+}
+
+/* The coefficients of a stage: some have the step in them. Those of all sizes of stages are kept, after the h that they are for:
+ * s->prepared is 1 and h, then one smg_coefficients a size. */
+static inline size_t smg_prepared_size(int64_t stages) {
+  return 2 + (size_t)(stages / 2 + 1) * ((sizeof(smg_coefficients) + sizeof(smg_real) - 1) / sizeof(smg_real));
+}
+static inline smg_coefficients *smg_prepared(const smg_state *s) { return (smg_coefficients *)(void *)(s->prepared + 2); }
+
+SMG_COLD static void smg_prepare_stages(smg_state *s) {
+  for (int i = 0; i <= SMG_COMPOSED / 2; ++i) {
+    s->c.h = smg_gamma[i] * smg_signed_h(s->h);
+    (void)smg_prepare(&s->c); /* what is not finite ends the step that meets it */
+    smg_prepared(s)[i] = s->c;
+  }
+  s->prepared[0] = 1;
+  s->prepared[1] = (smg_real)s->h;
+}
+
+static inline smg_status smg_solve_stage(smg_state *s, smg_real middle) {
+  s->c = smg_prepared(s)[s->stage <= SMG_COMPOSED / 2 ? s->stage : SMG_COMPOSED - 1 - s->stage];
+#if SMG_TIMED
+  smg_set_time(&s->c, smg_time_at(s, middle));
+#else
+  (void)middle;
+#endif
+  return smg_sphere_step(s);
+}
+#else
+typedef struct smg_before {
+  smg_real *past[SMG_HISTORY], scale;
+  int degree, history, newton_steps;
+} smg_before;
+
+static inline void smg_hold(smg_state *s, smg_before *b) {
+  const int64_t n3 = 3 * smg_sites(&s->c);
+  for (int64_t k = 0; k < n3; ++k) {
+    s->before[k] = s->w[k];
+    s->before[n3 + k] = s->compensation[k];
+  }
+  for (int j = 0; j < SMG_HISTORY; ++j) b->past[j] = s->past[j];
+  b->scale = s->scale;
+  b->degree = s->degree;
+  b->history = s->history;
+  b->newton_steps = s->newton_steps;
+}
+
+/* After f stages the newest f increments, at most SMG_HISTORY, are those of this step; the arrays in whose place they came are
+ * in s->spare. */
+static inline void smg_give_back(smg_state *s, const smg_before *b) {
+  const int64_t n3 = 3 * smg_sites(&s->c);
+  for (int j = 0; j < s->stage && j < SMG_HISTORY; ++j) s->spare[j] = s->past[j];
+  for (int j = 0; j < SMG_HISTORY; ++j) s->past[j] = b->past[j];
+  for (int64_t k = 0; k < n3; ++k) {
+    s->w[k] = s->before[k];
+    s->compensation[k] = s->before[n3 + k];
+  }
+  s->scale = b->scale;
+  s->degree = b->degree;
+  s->history = b->history;
+  s->newton_steps = b->newton_steps;
+}
+
+/* u has joined the history, and the array of the oldest increment is free. Of the first stages it is one that a failure later in
+ * this step would need: it is kept, and a spare one takes its place. */
+static inline void smg_stage_done(smg_state *s) {
+#if SMG_STAGES_KEPT
+  const int64_t n3 = 3 * smg_sites(&s->c);
+  for (int64_t k = 0; k < n3; ++k) s->increments[n3 * s->stage + k] = s->past[0][k];
+#endif
+  if (s->stage < SMG_HISTORY) {
+    smg_real *oldest = s->u;
+    s->u = s->spare[s->stage];
+    s->spare[s->stage] = oldest;
+  }
+  ++s->stage;
+}
+
+static inline smg_status smg_solve_stage(smg_state *s, smg_real middle) {
+#if SMG_TIMED
+  smg_set_time(&s->c, smg_time_at(s, middle));
+#else
+  (void)middle;
+#endif
+  const smg_status status = smg_advance(s, smg_gamma[s->stage] * smg_signed_h(s->h));
+  if (status == SMG_OK) smg_stage_done(s);
+  return status;
+}
+#endif
+
+/* All stages, or those up to one that fails; s->stage counts them. */
+static inline smg_status smg_solve_stages(smg_state *s) {
+  smg_status status = SMG_OK;
+  smg_real done = 0, residual = 0;
+  int iterations = 0;
+  for (int l = 0; l <= SMG_LEVELS; ++l) s->misses[l] = 0;
+  for (s->stage = 0; s->stage < SMG_COMPOSED && status == SMG_OK;) {
+    const smg_real gamma = smg_gamma[s->stage];
+    status = smg_solve_stage(s, done + 0.5 * gamma);
+    done += gamma;
+    iterations += s->report.iterations;
+    residual = smg_max(residual, s->report.residual);
+  }
+  if (status == SMG_OK) {
+    s->report.iterations = iterations;
+    s->report.residual = residual;
+  }
+  return status;
+}
+
+static smg_status smg_step(smg_state *s) {
+  smg_before before;
+#if SMG_SINGLE_SPHERE
+  if (!(s->prepared[0] == 1 && s->prepared[1] == (smg_real)s->h)) smg_prepare_stages(s);
+#endif
+  smg_hold(s, &before);
+  const smg_status status = smg_solve_stages(s);
+  if (status == SMG_OK) ++s->count;
+  else {
+    smg_give_back(s, &before);
+    s->stage = 0;
+  }
+  return status;
+}
+
+static smg_status smg_steps(smg_state *s, int64_t count) {
+  smg_status status = SMG_OK;
+  while (count-- > 0 && status == SMG_OK) status = smg_step(s);
+  return status;
+}
+
+#endif

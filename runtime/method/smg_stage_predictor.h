@@ -1,0 +1,94 @@
+/* smidgen method: the first iterate of a stage of a composition, from the increments of the stages before it.
+ *
+ * Stages differ in size and sign, so no polynomial in time goes through their increments. The weights smg_stage_weights[i][l], l the
+ * level, know how an increment depends on the size of its stage and on the error so far: tests/coefficients/compositions.py has the
+ * functions for which they are right. The history is one for all stages, the last SMG_HISTORY increments whatever their stage. */
+#ifndef SMG_STAGE_PREDICTOR_H
+#define SMG_STAGE_PREDICTOR_H
+
+#include "smg_model.h"
+
+#define SMG_LEVELS 4
+
+/* How many stages a level looks back. */
+static inline int smg_span(int level) {
+  static const int span[SMG_LEVELS] = {1, 3, 6, 8};
+  return span[level];
+}
+
+/* The highest level that `stages` of them serve. */
+static inline int smg_highest_level(int stages) {
+  int level = 0;
+  while (level + 1 < SMG_LEVELS && smg_span(level + 1) <= stages) ++level;
+  return level;
+}
+
+/* Is it time to look which level serves best? While the history grows, and then through all stages of every sixteenth step. */
+static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 2; }
+
+/* s->misses: for every level the squared errors of a step's stages so far, and of how many stages they are. After the last stage
+ * the level of least error is chosen. */
+static inline void smg_choose_level(smg_state *s) {
+  s->misses[SMG_LEVELS] += 1;
+  if (s->misses[SMG_LEVELS] < SMG_COMPOSED) return;
+  s->degree = 0;
+  for (int l = 1; l < SMG_LEVELS; ++l)
+    if (s->misses[l] <= s->misses[s->degree]) s->degree = l;
+}
+
+#if SMG_SINGLE_SPHERE
+/* The row of the stage under way, (u, gamma q), from the rows before it; q = 1/|w + W| depends on the stages as u/gamma does. */
+SMG_INLINE smg_vec smg_sphere_predict(smg_state *s, smg_real *q) {
+  const smg_real *row = s->rows + 4 * s->row;
+  const double *a = smg_stage_weights[s->stage][s->degree];
+  smg_real sum[4] = {0, 0, 0, 0};
+  SMG_UNROLL
+  for (int j = SMG_HISTORY - 1; j >= 0; --j)
+    for (int i = 0; i < 4; ++i) sum[i] += (smg_real)a[j] * row[4 * j + i];
+  *q = sum[3] * (smg_real)smg_inverse_gamma[s->stage];
+  return smg_vec_of(sum[0], sum[1], sum[2]);
+}
+
+/* The error that every level would have made in the newest row, squared. */
+SMG_COLD static void smg_stage_misses(smg_state *s) {
+  const smg_real *row = s->rows + 4 * s->row;
+  for (int l = 0; l < SMG_LEVELS; ++l)
+    for (int i = 0; i < 3; ++i) {
+      smg_real miss = row[i];
+      for (int j = 0; j < smg_span(l); ++j) miss -= (smg_real)smg_stage_weights[s->stage][l][j] * row[4 * (j + 1) + i];
+      s->misses[l] += miss * miss;
+    }
+  smg_choose_level(s);
+}
+
+/* A stage has its row in the history. */
+SMG_INLINE void smg_stage_done(smg_state *s) {
+  if (s->history < SMG_HISTORY) s->degree = smg_highest_level(++s->history);
+  else if (smg_time_to_choose(s)) smg_stage_misses(s);
+  ++s->stage;
+}
+#else
+/* Component k of the increment of the stage under way. */
+static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int level) {
+  smg_real sum = 0;
+  for (int j = 0; level >= 0 && j < smg_span(level); ++j) sum += (smg_real)smg_stage_weights[s->stage][level][j] * s->past[j][k];
+  return sum;
+}
+
+/* Which level would have served best in the stage just solved? A sample of the components decides. */
+static void smg_choose_degree(smg_state *s) {
+  const int64_t size = 3 * smg_sites(&s->c), stride = 1 + size / 256;
+  if (s->history < SMG_HISTORY) {
+    s->degree = smg_highest_level(s->history + 1);
+    return;
+  }
+  for (int64_t k = 0; k < size; k += stride)
+    for (int l = 0; l < SMG_LEVELS; ++l) {
+      const smg_real miss = s->u[k] - smg_extrapolate(s, k, l);
+      s->misses[l] += miss * miss;
+    }
+  smg_choose_level(s);
+}
+#endif
+
+#endif
