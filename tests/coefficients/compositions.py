@@ -22,9 +22,9 @@ import sys
 from functools import lru_cache
 from pathlib import Path
 
-from mpmath import lu_solve, matrix, mp, mpf, nstr
+from mpmath import lu_solve, matrix, mp, mpf, nstr, workdps
 
-mp.dps = 60
+DIGITS = 60             # of all that is computed here, whatever mpmath is set to
 SPAN = (1, 3, 6, 8)     # stages that a level looks back: some more than functions, which makes the weights small
 HISTORY = max(SPAN)
 LARGEST = 50            # sum of the absolute weights of v up to which a level serves; beyond it what is left out grows more than it gains
@@ -91,7 +91,6 @@ def conditions(order):
     return [word for weight in range(3, order, 2) for word in words(weight) if is_lyndon(word)]
 
 
-@lru_cache(maxsize=None)
 def factorial(n):
     return mpf(1) if n == 0 else n * factorial(n - 1)
 
@@ -112,6 +111,7 @@ def palindrome(half):
     return [*half, 1 - 2 * sum(half), *reversed(half)]
 
 
+@workdps(DIGITS)
 def defects(half, order):
     """The order conditions: 0 where they hold."""
     found = product(palindrome(half), order)
@@ -121,7 +121,9 @@ def defects(half, order):
 def refined(half, order):
     """half, changed as little as the order conditions ask for."""
     x, width, at = list(half), mpf(10)**-30, defects(half, order)
-    while max(abs(a) for a in at) > mpf(10)**-45:
+    for _ in range(4):
+        if max(abs(a) for a in at) < mpf(10)**-45:
+            break
         J = matrix(len(at), len(x))
         for j in range(len(x)):
             moved = defects([y + width * (k == j) for k, y in enumerate(x)], order)
@@ -134,6 +136,7 @@ def refined(half, order):
 
 
 @lru_cache(maxsize=None)
+@workdps(DIGITS)
 def coefficients(name):
     """The half list of a scheme, to all digits of mpmath."""
     order, _, given = SCHEMES[name]
@@ -212,6 +215,7 @@ def title(name):
     return {"suzuki5": "of Suzuki"}.get(name, name.upper())
 
 
+@workdps(DIGITS)
 def header_of(name, order, source, half, guard=None):
     """The C header of a scheme; half: mpmath numbers, none for the scheme of one stage."""
     every, n = palindrome(half), 2 * len(half) + 1
