@@ -81,21 +81,24 @@ class SumParts:
         tangent = "tangent" in self.features and (self.plan.local or self.lifts())
         newton = any(not self.closed_form(f) for f in self.chosen(self.plan.local))
         found = []
+        lifted = tangent and self.lifts()
         if self.plan.local or self.plan.rotation:
-            found.append(self.of_site("smg_gather", ["smg_real *g"], self.gather_lines))
+            found.append(self.of_site("smg_gather", ["smg_real *g"], self.gather_lines, self.plan.rotation))
         if newton or tangent:
-            found.append(self.of_site("smg_site_hessian_vector", ["const smg_real *v", "smg_real *y"], self.own_hessian_lines))
+            found.append(self.of_site("smg_site_hessian_vector", ["const smg_real *v", "smg_real *y"], self.own_hessian_lines, lifted))
         if tangent:
-            found.append(self.of_site("smg_bend", ["const smg_real *dm", "smg_real *y"], self.bend_lines))
+            found.append(self.of_site("smg_bend", ["const smg_real *dm", "smg_real *y"], self.bend_lines, lifted))
         return found
 
-    def of_site(self, name: str, more, lines_of):
+    def of_site(self, name: str, more, lines_of, coupled: bool):
+        """A function of sites that are solved alone, and of `coupled` ones where they too are asked one by one."""
         def lines(f):
             found = lines_of(f.name)
             used = [x for x in COORDINATES if self.lattice(f.name) is not None]
             return [*(f"const int64_t {x} = at.{x};" for x in used if x in names_of(found)), *found]
         arguments = ["const smg_coefficients *c", "smg_lattice_site at", "const smg_real *all", "const smg_real *own", *more]
-        return Static(name, self.by_family(f"void {name}", arguments, lines, number="at.k", index="site"), True)
+        families = [f for f in self.families if f.name in self.plan.local or coupled]
+        return Static(name, self.by_family(f"void {name}", arguments, lines, families, number="at.k", index="site"), True)
 
     def roles(self, family: str):
         """The effects and slots through which a site of `family` feels something."""
