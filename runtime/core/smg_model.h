@@ -43,7 +43,14 @@
  * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
  * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly. Features: SMG_EXTENDED,
- * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone. */
+ * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone; SMG_FEW: the coupled sites are a few, and their number is known. */
+
+/* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are known. */
+#if SMG_FEW
+#define SMG_UNROLL_FEW SMG_UNROLL
+#else
+#define SMG_UNROLL_FEW
+#endif
 
 enum { SMG_SPHERE, SMG_R3, SMG_NAMBU };
 

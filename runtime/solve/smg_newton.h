@@ -22,6 +22,7 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
 static void smg_assemble(const smg_state *s, smg_real h) {
   const smg_coefficients *c = &s->c;
   smg_clear(s);
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_real own[SMG_BS * SMG_BS];
@@ -35,6 +36,7 @@ static void smg_assemble(const smg_state *s, smg_real h) {
 /* d = J^-1 r for the midpoints from its solution s->x in the frames. */
 static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
   const smg_coefficients *c = &s->c;
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     d[3 * k] = d[3 * k + 1] = d[3 * k + 2] = 0;
@@ -105,6 +107,7 @@ static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *
 static void smg_tangential_all(smg_state *s, smg_real rounding_scale) {
   const smg_coefficients *c = &s->c;
   if (!SMG_COUPLED_NAMBU && !(rounding_scale > s->scale)) return;
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_tangential(c, k, s->w + 3 * k, s->compensation + 3 * k, s->u + 3 * k);

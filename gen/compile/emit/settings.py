@@ -1,6 +1,7 @@
 """What a model says of itself by macros, and the headers that its method is made of."""
 from __future__ import annotations
 
+FEW = 4      # sites of which each gets its own copy of a loop's body: with two a step takes 6 or 7 % fewer instructions, with three 0.5 %
 MATRICES = {"dense": "smg_matrix_dense.h", "band": "smg_matrix_band.h", "sparse": "smg_matrix_sparse.h"}
 
 
@@ -22,6 +23,7 @@ class SettingParts:
             "SMG_MATRIX_FREE": bool(coupled) and not plan.matrix, "SMG_SWEPT": plan.swept, "SMG_ROTATION": plan.swept and plan.rotation,
             "SMG_CONSTANT_HESSIAN": plan.swept and plan.rotation and self.reach() is not None,
             "SMG_BAND": plan.band if plan.solver == "band" else 0, "SMG_CYCLIC": plan.solver == "band" and plan.wrap,
+            "SMG_FEW": self.rows.isdigit() and int(self.rows) <= FEW and bool(coupled),
             "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
             "SMG_EXTENDED": self.extended, "SMG_PLAIN_SUMS": "plain-sums" in self.features,
             "SMG_WIDE_TIMED": self.extended and self.wide_low.is_timed(),
