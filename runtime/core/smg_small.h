@@ -15,6 +15,13 @@
 #endif
 #endif
 
+/* Functions off the usual path: kept out of it, so that it stays in registers. */
+#if defined(__GNUC__)
+#define SMG_COLD __attribute__((noinline))
+#else
+#define SMG_COLD
+#endif
+
 /* Before a loop of constant length: asks gcc for its full unrolling (clang does it unasked). */
 #if defined(__GNUC__) && !defined(__clang__)
 #define SMG_UNROLL _Pragma("GCC unroll 16")

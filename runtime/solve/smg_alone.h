@@ -53,7 +53,7 @@ typedef struct smg_site_equation {
 } smg_site_equation;
 
 /* m = P(mbar), g there, and u = h X(m). */
-static inline void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+SMG_INLINE void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
   const smg_coefficients *c = &s->c;
   e->g[0] = e->g[1] = e->g[2] = 0;
   e->s = smg_project(c, k, smg_leaf_value(s, k), mbar, e->m);
@@ -62,7 +62,7 @@ static inline void smg_site_field(const smg_state *s, smg_real h, int64_t k, con
 }
 
 /* The increment of the method at mbar; 0 where it has none. */
-static inline int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+SMG_INLINE int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
   smg_site_field(s, h, k, mbar, e, u);
   e->rate = h;
 #if SMG_DIVIDED
@@ -75,7 +75,7 @@ static inline int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, c
 }
 
 /* The frame of one site and its Newton matrix J, with the right-hand side a of the residual r. */
-static inline void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_site_equation *e) {
+SMG_INLINE void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_site_equation *e) {
   const smg_coefficients *c = &s->c;
   smg_real G[3 * SMG_BS];
   smg_newton_frame(c, k, h, e->m, e->s, e->g, e->r, G, e->S, e->J, e->a);
@@ -99,7 +99,7 @@ static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, 
 }
 
 /* r = w + u/2 - mbar, and how large it is. */
-static inline smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_site_equation *e) {
+SMG_INLINE smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_site_equation *e) {
   const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
   smg_change now = {0, 0, 0};
   now.rounding_scale = smg_product_scale(&s->c, k, h, e->m, e->g);
@@ -111,7 +111,7 @@ static inline smg_change smg_site_residual(const smg_state *s, smg_real h, int64
 }
 
 /* What round-off is measured by. C(w) = w.grad C(w)/2 cancels near its cone, and P divides by it. */
-static inline smg_real smg_site_size(const smg_state *s, int64_t k) {
+SMG_INLINE smg_real smg_site_size(const smg_state *s, int64_t k) {
   const smg_real *w = s->w + 3 * k;
   smg_real n[3];
   if (!SMG_ONTO_LEAF || smg_kind(&s->c, k) != SMG_NAMBU) return s->scale;
@@ -134,7 +134,7 @@ static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 
 /* Newton's matrix of the method at e; returns the largest row sum of abs(J - I). */
-static inline smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u, smg_site_equation *e) {
+SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u, smg_site_equation *e) {
   smg_site_matrix(s, e->rate, k, e);
 #if SMG_DIVIDED
   for (int l = 0; l < SMG_BS; ++l) {
@@ -149,7 +149,7 @@ static inline smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_
 }
 
 /* The end of a non-contractive step: h X would enlarge what is left, so the midpoint tells u; is it right to its round-off? */
-static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
+SMG_COLD static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
   const smg_real *w = s->w + 3 * k, *compensation = s->compensation + 3 * k;
   for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
   smg_tangential(&s->c, k, w, compensation, u);
