@@ -8,7 +8,7 @@
 #if !SMG_SINGLE_SPHERE
 #include "smg_predictor.h"
 #endif
-#include "smg_tolerances.h"
+#include "smg_rules.h"
 
 static inline smg_lattice_site smg_at(int64_t k) {
   const smg_lattice_site at = {k, 0, 0, 0, 0, 0};
@@ -93,9 +93,7 @@ static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, 
   smg_real x[3];
   smg_site_field(s, h, k, mbar, &e, x);
   for (int b = 0; b < 3; ++b) x[b] -= u[b];
-  const smg_real rounding_scale = smg_product_scale(&s->c, k, h, e.m, e.g);
-  const smg_real allowed = SMG_ULPS * SMG_EPS * ((1 + bound) * smg_largest(s->w + 3 * k) + rounding_scale);
-  return smg_largest(x) <= smg_min(allowed, SMG_BLIND * s->scale);
+  return smg_largest(x) <= smg_round_off(smg_largest(s->w + 3 * k), smg_product_scale(&s->c, k, h, e.m, e.g), bound, 0, s->scale);
 }
 
 /* r = w + u/2 - mbar, and how large it is. */
@@ -124,10 +122,10 @@ SMG_INLINE smg_real smg_site_size(const smg_state *s, int64_t k) {
 static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
   smg_site_equation e;
   smg_real left = 1;
-  for (int n = 0; n < SMG_REFINEMENTS && left > SMG_LEFT; ++n) {
+  for (int n = 0; smg_refines(n, left); ++n) {
     smg_middle(3, s->w + 3 * k, s->compensation + 3 * k, u, mbar);
     if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE;
-    left *= bound <= SMG_CONTRACTS ? bound : 0; /* more of them would enlarge it */
+    left *= smg_contracts(bound) ? bound : 0; /* more of them would enlarge it */
   }
   smg_tangential(&s->c, k, s->w + 3 * k, s->compensation + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
   return smg_largest(u) <= SMG_MAX ? SMG_OK : SMG_NOT_FINITE;
@@ -161,7 +159,7 @@ SMG_COLD static int smg_site_refine_by_newton(const smg_state *s, smg_real rate,
 static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, int *sure) {
   const smg_coefficients *c = &s->c;
   smg_change last = {SMG_MAX, SMG_MAX, 0};
-  smg_real entry = 0, bound = 0, most = 0;
+  smg_real bound = 0, most = 0;
   for (int it = 0;; ++it) {
     smg_site_equation e;
     if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE; /* of this iterate: no proof */
@@ -171,8 +169,8 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     const smg_real size = smg_site_size(s, k);
     if (smg_kind(c, k) == SMG_NAMBU && !(size <= SMG_NARROW * s->scale)) return SMG_NO_CONVERGENCE; /* no digit of P is left */
-    const int done = smg_settled(&now, &last, size * (1 + entry));
-    int noncontractive = now.rounding_scale > SMG_STRONG_FIELD * size || bound > SMG_DAMPS;
+    const int done = smg_stagnates(&now, &last, size, it, bound);
+    int noncontractive = smg_strong_field(&now, size) || !smg_damps(bound);
     if (done && it > 0 && !noncontractive) return smg_site_refine(s, h, k, mbar, u, bound);
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
     if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) {
@@ -180,10 +178,9 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
       return SMG_OK;
     }
     bound = smg_site_linearise(s, h, k, u, &e);
-    noncontractive = noncontractive || bound > SMG_DAMPS;
+    noncontractive = noncontractive || !smg_damps(bound);
     most = smg_max(most, bound); /* a contraction on the way too: another branch may look as calm */
-    *sure = most <= SMG_CONTRACTS;
-    if (it >= SMG_LATE) entry = bound;
+    *sure = smg_contracts(most);
     if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
     if (done && !noncontractive) continue; /* begun at the solution */
     smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, mbar);

@@ -5,7 +5,7 @@
 #include "smg_follow.h"
 #include "smg_midpoint.h"
 #include "smg_predictor.h"
-#include "smg_tolerances.h"
+#include "smg_rules.h"
 
 /* Midpoints for the first iterate: w + u/2 with u extrapolated (degree < 0: u = 0). */
 static void smg_predict(smg_state *s, int degree) {

@@ -23,6 +23,12 @@
 #define SMG_CENTRE (smg_real)1e-6 /* a midpoint so near the centre, in radii, is there */
 #define SMG_INWARD (smg_real)2e-5 /* so is one that comes no nearer, but moves straight towards it: it would */
 #define SMG_MISS (smg_real)0.01   /* pass at this part of its distance, which is many of the shortest paces */
+#define SMG_FIRST_PACE (smg_real)0.1 /* of the curve */
+#define SMG_SHORTER (smg_real)0.25 /* the next pace, of one that failed, */
+#define SMG_LONGER (smg_real)1.5 /* and of one that took no more corrections than SMG_EASY */
+#define SMG_EASY 4
+#define SMG_ON_CURVE (smg_real)1e-5 /* the last correction of a point is at most this, or a tenth of the pace, */
+#define SMG_ON_END (smg_real)1e-9 /* and of the end this: Newton goes on from there */
 #define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up */
 #define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise */
 #define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still */
@@ -83,7 +89,7 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
     if (it == 1 && SMG_MATH(sqrt)(size) > pace * SMG_STRAIGHT * SMG_MATH(sqrt)(tt) + SMG_ALONE) return 0; /* of y alone, where p runs far */
-    if (moved <= (fixed ? (smg_real)1e-9 : smg_min((smg_real)1e-5, smg_max(pace / 10, SMG_LEAST)))) return it;
+    if (moved <= (fixed ? SMG_ON_END : smg_min(SMG_ON_CURVE, smg_max(pace / 10, SMG_LEAST)))) return it;
     last = moved * SMG_STRAIGHT;
   }
   return 0;
@@ -196,7 +202,7 @@ static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_r
  * back to half the part it reached or gives out, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
  * SMG_NO_CONVERGENCE when it could not be followed, or not surely. */
 static inline smg_status smg_follow(smg_curve *f) {
-  smg_real pace = (smg_real)0.1, far = 0;
+  smg_real pace = SMG_FIRST_PACE, far = 0;
   int folded = 0, turned = 0, central = 0;
   f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
@@ -213,11 +219,11 @@ static inline smg_status smg_follow(smg_curve *f) {
   for (int64_t point = 0; point < points; ++point) {
     const int its = smg_curve_pace(f, pace);
     if (its == 0) {
-      pace /= 4;
+      pace *= SMG_SHORTER;
       if (pace < SMG_LEAST) return turned ? SMG_NO_SOLUTION : smg_curve_end(f);
       continue;
     }
-    if (its <= 4) pace *= (smg_real)1.5;
+    if (its <= SMG_EASY) pace *= SMG_LONGER;
     if (!folded && f->p > f->reached) f->reached = f->p;
     if (f->q < 0 && !folded) {
       folded = 1;

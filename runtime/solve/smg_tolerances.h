@@ -7,7 +7,7 @@
 #define SMG_NEWTON_STEPS 255 /* steps that stay with Newton after sweeps failed */
 #define SMG_CONTRACTS (smg_real)0.75 /* row sums of J - I up to which it is taken for a contraction, */
 #define SMG_CLEAR 4 /* and up to which coercivity is tried */
-#define SMG_DAMPS 2 /* row sums of J - I beyond which one more plain evaluation would enlarge what is left */
+#define SMG_DAMPS 1 /* row sums of J - I beyond which one more plain evaluation might enlarge what is left */
 #define SMG_LEFT (smg_real)0.05 /* part of the round-off of an iteration that the evaluations after it may leave, */
 #define SMG_REFINEMENTS 8 /* and how many they may be: what is left is of one sign along many an orbit, a drift */
 #define SMG_ROUNDS 5 /* of Newton on the increment of a non-contractive step, from where the residual is nearly settled */
