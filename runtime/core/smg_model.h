@@ -14,7 +14,8 @@
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
  *              smg_coupled_gradient(c, w, g)      g += dH/dw of the coupled sites, by the terms that couple them
- *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`
+ *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`; this and the next are
+ *                                                 asked of sites that are solved alone or swept
  *              smg_site_hessian_vector(c, at, all, own, v, y)  y += (d2H/dw_k dw_k) v
  *              smg_hessian_blocks(s)              SMG_BLOCK for every d2H/dw_i dw_j at s->m
  *              smg_hessian_vector(s)              s->hessian_v += d2H/dw2 s->v, of the blocks that join two sites

@@ -94,8 +94,8 @@ static inline smg_real smg_up(smg_real scale, const smg_real *w) {
   return size > 0 ? smg_min(scale / size, (smg_real)1e290) : 1;
 }
 
-#define SMG_STILL 8 /* ulps of the whole, below which motion is taken for round-off */
-#define SMG_SLOWED (smg_real)0.5 /* part of its relative size that such a motion keeps when it has stopped shrinking */
+#define SMG_STILL 8 /* ulps of the whole, below which motion is taken for round-off; half or twice: the same; 0 loses a step in 200 */
+#define SMG_SLOWED (smg_real)0.5 /* part of its size that it keeps when it shrinks no more: Newton squares it; half or twice: the same */
 
 /* Stagnation: every component moves by at most an ulp of its own size; or the motion is down to
  * round-off of the whole (`scale`, or the terms of the increments) and its relative size falls no more. A component of 1e-300

@@ -168,7 +168,7 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     const smg_real size = smg_site_size(s, k);
-    if (smg_kind(c, k) == SMG_NAMBU && !(size <= SMG_NARROW * s->scale)) return SMG_NO_CONVERGENCE; /* no digit of P is left */
+    if (smg_kind(c, k) == SMG_NAMBU && !smg_shown(size, s->scale)) return SMG_NO_CONVERGENCE; /* near the cone C = 0 no digit of P is left */
     const int done = smg_stagnates(&now, &last, size, it, bound);
     int noncontractive = smg_strong_field(&now, size) || !smg_damps(bound);
     if (done && it > 0 && !noncontractive) return smg_site_refine(s, h, k, mbar, u, bound);

@@ -9,7 +9,7 @@
 #include "smg_midpoint.h"
 #include "smg_rules.h"
 
-#define SMG_KRYLOV_TOLERANCE (smg_real)1e-5 /* of a Newton correction, relative: each iteration gains as many digits */
+#define SMG_KRYLOV_TOLERANCE (smg_real)1e-5 /* of a Newton correction, relative: each iteration gains as many digits; half or twice: the same */
 #define SMG_KRYLOV_ROUNDOFF SMG_EPS         /* of a column of the tangent map: to stagnation */
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }

@@ -26,6 +26,9 @@ static inline int smg_stagnates(const smg_change *now, const smg_change *last, s
   return smg_settled(now, last, size * (1 + (it < SMG_LATE ? 0 : bound)));
 }
 
+/* Does stagnation by the round-off of this size still tell something of the state? */
+static inline int smg_shown(smg_real size, smg_real scale) { return SMG_STILL * SMG_EPS * size <= SMG_BLIND * scale; }
+
 /* Is another plain evaluation due after n of them, which left the part `left` of the round-off of the iteration? */
 static inline int smg_refines(int n, smg_real left) { return n < SMG_REFINEMENTS && left > SMG_LEFT; }
 
