@@ -14,29 +14,29 @@
 
 #include "smg_site.h"
 
-/* The thresholds. "Elsewhere" counts first steps from random starts, of some 1300 (docs/thresholds.md): the same are found throughout, and
- * those refused are refused by another status. */
-#define SMG_MAX_POINTS 600 /* points of a curve: those of the models need less than half; a tenth leaves 5 % of refusals undecided */
+/* The thresholds, and what half and twice do to some 1400 first steps from random starts (docs/thresholds.md): the same are found
+ * throughout, but some of the others are refused by another status ("refused otherwise"). */
+#define SMG_MAX_POINTS 600 /* points of a curve: those of the models need less than half; a tenth changes the status of 2 % of first steps */
 #define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system; seconds */
-#define SMG_STRAIGHT (smg_real)0.2 /* a correction may be this part of the pace, or of the correction before; half: 4 elsewhere, twice: 3 */
+#define SMG_STRAIGHT (smg_real)0.2 /* a correction may be this part of the pace, or of the correction before; half: 4 refused otherwise, twice: 3 */
 #define SMG_ALONE (smg_real)1e-5 /* and by so much more when y hardly moves; half or twice: the same */
-#define SMG_ALONG (smg_real)0.95 /* least cosine between the tangents of neighbouring points: 18 degrees */
-#define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried; half: slower, twice: nothing changes */
-#define SMG_FIRST_PACE (smg_real)0.1 /* of the curve; half: 7 elsewhere, twice: 3 */
-#define SMG_SHORTER (smg_real)0.25 /* the next pace, of one that failed; half: 2 elsewhere, twice: 3 */
-#define SMG_LONGER (smg_real)1.5 /* and of one that took no more corrections than SMG_EASY */
-#define SMG_EASY 4 /* half: 7 elsewhere, twice: nothing changes */
-#define SMG_ON_CURVE (smg_real)1e-5 /* the last correction of a point is at most this, or a tenth of the pace; half: 3 elsewhere, twice: 8 */
+#define SMG_ALONG (smg_real)0.95 /* least cosine between the tangents of neighbouring points: 18 degrees; half the distance from 1: 11 refused otherwise, twice: 6 */
+#define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried; half: the same, twice: nothing changes */
+#define SMG_FIRST_PACE (smg_real)0.1 /* of the curve; half: 7 refused otherwise, twice: 3 */
+#define SMG_SHORTER (smg_real)0.25 /* the next pace, of one that failed; half: 2 refused otherwise, twice: 3 */
+#define SMG_LONGER (smg_real)1.5 /* and of one that took no more corrections than SMG_EASY; half the distance from 1: 5 refused otherwise, twice: 4 */
+#define SMG_EASY 4 /* half: 7 refused otherwise, twice: nothing changes */
+#define SMG_ON_CURVE (smg_real)1e-5 /* the last correction of a point is at most this, or a tenth of the pace; half: 3 refused otherwise, twice: 8 */
 #define SMG_ON_END (smg_real)1e-9 /* and of the end this: Newton goes on from there; half or twice: the same */
 #define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up: corrections of SMG_ON_CURVE squared are below it; half or twice: nothing changes */
 #define SMG_INWARD (smg_real)2e-5 /* a midpoint so near the centre, in radii, is there where it moves straight towards it: it would */
-#define SMG_MISS (smg_real)0.01 /* pass at this part of its distance, which is many of the shortest paces. Of 28 such ends in 3400 steps a */
-                                /* hundredth of either decides none; half of them: 10 and 1 fewer, twice: none more */
+#define SMG_MISS (smg_real)0.01 /* pass at this part of its distance, which is many of the shortest paces. Half of them: 10 and 2 refused */
+                                /* otherwise, twice: none */
 #define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise; half or twice: nothing changes */
 #define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still; half or twice: nothing changes */
-#define SMG_LOW (smg_real)0.25 /* dp/ds near a fold; half or twice: nothing changes */
-#define SMG_FAR 10 /* a curve on a Nambu leaf that goes so many times as far as the mean of its ends is too bold to be sure of */
-#define SMG_FARTHEST 1e6 /* in units of the state: beyond, the curve has left for infinity */
+#define SMG_LOW (smg_real)0.25 /* dp/ds near a fold; half or twice: the same */
+#define SMG_FAR 10 /* a curve on a Nambu leaf that goes so many times as far as the mean of its ends is too bold to be sure of; half or twice: nothing changes */
+#define SMG_FARTHEST 1e6 /* in units of the state: beyond, the curve has left for infinity; half or twice: nothing changes */
 
 /* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J
  * (0: not known), or says why not. */

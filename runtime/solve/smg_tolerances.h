@@ -4,7 +4,7 @@
 #ifndef SMG_TOLERANCES_H
 #define SMG_TOLERANCES_H
 
-/* Iterations. A solution that Newton finds takes 3 to 8; either way the same, but refusals cost 3 % less or 4 % more iterations. */
+/* Iterations. A solution that Newton finds takes 3 to 8; either way the same, but with 3 % fewer iterations or 5 % more, those of refusals. */
 #define SMG_MAX_NEWTON 30
 
 /* Ulps of the state and of the products in h X that settled sweeps may leave as residual: with more of them Newton decides. Sweeps that
@@ -15,7 +15,7 @@
 #define SMG_NEWTON_STEPS 255
 
 /* Row sums of J - I up to which it is a contraction. The eigenvalues of J are then 1/4 or farther from 0 (Gershgorin), as far as the
- * symmetric part of a coercive J is. Either way the same, with 9 % fewer iterations or 10 % more. */
+ * symmetric part of a coercive J is. Either way the same, with 9 % fewer iterations or 11 % more. */
 #define SMG_CONTRACTS (smg_real)0.75
 
 /* And up to which coercivity is tried, before the curve is followed. Speed alone: either way, and with 0, the same. */
@@ -34,8 +34,8 @@
 /* Rounds of Newton on the increment of a non-contractive step; the second is the last unless the field is rough. Either way the same. */
 #define SMG_ROUNDS 5
 
-/* Part of the state: a residual below has nearly settled. One more correction squares it, 1e-18 < ulp. A thousandth of it: 1 % more
- * iterations; a thousandfold: 2 % fewer, and no step is lost. */
+/* Part of the state: a residual below has nearly settled. One more correction squares it, 1e-18 < ulp. A thousandth or a
+ * thousandfold: the same. */
 #define SMG_NEARLY 1e-9
 
 /* Ulps of round-off that a non-contractive step may leave. Either way the same; none at all loses one first step in eight. */
