@@ -246,7 +246,7 @@ static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 
 /* What Newton found with `status` may be another branch's: follow the right one, and solve again at its end. */
-static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
   int sure;
   const smg_status followed = smg_site_follow(s, h, k, mbar);
   if (followed == SMG_OK) return smg_site_newton(s, h, k, mbar, s->u + 3 * k, &sure);
@@ -255,7 +255,7 @@ static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 #else
 /* The solution from W = w at h = 0 by stages of h. */
-static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
   const smg_real *w = s->w + 3 * k;
   smg_real *u = s->u + 3 * k;
   int sure;
@@ -305,7 +305,7 @@ static smg_status smg_solve_alone(smg_state *s, smg_real h, int64_t k) {
 }
 
 /* The step has failed; of the sites from the n-th on that fail too, the report is that of the one whose solutions end first. */
-static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, smg_status status) {
+SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, smg_status status) {
   const smg_coefficients *c = &s->c;
   smg_report first = s->report;
   for (; n < smg_alone(c) && first.reached > 0; ++n) {
