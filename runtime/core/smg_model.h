@@ -14,7 +14,8 @@
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
  *              smg_coupled_gradient(c, w, g)      g += dH/dw of the coupled sites, by the terms that couple them
- *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`
+ *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`; this and the next are
+ *                                                 asked of sites that are solved alone or swept
  *              smg_site_hessian_vector(c, at, all, own, v, y)  y += (d2H/dw_k dw_k) v
  *              smg_hessian_blocks(s)              SMG_BLOCK for every d2H/dw_i dw_j at s->m
  *              smg_hessian_vector(s)              s->hessian_v += d2H/dw2 s->v, of the blocks that join two sites
@@ -44,7 +45,14 @@
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
  * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly. SMG_COMPOSED: stages of a
  * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. Features: SMG_EXTENDED,
- * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone. */
+ * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone; SMG_FEW: the coupled sites are a few, and their number is known. */
+
+/* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are known. */
+#if SMG_FEW
+#define SMG_UNROLL_FEW SMG_UNROLL
+#else
+#define SMG_UNROLL_FEW
+#endif
 
 enum { SMG_SPHERE, SMG_R3, SMG_NAMBU };
 

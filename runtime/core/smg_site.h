@@ -94,17 +94,15 @@ static inline smg_real smg_up(smg_real scale, const smg_real *w) {
   return size > 0 ? smg_min(scale / size, (smg_real)1e290) : 1;
 }
 
+#define SMG_STILL 8 /* ulps of the whole, below which motion is taken for round-off; half or twice: the same; 0 loses a step in 200 */
+#define SMG_SLOWED (smg_real)0.5 /* part of its size that it keeps when it shrinks no more: Newton squares it; half or twice: the same */
+
 /* Stagnation: every component moves by at most an ulp of its own size; or the motion is down to
  * round-off of the whole (`scale`, or the terms of the increments) and its relative size falls no more. A component of 1e-300
  * that still converges at its own rate keeps the iteration going. */
 static inline int smg_settled(const smg_change *now, const smg_change *last, smg_real scale) {
   if (now->relative <= SMG_EPS) return 1;
-  return now->absolute <= 8 * SMG_EPS * smg_max(scale, now->rounding_scale) && now->relative >= last->relative / 2;
-}
-
-/* Has an iterate left for somewhere else? Its residual grew. */
-static inline int smg_residual_grew(const smg_change *now, const smg_change *last, smg_real scale) {
-  return now->absolute > last->absolute && now->absolute > (smg_real)1e-9 * scale;
+  return now->absolute <= SMG_STILL * SMG_EPS * smg_max(scale, now->rounding_scale) && now->relative >= SMG_SLOWED * last->relative;
 }
 
 /* mbar = w + compensation + u/2, the midpoint of n components of a step with the increment u. */

@@ -15,6 +15,13 @@
 #endif
 #endif
 
+/* Functions off the usual path: kept out of it, so that it stays in registers. */
+#if defined(__GNUC__)
+#define SMG_COLD __attribute__((noinline))
+#else
+#define SMG_COLD
+#endif
+
 /* Before a loop of constant length: asks gcc for its full unrolling (clang does it unasked). */
 #if defined(__GNUC__) && !defined(__clang__)
 #define SMG_UNROLL _Pragma("GCC unroll 16")
@@ -22,7 +29,7 @@
 #define SMG_UNROLL
 #endif
 
-/* A determinant below this fraction of its own terms is round-off. */
+/* A determinant below this fraction of its own terms is round-off: of its own dozen of operations, and of its entries'. */
 #define SMG_ROUNDOFF (64 * SMG_EPS)
 
 SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
@@ -31,7 +38,7 @@ SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
 SMG_INLINE smg_real smg_min(smg_real a, smg_real b) { return a <= b || a != a ? a : b; }
 SMG_INLINE smg_real smg_max(smg_real a, smg_real b) { return a >= b || a != a ? a : b; }
 
-/* |a|, also where the squares leave the range of a double. */
+/* |a|, also where the squares leave the range of a double; within 1e+-280 they have all their digits. */
 SMG_INLINE smg_real smg_norm(const smg_real *a) {
   const smg_real square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
   if (square > (smg_real)1e-280 && square < (smg_real)1e280) return SMG_MATH(sqrt)(square);

@@ -4,13 +4,6 @@
 
 #include "smg_small.h"
 
-/* Functions off the usual path: kept out of it, so that it stays in registers. */
-#if defined(__GNUC__)
-#define SMG_COLD __attribute__((noinline))
-#else
-#define SMG_COLD
-#endif
-
 typedef struct smg_vec {
   smg_real x, y, z;
 } smg_vec;

@@ -8,7 +8,7 @@
 #if !SMG_SINGLE_SPHERE
 #include "smg_predictor.h"
 #endif
-#include "smg_tolerances.h"
+#include "smg_rules.h"
 
 static inline smg_lattice_site smg_at(int64_t k) {
   const smg_lattice_site at = {k, 0, 0, 0, 0, 0};
@@ -53,7 +53,7 @@ typedef struct smg_site_equation {
 } smg_site_equation;
 
 /* m = P(mbar), g there, and u = h X(m). */
-static inline void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+SMG_INLINE void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
   const smg_coefficients *c = &s->c;
   e->g[0] = e->g[1] = e->g[2] = 0;
   e->s = smg_project(c, k, smg_leaf_value(s, k), mbar, e->m);
@@ -62,7 +62,7 @@ static inline void smg_site_field(const smg_state *s, smg_real h, int64_t k, con
 }
 
 /* The increment of the method at mbar; 0 where it has none. */
-static inline int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+SMG_INLINE int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
   smg_site_field(s, h, k, mbar, e, u);
   e->rate = h;
 #if SMG_DIVIDED
@@ -75,7 +75,7 @@ static inline int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, c
 }
 
 /* The frame of one site and its Newton matrix J, with the right-hand side a of the residual r. */
-static inline void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_site_equation *e) {
+SMG_INLINE void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_site_equation *e) {
   const smg_coefficients *c = &s->c;
   smg_real G[3 * SMG_BS];
   smg_newton_frame(c, k, h, e->m, e->s, e->g, e->r, G, e->S, e->J, e->a);
@@ -93,13 +93,11 @@ static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, 
   smg_real x[3];
   smg_site_field(s, h, k, mbar, &e, x);
   for (int b = 0; b < 3; ++b) x[b] -= u[b];
-  const smg_real rounding_scale = smg_product_scale(&s->c, k, h, e.m, e.g);
-  const smg_real allowed = SMG_ULPS * SMG_EPS * ((1 + bound) * smg_largest(s->w + 3 * k) + rounding_scale);
-  return smg_largest(x) <= smg_min(allowed, SMG_BLIND * s->scale);
+  return smg_largest(x) <= smg_round_off(smg_largest(s->w + 3 * k), smg_product_scale(&s->c, k, h, e.m, e.g), bound, 0, s->scale);
 }
 
 /* r = w + u/2 - mbar, and how large it is. */
-static inline smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_site_equation *e) {
+SMG_INLINE smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_site_equation *e) {
   const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
   smg_change now = {0, 0, 0};
   now.rounding_scale = smg_product_scale(&s->c, k, h, e->m, e->g);
@@ -111,7 +109,7 @@ static inline smg_change smg_site_residual(const smg_state *s, smg_real h, int64
 }
 
 /* What round-off is measured by. C(w) = w.grad C(w)/2 cancels near its cone, and P divides by it. */
-static inline smg_real smg_site_size(const smg_state *s, int64_t k) {
+SMG_INLINE smg_real smg_site_size(const smg_state *s, int64_t k) {
   const smg_real *w = s->w + 3 * k;
   smg_real n[3];
   if (!SMG_ONTO_LEAF || smg_kind(&s->c, k) != SMG_NAMBU) return s->scale;
@@ -124,17 +122,17 @@ static inline smg_real smg_site_size(const smg_state *s, int64_t k) {
 static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
   smg_site_equation e;
   smg_real left = 1;
-  for (int n = 0; n < SMG_REFINEMENTS && left > SMG_LEFT; ++n) {
+  for (int n = 0; smg_refines(n, left); ++n) {
     smg_middle(3, s->w + 3 * k, s->compensation + 3 * k, u, mbar);
     if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE;
-    left *= bound <= SMG_CONTRACTS ? bound : 0; /* more of them would enlarge it */
+    left *= smg_contracts(bound) ? bound : 0; /* more of them would enlarge it */
   }
   smg_tangential(&s->c, k, s->w + 3 * k, s->compensation + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
   return smg_largest(u) <= SMG_MAX ? SMG_OK : SMG_NOT_FINITE;
 }
 
 /* Newton's matrix of the method at e; returns the largest row sum of abs(J - I). */
-static inline smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u, smg_site_equation *e) {
+SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u, smg_site_equation *e) {
   smg_site_matrix(s, e->rate, k, e);
 #if SMG_DIVIDED
   for (int l = 0; l < SMG_BS; ++l) {
@@ -149,7 +147,7 @@ static inline smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_
 }
 
 /* The end of a non-contractive step: h X would enlarge what is left, so the midpoint tells u; is it right to its round-off? */
-static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
+SMG_COLD static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
   const smg_real *w = s->w + 3 * k, *compensation = s->compensation + 3 * k;
   for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
   smg_tangential(&s->c, k, w, compensation, u);
@@ -161,7 +159,7 @@ static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t 
 static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, int *sure) {
   const smg_coefficients *c = &s->c;
   smg_change last = {SMG_MAX, SMG_MAX, 0};
-  smg_real entry = 0, bound = 0, most = 0;
+  smg_real bound = 0, most = 0;
   for (int it = 0;; ++it) {
     smg_site_equation e;
     if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE; /* of this iterate: no proof */
@@ -170,9 +168,9 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     const smg_real size = smg_site_size(s, k);
-    if (smg_kind(c, k) == SMG_NAMBU && !(size <= SMG_NARROW * s->scale)) return SMG_NO_CONVERGENCE; /* no digit of P is left */
-    const int done = smg_settled(&now, &last, size * (1 + entry));
-    int noncontractive = now.rounding_scale > SMG_STRONG_FIELD * size || bound > SMG_DAMPS;
+    if (smg_kind(c, k) == SMG_NAMBU && !smg_shown(size, s->scale)) return SMG_NO_CONVERGENCE; /* near the cone C = 0 no digit of P is left */
+    const int done = smg_stagnates(&now, &last, size, it, bound);
+    int noncontractive = smg_strong_field(&now, size) || !smg_damps(bound);
     if (done && it > 0 && !noncontractive) return smg_site_refine(s, h, k, mbar, u, bound);
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
     if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) {
@@ -180,10 +178,9 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
       return SMG_OK;
     }
     bound = smg_site_linearise(s, h, k, u, &e);
-    noncontractive = noncontractive || bound > SMG_DAMPS;
+    noncontractive = noncontractive || !smg_damps(bound);
     most = smg_max(most, bound); /* a contraction on the way too: another branch may look as calm */
-    *sure = most <= SMG_CONTRACTS;
-    if (it >= SMG_LATE) entry = bound;
+    *sure = smg_contracts(most);
     if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
     if (done && !noncontractive) continue; /* begun at the solution */
     smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, mbar);
@@ -249,7 +246,7 @@ static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 
 /* What Newton found with `status` may be another branch's: follow the right one, and solve again at its end. */
-static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
   int sure;
   const smg_status followed = smg_site_follow(s, h, k, mbar);
   if (followed == SMG_OK) return smg_site_newton(s, h, k, mbar, s->u + 3 * k, &sure);
@@ -258,7 +255,7 @@ static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 #else
 /* The solution from W = w at h = 0 by stages of h. */
-static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
   const smg_real *w = s->w + 3 * k;
   smg_real *u = s->u + 3 * k;
   int sure;
@@ -308,7 +305,7 @@ static smg_status smg_solve_alone(smg_state *s, smg_real h, int64_t k) {
 }
 
 /* The step has failed; of the sites from the n-th on that fail too, the report is that of the one whose solutions end first. */
-static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, smg_status status) {
+SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, smg_status status) {
   const smg_coefficients *c = &s->c;
   smg_report first = s->report;
   for (; n < smg_alone(c) && first.reached > 0; ++n) {

@@ -5,7 +5,7 @@
 #include "smg_follow.h"
 #include "smg_midpoint.h"
 #include "smg_predictor.h"
-#include "smg_tolerances.h"
+#include "smg_rules.h"
 
 /* Midpoints for the first iterate: w + u/2 with u extrapolated (degree < 0: u = 0). */
 static void smg_predict(smg_state *s, int degree) {
@@ -15,6 +15,7 @@ static void smg_predict(smg_state *s, int degree) {
 /* m = P(mbar) of every coupled site, and g = 0. */
 static inline void smg_project_all(smg_state *s) {
   const smg_coefficients *c = &s->c;
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     s->s[k] = smg_project(c, k, smg_leaf_value(s, k), s->mbar + 3 * k, s->m + 3 * k);
@@ -28,6 +29,7 @@ static smg_change smg_evaluate(smg_state *s, smg_real h) {
   smg_change change = {0, 0, 0};
   smg_project_all(s);
   smg_coupled_gradient(c, s->m, s->g);
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_increment(c, k, h, s->m + 3 * k, s->g + 3 * k, s->u + 3 * k);

@@ -14,21 +14,29 @@
 
 #include "smg_site.h"
 
-#define SMG_MAX_POINTS 600   /* points of a curve */
-#define SMG_STRAIGHT (smg_real)0.2 /* a correction may be this part of the pace, or of the correction before */
-#define SMG_ALONE (smg_real)1e-5 /* and by so much more when y hardly moves */
-#define SMG_ALONG (smg_real)0.95   /* least cosine between the tangents of neighbouring points */
-#define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system */
-#define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried */
-#define SMG_CENTRE (smg_real)1e-6 /* a midpoint so near the centre, in radii, is there */
-#define SMG_INWARD (smg_real)2e-5 /* so is one that comes no nearer, but moves straight towards it: it would */
-#define SMG_MISS (smg_real)0.01   /* pass at this part of its distance, which is many of the shortest paces */
-#define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up */
-#define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise */
-#define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still */
-#define SMG_FAR 10 /* a curve on a Nambu leaf that goes so many times as far as the mean of its ends is too bold to be sure of */
-#define SMG_LOW (smg_real)0.25 /* dp/ds near a fold */
-#define SMG_FARTHEST 1e6      /* in units of the state: beyond, the curve has left for infinity */
+/* The thresholds, and what half and twice do to some 1400 first steps from random starts (docs/thresholds.md): the same are found
+ * throughout, but some of the others are refused by another status ("refused otherwise"). */
+#define SMG_MAX_POINTS 600 /* points of a curve: those of the models need less than half; a tenth changes the status of 2 % of first steps */
+#define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system; seconds */
+#define SMG_STRAIGHT (smg_real)0.2 /* a correction may be this part of the pace, or of the correction before; half: 4 refused otherwise, twice: 3 */
+#define SMG_ALONE (smg_real)1e-5 /* and by so much more when y hardly moves; half or twice: the same */
+#define SMG_ALONG (smg_real)0.95 /* least cosine between the tangents of neighbouring points: 18 degrees; half the distance from 1: 11 refused otherwise, twice: 6 */
+#define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried; half: the same, twice: nothing changes */
+#define SMG_FIRST_PACE (smg_real)0.1 /* of the curve; half: 7 refused otherwise, twice: 3 */
+#define SMG_SHORTER (smg_real)0.25 /* the next pace, of one that failed; half: 2 refused otherwise, twice: 3 */
+#define SMG_LONGER (smg_real)1.5 /* and of one that took no more corrections than SMG_EASY; half the distance from 1: 5 refused otherwise, twice: 4 */
+#define SMG_EASY 4 /* half: 7 refused otherwise, twice: nothing changes */
+#define SMG_ON_CURVE (smg_real)1e-5 /* the last correction of a point is at most this, or a tenth of the pace; half: 3 refused otherwise, twice: 8 */
+#define SMG_ON_END (smg_real)1e-9 /* and of the end this: Newton goes on from there; half or twice: the same */
+#define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up: corrections of SMG_ON_CURVE squared are below it; half or twice: nothing changes */
+#define SMG_INWARD (smg_real)2e-5 /* a midpoint so near the centre, in radii, is there where it moves straight towards it: it would */
+#define SMG_MISS (smg_real)0.01 /* pass at this part of its distance, which is many of the shortest paces. Half of them: 10 and 2 refused */
+                                /* otherwise, twice: none */
+#define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise; half or twice: nothing changes */
+#define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still; half or twice: nothing changes */
+#define SMG_LOW (smg_real)0.25 /* dp/ds near a fold; half or twice: the same */
+#define SMG_FAR 10 /* a curve on a Nambu leaf that goes so many times as far as the mean of its ends is too bold to be sure of; half or twice: nothing changes */
+#define SMG_FARTHEST 1e6 /* in units of the state: beyond, the curve has left for infinity; half or twice: nothing changes */
 
 /* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J
  * (0: not known), or says why not. */
@@ -83,7 +91,7 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
     if (it == 1 && SMG_MATH(sqrt)(size) > pace * SMG_STRAIGHT * SMG_MATH(sqrt)(tt) + SMG_ALONE) return 0; /* of y alone, where p runs far */
-    if (moved <= (fixed ? (smg_real)1e-9 : smg_min((smg_real)1e-5, smg_max(pace / 10, SMG_LEAST)))) return it;
+    if (moved <= (fixed ? SMG_ON_END : smg_min(SMG_ON_CURVE, smg_max(pace / 10, SMG_LEAST)))) return it;
     last = moved * SMG_STRAIGHT;
   }
   return 0;
@@ -149,8 +157,7 @@ static inline int smg_curve_inward(const smg_real *y, const smg_real *t, smg_rea
   smg_real across[3];
   smg_cross(across, y, t);
   const smg_real rho2 = smg_dot(y, y), miss2 = smg_dot(across, across), speed2 = smg_dot(t, t);
-  if (rho2 < SMG_CENTRE * SMG_CENTRE * radius * radius) return 1;
-  return rho2 < SMG_INWARD * SMG_INWARD * radius * radius && smg_dot(y, t) < 0 && miss2 <= SMG_MISS * SMG_MISS * rho2 * speed2;
+  return rho2 < SMG_INWARD * SMG_INWARD * radius * radius && smg_dot(y, t) <= 0 && miss2 <= SMG_MISS * SMG_MISS * rho2 * speed2;
 }
 
 /* Is it there within a small part of the way that p has come? A midpoint like 1/p comes near, but never in. */
@@ -196,7 +203,7 @@ static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_r
  * back to half the part it reached or gives out, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
  * SMG_NO_CONVERGENCE when it could not be followed, or not surely. */
 static inline smg_status smg_follow(smg_curve *f) {
-  smg_real pace = (smg_real)0.1, far = 0;
+  smg_real pace = SMG_FIRST_PACE, far = 0;
   int folded = 0, turned = 0, central = 0;
   f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
@@ -213,11 +220,11 @@ static inline smg_status smg_follow(smg_curve *f) {
   for (int64_t point = 0; point < points; ++point) {
     const int its = smg_curve_pace(f, pace);
     if (its == 0) {
-      pace /= 4;
+      pace *= SMG_SHORTER;
       if (pace < SMG_LEAST) return turned ? SMG_NO_SOLUTION : smg_curve_end(f);
       continue;
     }
-    if (its <= 4) pace *= (smg_real)1.5;
+    if (its <= SMG_EASY) pace *= SMG_LONGER;
     if (!folded && f->p > f->reached) f->reached = f->p;
     if (f->q < 0 && !folded) {
       folded = 1;

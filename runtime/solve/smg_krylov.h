@@ -11,11 +11,11 @@
 
 #define SMG_KRYLOV_BASIS 60
 #define SMG_KRYLOV_SHORT 10
-#define SMG_KRYLOV_WHOLE 20000
-#define SMG_KRYLOV_PRODUCTS 400 /* products before a system is given up */
+#define SMG_KRYLOV_WHOLE 20000 /* with the long basis 10 MB of doubles */
+#define SMG_KRYLOV_PRODUCTS 400 /* products before a system is given up; half or twice: nothing changes */
 #define SMG_KRYLOV_LEFT (1000 * SMG_EPS) /* of b, that round-off may leave */
-#define SMG_KRYLOV_DENSE 600 /* unknowns up to which the sign of det A is asked of elimination */
-#define SMG_LANCZOS_STEPS 40
+#define SMG_KRYLOV_DENSE 600 /* unknowns up to which the sign of det A is asked of elimination: 7e7 products, 3 MB of doubles */
+#define SMG_LANCZOS_STEPS 40 /* these two: see smg_krylov_coercive; half or twice: the same */
 #define SMG_LANCZOS_PART (smg_real)0.05 /* of the spread of the eigenvalues, that the least Ritz value may miss */
 
 /* A of n unknowns; `times` puts A x into y. work: smg_krylov_worksize(n) numbers. */

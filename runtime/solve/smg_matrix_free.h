@@ -7,9 +7,9 @@
 #include "smg_krylov.h"
 #include "smg_matrix_unkept.h"
 #include "smg_midpoint.h"
-#include "smg_tolerances.h"
+#include "smg_rules.h"
 
-#define SMG_KRYLOV_TOLERANCE (smg_real)1e-5 /* of a Newton correction, relative: each iteration gains as many digits */
+#define SMG_KRYLOV_TOLERANCE (smg_real)1e-5 /* of a Newton correction, relative: each iteration gains as many digits; half or twice: the same */
 #define SMG_KRYLOV_ROUNDOFF SMG_EPS         /* of a column of the tangent map: to stagnation */
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
@@ -142,7 +142,7 @@ static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
 static inline int smg_coercive(const smg_state *s) {
   const smg_real mean = smg_curve_size(smg_order(s), s->mean);
   const smg_krylov a = {(void *)(uintptr_t)s, smg_times_mean, smg_order(s), s->work};
-  return mean <= SMG_CONTRACTS || smg_krylov_coercive(&a, mean);
+  return smg_contracts(mean) || smg_krylov_coercive(&a, mean);
 }
 
 /* The matrix for many right-hand sides: nothing is kept. */

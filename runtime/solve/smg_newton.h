@@ -22,6 +22,7 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
 static void smg_assemble(const smg_state *s, smg_real h) {
   const smg_coefficients *c = &s->c;
   smg_clear(s);
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_real own[SMG_BS * SMG_BS];
@@ -35,6 +36,7 @@ static void smg_assemble(const smg_state *s, smg_real h) {
 /* d = J^-1 r for the midpoints from its solution s->x in the frames. */
 static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
   const smg_coefficients *c = &s->c;
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     d[3 * k] = d[3 * k + 1] = d[3 * k + 2] = 0;
@@ -64,7 +66,7 @@ static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *b
  * SMG_CLEAR, the symmetric part of J is at least 1/4, which keeps it clear of singular matrices, where branches meet, and Newton
  * came straight to it. What is not certain must be followed. */
 static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_grew) {
-  if (bound <= SMG_CONTRACTS) return 1;
+  if (smg_contracts(bound)) return 1;
   if (residual_grew || !(bound <= SMG_CLEAR)) return 0;
   smg_assemble(s, h);
   return smg_coercive(s);
@@ -92,10 +94,9 @@ static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *
   const smg_coefficients *c = &s->c;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    const smg_real size = smg_largest(s->w + 3 * k) + smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k);
-    const smg_real own = SMG_ULPS * SMG_EPS * (size + smg_site_row_sum(s, smg_block_row(row)) * smg_largest(s->w + 3 * k));
-    const smg_real allowed = own + (noise ? 2 * smg_largest(noise + 3 * k) : 0);
-    if (!(smg_largest(s->r + 3 * k) <= smg_min(allowed, SMG_BLIND * s->scale))) return 0;
+    const smg_real products = smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k), own = noise ? 2 * smg_largest(noise + 3 * k) : 0;
+    const smg_real allowed = smg_round_off(smg_largest(s->w + 3 * k), products, smg_site_row_sum(s, smg_block_row(row)), own, s->scale);
+    if (!(smg_largest(s->r + 3 * k) <= allowed)) return 0;
   }
   return 1;
 }
@@ -105,6 +106,7 @@ static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *
 static void smg_tangential_all(smg_state *s, smg_real rounding_scale) {
   const smg_coefficients *c = &s->c;
   if (!SMG_COUPLED_NAMBU && !(rounding_scale > s->scale)) return;
+  SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_tangential(c, k, s->w + 3 * k, s->compensation + 3 * k, s->u + 3 * k);
@@ -152,7 +154,7 @@ static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real roundi
 /* The end of a contractive step: plain evaluations until a twentieth of the round-off of the iteration is left. */
 static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg_real rounding_scale) {
   smg_real left = 1;
-  for (int n = 0; n < SMG_REFINEMENTS && left > SMG_LEFT; ++n) {
+  for (int n = 0; smg_refines(n, left); ++n) {
     if (!(smg_refine(s, h).absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     left *= bound;
   }
@@ -175,8 +177,8 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
     s->report.residual = now->absolute;
     if (!(now->absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     path->residual_grew = path->residual_grew || smg_residual_grew(now, &last, s->scale);
-    path->noncontractive = now->rounding_scale > SMG_STRONG_FIELD * s->scale || path->bound > SMG_CONTRACTS || it > 2 * SMG_LATE;
-    const int done = smg_settled(now, &last, s->scale * (1 + (it < SMG_LATE ? 0 : path->bound)));
+    path->noncontractive = smg_strong_field(now, s->scale) || !smg_contracts(path->bound) || it > 2 * SMG_LATE;
+    const int done = smg_stagnates(now, &last, s->scale, it, path->bound);
     if (it > 0 && (done || (path->noncontractive && now->absolute <= SMG_NEARLY * s->scale))) return SMG_OK; /* its end is another */
     if (done) { /* the sweeps have solved it */
       smg_assemble(s, h);
@@ -202,7 +204,7 @@ static smg_status smg_newton(smg_state *s, smg_real h) {
   smg_status status = smg_newton_loop(s, h, &path, &now);
   if (status != SMG_OK) return status;
   const int certified = smg_on_branch(s, h, smg_max(path.most, path.bound), path.residual_grew);
-  if (path.noncontractive || path.bound > SMG_CONTRACTS) status = smg_refine_by_newton(s, h, now.rounding_scale);
+  if (path.noncontractive || !smg_contracts(path.bound)) status = smg_refine_by_newton(s, h, now.rounding_scale);
   else status = smg_refine_plain(s, h, path.bound, now.rounding_scale);
   return status != SMG_OK ? status : certified ? SMG_OK : SMG_WRONG_BRANCH;
 }

@@ -83,22 +83,23 @@ def site_sums(model) -> list:
     """Gradient, Hessian and the pull of the neighbours of one site."""
     tangent = "tangent" in model.features and (model.plan.local or model.lifts())
     newton = any(not model.closed_form(f) for f in model.alone)
-    found = []
+    found, lifted = [], tangent and model.lifts()
     if model.plan.local or model.plan.rotation:
-        found.append(of_site(model, "smg_gather", (G,), gradient_calls))
+        found.append(of_site(model, "smg_gather", (G,), gradient_calls, model.plan.rotation))
     if newton or tangent:
-        found.append(of_site(model, "smg_site_hessian_vector", (V, Y), own_hessian_calls))
+        found.append(of_site(model, "smg_site_hessian_vector", (V, Y), own_hessian_calls, lifted))
     if tangent:
-        found.append(of_site(model, "smg_bend", (D, Y), bend_calls))
+        found.append(of_site(model, "smg_bend", (D, Y), bend_calls, lifted))
     return found
 
 
-def of_site(model, name: str, more, calls_of) -> Function:
+def of_site(model, name: str, more, calls_of, coupled: bool) -> Function:
+    """A function of sites that are solved alone, and of `coupled` ones where they too are asked one by one."""
     def body(f):
         found = gathered(model, f.name, calls_of)
         read = mentions(*found) if model.lattice(f.name) is not None else ()
         return (*(Let(x, Field("at", x)) for x in COORDINATES if x in read), *found)
-    return by_family("void", name, (*GATHERED, *more), body, model.families, number=Field("at", "k"), index="site", wanted=True)
+    return by_family("void", name, (*GATHERED, *more), body, [f for f in model.families if f.name in model.plan.local or coupled], number=Field("at", "k"), index="site", wanted=True)
 
 
 def gathered(model, family: str, calls_of) -> tuple:
