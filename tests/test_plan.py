@@ -75,7 +75,7 @@ def test_what_does_not_go_together_is_refused(name, method, solver, said):
         plan(name, method, solver)
 
 
-@pytest.mark.parametrize("method", [m for m in METHODS if not METHODS[m].midpoint])
+@pytest.mark.parametrize("method", [m for m in METHODS if not METHODS[m].of_midpoints])
 def test_methods_with_a_step_of_their_own_need_no_solver(method):
     found = plan("heisenberg_chain", method)
     assert found.coupled == found.local == () and found.solver == METHODS[method].how[0]
