@@ -25,15 +25,17 @@ static inline void smg_recall_stage(smg_state *s, int row, int i) {
 /* All stages from the first, s->w before it. */
 static smg_status smg_push_stages(smg_state *s, int row, smg_real *v, int64_t columns, smg_real *mem) {
   smg_status status = SMG_OK;
+#if SMG_TIMED
   smg_real done = -1; /* the step has been counted */
+#endif
   for (int i = 0; i < SMG_COMPOSED && status == SMG_OK; ++i) {
     smg_recall_stage(s, row, i);
     for (int64_t k = 0; k < smg_sites(&s->c); ++k)
       for (int b = 0; b < 3; ++b) s->w[3 * k + b] += smg_last_increment(s, k)[b];
 #if SMG_TIMED
     smg_set_time(&s->c, smg_time_at(s, done + 0.5 * smg_gamma[i]));
-#endif
     done += smg_gamma[i];
+#endif
     status = smg_push_step(s, smg_gamma[i] * smg_signed_h(s->h), v, columns, mem);
   }
   return status;
