@@ -17,13 +17,13 @@ def has_lanes(model) -> bool:
 def lane_functions(model) -> list:
     kernels = [in_lanes(f) for t in model.effects for f in t.functions if f.name == f"{t.prefix}_gradient"]
     body = sums(model, model.effects, lambda t: tuple(map(renamed, gradient_body(model, t))))
-    return [*kernels, in_lanes(sum_gradient("smg_lane_gradient", body))]
+    return [*kernels, in_lanes(sum_gradient("smg_lane_gradient", body), "smg_lane_gradient")]
 
 
-def in_lanes(f: Function) -> Function:
+def in_lanes(f: Function, name: str = "") -> Function:
     """The same for vectors whose components are lanes."""
     arguments = tuple(replace(a, kind=VECTORS.get(a.kind, a.kind)) for a in f.arguments)
-    return replace(f, name=named(f.name), arguments=arguments, target="lanes")
+    return replace(f, name=name or named(f.name), arguments=arguments, target="lanes")
 
 
 def renamed(statement):
@@ -32,4 +32,4 @@ def renamed(statement):
 
 
 def named(kernel: str) -> str:
-    return kernel if kernel.startswith("smg_") else f"lane_{kernel}"
+    return f"lane_{kernel}"
