@@ -29,8 +29,8 @@ class Method:
     a site in the contract that its header calls, beside those of every model; asks: what every contribution to the motion
     must offer it (`OFFERS`), whatever the solver.
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps that its
-    `history` reaches back, `arrays` of its state as (name, numbers a site, and how many more, meaning), and `defines`
-    for its header.
+    `history` reaches back, `arrays` of its state as (name, numbers a site or the macro of its header that has them for so many
+    sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once.
     A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
     """
     name: str
@@ -57,6 +57,7 @@ class Method:
     history: int = 0
     arrays: tuple = ()
     defines: tuple = ()
+    lanes: int = 1
     stages: int = 1
     scheme: str = ""
 
@@ -96,7 +97,8 @@ METHODS = {m.name: m for m in (
              f"Gauss collocation in collective variables, {s} stage{'s' * (s > 1)} (symplectic, order {2 * s})", 2 * s, "smg_gauss.h",
              symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False,
              how=("fixed-point", "the stages of all sites together, by fixed-point iteration"), history=1,
-             arrays=(("stages", 8 * s + 11, 0, "points, stages and slopes of every site"),), defines=(("SMG_STAGES", s),))
+             arrays=(("stages", "SMG_STAGES_SIZE", 0, "points, stages and slopes of every site"),), defines=(("SMG_STAGES", s),),
+             lanes=1 << (s - 1).bit_length())
       for s in range(1, 9)),
     *(Method(f"dop853{kind}", f"Dormand-Prince 8(5,3){said}", f"DOP853{said}",
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",

@@ -13,6 +13,7 @@
  *              smg_radius(c, k)                   of a sphere
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
+ *              smg_lane_gradient(c, w, g)         the same of SMG_LANES states at once (smg_lanes.h), where SMG_HAS_LANES says so
  *              smg_coupled_gradient(c, w, g)      g += dH/dw of the coupled sites, by the terms that couple them
  *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`; this and the next are
  *                                                 asked of sites that are solved alone or swept

@@ -10,13 +10,21 @@
  *
  *     Z_i = z + sum_j (a_ij/b_j) L_j,     dz = sum_j L_j,     u = W - w = 2 B(z + dz/2, dz),
  *
- * B(z, z) = w(z) bilinear: no difference of nearby numbers is taken. Z_i and L_i are found by fixed-point iteration.
+ * B(z, z) = w(z) bilinear: no difference of nearby numbers is taken. Z_i and L_i are found by fixed-point iteration over all
+ * stages at once, stages in the lanes of vectors (smg_lanes.h): the same bits for any number of lanes.
  *
  * H is taken as its formula has it off the sphere too: |w(Z_i)| differs from |w| by (h b)^2. Vortices d apart, whose b along w is
  * as large as 1/d^2, therefore need an h below about d^3.
  *
- * Of the model it needs SMG_STAGES, SMG_HISTORY 1, and beside w, compensation and u one array, s->stages, of (8 s + 11) numbers a site:
- * three of the points w(Z_i) of one stage, for all sites; then site by site z, Z_i, the L_j, and the L_j of the step before. */
+ * Macros, with defaults:
+ *     SMG_TOLERANCE   the iteration ends where the w of a step are right to this part of s->scale, the largest component of the
+ *                     start, as its last two changes tell; 0, the default: where nothing moves but by round-off, as long runs
+ *                     need it. What a tolerance leaves over is of one sign along many an orbit: energy, lengths and momenta
+ *                     drift by some of it a step.
+ *
+ * Of the model it needs SMG_STAGES, SMG_HISTORY 1, and beside w, compensation and u one array, s->stages, of
+ * SMG_STAGES_SIZE(sites) numbers. Where SMG_HAS_LANES says so it gives smg_lane_gradient(c, w, g) beside smg_gradient(c, w, g),
+ * the same for arrays of smg_lanes, each lane a state of its own. */
 #ifndef SMG_GAUSS_H
 #define SMG_GAUSS_H
 
@@ -32,8 +40,11 @@
 #define SMG_NO_DEGREE 0
 #define SMG_NEWTON_STEPS 0
 
+#ifndef SMG_TOLERANCE
+#define SMG_TOLERANCE 0
+#endif
+
 #define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* the L_j of a site */
-#define SMG_STAGE_SITE (8 * SMG_STAGES + 8)
 
 /* The iteration must contract: from its first change on, times the slack for what grows before it falls, each sweep must leave
  * no more than this part of the one before. Then its solution is the one connected to Z_i = z at h = 0. */
@@ -44,15 +55,33 @@
  * for some sweeps are taken for that. */
 #define SMG_FIELD_NOISE (4194304 * SMG_EPS)
 #define SMG_PATIENCE 8
+/* Beside this, products of a site at rest are nothing: next to it, 0/0 is 0. */
+#define SMG_LEAST (smg_real)DBL_MIN
 
 /* ---- arrays ------------------------------------------------------------------------------- */
 
-/* The points w(Z_i) of the stage under way, and a site's z, its Z_i, the L_j, and those of the step before. */
-static inline smg_real *smg_stage_points(const smg_state *s) { return s->stages; }
-static inline smg_real *smg_own_z(const smg_state *s, int64_t k) { return s->stages + 3 * smg_sites(&s->c) + SMG_STAGE_SITE * k; }
-static inline smg_real *smg_own_stage(const smg_state *s, int64_t k) { return smg_own_z(s, k) + 4; }
-static inline smg_real *smg_own_slopes(const smg_state *s, int64_t k) { return smg_own_z(s, k) + 8; }
-static inline smg_real *smg_past_slopes(const smg_state *s, int64_t k) { return smg_own_slopes(s, k) + SMG_STAGE_NUMBERS; }
+/* Where the numbers of a site begin: z, what its steps are scaled by, the four components of Z_i, of L_i, and of the L_i before;
+ * a component has one number for every stage. */
+enum {
+  SMG_OWN_Z = 0, SMG_OWN_HALF = 4, SMG_OWN_SIZE = 5, SMG_OWN_UP = 6, SMG_OWN_STAGES = 8,
+  SMG_OWN_SLOPES = SMG_OWN_STAGES + 4 * SMG_PADDED, SMG_PAST_SLOPES = SMG_OWN_SLOPES + 4 * SMG_PADDED,
+  SMG_OWN_NUMBERS = SMG_PAST_SLOPES + 4 * SMG_PADDED
+};
+
+/* Numbers of the array s->stages: of every site the above, and three components of w(Z_i) and of dH/dw there, one block of stages. */
+#define SMG_STAGES_SIZE(sites) ((SMG_OWN_NUMBERS + 6 * SMG_LANES) * (sites) + SMG_LANES)
+
+/* The array from where vectors may begin. */
+static inline smg_real *smg_stages_begin(const smg_state *s) {
+  const size_t size = sizeof(smg_lanes), over = (size_t)((uintptr_t)s->stages % size);
+  return s->stages + (over ? (size - over) / sizeof(smg_real) : 0);
+}
+
+static inline smg_lanes *smg_stage_points(const smg_state *s) { return (smg_lanes *)smg_stages_begin(s); }
+static inline smg_lanes *smg_stage_gradients(const smg_state *s) { return smg_stage_points(s) + 3 * smg_sites(&s->c); }
+static inline smg_real *smg_own(const smg_state *s, int64_t k) {
+  return smg_stages_begin(s) + 6 * SMG_LANES * smg_sites(&s->c) + SMG_OWN_NUMBERS * k;
+}
 
 /* The history: the L_j of the step before, s->history = 1 once there are any. */
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
@@ -72,13 +101,11 @@ static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-    for (int q = 0; q < SMG_STAGE_NUMBERS; ++q) out[SMG_STAGE_NUMBERS * k + q] = smg_past_slopes(s, k)[q];
+    for (int q = 0; q < SMG_STAGE_NUMBERS; ++q)
+      out[SMG_STAGE_NUMBERS * k + q] = smg_own(s, k)[SMG_PAST_SLOPES + q / SMG_STAGES * SMG_PADDED + q % SMG_STAGES];
 }
 
-static inline void smg_restore_history(smg_state *s, const smg_real *in) {
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-    for (int q = 0; q < SMG_STAGE_NUMBERS; ++q) smg_past_slopes(s, k)[q] = in[SMG_STAGE_NUMBERS * k + q];
-}
+static inline void smg_restore_history(smg_state *s, const smg_real *in);
 
 #include "smg_state.h"
 
@@ -91,16 +118,16 @@ SMG_INLINE void smg_collect(const smg_real *y, const smg_real *d, smg_real *w) {
   w[2] = 2 * ((y[0] * d[0] + y[1] * d[1]) - (y[2] * d[2] + y[3] * d[3]));
 }
 
-/* v = w(z). */
-SMG_INLINE void smg_point(const smg_real *z, smg_real *v) {
+/* v = w(z), stage by stage. */
+SMG_INLINE void smg_point(const smg_lanes *z, smg_lanes *v) {
   v[0] = 2 * (z[0] * z[2] + z[1] * z[3]);
   v[1] = 2 * (z[0] * z[3] - z[1] * z[2]);
   v[2] = (z[0] * z[0] + z[1] * z[1]) - (z[2] * z[2] + z[3] * z[3]);
 }
 
-/* A z with w(z) = w: the larger of z_0, z_1 is real and positive, sqrt((|w| + |w_3|)/2); nothing cancels. */
-static inline void smg_lift(const smg_real *w, smg_real *z) {
-  const smg_real large = SMG_MATH(sqrt)(0.5 * (smg_norm(w) + smg_abs(w[2])));
+/* A z with w(z) = w, norm = |w|: the larger of z_0, z_1 is real and positive, sqrt((|w| + |w_3|)/2); nothing cancels. */
+static inline void smg_lift(const smg_real *w, smg_real norm, smg_real *z) {
+  const smg_real large = SMG_MATH(sqrt)(0.5 * (norm + smg_abs(w[2])));
   const smg_real re = large > 0 ? 0.5 * w[0] / large : 0, im = large > 0 ? 0.5 * w[1] / large : 0;
   const int south = w[2] < 0;
   z[0] = south ? re : large;
@@ -109,8 +136,29 @@ static inline void smg_lift(const smg_real *w, smg_real *z) {
   z[3] = south ? 0 : im;
 }
 
-/* l = i (a.sigma) z. */
-SMG_INLINE void smg_turn(const smg_real *a, const smg_real *z, smg_real *l) {
+/* What a step of site k begins with, from its w alone; returns |w|. */
+static inline smg_real smg_place_site(const smg_state *s, int64_t k) {
+  smg_real *own = smg_own(s, k);
+  const smg_real *w = s->w + 3 * k, norm = smg_norm(w);
+  smg_lift(w, norm, own + SMG_OWN_Z);
+  own[SMG_OWN_HALF] = 0.5 * smg_h_over_kappa(&s->c, k, smg_signed_h(s->h));
+  own[SMG_OWN_SIZE] = SMG_MATH(sqrt)(norm);
+  own[SMG_OWN_UP] = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
+  return norm;
+}
+
+static inline void smg_restore_history(smg_state *s, const smg_real *in) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
+    (void)smg_place_site(s, k);
+    for (int q = 0; q < 4 * SMG_PADDED; ++q) {
+      const int b = q / SMG_PADDED, j = q % SMG_PADDED;
+      smg_own(s, k)[SMG_PAST_SLOPES + q] = in[SMG_STAGE_NUMBERS * k + SMG_STAGES * b + (j < SMG_STAGES ? j : SMG_STAGES - 1)];
+    }
+  }
+}
+
+/* l = i (a.sigma) z, stage by stage. */
+SMG_INLINE void smg_turn(const smg_lanes *a, const smg_lanes *z, smg_lanes *l) {
   l[0] = a[1] * z[2] - a[0] * z[3] - a[2] * z[1];
   l[1] = a[0] * z[2] + a[1] * z[3] + a[2] * z[0];
   l[2] = a[2] * z[3] - a[0] * z[1] - a[1] * z[0];
@@ -121,130 +169,211 @@ SMG_INLINE void smg_turn(const smg_real *a, const smg_real *z, smg_real *l) {
 static inline void smg_turn_phase(const smg_real *y, const smg_real *x, smg_real size, const smg_real *from, smg_real *to) {
   const smg_real re = (y[0] * x[0] + y[1] * x[1] + (y[2] * x[2] + y[3] * x[3])) / size;
   const smg_real im = (y[0] * x[1] - y[1] * x[0] + (y[2] * x[3] - y[3] * x[2])) / size;
-  for (int q = 0; q < SMG_STAGE_NUMBERS; q += 2) {
-    to[q] = re * from[q] - im * from[q + 1];
-    to[q + 1] = re * from[q + 1] + im * from[q];
+  for (int q = 0; q < 4 * SMG_PADDED; q += q % SMG_PADDED == SMG_PADDED - SMG_LANES ? SMG_PADDED + SMG_LANES : SMG_LANES) {
+    const smg_lanes a = smg_lane_load(from + q), b = smg_lane_load(from + SMG_PADDED + q);
+    smg_lane_store(to + q, re * a - im * b);
+    smg_lane_store(to + SMG_PADDED + q, re * b + im * a);
   }
 }
 
 /* ---- the iteration ------------------------------------------------------------------------ */
 
-/* z of every site, and the L_j it begins with: the polynomial through those of the step before, or 0, from where the first sweep
- * goes on by L_i = h b_i F(z + what is known). */
+/* out_i = from + sum_j rows[j][i] x_j of all stages i; each x_j is read from memory into all lanes. */
+SMG_INLINE void smg_combine(const smg_real (*rows)[SMG_PADDED], const smg_real *x, smg_real from, smg_real *out) {
+  smg_lanes sum[SMG_STAGE_BLOCKS];
+  SMG_UNROLL
+  for (int q = 0; q < SMG_STAGE_BLOCKS; ++q) sum[q] = x[0] * smg_lane_load(rows[0] + SMG_LANES * q);
+  SMG_UNROLL
+  for (int j = 1; j < SMG_STAGES; ++j)
+    SMG_UNROLL
+    for (int q = 0; q < SMG_STAGE_BLOCKS; ++q) sum[q] += x[j] * smg_lane_load(rows[j] + SMG_LANES * q);
+  SMG_UNROLL
+  for (int q = 0; q < SMG_STAGE_BLOCKS; ++q) smg_lane_store(out + SMG_LANES * q, from + sum[q]);
+}
+
+/* The L_j it begins with: the polynomial through those of the step before, or 0. */
 static void smg_begin_stages(const smg_state *s, int extrapolated) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    const smg_real *past = smg_past_slopes(s, k);
-    smg_real *slopes = smg_own_slopes(s, k);
-    smg_lift(s->w + 3 * k, smg_own_z(s, k));
-    for (int i = 0; i < SMG_STAGES; ++i)
-      for (int b = 0; b < 4; ++b) {
-        smg_real sum = 0;
-        for (int j = 0; extrapolated && j < SMG_STAGES; ++j) sum += smg_gauss_ahead[i][j] * past[4 * j + b];
-        slopes[4 * i + b] = sum;
-      }
+    smg_real *own = smg_own(s, k);
+    if (s->history == 0) (void)smg_place_site(s, k);
+    if (extrapolated)
+      for (int q = 0; q < 4 * SMG_PADDED; q += SMG_PADDED)
+        smg_combine(smg_gauss_ahead, own + SMG_PAST_SLOPES + q, 0, own + SMG_OWN_SLOPES + q);
+    else
+      for (int q = 0; q < 4 * SMG_PADDED; ++q) own[SMG_OWN_SLOPES + q] = 0;
   }
 }
 
-/* Z_i = z + sum_j (a_ij/b_j) L_j and w(Z_i) of every site; its gradient ends up in s->u. */
-static void smg_stage_field(smg_state *s, int i) {
-  const int64_t sites = smg_sites(&s->c);
-  for (int64_t k = 0; k < sites; ++k) {
-    const smg_real *z = smg_own_z(s, k), *slopes = smg_own_slopes(s, k);
-    smg_real *stage = smg_own_stage(s, k);
-    for (int b = 0; b < 4; ++b) {
-      smg_real sum = 0;
-      for (int j = 0; j < SMG_STAGES; ++j) sum += smg_gauss_share[i][j] * slopes[4 * j + b];
-      stage[b] = z[b] + sum;
-    }
-    smg_point(stage, smg_stage_points(s) + 3 * k);
-    for (int b = 0; b < 3; ++b) s->u[3 * k + b] = 0;
-  }
+/* dH/dw at the points of the stages i, i + 1, .., one a lane. */
+SMG_INLINE void smg_stage_gradient(smg_state *s, int i, const smg_lanes *points, smg_lanes *gradients) {
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, smg_gauss_node[i]));
+#else
+  (void)i;
 #endif
-  smg_gradient(&s->c, smg_stage_points(s), s->u);
+#if SMG_HAS_LANES
+  smg_lane_gradient(&s->c, points, gradients);
+#else
+  smg_gradient(&s->c, points, gradients);
+#endif
 }
 
-/* L_i = h b_i (i/2) (b.sigma) Z_i of site k; its change is measured in w, as 2 |Z| |change of L|, next to the products in it. */
-static void smg_new_slope(smg_state *s, int64_t k, int i, smg_real h, smg_change *change) {
-  const smg_real half = 0.5 * smg_h_over_kappa(&s->c, k, h * smg_gauss_weight[i]), *g = s->u + 3 * k, *stage = smg_own_stage(s, k);
-  const smg_real a[3] = {half * g[0], half * g[1], half * g[2]};
-  const smg_real size = smg_max(smg_largest(stage), smg_abs(stage[3]));
-  const smg_real own = 2 * size * size * (smg_abs(a[0]) + smg_abs(a[1]) + smg_abs(a[2]));
-  const smg_real up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1, before = change->absolute;
-  smg_real *slope = smg_own_slopes(s, k) + 4 * i, next[4];
-  smg_turn(a, stage, next);
+/* What a sweep has moved, the largest over its sites and stages, lane by lane: the fields of smg_change. */
+typedef struct smg_moved {
+  smg_lanes relative, absolute, rounding_scale;
+} smg_moved;
+
+/* L_i = h b_i (i/2) (b.sigma) Z_i of a site and the stages of one block, from dH/dw. Its change is measured in w, as
+ * 2 |z| |change of L|, next to the products in it. It ends up where Z_i was, for a report. */
+SMG_INLINE void smg_new_slopes(smg_real *own, int i, const smg_lanes *g, smg_moved *moved) {
+  const smg_real size = own[SMG_OWN_SIZE], up = own[SMG_OWN_UP];
+  const smg_lanes half = own[SMG_OWN_HALF] * smg_lane_load(smg_gauss_weight + i);
+  const smg_lanes a[3] = {half * g[0], half * g[1], half * g[2]};
+  smg_real *stage = own + SMG_OWN_STAGES + i, *slope = own + SMG_OWN_SLOPES + i;
+  smg_lanes z[4], next[4], change = {0};
+  for (int b = 0; b < 4; ++b) z[b] = smg_lane_load(stage + SMG_PADDED * b);
+  smg_turn(a, z, next);
   for (int b = 0; b < 4; ++b) {
-    smg_change_add(change, 2 * size * (next[b] - slope[b]), own, up);
-    slope[b] = next[b];
+    change += smg_lane_abs(next[b] - smg_lane_load(slope + SMG_PADDED * b));
+    smg_lane_store(slope + SMG_PADDED * b, next[b]);
   }
-  change->rounding_scale = smg_max(change->rounding_scale, up * own);
-  if (change->absolute > before || (before == before && change->absolute != change->absolute)) s->report.site = k;
+  const smg_lanes strength = smg_lane_abs(a[0]) + smg_lane_abs(a[1]) + smg_lane_abs(a[2]), absolute = 2 * size * up * change;
+  moved->relative = smg_lane_larger(moved->relative, change / (size * strength + SMG_LEAST));
+  moved->absolute = smg_lane_larger(moved->absolute, absolute);
+  moved->rounding_scale = smg_lane_larger(moved->rounding_scale, 2 * size * size * up * strength);
+  smg_lane_store(stage, absolute);
 }
 
-/* One sweep: stage after stage, each from the newest L of the others. */
-static smg_change smg_sweep_stages(smg_state *s, smg_real h) {
-  smg_change change = {0, 0, 0};
-  s->report.site = -1;
-  for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_stage_field(s, i);
-    for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_new_slope(s, k, i, h, &change);
+/* One sweep: every stage from the L of all as they were. Z_i = z + sum_j (a_ij/b_j) L_j. */
+static smg_moved smg_sweep_stages(smg_state *s) {
+  const int64_t sites = smg_sites(&s->c);
+  smg_real *all = smg_own(s, 0);
+  smg_lanes *points = smg_stage_points(s), *gradients = smg_stage_gradients(s);
+  const smg_lanes zero = {0};
+  smg_moved moved = {zero, zero, zero};
+  for (smg_real *own = all; own < all + SMG_OWN_NUMBERS * sites; own += SMG_OWN_NUMBERS)
+    for (int b = 0; b < 4; ++b)
+      smg_combine(smg_gauss_share, own + SMG_OWN_SLOPES + SMG_PADDED * b, own[b], own + SMG_OWN_STAGES + SMG_PADDED * b);
+  for (int i = 0; i < SMG_PADDED; i += SMG_LANES) {
+    for (int64_t k = 0; k < sites; ++k) {
+      smg_lanes z[4];
+      for (int b = 0; b < 4; ++b) z[b] = smg_lane_load(all + SMG_OWN_NUMBERS * k + SMG_OWN_STAGES + SMG_PADDED * b + i);
+      smg_point(z, points + 3 * k);
+      for (int b = 0; b < 3; ++b) gradients[3 * k + b] = zero;
+    }
+    smg_stage_gradient(s, i, points, gradients);
+    for (int64_t k = 0; k < sites; ++k) smg_new_slopes(all + SMG_OWN_NUMBERS * k, i, gradients + 3 * k, &moved);
   }
-  return change;
+  return moved;
 }
 
-/* What a run of sweeps has shown: the change before, the least one and how long ago it was, and the most a contraction allows. */
+/* What the sweeps of a step have shown: the change before the last, the least one and how long ago it was, the most that a
+ * contraction allows, and how large a change is round-off. */
 typedef struct smg_watch {
-  smg_change last;
-  smg_real least, most;
+  smg_change now, last;
+  smg_real least, most, size;
   int since;
 } smg_watch;
 
-/* Stagnation, as smg_settled has it but for every contraction that is allowed; or the round-off of the field. */
-static int smg_stages_settled(const smg_change *now, const smg_watch *watch, smg_real size) {
-  if (now->relative <= SMG_EPS) return 1;
-  if (now->absolute <= 8 * SMG_EPS * size && now->relative >= SMG_CONTRACTION * watch->last.relative) return 1;
-  return now->absolute <= SMG_FIELD_NOISE * size && watch->since >= SMG_PATIENCE;
+/* Takes in what a sweep has moved. The products in the increments count only where they could be larger than the state. */
+SMG_INLINE void smg_look(const smg_state *s, const smg_moved *moved, smg_watch *watch) {
+  watch->last = watch->now;
+  watch->now.relative = smg_lane_largest(moved->relative);
+  watch->now.absolute = smg_lane_largest(moved->absolute);
+  watch->size = s->scale;
+  if (watch->now.absolute > 8 * SMG_EPS * s->scale) watch->size = smg_max(s->scale, smg_lane_largest(moved->rounding_scale));
+}
+
+/* Is what is left after these two changes, now^2/(last - now) of a geometric sequence, at most that? */
+SMG_INLINE int smg_leaves_at_most(smg_real now, smg_real last, smg_real most) { return now * now <= most * (last - now); }
+
+/* The accuracy asked for, round-off of the increment or none; stagnation, as smg_settled has it but for every contraction that is
+ * allowed; or the round-off of the field. */
+SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
+  const smg_change *now = &watch->now, *last = &watch->last;
+  const smg_real tolerance = (smg_real)SMG_TOLERANCE * s->scale;
+  if (now->relative <= SMG_EPS || now->absolute <= tolerance) return 1;
+  if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, SMG_EPS)) return 1;
+  if (SMG_TOLERANCE > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, tolerance)) return 1;
+  if (now->absolute <= 8 * SMG_EPS * watch->size && now->relative >= SMG_CONTRACTION * last->relative) return 1;
+  return now->absolute <= SMG_FIELD_NOISE * watch->size && watch->since >= SMG_PATIENCE;
 }
 
 /* Takes in a change that has not settled; is the iteration a contraction as far as can be seen? */
-static int smg_contracts(smg_watch *watch, const smg_change *now, smg_real size) {
-  const int first = watch->most < 0, falls = first || now->absolute <= SMG_CONTRACTION * watch->least;
+SMG_INLINE int smg_contracts(smg_watch *watch) {
+  const smg_real now = watch->now.absolute;
+  const int first = watch->most < 0, falls = first || now <= SMG_CONTRACTION * watch->least;
   watch->since = falls ? 0 : watch->since + 1;
-  if (falls) watch->least = now->absolute;
-  watch->most = first ? SMG_SLACK * now->absolute : SMG_CONTRACTION * watch->most;
-  watch->last = *now;
-  return now->absolute <= smg_max(watch->most, SMG_FIELD_NOISE * size);
+  if (falls) watch->least = now;
+  watch->most = first ? SMG_SLACK * now : SMG_CONTRACTION * watch->most;
+  return now <= smg_max(watch->most, SMG_FIELD_NOISE * watch->size);
 }
 
-/* Sweeps until nothing moves, and an eighth as many again: what was left is of one sign along many an orbit, a drift. */
-static smg_status smg_settle_stages(smg_state *s, smg_real h) {
-  smg_watch watch = {{0, 0, 0}, 0, -1, 0};
-  watch.last.relative = SMG_MAX;
+/* Are all L_j finite? A change that is not a number may be lost among the others. */
+static int smg_finite_stages(const smg_state *s) {
+  smg_lanes none = {0};
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    for (int q = 0; q < 4 * SMG_PADDED; q += SMG_LANES) {
+      const smg_lanes slope = smg_lane_load(smg_own(s, k) + SMG_OWN_SLOPES + q);
+      none += slope - slope;
+    }
+  return !(smg_lane_largest(none) != 0);
+}
+
+/* The site that the last sweep moved most, or made no number. */
+static int64_t smg_most_moved(const smg_state *s) {
+  smg_real most = -1;
+  int64_t site = -1;
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    for (int i = 0; i < SMG_STAGES; ++i) {
+      const smg_real moved = smg_own(s, k)[SMG_OWN_STAGES + i];
+      if (!(moved <= most)) site = k;
+      most = smg_max(most, moved);
+    }
+  return site;
+}
+
+/* Sweeps until what is left is round-off, one more, and an eighth as many again: what was left is of one sign along many an orbit,
+ * a drift. */
+static smg_status smg_sweep_to_rest(smg_state *s) {
+  smg_watch watch = {{SMG_MAX, SMG_MAX, 0}, {SMG_MAX, SMG_MAX, 0}, 0, -1, 0, 0};
   for (int n = 0; n < SMG_MOST_SWEEPS; ++n) {
-    const smg_change now = smg_sweep_stages(s, h);
-    const smg_real size = smg_max(s->scale, now.rounding_scale);
+    const smg_moved moved = smg_sweep_stages(s);
+    smg_look(s, &moved, &watch);
     ++s->report.iterations;
-    s->report.residual = now.absolute;
-    if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
-    if (smg_stages_settled(&now, &watch, size)) {
-      for (int more = n / 8; more > 0; --more) (void)smg_sweep_stages(s, h);
+    s->report.residual = watch.now.absolute;
+    if (!(watch.now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+    if (smg_stages_settled(s, &watch)) {
+      for (int more = SMG_TOLERANCE > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s);
       return SMG_OK;
     }
-    if (!smg_contracts(&watch, &now, size)) break;
+    if (!smg_contracts(&watch)) break;
   }
   return SMG_NO_CONVERGENCE;
 }
 
-/* The stages of the step: from the polynomial of the step before; when that fails, or there is none, from rest. */
-static smg_status smg_solve_stages(smg_state *s, smg_real h) {
-  s->report.iterations = 0;
-  if (s->history > 0) {
-    smg_begin_stages(s, 1);
-    if (smg_settle_stages(s, h) == SMG_OK) return SMG_OK;
+/* From rest, stage after stage: L_i from those before it alone, as an explicit method would, and these once more. */
+static void smg_first_stages(smg_state *s) {
+  for (int i = 0; i < SMG_STAGES; ++i) {
+    (void)smg_sweep_stages(s);
+    for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+      for (int q = 0; i < SMG_STAGES - 1 && q < 4 * SMG_PADDED; ++q)
+        if (q % SMG_PADDED > i) smg_own(s, k)[SMG_OWN_SLOPES + q] = 0;
   }
-  smg_begin_stages(s, 0);
-  return smg_settle_stages(s, h);
+}
+
+static smg_status smg_settle_stages(smg_state *s, int extrapolated) {
+  smg_begin_stages(s, extrapolated);
+  if (!extrapolated) smg_first_stages(s);
+  const smg_status status = smg_sweep_to_rest(s);
+  return smg_finite_stages(s) ? status : SMG_NOT_FINITE;
+}
+
+/* The stages of the step: from the polynomial of the step before; when that fails, or there is none, from rest. */
+static smg_status smg_solve_stages(smg_state *s) {
+  s->report.iterations = 0;
+  if (s->history > 0 && smg_settle_stages(s, 1) == SMG_OK) return SMG_OK;
+  return smg_settle_stages(s, 0);
 }
 
 /* ---- the step ----------------------------------------------------------------------------- */
@@ -262,27 +391,26 @@ static inline void smg_add_to_site(smg_state *s, int64_t k) {
 
 /* u = 2 B(z + dz/2, dz) and the state after the step; the L_j stay, with the phase of the next step's z. */
 static void smg_commit_site(smg_state *s, int64_t k) {
-  const smg_real *z = smg_own_z(s, k), *slopes = smg_own_slopes(s, k);
-  smg_real dz[4], middle[4], end[4], next[4];
+  smg_real *z = smg_own(s, k), *slopes = z + SMG_OWN_SLOPES;
+  smg_real dz[4], middle[4], end[4];
   for (int b = 0; b < 4; ++b) {
     dz[b] = 0;
-    for (int j = 0; j < SMG_STAGES; ++j) dz[b] += slopes[4 * j + b];
+    for (int j = 0; j < SMG_STAGES; ++j) dz[b] += slopes[SMG_PADDED * b + j];
     middle[b] = z[b] + 0.5 * dz[b];
     end[b] = z[b] + dz[b];
   }
   smg_collect(middle, dz, s->u + 3 * k);
   smg_add_to_site(s, k);
-  const smg_real size = smg_norm(s->w + 3 * k);
-  smg_lift(s->w + 3 * k, next);
-  if (size > 0) smg_turn_phase(end, next, size, slopes, smg_past_slopes(s, k));
+  const smg_real size = smg_place_site(s, k);
+  if (size > 0) smg_turn_phase(end, z, size, slopes, z + SMG_PAST_SLOPES);
 }
 
 static smg_status smg_step(smg_state *s) {
   s->report.partner = -1;
   s->report.reached = 0;
-  s->report.status = smg_solve_stages(s, smg_signed_h(s->h));
+  s->report.status = smg_solve_stages(s);
+  s->report.site = s->report.status != SMG_OK ? smg_most_moved(s) : -1;
   if (s->report.status != SMG_OK) return s->report.status;
-  s->report.site = -1;
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_commit_site(s, k);
   s->history = 1;
   ++s->count;

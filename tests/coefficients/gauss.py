@@ -15,17 +15,36 @@ HEAD = """\
  * polynomial on [0, 1], b_j and a_ij the integrals of Lagrange's polynomials l_j over [0, 1] and [0, c_i].
  *
  *   smg_gauss_node[i]      c_i, where H depends on time
- *   smg_gauss_weight[j]    b_j
- *   smg_gauss_share[i][j]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
+ *   smg_gauss_weight[i]    b_i
+ *   smg_gauss_share[j][i]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
  *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to (Antonana,
  *                          Makazaga, Murua 2017)
- *   smg_gauss_ahead[i][j]  (b_i / b_j) l_j(1 + c_i): the polynomial through the stages, one step on
+ *   smg_gauss_ahead[j][i]  (b_i / b_j) l_j(1 + c_i): the polynomial through the stages, one step on
  *
+ * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th.
  * SMG_PAIR: high and low part, right to 1e-32; SMG_MIRROR: 1 less that. */
 #ifndef SMG_GAUSS_TABLE_H
 #define SMG_GAUSS_TABLE_H
 
-#include "smidgen.h"
+#include "smg_lanes.h"
+
+#define SMG_STAGE_BLOCKS ((SMG_STAGES + SMG_LANES - 1) / SMG_LANES)
+#define SMG_PADDED (SMG_STAGE_BLOCKS * SMG_LANES)
+#if SMG_PADDED - SMG_STAGES == 0
+#define SMG_LAST(x) x
+#elif SMG_PADDED - SMG_STAGES == 1
+#define SMG_LAST(x) x, x
+#elif SMG_PADDED - SMG_STAGES == 2
+#define SMG_LAST(x) x, x, x
+#else
+#define SMG_LAST(x) x, x, x, x
+#endif
+
+#if SMG_LANES > 1
+#define SMG_ALIGNED __attribute__((aligned(sizeof(smg_lanes))))
+#else
+#define SMG_ALIGNED
+#endif
 
 #define SMG_PAIR(high, low) ((smg_real)(high) + (smg_real)(low))
 #define SMG_MIRROR(high, low) (1 - SMG_PAIR(high, low))
@@ -86,13 +105,17 @@ def table(s):
     def listed(items, indent="    "):
         return "{\n" + ",\n".join(indent + x for x in items) + "}"
 
-    rows = ["{" + ", ".join(share(a, b, i, j) for j in every) + "}" for i in every]
-    far = ["{" + ", ".join(f"(smg_real){float(b[i] / b[j] * ahead[i][j])!r}" for j in every) + "}" for i in every]
+    def filled(items):
+        return "{" + ", ".join([*items[:-1], f"SMG_LAST({items[-1]})"]) + "}"
+
+    shares = [filled([share(a, b, i, j) for i in every]) for j in every]
+    far = [filled([f"(smg_real){float(b[i] / b[j] * ahead[i][j])!r}" for i in every]) for j in every]
+    weights = filled([pair(x) for x in b])
     return (f"\n#if SMG_STAGES == {s}\n"
             f"#if SMG_TIMED\nstatic const smg_real smg_gauss_node[{s}] = {listed(pair(x) for x in c)};\n#endif\n"
-            f"static const smg_real smg_gauss_weight[{s}] = {listed(pair(x) for x in b)};\n"
-            f"static const smg_real smg_gauss_share[{s}][{s}] = {listed(rows)};\n"
-            f"static const smg_real smg_gauss_ahead[{s}][{s}] = {listed(far)};\n"
+            f"SMG_ALIGNED static const smg_real smg_gauss_weight[SMG_PADDED] = {weights};\n"
+            f"SMG_ALIGNED static const smg_real smg_gauss_share[{s}][SMG_PADDED] = {listed(shares)};\n"
+            f"SMG_ALIGNED static const smg_real smg_gauss_ahead[{s}][SMG_PADDED] = {listed(far)};\n"
             "#endif\n")
 
 

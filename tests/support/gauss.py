@@ -16,6 +16,7 @@ COMMANDS = {
     "long double": ("gcc", "-std=c11", "-O2", "-DSMG_LONG_DOUBLE"),
     "clang": ("clang", "-std=c11", "-O2"), "g++": ("g++", "-x", "c++", "-std=c++17", "-O1"),
     "clang++": ("clang++", "-x", "c++", "-std=c++17", "-O1"), "g++ quad": ("g++", "-x", "c++", "-std=c++17", "-DSMG_QUAD"),
+    "to 1e-6": ("gcc", "-std=c11", "-O2", "-DSMG_TOLERANCE=1e-6"), "to 1e-11": ("gcc", "-std=c11", "-O2", "-DSMG_TOLERANCE=1e-11"),
     "sanitized": ("gcc", "-std=c11", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")}
 
 

@@ -35,7 +35,8 @@ def buffers(model) -> list:
     found = [buffer("w", 3 * n, "the state: 3 numbers per site"), buffer("compensation", 3 * n, "what w has lost to rounding"),
              buffer("u", 3 * n, "increment W - w of the step under way")]
     if not model.method.of_midpoints:
-        return found + [buffer(name, size * n + more, meaning) for name, size, more, meaning in model.method.arrays]
+        return found + [buffer(name, (Computed(size, (n,)) if isinstance(size, str) else size * n) + more, meaning)
+                        for name, size, more, meaning in model.method.arrays]
     if model.solo:
         found.append(buffer("rows", 4 * ROWS, "history: increment and 1/|w + W| of each step, newest first"))
     if any(f.kind != "sphere" for f in model.families):

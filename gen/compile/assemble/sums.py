@@ -47,9 +47,9 @@ def value_body(model, t) -> tuple:
 def sum_functions(model) -> list:
     every = sums(model, model.effects, lambda t: gradient_body(model, t))
     some = sums(model, model.coupled_effects(), lambda t: gradient_body(model, t))
-    found = [gradient("smg_gradient", every)]
+    found = [sum_gradient("smg_gradient", every)]
     if model.plan.coupled:
-        found.append(gradient("smg_coupled_gradient", some if some != every else (Call("smg_gradient", (Name("c"), Name("w"), Name("g"))),)))
+        found.append(sum_gradient("smg_coupled_gradient", some if some != every else (Call("smg_gradient", (Name("c"), Name("w"), Name("g"))),)))
         found.append(over_state("smg_hessian_blocks", sums(model, model.coupled_effects(), lambda t: block_body(model, t))))
     if model.plan.coupled and not model.plan.matrix:
         found.append(over_state("smg_hessian_vector", sums(model, model.coupled_effects(), lambda t: hessian_vector_body(model, t))))
@@ -63,7 +63,7 @@ def hessian_vector_body(model, t) -> list:
             for k, l in t.derived.hessian if k != l]
 
 
-def gradient(name: str, body) -> Function:
+def sum_gradient(name: str, body) -> Function:
     return Function("void", name, (COEFFICIENTS, W, G), body, wanted=True)
 
 

@@ -19,7 +19,7 @@ ELEMENTARY = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.tan
 
 _RUNTIME = {derive.lesser: "smg_min", derive.greater: "smg_max"}
 
-_RELATIONS = {sp.StrictLessThan: "<", sp.LessThan: "<=", sp.StrictGreaterThan: ">",
+RELATIONS = {sp.StrictLessThan: "<", sp.LessThan: "<=", sp.StrictGreaterThan: ">",
               sp.GreaterThan: ">=", sp.Eq: "==", sp.Ne: "!="}
 
 
@@ -127,7 +127,7 @@ class Formulas:
         if isinstance(e, sp.ITE):       # a comparison of pieces
             first, then, other = (self.test(a) for a in e.args)
             return f"({first} ? {then} : {other})"
-        return f"({self(e.lhs)} {_RELATIONS[type(e)]} {self(e.rhs)})"
+        return f"({self(e.lhs)} {RELATIONS[type(e)]} {self(e.rhs)})"
 
     def call(self, e):
         if isinstance(e, (derive.signum, sp.sign)):

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from ..assemble.buffers import history, stages_kept
+from ..assemble.lanes import has_lanes
 from ..assemble.model import Model
 from ..lower.integers import Whole
 from .print_wide import elementary
@@ -31,6 +32,7 @@ def settings(model: Model) -> list:
         "SMG_EXTENDED": model.wide is not None, "SMG_PLAIN_SUMS": "plain-sums" in model.features,
         "SMG_WIDE_TIMED": model.wide is not None and model.wide.coefficients.timed,
         "SMG_COMPOSED": model.method.stages if model.method.stages > 1 else 0, "SMG_STAGES_KEPT": stages_kept(model),
+        "SMG_HAS_LANES": has_lanes(model), "SMG_MOST_LANES": model.method.lanes if has_lanes(model) else 0,
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
     read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
@@ -38,7 +40,8 @@ def settings(model: Model) -> list:
 
 def headers(model: Model) -> list:
     """What the functions of the model are written with."""
-    return ["smg_model.h", *(["smg_vec.h"] if model.solo else []), *(["smg_wide_math.h"] if takes_wide_functions(model) else [])]
+    return ["smg_model.h", *(["smg_vec.h"] if model.solo else []), *(["smg_wide_math.h"] if takes_wide_functions(model) else []),
+            *(["smg_lanes.h"] if has_lanes(model) else [])]
 
 
 def takes_wide_functions(model: Model) -> bool:

@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 from ..lower.code import Function
+from .print_lanes import Lanes
 from .print_scalar import Scalar
 from .print_value import ByValue
 from .print_wide import Wide
 
-PRINTERS = {"scalar": Scalar(), "value": ByValue(), "wide": Wide()}
+PRINTERS = {"scalar": Scalar(), "value": ByValue(), "wide": Wide(), "lanes": Lanes()}
 
 
 def printed(definition) -> str:

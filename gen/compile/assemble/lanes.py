@@ -1,0 +1,35 @@
+"""Gradients of several states at once: the kernels of one state, and their sums, for the printer of lanes."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..lower.code import Call, Function
+from .sums import gradient_body, sum_gradient, sums
+
+VECTORS = {"const smg_real *": "const smg_lanes *", "smg_real *": "smg_lanes *"}
+
+
+def has_lanes(model) -> bool:
+    """Does the method take several gradients at once, and may all states share one time?"""
+    return model.method.lanes > 1 and not model.coefficients.timed
+
+
+def lane_functions(model) -> list:
+    kernels = [in_lanes(f) for t in model.effects for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    body = sums(model, model.effects, lambda t: tuple(map(renamed, gradient_body(model, t))))
+    return [*kernels, in_lanes(sum_gradient("smg_lane_gradient", body), "smg_lane_gradient")]
+
+
+def in_lanes(f: Function, name: str = "") -> Function:
+    """The same for vectors whose components are lanes."""
+    arguments = tuple(replace(a, kind=VECTORS.get(a.kind, a.kind)) for a in f.arguments)
+    return replace(f, name=name or named(f.name), arguments=arguments, target="lanes")
+
+
+def renamed(statement):
+    """A call of a kernel as one of its sibling in lanes."""
+    return replace(statement, function=named(statement.function)) if isinstance(statement, Call) else statement
+
+
+def named(kernel: str) -> str:
+    return f"lane_{kernel}"

@@ -1,0 +1,108 @@
+"""The printer of several states at once: the same operations in the same order on smg_lanes (runtime/core/smg_lanes.h).
+
+A sum or a product of lanes, or of lanes and one number, is written as that of numbers; functions and tests are calls. What does
+not depend on a state stays one number.
+"""
+from __future__ import annotations
+
+import sympy as sp
+from sympy.core.sorting import default_sort_key
+from sympy.logic.boolalg import Boolean
+
+from ..derive import derivatives as derive
+from ..lower.code import Component, Local
+from .formulas import ATOM, ELEMENTARY, PRODUCT, RELATIONS, Formulas, power_of
+from .print_scalar import Scalar
+
+_OWN = {derive.lesser: "min", derive.greater: "max", derive.signum: "sign", sp.sign: "sign", sp.Abs: "abs", derive.absolute: "abs"}
+
+
+class LaneFormulas(Formulas):
+    """`wide`: names of the symbols that are lanes."""
+
+    def __init__(self, leaf, wide):
+        super().__init__(leaf)
+        self.wide = wide
+
+    def in_lanes(self, e) -> bool:
+        return any(s.name in self.wide for s in e.free_symbols)
+
+    def lanes(self, e) -> str:
+        """The text of e, which may be one number, as lanes."""
+        return self(e) if self.in_lanes(e) else f"smg_lane_of({self(e)})"
+
+    def lane_call(self, name: str, *args):
+        return f"smg_lane_{name}({', '.join(self.lanes(a) for a in args)})", ATOM
+
+    def pow(self, e):
+        base, exponent = e.args
+        way = power_of(exponent)
+        if not self.in_lanes(e) or exponent.is_number and exponent.is_negative or way == "product":
+            return super().pow(e)
+        if way == "root":
+            return self.lane_call("sqrt", base)
+        if way == "product and root":
+            whole = "*".join([self.inside(base, ATOM)] * int(exponent.p // 2))
+            return f"{whole}*{self.lane_call('sqrt', base)[0]}", PRODUCT
+        return self.lane_call("pow", base, exponent)
+
+    def call(self, e):
+        if not self.in_lanes(e):
+            return super().call(e)
+        return self.lane_call(_OWN.get(type(e)) or ELEMENTARY[type(e)], *e.args)
+
+    def piecewise(self, e):
+        (value, test), *rest = e.args
+        if test == sp.true or not rest or not self.in_lanes(e):
+            return super().piecewise(e)
+        other = sp.Piecewise(*rest) if len(rest) > 1 else rest[0][0]
+        return f"smg_lane_select({self.mask(test)}, {self.lanes(value)}, {self.lanes(other)})", ATOM
+
+    def mask(self, e) -> str:
+        """The text of a test, which may be the same for all lanes, as a mask."""
+        return self.test(e) if self.in_lanes(e) else f"smg_lane_all({self.test(e)})"
+
+    def test(self, e) -> str:
+        if not self.in_lanes(e) or e.is_Symbol:
+            return super().test(e)
+        if isinstance(e, (sp.And, sp.Or)):
+            mark = " & " if isinstance(e, sp.And) else " | "
+            return "(" + mark.join(self.mask(a) for a in sorted(e.args, key=default_sort_key)) + ")"
+        if isinstance(e, sp.Not):
+            return f"smg_lane_not({self.mask(e.args[0])})"
+        if isinstance(e, sp.ITE):
+            first, then, other = (self.mask(a) for a in e.args)
+            return f"(({first} & {then}) | (smg_lane_not({first}) & {other}))"
+        return f"(smg_lane_mask)({self.lanes(e.lhs)} {RELATIONS[type(e)]} {self.lanes(e.rhs)})"
+
+
+class Lanes(Scalar):
+    """Components of vectors are lanes, and so is what is made of them; all else is one number.
+
+    named: values of the function under way that are lanes.
+    """
+    named = frozenset()
+
+    def define_function(self, f):
+        self.named = set()
+        return super().define_function(f)
+
+    def formulas_of(self, real) -> LaneFormulas:
+        wide = {name for name, leaf in real.leaves.items()
+                if isinstance(leaf, Component) or isinstance(leaf, Local) and leaf.name in self.named}
+        return LaneFormulas(lambda name: self.leaf(real.leaves[name]), wide)
+
+    def show_real(self, r):
+        shown = self.formulas_of(r)
+        return (shown.test(r.expr), ATOM) if isinstance(r.expr, Boolean) else shown.show(r.expr)
+
+    def do_value(self, s):
+        if not self.formulas_of(s.value).in_lanes(s.value.expr):
+            return super().do_value(s)
+        truth = isinstance(s.value.expr, Boolean) and not s.value.expr.is_Symbol
+        line = f"const {'smg_lane_mask' if truth else 'smg_lanes'} {s.name} = {self(s.value)};"
+        self.named.add(s.name)
+        return [line]
+
+    def do_zeros(self, s):
+        return [f"smg_lanes {s.name}[{s.size}] = {{{', '.join(['smg_lane_of(0)'] * s.size)}}};"]

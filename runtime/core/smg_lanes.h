@@ -1,0 +1,122 @@
+/* smidgen runtime: several numbers at once, in the lanes of a vector register.
+ *
+ * smg_lanes holds SMG_LANES numbers, a power of 2, as the vectors of gcc and clang do: a + b, c*a with one number c, a/b act lane by
+ * lane. Each lane has the bits that the same operations on smg_real have. SMG_LANES is what the registers of the target hold, at
+ * most SMG_MOST_LANES. It is 1, and smg_lanes is smg_real, with other compilers, in extended precision, and for models without
+ * kernels in lanes (SMG_HAS_LANES). */
+#ifndef SMG_LANES_H
+#define SMG_LANES_H
+
+#include "smg_small.h"
+
+#if defined(SMG_LONG_DOUBLE) || defined(SMG_QUAD) || !defined(__GNUC__) || !SMG_HAS_LANES
+#undef SMG_LANES
+#define SMG_LANES 1
+#elif !defined(SMG_LANES)
+#if defined(__AVX512F__)
+#define SMG_NATIVE_LANES 8
+#elif defined(__AVX__)
+#define SMG_NATIVE_LANES 4
+#else
+#define SMG_NATIVE_LANES 2
+#endif
+#define SMG_LANES (SMG_NATIVE_LANES < SMG_MOST_LANES ? SMG_NATIVE_LANES : SMG_MOST_LANES)
+#endif
+
+#if SMG_LANES == 1
+
+typedef smg_real smg_lanes;
+typedef int smg_lane_mask;
+
+SMG_INLINE smg_lanes smg_lane_abs(smg_lanes a) { return smg_abs(a); }
+SMG_INLINE smg_lane_mask smg_lane_all(int test) { return test; }
+SMG_INLINE smg_lane_mask smg_lane_not(smg_lane_mask test) { return !test; }
+SMG_INLINE smg_lanes smg_lane_select(smg_lane_mask test, smg_lanes a, smg_lanes b) { return test ? a : b; }
+
+#else
+
+typedef smg_real smg_lanes __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
+typedef int64_t smg_lane_mask __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
+
+/* a without its signs. */
+SMG_INLINE smg_lanes smg_lane_abs(smg_lanes a) { return (smg_lanes)((smg_lane_mask)a & INT64_MAX); }
+
+/* The same test in every lane, and its opposite. */
+SMG_INLINE smg_lane_mask smg_lane_all(int test) {
+  const smg_lane_mask none = {0};
+  return none - (int64_t)(test != 0);
+}
+SMG_INLINE smg_lane_mask smg_lane_not(smg_lane_mask test) { return ~test; }
+
+/* a where the test holds (all bits of its lane are 1), else b. */
+SMG_INLINE smg_lanes smg_lane_select(smg_lane_mask test, smg_lanes a, smg_lanes b) {
+  return (smg_lanes)((test & (smg_lane_mask)a) | (~test & (smg_lane_mask)b));
+}
+
+#endif
+
+SMG_INLINE smg_lanes smg_lane_load(const smg_real *a) { return *(const smg_lanes *)a; }
+SMG_INLINE void smg_lane_store(smg_real *a, smg_lanes x) { *(smg_lanes *)a = x; }
+
+/* x in every lane; x - 0 has the bits of x. */
+SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
+  const smg_lanes zero = {0};
+  return x - zero;
+}
+
+/* The larger; b where either is not a number. */
+SMG_INLINE smg_lanes smg_lane_larger(smg_lanes a, smg_lanes b) { return smg_lane_select((smg_lane_mask)(a > b), a, b); }
+
+/* smg_min, smg_max and the sign; what is not a number stays so in the first two. */
+SMG_INLINE smg_lanes smg_lane_min(smg_lanes a, smg_lanes b) {
+  return smg_lane_select((smg_lane_mask)(a <= b) | (smg_lane_mask)(a != a), a, b);
+}
+SMG_INLINE smg_lanes smg_lane_max(smg_lanes a, smg_lanes b) {
+  return smg_lane_select((smg_lane_mask)(a >= b) | (smg_lane_mask)(a != a), a, b);
+}
+SMG_INLINE smg_lanes smg_lane_sign(smg_lanes a) {
+  const smg_lanes zero = {0};
+  const smg_lanes positive = smg_lane_select((smg_lane_mask)(a > zero), smg_lane_of(1), zero);
+  return smg_lane_select((smg_lane_mask)(a < zero), smg_lane_of(-1), positive);
+}
+
+/* Functions of the C library, lane after lane, so that each has its bits. */
+#define SMG_LANE_FUNCTION(f)                                                                                    \
+  static inline smg_lanes smg_lane_##f(smg_lanes a) {                                                           \
+    for (int l = 0; l < SMG_LANES; ++l) ((smg_real *)&a)[l] = SMG_MATH(f)(((smg_real *)&a)[l]);                 \
+    return a;                                                                                                   \
+  }
+#define SMG_LANE_FUNCTION_2(f)                                                                                  \
+  static inline smg_lanes smg_lane_##f(smg_lanes a, smg_lanes b) {                                              \
+    for (int l = 0; l < SMG_LANES; ++l)                                                                         \
+      ((smg_real *)&a)[l] = SMG_MATH(f)(((smg_real *)&a)[l], ((smg_real *)&b)[l]);                              \
+    return a;                                                                                                   \
+  }
+SMG_LANE_FUNCTION(sqrt)
+SMG_LANE_FUNCTION(exp)
+SMG_LANE_FUNCTION(log)
+SMG_LANE_FUNCTION(sin)
+SMG_LANE_FUNCTION(cos)
+SMG_LANE_FUNCTION(tan)
+SMG_LANE_FUNCTION(asin)
+SMG_LANE_FUNCTION(acos)
+SMG_LANE_FUNCTION(atan)
+SMG_LANE_FUNCTION(sinh)
+SMG_LANE_FUNCTION(cosh)
+SMG_LANE_FUNCTION(tanh)
+SMG_LANE_FUNCTION(floor)
+SMG_LANE_FUNCTION_2(atan2)
+SMG_LANE_FUNCTION_2(pow)
+#undef SMG_LANE_FUNCTION
+#undef SMG_LANE_FUNCTION_2
+
+/* The largest lane. */
+SMG_INLINE smg_real smg_lane_largest(smg_lanes a) {
+  smg_real x[SMG_LANES];
+  for (int l = 0; l < SMG_LANES; ++l) x[l] = ((const smg_real *)&a)[l];
+  for (int n = SMG_LANES / 2; n > 0; n /= 2)
+    for (int l = 0; l < n; ++l) x[l] = x[l] > x[l + n] ? x[l] : x[l + n];
+  return x[0];
+}
+
+#endif
