@@ -5,7 +5,7 @@
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_KL17A_H
 #define SMG_KL17A_H
@@ -33,6 +33,7 @@ static const smg_real smg_gamma[17] = {
     SMG_PAIR(0.5611629817751084, 1.3032594119655703e-17),
     SMG_PAIR(0.13020248308889007, 1.1160926480683786e-17)};
 
+#if SMG_SINGLE_SPHERE
 static const double smg_inverse_gamma[17] = {
     7.680345076962115,
     1.782013483563604,
@@ -51,6 +52,7 @@ static const double smg_inverse_gamma[17] = {
     -2.5675591396407054,
     1.782013483563604,
     7.680345076962115};
+#endif
 
 /* 1, 3, 6, 8 stages back */
 static const double smg_stage_weights[17][4][8] = {

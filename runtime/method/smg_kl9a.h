@@ -5,7 +5,7 @@
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_KL9A_H
 #define SMG_KL9A_H
@@ -25,6 +25,7 @@ static const smg_real smg_gamma[9] = {
     SMG_PAIR(0.33259913678935943, 9.998816861901094e-18),
     SMG_PAIR(0.3921614440073141, 1.982609470119188e-17)};
 
+#if SMG_SINGLE_SPHERE
 static const double smg_inverse_gamma[9] = {
     2.549970210690445,
     3.0066223552267264,
@@ -35,6 +36,7 @@ static const double smg_inverse_gamma[9] = {
     -1.4159368770503125,
     3.0066223552267264,
     2.549970210690445};
+#endif
 
 /* 1, 3, 6, 8 stages back */
 static const double smg_stage_weights[9][4][8] = {

@@ -5,7 +5,7 @@
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_SS11_H
 #define SMG_SS11_H
@@ -27,6 +27,7 @@ static const smg_real smg_gamma[11] = {
     SMG_PAIR(0.18329381407425713, 1.1536221273313334e-17),
     SMG_PAIR(0.21375583945878254, 2.7827836190363707e-18)};
 
+#if SMG_SINGLE_SPHERE
 static const double smg_inverse_gamma[11] = {
     4.678234767910633,
     5.455721487659555,
@@ -39,6 +40,7 @@ static const double smg_inverse_gamma[11] = {
     5.652010418805496,
     5.455721487659555,
     4.678234767910633};
+#endif
 
 /* 1, 3, 6, 8 stages back */
 static const double smg_stage_weights[11][4][8] = {

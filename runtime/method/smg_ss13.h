@@ -5,7 +5,7 @@
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_SS13_H
 #define SMG_SS13_H
@@ -29,6 +29,7 @@ static const smg_real smg_gamma[13] = {
     SMG_PAIR(0.1334656285107476, -9.618167604497011e-18),
     SMG_PAIR(0.13861930854051696, -8.700948011565913e-18)};
 
+#if SMG_SINGLE_SPHERE
 static const double smg_inverse_gamma[13] = {
     7.214002223274044,
     7.49256577261368,
@@ -43,6 +44,7 @@ static const double smg_inverse_gamma[13] = {
     7.650798572177694,
     7.49256577261368,
     7.214002223274044};
+#endif
 
 /* 1, 3, 6, 8 stages back */
 static const double smg_stage_weights[13][4][8] = {

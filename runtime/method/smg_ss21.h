@@ -5,7 +5,7 @@
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_SS21_H
 #define SMG_SS21_H
@@ -37,6 +37,7 @@ static const smg_real smg_gamma[21] = {
     SMG_PAIR(0.10837408645835726, 6.892338752412295e-19),
     SMG_PAIR(0.10647728984550031, 6.8455410751257e-18)};
 
+#if SMG_SINGLE_SPHERE
 static const double smg_inverse_gamma[21] = {
     9.391674050410286,
     9.227298080932382,
@@ -59,6 +60,7 @@ static const double smg_inverse_gamma[21] = {
     2.829829260015698,
     9.227298080932382,
     9.391674050410286};
+#endif
 
 /* 1, 3, 6, 8 stages back */
 static const double smg_stage_weights[21][4][8] = {

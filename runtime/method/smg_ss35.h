@@ -5,7 +5,7 @@
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_SS35_H
 #define SMG_SS35_H
@@ -51,6 +51,7 @@ static const smg_real smg_gamma[35] = {
     SMG_PAIR(0.3130961034151085, 1.015565690240367e-17),
     SMG_PAIR(0.07879572252168641, 4.378563061196318e-18)};
 
+#if SMG_SINGLE_SPHERE
 static const double smg_inverse_gamma[35] = {
     12.69104423434631,
     3.1939075226183244,
@@ -87,6 +88,7 @@ static const double smg_inverse_gamma[35] = {
     35.818693066135346,
     3.1939075226183244,
     12.69104423434631};
+#endif
 
 /* 1, 3, 6, 8 stages back */
 static const double smg_stage_weights[35][4][8] = {

@@ -5,7 +5,7 @@
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_SUZUKI5_H
 #define SMG_SUZUKI5_H
@@ -21,12 +21,14 @@ static const smg_real smg_gamma[5] = {
     SMG_PAIR(0.4144907717943757, 2.5197374150855977e-17),
     SMG_PAIR(0.4144907717943757, 2.5197374150855977e-17)};
 
+#if SMG_SINGLE_SPHERE
 static const double smg_inverse_gamma[5] = {
     2.4125989480318006,
     2.4125989480318006,
     -1.5198420997897464,
     2.4125989480318006,
     2.4125989480318006};
+#endif
 
 /* 1, 3, 6, 8 stages back */
 static const double smg_stage_weights[5][4][8] = {

@@ -64,7 +64,7 @@ HEAD = """\
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
- *   smg_inverse_gamma[i]          1/gamma_i, for predictions
+ *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
  *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
 #ifndef SMG_{guard}_H
 #define SMG_{guard}_H
@@ -224,7 +224,7 @@ def header_of(name, order, source, half, guard=None):
     table = [braces([row(weights(every, i, level)) for level in range(len(SPAN))]) for i in range(n)]
     return (HEAD.format(title=title(name), stages=n, order=order, source=source, guard=(guard or name).upper())
             + f"\nstatic const smg_real smg_gamma[{n}] = {listed(gammas)};\n"
-            f"\nstatic const double smg_inverse_gamma[{n}] = {listed(repr(float(1 / x)) for x in every)};\n"
+            f"\n#if SMG_SINGLE_SPHERE\nstatic const double smg_inverse_gamma[{n}] = {listed(repr(float(1 / x)) for x in every)};\n#endif\n"
             f"\n/* {', '.join(str(x) for x in SPAN)} stages back */\n"
             f"static const double smg_stage_weights[{n}][{len(SPAN)}][{HISTORY}] = {listed(table)};\n"
             "\n#endif\n")
