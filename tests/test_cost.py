@@ -20,7 +20,7 @@ from smidgen.show.plot.cost import draw_cost
 FEW = ("spherical-midpoint", "gauss-6", "dop853")
 
 
-def rows(name="a", order=2, steps=(10, 20, 40), one=1e-6):
+def rows(name="gauss-2", order=2, steps=(10, 20, 40), one=1e-6):
     """Rows whose error is N^-order and whose time is N*one."""
     return [Row(name, 1 / n, n, end_error=float(n) ** -order, energy=1e-17, seconds=n * one) for n in steps]
 
@@ -41,11 +41,11 @@ def test_the_time_for_an_error_lies_on_the_line_between_neighbours():
 
 @pytest.mark.quick
 def test_the_first_is_the_fastest_of_those_that_get_there():
-    both = rows("slow", 4, one=5e-6) + rows("fast", 2)
-    assert first(both, "end_error", 1e-2)[0] == "fast"
-    assert first(both, "end_error", 1e-5)[0] == "slow"
-    assert first(both, "end_error", 1e-5, lambda name: name == "fast")[0] == ""
-    assert list(by_method(both)) == ["slow", "fast"]
+    both = rows("gauss-4", 4, one=5e-6) + rows("gauss-2", 2)
+    assert first(both, "end_error", 1e-2)[0] == "gauss-2"
+    assert first(both, "end_error", 1e-5)[0] == "gauss-4"
+    assert first(both, "end_error", 1e-5, lambda name: name == "gauss-2")[0] == ""
+    assert list(by_method(both)) == ["gauss-4", "gauss-2"]
 
 
 @pytest.mark.quick
@@ -101,7 +101,8 @@ def test_errors_fall_as_the_order_says(table):
 def test_every_row_is_whole(table):
     assert {row.method for row in table.rows} == set(FEW)
     for row in table.rows:
-        assert row.status or (row.seconds > 0 and row.end_error >= 0 and row.casimir < 1e-9 and row.ns_step > 0)
+        assert row.status or (row.seconds > 0 and row.end_error >= 0 and row.ns_step > 0)
+        assert row.status or row.tolerance == row.tolerance or row.casimir < 1e-12
     assert {name for name, *_ in table.long} == set(FEW)
     assert "fastest, symplectic" in str(table)
 

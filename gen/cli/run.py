@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import Exit, RunError, UsageError
 from ..run.checkpoint import folder_of
-from .options import json_option, model_options, names, spec_argument, whole
+from .options import json_option, model_options, names, number, spec_argument, whole
 from .say import notes_line, printed, say
 
 EXAMPLES = """  smidgen run heisenberg_chain
@@ -45,6 +45,8 @@ def add(commands):
     parser.add_argument("--checkpoint", type=whole, metavar="N", help="write a checkpoint every N steps: "
                         "a run that is killed goes on from there")
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
+    parser.add_argument("--tolerance", type=lambda text: number(text, "--tolerance"), metavar="E", help="of a step, as part of the largest "
+                        "component of w: its iterations end there, or step control aims at it; default: round-off")
     parser.add_argument("--no-estimate", action="store_true", help="do not take the run again with half as many steps "
                         "to estimate its error, which takes half its time")
     parser.add_argument("--substeps", action="store_true", default=None,
@@ -142,7 +144,7 @@ def asked(args):
 
 
 CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "section", "what",
-           "seed", "checkpoint", "substeps")
+           "seed", "checkpoint", "substeps", "tolerance")
 
 
 def choices(args) -> dict:

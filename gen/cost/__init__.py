@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import RunError, UsageError
 from ..language.spec import Spec
+from ..methods import METHODS
 from ..public import public
 from ..run.settings import settle
 from .case import Case, asked_time, candidates
@@ -19,7 +20,7 @@ from .choice import Choice, choose, known_methods
 from .report import Cost, load_cost, machine
 from .reference import reference
 from .sweep import Row, ladder, sample
-from .timing import take_times
+from .timing import asked, take_times
 
 __all__ = ["Choice", "Cost", "choose", "cost", "load_cost"]
 
@@ -79,7 +80,7 @@ def long_runs(case: Case, rows: list[Row], seconds: float, progress) -> list[tup
 
 def nearest(rows: list[Row], name: str) -> Row | None:
     """The row of a method whose end error comes next to AIM; without end errors, the one in the middle."""
-    own = [r for r in rows if r.method == name and not r.status]
+    own = [r for r in rows if r.method == name and not r.status and (METHODS[name].controlled or r.tolerance != r.tolerance)]
     judged = [r for r in own if r.end_error > 0]
     if judged:
         return min(judged, key=lambda r: abs(np.log(r.end_error / AIM)))
@@ -90,7 +91,7 @@ def along(case: Case, row: Row, times: float) -> list[tuple]:
     """Energy errors at times spaced evenly in their logarithm."""
     if case.timed:
         return []
-    model = case.model(row.method).start(case.w.copy(), h=row.h)
+    model = case.model(row.method).start(case.w.copy(), h=row.h, tolerance=asked(row))
     first, found = sample(model)[1], []
     for count in np.unique(np.geomspace(1, max(2, row.steps * times), POINTS).astype(int)):
         try:

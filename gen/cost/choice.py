@@ -21,8 +21,8 @@ from ..run.settings import settle
 from .case import Case, asked_time, candidates
 from .reference import Reference, reference
 from .report import duration, label
-from .sweep import TURN, Row, one, ratio
-from .timing import take_times
+from .sweep import LOOSEST, PART, TOLERANCES, TURN, WITHIN, Row, one, ratio
+from .timing import asked as asked_tolerance, take_times
 
 MARGIN = 0.6        # of the error asked for, which the choice aims at
 SLOWER = 4.0        # times the best so far: a method that needs more is left
@@ -43,8 +43,9 @@ class Choice:
 
     @property
     def settings(self) -> dict:
-        """Keywords of `smidgen.run`: method, h, steps."""
-        return {"method": self.row.method, "h": self.row.h, "steps": self.row.steps}
+        """Keywords of `smidgen.run`: method, h, steps, and the tolerance where one pays."""
+        found = {"method": self.row.method, "h": self.row.h, "steps": self.row.steps, "tolerance": asked_tolerance(self.row)}
+        return {word: value for word, value in found.items() if value is not None}
 
     def as_dict(self) -> dict:
         """For JSON."""
@@ -114,13 +115,15 @@ def search(case: Case, names, known: Reference, asked: dict, progress):
         if row is None:
             short[name] = why
         else:
-            good.append(row)
+            good += [row, *looser(case, row, known, asked)]
             best = min(best, row.seconds)
     return good, short
 
 
 def largest_step(case: Case, name: str, known: Reference, asked: dict, limit: float):
     """(row, "") of about the largest step that is good enough, or (None, why)."""
+    if METHODS[name].controlled:
+        return loosest(case, name, known, asked)
     steps, failed = case.fewest(TURN), None
     for _ in range(ROUNDS):
         row = one(case, name, steps, known)
@@ -130,6 +133,23 @@ def largest_step(case: Case, name: str, known: Reference, asked: dict, limit: fl
             return None, f"more than {SLOWER:g} times the time of another, with an error of {misses(row, asked)}"
         failed, steps = row, max(steps + 1, round(steps * jump(name, row, asked)))
     return None, f"its error stays at {misses(row, asked)}" if not row.status else row.status
+
+
+def loosest(case: Case, name: str, known: Reference, asked: dict):
+    """The same of a method that takes steps of its own: about the largest tolerance that is good enough."""
+    for tolerance in TOLERANCES:
+        row = one(case, name, min(WITHIN, case.fewest(TURN)), known, tolerance)
+        if enough(row, asked):
+            return row, ""
+    return None, f"its error stays at {misses(row, asked)}" if not row.status else row.status
+
+
+def looser(case: Case, row: Row, known: Reference, asked: dict) -> list[Row]:
+    """The same run with iterations that leave a part of what was asked for, where that is still good enough."""
+    if METHODS[row.method].controlled or "end_error" not in asked:
+        return []
+    found = one(case, row.method, row.steps, known, min(LOOSEST, PART * MARGIN * asked["end_error"] / row.steps))
+    return [found] if enough(found, asked) else []
 
 
 def jump(name: str, row: Row, asked: dict) -> float:
@@ -164,12 +184,13 @@ def words(choice: Choice) -> list[str]:
     """The pick, and why."""
     row = choice.row
     kinds = {"end_error": "end error", "energy": "energy error"}
-    said = [f"{label(row.method)} (--method {row.method}) with h = {row.h:.17g}, {row.steps} steps",
+    tolerance = f", tolerance {row.tolerance:.3g} (--tolerance)" if row.tolerance == row.tolerance else ""
+    said = [f"{label(row.method)} (--method {row.method}) with h = {row.h:.17g}, {row.steps} steps{tolerance}",
             f"takes {duration(row.seconds)} ({duration(row.ns_step / 1e9)} a step); "
             + ", ".join(f"{kinds[w]} {getattr(row, w):.1e} where {v:g} is asked for" for w, v in choice.asked.items()),
             f"measured against {' and '.join(choice.known.methods)} in extended precision, which agree to {choice.known.error:.1e}"]
     for other in choice.others[:4]:
-        said.append(f"  {label(other.method)}: {other.seconds / row.seconds:.3g} times that, h = {other.h:.4g}")
+        said.append(f"  {label(other.method)}{', to a tolerance' * (other.tolerance == other.tolerance)}: {other.seconds / row.seconds:.3g} times that, h = {other.h:.4g}")
     return said + broken_even(choice)
 
 

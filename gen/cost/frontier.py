@@ -14,8 +14,16 @@ EXACT = 16 * 2.0 ** -52     # an energy error of one step that is round-off, in 
 
 def seconds_for(rows: list[Row], what: str, error: float) -> float:
     """The time in which a method gets below `error` (`what`: end_error, energy, ..): between two neighbours by a straight
-    line of the logarithms; nan where it never does, and where its errors lie below from the largest step on, that one's."""
-    good = sorted((r for r in rows if not r.status and getattr(r, what) == getattr(r, what)), key=lambda r: r.steps)
+    line of the logarithms; nan where it never does, and where its errors lie below from the largest step on, that one's.
+    The shorter one of its runs to round-off and of those to a tolerance."""
+    kinds = [[r for r in rows if (r.tolerance == r.tolerance) is loose] for loose in (False, True)]
+    times = [x for x in (seconds_along(kind, what, error) for kind in kinds) if x == x]
+    return min(times, default=math.nan)
+
+
+def seconds_along(rows: list[Row], what: str, error: float) -> float:
+    """The same along rows of one kind."""
+    good = sorted((r for r in rows if not r.status and getattr(r, what) == getattr(r, what)), key=lambda r: (r.steps, -r.tolerance))
     before = None
     for row in good:
         if getattr(row, what) <= error:
@@ -59,4 +67,4 @@ def symplectic(name: str) -> bool:
 def keeps_energy(rows: list[Row], scale: float) -> set[str]:
     """The methods whose energy errors are round-off with every step that got to the end."""
     return {name for name, own in by_method(rows).items()
-            if any(not r.status for r in own) and all(r.energy <= EXACT * max(scale, 1) * np.sqrt(r.steps) for r in own if not r.status)}
+            if any(not r.status for r in own) and all(r.energy != r.energy or r.tolerance == r.tolerance or r.energy <= EXACT * max(scale, 1) * np.sqrt(r.steps) for r in own if not r.status)}

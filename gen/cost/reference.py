@@ -52,7 +52,7 @@ def pair(case: Case) -> list[str]:
             best = found.get(method.header)
             if best is None or METHODS[best].order < method.order:
                 found[method.header] = name
-    return sorted(found.values(), key=lambda name: -METHODS[name].order)[:3]
+    return sorted(found.values(), key=lambda name: (METHODS[name].of_midpoints, -METHODS[name].order))[:3]
 
 
 def refined(case: Case, name: str, good: float):

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import RunError
 from ..methods import METHODS
+from ..run.integrator import LOOSEST
 from .case import Case
 from .reference import Reference
 
@@ -17,18 +18,22 @@ RATIO = {2: 2.0, 4: 2 ** 0.5}       # order -> ratio of the steps of neighbours;
 FINE = 2 ** 0.25
 FLOOR = 4           # times the error of the reference: nothing smaller is resolved
 STALLED = 3         # neighbours without a gain: round-off
+TOLERANCES = tuple(10.0 ** (-2 - k / 2) for k in range(26))       # of methods that take steps of their own
+WITHIN = 16         # steps in which they give samples
+PART = 0.1          # of a row's error that all its steps together may leave to tolerances
 SAMPLES = 48        # points of a run at which invariants are looked at
 
 
 @dataclass
 class Row:
-    """One method with one step. h, steps; status: "" or why it failed; end_error: in units of |w|; energy, momentum,
+    """One method with one step. h, steps; tolerance: of a step, nan for round-off; status: "" or why it failed; end_error: in units of |w|; energy, momentum,
     casimir: the largest errors on the way, of the energy absolute, of the others in units of |kappa w| and C; drift: of
     the energy in a unit of time, with its error; iterations: the mean of a step; seconds of a run, half their spread, and of
     the compiler (0: from the cache)."""
     method: str
     h: float
     steps: int
+    tolerance: float = math.nan
     status: str = ""
     end_error: float = math.nan
     energy: float = math.nan
@@ -48,15 +53,25 @@ COLUMNS = tuple(f.name for f in dataclasses.fields(Row))
 
 def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
     """Rows of one method, from large steps to round-off, or until a run would take more than `limit` seconds."""
+    if METHODS[name].controlled:
+        return [one(case, name, min(WITHIN, case.fewest(TURN)), known, tolerance) for tolerance in TOLERANCES]
     rows, best, stalled, steps = [], math.inf, 0, case.fewest(TURN)
     while True:
         row = one(case, name, steps, known)
-        rows.append(row)
+        rows += [row, *loosened(case, row, known)]
         gained = row.status == "" and row.end_error < 0.7 * best
         best, stalled = (row.end_error, 0) if gained else (best, stalled + (best < 1e-3))
         if stalled >= STALLED or row.end_error <= FLOOR * known.error or next_seconds(case, name, row) > limit:
             return rows
         steps = max(steps + 1, round(steps * ratio(name)))
+
+
+def loosened(case: Case, row: Row, known: Reference) -> list[Row]:
+    """The same with iterations that end where what they leave is a tenth of the row's own error; a single sphere has none to end."""
+    one_sphere = METHODS[row.method].of_midpoints and len(case.w) == 1
+    if row.status or one_sphere or not row.end_error > 0:
+        return []
+    return [one(case, row.method, row.steps, known, min(LOOSEST, PART * row.end_error / row.steps))]
 
 
 def ratio(name: str) -> float:
@@ -69,13 +84,13 @@ def next_seconds(case: Case, name: str, row: Row) -> float:
     return row.seconds * ratio(name) if row.seconds == row.seconds else 0.0
 
 
-def one(case: Case, name: str, steps: int, known: Reference | None) -> Row:
+def one(case: Case, name: str, steps: int, known: Reference | None, tolerance: float | None = None) -> Row:
     """A run with samples of what it keeps; its time is taken once, for an estimate."""
     import time as clock
-    row = Row(name, case.time / steps, steps, compiled=case.compiled[name, "double"])
+    row = Row(name, case.time / steps, steps, math.nan if tolerance is None else tolerance, compiled=case.compiled[name, "double"])
     model = case.model(name)
     try:
-        model.start(case.w.copy(), h=row.h)
+        model.start(case.w.copy(), h=row.h, tolerance=tolerance)
         samples = [sample(model)]
         spent, iterations = 0.0, []
         for count in parts(steps):

@@ -29,13 +29,18 @@ def take_times(case: Case, rows: list[Row], seconds: float, tick=lambda done: No
         row.spread, row.ns_step = (high - low) / 2, 1e9 * row.seconds / row.steps
 
 
+def asked(row: Row) -> float | None:
+    """The tolerance of a row; None for round-off."""
+    return row.tolerance if row.tolerance == row.tolerance else None
+
+
 def once(case: Case, row: Row) -> float:
     """Seconds of one run, without its start; the mean of several of short ones."""
     model = case.model(row.method)
     times = max(1, min(50, int(SHORT / max(row.seconds, 1e-7))))
     spent = 0.0
     for _ in range(times):
-        model.start(case.w.copy(), h=row.h)
+        model.start(case.w.copy(), h=row.h, tolerance=asked(row))
         idle = clock.perf_counter()
         model.advance(0)
         began = clock.perf_counter()

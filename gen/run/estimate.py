@@ -39,7 +39,7 @@ def ended(model: Integrator, settings, steps: int, stopped) -> np.ndarray | None
     from .run import Pace
     pace = Pace()
     try:
-        model.start(settings.start, h=settings.h * settings.steps / steps, seed=settings.seed)
+        model.start(settings.start, h=settings.h * settings.steps / steps, seed=settings.seed, tolerance=settings.tolerance)
         while model.count < steps:
             asked = min(steps - model.count, pace.size)
             if stopped() or pace.timed(model.advance, asked) < asked:

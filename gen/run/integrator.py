@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import numbers
 from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
 
@@ -23,6 +24,8 @@ from ..language.spec import Spec
 from ..public import ReadOnly, few, public
 from .saved import Saved
 from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
+
+LOOSEST = 1e-2      # a tolerance beyond this tells nothing of a step
 
 # smg_status of runtime/core/smidgen.h: number -> (name, what happened)
 STATUS = {
@@ -124,11 +127,13 @@ class Integrator(ReadOnly):
         return sum(count for _, count in self.families.values())
 
     @public
-    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None) -> Integrator:
+    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None, tolerance: float | None = None) -> Integrator:
         """Begin a trajectory at time t0 with step h (negative: backward).
 
         w: an array of shape (sites, 3), which the steps change in place, the name of a start
-        of the spec, or None for its only one; seed replaces the seed of random starts. Raises
+        of the spec, or None for its only one; seed replaces the seed of random starts; tolerance: of a
+        step, as part of the largest component of w, where its iterations end or its step control
+        aims (None: to round-off, and what step control has by default). Raises
         UsageError for a wrong shape, a start off its sphere or no h, RunError for what the C
         refuses.
         """
@@ -136,7 +141,7 @@ class Integrator(ReadOnly):
             raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")
         self.close()
         self._now(w=self._array(w, seed), h=float(h), t0=float(t0), count=0)
-        self._new()
+        self._new(checked_tolerance(tolerance))
         return self
 
     def step(self) -> Integrator:
@@ -320,7 +325,7 @@ class Integrator(ReadOnly):
                              f"not {np.shape(w)}")
         return array if array.flags.writeable else array.copy()
 
-    def _new(self):
+    def _new(self, tolerance: float):
         scalars, arrays = _packed(self.scene, self.values_in)
         pointers = (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
         status = ctypes.c_int(0)
@@ -331,6 +336,7 @@ class Integrator(ReadOnly):
         if not self._state:
             name, meaning = STATUS.get(status.value, ("no memory", "there is not enough memory"))
             raise RunError(f"{self.name} cannot start: {name}: {meaning}{self._off()}", status.value)
+        self._c.set_tolerance(self._state, tolerance)
 
     def _off(self) -> str:
         """Which strength is wrong, or where a start lies farthest off its sphere."""
@@ -369,6 +375,15 @@ class Integrator(ReadOnly):
         b = np.asarray(self.field(self.state()), float)
         turns = abs(self.h) * np.hypot(np.hypot(b[:, 0], b[:, 1]), b[:, 2])
         return float(turns[site] if site >= 0 else turns.max())
+
+
+def checked_tolerance(tolerance) -> float:
+    """0 for None. Raises UsageError for what is no tolerance."""
+    if tolerance is None:
+        return 0.0
+    if not isinstance(tolerance, numbers.Real) or not 0 < tolerance <= LOOSEST:
+        raise UsageError(f"a tolerance is a number above 0 and up to {LOOSEST:g}, not {tolerance}")
+    return float(tolerance)
 
 
 def why(found: dict) -> str:
@@ -430,7 +445,7 @@ def _functions(library, name):
     pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
     types = {
         "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
-        "steps": (ctypes.c_int, [pointer, integer, pointer]),
+        "set_tolerance": (ctypes.c_int, [pointer, real]), "steps": (ctypes.c_int, [pointer, integer, pointer]),
         "time": (real, [pointer]), "sites": (integer, [pointer]),
         "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
         "restore": (ctypes.c_int, [pointer, pointer]),

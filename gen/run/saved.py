@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SIZE, PAST, T0, H, COUNT_HIGH, COUNT_LOW, HISTORY, DEGREE, REST, SCALE, HEAD = range(11)
+SIZE, PAST, T0, H, COUNT_HIGH, COUNT_LOW, HISTORY, DEGREE, NEWTON_STEPS, SCALE, TOLERANCE, HEAD = range(12)
 HALF = 2 ** 32      # a count is split: a double holds no integer beyond 2^53
 
 

@@ -12,7 +12,7 @@ from ..language.evaluate import evaluate, integer
 from ..language.expr import Expr
 from ..language.spec import Run, Spec
 from ..read.given import formula
-from .integrator import METHODS, SOLVERS, choose
+from .integrator import METHODS, SOLVERS, checked_tolerance, choose
 from .start import parameter_values
 
 _FORMULA = typing.get_args(Expr)
@@ -24,7 +24,7 @@ class Settings:
     """A run with every choice made. every: steps between outputs; start: a name or an
     array; section: the stroboscopic period when every came from one; substeps: take a step
     that fails as smaller ones; checkpoint: steps between two checkpoints, None for none; estimate: of the
-    error at the end."""
+    error at the end; tolerance: of a step, None for round-off."""
     run: str
     start: object
     method: str
@@ -42,12 +42,13 @@ class Settings:
     substeps: bool = False
     checkpoint: int | None = None
     estimate: bool = False
+    tolerance: float | None = None
 
 
 def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
            values=None, seed=None, real="double", native=False, substeps=None,
-           checkpoint=None, estimate=False) -> Settings:
+           checkpoint=None, estimate=False, tolerance=None) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = find_run(spec, name)
     values = {**dict(base.values), **(values or {})}
@@ -68,7 +69,7 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         chosen_outputs(spec, tuple(what or base.what)),
         base.effects if effects is None else tuple(effects), values,
         None if seed is None else whole(seed, "a seed"), real, native,
-        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate))
+        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate), tolerance and checked_tolerance(tolerance))
 
 
 def _read(spec: Spec, what: str, value):

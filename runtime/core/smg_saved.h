@@ -7,7 +7,7 @@
 
 enum {
   SMG_SAVED_SIZE, SMG_SAVED_PAST, SMG_SAVED_T0, SMG_SAVED_H, SMG_SAVED_COUNT_HIGH, SMG_SAVED_COUNT_LOW,
-  SMG_SAVED_HISTORY, SMG_SAVED_DEGREE, SMG_SAVED_REST, SMG_SAVED_SCALE, SMG_SAVED_HEAD
+  SMG_SAVED_HISTORY, SMG_SAVED_DEGREE, SMG_SAVED_NEWTON_STEPS, SMG_SAVED_SCALE, SMG_SAVED_TOLERANCE, SMG_SAVED_HEAD
 };
 
 /* Numbers before the history. */
@@ -33,8 +33,9 @@ static void smg_save_state(const smg_state *s, smg_real *out) {
   out[SMG_SAVED_COUNT_LOW] = (smg_real)(s->count % 4294967296);
   out[SMG_SAVED_HISTORY] = (smg_real)s->history;
   out[SMG_SAVED_DEGREE] = (smg_real)s->degree;
-  out[SMG_SAVED_REST] = smg_saved_newton_steps(s);
+  out[SMG_SAVED_NEWTON_STEPS] = smg_saved_newton_steps(s);
   out[SMG_SAVED_SCALE] = s->scale;
+  out[SMG_SAVED_TOLERANCE] = s->tolerance;
   smg_copy(out + SMG_SAVED_HEAD, s->w, n3);
   smg_copy(out + SMG_SAVED_HEAD + n3, s->compensation, n3);
   smg_save_history(s, out + smg_saved_past(&s->c));
@@ -54,7 +55,7 @@ static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in)
                    smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, 2147483647) &&
                    smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
                    smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
-                   smg_integer_in(in[SMG_SAVED_REST], 0, SMG_NEWTON_STEPS) && in[SMG_SAVED_SCALE] >= 0;
+                   smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], 0, SMG_NEWTON_STEPS) && in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
   return good ? SMG_OK : SMG_BAD_PARAMETER;
 }
 
@@ -68,12 +69,13 @@ static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
   s->history = (int)in[SMG_SAVED_HISTORY];
   s->degree = s->history > 0 ? (int)in[SMG_SAVED_DEGREE] : SMG_NO_DEGREE;
   s->scale = in[SMG_SAVED_SCALE];
+  s->tolerance = in[SMG_SAVED_TOLERANCE];
   s->c.h = smg_signed_h(s->h);
   (void)smg_prepare(&s->c); /* some of its values have h in them */
 #if SMG_EXTENDED
   smg_wide_prepare(&s->wide, &s->c);
 #endif
-  smg_restore_newton_steps(s, in[SMG_SAVED_REST]);
+  smg_restore_newton_steps(s, in[SMG_SAVED_NEWTON_STEPS]);
   smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
   smg_copy(s->compensation, in + SMG_SAVED_HEAD + n3, n3);
   smg_restore_history(s, in + smg_saved_past(&s->c));

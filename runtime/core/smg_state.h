@@ -7,6 +7,19 @@
 
 #include "smg_leaf.h"
 
+/* What the steps of a method are found to where nothing else is asked for; 0: to round-off. */
+#ifndef SMG_TOLERANCE
+#define SMG_TOLERANCE 0
+#endif
+
+/* A tolerance for the steps from now on, as part of s->scale: iterations end there, or step control aims at it; 0: the method's own.
+ * What is left over is of one sign along many an orbit: energy, lengths and momenta drift by some of it a step. */
+static inline smg_status smg_set_tolerance(smg_state *s, double tolerance) {
+  if (!(tolerance >= 0 && tolerance < 1)) return SMG_BAD_PARAMETER;
+  s->tolerance = tolerance > 0 ? (smg_real)tolerance : (smg_real)SMG_TOLERANCE;
+  return SMG_OK;
+}
+
 /* h with the sign of the bracket that the spec means. */
 static inline smg_real smg_signed_h(double h) { return SMG_ORIENTATION * (smg_real)h; }
 
@@ -97,6 +110,7 @@ static void smg_blank(smg_state *s, const smg_params *p, double t0, double h) {
   s->count = 0;
   s->history = 0;
   s->scale = 0;
+  s->tolerance = (smg_real)SMG_TOLERANCE;
   s->c.h = smg_signed_h(h);
   smg_blank_history(s);
 }

@@ -281,7 +281,7 @@ typedef struct smg_pace {
 /* u = p sum_i b_i k_i, and its error: the largest of all sites. */
 static inline void smg_estimate(smg_state *s, smg_pace *pace) {
   const int64_t sites = smg_sites(&s->c);
-  const smg_real p = smg_signed_h(s->h) * pace->size, allowed = (smg_real)(SMG_TOLERANCE) * s->scale;
+  const smg_real p = smg_signed_h(s->h) * pace->size, allowed = s->tolerance * s->scale;
   smg_real most = 0;
   smg_sum_stages(s, smg_dop853_b, SMG_STAGES_USED, s->u);
   for (int64_t q = 0; q < 3 * sites; ++q) s->u[q] *= p;
@@ -361,7 +361,7 @@ static inline smg_real smg_first_size(const smg_state *s) {
   const smg_real *k = smg_vector(s, 0);
   smg_real most = 0;
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) most = smg_max(most, smg_abs(k[q]));
-  const smg_real moves = most * smg_abs((smg_real)s->h), may = smg_eighth_root((smg_real)(SMG_TOLERANCE)) * s->scale;
+  const smg_real moves = most * smg_abs((smg_real)s->h), may = smg_eighth_root(s->tolerance) * s->scale;
   return moves > may ? may / moves : 1;
 }
 
@@ -380,7 +380,7 @@ static inline smg_real smg_next_end(smg_pace *pace) {
 static inline void smg_accept(smg_state *s, smg_pace *pace, smg_real end) {
   const smg_real factor = pace->refused ? smg_min(1, smg_factor(pace->error)) : smg_factor(pace->error);
   smg_take(s);
-  pace->largest = smg_max(pace->largest, pace->error * (smg_real)(SMG_TOLERANCE) * s->scale);
+  pace->largest = smg_max(pace->largest, pace->error * s->tolerance * s->scale);
   if (factor < SMG_GROWTH || pace->size * factor > pace->natural) pace->natural = pace->size * factor;
   smg_kept(s)[SMG_LAST_FROM] = pace->done;
   pace->done = end;

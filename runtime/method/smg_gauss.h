@@ -16,11 +16,8 @@
  * H is taken as its formula has it off the sphere too: |w(Z_i)| differs from |w| by (h b)^2. Vortices d apart, whose b along w is
  * as large as 1/d^2, therefore need an h below about d^3.
  *
- * Macros, with defaults:
- *     SMG_TOLERANCE   the iteration ends where the w of a step are right to this part of s->scale, the largest component of the
- *                     start, as its last two changes tell; 0, the default: where nothing moves but by round-off, as long runs
- *                     need it. What a tolerance leaves over is of one sign along many an orbit: energy, lengths and momenta
- *                     drift by some of it a step.
+ * The iteration ends where the w of a step are right to s->tolerance, as its last two changes tell; 0: where nothing moves but by
+ * round-off, as long runs need it.
  *
  * Of the model it needs SMG_STAGES, SMG_HISTORY 1, and beside w, compensation and u one array, s->stages, of
  * SMG_STAGES_SIZE(sites) numbers. Where SMG_HAS_LANES says so it gives smg_lane_gradient(c, w, g) beside smg_gradient(c, w, g),
@@ -39,10 +36,6 @@
 
 #define SMG_NO_DEGREE 0
 #define SMG_NEWTON_STEPS 0
-
-#ifndef SMG_TOLERANCE
-#define SMG_TOLERANCE 0
-#endif
 
 #define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* the L_j of a site */
 
@@ -291,10 +284,10 @@ SMG_INLINE int smg_leaves_at_most(smg_real now, smg_real last, smg_real most) { 
  * allowed; or the round-off of the field. */
 SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
   const smg_change *now = &watch->now, *last = &watch->last;
-  const smg_real tolerance = (smg_real)SMG_TOLERANCE * s->scale;
+  const smg_real tolerance = s->tolerance * s->scale;
   if (now->relative <= SMG_EPS || now->absolute <= tolerance) return 1;
   if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, SMG_EPS)) return 1;
-  if (SMG_TOLERANCE > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, tolerance)) return 1;
+  if (tolerance > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, tolerance)) return 1;
   if (now->absolute <= 8 * SMG_EPS * watch->size && now->relative >= SMG_CONTRACTION * last->relative) return 1;
   return now->absolute <= SMG_FIELD_NOISE * watch->size && watch->since >= SMG_PATIENCE;
 }
@@ -344,7 +337,7 @@ static smg_status smg_sweep_to_rest(smg_state *s) {
     s->report.residual = watch.now.absolute;
     if (!(watch.now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     if (smg_stages_settled(s, &watch)) {
-      for (int more = SMG_TOLERANCE > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s);
+      for (int more = s->tolerance > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s);
       return SMG_OK;
     }
     if (!smg_contracts(&watch)) break;

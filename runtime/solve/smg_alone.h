@@ -169,9 +169,9 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     const smg_real size = smg_site_size(s, k);
     if (smg_kind(c, k) == SMG_NAMBU && !smg_shown(size, s->scale)) return SMG_NO_CONVERGENCE; /* near the cone C = 0 no digit of P is left */
-    const int done = smg_stagnates(&now, &last, size, it, bound);
+    const int done = smg_stagnates(&now, &last, size, it, bound) || smg_tolerated(s, now.absolute);
     int noncontractive = smg_strong_field(&now, size) || !smg_damps(bound);
-    if (done && it > 0 && !noncontractive) return smg_site_refine(s, h, k, mbar, u, bound);
+    if (done && it > 0 && !noncontractive) return s->tolerance > 0 ? SMG_OK : smg_site_refine(s, h, k, mbar, u, bound);
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
     if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) {
       *sure = 1;

@@ -178,7 +178,7 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
     if (!(now->absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     path->residual_grew = path->residual_grew || smg_residual_grew(now, &last, s->scale);
     path->noncontractive = smg_strong_field(now, s->scale) || !smg_contracts(path->bound) || it > 2 * SMG_LATE;
-    const int done = smg_stagnates(now, &last, s->scale, it, path->bound);
+    const int done = smg_stagnates(now, &last, s->scale, it, path->bound) || smg_tolerated(s, now->absolute);
     if (it > 0 && (done || (path->noncontractive && now->absolute <= SMG_NEARLY * s->scale))) return SMG_OK; /* its end is another */
     if (done) { /* the sweeps have solved it */
       smg_assemble(s, h);
@@ -205,7 +205,7 @@ static smg_status smg_newton(smg_state *s, smg_real h) {
   if (status != SMG_OK) return status;
   const int certified = smg_on_branch(s, h, smg_max(path.most, path.bound), path.residual_grew);
   if (path.noncontractive || !smg_contracts(path.bound)) status = smg_refine_by_newton(s, h, now.rounding_scale);
-  else status = smg_refine_plain(s, h, path.bound, now.rounding_scale);
+  else if (!(s->tolerance > 0)) status = smg_refine_plain(s, h, path.bound, now.rounding_scale);
   return status != SMG_OK ? status : certified ? SMG_OK : SMG_WRONG_BRANCH;
 }
 

@@ -26,6 +26,9 @@ static inline int smg_stagnates(const smg_change *now, const smg_change *last, s
   return smg_settled(now, last, size * (1 + (it < SMG_LATE ? 0 : bound)));
 }
 
+/* Is a change, or a residual, within the tolerance that was asked for? */
+SMG_INLINE int smg_tolerated(const smg_state *s, smg_real change) { return change <= s->tolerance * s->scale; }
+
 /* Does stagnation by the round-off of this size still tell something of the state? */
 static inline int smg_shown(smg_real size, smg_real scale) { return SMG_STILL * SMG_EPS * size <= SMG_BLIND * scale; }
 

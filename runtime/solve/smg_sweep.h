@@ -128,7 +128,7 @@ static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
   smg_each(&s->c, &end, smg_end_site);
   s->report.residual = end.residual;
   *row = SMG_CONSTANT_HESSIAN ? end.row * end.stretch : SMG_MAX;
-  return end.residual <= SMG_SWEEP_ULPS * SMG_EPS * (s->scale + end.rounding_scale);
+  return end.residual <= SMG_SWEEP_ULPS * SMG_EPS * (s->scale + end.rounding_scale) || smg_tolerated(s, end.residual);
 }
 #else
 /* One sweep of the plain fixed point mbar = w + (h/2) X(P(mbar)). */
@@ -149,7 +149,7 @@ static smg_status smg_settle(smg_state *s, smg_real h) {
     s->report.iterations = it;
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
-    if (smg_settled(&now, &last, s->scale)) return SMG_OK;
+    if (smg_settled(&now, &last, s->scale) || smg_tolerated(s, now.absolute)) return SMG_OK;
     if (it == SMG_TRIED_SWEEPS) return SMG_NO_CONVERGENCE;
     last = now;
   }

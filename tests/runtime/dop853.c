@@ -29,7 +29,7 @@ typedef struct smg_state {
   double t0, h;
   int64_t count;
   int history, degree, rest;
-  smg_real *w, *compensation, *u, *stages, scale;
+  smg_real *w, *compensation, *u, *stages, scale, tolerance;
   smg_report report;
 } smg_state;
 

@@ -18,7 +18,7 @@ typedef struct {
   int64_t count;
   int history, degree;
   smg_real *w, *compensation, *u, *stages;
-  smg_real scale;
+  smg_real scale, tolerance;
   smg_report report;
 } smg_state;
 

@@ -37,7 +37,8 @@ def draw_cost(cost: Cost, path) -> Path:
 def panel(ax, cost: Cost, names, what: str, label: str) -> None:
     """An error against the time of a run, a line a method."""
     for name in names:
-        rows = [r for r in cost.rows if r.method == name and not r.status and getattr(r, what) == getattr(r, what)]
+        rows = [r for r in cost.rows if r.method == name and not r.status and getattr(r, what) == getattr(r, what)
+                and (r.tolerance != r.tolerance or name in METHODS and METHODS[name].controlled)]
         if rows:
             ax.plot([r.seconds for r in rows], [max(getattr(r, what), LEAST) for r in rows], marker=method_marker(name), markersize=3.5,
                     **method_style(name))

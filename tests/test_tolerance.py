@@ -1,0 +1,66 @@
+"""A tolerance of a step: iterations end there, step control aims at it, and it is recorded."""
+import numpy as np
+import pytest
+
+import smidgen
+from smidgen.errors import UsageError
+from smidgen.methods import METHODS
+
+ITERATED = [("heisenberg_chain", "spherical-midpoint", "newton"), ("heisenberg_chain", "spherical-midpoint", "auto"), ("point_vortices", "spherical-midpoint", "auto"),
+            ("point_vortices", "spherical-midpoint", "rotation"), ("two_bodies", "classical-midpoint", "auto"), ("nambu_a31", "spherical-midpoint", "auto"),
+            ("point_vortices", "gauss-6", "auto"), ("irreversible_rigid_body", "gauss-8", "auto"), ("point_vortices", "spherical-midpoint-4", "auto")]
+
+
+def stepped(name, method, solver, tolerance, steps=40, h=0.1):
+    spec = smidgen.load(name)
+    model = smidgen.build(spec, method, solver=solver)
+    iterations = 0
+    model.start(spec.runs[0].start, h=h, tolerance=tolerance)
+    for _ in range(steps):
+        iterations += model.step().report()["iterations"]
+    return model.state(), iterations, model
+
+
+@pytest.mark.parametrize("name, method, solver", ITERATED)
+def test_iterations_end_at_the_tolerance(name, method, solver):
+    exact, all_of_them, _ = stepped(name, method, solver, None)
+    for tolerance in (1e-4, 1e-8):
+        found, fewer, model = stepped(name, method, solver, tolerance)
+        assert fewer < all_of_them
+        if METHODS[method].of_midpoints:        # Gauss looks ahead: what the last change leaves
+            assert model.report()["residual"] <= tolerance * np.abs(model.w).max()
+        assert np.abs(found - exact).max() < 300 * tolerance
+    assert not np.array_equal(found, exact)
+
+
+def test_step_control_aims_at_it():
+    exact = stepped("point_vortices", "gauss-16", "auto", None, steps=80, h=0.5)[0]
+    errors = [np.abs(stepped("point_vortices", "dop853", "auto", tolerance, steps=1, h=40.0)[0] - exact).max() for tolerance in (1e-4, 1e-7, 1e-10)]
+    assert errors[0] < 1e-4 and errors[1] < errors[0] / 30 and errors[2] < errors[1] / 30, errors
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", ["spherical-midpoint", "gauss-6", "dop853", "spherical-midpoint-6"])
+def test_a_saved_state_goes_on_with_its_tolerance(method):
+    whole = stepped("point_vortices", method, "auto", 1e-6, steps=12)[0]
+    model = stepped("point_vortices", method, "auto", 1e-6, steps=5)[2]
+    saved = model.save()
+    model.start(smidgen.load("point_vortices").runs[0].start, h=0.3)
+    assert np.array_equal(model.restore(saved).steps(7).w, whole)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("wrong", [0, -1e-6, 0.5, float("nan"), float("inf"), "1e-6"])
+def test_what_is_no_tolerance_is_refused(wrong):
+    with pytest.raises(UsageError, match="tolerance"):
+        smidgen.build(smidgen.load("free_rigid_body")).start("paper", h=0.1, tolerance=wrong)
+
+
+@pytest.mark.quick
+def test_it_is_recorded_and_repeated(tmp_path, command):
+    out = command("run", "point_vortices", "--steps", "20", "--tolerance", "1e-7", "--out", "a.npz")
+    assert out.returncode == 0 and smidgen.load_result(tmp_path / "a.npz").meta["tolerance"] == 1e-7
+    assert command("run", "--repeat", "a.npz", "--out", "b.npz").returncode == 0
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+    assert command("run", "point_vortices", "--tolerance", "2").returncode == 2
+    assert smidgen.load_result(tmp_path / "a.npz").final is not None
