@@ -96,7 +96,7 @@ def test_integrals_along_the_run():
 @every
 def test_no_compensation(name):
     """Thirty times the round-off with the same exponent: the residuals of a run do not cancel."""
-    case, subject = looked(name, "no carry")
+    case, subject = looked(name, "no compensation")
     (row,) = sums(case, subject)
     assert row.verdict == NO and 0.7 < row.measured < 1.3
     case, subject = looked(name)

@@ -29,6 +29,7 @@
 #define SMG_ON_CURVE (smg_real)1e-5 /* the last correction of a point is at most this, or a tenth of the pace; half: 3 refused otherwise, twice: 8 */
 #define SMG_ON_END (smg_real)1e-9 /* and of the end this: Newton goes on from there; half or twice: the same */
 #define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up: corrections of SMG_ON_CURVE squared are below it; half or twice: nothing changes */
+#define SMG_CENTRE (smg_real)1e-6 /* a midpoint so near the centre, in radii, is there; without it: one case of tests/test_edges_of_runtime.py */
 #define SMG_INWARD (smg_real)2e-5 /* a midpoint so near the centre, in radii, is there where it moves straight towards it: it would */
 #define SMG_MISS (smg_real)0.01 /* pass at this part of its distance, which is many of the shortest paces. Half of them: 10 and 2 refused */
                                 /* otherwise, twice: none */
@@ -157,6 +158,7 @@ static inline int smg_curve_inward(const smg_real *y, const smg_real *t, smg_rea
   smg_real across[3];
   smg_cross(across, y, t);
   const smg_real rho2 = smg_dot(y, y), miss2 = smg_dot(across, across), speed2 = smg_dot(t, t);
+  if (rho2 < SMG_CENTRE * SMG_CENTRE * radius * radius) return 1;
   return rho2 < SMG_INWARD * SMG_INWARD * radius * radius && smg_dot(y, t) <= 0 && miss2 <= SMG_MISS * SMG_MISS * rho2 * speed2;
 }
 

@@ -9,7 +9,7 @@
 /* Is J - I a contraction? Then no eigenvalue of J is near 0, where branches meet, and plain evaluations damp what is left. */
 SMG_INLINE int smg_contracts(smg_real bound) { return bound <= SMG_CONTRACTS; }
 
-/* Does one more plain evaluation at least not enlarge what is left? Of a site alone: it then ends the step with less round-off than
+/* Does one more plain evaluation enlarge what is left by little at most? Of a site alone: it then ends the step with less round-off than
  * Newton's correction does. */
 SMG_INLINE int smg_damps(smg_real bound) { return bound <= SMG_DAMPS; }
 

@@ -21,9 +21,10 @@
 /* And up to which coercivity is tried, before the curve is followed. Speed alone: either way, and with 0, the same. */
 #define SMG_CLEAR 4
 
-/* Row sums of J - I up to which a plain evaluation enlarges nothing, in the largest norm. Energy of a free body, 40000 steps: on
- * two orbits: at h = 1.2 off by 35 and 14 ulps with 3/4, by 6 and 2 with 1 and with 2; at h = 4 by 84 and 51 with 2, by 1 and 21 with 1. */
-#define SMG_DAMPS 1
+/* Row sums of J - I up to which a plain evaluation ends a step. It enlarges nothing up to 1, but a step near the cone of a Nambu
+ * leaf is then refused (tests/hard/nambu.py, k = .1, u = 2). Energy of a free body on two orbits, 40000 steps: at h = 1.2 off by 35
+ * and 14 ulps with 3/4, by 6 and 2 with 1 and with 2; at h = 4 by 84 and 51 with 2, by 1 and 21 with 1. */
+#define SMG_DAMPS 2
 
 /* Part of the round-off of an iteration that the evaluations after it may leave, and how many they may be: what is left is of one
  * sign along many an orbit, a drift. With these, errors grow like a random walk to 1e8 steps (docs/round_off.md). Each either way the

@@ -24,7 +24,7 @@ FLAGS = ("-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Wno-unused-funct
 SANITIZE = ("-O1", "-g", "-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 KINDS = {"sphere": "ON_SPHERE", "r3": "ON_R3", "nambu": "ON_NAMBU"}
 METHODS = {"spherical-midpoint": "SPHERICAL", "classical-midpoint": "CLASSICAL", "moser-veselov": "VESELOV"}
-KEPT = ("t0", "h", "count", "history", "degree", "row", "rest", "scale")     # fields that the next step reads
+KEPT = ("t0", "h", "count", "history", "degree", "row", "newton_steps", "tolerance", "scale")     # fields that the next step reads
 
 GLUE = """#include "{name}.h"
 
@@ -71,7 +71,7 @@ static const char *changed(const S *a, const unsigned char *before, const unsign
     !memcmp(before + ((const unsigned char *)(a->name) - after), b->name, bytes))
   {fields}
   if (!SAME(w, row)) return "w";
-  if (!SAME(carry, row)) return "carry";
+  if (!SAME(compensation, row)) return "compensation";
   {history}
   return NULL;
 }}

@@ -132,7 +132,7 @@ def along_one(one, w, periods):
         beside /= np.linalg.norm(beside)
         begun, ended = np.linalg.norm(beside - here), one.start(beside, h=H).steps(PER_PERIOD).state()
         one.start(here.copy(), h=H)
-        one.carry(v, PER_PERIOD)
+        one.push_forward(v, PER_PERIOD)
         v, (grown[k, 0],) = orthonormal(on_leaves(one, v))
         here = one.state()
         apart = (ended - here) / np.linalg.norm(ended - here)

@@ -41,7 +41,7 @@ int main(int argc, char **argv) {
   if (two_spins_memsize(&p) > sizeof mem) return 2;
   if (two_spins_init(&s, &p, mem, w, 0, strtod(argv[9], 0)) != SMG_OK) return 3;
   if (two_spins_step(&s) != SMG_OK) return 4;
-  for (int i = 0; i < 6; ++i) printf("%.21Lg ", (long double)s.w[i] - w[i] + s.carry[i]);
+  for (int i = 0; i < 6; ++i) printf("%.21Lg ", (long double)s.w[i] - w[i] + s.compensation[i]);
   return 0;
 }
 """

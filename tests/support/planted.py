@@ -1,7 +1,7 @@
 """Generated C with many faults planted in one library, each switched on at run time.
 
     subject = Planted(spec)
-    subject.fault = "no carry"
+    subject.fault = "no compensation"
 
 A fault is a pattern of the emitted text and what stands there instead; `planted` is its number, 0 for none.
 """
@@ -41,11 +41,11 @@ static smg_real planted_cap(smg_real x, smg_real y, smg_real z) {
 """
 # name -> (pattern, replacement) of the emitted text; @ is the number of the fault
 FAULTS = {
-    "no carry": [(r"s->carry\[(\d)\] = (y\..*);", r"s->carry[\1] = planted == @ ? 0 : \2;"),
+    "no compensation": [(r"s->compensation\[(\d)\] = (y\..*);", r"s->compensation[\1] = planted == @ ? 0 : \2;"),
                  (r"smg_add_compensated\(&s->w\[k\], &s->compensation\[k\], s->u\[k\]\);",
                   r"if (planted == @) s->w[k] += s->u[k]; else smg_add_compensated(&s->w[k], &s->compensation[k], s->u[k]);")],
     "no branch check": [(r"if \((!smg_clear_of_branches\(det\) .*)\) return SMG_WRONG_BRANCH;", r"if (planted != @ && (\1)) return SMG_WRONG_BRANCH;"),
-                        (r": sure \? SMG_OK : SMG_WRONG_BRANCH;", r": sure || planted == @ ? SMG_OK : SMG_WRONG_BRANCH;"),
+                        (r": certified \? SMG_OK : SMG_WRONG_BRANCH;", r": certified || planted == @ ? SMG_OK : SMG_WRONG_BRANCH;"),
                         (r"status == SMG_OK && sure\)", r"status == SMG_OK && (sure || planted == @))")],
     "turned": [(r"\+\+s->count;", r"++s->count; planted_turn(s->w, s->count);")],
     "cap": [(r"u\[b\] \*= rate;", r"u[b] *= planted_cap(m[0], m[1], m[2]) * rate;"),
