@@ -32,6 +32,7 @@ class Method:
     `history` reaches back, `arrays` of its state as (name, numbers a site or the macro of its header that has them for so many
     sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once.
     A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
+    variant: sweeps over all methods leave it out, since another one of its kind and order does better.
     """
     name: str
     title: str
@@ -60,6 +61,7 @@ class Method:
     lanes: int = 1
     stages: int = 1
     scheme: str = ""
+    variant: bool = False
 
     @property
     def of_midpoints(self) -> bool:
@@ -81,7 +83,7 @@ def composed(base: Method, scheme: str) -> Method:
     return replace(
         base, name=f"{base.name}-{scheme}", title=f"{base.title} composed to order {order}", label=f"{base.label} {scheme}",
         summary=f"{base.name} composed of {stages} stages ({kind}order {order}, {source})", order=order, midpoint=False,
-        features=("tangent", "plain-sums"), history=8, stages=stages, scheme=header)
+        features=("tangent", "plain-sums"), history=8, stages=stages, scheme=header, variant=not base.onto_leaf or not scheme.isdigit())
 
 
 MIDPOINT_METHODS = (

@@ -86,5 +86,5 @@ def asked_time(spec: Spec, settings: Settings, time) -> float | None:
 
 
 def candidates(case: Case, methods=None) -> list[str]:
-    """The methods that serve this spec, in the order of the registry, of those that are asked for."""
-    return [name for name in METHODS if (methods is None or name in methods) and case.model(name) is not None]
+    """The methods that serve this spec, in the order of the registry: those asked for by name, or all that are no variants."""
+    return [name for name, m in METHODS.items() if (not m.variant if methods is None else name in methods) and case.model(name) is not None]
