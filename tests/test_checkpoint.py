@@ -8,7 +8,7 @@ import pytest
 import smidgen
 from smidgen.run.checkpoint import folder_of
 from smidgen.compile.features import FEATURES
-from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, PAST, REST, SCALE, SIZE, Saved
+from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, SIZE, TOLERANCE, Saved
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
 from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model, tiers
@@ -70,7 +70,7 @@ def test_the_rest_from_sweeps_goes_on():
     case = begin("heisenberg_chain", n=12)
     one, other = model(case), model(case)
     one.start(case.w.copy(), h=1.5).steps(3)
-    assert one.save()[REST] > 0
+    assert one.save()[NEWTON_STEPS] > 0
     goes_on(one, other, case.w, 1.5, before=3, after=300)
 
 
@@ -99,7 +99,7 @@ def test_counts_beyond_the_integers_of_a_double(chain):
 
 @pytest.mark.parametrize("place, values", [
     (SIZE, [0, 1e9, np.nan]), (PAST, [0, 11]), (H, [0, np.inf]), (COUNT_HIGH, [-1, 0.5, 2.0 ** 31]),
-    (COUNT_LOW, [-1, 0.5, 2.0 ** 32]), (HISTORY, [-1, 8, 2.5]), (DEGREE, [-2, 7, 0.5]), (REST, [-1, 256, 1.5]),
+    (COUNT_LOW, [-1, 0.5, 2.0 ** 32]), (HISTORY, [-1, 8, 2.5]), (DEGREE, [-2, 7, 0.5]), (NEWTON_STEPS, [-1, 256, 1.5]), (TOLERANCE, [-1e-9, 1.0]),
     (SCALE, [-1, np.nan]), (HEAD, [np.nan, np.inf]), (HEAD + 36, [np.nan]), (-1, [-np.inf])])
 def test_what_cannot_be_a_saved_state_is_refused(chain, place, values):
     before = chain.save()
@@ -116,7 +116,7 @@ def test_what_cannot_be_a_saved_state_is_refused(chain, place, values):
 
 def test_the_edges_of_a_saved_state(chain):
     saved = chain.save()
-    for place, value in ((REST, 255), (HISTORY, 7), (DEGREE, 6), (SCALE, 0)):
+    for place, value in ((NEWTON_STEPS, 255), (HISTORY, 7), (DEGREE, 6), (SCALE, 0)):
         edge = saved.copy()
         edge[place] = value
         np.testing.assert_array_equal(chain.restore(edge).save(), edge)

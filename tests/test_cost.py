@@ -138,6 +138,7 @@ def test_the_choice_is_as_good_as_was_asked_for(error, symplectic):
     assert all(pick.row.seconds <= other.seconds for other in pick.others) and pick.row.method in str(pick)
 
 
+@pytest.mark.long
 def test_a_choice_by_energy():
     pick = smidgen.choose(smidgen.load("irreversible_rigid_body"), energy=1e-7, time=10, methods=("spherical-midpoint", "gauss-6"))
     assert pick.row.method == "gauss-6" and pick.row.energy <= 1e-7
@@ -160,6 +161,7 @@ def test_the_chosen_run_is_a_run_of_the_spec(command, tmp_path):
     assert command("choose", "chosen.toml", "--error", "1e-6", "--out", "again.toml").returncode == 2
 
 
+@pytest.mark.long
 def test_the_command_draws_and_reads(command, tmp_path):
     out = command("cost", "free_rigid_body", "--time", "2", "--methods", "gauss-4", "--seconds", "1", "--out", "c.csv", "--plot", "c.svg")
     assert out.returncode == 0 and "Gauss 4" in out.stdout

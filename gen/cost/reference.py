@@ -36,23 +36,25 @@ class Reference:
 
 def reference(case: Case, good: float = GOOD) -> Reference:
     """The reference end of a case, to `good` where that can be had. Raises UsageError where no two methods serve."""
-    ends = [(name, *refined(case, name, good)) for name in pair(case)]
-    ends = [one for one in ends if one[1] is not None]
-    if len(ends) < 2:
+    ends = []
+    for name in by_kind():
+        found = (None, np.inf) if case.model(name, REAL) is None else refined(case, name, good)
+        ends += [(name, *found)] if found[0] is not None else []
+        if len(ends) == 2:
+            break
+    else:
         raise UsageError("no reference: fewer than two independent methods get to the end of this run")
-    (first, end, error), (second, other, more) = ends[:2]
+    (first, end, error), (second, other, more) = ends
     return Reference(end if error <= more else other, max(error, more, case.distance(end, other)), (first, second))
 
 
-def pair(case: Case) -> list[str]:
-    """The most accurate methods of two kinds: a method with a tolerance, and one of each other header."""
+def by_kind() -> list[str]:
+    """The method of the highest order of every header, those of midpoints last."""
     found = {}
     for name, method in METHODS.items():
-        if case.model(name, REAL) is not None:
-            best = found.get(method.header)
-            if best is None or METHODS[best].order < method.order:
-                found[method.header] = name
-    return sorted(found.values(), key=lambda name: (METHODS[name].of_midpoints, -METHODS[name].order))[:3]
+        if method.header not in found or METHODS[found[method.header]].order < method.order:
+            found[method.header] = name
+    return sorted(found.values(), key=lambda name: (METHODS[name].of_midpoints, -METHODS[name].order))
 
 
 def refined(case: Case, name: str, good: float):
