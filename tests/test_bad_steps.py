@@ -31,7 +31,7 @@ def programs(tmp_path_factory):
     return program
 
 
-@pytest.mark.parametrize("name, steps", [*((name, 4_000) for name in MODELS if name in ONCE_WRONG),
+@pytest.mark.parametrize("name, steps", [*((name, 2_000) for name in MODELS if name in ONCE_WRONG),
                                          *(pytest.param(name, 20_000, marks=pytest.mark.long) for name in MODELS)])
 def test_a_sample(name, steps, programs):
     """Thousands of steps of all models; every branch is followed, of large systems every eighth."""

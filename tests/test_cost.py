@@ -157,6 +157,8 @@ def test_what_cannot_be_asked_for_is_refused(asked, said):
 def test_the_chosen_run_is_a_run_of_the_spec(command, tmp_path):
     out = command("choose", "free_rigid_body", "--error", "1e-6", "--time", "5", "--methods", "gauss-4,gauss-6", "--out", "chosen.toml")
     assert out.returncode == 0 and "Gauss" in out.stdout
+    chosen = smidgen.load(str(tmp_path / "chosen.toml")).runs[-1]
+    assert chosen.name == "chosen" and (chosen.tolerance is not None) == ("--tolerance" in out.stdout)
     assert command("run", "chosen.toml", "chosen").returncode == 0
     assert command("choose", "chosen.toml", "--error", "1e-6", "--out", "again.toml").returncode == 2
 

@@ -58,7 +58,8 @@ def saved(model, start, h, steps=12):
     return state.save(), state.report()["iterations"]
 
 
-@pytest.mark.parametrize("method, widths", [("gauss-4", (2,)), ("gauss-6", (2, 4)), ("gauss-12", (2, 4, 8)), ("gauss-16", (2, 8))])
+@pytest.mark.parametrize("method, widths", [pytest.param("gauss-4", (2,), marks=pytest.mark.long), ("gauss-6", (2, 4)),
+                                             pytest.param("gauss-12", (2, 4, 8), marks=pytest.mark.long), ("gauss-16", (2, 8))])
 @pytest.mark.parametrize("name", ["functions", "vortices", *(pytest.param(n, marks=pytest.mark.long) for n in SPECS if n not in ("functions", "vortices"))])
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, method, widths):
     spec, start, h = SPECS[name]

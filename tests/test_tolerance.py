@@ -64,3 +64,12 @@ def test_it_is_recorded_and_repeated(tmp_path, command):
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
     assert command("run", "point_vortices", "--tolerance", "2").returncode == 2
     assert smidgen.load_result(tmp_path / "a.npz").final is not None
+
+
+@pytest.mark.quick
+def test_a_run_of_a_spec_may_have_one(tmp_path):
+    text = (smidgen.load("free_rigid_body").sources[0][1]).rstrip() + '\n\n[runs.loose]\nstart = "paper"\nh = 0.1\nsteps = 10\nmethod = "gauss-6"\ntolerance = VALUE\n'
+    assert smidgen.run(smidgen.load_text(text.replace("VALUE", "1e-5")), "loose").meta["tolerance"] == 1e-5
+    for wrong in ("0", "-1e-3", "0.5", '"1e-5"', "nan"):
+        with pytest.raises(smidgen.SpecError):
+            smidgen.load_text(text.replace("VALUE", wrong))

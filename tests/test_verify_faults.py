@@ -51,7 +51,7 @@ def verdicts(rows):
     return {row.name: row.verdict for row in rows}
 
 
-@every
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long) if k % 2 else name for k, name in enumerate(MODELS)])
 def test_nothing_planted_nothing_found(name):
     """The same libraries with all faults off: at other seeds of the checks too."""
     case, subject = looked(name)

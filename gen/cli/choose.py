@@ -64,8 +64,9 @@ def written(spec, args, choice) -> Path:
     base = next((run for run in spec.runs if run.name == args.run), spec.runs[0] if spec.runs else None)
     start = f'start = "{base.start}"\n' if base is not None and base.start else ""
     row = choice.row
+    tolerance = f"tolerance = {row.tolerance!r}\n" if row.tolerance == row.tolerance else ""
     try:
-        path.write_text(f"{spec.sources[0][1].rstrip()}\n\n[runs.chosen]\n{start}method = \"{row.method}\"\nh = {row.h!r}\nsteps = {row.steps}\n", encoding="utf-8")
+        path.write_text(f"{spec.sources[0][1].rstrip()}\n\n[runs.chosen]\n{start}method = \"{row.method}\"\nh = {row.h!r}\nsteps = {row.steps}\n{tolerance}", encoding="utf-8")
     except OSError as problem:
         raise UsageError(f"cannot write {path}: {problem.strerror}") from None
     return path

@@ -62,8 +62,8 @@ def choose(spec: Spec, name: str | None = None, *, error: float | None = None, e
            symplectic: bool = False, native: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
     """The method and step that meet the errors asked for in the least time.
 
-    error: at the end, in units of the largest |w|; energy: the largest energy error on the way, in units of the energy; one of
-    them is needed. symplectic: of the symplectic methods only. The rest as for `cost`. Raises UsageError where no method meets
+    error: at the end, relative to the largest |w|; energy: the largest energy error on the way, absolute, in the unit of the
+    energy; one of them is needed. symplectic: of the symplectic methods only. The rest as for `cost`. Raises UsageError where no method meets
     them, where ends cannot be judged (a chaotic run: ask for an energy error), and as `cost` does.
     """
     asked, methods = asked_errors(error, energy), known_methods(methods)
@@ -130,7 +130,7 @@ def largest_step(case: Case, name: str, known: Reference, asked: dict, limit: fl
         if enough(row, asked):
             return closer(case, name, known, asked, row, failed), ""
         if not row.status and row.seconds * ratio(name) > limit:
-            return None, f"more than {SLOWER:g} times the time of another, with an error of {misses(row, asked)}"
+            return None, f"a run of more than {limit:.3g} s, with an error of {misses(row, asked)}"
         failed, steps = row, max(steps + 1, round(steps * jump(name, row, asked)))
     return None, f"its error stays at {misses(row, asked)}" if not row.status else row.status
 
@@ -195,7 +195,7 @@ def words(choice: Choice) -> list[str]:
 
 
 def broken_even(choice: Choice) -> list[str]:
-    """After how many steps a symplectic pick, or the other way round, has paid for its compiler."""
+    """After how many steps the pick has paid for its compiler, beside the next one."""
     row = choice.row
     if not choice.others or not row.compiled > 0.05:
         return []

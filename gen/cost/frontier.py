@@ -9,7 +9,7 @@ from ..methods import METHODS
 from .sweep import Row
 
 TARGETS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-EXACT = 16 * 2.0 ** -52     # an energy error of one step that is round-off, in units of the energy; of N steps sqrt(N) of it
+EXACT = 16 * 2.0 ** -52     # an energy error of one step that is round-off, relative to |H| or 1; of N steps sqrt(N) of it
 
 
 def seconds_for(rows: list[Row], what: str, error: float) -> float:
@@ -65,6 +65,6 @@ def symplectic(name: str) -> bool:
 
 
 def keeps_energy(rows: list[Row], scale: float) -> set[str]:
-    """The methods whose energy errors are round-off with every step that got to the end."""
-    return {name for name, own in by_method(rows).items()
-            if any(not r.status for r in own) and all(r.energy != r.energy or r.tolerance == r.tolerance or r.energy <= EXACT * max(scale, 1) * np.sqrt(r.steps) for r in own if not r.status)}
+    """The methods whose energy errors are round-off with every step that got to the end, iterated to round-off."""
+    judged = by_method([r for r in rows if not r.status and r.tolerance != r.tolerance and r.energy == r.energy])
+    return {name for name, own in judged.items() if all(r.energy <= EXACT * max(scale, 1) * np.sqrt(r.steps) for r in own)}

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import RunError
+from ..language.spec import LOOSEST
 from ..methods import METHODS
-from ..run.integrator import LOOSEST
 from .case import Case
 from .reference import Reference
 
@@ -27,9 +27,9 @@ SAMPLES = 48        # points of a run at which invariants are looked at
 @dataclass
 class Row:
     """One method with one step. h, steps; tolerance: of a step, nan for round-off; status: "" or why it failed; end_error: in units of |w|; energy, momentum,
-    casimir: the largest errors on the way, of the energy absolute, of the others in units of |kappa w| and C; drift: of
-    the energy in a unit of time, with its error; iterations: the mean of a step; seconds of a run, half their spread, and of
-    the compiler (0: from the cache)."""
+    casimir: the largest errors on the way, of the energy absolute, of momenta relative to the largest |w|, of Casimirs to
+    themselves; drift: of the energy in a unit of time, with its error; iterations: the mean of a step; seconds of a run, half
+    the distance of their quartiles, and seconds of the generator and compiler, short where the build was in the cache."""
     method: str
     h: float
     steps: int

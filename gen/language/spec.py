@@ -155,6 +155,9 @@ class Start:
     families: tuple[FamilyStart, ...]
 
 
+LOOSEST = 1e-2      # a tolerance beyond this tells nothing of a step
+
+
 @dataclass(frozen=True)
 class Run:
     """A named run. h and time are Exprs in the parameters (h may be negative)."""
@@ -173,6 +176,7 @@ class Run:
     meaning: str = ""
     checkpoint: Optional[int] = None    # steps between checkpoints of a run that writes a file
     substeps: bool = False              # take a step that fails as smaller ones
+    tolerance: Optional[float] = None   # of a step; None: round-off
 
 
 @dataclass(frozen=True)

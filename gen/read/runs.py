@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..methods import NAMES as METHODS, SOLVERS
 from ..language import limits
-from ..language.spec import Run
+from ..language.spec import LOOSEST, Run
 from . import codes
 from .formulas import Formulas
 from .names import OUTPUTS, identifier
@@ -14,7 +14,7 @@ from .tree import Node
 from .values import ValueReader
 
 KEYS = ("start", "method", "h", "time", "steps", "effects", "set", "solver", "output", "meaning",
-        "checkpoint", "substeps")
+        "checkpoint", "substeps", "tolerance")
 
 
 class RunReader:
@@ -49,8 +49,14 @@ class RunReader:
         return self.formulas.free(node.need("h", "give the step: `h = 0.1`"), "a step")
 
     def safety(self, node: Node) -> dict:
-        """checkpoint, substeps."""
-        return self.given(node, checkpoint=lambda child: child.integer(1, limits.EVERY), substeps=Node.flag)
+        """checkpoint, substeps, tolerance."""
+        return self.given(node, checkpoint=lambda child: child.integer(1, limits.EVERY), substeps=Node.flag, tolerance=self.tolerance)
+
+    def tolerance(self, node: Node) -> float:
+        value = node.number()
+        if not 0 < value <= LOOSEST:
+            node.wrong(codes.LIMIT, f"`{node.label}` is {node.raw}", f"a tolerance is above 0 and at most {LOOSEST:g}")
+        return float(value)
 
     def given(self, node: Node, **readers) -> dict:
         """key -> what its reader makes of it, for the keys that are there."""

@@ -20,12 +20,10 @@ from ..methods import DEFAULT, METHODS as METHODS_BY_NAME, NAMES as METHODS, SOL
 from ..build.binary import Built, build_library
 from ..errors import BuildError, RunError, UsageError
 from ..language import limits
-from ..language.spec import Spec
+from ..language.spec import LOOSEST, Spec
 from ..public import ReadOnly, few, public
 from .saved import Saved
 from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
-
-LOOSEST = 1e-2      # a tolerance beyond this tells nothing of a step
 
 # smg_status of runtime/core/smidgen.h: number -> (name, what happened)
 STATUS = {

@@ -69,7 +69,8 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         chosen_outputs(spec, tuple(what or base.what)),
         base.effects if effects is None else tuple(effects), values,
         None if seed is None else whole(seed, "a seed"), real, native,
-        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate), tolerance and checked_tolerance(tolerance))
+        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate),
+        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance))
 
 
 def _read(spec: Spec, what: str, value):

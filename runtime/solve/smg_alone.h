@@ -170,7 +170,7 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     const smg_real size = smg_site_size(s, k);
     if (smg_kind(c, k) == SMG_NAMBU && !smg_shown(size, s->scale)) return SMG_NO_CONVERGENCE; /* near the cone C = 0 no digit of P is left */
     const int done = smg_stagnates(&now, &last, size, it, bound) || smg_tolerated(s, now.absolute);
-    int noncontractive = smg_strong_field(&now, size) || !smg_damps(bound);
+    int noncontractive = smg_strong_field(&now, size) || !smg_plain_end_serves(bound);
     if (done && it > 0 && !noncontractive) return s->tolerance > 0 ? SMG_OK : smg_site_refine(s, h, k, mbar, u, bound);
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
     if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) {
@@ -178,7 +178,7 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
       return SMG_OK;
     }
     bound = smg_site_linearise(s, h, k, u, &e);
-    noncontractive = noncontractive || !smg_damps(bound);
+    noncontractive = noncontractive || !smg_plain_end_serves(bound);
     most = smg_max(most, bound); /* a contraction on the way too: another branch may look as calm */
     *sure = smg_contracts(most);
     if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;

@@ -9,9 +9,9 @@
 /* Is J - I a contraction? Then no eigenvalue of J is near 0, where branches meet, and plain evaluations damp what is left. */
 SMG_INLINE int smg_contracts(smg_real bound) { return bound <= SMG_CONTRACTS; }
 
-/* Does one more plain evaluation enlarge what is left by little at most? Of a site alone: it then ends the step with less round-off than
+/* May plain evaluations end the step? They at most double what is left. Of a site alone: they then end it with less round-off than
  * Newton's correction does. */
-SMG_INLINE int smg_damps(smg_real bound) { return bound <= SMG_DAMPS; }
+SMG_INLINE int smg_plain_end_serves(smg_real bound) { return bound <= SMG_DAMPS; }
 
 /* Has an iterate left for somewhere else? Its residual grew, and is far from settled. */
 static inline int smg_residual_grew(const smg_change *now, const smg_change *last, smg_real scale) {
