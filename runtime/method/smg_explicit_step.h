@@ -17,6 +17,10 @@ static const smg_real smg_gamma[SMG_STAGES] = {1};
 
 /* 1/|w|^2 where the trajectory begins. A site of R^3 that is 0 stays so. */
 SMG_COLD static void smg_begin_history(smg_state *s) {
+#if SMG_COMPOSED
+  (void)smg_inverse_gamma; /* of the table, for predictions of implicit stages */
+  (void)smg_stage_weights;
+#endif
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
     const smg_real square = smg_dot(s->w + 3 * k, s->w + 3 * k);
     s->inverse[k] = square > 0 ? 1 / square : 0;

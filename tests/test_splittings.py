@@ -1,0 +1,192 @@
+"""Explicit splittings: what they ask of H, order, what each keeps, the witness, the certificate, clean C."""
+import json
+import subprocess
+
+import numpy as np
+import pytest
+import smidgen
+from mpmath import log, mpf
+from smidgen.compile.emit.emit import generate
+from smidgen.errors import RunError, UsageError
+from smidgen.methods import METHODS, SCHEMES
+from smidgen.resources import include_flags
+from support.compositions import SPECS, STARTS, apart, compile_model, on_sphere, run
+from support.strict import WARNINGS
+
+MODEL = """
+[model]
+name = "{name}"
+[space]
+{space}
+[effects.first]
+{first}
+[effects.second]
+{second}
+{start}
+[runs.r]
+start = "a"
+h = 0.1
+steps = 20
+"""
+
+
+def model(name, first, second, space='w = { sphere = 6, kappa = [1, 1.5, -2, 1, 1.5, -2] }', start="[starts.a]\nrandom = 1"):
+    return smidgen.load_text(MODEL.format(name=name, space=space, first=first, second=second, start=start))
+
+
+BONDS = 'over = "bond(i, j) of chain(6, periodic)"\nenergy = '
+SITES = 'over = "site(i) of w"\nenergy = '
+CHAIN = model("xyz_chain", BONDS + '"w[i].x*w[j].x - 0.7*w[i].y*w[j].y + 0.4*w[i].z*w[j].z"', SITES + '"0.3*w[i].z^3 + 0.2*w[i].x*cos(t)"')
+STILL = model("still_chain", BONDS + '"w[i].x*w[j].x - 0.7*w[i].y*w[j].y + 0.4*w[i].z*w[j].z"', SITES + '"0.3*w[i].z^3"')
+BODIES = model("two_r3", SITES + '"w[i].x^2/2 + w[i].y^2/4 + w[i].z^3"', SITES + '"0.2*w[i].y*sin(t)"', "w = { r3 = 3, kappa = -2 }")
+CARRIED = model("carried", 'over = "pair(i, j) of w"\nenergy = "dot(w[i], w[j])"', 'over = "each(k of p, j of w)"\nenergy = "p[k].x*w[j].x + p[k].z^2*w[j].z"',
+                "w = { sphere = 3 }\np = { sphere = 2, tracer = true }", "[starts.a.w]\nrandom = 1\n[starts.a.p]\nrandom = 2")
+BODY = SPECS["irreversible body"]
+AXES = {"body": BODY, "chain": CHAIN, "r3": BODIES, "tracers": CARRIED}
+
+
+# ---- axes: what H must be ----------------------------------------------------------------------
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name, said", [
+    ("point_vortices", r"effect 'interaction' joins w\[i\]\.x and w\[i\]\.y"), ("nambu_a31", "Nambu")])
+def test_what_stands_in_the_way_of_the_axes_is_named(name, said):
+    with pytest.raises(UsageError, match=said):
+        generate(smidgen.load(name), method="axis-splitting")
+
+
+@pytest.mark.quick
+def test_the_term_is_quoted():
+    spec = model("mixed", BONDS + '"dot(w[i], w[j])"', BONDS + '"0.5*w[i].x*w[j].x + 2*w[i].x*w[j].y"')
+    with pytest.raises(UsageError, match=r"effect 'second' joins w\[i\]\.x and w\[j\]\.y in the term 2\*w\[i\]\.x\*w\[j\]\.y$"):
+        generate(spec, method="axis-splitting")
+    said = smidgen.explain(spec)
+    assert "effect 'second' joins w[i].x and w[j].y" in said.splittings["axis-splitting"]
+    assert any("No axis-splitting: effect 'second'" in line for line in said.words())
+    assert smidgen.explain(spec, effects=["first"]).splittings["axis-splitting"] is None
+
+
+@pytest.mark.quick
+def test_what_cancels_does_not_stand_in_the_way():
+    spec = model("cancels", SITES + '"(w[i].x + w[i].y)^2 - 2*w[i].x*w[i].y"', BONDS + '"dot(w[i], w[j])"')
+    assert smidgen.explain(spec).splittings["axis-splitting"] is None
+
+
+# ---- axes: the step -----------------------------------------------------------------------------
+
+@pytest.mark.parametrize("name", AXES)
+@pytest.mark.parametrize("method", ["axis-splitting", "axis-splitting-4", *(pytest.param(f"axis-splitting-{s}", marks=pytest.mark.long) for s in SCHEMES if s != "4")])
+def test_the_witness_takes_the_same_steps(name, method):
+    report = smidgen.validate(AXES[name], method=method, steps=20)
+    assert report.passed, [line for line in report.lines if not line.passed]
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_the_certificate(name):
+    """Symplectic, reversible, of its order; nothing is claimed that a splitting does not keep."""
+    rows = {row.name: row for row in smidgen.verify(AXES[name], method="axis-splitting", tier="quick").rows}
+    assert not [row for row in rows.values() if row.verdict == "no"]
+    for one in ("order", "reversible", "casimirs", "step", "symplectic"):
+        assert rows[one].verdict == "yes" or name == "tracers" and one == "symplectic"
+    for one in ("momentum", "quadratic integrals", "energy", "equivariant"):
+        assert rows[one].verdict == "does not apply"
+
+
+@pytest.mark.quick
+def test_where_sites_are_joined_the_rotations_are_exact():
+    """Half the angle for its tangent would be of order 2 there as well, but not symplectic: a chain turns by the exact angle."""
+    spec = model("ising", BONDS + '"w[i].x*w[j].x"', SITES + '"0*w[i].x"')
+    integrator = smidgen.build(spec, "axis-splitting").start("a", h=0.7)
+    w, kappa = integrator.w.copy(), np.array([1, 1.5, -2] * 2)
+    angle = 0.7 * (np.roll(w[:, 0], 1) + np.roll(w[:, 0], -1)) / kappa
+    turned = np.stack([w[:, 0], np.cos(angle) * w[:, 1] + np.sin(angle) * w[:, 2], np.cos(angle) * w[:, 2] - np.sin(angle) * w[:, 1]], 1)
+    assert np.abs(integrator.step().w - turned).max() < 1e-15
+
+
+@pytest.fixture(scope="session")
+def quad(tmp_path_factory):
+    to, known = tmp_path_factory.mktemp("splitting"), {}
+
+    def made(spec, method):
+        if (spec.name, method) not in known:
+            known[spec.name, method] = compile_model(to / f"{spec.name}-{method}", spec, method)
+        return known[spec.name, method]
+    return made
+
+
+CHAIN_START = [on_sphere(v) for v in ((1, 0.2, 0.3), (-0.5, 1, 0.1), (-0.4, -1, 0.5), (0.1, 0.3, -1), (0.7, 0.7, 0.2), (-1, 0.2, 0.6))]
+STEPS = {2: 32, 4: 16, 6: 16, 8: 8, 10: 8}
+
+
+@pytest.mark.parametrize("spec, start", [(BODY, STARTS["irreversible body"]), (CHAIN, CHAIN_START)], ids=["body", "chain"])
+@pytest.mark.parametrize("scheme", ["", "4", "6", "8", "10", *(pytest.param(s, marks=pytest.mark.long) for s in ("ss13", "kl9a", "kl17a"))])
+def test_the_order_in_quadruple_precision(quad, spec, start, scheme):
+    """Of a chain with a drive, too, beside the spherical midpoint of order 10, which is right to 1e-25."""
+    method = METHODS["axis-splitting" + (f"-{scheme}" if scheme else "")]
+    exact, n = run(quad(spec, "spherical-midpoint-10"), start, 1 / 64, 64).w, STEPS[method.order]
+    errors = [apart(run(quad(spec, method.name), start, 1 / k, k).w, exact) for k in (n, 2 * n)]
+    assert errors[1] > mpf(10)**-21
+    assert abs(log(errors[0] / errors[1], 2) - method.order) < 0.1
+
+
+@pytest.mark.parametrize("spec, h", [(BODY, 0.5), (STILL, 0.1)], ids=["body", "chain"])
+def test_the_energy_stays_near_what_it_was(spec, h):
+    integrator = smidgen.build(spec, "axis-splitting").start("a", h=h)
+    first, found = integrator.values()[0], []
+    for _ in range(40):
+        found.append(integrator.steps(2500).values()[0] - first)
+    found = np.array(found)
+    assert np.abs(found).max() < 0.2 and abs(found[20:].mean() - found[:20].mean()) < 0.5 * np.ptp(found)
+    assert np.abs(np.linalg.norm(integrator.w, axis=1) - 1).max() < 4e-16
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name", AXES)
+@pytest.mark.parametrize("method", ["axis-splitting", "axis-splitting-8"])
+def test_restored_it_goes_on_with_the_same_bits(name, method):
+    integrator = smidgen.build(AXES[name], method)
+    whole = integrator.start("a", h=0.1).steps(12).w.copy()
+    saved = integrator.start("a", h=0.1).steps(5).save()
+    assert np.array_equal(integrator.start("a", h=0.2).restore(saved).steps(7).w, whole)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("first", [SITES + '"0.3*w[i].z"', BONDS + '"0.3*w[i].z*w[j].z"'], ids=["separate", "joined"])
+def test_a_constant_angle_does_not_wear_a_sphere_down(first):
+    """Rounded sines and cosines of one angle change |w| by the same little in every step; measured without its being taken out: 5e-13."""
+    integrator = smidgen.build(model("constant", first, SITES + '"0.1*w[i].z"'), "axis-splitting").start("a", h=0.3).steps(10**6)
+    assert np.abs(np.linalg.norm(integrator.w, axis=1) - 1).max() < 5e-16
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("spec, h", [(BODY, 1e200), (BODIES, 1e200), (model("huge", BONDS + '"1e150*w[i].x*w[j].x"', SITES + '"w[i].y"'), 1e160)], ids=["body", "r3", "chain"])
+def test_a_step_that_is_no_number_leaves_the_state(spec, h):
+    integrator = smidgen.build(spec, "axis-splitting").start("a", h=h)
+    before = integrator.w.copy()
+    with pytest.raises(RunError, match="not finite"):
+        integrator.step()
+    assert np.array_equal(integrator.w, before) and integrator.count == 0
+
+
+@pytest.mark.quick
+def test_features_are_refused():
+    with pytest.raises(UsageError, match="no feature 'tangent'"):
+        smidgen.build(BODY, "axis-splitting", features=["tangent"])
+
+
+@pytest.mark.quick
+def test_the_command(command):
+    said = command("run", "irreversible_rigid_body", "--method", "axis-splitting-6", "--h", "0.5", "--steps", "20", "--json")
+    assert said.returncode == 0 and json.loads(said.stdout)
+
+
+@pytest.mark.parametrize("name", AXES)
+@pytest.mark.parametrize("method", ["axis-splitting", "axis-splitting-6"])
+@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"], ["gcc", "-std=c11", "-DSMG_LONG_DOUBLE"]],
+                         ids=lambda c: "-".join(c[::2]))
+@pytest.mark.parametrize("amalgamate", [False, True])
+def test_clean_c(tmp_path, name, method, compiler, amalgamate):
+    files = generate(AXES[name], method=method, amalgamate=amalgamate)
+    for file, text in files.items():
+        (tmp_path / file).write_text(text)
+    subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", f"{AXES[name].name}.c"], cwd=tmp_path, check=True)
