@@ -103,7 +103,13 @@ SPLITTINGS = (
            asks=(GRADIENT,), midpoint=False, splitting="axes", keeps_linear=False, equivariant=False,
            how=("explicit", "rotations about x, y, z, y, x"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("slopes", 1, 0, "dH/dw along one axis"),
-                   ("inverse", 1, 0, "1/|w|^2 of the start"))),)
+                   ("inverse", 1, 0, "1/|w|^2 of the start"))),
+    Method("sublattice-rotations", "the method of sublattice rotations", "sublattice rotations",
+           "each sublattice turned in the field of the others (energy exact, not symplectic; explicit, order 2)", 2,
+           "smg_sublattice_rotations.h", keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
+           asks=(SITE_GRADIENT,), midpoint=False, splitting="sublattices", keeps_linear=False, keeps_energy=True,
+           how=("explicit", "sublattice after sublattice, and back"), history=1,
+           arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",
@@ -119,7 +125,7 @@ METHODS = {m.name: m for m in (
              arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),
     *SPLITTINGS,
-    *(composed(base, scheme) for base in (*MIDPOINT_METHODS, *(m for m in SPLITTINGS if m.symplectic)) for scheme in SCHEMES),
+    *(composed(base, scheme) for base in (*MIDPOINT_METHODS, *SPLITTINGS) for scheme in SCHEMES),
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]

@@ -1,16 +1,21 @@
 """Explicit splittings: which of them a Hamiltonian allows, found in the formulas; what stands in the way of the others.
 
 Axes: H = A(all x) + B(all y) + C(all z), so no second derivative joins two components.
+Sublattices: H is linear in every single site, so no second derivative is by one site twice.
 """
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import sympy as sp
 
 from ...errors import UsageError
-from ...language.spec import Spec
+from ...language.expr import slots_of
+from ...language.spec import Lattice, Spec
 from ...methods import METHODS, Method
 from ..derive.derivatives import Derived, derive
 from ..derive.parts import expanded
+from .colouring import Colouring, colouring
 
 AXES = "xyz"
 LONGEST = 80        # characters of a term that is quoted
@@ -55,11 +60,11 @@ def component(d: Derived, slot: int, axis: int) -> str:
 
 
 def quoted(d: Derived, x, y) -> str:
-    """` in the term ..`: the first summand with both symbols, where the formula is whole and it is short."""
+    """` in the term ..`: the first summand that joins the symbols, where the formula is whole and it is short."""
     if d.parts:
         return ""
     for term in sp.Add.make_args(expanded(d.value)):
-        if {x, y} <= term.free_symbols:
+        if sp.diff(term, x, y) != 0:
             text = written(d, term)
             return f" in the term {text}" if len(text) <= LONGEST else ""
     return ""
@@ -72,5 +77,37 @@ def written(d: Derived, e) -> str:
     return sp.sstr(e.xreplace({s: sp.Symbol(name) for s, name in names.items()})).replace("**", "^")
 
 
-ASKED = {"axes": "is for a sum of functions of single components, each of x, of y or of z alone"}
-OBSTACLES = {"axes": mixing}
+# Sublattices
+
+@dataclass(frozen=True)
+class Sublattices:
+    """The lattice that all terms live on, and its colours, where its size is a multiple of theirs in periodic directions."""
+    over: Lattice
+    colours: Colouring
+
+
+def bending(d: Derived) -> str | None:
+    """A site in which the term is not linear: a second derivative by it that is not zero."""
+    for k in range(len(d.slots)):
+        block = d.hessian.get((k, k))
+        for a in range(3 if block is not None else 0):
+            for b in range(a, 3):
+                if expanded(block[a, b]) != 0:
+                    family, site = d.slots[k]
+                    return f"is not linear in {family}[{site}]" + quoted(d, d.vectors[k][a], d.vectors[k][b])
+    return None
+
+
+def sublattices(spec: Spec) -> Sublattices | None:
+    """None where sites are taken one by one: several families, or terms that live on no lattice or on several."""
+    joint = [e.over for e in spec.effects if len(slots_of(e.value)) > 1]
+    overs = [e.over for e in spec.effects if isinstance(e.over, Lattice)]
+    if len(spec.families) > 1 or not joint or any(not isinstance(over, Lattice) for over in joint) or len({(o.size, o.sites) for o in overs}) > 1:
+        return None
+    colours = colouring(overs)
+    return Sublattices(overs[0], colours) if colours.colours > 1 else None
+
+
+ASKED = {"axes": "is for a sum of functions of single components, each of x, of y or of z alone",
+         "sublattices": "is for an energy that is linear in every single site"}
+OBSTACLES = {"axes": mixing, "sublattices": bending}
