@@ -168,6 +168,107 @@ def test_a_step_that_is_no_number_leaves_the_state(spec, h):
     assert np.array_equal(integrator.w, before) and integrator.count == 0
 
 
+# ---- sublattices ---------------------------------------------------------------------------------
+
+RING = '''over = "bond(i, j) of chain({0}, {1})"
+energy = '''
+TRIPLE = "0.4*w[i].z + 0.2*w[i].x*cos(t)"
+
+
+def ring(name, n, ends, field='"0.4*w[i].z"'):
+    return model(name, RING.format(n, ends) + '"w[i].x*w[j].x + 0.6*w[i].y*w[j].z - 0.3*triple(w[i], w[j], vec(1, 0, 2))"', SITES + field,
+                 f'w = {{ sphere = {n}, kappa = "1 + 0.1*i" }}')
+
+
+LATTICES = {"even": ring("even", 6, "periodic"), "odd": ring("odd", 5, "periodic"), "open": ring("open_chain", 5, "open"),
+            "driven": ring("driven", 6, "periodic", f'"{TRIPLE}"'),
+            "pairs": model("pairs", 'over = "pair(i, j) of w"\nenergy = "dot(w[i], w[j])"', SITES + '"w[i].x"'),
+            "two families": model("families", 'over = "each(i of w, j of b)"\nenergy = "w[i].x*b[j].y"', SITES + '"w[i].x"',
+                                  "w = { sphere = 3 }\nb = { r3 = 2, kappa = -0.5 }", "[starts.a.w]\nrandom = 1\n[starts.a.b]\nrandom = 2"),
+            "apart": model("apart", SITES + '"w[i].z"', SITES + '"0.5*w[i].x"')}
+
+
+def lattice_model(name):
+    return LATTICES[name] if name in LATTICES else smidgen.load(name)
+
+
+@pytest.mark.quick
+def test_what_stands_in_the_way_of_sublattices_is_named():
+    spec = model("easy_axis", BONDS + '"dot(w[i], w[j])"', SITES + '"-0.3*w[i].z^2"')
+    with pytest.raises(UsageError, match=r"effect 'second' is not linear in w\[i\] in the term -0\.3\d*\*w\[i\]\.z\^2"):
+        generate(spec, method="sublattice-rotations")
+    assert smidgen.explain(spec, effects=["first"]).splittings["sublattice-rotations"] is None
+
+
+@pytest.mark.parametrize("name", [*LATTICES, "honeycomb", pytest.param("cubic_lattice", marks=pytest.mark.long), pytest.param("j1j2_chain", marks=pytest.mark.long)])
+@pytest.mark.parametrize("method", ["sublattice-rotations", pytest.param("sublattice-rotations-6", marks=pytest.mark.long)])
+def test_the_witness_turns_the_same_sublattices(name, method):
+    report = smidgen.validate(lattice_model(name), method=method, steps=10)
+    assert report.passed, [line for line in report.lines if not line.passed]
+
+
+@pytest.mark.parametrize("name", [name for name in LATTICES if name != "apart"])
+def test_the_certificate_says_that_sublattice_rotations_are_not_symplectic(name):
+    """And that they keep the energy, where it does not depend on time."""
+    rows = {row.name: row for row in smidgen.verify(LATTICES[name], method="sublattice-rotations", tier="quick").rows}
+    assert [row.name for row in rows.values() if row.verdict == "no"] == ["symplectic"]
+    assert rows["symplectic"].measured > 1e-8 and "not symplectic" in rows["symplectic"].note
+    assert rows["energy"].verdict == ("does not apply" if name == "driven" else "yes")
+    assert rows["order"].verdict == rows["reversible"].verdict == rows["casimirs"].verdict == rows["step"].verdict == "yes"
+
+
+def volume(spec, h):
+    """det of the step's derivative in an orthonormal frame of the spheres, by differences of order 4."""
+    integrator = smidgen.build(spec, "sublattice-rotations", real="long double")
+    w = np.array(integrator.start("a", h=h).w, np.longdouble)
+    frames = [np.linalg.qr(np.column_stack([x, np.eye(3)[[1, 2, 0][int(np.argmax(np.abs(x)))]], np.eye(3)[[2, 0, 1][int(np.argmax(np.abs(x)))]]]).astype(float))[0] for x in w]
+
+    def step(x):
+        return np.array(integrator.start(x, h=h).step().w, np.longdouble)
+
+    end = [np.linalg.qr(np.column_stack([x, f[:, 1], f[:, 2]]).astype(float))[0] for x, f in zip(step(w), frames)]
+    matrix, d = np.zeros((2 * len(w),) * 2), np.longdouble(1e-4)
+    for k, f in enumerate(frames):
+        for a in (1, 2):
+            def at(s):
+                x = w.copy()
+                x[k] = np.cos(s * d) * w[k] + np.sin(s * d) * f[:, a]
+                return step(x / np.sqrt(np.sum(x * x, axis=1))[:, None])
+            slope = (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * d)
+            matrix[:, 2 * k + a - 1] = [float(slope[j] @ e[:, b]) for j, e in enumerate(end) for b in (1, 2)]
+    return abs(np.linalg.det(matrix))
+
+
+@pytest.mark.parametrize("name", ["even", "odd", "pairs"])
+def test_sublattice_rotations_keep_the_volume(name):
+    assert abs(volume(LATTICES[name], 0.3) - 1) < 1e-10
+
+
+@pytest.mark.parametrize("name", ["even", "odd", "pairs", "two families"])
+@pytest.mark.parametrize("method", ["sublattice-rotations", "sublattice-rotations-8"])
+def test_the_energy_is_kept_at_any_step(name, method):
+    integrator = smidgen.build(LATTICES[name], method).start("a", h=1.7)
+    first = integrator.values()[0]
+    assert abs(integrator.steps(10000).values()[0] - first) < 1e-13
+
+
+@pytest.mark.parametrize("scheme", ["4", "8"])
+def test_compositions_of_sublattice_rotations_have_their_order(quad, scheme):
+    method, spec = METHODS[f"sublattice-rotations-{scheme}"], LATTICES["driven"]
+    exact = run(quad(spec, "spherical-midpoint-10"), CHAIN_START, 1 / 64, 64).w
+    errors = [apart(run(quad(spec, method.name), CHAIN_START, 1 / k, k).w, exact) for k in (8, 16)]
+    assert abs(log(errors[0] / errors[1], 2) - method.order) < 0.1
+
+
+@pytest.mark.quick
+def test_a_site_that_is_its_own_neighbour_is_refused():
+    spec = model("tiny", RING.format("n", "periodic") + '"w[i].x*w[j].x"', SITES + '"w[i].z"', 'w = { sphere = "n" }', "[starts.a]\nrandom = 1\n[parameters]\nn = 4")
+    with pytest.raises((RunError, UsageError)):
+        smidgen.build(spec, "sublattice-rotations", values={"n": 1}).start("a", h=0.1)
+
+
+# ---- all of them -----------------------------------------------------------------------------------
+
 @pytest.mark.quick
 def test_features_are_refused():
     with pytest.raises(UsageError, match="no feature 'tangent'"):
@@ -180,13 +281,17 @@ def test_the_command(command):
     assert said.returncode == 0 and json.loads(said.stdout)
 
 
-@pytest.mark.parametrize("name", AXES)
-@pytest.mark.parametrize("method", ["axis-splitting", "axis-splitting-6"])
+EVERY = {"axis-splitting": AXES, "sublattice-rotations": LATTICES}
+
+
+@pytest.mark.parametrize("name, method", [(name, method) for method, found in EVERY.items() for name in found])
+@pytest.mark.parametrize("scheme", ["", "-6"])
 @pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"], ["gcc", "-std=c11", "-DSMG_LONG_DOUBLE"]],
                          ids=lambda c: "-".join(c[::2]))
 @pytest.mark.parametrize("amalgamate", [False, True])
-def test_clean_c(tmp_path, name, method, compiler, amalgamate):
-    files = generate(AXES[name], method=method, amalgamate=amalgamate)
+def test_clean_c(tmp_path, name, method, scheme, compiler, amalgamate):
+    spec = EVERY[method][name]
+    files = generate(spec, method=method + scheme, amalgamate=amalgamate)
     for file, text in files.items():
         (tmp_path / file).write_text(text)
-    subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", f"{AXES[name].name}.c"], cwd=tmp_path, check=True)
+    subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", f"{spec.name}.c"], cwd=tmp_path, check=True)

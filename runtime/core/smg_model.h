@@ -29,6 +29,8 @@
  *              smg_family_end(c, f)               the site after the last of the f-th family
  *   splitting  smg_slope_x(c, k, v), _y, _z       dH/dx of site k at the vector v, where no term joins two sites (SMG_SEPARATE)
  *              smg_slopes_x(c, w, g), _y, _z      g[k] += dH/dx of site k, for all sites
+ *              smg_colours(c), smg_each_of_colour(c, colour, context, visit)  sites of one colour do not feel each other
+ *              smg_pull(c, at, all, g)            g += dH/dw of the site `at`, in which it is linear itself
  *   bound      smg_hessian_row_norm(c, k)                    sum of the norms of the Hessian blocks in the row of site k, where SMG_CONSTANT_HESSIAN says
  *                                                 that it is the same at all states
  *
