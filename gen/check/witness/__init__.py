@@ -32,8 +32,9 @@ EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 
 STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)},
             "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
+            "pair-rotations": splittings.pairs,
             **{f"{base}-{scheme}": functools.partial(compositions.step, base=base, scheme=scheme)
-               for base in (*EQUATIONS, "axis-splitting", "sublattice-rotations") for scheme in compositions.HALVES}}
+               for base in (*EQUATIONS, "axis-splitting", "sublattice-rotations", "pair-rotations") for scheme in compositions.HALVES}}
 METHODS = (*EQUATIONS, *STEPPERS)
 INTEGRATORS = {"rk8pd": 0, "bsimp": 1, "msbdf": 2}
 LARGEST_DENSE = 1000    # sites: the Newton matrix of 3*sites unknowns is dense

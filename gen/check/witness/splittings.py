@@ -3,10 +3,13 @@ those of all of H, of which each part takes what is its own.
 """
 from __future__ import annotations
 
+import ctypes
+
 import numpy as np
 
 from ...compile.plan.splitting import sublattices as sublattices_of
 from ...language.evaluate import integer
+from . import native
 
 
 def turned(w, axis, angle):
@@ -55,4 +58,31 @@ def sublattices(witness, w, t: float, h: float):
         b = witness.spec.orientation * part * h * witness.field(w, t + h / 2)[here]
         size = np.linalg.norm(b, axis=1)
         w[here] = turned(w[here], b / np.where(size > 0, size, 1)[:, None], 2 * np.arctan(size / 2))
+    return w if np.all(np.isfinite(w)) else None
+
+
+def bonds(witness):
+    """(i, j, system of that term alone) of all terms of two sites, in the order in which the interpreter has them."""
+    for one in witness.effects.values():
+        for k, (i, j) in enumerate(one.site if one.site.shape[1] == 2 else ()):
+            arrays = [np.ascontiguousarray(a) for a in (one.code, one.site[k:k + 1], one.data[k:k + 1], one.table, one.feels)]
+            program = native.ProgramStruct(len(one.code), 2, one.data.shape[1], 1, *(a.ctypes.data for a in arrays))
+            system = native.SystemStruct(witness.sites, 1, ctypes.addressof(program), *(a.ctypes.data for a in witness._arrays), witness.spec.orientation)
+            yield i, j, (system, program, arrays)
+
+
+def pairs(witness, w, t: float, h: float):
+    """Bond after bond for half the step, and back: both ends about their momentum, by twice the arcus tangent of half the angle."""
+    w, found = np.array(w, float), list(bonds(witness))
+    b = np.empty_like(w)
+    for i, j, (system, *_) in [*found, *reversed(found)]:
+        if witness._c.witness_field(ctypes.addressof(system), t + h / 2, w.ctypes.data, b.ctypes.data):
+            return None
+        one, other = witness.kappa[i], witness.kappa[j]
+        momentum = one * w[i] + other * w[j]
+        slope = one * (b[i] @ w[j]) / (w[j] @ w[j])         # f', for dH/dw_i = f' w_j
+        size = np.linalg.norm(momentum)
+        angle = witness.spec.orientation * h / 2 * slope * size / (one * other)
+        if size > 0:
+            w[[i, j]] = turned(w[[i, j]], momentum / size, np.full(2, 2 * np.arctan(angle / 2)))
     return w if np.all(np.isfinite(w)) else None

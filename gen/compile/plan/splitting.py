@@ -2,6 +2,7 @@
 
 Axes: H = A(all x) + B(all y) + C(all z), so no second derivative joins two components.
 Sublattices: H is linear in every single site, so no second derivative is by one site twice.
+Pairs: every term is a function of the scalar product of two sites.
 """
 from __future__ import annotations
 
@@ -33,6 +34,8 @@ def obstacle(spec: Spec, method: Method) -> str | None:
     for f in spec.families:
         if f.kind not in method.spaces:
             return f"'{f.name}' is a Nambu factor, on which the parts of H make no rotations"
+        if f.tracer and method.splitting == "pairs":
+            return f"'{f.name}' is a family of tracers, which turn nothing"
     found = ((e.name, OBSTACLES[method.splitting](derive(e))) for e in spec.effects)
     return next((f"effect '{name}' {why}" for name, why in found if why), None)
 
@@ -108,6 +111,31 @@ def sublattices(spec: Spec) -> Sublattices | None:
     return Sublattices(overs[0], colours) if colours.colours > 1 else None
 
 
+# Pairs
+
+def of_the_product(d: Derived, u):
+    """f(u) where the term is f(w_i.w_j), else None: its value at w_i = (u, 0, 0), w_j = (1, 0, 0), put back and compared."""
+    if len(d.slots) != 2 or d.parts:
+        return None
+    (a, b), zero = d.vectors, sp.S.Zero
+    f = d.value.xreplace({a[0]: u, a[1]: zero, a[2]: zero, b[0]: sp.S.One, b[1]: zero, b[2]: zero})
+    product = sum(x * y for x, y in zip(a, b))
+    if not f.has(u) or f.has(sp.nan, sp.zoo, sp.oo) or sp.expand(d.value - f.xreplace({u: product})) != 0:
+        return None
+    return f
+
+
+def not_of_pairs(d: Derived) -> str | None:
+    """A term that is no function of a scalar product."""
+    if not d.slots or of_the_product(d, sp.Symbol("u", real=True)) is not None:
+        return None
+    if len(d.slots) != 2:
+        return f"joins {len(d.slots)} sites" if len(d.slots) > 2 else "is of a single site"
+    one, other = (f"{family}[{site}]" for family, site in d.slots)
+    return f"is not known as a function of dot({one}, {other}) alone"
+
+
 ASKED = {"axes": "is for a sum of functions of single components, each of x, of y or of z alone",
-         "sublattices": "is for an energy that is linear in every single site"}
-OBSTACLES = {"axes": mixing, "sublattices": bending}
+         "sublattices": "is for an energy that is linear in every single site",
+         "pairs": "is for a sum of functions of scalar products of two sites"}
+OBSTACLES = {"axes": mixing, "sublattices": bending, "pairs": not_of_pairs}
