@@ -141,13 +141,14 @@ def test_the_energy_stays_near_what_it_was(spec, h):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("name", AXES)
-@pytest.mark.parametrize("method", ["axis-splitting", "axis-splitting-8"])
-def test_restored_it_goes_on_with_the_same_bits(name, method):
-    integrator = smidgen.build(AXES[name], method)
-    whole = integrator.start("a", h=0.1).steps(12).w.copy()
-    saved = integrator.start("a", h=0.1).steps(5).save()
-    assert np.array_equal(integrator.start("a", h=0.2).restore(saved).steps(7).w, whole)
+@pytest.mark.parametrize("scheme", ["", "-8"])
+@pytest.mark.parametrize("spec, method", [*((spec, "axis-splitting") for spec in AXES.values()), (smidgen.load("honeycomb"), "sublattice-rotations"),
+                                          (smidgen.load("point_vortices"), "pair-rotations")], ids=lambda x: getattr(x, "name", x))
+def test_restored_it_goes_on_with_the_same_bits(spec, method, scheme):
+    integrator = smidgen.build(spec, method + scheme)
+    whole = integrator.start(spec.starts[0].name, h=0.1).steps(12).w.copy()
+    saved = integrator.start(spec.starts[0].name, h=0.1).steps(5).save()
+    assert np.array_equal(integrator.start(spec.starts[0].name, h=0.2).restore(saved).steps(7).w, whole)
 
 
 @pytest.mark.quick
@@ -224,7 +225,7 @@ def volume(spec, h):
     frames = [np.linalg.qr(np.column_stack([x, np.eye(3)[[1, 2, 0][int(np.argmax(np.abs(x)))]], np.eye(3)[[2, 0, 1][int(np.argmax(np.abs(x)))]]]).astype(float))[0] for x in w]
 
     def step(x):
-        return np.array(integrator.start(x, h=h).step().w, np.longdouble)
+        return np.array(integrator.start(x.copy(), h=h).step().w, np.longdouble)
 
     end = [np.linalg.qr(np.column_stack([x, f[:, 1], f[:, 2]]).astype(float))[0] for x, f in zip(step(w), frames)]
     matrix, d = np.zeros((2 * len(w),) * 2), np.longdouble(1e-4)
@@ -267,6 +268,56 @@ def test_a_site_that_is_its_own_neighbour_is_refused():
         smidgen.build(spec, "sublattice-rotations", values={"n": 1}).start("a", h=0.1)
 
 
+# ---- pairs -----------------------------------------------------------------------------------------
+
+LOGS = model("logs", 'over = "pair(i, j) of w"\nenergy = "-g[i]*g[j]*log(2.5 - 2*dot(w[i], w[j]))*(1 + 0.3*sin(t))"', BONDS + '"dot(w[i], w[j])^3"',
+             'w = { sphere = 6, kappa = "g[i]", radius = 1 }', "[starts.a]\nrandom = 1\n[parameters]\ng = { default = [1.0, -0.7, 1.5, 0.8, 1.2, -2.0], size = 6 }")
+PAIRS = {"logs": LOGS, "chain": model("heisenberg", RING.format(5, "open") + '"dot(w[i], w[j])"', 'energy = "0.3*dot(w[0], w[4])^2"', "w = { sphere = 5, kappa = [1, 2, -3, 1, 0.5] }"),
+         "two families": model("both", 'over = "each(i of w, j of b)"\nenergy = "dot(w[i], b[j])"', 'over = "pair(i, j) of w"\nenergy = "0.5*dot(w[i], w[j])"',
+                               "w = { sphere = 3 }\nb = { r3 = 2, kappa = -0.5 }", "[starts.a.w]\nrandom = 1\n[starts.a.b]\nrandom = 2")}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("energy, said", [
+    ('"dot(w[i], w[j]) + w[i].z*w[j].z"', r"is not known as a function of dot\(w\[i\], w\[j\]\) alone"), ('"w[i].z"', "is of a single site")])
+def test_what_stands_in_the_way_of_pairs_is_named(energy, said):
+    with pytest.raises(UsageError, match="effect 'second' " + said):
+        generate(model("no_pairs", BONDS + '"dot(w[i], w[j])"', BONDS + energy), method="pair-rotations")
+    with pytest.raises(UsageError, match="tracers"):
+        generate(smidgen.load("vortex_tracers"), method="pair-rotations")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("energy", ["dot(w[i], w[j])", "w[j].x*w[i].x + w[i].y*w[j].y + w[i].z*w[j].z", "exp(-(1 - dot(w[j], w[i]))^2)", "sqrt(2 - dot(w[i], w[j]))"])
+def test_functions_of_the_product_are_known_however_they_are_written(energy):
+    spec = model("known", BONDS + f'"{energy}"', BONDS + '"0.1*dot(w[i], w[j])"')
+    assert smidgen.explain(spec).splittings["pair-rotations"] is None
+
+
+@pytest.mark.parametrize("name", [*PAIRS, "point_vortices", "honeycomb"])
+@pytest.mark.parametrize("method", ["pair-rotations", pytest.param("pair-rotations-6", marks=pytest.mark.long)])
+def test_the_witness_turns_the_same_pairs(name, method):
+    report = smidgen.validate(PAIRS[name] if name in PAIRS else smidgen.load(name), method=method, steps=10)
+    assert report.passed, [line for line in report.lines if not line.passed]
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_the_certificate_says_symplectic_and_momentum_exact(name):
+    rows = {row.name: row for row in smidgen.verify(PAIRS[name], method="pair-rotations", tier="quick").rows}
+    assert not [row for row in rows.values() if row.verdict == "no"]
+    for one in ("symplectic", "momentum", "equivariant", "order", "reversible", "casimirs", "step"):
+        assert rows[one].verdict == "yes"
+    assert rows["energy"].verdict == "does not apply"
+
+
+@pytest.mark.parametrize("scheme", ["", "4", "8"])
+def test_the_order_of_pair_rotations(quad, scheme):
+    method, spec = METHODS["pair-rotations" + (f"-{scheme}" if scheme else "")], PAIRS["logs"]
+    exact = run(quad(spec, "spherical-midpoint-10"), CHAIN_START, 1 / 256, 256).w
+    errors = [apart(run(quad(spec, method.name), CHAIN_START, 1 / k, k).w, exact) for k in (64, 128)]
+    assert abs(log(errors[0] / errors[1], 2) - method.order) < 0.1
+
+
 # ---- all of them -----------------------------------------------------------------------------------
 
 @pytest.mark.quick
@@ -281,7 +332,7 @@ def test_the_command(command):
     assert said.returncode == 0 and json.loads(said.stdout)
 
 
-EVERY = {"axis-splitting": AXES, "sublattice-rotations": LATTICES}
+EVERY = {"axis-splitting": AXES, "sublattice-rotations": LATTICES, "pair-rotations": PAIRS}
 
 
 @pytest.mark.parametrize("name, method", [(name, method) for method, found in EVERY.items() for name in found])

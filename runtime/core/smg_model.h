@@ -31,6 +31,8 @@
  *              smg_slopes_x(c, w, g), _y, _z      g[k] += dH/dx of site k, for all sites
  *              smg_colours(c), smg_each_of_colour(c, colour, context, visit)  sites of one colour do not feel each other
  *              smg_pull(c, at, all, g)            g += dH/dw of the site `at`, in which it is linear itself
+ *              smg_each_pair(c, all, context, visit), smg_each_pair_back  every bond, with the derivative of its energy by the
+ *                                                 scalar product of its ends
  *   bound      smg_hessian_row_norm(c, k)                    sum of the norms of the Hessian blocks in the row of site k, where SMG_CONSTANT_HESSIAN says
  *                                                 that it is the same at all states
  *
