@@ -33,6 +33,9 @@ class Method:
     sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once.
     A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
     variant: sweeps over all methods leave it out, since another one of its kind and order does better.
+    splitting: what an explicit splitting of H takes apart (`compile.plan.splitting`); keeps_linear: it keeps momentum and the
+    linear integrals of sites; keeps_energy: the energy, whatever else it keeps; equivariant: it commutes with the rotations
+    that leave H unchanged.
     """
     name: str
     title: str
@@ -62,11 +65,15 @@ class Method:
     stages: int = 1
     scheme: str = ""
     variant: bool = False
+    splitting: str = ""
+    keeps_linear: bool = True
+    keeps_energy: bool = False
+    equivariant: bool = True
 
     @property
     def of_midpoints(self) -> bool:
         """Its step is one or several of a midpoint."""
-        return self.midpoint or self.stages > 1
+        return self.midpoint or self.stages > 1 and not self.how
 
 
 # suffix -> order, stages, header, source: the plain orders are the schemes that did best of their order
@@ -83,7 +90,8 @@ def composed(base: Method, scheme: str) -> Method:
     return replace(
         base, name=f"{base.name}-{scheme}", title=f"{base.title} composed to order {order}", label=f"{base.label} {scheme}",
         summary=f"{base.name} composed of {stages} stages ({kind}order {order}, {source})", order=order, midpoint=False,
-        features=("tangent", "plain-sums"), history=8, stages=stages, scheme=header, variant=not base.onto_leaf or not scheme.isdigit())
+        features=("tangent", "plain-sums") if base.midpoint else (), history=8 if base.midpoint else base.history, stages=stages, scheme=header,
+        variant=base.midpoint and not base.onto_leaf or not scheme.isdigit())
 
 
 MIDPOINT_METHODS = (
@@ -93,6 +101,24 @@ MIDPOINT_METHODS = (
            "smg_classical_midpoint.h"),
     Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
            "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS, asks=(ENERGY, GRADIENT, HESSIAN)))
+SPLITTINGS = (
+    Method("axis-splitting", "the axis splitting", "axis splitting", "rotations about the axes in turn (symplectic, explicit, order 2)", 2,
+           "smg_axis_splitting.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
+           asks=(GRADIENT,), midpoint=False, splitting="axes", keeps_linear=False, equivariant=False,
+           how=("explicit", "rotations about x, y, z, y, x"), history=1,
+           arrays=(("points", 3, 0, "w on the way through the step"), ("slopes", 1, 0, "dH/dw along one axis"),
+                   ("inverse", 1, 0, "1/|w|^2 of the start"))),
+    Method("sublattice-rotations", "the method of sublattice rotations", "sublattice rotations",
+           "each sublattice turned in the field of the others (energy exact, not symplectic; explicit, order 2)", 2,
+           "smg_sublattice_rotations.h", keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
+           asks=(SITE_GRADIENT,), midpoint=False, splitting="sublattices", keeps_linear=False, keeps_energy=True,
+           how=("explicit", "sublattice after sublattice, and back"), history=1,
+           arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))),
+    Method("pair-rotations", "the method of pair rotations", "pair rotations",
+           "both spins of a bond turned about their momentum, bond after bond (symplectic, momentum exact; explicit, order 2)", 2,
+           "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
+           asks=(GRADIENT,), midpoint=False, splitting="pairs", how=("explicit", "bond after bond, and back"), history=1,
+           arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",
@@ -108,7 +134,8 @@ METHODS = {m.name: m for m in (
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
              arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),
-    *(composed(base, scheme) for base in MIDPOINT_METHODS for scheme in SCHEMES),
+    *SPLITTINGS,
+    *(composed(base, scheme) for base in (*MIDPOINT_METHODS, *SPLITTINGS) for scheme in SCHEMES),
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]

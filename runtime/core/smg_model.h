@@ -28,6 +28,12 @@
  *              smg_check_sizes(c)                 SMG_BAD_PARAMETER where a size or an index does not fit
  *              smg_prepare(&c)                    what they alone decide; 0 where one is not finite
  *              smg_family_end(c, f)               the site after the last of the f-th family
+ *   splitting  smg_slope_x(c, k, v), _y, _z       dH/dx of site k at the vector v, where no term joins two sites (SMG_SEPARATE)
+ *              smg_slopes_x(c, w, g), _y, _z      g[k] += dH/dx of site k, for all sites
+ *              smg_colours(c), smg_each_of_colour(c, colour, context, visit)  sites of one colour do not feel each other
+ *              smg_pull(c, at, all, g)            g += dH/dw of the site `at`, in which it is linear itself
+ *              smg_each_pair(c, all, context, visit), smg_each_pair_back  every bond, with the derivative of its energy by the
+ *                                                 scalar product of its ends
  *   bound      smg_hessian_row_norm(c, k)                    sum of the norms of the Hessian blocks in the row of site k, where SMG_CONSTANT_HESSIAN says
  *                                                 that it is the same at all states
  *
@@ -45,7 +51,8 @@
  * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
  * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly. SMG_COMPOSED: stages of a
- * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. Features: SMG_EXTENDED,
+ * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no
+ * term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED,
  * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone; SMG_FEW: the coupled sites are a few, and their number is known. */
 
 /* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are known. */

@@ -66,6 +66,8 @@ def energy_integral(asked: Asked, method: str, changes):
 def _kept(asked: Asked, method: str):
     if METHODS[method].free_body:
         return True, WHY["body"]
+    if METHODS[method].keeps_energy:
+        return True, WHY["turns"]
     if not METHODS[method].keeps_quadratic:
         return False, WHY["bounded" if METHODS[method].symplectic else "drift"]
     if not METHODS[method].symplectic:

@@ -7,6 +7,7 @@ import numpy as np
 import sympy as sp
 
 from ...methods import DEFAULT, METHODS
+from ...compile.plan.splitting import splittings
 from ...compile.select import select
 from ...public import few, public
 from ...run.integrator import choose
@@ -26,7 +27,7 @@ class Report:
     its own for each family, {family: axis}; always: for each of `rotations`, does it hold for all
     values of the parameters; integrals: what is conserved; energy_changes: H depends on time;
     signs: sign patterns (sx, sy, sz) of all vectors under which H is unchanged; undecided: what
-    could not be settled."""
+    could not be settled; splittings: explicit method -> what of H stands in its way, or None."""
     spec: str
     method: str
     families: tuple
@@ -41,6 +42,7 @@ class Report:
     undecided: list = field(default_factory=list)
     tracers: tuple = ()
     algebras: dict = field(default_factory=dict)
+    splittings: dict = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -58,7 +60,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "words": self.words()}
 
 
 @public
@@ -83,7 +85,7 @@ def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
     return Report(scene.name, method, tuple(asked.families), {n: c for n, (_, c) in asked.places.items()},
                   _parameters(asked), rotations, always,
                   mixed, _unique(integrals), changes, parity(asked), undecided,
-                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked))
+                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), attempt(lambda: splittings(scene)) or {})
 
 
 def _parameters(asked: Asked) -> dict:
@@ -202,8 +204,9 @@ def _own_linear(asked, method, name, axis, rows):
 
 
 def _linear_integral(asked, method, name, text, vector, rows, numbers, count):
-    kept = METHODS[method].onto_leaf or holds(asked.off, rows, vector)
-    return Integral(name, "linear", text, kept, WHY["linear" if kept else "off"],
+    one = METHODS[method]
+    kept = one.keeps_linear and (one.onto_leaf or holds(asked.off, rows, vector))
+    return Integral(name, "linear", text, kept, WHY["linear" if kept else "off" if one.keeps_linear else "parts"],
                     holds(asked.always, rows, vector), count, numbers)
 
 

@@ -8,8 +8,8 @@ from .names import axis_name
 
 
 def sentences(r) -> list[str]:
-    """One fact a line: rotations, linear and quadratic integrals, energy, Casimirs, reversal, what is open."""
-    return [*_rotations(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_signs(r),
+    """One fact a line: rotations, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
+    return [*_rotations(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_signs(r), *_splittings(r),
             *(f"Not decided: {text}." for text in r.undecided)]
 
 
@@ -105,3 +105,13 @@ def _signs(r):
     halves = ["xyz"[s.index(1)] for s in r.signs if sum(s) == -1]
     if halves:
         yield f"H is unchanged by half a turn about {', '.join(halves)}."
+
+
+def _splittings(r):
+    """Explicit methods that serve this H; of the others, what stands in their way."""
+    for name, why in r.splittings.items():
+        kind = "symplectic" if METHODS[name].symplectic else "not symplectic"
+        if why is None:
+            yield f"Explicit method {name} ({kind}) serves: {METHODS[name].how[1]}."
+        else:
+            yield f"No {name}: {why}."

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...methods import METHODS
 from .case import EPS, Case, size
 from .reversible import stretch
 from .row import Row, at_most, not_applicable
@@ -14,6 +15,8 @@ ANGLE = 0.7
 
 def equivariant(case: Case, subject, actions) -> list[Row]:
     """The worst of all turns, states, steps and both precisions, in ulps."""
+    if not METHODS[case.settings.method].equivariant:
+        return [not_applicable("equivariant", "the method takes the axes one after the other")]
     if not actions:
         return [not_applicable("equivariant", "no rotation leaves H unchanged")]
     found = [apart(case, subject, x, t, h, action) for w, t, h in case.trials()

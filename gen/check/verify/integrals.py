@@ -57,7 +57,8 @@ def known_integrals(case: Case) -> Known:
     momentum += [integral(case, i.numbers) for i in said if i.kind == "linear"]
     quadratic = [integral(case, form(one.site, x)) for one in sites for x in one.quadratic]
     quadratic += [integral(case, i.numbers) for i in said if i.kind == "quadratic"]
-    quadratic = quadratic if METHODS[case.settings.method].keeps_quadratic else []
+    method = METHODS[case.settings.method]
+    momentum, quadratic = momentum if method.keeps_linear else [], quadratic if method.keeps_quadratic else []
     claimed = any(i.kind == "energy" for i in said)
     return Known(found, momentum, quadratic, not case.timed and (claimed or made_of(case, [*momentum, *quadratic])))
 
@@ -92,9 +93,13 @@ def form(site, s):
 
 def integrals(case: Case, subject, known: Known) -> list[Row]:
     """Momentum, quadratic integrals, energy."""
-    return [kept(case, subject, "momentum", known.momentum, "no rotation leaves H unchanged"),
+    return [kept(case, subject, "momentum", known.momentum, no_momentum(case)),
             kept(case, subject, "quadratic integrals", known.quadratic, "no single site has any that the method keeps"),
             energy(case, subject, known)]
+
+
+def no_momentum(case: Case) -> str:
+    return "no rotation leaves H unchanged" if METHODS[case.settings.method].keeps_linear else "not claimed: the parts of H keep none by themselves"
 
 
 def kept(case: Case, subject, name, found, otherwise) -> Row:

@@ -36,7 +36,8 @@ def defect_row(case: Case, subject, name, sites, note) -> Row:
     steps = "" if len(case.steps()) == 1 else f"worst at h = {h:.3g}"
     if METHODS[case.settings.method].controlled:
         return Row(name, worst, MOST, DEFECT, NO, "the method is not symplectic: the defect is as small as its tolerance, and adds up")
-    return at_most(name, worst, DEFECT, "; ".join(x for x in (note, steps) if x))
+    said = "" if METHODS[case.settings.method].symplectic or not METHODS[case.settings.method].splitting else "the method is not symplectic"
+    return at_most(name, worst, DEFECT, "; ".join(x for x in (said, note, steps) if x))
 
 
 def defect(case: Case, subject, w, t, h, sites) -> float:

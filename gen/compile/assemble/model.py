@@ -13,7 +13,9 @@ from ..lower.loops import Loops
 from ..lower.lowering import Lowering
 from ..plan.contributions import contributions_of, require
 from ..plan.plan import Plan, require_free_body
+from .axes import axis_kernels
 from .families import FamilyCode, family_codes
+from .pairs import pair_kernels
 from .solo import solo_kernels
 from .sweeps import reach
 from .wide import wide_kernels
@@ -23,7 +25,7 @@ class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
     families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None;
-    wide: in extended precision, or None; reach: bounds of the rows of the Hessian, or None.
+    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach: bounds of the rows of the Hessian, or None.
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=()):
@@ -38,6 +40,8 @@ class Model:
         self.loops = Loops(low, lambda family: self.by_name[family].count)
         self.reach = reach(self, low) if plan.rotation else None
         self.solo = solo_kernels(self, low)
+        self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
+        self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None
         self.wide = wide_kernels(self) if "extended" in self.features else None
         self.low, self.coefficients = low, low.finished()
 

@@ -102,12 +102,13 @@ def of_site(model, name: str, more, calls_of, coupled: bool) -> Function:
     return by_family("void", name, (*GATHERED, *more), body, [f for f in model.families if f.name in model.plan.local or coupled], number=Field("at", "k"), index="site", wanted=True)
 
 
-def gathered(model, family: str, calls_of) -> tuple:
-    """Loops over the terms of one site, with the statements `calls_of(model, term, slot)` of each."""
-    found = []
+def gathered(model, family: str, calls_of, placed: bool | None = None) -> tuple:
+    """Loops over the terms of one site, with the statements `calls_of(model, term, slot)` of each; placed: its cell is known (None:
+    where the plan has it swept on a lattice)."""
+    found, placed = [], model.lattice(family) is not None if placed is None else placed
     for t, k in model.roles(family):
         calls = tuple(calls_of(model, t, k))
-        found += model.loops.gather(t.over, t.slots[k], calls, model.lattice(family) is not None) if calls else ()
+        found += model.loops.gather(t.over, t.slots[k], calls, placed) if calls else ()
     return tidy(found)
 
 

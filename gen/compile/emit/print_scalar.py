@@ -183,6 +183,8 @@ class Scalar:
         return [f"{self(s)};"]
 
     def do_for(self, s):
+        if s.step == -1:
+            return block(f"for (int64_t {s.index} = {self(s.end)}; {s.index}-- > {self(s.start)};)", self.lines(s.body))
         step = f"++{s.index}" if s.step == 1 else f"{s.index} += {s.step}"
         return block(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", self.lines(s.body))
 

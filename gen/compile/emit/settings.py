@@ -1,6 +1,7 @@
 """What a model says of itself by macros, and the headers that its method is made of."""
 from __future__ import annotations
 
+from ..assemble.axes import axes_in_use, is_separate
 from ..assemble.buffers import history, stages_kept
 from ..assemble.lanes import has_lanes
 from ..assemble.model import Model
@@ -33,8 +34,10 @@ def settings(model: Model) -> list:
         "SMG_WIDE_TIMED": model.wide is not None and model.wide.coefficients.timed,
         "SMG_COMPOSED": model.method.stages if model.method.stages > 1 else 0, "SMG_STAGES_KEPT": stages_kept(model),
         "SMG_HAS_LANES": has_lanes(model), "SMG_MOST_LANES": model.method.lanes if has_lanes(model) else 0,
+        "SMG_AXES": axes_in_use(model) if model.axes else 0, "SMG_SEPARATE": model.axes is not None and is_separate(model),
+        "SMG_ONE_SITE": model.axes is not None and is_separate(model) and model.total == Whole(1),
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
-    read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
+    read = {"SMG_AXES": model.axes is not None, "SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 
 

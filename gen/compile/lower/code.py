@@ -228,7 +228,7 @@ class Block(Node):
 
 @dataclass(frozen=True)
 class For(Block):
-    """index = start, start + step, .. below end. over: what is counted, for targets that share work out: `sites`, `pairs`,
+    """index = start, start + step, .. below end; of step -1 the same numbers as of step 1, the last one first. over: what is counted, for targets that share work out: `sites`, `pairs`,
     `edges`, `cells` of a lattice, `entries` of an array, or `colours`: one after the other, and within one no two sites meet."""
     index: str
     start: Int

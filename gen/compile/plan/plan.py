@@ -13,6 +13,7 @@ from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, walk
 from ...language.spec import Graph, Lattice, Spec
 from .contributions import all_offer, contributions_of, require, require_of_method
+from .splitting import require_splitting
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
 DENSE_SMALL = 24           # below this nothing beats a dense factorisation
@@ -108,6 +109,8 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
     local = tuple(f.name for f in spec.families if f.name not in coupled)
     check_space(spec, METHODS[method])
     require_of_method(contributions, METHODS[method])
+    if METHODS[method].splitting:
+        require_splitting(spec, METHODS[method])
     if not METHODS[method].of_midpoints:
         return Plan(method, (), (), *METHODS[method].how)
     require([c for c in contributions if any(f in local for f, _ in c.slots)], ASKS["local"], "a site that is solved alone")

@@ -1,0 +1,85 @@
+"""Sublattices: the sites of one colour, and the field in which each of them turns."""
+from __future__ import annotations
+
+from ..lower.code import Argument, Braces, Call, For, Function, If, Let, Name, Return, Zeros, mentions
+from ..lower.integers import ONE, ZERO, Field, Index, compare, modulo, times, total
+from ..lower.kernels import COEFFICIENTS
+from ..lower.loops import SITE
+from ..plan.splitting import sublattices
+from .families import by_family
+from .sums import COORDINATES, G, gathered, own
+
+VISIT = (COEFFICIENTS, Argument("int64_t", "colour"), Argument("void *", "context"), Argument("void", "visit", "void *context, smg_lattice_site at"))
+PULL = (COEFFICIENTS, Argument("smg_lattice_site", "at"), Argument("const smg_real *", "all"), G)
+
+
+def sublattice_functions(model) -> list:
+    """What runtime/method/smg_sublattice_rotations.h asks of a model."""
+    return [pull(model), *colour_functions(model)] if model.method.splitting == "sublattices" else []
+
+
+def pull(model) -> Function:
+    """g += dH/dw of a site, which does not depend on its own w."""
+    placed = sublattices(model.spec) is not None
+
+    def calls(model, t, k):
+        outputs = [own("g") if q == k else Name(f"o{q}") for q in range(len(t.slots))]
+        return (*(Zeros(f"o{q}", 3) for q in range(len(t.slots)) if q != k), t.call("gradient", [model.vector("all", s) for s in t.slots], *outputs))
+
+    def body(f):
+        found = gathered(model, f.name, calls, placed)
+        read = mentions(*found) if placed else ()
+        return (*(Let(x, Field("at", x)) for x in COORDINATES if x in read), *found)
+    return by_family("void", "smg_pull", PULL, body, model.families, number=Field("at", "k"), index="site", wanted=True)
+
+
+def colour_functions(model) -> list:
+    """smg_colours, how many there are, and smg_each_of_colour, a visit of all sites of one. On a lattice whose ring is no multiple of its
+    colours, and where there is no lattice, every site is a colour of its own."""
+    found = sublattices(model.spec)
+    if found is None and all(len(t.slots) < 2 for t in model.effects):
+        return [colours(Return(ONE)), each_of_colour(For("site", ZERO, model.total, called(ZERO, ())))]
+    alone = (Let("site", Index("colour")), *called(ZERO, ()))
+    if found is None:
+        return [colours(Return(model.total)), each_of_colour(*alone)]
+    number, lines, alone = Return(total(found.colours.colours)), coloured(model, found), placed_alone(found, model)
+    fits = fitting(model, found)
+    if not fits:
+        return [colours(number), each_of_colour(*lines)]
+    return [colours(If(fits, (number,)), Return(model.total)), each_of_colour(If(fits, (*lines, Return())), *alone)]
+
+
+def colours(*body) -> Function:
+    return Function("int64_t", "smg_colours", (COEFFICIENTS,), body, wanted=True)
+
+
+def each_of_colour(*body) -> Function:
+    """Inlined, so that the call of `visit` is, too."""
+    return Function("void", "smg_each_of_colour", VISIT, body, wanted=True, inlined="always")
+
+
+def called(sub, cells) -> tuple:
+    """The visit of `site`."""
+    at = Braces((SITE, sub, *cells, *[ZERO] * (4 - len(cells))))
+    return Let("at", at, "const smg_lattice_site"), Call("visit", (Name("context"), Name("at")))
+
+
+def fitting(model, found) -> tuple:
+    """Does every ring keep the colours apart?"""
+    weights, number = found.colours.weights, found.colours.colours
+    return tuple(compare(modulo(times(w, model.low.size(size)), number), "==", ZERO)
+                 for w, size, periodic in zip(weights, found.over.size, found.over.periodic) if periodic and w % number)
+
+
+def coloured(model, found) -> tuple:
+    """All sites of one colour."""
+    cells = [Index(f"s{d}") for d in range(len(found.over.size))]
+    return tuple(line for sub in range(found.over.sites)
+                 for line in model.loops.one_place(found.over, found.colours, sub, lambda sub: called(total(sub), cells)))
+
+
+def placed_alone(found, model) -> tuple:
+    """The site of the number `colour`, and where it stands."""
+    cells = [Index(f"s{d}") for d in range(len(found.over.size))]
+    place = model.loops.cell_of_site(found.over)
+    return (Let("site", Index("colour")), *place, *called(Index("sub") if found.over.sites > 1 else ZERO, cells))

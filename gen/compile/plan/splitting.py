@@ -1,0 +1,141 @@
+"""Explicit splittings: which of them a Hamiltonian allows, found in the formulas; what stands in the way of the others.
+
+Axes: H = A(all x) + B(all y) + C(all z), so no second derivative joins two components.
+Sublattices: H is linear in every single site, so no second derivative is by one site twice.
+Pairs: every term is a function of the scalar product of two sites.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from ...errors import UsageError
+from ...language.expr import slots_of
+from ...language.spec import Lattice, Spec
+from ...methods import METHODS, Method
+from ..derive.derivatives import Derived, derive
+from ..derive.parts import expanded
+from .colouring import Colouring, colouring
+
+AXES = "xyz"
+LONGEST = 80        # characters of a term that is quoted
+
+
+def require_splitting(spec: Spec, method: Method) -> None:
+    """Raises UsageError where the Hamiltonian does not allow the splitting of the method."""
+    found = obstacle(spec, method)
+    if found is not None:
+        raise UsageError(f"method {method.name} {ASKED[method.splitting]}, but {found}")
+
+
+def obstacle(spec: Spec, method: Method) -> str | None:
+    """What stands in the way, in words: a factor of the space, or the first effect that does; None where nothing does."""
+    for f in spec.families:
+        if f.kind not in method.spaces:
+            return f"'{f.name}' is a Nambu factor, on which the parts of H make no rotations"
+        if f.tracer and method.splitting == "pairs":
+            return f"'{f.name}' is a family of tracers, which turn nothing"
+    found = ((e.name, OBSTACLES[method.splitting](derive(e))) for e in spec.effects)
+    return next((f"effect '{name}' {why}" for name, why in found if why), None)
+
+
+def splittings(spec: Spec) -> dict:
+    """Method -> what stands in its way, None where nothing does."""
+    return {m.name: obstacle(spec, m) for m in METHODS.values() if m.splitting and m.stages == 1}
+
+
+# Axes
+
+def mixing(d: Derived) -> str | None:
+    """Two components that the term joins: a second derivative by both that is not zero."""
+    for (k, l), block in d.hessian.items():
+        for a in range(3):
+            for b in range(3):
+                if a != b and expanded(block[a, b]) != 0:
+                    return f"joins {component(d, k, a)} and {component(d, l, b)}" + quoted(d, d.vectors[k][a], d.vectors[l][b])
+    return None
+
+
+def component(d: Derived, slot: int, axis: int) -> str:
+    family, site = d.slots[slot]
+    return f"{family}[{site}].{AXES[axis]}"
+
+
+def quoted(d: Derived, x, y) -> str:
+    """` in the term ..`: the first summand that joins the symbols, where the formula is whole and it is short."""
+    if d.parts:
+        return ""
+    for term in sp.Add.make_args(expanded(d.value)):
+        if sp.diff(term, x, y) != 0:
+            text = written(d, term)
+            return f" in the term {text}" if len(text) <= LONGEST else ""
+    return ""
+
+
+def written(d: Derived, e) -> str:
+    """An expression as formulas of a spec are written."""
+    names = {v: component(d, k, a) for k, row in enumerate(d.vectors) for a, v in enumerate(row)}
+    names |= {s: s.name.replace("p.", "").replace("i.", "").replace("e.", "").replace("a.", "") for s in e.free_symbols if s not in names}
+    return sp.sstr(e.xreplace({s: sp.Symbol(name) for s, name in names.items()})).replace("**", "^")
+
+
+# Sublattices
+
+@dataclass(frozen=True)
+class Sublattices:
+    """The lattice that all terms live on, and its colours, where its size is a multiple of theirs in periodic directions."""
+    over: Lattice
+    colours: Colouring
+
+
+def bending(d: Derived) -> str | None:
+    """A site in which the term is not linear: a second derivative by it that is not zero."""
+    for k in range(len(d.slots)):
+        block = d.hessian.get((k, k))
+        for a in range(3 if block is not None else 0):
+            for b in range(a, 3):
+                if expanded(block[a, b]) != 0:
+                    family, site = d.slots[k]
+                    return f"is not linear in {family}[{site}]" + quoted(d, d.vectors[k][a], d.vectors[k][b])
+    return None
+
+
+def sublattices(spec: Spec) -> Sublattices | None:
+    """None where sites are taken one by one: several families, or terms that live on no lattice or on several."""
+    joint = [e.over for e in spec.effects if len(slots_of(e.value)) > 1]
+    overs = [e.over for e in spec.effects if isinstance(e.over, Lattice)]
+    if len(spec.families) > 1 or not joint or any(not isinstance(over, Lattice) for over in joint) or len({(o.size, o.sites) for o in overs}) > 1:
+        return None
+    colours = colouring(overs)
+    return Sublattices(overs[0], colours) if colours.colours > 1 else None
+
+
+# Pairs
+
+def of_the_product(d: Derived, u):
+    """f(u) where the term is f(w_i.w_j), else None: its value at w_i = (u, 0, 0), w_j = (1, 0, 0), put back and compared."""
+    if len(d.slots) != 2 or d.parts:
+        return None
+    (a, b), zero = d.vectors, sp.S.Zero
+    f = d.value.xreplace({a[0]: u, a[1]: zero, a[2]: zero, b[0]: sp.S.One, b[1]: zero, b[2]: zero})
+    product = sum(x * y for x, y in zip(a, b))
+    if not f.has(u) or f.has(sp.nan, sp.zoo, sp.oo) or sp.expand(d.value - f.xreplace({u: product})) != 0:
+        return None
+    return f
+
+
+def not_of_pairs(d: Derived) -> str | None:
+    """A term that is no function of a scalar product."""
+    if not d.slots or of_the_product(d, sp.Symbol("u", real=True)) is not None:
+        return None
+    if len(d.slots) != 2:
+        return f"joins {len(d.slots)} sites" if len(d.slots) > 2 else "is of a single site"
+    one, other = (f"{family}[{site}]" for family, site in d.slots)
+    return f"is not known as a function of dot({one}, {other}) alone"
+
+
+ASKED = {"axes": "is for a sum of functions of single components, each of x, of y or of z alone",
+         "sublattices": "is for an energy that is linear in every single site",
+         "pairs": "is for a sum of functions of scalar products of two sites"}
+OBSTACLES = {"axes": mixing, "sublattices": bending, "pairs": not_of_pairs}

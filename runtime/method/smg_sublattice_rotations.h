@@ -1,0 +1,65 @@
+/* smidgen method: each sublattice turned in the frozen field of the others, for H linear in every single site: explicit, of order 2, the
+ * energy kept to round-off. It is NOT symplectic: it is made of parts w_k' = w_k x b_k of the motion that are no Hamiltonian motions by
+ * themselves, since the others, which H moves too, stand still meanwhile.
+ *
+ * b_k = (1/kappa_k) dH/dw_k depends on the others alone, and H = w_k.dH/dw_k + what w_k is not in: a turn of w_k about b_k by whatever
+ * angle keeps H, and the volume. The angle is that whose half has the tangent |h b_k|/2: right to third order, and it needs
+ * no more than
+ *
+ *     W = w + 2/(1 + |g|^2) (w x g + (w x g) x g),   g = (h/2) b_k.
+ *
+ * Sites of one colour do not feel each other, so that their order is of no account. A step is the symmetric splitting: the colours
+ * one after the other for h/2, the last for h, and back. With SMG_COMPOSED it is so many of these (smg_explicit_step.h).
+ *
+ * Of the model it needs smg_colours(c), smg_each_of_colour(c, colour, context, visit), smg_pull(c, at, all, g): g += dH/dw of the
+ * site `at`; and beside w, compensation and u the arrays s->points, 3 numbers a site, and s->inverse, 1. */
+#ifndef SMG_SUBLATTICE_ROTATIONS_H
+#define SMG_SUBLATTICE_ROTATIONS_H
+
+#define SMG_ONTO_LEAF 0
+
+#include "smg_model.h"
+#include "smg_explicit.h"
+
+/* What a visit works on: the state, and h. */
+typedef struct smg_turning {
+  smg_state *s;
+  smg_real h;
+} smg_turning;
+
+/* One site about the field of the others. */
+static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
+  const smg_turning *turning = (const smg_turning *)context;
+  const smg_state *s = turning->s;
+  smg_real g[3] = {0, 0, 0}, x[3], xx[3], *v = s->points + 3 * at.k, *u = s->u + 3 * at.k;
+  smg_pull(&s->c, at, s->points, g);
+  const smg_real half = 0.5 * smg_h_over_kappa(&s->c, at.k, turning->h);
+  for (int b = 0; b < 3; ++b) g[b] *= half;
+  const smg_real scale = 2 / (1 + smg_dot(g, g));
+  smg_cross(x, v, g);
+  smg_cross(xx, x, g);
+  for (int b = 0; b < 3; ++b) {
+    const smg_real moved = scale * (x[b] + xx[b]);
+    v[b] += moved;
+    u[b] += moved;
+  }
+}
+
+/* All sites of a colour, for the part h of the step. */
+static inline void smg_turn_colour(smg_state *s, int64_t colour, smg_real h) {
+  smg_turning turning;
+  turning.s = s;
+  turning.h = h;
+  smg_each_of_colour(&s->c, colour, &turning, smg_turn_in_field);
+}
+
+static inline void smg_stage(smg_state *s, smg_real h) {
+  const int64_t last = smg_colours(&s->c) - 1;
+  for (int64_t colour = 0; colour < last; ++colour) smg_turn_colour(s, colour, 0.5 * h);
+  smg_turn_colour(s, last, h);
+  for (int64_t colour = last - 1; colour >= 0; --colour) smg_turn_colour(s, colour, 0.5 * h);
+}
+
+#include "smg_explicit_step.h"
+
+#endif
