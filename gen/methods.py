@@ -33,7 +33,7 @@ class Method:
     sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once.
     A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
     variant: sweeps over all methods leave it out, since another one of its kind and order does better.
-    splitting: what an explicit splitting of H takes apart (`compile.plan.splitting`); keeps_linear: it keeps momentum and the
+    splitting: what an explicit splitting of H takes apart (`compile.plan.splitting`, which looks at Hessians); keeps_linear: it keeps momentum and the
     linear integrals of sites; keeps_energy: the energy, whatever else it keeps; equivariant: it commutes with the rotations
     that leave H unchanged.
     """
@@ -104,20 +104,20 @@ MIDPOINT_METHODS = (
 SPLITTINGS = (
     Method("axis-splitting", "the axis splitting", "axis splitting", "rotations about the axes in turn (symplectic, explicit, order 2)", 2,
            "smg_axis_splitting.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
-           asks=(GRADIENT,), midpoint=False, splitting="axes", keeps_linear=False, equivariant=False,
+           asks=(GRADIENT, HESSIAN), midpoint=False, splitting="axes", keeps_linear=False, equivariant=False,
            how=("explicit", "rotations about x, y, z, y, x"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("slopes", 1, 0, "dH/dw along one axis"),
                    ("inverse", 1, 0, "1/|w|^2 of the start"))),
     Method("sublattice-rotations", "the method of sublattice rotations", "sublattice rotations",
            "each sublattice turned in the field of the others (energy exact, not symplectic; explicit, order 2)", 2,
            "smg_sublattice_rotations.h", keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
-           asks=(SITE_GRADIENT,), midpoint=False, splitting="sublattices", keeps_linear=False, keeps_energy=True,
+           asks=(SITE_GRADIENT, HESSIAN), midpoint=False, splitting="sublattices", keeps_linear=False, keeps_energy=True,
            how=("explicit", "sublattice after sublattice, and back"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))),
     Method("pair-rotations", "the method of pair rotations", "pair rotations",
            "both spins of a bond turned about their momentum, bond after bond (symplectic, momentum exact; explicit, order 2)", 2,
            "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
-           asks=(GRADIENT,), midpoint=False, splitting="pairs", how=("explicit", "bond after bond, and back"), history=1,
+           asks=(GRADIENT, HESSIAN), midpoint=False, splitting="pairs", how=("explicit", "bond after bond, and back"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,

@@ -154,7 +154,7 @@ def test_restored_it_goes_on_with_the_same_bits(spec, method, scheme):
 @pytest.mark.quick
 @pytest.mark.parametrize("first", [SITES + '"0.3*w[i].z"', BONDS + '"0.3*w[i].z*w[j].z"'], ids=["separate", "joined"])
 def test_a_constant_angle_does_not_wear_a_sphere_down(first):
-    """Rounded sines and cosines of one angle change |w| by the same little in every step; measured without its being taken out: 5e-13."""
+    """Rounded sines and cosines of one angle change |w| by the same little in every step; where that is not taken out, by 5e-13 here."""
     integrator = smidgen.build(model("constant", first, SITES + '"0.1*w[i].z"'), "axis-splitting").start("a", h=0.3).steps(10**6)
     assert np.abs(np.linalg.norm(integrator.w, axis=1) - 1).max() < 5e-16
 

@@ -15,8 +15,8 @@
  * With SMG_COMPOSED a step is so many of these (smg_explicit_step.h).
  *
  * Of the model it needs SMG_AXES (1, 2, 4: there are x, y, z in H) and
- *   SMG_SEPARATE, with SMG_ONE_SITE where there is only one: smg_slope_x(c, k, v), _y, _z       dH/dx_k at the vector v of the site
- *   otherwise: smg_slopes_x(c, w, g), _y, _z         g[k] += dH/dx_k of all sites
+ *   SMG_SEPARATE (and SMG_ONE_SITE, where there is but one): smg_slope_x(c, k, v), _y, _z   dH/dx_k at the vector v of the site
+ *   otherwise: smg_slopes_x(c, w, g), _y, _z                                                g[k] += dH/dx_k of all sites
  * and beside w, compensation and u the arrays s->points, 3 numbers a site, s->slopes and s->inverse, 1 each. */
 #ifndef SMG_AXIS_SPLITTING_H
 #define SMG_AXIS_SPLITTING_H

@@ -56,7 +56,8 @@ def axis_functions(model) -> list:
 
 def slopes_of_all(model, axis: int) -> Function:
     terms = [t for t in model.effects if t.prefix in model.axes[axis]]
-    return Function("void", f"smg_slopes_{AXES[axis]}", (COEFFICIENTS, W, SLOPES), sums(model, terms, lambda t: slopes_body(model, t, axis)), wanted=True)
+    return Function("void", f"smg_slopes_{AXES[axis]}", (COEFFICIENTS, W, SLOPES),
+                    sums(model, terms, lambda t: slopes_body(model, t, axis)), wanted=True)
 
 
 def slopes_body(model, t, axis: int) -> tuple:
@@ -71,4 +72,5 @@ def slope_of_site(model, axis: int) -> Function:
     def body(f):
         found = gathered(model, f.name, calls)
         return (Zeros("g", 1), *found, Return(Element("g", 0))) if found else (Return(ZERO),)
-    return by_family("smg_real", f"smg_slope_{AXES[axis]}", (*SITE, Argument("const smg_real *", "v")), body, model.families, index="site", wanted=True)
+    arguments = (*SITE, Argument("const smg_real *", "v"))
+    return by_family("smg_real", f"smg_slope_{AXES[axis]}", arguments, body, model.families, index="site", wanted=True)

@@ -9,12 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import sympy as sp
+from sympy.printing.precedence import PRECEDENCE
+from sympy.printing.str import StrPrinter
 
 from ...errors import UsageError
-from ...language.expr import slots_of
+from ...language.expr import Elem, Idx, Par, Time, Weight, slots_of
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS, Method
-from ..derive.derivatives import Derived, derive
+from ..derive.derivatives import Derived, derive, index_text
 from ..derive.parts import expanded
 from .colouring import Colouring, colouring
 
@@ -76,8 +78,24 @@ def quoted(d: Derived, x, y) -> str:
 def written(d: Derived, e) -> str:
     """An expression as formulas of a spec are written."""
     names = {v: component(d, k, a) for k, row in enumerate(d.vectors) for a, v in enumerate(row)}
-    names |= {s: s.name.replace("p.", "").replace("i.", "").replace("e.", "").replace("a.", "") for s in e.free_symbols if s not in names}
-    return sp.sstr(e.xreplace({s: sp.Symbol(name) for s, name in names.items()})).replace("**", "^")
+    names |= {s: leaf_text(d.leaves[s.name]) for s in e.free_symbols if s.name in d.leaves}
+    return Formula().doprint(e.xreplace({s: sp.Symbol(name) for s, name in names.items()}))
+
+
+def leaf_text(e) -> str:
+    """A parameter, an index, an entry of an array, the time."""
+    if isinstance(e, Elem):
+        return f"{e.name}[{leaf_text(e.index)}]"
+    return "t" if isinstance(e, Time) else e.name if isinstance(e, (Par, Idx, Weight)) else index_text(e)
+
+
+class Formula(StrPrinter):
+    """x^2, as specs have it."""
+
+    def _print_Pow(self, expr, rational=False):
+        if expr.exp.is_Integer and expr.exp > 1:
+            return f"{self.parenthesize(expr.base, PRECEDENCE['Pow'])}^{expr.exp}"
+        return super()._print_Pow(expr, rational)
 
 
 # Sublattices
