@@ -30,7 +30,7 @@ LOOKS = ((BLUE, "-", "o"), (VERMILION, "--", "s"), (GREEN, "-.", "^"),
          *((to_hex(matplotlib.colormaps["cividis"](k / 12)), (0, (1 + k, 1, 1, 1)), marker) for k, marker in enumerate("Dv<>pPhHXd*8")),
          *((to_hex(matplotlib.colormaps["plasma"](0.9 - 0.04 * k)), (0, (5, 1, *(1, 1) * (k % 4), 1, 2 + k)), marker)
            for k, marker in enumerate((*"1234+x|_", *((points, kind, 0) for kind in (1, 2) for points in range(3, 9))))),
-         *((to_hex(matplotlib.colormaps["viridis"](0.95 - 0.05 * k)), (0, (8, 1, 1, 1 + k)), marker)
+         *((to_hex(matplotlib.colormaps["viridis"](0.95 - 0.05 * k)), (0, (8, 2, 1, 1 + k)), marker)
            for k, marker in enumerate((points, kind, 20) for kind in (1, 2) for points in range(3, 12))),
          *((to_hex(matplotlib.colormaps["cool"](0.05 * k)), (0, (10, 1, 2, 1 + k)), marker)
            for k, marker in enumerate((points, kind, 40) for kind in (1, 2) for points in range(3, 12))))
