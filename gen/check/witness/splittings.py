@@ -7,7 +7,6 @@ import ctypes
 
 import numpy as np
 
-from ...compile.plan.splitting import sublattices as sublattices_of
 from ...language.evaluate import integer
 from . import native
 
@@ -32,6 +31,7 @@ def axes(witness, w, t: float, h: float):
 def colours(witness) -> np.ndarray:
     """The colour of every site, by the definition of the method: on a lattice whose rings fit, (weights . cell + shift) modulo their
     number; 0 where no term joins sites; else every site is its own."""
+    from ...compile.plan.splitting import sublattices as sublattices_of     # sympy is slow to import
     found = sublattices_of(witness.spec)
     if all(one.site.shape[1] < 2 for one in witness.effects.values()):
         return np.zeros(witness.sites, int)

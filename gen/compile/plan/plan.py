@@ -13,7 +13,6 @@ from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, walk
 from ...language.spec import Graph, Lattice, Spec
 from .contributions import all_offer, contributions_of, require, require_of_method
-from .splitting import require_splitting
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
 DENSE_SMALL = 24           # below this nothing beats a dense factorisation
@@ -110,6 +109,7 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
     check_space(spec, METHODS[method])
     require_of_method(contributions, METHODS[method])
     if METHODS[method].splitting:
+        from .splitting import require_splitting        # sympy is slow to import
         require_splitting(spec, METHODS[method])
     if not METHODS[method].of_midpoints:
         return Plan(method, (), (), *METHODS[method].how)
