@@ -112,7 +112,7 @@ SPLITTINGS = (
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))),
     Method("pair-rotations", "the method of pair rotations", "pair rotations",
            "both spins of a bond turned about their momentum, bond after bond (symplectic, momentum exact; explicit, order 2)", 2,
-           "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
+           "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), needs=(),
            asks=(GRADIENT, HESSIAN), midpoint=False, splitting="pairs", how=("explicit", "bond after bond, and back"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
 METHODS = {m.name: m for m in (
