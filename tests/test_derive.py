@@ -270,3 +270,14 @@ def test_the_largest_formula_that_is_allowed_is_refused_where_it_joins_many_vect
     lines = "[formulas]\ng = '" + "*".join(f"dot(w[{k % 8}], w[{(k + 1) % 8}])" for k in range(60)) + "'\nh = 'g + 1/(1 + g*g)'\n"
     with pytest.raises(SpecError, match="E311"):
         spec_of("h*h + sin(h)", lines, sites=8)
+
+
+@pytest.mark.parametrize("real", ["double", "long double"])
+def test_remainders_of_whole_numbers_are_exact(real):
+    """49*(1/49) < 1 in double, 3*(1/3) < 1 in extended precision."""
+    spec = smidgen.load_text('[model]\nname = "rests"\n[space]\nw = { sphere = 200 }\n[effects.e]\nover = "site(i) of w"\n'
+                             'energy = "(mod(i, 3) + 10*mod(i, 49) + 1000*mod(2*i, 7) + 10000*floor(i/11))*w[i].z"\n')
+    w = np.tile([0.0, 0.0, 1.0], (200, 1))
+    field = smidgen.build(spec, real=real).start(w, h=0.1).field()[:, 2]
+    i = np.arange(200)
+    assert np.array_equal(field, i % 3 + 10 * (i % 49) + 1000 * (2 * i % 7) + 10000 * (i // 11))

@@ -137,5 +137,14 @@ class Formulas:
             return f"SMG_MATH(fabs)({self(e.args[0])})", ATOM
         if type(e) in _RUNTIME:
             return f"{_RUNTIME[type(e)]}({', '.join(self(a) for a in e.args)})", ATOM
+        if isinstance(e, derive.floor_):
+            return f"SMG_MATH(floor)({self.quotient(e.args[0])})", ATOM
         name = ELEMENTARY[type(e)]
         return f"SMG_MATH({name})({', '.join(self(a) for a in e.args)})", ATOM
+
+    def quotient(self, e) -> str:
+        """x/3 as a division, not a product with 1/3: 49*(1/49) < 1, and its floor would be 0."""
+        part, rest = e.as_coeff_Mul()
+        if part.is_Rational and not part.is_Integer:
+            return f"{self.inside(part.p * rest, PRODUCT)}/{part.q}.0"
+        return self(e)
