@@ -11,6 +11,7 @@ import pytest
 
 import smidgen
 from smidgen.analyse.advice import advise
+from smidgen.check.witness import Witness
 from smidgen.errors import RunError
 from smidgen.read import load_text
 
@@ -128,3 +129,38 @@ def test_a_thousand_sites():
     assert caught.value.reached * 2.5 == pytest.approx(0.4, rel=1e-12) and caught.value.site == 700
     advice = advise(spec, values=values, start=w, h=2.5, steps=1)
     assert advice.limit == pytest.approx(0.4, rel=1e-12) and advice.sites == (700,)
+
+
+JUMP = """[model]
+name = "jump"
+[space]
+w = { sphere = 2 }
+[effects.e]
+over = "site(i) of w"
+energy = "if(w[i].z < 0.2, 3*w[i].x, 2*w[i].y)"
+[starts.s]
+theta = "1 + i/2"
+phi = "0.3 + i"
+[runs.r]
+start = "s"
+h = 0.4
+steps = 1
+"""
+
+
+@pytest.mark.quick
+def test_a_field_that_jumps_is_no_constant_one():
+    """Its second derivatives vanish, but at the midpoint it is not what it is at the start: each step solves the step equation, or
+    is refused."""
+    spec, taken = smidgen.load_text(JUMP), 0
+    model, witness, dice = smidgen.build(spec), Witness(spec), np.random.default_rng(5)
+    for _ in range(200):
+        w = dice.normal(size=(2, 3))
+        before = w / np.linalg.norm(w, axis=1)[:, None]
+        try:
+            after = model.start(before.copy(), h=0.4).step().state()
+        except RunError:
+            continue
+        taken += 1
+        assert np.abs(witness.residual(before, after, 0.0, model.h, "spherical-midpoint")).max() < 1e-14
+    assert taken > 50

@@ -4,6 +4,7 @@ from __future__ import annotations
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS
+from ..derive.derivatives import switched
 from ..features import ASKS, chosen_features
 from ..lower.code import At, Name
 from ..lower.indices import one_site, safe_indices
@@ -120,8 +121,8 @@ class Model:
 
     # -- what follows -------------------------------------------------------------------------
     def is_linear(self, family: str) -> bool:
-        """Does the field of a site not depend on the site itself?"""
-        return not any((k, k) in t.derived.hessian for t, k in self.roles(family))
+        """Does the field of a site not depend on the site itself, nor jump where it goes?"""
+        return not any((k, k) in t.derived.hessian or switched(t.derived) & set(t.derived.vectors[k]) for t, k in self.roles(family))
 
     def closed_form(self, f: FamilyCode) -> bool:
         """A site alone in a field that does not depend on it: the step is an exact rotation."""

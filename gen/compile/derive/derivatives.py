@@ -110,6 +110,18 @@ class Derived:
     parts: dict
 
 
+def switched(d: Derived) -> set:
+    """The components of vectors on which a condition, a floor or a sign in the gradient depends: there the gradient jumps, which
+    no second derivative tells."""
+    behind = {}
+    for s, e in d.parts.items():
+        behind[s] = set().union(*(behind.get(x, {x}) for x in e.free_symbols))
+    nodes = {node for e in (*(x for row in d.gradient for x in row), *d.parts.values())
+             for node in e.atoms(sp.Piecewise, sp.ITE, sp.sign, floor_, signum, lesser, greater)}
+    found = set().union(*(behind.get(x, {x}) for node in nodes for x in node.free_symbols))
+    return found & {x for v in d.vectors for x in v}
+
+
 class NoRealValue(UsageError):
     """A formula without a finite real value, whatever the state."""
 

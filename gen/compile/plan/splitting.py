@@ -16,7 +16,7 @@ from ...errors import UsageError
 from ...language.expr import Elem, Idx, Par, Time, Weight, slots_of
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS, Method
-from ..derive.derivatives import Derived, derive, index_text
+from ..derive.derivatives import Derived, derive, index_text, switched
 from ..derive.parts import expanded
 from .colouring import Colouring, colouring
 
@@ -38,7 +38,8 @@ def obstacle(spec: Spec, method: Method) -> str | None:
             return f"'{f.name}' is a Nambu factor, on which the parts of H make no rotations"
         if f.tracer and method.splitting == "pairs":
             return f"'{f.name}' is a family of tracers, which turn nothing"
-    found = ((e.name, OBSTACLES[method.splitting](derive(e))) for e in spec.effects)
+    derived = ((e.name, derive(e)) for e in spec.effects)
+    found = ((name, "has a condition on its vectors" if switched(d) else OBSTACLES[method.splitting](d)) for name, d in derived)
     return next((f"effect '{name}' {why}" for name, why in found if why), None)
 
 
