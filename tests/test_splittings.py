@@ -310,7 +310,7 @@ def test_the_certificate_says_symplectic_and_momentum_exact(name):
     assert rows["energy"].verdict == "does not apply"
 
 
-@pytest.mark.parametrize("scheme", ["", "4", "8"])
+@pytest.mark.parametrize("scheme", ["", *(pytest.param(s, marks=pytest.mark.long) for s in ("4", "8"))])
 def test_the_order_of_pair_rotations(quad, scheme):
     method, spec = METHODS["pair-rotations" + (f"-{scheme}" if scheme else "")], PAIRS["logs"]
     exact = run(quad(spec, "spherical-midpoint-10"), CHAIN_START, 1 / 256, 256).w
@@ -336,10 +336,10 @@ EVERY = {"axis-splitting": AXES, "sublattice-rotations": LATTICES, "pair-rotatio
 
 
 @pytest.mark.parametrize("name, method", [(name, method) for method, found in EVERY.items() for name in found])
-@pytest.mark.parametrize("scheme", ["", "-6"])
+@pytest.mark.parametrize("scheme", ["", pytest.param("-6", marks=pytest.mark.long)])
 @pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"], ["gcc", "-std=c11", "-DSMG_LONG_DOUBLE"]],
                          ids=lambda c: "-".join(c[::2]))
-@pytest.mark.parametrize("amalgamate", [False, True])
+@pytest.mark.parametrize("amalgamate", [pytest.param(False, marks=pytest.mark.long), True])
 def test_clean_c(tmp_path, name, method, scheme, compiler, amalgamate):
     spec = EVERY[method][name]
     files = generate(spec, method=method + scheme, amalgamate=amalgamate)
