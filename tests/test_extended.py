@@ -1,6 +1,7 @@
 """The last evaluation in extended precision, and sums without a carry: features of the generated C."""
 import numpy as np
 import pytest
+import smidgen
 from bench.round_off.growth import apart
 from bench.round_off.programs import DEFAULT, LONG, PAIRS, PLAIN, VARIANTS, ask, program, words
 from support.strict import COMPILERS, compile_all
@@ -63,3 +64,13 @@ def test_variants_differ_in_what_they_say():
              for v, (features, _) in VARIANTS.items()}
     assert len({texts[PLAIN], texts[DEFAULT], texts[LONG]}) == 3
     assert len({(texts[v], flags) for v, (_, flags) in VARIANTS.items()}) == len(VARIANTS)
+
+
+@pytest.mark.quick
+def test_remainders_of_whole_numbers_divide():
+    """q*(1/q) < 1 for some q in pairs too: with the last evaluation the spins go where they go without it, to a few ulps."""
+    spec = smidgen.load_text('[model]\nname = "rests"\n[space]\nw = { sphere = 60 }\n[effects.e]\nover = "site(i) of w"\nenergy = "(' + " + ".join(f"mod(i, {q})" for q in range(3, 60, 2)) + ')*w[i].z/500 + mod(i, 3)*w[i].x^2/9"\n')
+    w = np.random.default_rng(4).normal(size=(60, 3))
+    w /= np.linalg.norm(w, axis=1)[:, None]
+    ends = [smidgen.build(spec, features=features).start(w.copy(), h=0.1).steps(3).state() for features in ((), ("extended",))]
+    assert np.abs(ends[0] - ends[1]).max() < 1e-14

@@ -85,7 +85,14 @@ class WideFormulas(Formulas):
 
     def call(self, e):
         name = _OWN.get(type(e)) or ELEMENTARY[type(e)]
-        return f"smg_wide_{name}({', '.join(self(a) for a in e.args)})", ATOM
+        arguments = [self.quotient(e.args[0])] if name == "floor" else [self(a) for a in e.args]
+        return f"smg_wide_{name}({', '.join(arguments)})", ATOM
+
+    def quotient(self, e) -> str:
+        part, rest = e.as_coeff_Mul()
+        if part.is_Rational and not part.is_Integer:
+            return f"smg_wide_div({self(part.p * rest)}, smg_wide_of({part.q}.0))"
+        return self(e)
 
 
 class Wide(Scalar):
