@@ -23,6 +23,17 @@ static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
   for (size_t k = 0; k < size; ++k) to[k] = from[k];
 }
 
+/* Steps that stay with Newton: models with sweeps count them. */
+#if SMG_SWEPT
+enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
+static inline int smg_newton_steps(const smg_state *s) { return s->newton_steps; }
+static inline void smg_set_newton_steps(smg_state *s, int steps) { s->newton_steps = steps; }
+#else
+enum { SMG_SAVED_MOST_STEPS = 0 };
+static inline int smg_newton_steps(const smg_state *s) { return (void)s, 0; }
+static inline void smg_set_newton_steps(smg_state *s, int steps) { (void)s, (void)steps; }
+#endif
+
 static void smg_save_state(const smg_state *s, smg_real *out) {
   const size_t n3 = (size_t)(3 * smg_sites(&s->c));
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c.p);
@@ -33,7 +44,7 @@ static void smg_save_state(const smg_state *s, smg_real *out) {
   out[SMG_SAVED_COUNT_LOW] = (smg_real)(s->count % 4294967296);
   out[SMG_SAVED_HISTORY] = (smg_real)s->history;
   out[SMG_SAVED_DEGREE] = (smg_real)s->degree;
-  out[SMG_SAVED_NEWTON_STEPS] = smg_saved_newton_steps(s);
+  out[SMG_SAVED_NEWTON_STEPS] = (smg_real)smg_newton_steps(s);
   out[SMG_SAVED_SCALE] = s->scale;
   out[SMG_SAVED_TOLERANCE] = s->tolerance;
   smg_copy(out + SMG_SAVED_HEAD, s->w, n3);
@@ -55,7 +66,7 @@ static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in)
                    smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, 2147483647) &&
                    smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
                    smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
-                   smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], 0, SMG_NEWTON_STEPS) && in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
+                   smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], 0, SMG_SAVED_MOST_STEPS) && in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
   return good ? SMG_OK : SMG_BAD_PARAMETER;
 }
 
@@ -75,7 +86,7 @@ static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
 #if SMG_EXTENDED
   smg_wide_prepare(&s->wide, &s->c);
 #endif
-  smg_restore_newton_steps(s, in[SMG_SAVED_NEWTON_STEPS]);
+  smg_set_newton_steps(s, (int)in[SMG_SAVED_NEWTON_STEPS]);
   smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
   smg_copy(s->compensation, in + SMG_SAVED_HEAD + n3, n3);
   smg_restore_history(s, in + smg_saved_past(&s->c));

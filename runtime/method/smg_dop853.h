@@ -21,7 +21,6 @@
 
 #define SMG_ONTO_LEAF 0
 #define SMG_NO_DEGREE -1 /* there is no predictor */
-#define SMG_NEWTON_STEPS 0
 
 #ifndef SMG_HISTORY
 #define SMG_HISTORY 0 /* increments of steps before: none are kept */
@@ -67,16 +66,6 @@ static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; 
 static inline size_t smg_history_size(const smg_coefficients *c) {
   (void)c;
   return 1;
-}
-
-static inline smg_real smg_saved_newton_steps(const smg_state *s) {
-  (void)s;
-  return 0;
-}
-
-static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
-  (void)s;
-  (void)steps;
 }
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) { out[0] = smg_kept(s)[SMG_NATURAL]; }
@@ -448,11 +437,7 @@ static smg_status smg_step(smg_state *s) {
   return s->report.status;
 }
 
-static smg_status smg_steps(smg_state *s, int64_t count) {
-  smg_status status = SMG_OK;
-  while (count-- > 0 && status == SMG_OK) status = smg_step(s);
-  return status;
-}
+#include "smg_steps.h"
 
 /* ---- dense output -------------------------------------------------------------------------------------------------------- */
 /* The part of h that the last internal step took; 0 before a step, after a failed one and after a restart. */

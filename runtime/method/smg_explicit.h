@@ -15,7 +15,6 @@
 #endif
 
 #define SMG_NO_DEGREE 0
-#define SMG_NEWTON_STEPS 0
 
 /* Part of the error of |w| that a step takes out. What a step adds to it is a small part of an ulp, and the error is known to
  * about one: so a sixteenth leaves less than an ulp of either. */
@@ -25,16 +24,6 @@
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 
 static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)smg_sites(c); }
-
-static inline smg_real smg_saved_newton_steps(const smg_state *s) {
-  (void)s;
-  return 0;
-}
-
-static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
-  (void)s;
-  (void)steps;
-}
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) out[k] = s->inverse[k];

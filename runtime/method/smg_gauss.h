@@ -35,7 +35,6 @@
 #endif
 
 #define SMG_NO_DEGREE 0
-#define SMG_NEWTON_STEPS 0
 
 #define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* the L_j of a site */
 
@@ -81,16 +80,6 @@ static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; 
 
 /* Numbers of the history. */
 static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
-
-static inline smg_real smg_saved_newton_steps(const smg_state *s) {
-  (void)s;
-  return 0;
-}
-
-static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
-  (void)s;
-  (void)steps;
-}
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k)
@@ -410,10 +399,6 @@ static smg_status smg_step(smg_state *s) {
   return SMG_OK;
 }
 
-static smg_status smg_steps(smg_state *s, int64_t count) {
-  smg_status status = SMG_OK;
-  while (count-- > 0 && status == SMG_OK) status = smg_step(s);
-  return status;
-}
+#include "smg_steps.h"
 
 #endif

@@ -301,11 +301,7 @@ static smg_status smg_step(smg_state *s) {
   return smg_sphere_step(s);
 }
 
-static smg_status smg_steps(smg_state *s, int64_t count) {
-  smg_status status = SMG_OK;
-  while (count-- > 0 && status == SMG_OK) status = smg_step(s);
-  return status;
-}
+#include "smg_steps.h"
 #endif
 
 #endif

@@ -29,16 +29,6 @@ static inline const smg_real *smg_last_increment(const smg_state *s, int64_t k) 
   return s->rows + 4 * s->row;
 }
 
-static inline smg_real smg_saved_newton_steps(const smg_state *s) {
-  (void)s;
-  return 0;
-}
-
-static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) {
-  (void)steps;
-  s->row = SMG_ROWS - SMG_HISTORY;
-}
-
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   for (int k = 0; k < 4 * SMG_HISTORY; ++k) out[k] = s->rows[4 * s->row + k];
 }

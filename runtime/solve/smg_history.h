@@ -41,9 +41,6 @@ static inline void smg_remember(smg_state *s) {
 /* The increment of site k in the step just taken. */
 static inline const smg_real *smg_last_increment(const smg_state *s, int64_t k) { return s->past[0] + 3 * k; }
 
-static inline smg_real smg_saved_newton_steps(const smg_state *s) { return (smg_real)s->newton_steps; }
-static inline void smg_restore_newton_steps(smg_state *s, smg_real steps) { s->newton_steps = (int)steps; }
-
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   for (int j = 0; j < SMG_HISTORY; ++j)

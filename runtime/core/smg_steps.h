@@ -1,0 +1,14 @@
+/* smidgen runtime: several steps of the method whose smg_step comes before. */
+#ifndef SMG_STEPS_H
+#define SMG_STEPS_H
+
+#include "smg_model.h"
+
+/* count steps, or fewer: the first that fails is the last. */
+static smg_status smg_steps(smg_state *s, int64_t count) {
+  smg_status status = SMG_OK;
+  while (count-- > 0 && status == SMG_OK) status = smg_step(s);
+  return status;
+}
+
+#endif
