@@ -10,7 +10,7 @@ import pytest
 import smidgen
 from fuzz import specs, through as passage
 from fuzz.differential import Mismatch
-from fuzz.invent import features_of, files_of, spec_text
+from fuzz.invent import OF_HIGH_ORDER, features_of, files_of, spec_text
 from fuzz.smaller import smaller
 from fuzz.specs import KINDS, attempt, closing, many, rows_of, signature
 from fuzz.through import Fault, through
@@ -21,7 +21,8 @@ from smidgen.compile.select import select
 from smidgen.methods import MIDPOINTS as METHODS, SOLVERS
 from smidgen.run.settings import settle
 
-FEW = (5, 1160)      # 1160: a part of a formula that only a condition decided by fixed values would have read
+# 15: by Gauss collocation; 1160: a part of a formula that only a condition decided by fixed values would have read
+FEW = (5, 15, 1160)
 
 
 @pytest.mark.parametrize("seed", FEW)
@@ -105,11 +106,11 @@ def test_random_specs_can_be_read(tmp_path):
 
 @pytest.mark.quick
 def test_random_specs_are_of_every_kind():
-    """In three hundred each kind occurs, often enough to be met in two thousand; all methods, solvers, features."""
+    """In three hundred each kind occurs, often enough to be met in two thousand; all methods drawn, solvers, features."""
     texts = [spec_text(random.Random(seed)) for seed in range(300)]
     assert [k for k, p in KINDS.items() if sum(bool(re.search(p, t)) for t in texts) < 3] == []
     assert {f for t in texts for f in features_of(t)} == {"tangent", "extended", "plain-sums"}
-    for key, values in {"method": METHODS, "solver": SOLVERS}.items():
+    for key, values in {"method": (*METHODS, *OF_HIGH_ORDER), "solver": SOLVERS}.items():
         assert {re.search(rf'\n{key} = "(.*)"', t).group(1) for t in texts} == set(values)
     assert spec_text(random.Random(3)) == spec_text(random.Random(3))
 

@@ -405,17 +405,24 @@ def file_start(w, f):
     return [f'file = "{name}"']
 
 
+OF_HIGH_ORDER = ("gauss-2", "gauss-4", "gauss-6", "gauss-16",       # these four not on Nambu factors
+                 "spherical-midpoint-4", "classical-midpoint-6", "spherical-midpoint-kl9a")
+
+
 def random_run(w, effects):
     dice = w.dice
     method = dice.choice(("spherical-midpoint",) * 3 + ("classical-midpoint",))
     solver = dice.choice(("auto", "auto", "newton", "plain") + ("rotation",) * (method[0] == "s"))
-    lines = ["[runs.fuzz]", 'start = "s"', f'method = "{method}"', f'solver = "{solver}"', f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]
+    lines = ["[runs.fuzz]", 'start = "s"', "", f'solver = "{solver}"', f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]
     kept = sorted(dice.sample(range(effects), dice.randint(1, effects)))
     if len(kept) < effects:
         lines.append(f"effects = {[f'e{k}' for k in kept]}".replace("'", '"'))
     values = set_values(w)
     if values:
         lines.append(f"set = {{ {', '.join(values)} }}")
+    if solver == "auto" and dice.randint(0, 2) == 0:
+        method = dice.choice(OF_HIGH_ORDER[4 * any(f.kind == "nambu" for f in w.families):])
+    lines[2] = f'method = "{method}"'
     return "\n".join(lines)
 
 
