@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 from mpmath import log, mpf
+from smidgen.check.witness import Witness, splittings
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS, SCHEMES
@@ -206,6 +207,15 @@ def test_what_stands_in_the_way_of_sublattices_is_named():
 def test_the_witness_turns_the_same_sublattices(name, method):
     report = smidgen.validate(lattice_model(name), method=method, steps=10)
     assert report.passed, [line for line in report.lines if not line.passed]
+
+
+def test_the_witness_does_not_trust_the_colours():
+    one = Witness(LATTICES["even"])
+    good = splittings.proper(one, splittings.colours(one))
+    bad = good.copy()
+    bad[good == good.max()] -= 1
+    with pytest.raises(RunError, match="two sites of one colour"):
+        splittings.proper(one, bad)
 
 
 @pytest.mark.parametrize("name", [name for name in LATTICES if name != "apart"])

@@ -7,6 +7,7 @@ import ctypes
 
 import numpy as np
 
+from ...errors import RunError
 from ...language.evaluate import integer
 from . import native
 
@@ -48,10 +49,19 @@ def colours(witness) -> np.ndarray:
     return colour % rule.colours
 
 
+def proper(witness, colour) -> np.ndarray:
+    """The colours; RunError where a term joins two sites of one colour, for the plan gave the rule and the witness does not trust it."""
+    for name, one in witness.effects.items():
+        of_terms = np.sort(colour[one.site], axis=1)
+        if np.any(of_terms[:, 1:] == of_terms[:, :-1]):
+            raise RunError(f"effect {name} joins two sites of one colour: the sublattices are not those of this model")
+    return colour
+
+
 def sublattices(witness, w, t: float, h: float):
     """The colours one after the other for half the step, the last for all of it, and back; each site about its field, by twice the
     arcus tangent of half of |h b|."""
-    w, colour = np.array(w, float), colours(witness)
+    w, colour = np.array(w, float), proper(witness, colours(witness))
     order = [*range(colour.max() + 1), *reversed(range(colour.max()))]
     for which in order:
         part, here = 1.0 if which == colour.max() else 0.5, colour == which
