@@ -282,7 +282,7 @@ SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
 }
 
 /* Takes in a change that has not settled; is the iteration a contraction as far as can be seen? */
-SMG_INLINE int smg_contracts(smg_watch *watch) {
+SMG_INLINE int smg_sweeps_contract(smg_watch *watch) {
   const smg_real now = watch->now.absolute;
   const int first = watch->most < 0, falls = first || now <= SMG_CONTRACTION * watch->least;
   watch->since = falls ? 0 : watch->since + 1;
@@ -329,7 +329,7 @@ static smg_status smg_sweep_to_rest(smg_state *s) {
       for (int more = s->tolerance > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s);
       return SMG_OK;
     }
-    if (!smg_contracts(&watch)) break;
+    if (!smg_sweeps_contract(&watch)) break;
   }
   return SMG_NO_CONVERGENCE;
 }

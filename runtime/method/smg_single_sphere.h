@@ -25,6 +25,8 @@
 
 /* The square of a Newton change whose remainder is far below round-off: a larger one would leave a drift. */
 #define SMG_SMALL (SMG_EPS / 64)
+/* The square of a change of a tenth: from a larger one a second iteration here would not settle; Newton with a matrix takes over. */
+#define SMG_SECOND (smg_real)0.01
 
 /* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear of 0 by as much
  * as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
@@ -283,7 +285,7 @@ SMG_INLINE smg_status smg_sphere_step(smg_state *s) {
   const smg_vec v = smg_image(c, smg_twice_midpoint(w, u), q), y = smg_vec_add(v, compensation), W = smg_vec_add(w, y);
   const smg_real change = smg_abs(v.x - u.x) + smg_abs(v.y - u.y) + smg_abs(v.z - u.z);
   if (!(smg_sphere_settled(v, u, W) && smg_clear_of_branches(det) && size < SMG_SMALL && change <= SMG_MAX)) {
-    s->report.status = size < 0.01 ? smg_sphere_again(s, u, v, q, det, size) : smg_sphere_hard(s, smg_vec_of(0, 0, 0));
+    s->report.status = size < SMG_SECOND ? smg_sphere_again(s, u, v, q, det, size) : smg_sphere_hard(s, smg_vec_of(0, 0, 0));
     return s->report.status;
   }
   smg_sphere_commit(s, W, y, v, q);

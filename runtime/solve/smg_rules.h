@@ -1,5 +1,5 @@
-/* smidgen runtime: what Newton's loops decide, each rule once. Those of coupled sites (smg_newton.h), of a site alone (smg_alone.h)
- * and of a single sphere (smg_single_sphere.h) differ in what they iterate. `bound` is the largest row sum of abs(J - I). */
+/* smidgen runtime: what Newton's loops of coupled sites (smg_newton.h) and of a site alone (smg_alone.h) decide, each rule once;
+ * a single sphere (smg_single_sphere.h) takes its bounds from smg_tolerances.h. `bound` is the largest row sum of abs(J - I). */
 #ifndef SMG_RULES_H
 #define SMG_RULES_H
 

@@ -103,7 +103,7 @@ TOLERANCE = (
     (C, r"(?<=define SMG_NEGLIGIBLE ).*", r"1e-3"),
     (C, r"\bSMG_ROUNDOFF\b(?= \*)", r"(100000000 * SMG_ROUNDOFF)"),
     (C, r"\b1e-(12|9|5)\b(?! *\*/)", r"1e-3"),
-    (C, r"(?<=size < )0\.01\b", r"1e9"),
+    (C, r"(?<=SMG_SECOND \(smg_real\))0\.01\b", r"1e9"),
     (STEP, r"(?<=define SMG_CONTRACTS )\(smg_real\)0\.75", r"(smg_real)50"),
     (C, r"\bit > 6\b", r"it > 0"),
 )
