@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen import cli
-from smidgen.run.nearness import NEAR, last_distances
+from smidgen.run.rows import NEAR, Rows
 from support.systems import begin
 
 FIELD = """
@@ -58,9 +58,11 @@ def test_the_distance_of_a_step_is_that_of_its_midpoint(name, h):
     w = np.random.default_rng(4).normal(size=(one.sites, 3))
     w /= np.linalg.norm(w, axis=1)[:, None]
     for _ in range(5):
-        one.start(w.copy(), h=h).step()
-        assert last_distances(one) == pytest.approx(np.linalg.norm(w + one.w, axis=1) / 2, rel=1e-12)
-        w = one.w.copy()
+        rows = Rows(one, states=True)
+        one.start(w.copy(), h=h).rows(1, 1, rows, 0, 1)
+        rho = np.linalg.norm(w + rows.states[0], axis=1) / 2
+        assert [rows.nearest[0]] * 2 == pytest.approx([rho.min()**2, rho[rows.where[0]]**2], rel=1e-12) and rows.where[1] == 1
+        w = rows.states[0].copy()
 
 
 def test_only_of_the_method_that_projects():
@@ -70,10 +72,11 @@ def test_only_of_the_method_that_projects():
     assert smidgen.run(case.spec).summary["nearest"] is None
 
 
-def test_many_sites_are_looked_at_now_and_then():
-    """Outputs of 5000 sites at each step: the first look is after 64 steps."""
-    assert nearest(1.9975, n=5000, steps=63) is None
-    assert nearest(1.9975, n=5000, steps=64)["step"] == 64
+def test_the_steps_to_outputs_are_looked_at():
+    """Of many sites too; of steps between two outputs the last."""
+    assert nearest(1.9975, n=5000, steps=1)["step"] == 1
+    assert nearest(1.9975, every=5, steps=10)["step"] in (5, 10)
+    assert nearest(1.9975, every=5, steps=4) is None
 
 
 def test_the_command_warns(tmp_path, capsys):

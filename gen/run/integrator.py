@@ -22,6 +22,7 @@ from ..errors import BuildError, RunError, UsageError
 from ..language import limits
 from ..language.spec import LOOSEST, Spec
 from ..public import ReadOnly, few, public
+from .rows import Rows
 from .saved import Saved
 from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
 
@@ -35,6 +36,7 @@ STATUS = {
     6: ("off manifold", "the start is off its sphere or leaf"),
     7: ("singular", "the Newton matrix is singular"),
 }
+NO_MEMORY = ("no memory", "there is not enough memory")
 
 
 @public
@@ -164,6 +166,17 @@ class Integrator(ReadOnly):
         self._now(count=self.count + done.value)
         return done.value
 
+    def rows(self, first: int, every: int, block: Rows, begin: int, count: int) -> int:
+        """Up to `count` outputs into `block` from its row `begin` on: one after `first` steps, then one every `every` steps.
+
+        Returns how many there are; fewer than `count` where a step failed, which `failure` tells.
+        """
+        self._started()
+        done = ctypes.c_int64(0)
+        self._status = self._c.rows(self._state, first, every, count, ctypes.byref(block.addressed(begin)), ctypes.byref(done))
+        self._now(count=self._c.count(self._state))
+        return done.value
+
     def failure(self) -> RunError | None:
         """The error of the last step, or None when it succeeded."""
         try:
@@ -284,7 +297,7 @@ class Integrator(ReadOnly):
         self._status = status if status < 100 else 0
         self._fail(self._status)
         if status:
-            name, meaning = STATUS.get(status - 100, ("no memory", "there is not enough memory"))
+            name, meaning = STATUS.get(status - 100, NO_MEMORY)
             raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - 100, self.count,
                            site=self.report()["site"])
         if not array.flags.writeable:
@@ -332,7 +345,7 @@ class Integrator(ReadOnly):
                                   self.h, ctypes.byref(status))
         self._status = status.value
         if not self._state:
-            name, meaning = STATUS.get(status.value, ("no memory", "there is not enough memory"))
+            name, meaning = STATUS.get(status.value, NO_MEMORY)
             raise RunError(f"{self.name} cannot start: {name}: {meaning}{self._off()}", status.value)
         self._c.set_tolerance(self._state, tolerance)
 
@@ -362,7 +375,7 @@ class Integrator(ReadOnly):
     def _fail(self, status):
         if status == 0:
             return
-        name, meaning = STATUS.get(status, (f"status {status}", "unknown"))
+        name, meaning = STATUS.get(status, NO_MEMORY)
         found = self.report()
         found["rate"] = self._rate(found["site"])
         raise RunError(f"step {self.count + 1} from t = {self.t:.12g}: {name}: {meaning}"
@@ -445,6 +458,8 @@ def _functions(library, name):
         "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
         "set_tolerance": (ctypes.c_int, [pointer, real]), "steps": (ctypes.c_int, [pointer, integer, pointer]),
         "time": (real, [pointer]), "sites": (integer, [pointer]),
+        "count": (integer, [pointer]),
+        "rows": (ctypes.c_int, [pointer, integer, integer, integer, pointer, pointer]),
         "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
         "restore": (ctypes.c_int, [pointer, pointer]),
         "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),

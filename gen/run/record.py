@@ -8,51 +8,51 @@ import numpy as np
 from ..errors import UsageError
 from .conserved import conserved_axes, driven, energy_of, momentum_of, with_tracers
 from .integrator import Integrator
-from .nearness import Nearest
 from .output import RESERVED
-
-CHUNK = 2 ** 22         # bytes of outputs between two writes
+from .rows import Rows
 
 
 class Recorder:
-    """Collects outputs in buffers and hands them to the sinks; keeps the largest deviations.
+    """Collects outputs in blocks and hands them to the sinks; keeps the largest deviations.
 
     span: how long the run is.
     """
 
     def __init__(self, model, layout, sinks, span: float):
-        self.model, self.sinks, self.rows, self.begun = model, sinks, 0, False
-        self.capacity = max(1, min(4096, CHUNK // entry_size(layout)))
-        self.buffers = {n: np.empty((self.capacity, *shape), kind)
-                        for n, (shape, kind) in layout.items()}
-        self.state = model.state()
-        self.values, self.casimirs = model.values(), model.casimirs()
-        self.deviations = Deviations(model, self.values, self.casimirs, span)
-        self.nearest = Nearest(model)
+        self.model, self.sinks, self.count, self.begun = model, sinks, 0, False
+        self.rows = Rows(model, any(f in layout for f in model.families))
+        self.steps = np.empty(self.rows.capacity, np.int64)
+        entries = outputs_of(model, self.rows)
+        self.columns = {name: entries[name] for name in layout if name in entries}
+        self.deviations = Deviations(model, model.values(), model.casimirs(), span)
         self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
-        self.picks = [(n, f) for n, f in outputs_of(model).items() if n in layout]
-        self.states = any(f in layout for f in model.families)
 
-    def record(self) -> None:
-        """One output: the present step."""
-        self.begun = True
-        self.model.values(self.values)
-        self.model.casimirs(self.casimirs)
-        self.deviations.see(self.values, self.casimirs)
-        self.nearest.see(self.model)
-        if self.sinks:
-            self._fill(self.rows)
-            self.rows += 1
-            if self.rows == self.capacity:
-                self.flush()
+    @property
+    def capacity(self) -> int:
+        """Outputs between two writes."""
+        return self.rows.capacity
 
-    def _fill(self, row):
-        model, buffers = self.model, self.buffers
-        buffers["step"][row], buffers["t"][row] = model.count, model.t
-        if self.states:
-            model.state(self.state)
-        for name, pick in self.picks:
-            buffers[name][row] = pick(self)
+    @property
+    def room(self) -> int:
+        """Outputs until the next write."""
+        return self.capacity - self.count
+
+    def take(self, first: int, every: int, count: int) -> int:
+        """Up to `count` outputs, one after `first` steps and then one every `every` steps; returns how many steps were done.
+
+        first = 0 is an output of the present state.
+        """
+        before, begin = self.model.count, self.count
+        done = self.model.rows(first, every, self.rows, begin, count)
+        self.steps[begin:begin + done] = before + first + every * np.arange(done)
+        new = slice(begin, begin + done)
+        if done:
+            self.begun = True
+            self.deviations.see(self.rows.values[new], self.rows.casimirs[new])
+        self.count += done if self.sinks else 0
+        if not self.room:
+            self.flush()
+        return self.model.count - before
 
     def split(self, k: int) -> None:
         """The step to the present state was taken as 2^k smaller ones."""
@@ -70,10 +70,11 @@ class Recorder:
 
     def flush(self) -> None:
         """Hand the buffered outputs on."""
-        chunk = {name: rows[:self.rows] for name, rows in self.buffers.items()}
+        chunk = {"step": self.steps[:self.count], "t": self.rows.t[:self.count],
+                 **{name: rows[:self.count] for name, rows in self.columns.items()}}
         for sink in self.sinks:
             sink.write(chunk)
-        self.rows = 0
+        self.count = 0
 
 
 class Deviations:
@@ -87,17 +88,17 @@ class Deviations:
         self.scene, self.columns, self.c0, self.outputs = model.scene, model.columns, casimirs.copy(), 0
         self.without, self.driven = with_tracers(model.scene), driven(model.scene)
         self.axes, self.largest = conserved_axes(model, span), {}
-        self.energy, self.momentum = self._of(values)
+        self.energy, self.momentum = self._of(values[None])
 
     def _of(self, values):
-        """(energy or None, momentum (3,)) of an output."""
-        named = dict(zip(self.columns, values))
-        rows = {f"momentum.{f.name}": [named[f"momentum.{f.name}.{x}"] for x in "xyz"] for f in self.scene.families}
+        """(energies (k,) or None, momenta (k, 3)) of k outputs."""
+        named = dict(zip(self.columns, values.T))
+        rows = {f"momentum.{f.name}": np.stack([named[f"momentum.{f.name}.{x}"] for x in "xyz"], -1) for f in self.scene.families}
         return energy_of(named, self.without), momentum_of(rows, self.scene)
 
     def see(self, values, casimirs) -> None:
-        """Compare one output with the first."""
-        self.outputs += 1
+        """Compare k outputs with the first: values (k, columns), Casimirs (k, sites)."""
+        self.outputs += len(values)
         energy, momentum = self._of(values)
         if energy is not None:
             self._raise("changes" if self.driven else "errors", "energy", energy - self.energy)
@@ -107,7 +108,7 @@ class Deviations:
 
     def _momentum(self, change):
         """Its part in the conserved directions, and the rest."""
-        along = self.axes @ change
+        along = change @ self.axes.T
         if len(self.axes):
             self._raise("errors", "momentum", along)
         if len(self.axes) < 3:
@@ -137,19 +138,15 @@ def entry_size(layout: dict) -> int:
     return sum(kind.itemsize * math.prod(shape) for shape, kind in layout.values())
 
 
-def outputs_of(model) -> dict:
-    """column -> function that takes it from a Recorder's present values."""
+def outputs_of(model, rows) -> dict:
+    """column -> its entries in a block of outputs."""
     at = {name: k for k, name in enumerate(model.columns)}
-    found = {}
+    found = {name: rows.values[:, k] for name, k in at.items() if not name.startswith("momentum.")}
     for family, (first, count) in model.families.items():
-        found[family] = lambda r, a=first, b=first + count: r.state[a:b]
+        found[family] = None if rows.states is None else rows.states[:, first:first + count]
         k = at[f"momentum.{family}.x"]
-        found[f"momentum.{family}"] = lambda r, k=k: r.values[k:k + 3]
-    for name, k in at.items():
-        if not name.startswith("momentum."):
-            found[name] = lambda r, k=k: r.values[k]
-    found["casimirs"] = lambda r: r.casimirs
-    return found
+        found[f"momentum.{family}"] = rows.values[:, k:k + 3]
+    return {**found, "casimirs": rows.casimirs}
 
 
 def columns_of(model: Integrator, what) -> dict:

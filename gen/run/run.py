@@ -147,26 +147,36 @@ def _go_on(model, recorder, sinks, place) -> float:
 
 def advance(model, settings, recorder, progress, save):
     """(status, error) after stepping to the end, to a failure or to Ctrl-C; save() makes a checkpoint."""
-    pace, stops = Pace(), [settings.every] + [settings.checkpoint] * bool(settings.checkpoint)
+    pace = Pace()
     with on_interrupt() as interrupted:
         if not recorder.begun:
-            recorder.record()
+            recorder.take(0, 0, 1)
             save()
         while model.count < settings.steps:
             if interrupted():
                 return "interrupted", None
-            goal = min(settings.steps, *((model.count // every + 1) * every for every in stops))
-            asked = min(goal - model.count, pace.size)
-            if pace.timed(model.advance, asked) < asked:
+            if not _some_steps(model, settings, recorder, pace):
                 error = model.failure()
                 if not (settings.substeps and _rescued(model, recorder, error)):
                     return f"failed: {error}", error
-            if model.count % settings.every == 0:
-                recorder.record()
+                if model.count % settings.every == 0:
+                    recorder.take(0, 0, 1)
             if settings.checkpoint and model.count % settings.checkpoint == 0:
                 save()
             progress(model.count)
     return "complete", None
+
+
+def _some_steps(model, settings, recorder, pace) -> bool:
+    """As many steps as fit in PATIENCE, to the next checkpoint at most, with the outputs on the way; False where one failed."""
+    stops = [settings.steps] + [(model.count // k + 1) * k for k in [settings.checkpoint] if k]
+    left, first = min(stops) - model.count, settings.every - model.count % settings.every
+    if first > min(left, pace.size):
+        asked = min(left, pace.size)
+        return pace.timed(model.advance, asked) == asked
+    rows = min(recorder.room, 1 + (min(left, pace.size) - first) // settings.every)
+    asked = first + (rows - 1) * settings.every
+    return pace.timed(lambda _: recorder.take(first, settings.every, rows), asked) == asked
 
 
 def _rescued(model, recorder, error) -> bool:
@@ -199,7 +209,7 @@ class Pace:
         self.seconds += taken
         if taken > PATIENCE:
             self.size = max(1, self.size // 2)
-        elif asked == self.size and taken < PATIENCE / 4:
+        elif 2 * asked > self.size and taken < PATIENCE / 4:
             self.size *= 2
         return done
 
@@ -247,7 +257,7 @@ def _finish(model, settings, recorder, status, error, began):
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
     summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
-               "nearest": recorder.nearest.fact(), "seconds": clock.perf_counter() - began}
+               "nearest": recorder.rows.near_centre(model), "seconds": clock.perf_counter() - began}
     return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
 
 

@@ -73,8 +73,10 @@ def abi_slots(model: Model, M: str) -> dict:
     lines = [f"a->p.{p.name} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
              for k, p in enumerate(scalars)]
     lines += [f"a->p.{p.name} = arrays[{k}];" for k, p in enumerate(arrays)]
+    effects, observables = [e.name for e in model.spec.effects], [o.name for o in model.spec.observables]
     return dict(assignments=lines, prototypes=prototypes(M, model.features), tangent="tangent" in model.features,
-                effects=[e.name for e in model.spec.effects], observables=[o.name for o in model.spec.observables], families=model.families)
+                effects=effects, observables=observables, families=model.families,
+                columns=1 + len(effects) + 3 * len(model.families) + len(observables))
 
 
 def prototypes(M: str, features=()):
@@ -87,6 +89,8 @@ def prototypes(M: str, features=()):
             f"int64_t {M}_abi_savesize(void *s)", f"void {M}_abi_save(void *s, smg_real *out)",
             f"int {M}_abi_restore(void *s, const smg_real *in)",
             f"void {M}_abi_values(void *s, smg_real *out)", f"void {M}_abi_casimirs(void *s, smg_real *out)",
+            f"int {M}_abi_rows(void *s, int64_t first, int64_t every, int64_t rows, const void *out, int64_t *done)",
+            f"int64_t {M}_abi_count(void *s)",
             f"void {M}_abi_report(void *s, int *iterations, double *residual, int64_t *site, int64_t *partner, "
             "double *reached)",
             f"void {M}_abi_field(void *s, double t, const smg_real *w, smg_real *b)",

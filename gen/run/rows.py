@@ -1,0 +1,58 @@
+"""Outputs of a run in blocks, as the C writes them: times, states, values, Casimirs, and how near midpoints came to a centre.
+
+The midpoint mbar = (w + W)/2 of a step of the spherical midpoint method lies at the distance rho = |w + W|/2 from the
+centre of its sphere, where m = mbar |w|/rho has no direction: a step there is ill conditioned, and a little farther on there
+may be none. The last step before each output is looked at.
+"""
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+
+from ..methods import METHODS
+
+CHUNK = 2 ** 22         # bytes of outputs between two writes
+MOST = 4096             # outputs between two writes
+NEAR = 0.1              # of |W|: a midpoint nearer than that is worth a warning
+
+
+class Addresses(ctypes.Structure):
+    """struct smg_rows of runtime/core/smg_rows.h."""
+    _fields_ = [*((name, ctypes.c_void_p) for name in ("t", "states", "values", "casimirs", "near")), ("pairs", ctypes.c_int64),
+                ("nearest", ctypes.c_void_p), ("where", ctypes.c_void_p)]
+
+
+class Rows:
+    """Room for `capacity` outputs of a model.
+
+    t: shape (capacity,); states: (capacity, sites, 3), or None when they are not asked for; values: (capacity, columns)
+    in the order of `Integrator.columns`; casimirs: (capacity, sites).
+    """
+
+    def __init__(self, model, states: bool):
+        numbers = model.sites * (4 if states else 1) + len(model.columns)
+        self.capacity = max(1, min(MOST, CHUNK // (model.real.itemsize * numbers)))
+        self.t = np.empty(self.capacity)
+        self.states = np.empty((self.capacity, model.sites, 3), model.real) if states else None
+        self.values = np.empty((self.capacity, len(model.columns)), model.real)
+        self.casimirs = np.empty((self.capacity, model.sites), model.real)
+        self.near = np.array(spherical_parts(model), np.int64).reshape(-1, 2)
+        self.nearest, self.where = np.array([np.inf]), np.array([-1, 0], np.int64)
+
+    def addressed(self, begin: int) -> Addresses:
+        """What the C takes to write from row `begin` on."""
+        at = [None if a is None else a[begin:].ctypes.data for a in (self.t, self.states, self.values, self.casimirs)]
+        return Addresses(*at, self.near.ctypes.data, len(self.near), self.nearest.ctypes.data, self.where.ctypes.data)
+
+    def near_centre(self, model) -> dict | None:
+        """rho (in units of |W|), site, step and t of the step nearest to a centre, if nearer than NEAR; else None."""
+        rho, (site, step) = float(np.sqrt(self.nearest[0])), self.where.tolist()
+        return {"rho": rho, "site": site, "step": step, "t": model.t0 + step * model.h} if rho < NEAR else None
+
+
+def spherical_parts(model) -> list:
+    """(first, end) of the families whose midpoints are projected onto a sphere."""
+    kinds = {f.name: f.kind for f in model.scene.families}
+    return [(first, first + count) for name, (first, count) in model.families.items()
+            if METHODS[model.method].onto_leaf and kinds[name] in ("sphere", "r3")]
