@@ -1,5 +1,6 @@
 """Symmetric compositions: coefficients, order in quadruple precision, the wrong scheme that only some systems tell, a failed stage,
 restart, the predictor, and the way through command, witness and certificate."""
+import functools
 import json
 import subprocess
 
@@ -12,8 +13,9 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.methods import METHODS, SCHEMES
 from smidgen.resources import folder, include_flags
-from support.compositions import HOST, SPECS, STARTS, apart, coefficients, compile_model, run
+from support.compositions import HOST, SPECS, STARTS, coefficients, compile_model, run
 from support.strict import WARNINGS
+from support.triples import apart
 
 PLAIN = ("4", "6", "8", "10")
 ALL = [name if name in PLAIN else pytest.param(name, marks=pytest.mark.long) for name in SCHEMES]
@@ -261,18 +263,23 @@ def test_the_command(command):
     assert command("gen", "free_rigid_body", "--method", "spherical-midpoint-8", "--out", "c").returncode == 0
 
 
+@functools.lru_cache
+def files_of(name, method, amalgamate, features):
+    """Generated once for all compilers."""
+    spec = SPECS["irreversible body"] if name == "irreversible" else smidgen.load(name)
+    return generate(spec, method=method, amalgamate=amalgamate, features=features)
+
+
 @pytest.mark.parametrize("name, method", [("vortex_tracers", "spherical-midpoint-4"), ("irreversible", "spherical-midpoint-10"),
                                           ("heisenberg_chain", "classical-midpoint-6"), ("nambu_a31", "spherical-midpoint-8")])
 @pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["gcc", "-std=c11", "-DSMG_QUAD"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"]],
                          ids=lambda c: "-".join(c[::2]))
 @pytest.mark.parametrize("amalgamate", [pytest.param(False, marks=pytest.mark.long), True])
 def test_clean_c(tmp_path, name, method, compiler, amalgamate):
-    spec = SPECS["irreversible body"] if name == "irreversible" else smidgen.load(name)
     for features in ((), ("tangent",)):
-        files = generate(spec, method=method, amalgamate=amalgamate, features=features)
-        for file, text in files.items():
+        for file, text in files_of(name, method, amalgamate, features).items():
             (tmp_path / file).write_text(text)
-        subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", f"{spec.name}.c"], cwd=tmp_path, check=True)
+        subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", f"{name}.c"], cwd=tmp_path, check=True)
 
 
 @pytest.mark.quick

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from mpmath import cos, fsum, log, matrix, mp, mpc, mpf, sin
 from smidgen.resources import folder
-from support.gauss import (BODY, FREE, KAPPA, STARTS, TIMED, UNREAL, VORTICES, COMMANDS, apart, compile_gauss, cross, dot, norm,
-                           on_sphere, run)
+from support.gauss import BODY, COMMANDS, FREE, KAPPA, STARTS, TIMED, UNREAL, VORTICES, compile_gauss, run
+from support.triples import apart, cross, dot, norm, on_sphere
 
 sys.path.insert(0, str(Path(__file__).parent / "coefficients"))
 import gauss as coefficients  # noqa: E402

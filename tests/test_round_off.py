@@ -13,6 +13,7 @@ from bench.round_off.rows import Cost, Growth, exponent, keep_row, read_rows, sm
 from support.measure import casimirs, energy, scatter, start_points
 from support.systems import CLASSICAL, VESELOV, begin, model
 
+pytestmark = pytest.mark.usefixtures("optimised")
 EPSILON = np.finfo(float).eps
 
 

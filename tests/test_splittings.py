@@ -11,8 +11,9 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS, SCHEMES
 from smidgen.resources import include_flags
-from support.compositions import SPECS, STARTS, apart, compile_model, on_sphere, run
+from support.compositions import SPECS, STARTS, compile_model, run
 from support.strict import WARNINGS
+from support.triples import apart, on_sphere
 
 MODEL = """
 [model]

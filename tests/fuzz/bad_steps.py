@@ -151,8 +151,8 @@ void reference_field(const void *p, long double t, const long double *w, long do
 """
 
 
-def build(name, where, sanitize=False, change=None):
-    """The program of a model in `where`. `change`: a function of the generated C, to try faults."""
+def build(name, where, sanitize=False, change=None, level="-O2"):
+    """The program of a model in `where`, optimised to `level`. `change`: a function of the generated C, to try faults."""
     model = MODELS[name]
     spec = select(load(model, where))
     files = generate(spec, method=model.method, solver=model.solver)
@@ -162,7 +162,7 @@ def build(name, where, sanitize=False, change=None):
     write_files(files | {k: exact[k] for k in ("exact.c", "exact.h")}, where)
     (where / "glue.h").write_text(glue(model, spec, files[f"{name}.h"]))
     (where / "reference.c").write_text(REFERENCE)
-    return compiled(name, where, SANITIZE if sanitize else ("-O2",))
+    return compiled(name, where, SANITIZE if sanitize else (level,))
 
 
 def compiled(name, where, flags):

@@ -11,7 +11,7 @@ from pathlib import Path
 from .plant import Tree
 
 # Tests of what lies beside the step (reading, running, drawing, packing), and dear ones that ask again what others ask.
-BESIDE = re.compile(r"test_(plot|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read\w*|hard_suite|mutants|covered|parse|pages|"
+BESIDE = re.compile(r"test_(plot|pictures_tell|player|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read\w*|hard_suite|mutants|covered|parse|pages|"
                     r"determinism|witness|paper_numbers|build|run|settings|linking|stop|full_disk|hundred_kills|explain|symmetry|"
                     r"advice|verify\w*|fuzz\w*|resume)\b")
 RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone

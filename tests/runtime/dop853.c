@@ -1,11 +1,11 @@
 /* A hand-written model for runtime/method/smg_dop853.h: five kinds of sites, chosen when it runs, and a driver.
  *
- *     dop853 WHAT SITES h t0 ACTION [numbers]   starts on stdin, as many as there are; one line of output for each
+ *     dop853 WHAT SITES h t0 TOLERANCE ACTION [numbers]   starts on stdin, as many as there are; one line of output for each
  *
  * WHAT: 0 a rigid body on the unit sphere, H = sum w_i^2 (1 + sigma w_i)/(2 I_i), I = (1, 2, 4), sigma = 0.3;
  * 1 the same body in R^3; 2 point vortices; 3 a spin in a turning field; 4 a Nambu site, C = (x^2 + 2 y^2 + 3 z^2)/2;
  * 5 a body whose energy is no number where w_3 > 0.8. A negative WHAT: the body with sigma = 0.
- * ACTION: run N; restart N M; dense N theta ..; fail N; look. */
+ * TOLERANCE: 0, or another than the method's own. ACTION: run N; restart N M; dense N theta ..; fail N; look. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -237,11 +237,11 @@ static void act(smg_state *s, const smg_real *w, int count, char **words) {
 }
 
 int main(int count, char **words) {
-  if (count < 6) return 2;
+  if (count < 7) return 2;
   const int what = atoi(words[1]);
   const smg_params p = {what < 0 ? 0 : what, atoi(words[2]), what < 0 || what == 5 ? 0 : 0.3};
   if (smg_check_params(&p) != SMG_OK) return 3;
-  const double h = strtod(words[3], NULL), t0 = strtod(words[4], NULL);
+  const double h = strtod(words[3], NULL), t0 = strtod(words[4], NULL), tolerance = strtod(words[5], NULL);
   smg_real *mem = (smg_real *)malloc(smg_memory(&p)), *w = (smg_real *)malloc((size_t)(3 * p.sites) * sizeof *w);
   int64_t got = 0;
   char text[80];
@@ -256,7 +256,7 @@ int main(int count, char **words) {
         for (int b = 0; b < 3; ++b) w[3 * k + b] /= size;
       }
     if (smg_begin_state(&s, &p, mem, w, t0, h) != SMG_OK) printf("%d\n", (int)s.report.status);
-    else act(&s, w, count - 5, words + 5);
+    else if (smg_set_tolerance(&s, tolerance) == SMG_OK) act(&s, w, count - 6, words + 6);
   }
   free(mem);
   free(w);

@@ -2,21 +2,18 @@
 import subprocess
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
-import numpy as np
 import smidgen
-from mpmath import mp, mpf
+from mpmath import mpf
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 
 from .filters import HERE
-from .gauss import norm, on_sphere, parts
+from .triples import FOUR, ask, on_sphere, vectors
 
 sys.path.insert(0, str(HERE / "coefficients"))
 import compositions as coefficients  # noqa: E402
 
-mp.dps = 40
 BUILDS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",), "quad": ("-DSMG_QUAD",)}
 HOST = ("spherical-midpoint-6", "smg_ss11.h", 11)     # whose coefficients give way to others, of no more stages
 
@@ -40,17 +37,15 @@ def compile_model(to, spec, method, build="quad", half=None):
         (to / name).write_text(text)
     if half is not None:
         (to / HOST[1]).write_text(coefficients.header_of("trial", 2, "of a test", [mpf(x) for x in half], "ss11"))
-    words = ["gcc", "-std=c11", "-O2", "-ffp-contract=off", *BUILDS[build], "-I.", *include_flags(), f"-DMODEL={spec.name}",
+    words = ["gcc", "-std=c11", "-O0", "-ffp-contract=off", *BUILDS[build], "-I.", *include_flags(), f"-I{HERE / 'runtime'}", f"-DMODEL={spec.name}",
              f'-DHEADER="{spec.name}.h"', f"{spec.name}.c", str(HERE / "runtime" / "composed.c"), "-o", str(program), "-lquadmath", "-lm"]
     subprocess.run(words, cwd=to, check=True)
     return program
 
 
 def run(program, w, h, steps, t0=0.0) -> Run:
-    sent = np.array([parts(mpf(x)) for v in w for x in v])
-    done = subprocess.run([str(program), repr(float(h)), repr(float(t0)), str(steps)], input=sent.tobytes(), stdout=subprocess.PIPE, check=True)
-    numbers = [mpf(a) + mpf(b) + mpf(c) for a, b, c in np.frombuffer(done.stdout).reshape(-1, 3)]
-    return Run(*(int(x) for x in numbers[:3]), [numbers[k:k + 3] for k in range(3, len(numbers), 3)])
+    numbers = ask([program, repr(float(h)), repr(float(t0)), steps], w)
+    return Run(*(int(x) for x in numbers[:3]), vectors(numbers[3:]))
 
 
 BODY = """
@@ -97,8 +92,4 @@ h = 0.1
 steps = 10
 """)}
 STARTS = {**{name: [on_sphere((0.3, 0.7, -0.6))] for name in ("free body", "irreversible body", "driven body")},
-          "vortices": [on_sphere(v) for v in ((1, 0.2, 0.3), (-0.5, 1, 0.1), (-0.4, -1, 0.5), (0.1, 0.3, -1))]}
-
-
-def apart(a, b):
-    return max(norm([x - y for x, y in zip(*both)]) for both in zip(a, b))
+          "vortices": [on_sphere(v) for v in FOUR]}

@@ -12,10 +12,9 @@ HERE = Path(__file__).parent.parent
 WARNINGS = ("-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Werror "
             "-ffp-contract=off").split()
 BUILDS = {
-    "gcc": ["gcc", "-std=c11", "-O2"],
-    "gcc-long-double": ["gcc", "-std=c11", "-O2", "-DSMG_LONG_DOUBLE"],
-    "gcc-sanitized": ["gcc", "-std=c11", "-O1", "-g", "-fsanitize=address,undefined",
-                      "-fno-sanitize-recover=all"],
+    "gcc": ["gcc", "-std=c11", "-O1"],
+    "gcc-long-double": ["gcc", "-std=c11", "-O1", "-DSMG_LONG_DOUBLE"],
+    "gcc-sanitized": ["gcc", "-std=c11", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"],
     "clang": ["clang", "-std=c11", "-O3"],
     "g++": ["g++", "-x", "c++", "-std=c++11", "-O1"],
     "clang++": ["clang++", "-x", "c++", "-std=c++11", "-O2"],

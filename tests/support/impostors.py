@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from smidgen.build.binary import FLAGS, REALS, SHARED, Built, compile_shared, find_compiler, write_files
+from smidgen.build import binary
+from smidgen.build.binary import REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.language.expr import Op
 from smidgen.run.integrator import Integrator, scene_of
@@ -234,7 +235,7 @@ def compiled(spec, change, method="spherical-midpoint", values=None) -> Emitted:
         assert text != files[source], "the planted fault finds no place"
         files[source] = text
         write_files(files, place)
-        compile_shared(place, sorted(f for f in files if f.endswith(".c")), find_compiler(), (*FLAGS, *SHARED, *REALS[real]))
+        compile_shared(place, sorted(f for f in files if f.endswith(".c")), find_compiler(), (*binary.FLAGS, *SHARED, *REALS[real]))
         built = Built(scene.name, place / "model.so", place, real, "cc", (), dict(files.notes), "impostor")
         return Integrator(spec, scene, built, parameter_values(spec, values), method, "auto")
     return Emitted(made("double"), made("long double"), made("double", ("tangent",)))

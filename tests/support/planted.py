@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from smidgen.build import binary
 from smidgen.build.binary import REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.run.integrator import Integrator, scene_of
@@ -83,7 +84,7 @@ class Planted(Emitted):
     def made(self, real):
         place = Path(tempfile.mkdtemp(prefix="planted-"))
         write_files(self.files, place)
-        flags = ("-std=c11", "-O1", "-ffp-contract=off", *SHARED, *REALS[real])
+        flags = (*binary.FLAGS, *SHARED, *REALS[real])
         compile_shared(place, sorted(f for f in self.files if f.endswith(".c")), find_compiler(), flags)
         built = Built(self.scene.name, place / "model.so", place, real, "cc", (), {}, "planted")
         return self.set_in(Integrator(self.spec, self.scene, built, parameter_values(self.spec, self.values), METHOD, self.solver))
