@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen import cli
-from smidgen.run.rows import NEAR, Rows
+from smidgen.run.block import NEAR, Block
 from support.systems import begin
 
 FIELD = """
@@ -58,11 +58,11 @@ def test_the_distance_of_a_step_is_that_of_its_midpoint(name, h):
     w = np.random.default_rng(4).normal(size=(one.sites, 3))
     w /= np.linalg.norm(w, axis=1)[:, None]
     for _ in range(5):
-        rows = Rows(one, states=True)
-        one.start(w.copy(), h=h).rows(1, 1, rows, 0, 1)
-        rho = np.linalg.norm(w + rows.states[0], axis=1) / 2
-        assert [rows.nearest[0]] * 2 == pytest.approx([rho.min()**2, rho[rows.where[0]]**2], rel=1e-12) and rows.where[1] == 1
-        w = rows.states[0].copy()
+        block = Block(one, states=True)
+        one.start(w.copy(), h=h).outputs(1, 1, block, 0, 1)
+        rho = np.linalg.norm(w + block.states[0], axis=1) / 2
+        assert [block.nearest[0]] * 2 == pytest.approx([rho.min()**2, rho[block.where[0]]**2], rel=1e-12) and block.where[1] == 1
+        w = block.states[0].copy()
 
 
 def test_only_of_the_method_that_projects():

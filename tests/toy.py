@@ -126,9 +126,9 @@ void toy_abi_energy(void *v, double t, const smg_real *w, smg_real *e) {
 int64_t toy_abi_count(void *v) { return ((toy *)v)->count; }
 #define SMG_ABI(word) toy_abi_##word
 #define SMG_COLUMNS 6
-#include "smg_rows.h"
-int toy_abi_rows(void *v, int64_t first, int64_t every, int64_t rows, const void *out, int64_t *done) {
-  return smg_put_rows(v, first, every, rows, out, done);
+#include "smg_outputs.h"
+int toy_abi_outputs(void *v, int64_t first, int64_t every, int64_t rows, const void *out, int64_t *done) {
+  return smg_put_outputs(v, first, every, rows, out, done);
 }
 void toy_abi_free(void *v) { free(((toy *)v)->w); free(v); }
 """

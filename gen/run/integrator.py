@@ -22,7 +22,7 @@ from ..errors import BuildError, RunError, UsageError
 from ..language import limits
 from ..language.spec import LOOSEST, Spec
 from ..public import ReadOnly, few, public
-from .rows import Rows
+from .block import Block
 from .saved import Saved
 from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
 
@@ -166,14 +166,14 @@ class Integrator(ReadOnly):
         self._now(count=self.count + done.value)
         return done.value
 
-    def rows(self, first: int, every: int, block: Rows, begin: int, count: int) -> int:
+    def outputs(self, first: int, every: int, block: Block, begin: int, count: int) -> int:
         """Up to `count` outputs into `block` from its row `begin` on: one after `first` steps, then one every `every` steps.
 
         Returns how many there are; fewer than `count` where a step failed, which `failure` tells.
         """
         self._started()
         done = ctypes.c_int64(0)
-        self._status = self._c.rows(self._state, first, every, count, ctypes.byref(block.addressed(begin)), ctypes.byref(done))
+        self._status = self._c.outputs(self._state, first, every, count, ctypes.byref(block.addressed(begin)), ctypes.byref(done))
         self._now(count=self._c.count(self._state))
         return done.value
 
@@ -459,7 +459,7 @@ def _functions(library, name):
         "set_tolerance": (ctypes.c_int, [pointer, real]), "steps": (ctypes.c_int, [pointer, integer, pointer]),
         "time": (real, [pointer]), "sites": (integer, [pointer]),
         "count": (integer, [pointer]),
-        "rows": (ctypes.c_int, [pointer, integer, integer, integer, pointer, pointer]),
+        "outputs": (ctypes.c_int, [pointer, integer, integer, integer, pointer, pointer]),
         "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
         "restore": (ctypes.c_int, [pointer, pointer]),
         "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),

@@ -9,7 +9,7 @@ from ..errors import UsageError
 from .conserved import conserved_axes, driven, energy_of, momentum_of, with_tracers
 from .integrator import Integrator
 from .output import RESERVED
-from .rows import Rows
+from .block import Block
 
 
 class Recorder:
@@ -20,9 +20,9 @@ class Recorder:
 
     def __init__(self, model, layout, sinks, span: float):
         self.model, self.sinks, self.count, self.begun = model, sinks, 0, False
-        self.rows = Rows(model, any(f in layout for f in model.families))
-        self.steps = np.empty(self.rows.capacity, np.int64)
-        entries = outputs_of(model, self.rows)
+        self.block = Block(model, any(f in layout for f in model.families))
+        self.steps = np.empty(self.block.capacity, np.int64)
+        entries = outputs_of(model, self.block)
         self.columns = {name: entries[name] for name in layout if name in entries}
         self.deviations = Deviations(model, model.values(), model.casimirs(), span)
         self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
@@ -30,7 +30,7 @@ class Recorder:
     @property
     def capacity(self) -> int:
         """Outputs between two writes."""
-        return self.rows.capacity
+        return self.block.capacity
 
     @property
     def room(self) -> int:
@@ -43,12 +43,12 @@ class Recorder:
         first = 0 is an output of the present state.
         """
         before, begin = self.model.count, self.count
-        done = self.model.rows(first, every, self.rows, begin, count)
+        done = self.model.outputs(first, every, self.block, begin, count)
         self.steps[begin:begin + done] = before + first + every * np.arange(done)
         new = slice(begin, begin + done)
         if done:
             self.begun = True
-            self.deviations.see(self.rows.values[new], self.rows.casimirs[new])
+            self.deviations.see(self.block.values[new], self.block.casimirs[new])
         self.count += done if self.sinks else 0
         if not self.room:
             self.flush()
@@ -70,7 +70,7 @@ class Recorder:
 
     def flush(self) -> None:
         """Hand the buffered outputs on."""
-        chunk = {"step": self.steps[:self.count], "t": self.rows.t[:self.count],
+        chunk = {"step": self.steps[:self.count], "t": self.block.t[:self.count],
                  **{name: rows[:self.count] for name, rows in self.columns.items()}}
         for sink in self.sinks:
             sink.write(chunk)
@@ -138,15 +138,15 @@ def entry_size(layout: dict) -> int:
     return sum(kind.itemsize * math.prod(shape) for shape, kind in layout.values())
 
 
-def outputs_of(model, rows) -> dict:
+def outputs_of(model, block) -> dict:
     """column -> its entries in a block of outputs."""
     at = {name: k for k, name in enumerate(model.columns)}
-    found = {name: rows.values[:, k] for name, k in at.items() if not name.startswith("momentum.")}
+    found = {name: block.values[:, k] for name, k in at.items() if not name.startswith("momentum.")}
     for family, (first, count) in model.families.items():
-        found[family] = None if rows.states is None else rows.states[:, first:first + count]
+        found[family] = None if block.states is None else block.states[:, first:first + count]
         k = at[f"momentum.{family}.x"]
-        found[f"momentum.{family}"] = rows.values[:, k:k + 3]
-    return {**found, "casimirs": rows.casimirs}
+        found[f"momentum.{family}"] = block.values[:, k:k + 3]
+    return {**found, "casimirs": block.casimirs}
 
 
 def columns_of(model: Integrator, what) -> dict:

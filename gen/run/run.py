@@ -257,7 +257,7 @@ def _finish(model, settings, recorder, status, error, began):
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
     summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
-               "nearest": recorder.rows.near_centre(model), "seconds": clock.perf_counter() - began}
+               "nearest": recorder.block.near_centre(model), "seconds": clock.perf_counter() - began}
     return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
 
 

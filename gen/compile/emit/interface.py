@@ -89,7 +89,7 @@ def prototypes(M: str, features=()):
             f"int64_t {M}_abi_savesize(void *s)", f"void {M}_abi_save(void *s, smg_real *out)",
             f"int {M}_abi_restore(void *s, const smg_real *in)",
             f"void {M}_abi_values(void *s, smg_real *out)", f"void {M}_abi_casimirs(void *s, smg_real *out)",
-            f"int {M}_abi_rows(void *s, int64_t first, int64_t every, int64_t rows, const void *out, int64_t *done)",
+            f"int {M}_abi_outputs(void *s, int64_t first, int64_t every, int64_t rows, const void *out, int64_t *done)",
             f"int64_t {M}_abi_count(void *s)",
             f"void {M}_abi_report(void *s, int *iterations, double *residual, int64_t *site, int64_t *partner, "
             "double *reached)",

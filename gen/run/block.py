@@ -18,12 +18,12 @@ NEAR = 0.1              # of |W|: a midpoint nearer than that is worth a warning
 
 
 class Addresses(ctypes.Structure):
-    """struct smg_rows of runtime/core/smg_rows.h."""
+    """struct smg_outputs of runtime/core/smg_outputs.h."""
     _fields_ = [*((name, ctypes.c_void_p) for name in ("t", "states", "values", "casimirs", "near")), ("pairs", ctypes.c_int64),
                 ("nearest", ctypes.c_void_p), ("where", ctypes.c_void_p)]
 
 
-class Rows:
+class Block:
     """Room for `capacity` outputs of a model.
 
     t: shape (capacity,); states: (capacity, sites, 3), or None when they are not asked for; values: (capacity, columns)
@@ -55,4 +55,4 @@ def spherical_parts(model) -> list:
     """(first, end) of the families whose midpoints are projected onto a sphere."""
     kinds = {f.name: f.kind for f in model.scene.families}
     return [(first, first + count) for name, (first, count) in model.families.items()
-            if METHODS[model.method].onto_leaf and kinds[name] in ("sphere", "r3")]
+            if METHODS[model.method].of_midpoints and METHODS[model.method].onto_leaf and kinds[name] in ("sphere", "r3")]
