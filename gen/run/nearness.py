@@ -23,7 +23,7 @@ class Nearest:
 
     def __init__(self, model):
         kinds = {f.name: f.kind for f in model.scene.families}
-        spherical = METHODS[model.method].onto_leaf
+        spherical = METHODS[model.method].of_midpoints and METHODS[model.method].onto_leaf
         self.parts = [part for name, part in model.families.items() if spherical and kinds[name] in ("sphere", "r3")]
         self.rho, self.site, self.step, self.t, self.seen = np.inf, -1, 0, 0.0, 0
         self.stride = min(STRIDE, 1 + model.sites // STRIDE)
