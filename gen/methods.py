@@ -121,13 +121,21 @@ SPLITTINGS = (
            "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
            asks=(GRADIENT, HESSIAN), midpoint=False, splitting="pairs", needs=(), how=("explicit", "bond after bond, and back"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
+ONE_STAGE = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "asks": (GRADIENT,), "midpoint": False, "history": 3,
+             "how": ("fixed-point", "the points of all sites together, by fixed-point iteration"),
+             "arrays": (("points", 3, 0, "where the field is taken"), ("slopes", 3, 0, "what the iteration is for"),
+                        ("past_slopes", 9, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
 COMPARATORS = (
     Method("cf4", "the commutator-free Lie-group method of order 4", "CF4",
            "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True,
            keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False, symmetric=False, keeps_linear=False,
            how=("explicit", "four stages of rotations"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("turns", 12, 0, "h b of the four stages"),
-                   ("inverse", 1, 0, "1/|w|^2 of the start"))),)
+                   ("inverse", 1, 0, "1/|w|^2 of the start"))),
+    Method("isospectral-midpoint", "the isospectral midpoint", "isospectral midpoint", "isospectral midpoint of so(3) (comparator: symplectic, order 2)", 2,
+           "smg_isospectral_midpoint.h", symplectic=True, keeps_quadratic=False, **ONE_STAGE),
+    Method("geodesic-midpoint", "the geodesic midpoint", "geodesic midpoint", "geodesic midpoint (comparator: not symplectic, order 2)", 2,
+           "smg_geodesic_midpoint.h", onto_leaf=True, keeps_linear=False, **ONE_STAGE))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",

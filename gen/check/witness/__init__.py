@@ -32,7 +32,7 @@ EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 
 STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)},
             "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
-            "pair-rotations": splittings.pairs, "cf4": lie.cf4,
+            "pair-rotations": splittings.pairs, "cf4": lie.cf4, "isospectral-midpoint": lie.isospectral, "geodesic-midpoint": lie.geodesic,
             **{f"{base}-{scheme}": functools.partial(compositions.step, base=base, scheme=scheme)
                for base in (*EQUATIONS, "axis-splitting", "sublattice-rotations", "pair-rotations") for scheme in compositions.HALVES}}
 METHODS = (*EQUATIONS, *STEPPERS)
