@@ -33,6 +33,7 @@ class Method:
     sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once.
     A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
     variant: sweeps over all methods leave it out, since another one of its kind and order does better.
+    symmetric: a step of -h undoes a step of h.
     splitting: what an explicit splitting of H takes apart (`compile.plan.splitting`, which looks at Hessians); keeps_linear: it keeps momentum and the
     linear integrals of sites; keeps_energy: the energy, whatever else it keeps; equivariant: it commutes with the rotations
     that leave H unchanged.
@@ -66,6 +67,7 @@ class Method:
     scheme: str = ""
     variant: bool = False
     splitting: str = ""
+    symmetric: bool = True
     keeps_linear: bool = True
     keeps_energy: bool = False
     equivariant: bool = True
@@ -119,6 +121,21 @@ SPLITTINGS = (
            "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
            asks=(GRADIENT, HESSIAN), midpoint=False, splitting="pairs", needs=(), how=("explicit", "bond after bond, and back"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
+ONE_STAGE = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "asks": (GRADIENT,), "midpoint": False, "history": 3,
+             "how": ("fixed-point", "the points of all sites together, by fixed-point iteration"),
+             "arrays": (("points", 3, 0, "where the field is taken"), ("slopes", 3, 0, "what the iteration is for"),
+                        ("past_slopes", 9, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
+COMPARATORS = (
+    Method("cf4", "the commutator-free Lie-group method of order 4", "CF4",
+           "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True,
+           keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False, symmetric=False, keeps_linear=False,
+           how=("explicit", "four stages of rotations"), history=1,
+           arrays=(("points", 3, 0, "w on the way through the step"), ("turns", 12, 0, "h b of the four stages"),
+                   ("inverse", 1, 0, "1/|w|^2 of the start"))),
+    Method("isospectral-midpoint", "the isospectral midpoint", "isospectral midpoint", "isospectral midpoint of so(3) (comparator: symplectic, order 2)", 2,
+           "smg_isospectral_midpoint.h", symplectic=True, keeps_quadratic=False, **ONE_STAGE),
+    Method("geodesic-midpoint", "the geodesic midpoint", "geodesic midpoint", "geodesic midpoint (comparator: not symplectic, order 2)", 2,
+           "smg_geodesic_midpoint.h", onto_leaf=True, keeps_linear=False, **ONE_STAGE))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",
@@ -130,12 +147,13 @@ METHODS = {m.name: m for m in (
       for s in range(1, 9)),
     *(Method(f"dop853{kind}", f"Dormand-Prince 8(5,3){said}", f"DOP853{said}",
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",
-             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, solvers=("auto",), features=(), needs=(), asks=(GRADIENT,), midpoint=False,
+             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, symmetric=False, solvers=("auto",), features=(), needs=(), asks=(GRADIENT,), midpoint=False,
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
              arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),
     *SPLITTINGS,
     *(composed(base, scheme) for base in (*MIDPOINT_METHODS, *SPLITTINGS) for scheme in SCHEMES),
+    *COMPARATORS,
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]

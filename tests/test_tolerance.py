@@ -8,7 +8,8 @@ from smidgen.methods import METHODS
 
 ITERATED = [("heisenberg_chain", "spherical-midpoint", "newton"), ("heisenberg_chain", "spherical-midpoint", "auto"), ("point_vortices", "spherical-midpoint", "auto"),
             ("point_vortices", "spherical-midpoint", "rotation"), ("two_bodies", "classical-midpoint", "auto"), ("nambu_a31", "spherical-midpoint", "auto"),
-            ("point_vortices", "gauss-6", "auto"), ("irreversible_rigid_body", "gauss-8", "auto"), ("point_vortices", "spherical-midpoint-4", "auto")]
+            ("point_vortices", "gauss-6", "auto"), ("irreversible_rigid_body", "gauss-8", "auto"), ("point_vortices", "isospectral-midpoint", "auto"),
+            ("irreversible_rigid_body", "geodesic-midpoint", "auto"), ("point_vortices", "spherical-midpoint-4", "auto")]
 
 
 def stepped(name, method, solver, tolerance, steps=40, h=0.1):

@@ -32,11 +32,12 @@ class Block:
 
     def __init__(self, model, states: bool):
         numbers = model.sites * (4 if states else 1) + len(model.columns)
+        # zeros: C leaves the padding of a long double as it was, and files hold it
         self.capacity = max(1, min(MOST, CHUNK // (model.real.itemsize * numbers)))
-        self.t = np.empty(self.capacity)
-        self.states = np.empty((self.capacity, model.sites, 3), model.real) if states else None
-        self.values = np.empty((self.capacity, len(model.columns)), model.real)
-        self.casimirs = np.empty((self.capacity, model.sites), model.real)
+        self.t = np.zeros(self.capacity)
+        self.states = np.zeros((self.capacity, model.sites, 3), model.real) if states else None
+        self.values = np.zeros((self.capacity, len(model.columns)), model.real)
+        self.casimirs = np.zeros((self.capacity, model.sites), model.real)
         self.near = np.array(spherical_parts(model), np.int64).reshape(-1, 2)
         self.nearest, self.where = np.array([np.inf]), np.array([-1, 0], np.int64)
 

@@ -1,5 +1,5 @@
-/* smidgen method: the step of an explicit splitting. Its method defines smg_stage(s, h), which moves s->points by one symmetric
- * splitting of the size h, and adds to s->u by how much; with SMG_ONE_SITE smg_stage(s, h, v, u), which does so with v and u.
+/* smidgen method: the step of an explicit method. Its header defines smg_stage(s, h), which moves s->points by one (symmetric)
+ * step of the size h, and adds to s->u by how much; with SMG_ONE_SITE smg_stage(s, h, v, u), which does so with v and u.
  *
  * With SMG_COMPOSED a step is so many stages, the i-th of the size smg_gamma[i] h: the symmetric composition whose table comes
  * before. The time of H is frozen at the middle of each. */
@@ -14,27 +14,6 @@
 #define SMG_STAGES 1
 static const smg_real smg_gamma[SMG_STAGES] = {1};
 #endif
-
-/* 1/|w|^2 where the trajectory begins. A site of R^3 that is 0 stays so. */
-SMG_COLD static void smg_begin_history(smg_state *s) {
-#if SMG_COMPOSED
-  (void)smg_stage_weights;
-#endif
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    const smg_real square = smg_dot(s->w + 3 * k, s->w + 3 * k);
-    s->inverse[k] = square > 0 ? 1 / square : 0;
-  }
-}
-
-/* Is an increment a number? An angle so large that tau^2 overflows leaves NaN. */
-SMG_INLINE int smg_is_finite(const smg_real *u) { return smg_abs(u[0]) + smg_abs(u[1]) + smg_abs(u[2]) <= SMG_MAX; }
-
-/* w + u of site k, and along v = w + u back to the length that it had at the start, by the part SMG_RESTORED of the way. */
-SMG_INLINE void smg_commit_site(smg_state *s, int64_t k, const smg_real *v, const smg_real *u) {
-  smg_real *w = s->w + 3 * k;
-  const smg_real back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[k] * smg_dot(w, w));
-  for (int b = 0; b < 3; ++b) smg_add_compensated(w + b, &s->compensation[3 * k + b], u[b] + back * v[b]);
-}
 
 /* The time in the middle of stage i, where the stages before it have done `done` of the step. */
 SMG_INLINE void smg_set_stage_time(smg_state *s, int i, smg_real done) {
@@ -85,7 +64,10 @@ static inline int64_t smg_move(smg_state *s) {
 #endif
 
 static smg_status smg_step(smg_state *s) {
-  if (s->history == 0) smg_begin_history(s);
+#if SMG_COMPOSED
+  (void)smg_stage_weights;
+#endif
+  if (s->history == 0) smg_begin_lengths(s);
   s->report.partner = -1;
   s->report.site = smg_move(s);
   s->report.status = s->report.site < 0 ? SMG_OK : SMG_NOT_FINITE;

@@ -29,6 +29,7 @@
 
 #include "smg_model.h"
 #include "smg_gauss_table.h"
+#include "smg_fixed_point.h"
 
 #if !(SMG_STAGES >= 1 && SMG_STAGES <= 8) || SMG_HISTORY != 1 || SMG_EXTENDED
 #error "smg_gauss.h: SMG_STAGES 1 to 8, SMG_HISTORY 1, and no SMG_EXTENDED"
@@ -38,15 +39,6 @@
 
 #define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* the L_j of a site */
 
-/* The iteration must contract: from its first change on, times the slack for what grows before it falls, each sweep must leave
- * no more than this part of the one before. Then its solution is the one connected to Z_i = z at h = 0. */
-#define SMG_CONTRACTION (smg_real)0.75
-#define SMG_SLACK 32
-#define SMG_MOST_SWEEPS 500
-/* The formula of the field may carry so much round-off, relative to the state: below it changes that have found no new least
- * for some sweeps are taken for that. */
-#define SMG_FIELD_NOISE (4194304 * SMG_EPS)
-#define SMG_PATIENCE 8
 /* Beside this, products of a site at rest are nothing: next to it, 0/0 is 0. */
 #define SMG_LEAST (smg_real)DBL_MIN
 
@@ -200,11 +192,6 @@ SMG_INLINE void smg_stage_gradient(smg_state *s, int i, const smg_lanes *points,
 #endif
 }
 
-/* What a sweep has moved, the largest over its sites and stages, lane by lane: the fields of smg_change. */
-typedef struct smg_moved {
-  smg_lanes relative, absolute, rounding_scale;
-} smg_moved;
-
 /* L_i = h b_i (i/2) (b.sigma) Z_i of a site and the stages of one block, from dH/dw. Its change is measured in w, as
  * 2 |z| |change of L|, next to the products in it. It ends up where Z_i was, for a report. */
 SMG_INLINE void smg_new_slopes(smg_real *own, int i, const smg_lanes *g, smg_moved *moved) {
@@ -249,48 +236,6 @@ static smg_moved smg_sweep_stages(smg_state *s) {
   return moved;
 }
 
-/* What the sweeps of a step have shown: the change before the last, the least one and how long ago it was, the most that a
- * contraction allows, and how large a change is round-off. */
-typedef struct smg_watch {
-  smg_change now, last;
-  smg_real least, most, size;
-  int since;
-} smg_watch;
-
-/* Takes in what a sweep has moved. The products in the increments count only where they could be larger than the state. */
-SMG_INLINE void smg_look(const smg_state *s, const smg_moved *moved, smg_watch *watch) {
-  watch->last = watch->now;
-  watch->now.relative = smg_lane_largest(moved->relative);
-  watch->now.absolute = smg_lane_largest(moved->absolute);
-  watch->size = s->scale;
-  if (watch->now.absolute > 8 * SMG_EPS * s->scale) watch->size = smg_max(s->scale, smg_lane_largest(moved->rounding_scale));
-}
-
-/* Is what is left after these two changes, now^2/(last - now) of a geometric sequence, at most that? */
-SMG_INLINE int smg_leaves_at_most(smg_real now, smg_real last, smg_real most) { return now * now <= most * (last - now); }
-
-/* The accuracy asked for, round-off of the increment or none; stagnation, as smg_settled has it but for every contraction that is
- * allowed; or the round-off of the field. */
-SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
-  const smg_change *now = &watch->now, *last = &watch->last;
-  const smg_real tolerance = s->tolerance * s->scale;
-  if (now->relative <= SMG_EPS || now->absolute <= tolerance) return 1;
-  if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, SMG_EPS)) return 1;
-  if (tolerance > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, tolerance)) return 1;
-  if (now->absolute <= 8 * SMG_EPS * watch->size && now->relative >= SMG_CONTRACTION * last->relative) return 1;
-  return now->absolute <= SMG_FIELD_NOISE * watch->size && watch->since >= SMG_PATIENCE;
-}
-
-/* Takes in a change that has not settled; is the iteration a contraction as far as can be seen? */
-SMG_INLINE int smg_sweeps_contract(smg_watch *watch) {
-  const smg_real now = watch->now.absolute;
-  const int first = watch->most < 0, falls = first || now <= SMG_CONTRACTION * watch->least;
-  watch->since = falls ? 0 : watch->since + 1;
-  if (falls) watch->least = now;
-  watch->most = first ? SMG_SLACK * now : SMG_CONTRACTION * watch->most;
-  return now <= smg_max(watch->most, SMG_FIELD_NOISE * watch->size);
-}
-
 /* Are all L_j finite? A change that is not a number may be lost among the others. */
 static int smg_finite_stages(const smg_state *s) {
   smg_lanes none = {0};
@@ -313,25 +258,6 @@ static int64_t smg_most_moved(const smg_state *s) {
       most = smg_max(most, moved);
     }
   return site;
-}
-
-/* Sweeps until what is left is round-off, one more, and an eighth as many again: what was left is of one sign along many an orbit,
- * a drift. */
-static smg_status smg_sweep_to_rest(smg_state *s) {
-  smg_watch watch = {{SMG_MAX, SMG_MAX, 0}, {SMG_MAX, SMG_MAX, 0}, 0, -1, 0, 0};
-  for (int n = 0; n < SMG_MOST_SWEEPS; ++n) {
-    const smg_moved moved = smg_sweep_stages(s);
-    smg_look(s, &moved, &watch);
-    ++s->report.iterations;
-    s->report.residual = watch.now.absolute;
-    if (!(watch.now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
-    if (smg_stages_settled(s, &watch)) {
-      for (int more = s->tolerance > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s);
-      return SMG_OK;
-    }
-    if (!smg_sweeps_contract(&watch)) break;
-  }
-  return SMG_NO_CONVERGENCE;
 }
 
 /* From rest, stage after stage: L_i from those before it alone, as an explicit method would, and these once more. */

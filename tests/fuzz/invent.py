@@ -405,8 +405,9 @@ def file_start(w, f):
     return [f'file = "{name}"']
 
 
-OF_HIGH_ORDER = ("gauss-2", "gauss-4", "gauss-6", "gauss-16",       # these four not on Nambu factors
-                 "spherical-midpoint-4", "classical-midpoint-6", "spherical-midpoint-kl9a")
+# Beside the plain midpoints: methods of high order and comparators, the first seven not on Nambu factors
+OFF_NAMBU = ("gauss-2", "gauss-4", "gauss-6", "gauss-16", "isospectral-midpoint", "geodesic-midpoint", "cf4")
+OF_HIGH_ORDER = (*OFF_NAMBU, "spherical-midpoint-4", "classical-midpoint-6", "spherical-midpoint-kl9a")
 
 
 def random_run(w, effects):
@@ -421,7 +422,7 @@ def random_run(w, effects):
     if values:
         lines.append(f"set = {{ {', '.join(values)} }}")
     if solver == "auto" and dice.randint(0, 2) == 0:
-        method = dice.choice(OF_HIGH_ORDER[4 * any(f.kind == "nambu" for f in w.families):])
+        method = dice.choice(OF_HIGH_ORDER[len(OFF_NAMBU) * any(f.kind == "nambu" for f in w.families):])
     lines[2] = f'method = "{method}"'
     return "\n".join(lines)
 

@@ -40,6 +40,7 @@ WHY = {
     "linear": "a.(W - w) = h a.X(m), which is zero at every point m",
     "off": "shown on the spheres only, and the classical midpoint looks at points off them",
     "parts": "the parts that H is split into do not keep it one by one",
+    "none": "the method is not known to keep linear integrals",
     "turns": "every site turns about dH/dw, in which it is not",
     "own": "W.QW - w.Qw = 2h mbar.QX(m), and mbar is a multiple of m site by site",
     "sum": "mbar is a multiple of m with a factor of its own for each site: a sum over sites is not kept",

@@ -70,9 +70,10 @@ def _kept(asked: Asked, method: str):
         return True, WHY["turns"]
     if not METHODS[method].keeps_quadratic:
         return False, WHY["bounded" if METHODS[method].symplectic else "drift"]
-    if not METHODS[method].symplectic:
-        return (True, WHY["every"]) if attempt(lambda: _quadratic(asked.off)) else (False, WHY["drift"])
-    return (True, WHY["energy"]) if attempt(lambda: _single_site(asked)) else (False, WHY["bounded"])
+    otherwise = WHY["bounded" if METHODS[method].symplectic else "drift"]
+    if not METHODS[method].onto_leaf:
+        return (True, WHY["every"]) if attempt(lambda: _quadratic(asked.off)) else (False, otherwise)
+    return (True, WHY["energy"]) if attempt(lambda: _single_site(asked)) else (False, otherwise)
 
 
 def _quadratic(found) -> bool:

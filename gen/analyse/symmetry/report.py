@@ -206,7 +206,7 @@ def _own_linear(asked, method, name, axis, rows):
 def _linear_integral(asked, method, name, text, vector, rows, numbers, count):
     one = METHODS[method]
     kept = one.keeps_linear and (one.onto_leaf or holds(asked.off, rows, vector))
-    return Integral(name, "linear", text, kept, WHY["linear" if kept else "off" if one.keeps_linear else "parts"],
+    return Integral(name, "linear", text, kept, WHY["linear" if kept else "off" if one.keeps_linear else "parts" if one.splitting else "none"],
                     holds(asked.always, rows, vector), count, numbers)
 
 

@@ -99,7 +99,10 @@ def integrals(case: Case, subject, known: Known) -> list[Row]:
 
 
 def no_momentum(case: Case) -> str:
-    return "no rotation leaves H unchanged" if METHODS[case.settings.method].keeps_linear else "not claimed: the parts of H keep none by themselves"
+    method = METHODS[case.settings.method]
+    if method.keeps_linear:
+        return "no rotation leaves H unchanged"
+    return "not claimed: the parts of H keep none by themselves" if method.splitting else "not claimed of this method"
 
 
 def kept(case: Case, subject, name, found, otherwise) -> Row:

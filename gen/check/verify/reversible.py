@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from ...methods import METHODS
 from .case import Case, ulp
 from .row import Row, at_most
 
@@ -19,7 +20,8 @@ def reversible(case: Case, subject) -> list[Row]:
     """The worst return of all states, steps and precisions, in ulps of the largest component."""
     found = [returned(subject, x, t, short(h))
              for w, t, h in case.trials() for x in (w, case.long(w))]
-    return [at_most("reversible", max(found), ULPS)]
+    note = "" if METHODS[case.settings.method].symmetric or max(found) <= ULPS else "the method is not symmetric"
+    return [at_most("reversible", max(found), ULPS, note)]
 
 
 def short(h: float, bits: int = 24) -> float:

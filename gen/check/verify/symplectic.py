@@ -36,7 +36,8 @@ def defect_row(case: Case, subject, name, sites, note) -> Row:
     steps = "" if len(case.steps()) == 1 else f"worst at h = {h:.3g}"
     if METHODS[case.settings.method].controlled:
         return Row(name, worst, MOST, DEFECT, NO, "the method is not symplectic: the defect is as small as its tolerance, and adds up")
-    said = "" if METHODS[case.settings.method].symplectic or not METHODS[case.settings.method].splitting else "the method is not symplectic"
+    method = METHODS[case.settings.method]
+    said = "the method is not symplectic" if worst > DEFECT and not method.symplectic and not method.of_midpoints else ""
     return at_most(name, worst, DEFECT, "; ".join(x for x in (said, note, steps) if x))
 
 

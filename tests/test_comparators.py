@@ -1,0 +1,276 @@
+"""Comparators: order, what each keeps and what it gives up as the certificate measures it, the witness, clean C."""
+import json
+import subprocess
+
+import numpy as np
+import pytest
+import smidgen
+from mpmath import log, mpf
+from smidgen.compile.emit.emit import generate
+from smidgen.errors import RunError, SpecError, UsageError
+from smidgen.methods import METHODS
+from smidgen.resources import include_flags
+from support.compositions import SPECS, STARTS, apart, compile_model, run
+from support.strict import WARNINGS
+
+COMPARED = ("cf4", "isospectral-midpoint", "geodesic-midpoint")
+BODY, VORTICES, FREE = SPECS["irreversible body"], SPECS["vortices"], smidgen.load("free_rigid_body")
+CHAIN = smidgen.load("heisenberg_chain")
+# a drive, R^3 beside spheres of another radius, strengths of both signs, the other orientation, tracers
+MIX = smidgen.load_text("""
+[model]
+name = "mixture"
+orientation = -1
+[space]
+s = { sphere = 3, kappa = [1.0, -0.7, 2.5], radius = 2 }
+b = { r3 = 1, kappa = -0.5 }
+p = { sphere = 2, tracer = true }
+[effects.pairs]
+over = "pair(i, j) of s"
+energy = "-0.4*log(9 - dot(s[i], s[j]))"
+[effects.body]
+over = "site(k) of b"
+energy = "b[k].x^2/2 + b[k].y^2/4 + 0.1*b[k].z^3"
+[effects.join]
+over = "each(i of s, k of b)"
+energy = "0.2*dot(s[i], b[k])*cos(t)"
+[effects.carried]
+over = "each(i of p, j of s)"
+energy = "0.3*exp(dot(p[i], s[j])/2)*sin(t)"
+[starts.a.s]
+random = 1
+[starts.a.b]
+vectors = [[0.3, -0.8, 0.5]]
+[starts.a.p]
+random = 2
+[runs.r]
+start = "a"
+h = 0.1
+steps = 20
+""")
+MODELS = {"body": BODY, "vortices": VORTICES, "mixture": MIX}
+STEPS = {"body": 0.1, "vortices": 0.02, "mixture": 0.1}     # these vortices are close, and H off the spheres is taken by one of the methods
+
+
+@pytest.fixture(scope="session")
+def quad(tmp_path_factory):
+    to, known = tmp_path_factory.mktemp("compared"), {}
+
+    def made(spec, method):
+        if (spec.name, method) not in known:
+            known[spec.name, method] = compile_model(to / f"{spec.name}-{method}", spec, method)
+        return known[spec.name, method]
+    return made
+
+
+@pytest.mark.parametrize("name, steps", [("irreversible body", 16), ("driven body", 16), ("vortices", 64)])
+@pytest.mark.parametrize("method", COMPARED)
+def test_the_order_in_quadruple_precision(quad, name, steps, method):
+    spec, start = SPECS[name], STARTS[name]
+    exact = run(quad(spec, "spherical-midpoint-10"), start, 1 / 256, 256).w
+    errors = [apart(run(quad(spec, method), start, 1 / n, n).w, exact) for n in (steps, 2 * steps)]
+    assert errors[1] > mpf(10)**-18
+    assert abs(log(errors[0] / errors[1], 2) - METHODS[method].order) < 0.1
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("method", COMPARED)
+def test_the_witness_takes_the_same_steps(name, method):
+    report = smidgen.validate(MODELS[name], method=method, h=STEPS[name], steps=20)
+    assert report.passed, [line for line in report.lines if not line.passed]
+
+
+# method -> rows that say no on a body and on vortices; rows that say yes on vortices
+CLAIMED = {"cf4": ({"symplectic", "reversible"}, {"order", "equivariant", "casimirs", "step"}),
+           "isospectral-midpoint": (set(), {"order", "symplectic", "reversible", "equivariant", "momentum", "casimirs", "step"}),
+           "geodesic-midpoint": ({"symplectic"}, {"order", "reversible", "equivariant", "casimirs", "step"})}
+
+
+@pytest.mark.parametrize("method", COMPARED)
+@pytest.mark.parametrize("name", ["body", "vortices"])
+def test_the_certificate_measures_what_is_kept_and_what_is_given_up(name, method):
+    rows = {row.name: row for row in smidgen.verify(MODELS[name], method=method, h=STEPS[name], tier="quick").rows}
+    given_up, kept = CLAIMED[method]
+    assert {row.name for row in rows.values() if row.verdict == "no"} == given_up
+    for one in kept if name == "vortices" else kept - {"equivariant", "momentum"}:
+        assert rows[one].verdict == "yes"
+    if "symplectic" in given_up:
+        assert rows["symplectic"].measured > 1e-8 and "not symplectic" in rows["symplectic"].note
+    if "reversible" in given_up:
+        assert "not symmetric" in rows["reversible"].note
+
+
+# method -> is the momentum of a chain shown to be kept, the energy of the free body?
+SHOWN = {"cf4": (False, False), "isospectral-midpoint": (True, False), "geodesic-midpoint": (False, True)}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", COMPARED)
+def test_explain_claims_no_more(method):
+    chain, body = ({i.kind: i for i in smidgen.explain(spec, method=method).integrals} for spec in (CHAIN, FREE))
+    assert (chain["linear"].kept, body["energy"].kept) == SHOWN[method]
+    assert chain["linear"].kept or "classical" not in chain["linear"].why
+    assert chain["casimir"].kept and body["casimir"].kept
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", COMPARED)
+@pytest.mark.parametrize("name", MODELS)
+def test_restored_it_goes_on_with_the_same_bits(name, method):
+    integrator = smidgen.build(MODELS[name], method)
+    whole = integrator.start("a", h=STEPS[name]).steps(12).w.copy()
+    saved = integrator.start("a", h=STEPS[name]).steps(5).save()
+    assert np.array_equal(integrator.start("a", h=0.2).restore(saved).steps(7).w, whole)
+
+
+CONSTANT = smidgen.load_text("""
+[model]
+name = "constant"
+[space]
+w = { sphere = 2 }
+[effects.field]
+over = "site(i)"
+energy = "0.3*w[i].z + 0.1*w[i].x"
+[starts.a]
+random = 1
+[runs.r]
+start = "a"
+h = 0.3
+steps = 20
+""")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", COMPARED)
+def test_a_constant_field_does_not_wear_a_sphere_down(method):
+    integrator = smidgen.build(CONSTANT, method).start("a", h=0.3).steps(10**5)
+    assert np.abs(np.linalg.norm(integrator.w, axis=1) - 1).max() < 5e-16
+
+
+@pytest.mark.quick
+def test_a_constant_field_is_turned_about_exactly():
+    integrator = smidgen.build(CONSTANT, "cf4").start("a", h=0.3)
+    before, axis, angle = integrator.w.copy(), np.array([0.1, 0, 0.3]) / np.hypot(0.1, 0.3), 0.3 * np.hypot(0.1, 0.3)
+    along = np.outer(before @ axis, axis)
+    assert np.abs(integrator.step().w - (along + np.cos(angle) * (before - along) + np.sin(angle) * np.cross(before, axis))).max() < 3e-16
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", COMPARED)
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("h", [1e200, 1e100])
+def test_a_step_that_is_no_number_leaves_the_state(name, method, h):
+    """Explicit rotations exist at any h below the square root of the largest number."""
+    integrator = smidgen.build(MODELS[name], method).start("a", h=h)
+    before = integrator.w.copy()
+    if METHODS[method].how[0] == "explicit" and h < 1e150:
+        assert np.all(np.isfinite(integrator.step().w))
+        return
+    with pytest.raises(RunError):
+        integrator.step()
+    assert np.array_equal(integrator.w, before) and integrator.count == 0
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method, error", [("geodesic-midpoint", 5.923e-6), ("isospectral-midpoint", 2.710e-4), ("cf4", 6.721e-10), ("moser-veselov", 1.318e-4)])
+def test_the_errors_of_the_free_body_are_those_of_the_page(method, error):
+    one, exact = (smidgen.build(FREE, m).start("paper", h=2**-5) for m in (method, "gauss-16"))
+    assert max(np.abs(one.step().w - exact.step().w).max() for _ in range(320)) == pytest.approx(error, rel=2e-3)
+
+
+@pytest.mark.parametrize("method, at, low, high", [("geodesic-midpoint", 1e5, 0.04, 0.06), ("cf4", 5000, -0.02, -0.01), ("isospectral-midpoint", 2e4, -5e-3, 3.5e-3)])
+def test_the_energy_drifts_where_the_method_is_not_symplectic(method, at, low, high):
+    spec = smidgen.load("irreversible_rigid_body")
+    integrator = smidgen.build(spec, method).start(spec.runs[0].start, h=0.5)
+    first, found = integrator.values()[0], []
+    for _ in range(40):
+        found.append(integrator.steps(round(at / 20)).values()[0] - first)
+    assert low < found[-1] < high
+    if METHODS[method].symplectic:
+        assert low < min(found) and max(found) < high
+
+
+# ---- RATTLE for the free rigid body: discrete Moser-Veselov ---------------------------------------------
+
+def hat(a):
+    """x -> a x x."""
+    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+
+def rattle_step(w, inertia, h):
+    """w after one step of RATTLE (Andersen 1983) for R in SO(3), embedded in the matrices with L = tr(R' D R'^T)/2, D_i = (I_j + I_k - I_i)/2:
+
+        P = P_0 - (h/2) R_0 M,  R_1 = R_0 + h P D^-1,  R_1^T R_1 = 1,  P_1 = P - (h/2) R_1 N,  R_1^T P_1 D^-1 skew,
+
+    from R_0 = 1, P_0 = (I^-1 w)^ D with the symmetric multipliers M and N; w^ = R^T P - (R^T P)^T."""
+    D = np.diag(inertia.sum() / 2 - inertia)
+    back, basis = np.linalg.inv(D), [np.eye(3)[[i]].T @ np.eye(3)[[j]] for i in range(3) for j in range(i, 3)]
+    basis = [e + e.T for e in basis]
+
+    def solved(residual, change):
+        """Multipliers sum x_k basis_k with residual(x) = 0, symmetric, by Newton."""
+        x = np.zeros(6)
+        for _ in range(12):
+            matrix = np.array([change(x, e)[np.triu_indices(3)] for e in basis]).T
+            x = x - np.linalg.solve(matrix, residual(x)[np.triu_indices(3)])
+        return sum(a * e for a, e in zip(x, basis))
+
+    def moved(x):
+        return np.eye(3) + h * (P0 - h / 2 * sum(a * e for a, e in zip(x, basis))) @ back
+
+    def changed(x, e):
+        d = -h * h / 2 * e @ back
+        return d.T @ moved(x) + moved(x).T @ d
+    P0 = hat(w / inertia) @ D
+    P = P0 - h / 2 * solved(lambda x: moved(x).T @ moved(x) - np.eye(3), changed)
+    R = np.eye(3) + h * P @ back
+
+    def hidden(x):
+        v = R.T @ (P - h / 2 * R @ sum(a * e for a, e in zip(x, basis))) @ back
+        return v + v.T
+    N = solved(hidden, lambda x, e: -h / 2 * (e @ back + (e @ back).T))
+    found = R.T @ (P - h / 2 * R @ N)
+    found = found - found.T
+    return np.array([found[2, 1], found[0, 2], found[1, 0]])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("inertia", [(1.0, 2.0, 4.0), (1.0, 4 / 3, 2.0), (1.0, 1.5, 1.7)])
+@pytest.mark.parametrize("h", [0.1, 0.5])
+def test_rattle_for_the_free_body_is_discrete_moser_veselov(inertia, h):
+    """McLachlan and Zanna, The discrete Moser-Veselov algorithm for the free rigid body, revisited (2005): so the registry has it once."""
+    integrator = smidgen.build(FREE, "moser-veselov", values=dict(zip(("I1", "I2", "I3"), inertia))).start("paper", h=h)
+    w = integrator.w[0].copy()
+    for _ in range(20):
+        w = rattle_step(w, np.array(inertia), h)
+        assert np.abs(integrator.step().w[0] - w).max() < 1e-13
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", COMPARED)
+def test_other_spaces_and_features_are_refused(method):
+    with pytest.raises((SpecError, UsageError), match="Nambu"):
+        smidgen.build(smidgen.load("nambu_a31"), method)
+    with pytest.raises(UsageError, match="no feature 'tangent'"):
+        smidgen.build(FREE, method, features=["tangent"])
+    with pytest.raises(UsageError, match="midpoint"):
+        smidgen.advise(FREE, method=method)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", COMPARED)
+def test_the_command(command, method):
+    said = command("run", "irreversible_rigid_body", "--method", method, "--h", "0.25", "--steps", "20", "--json")
+    assert said.returncode == 0 and json.loads(said.stdout)
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("method", COMPARED)
+@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"], ["gcc", "-std=c11", "-DSMG_LONG_DOUBLE"]],
+                         ids=lambda c: "-".join(c[::2]))
+@pytest.mark.parametrize("amalgamate", [pytest.param(False, marks=pytest.mark.long), True])
+def test_clean_c(tmp_path, name, method, compiler, amalgamate):
+    spec = MODELS[name]
+    for file, text in generate(spec, method=method, amalgamate=amalgamate).items():
+        (tmp_path / file).write_text(text)
+    subprocess.run([*compiler, *WARNINGS, *include_flags(), "-I.", "-fsyntax-only", f"{spec.name}.c"], cwd=tmp_path, check=True)
