@@ -10,7 +10,8 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, SpecError, UsageError
 from smidgen.methods import METHODS
 from smidgen.resources import include_flags
-from support.compositions import SPECS, STARTS, apart, compile_model, run
+from support.compositions import SPECS, STARTS, compile_model, run
+from support.triples import apart
 from support.strict import WARNINGS
 
 COMPARED = ("cf4", "isospectral-midpoint", "geodesic-midpoint")

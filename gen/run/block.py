@@ -32,12 +32,11 @@ class Block:
 
     def __init__(self, model, states: bool):
         numbers = model.sites * (4 if states else 1) + len(model.columns)
-        # zeros: C leaves the padding of a long double as it was, and files hold it
         self.capacity = max(1, min(MOST, CHUNK // (model.real.itemsize * numbers)))
-        self.t = np.zeros(self.capacity)
-        self.states = np.zeros((self.capacity, model.sites, 3), model.real) if states else None
-        self.values = np.zeros((self.capacity, len(model.columns)), model.real)
-        self.casimirs = np.zeros((self.capacity, model.sites), model.real)
+        self.t = np.empty(self.capacity)
+        self.states = np.empty((self.capacity, model.sites, 3), model.real) if states else None
+        self.values = np.empty((self.capacity, len(model.columns)), model.real)
+        self.casimirs = np.empty((self.capacity, model.sites), model.real)
         self.near = np.array(spherical_parts(model), np.int64).reshape(-1, 2)
         self.nearest, self.where = np.array([np.inf]), np.array([-1, 0], np.int64)
 
@@ -50,6 +49,11 @@ class Block:
         """rho (in units of |W|), site, step and t of the step nearest to a centre, if nearer than NEAR; else None."""
         rho, (site, step) = float(np.sqrt(self.nearest[0])), self.where.tolist()
         return {"rho": rho, "site": site, "step": step, "t": model.t0 + step * model.h} if rho < NEAR else None
+
+
+def clean(rows):
+    """The same numbers; the bytes of a long double that hold none of it are 0, for files hold them too."""
+    return np.positive(rows, out=np.zeros_like(rows)) if rows.dtype == np.longdouble else rows
 
 
 def spherical_parts(model) -> list:

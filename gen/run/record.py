@@ -9,7 +9,7 @@ from ..errors import UsageError
 from .conserved import conserved_axes, driven, energy_of, momentum_of, with_tracers
 from .integrator import Integrator
 from .output import RESERVED
-from .block import Block
+from .block import Block, clean
 
 
 class Recorder:
@@ -71,7 +71,7 @@ class Recorder:
     def flush(self) -> None:
         """Hand the buffered outputs on."""
         chunk = {"step": self.steps[:self.count], "t": self.block.t[:self.count],
-                 **{name: rows[:self.count] for name, rows in self.columns.items()}}
+                 **{name: clean(rows[:self.count]) for name, rows in self.columns.items()}}
         for sink in self.sinks:
             sink.write(chunk)
         self.count = 0
