@@ -3,7 +3,9 @@
 WRONG_BRANCH needs a guess on the wrong branch: tests/test_branch.py.
 """
 import ctypes
+import re
 from math import acos, asin, cos, sin, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from support.systems import load
 import smidgen
 from smidgen.errors import RunError
 from smidgen.read import load_text
+from smidgen.run.integrator import STATUS
 from smidgen.run.start import initial_state
 
 NO_CONVERGENCE, NO_SOLUTION, NOT_FINITE, BAD_PARAMETER, OFF_MANIFOLD = 1, 2, 4, 5, 6
@@ -224,3 +227,11 @@ def test_a_tracer_on_a_vortex_is_refused():
     with pytest.raises(RunError):
         model.step()
     assert model.state().tobytes() == w.tobytes()
+
+
+@pytest.mark.quick
+def test_python_and_c_say_the_same():
+    """STATUS of gen/run/integrator.py and smg_message of runtime/core/smidgen.h."""
+    header = (Path(smidgen.__file__).resolve().parent.parent / "runtime" / "core" / "smidgen.h").read_text()
+    said = re.findall(r'^ +"(.*)"', header[header.index("text[] = {"):], re.M)
+    assert said == ["ok", *(meaning for _, meaning in STATUS.values())]

@@ -53,9 +53,9 @@ static inline const char *smg_message(smg_status status) {
       "ok",
       "the step equation did not converge",
       "the branch of solutions from this state ends before this step",
-      "the iteration converged to a solution that is not connected to the state",
+      "the solution found is not connected to the state as h goes to 0",
       "a value is not finite",
-      "a parameter or size is out of range",
+      "a parameter or a size is out of range",
       "the start is off its sphere or leaf",
       "the Newton matrix is singular"};
   return (unsigned)status < sizeof text / sizeof *text ? text[status] : "unknown status";
