@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import Exit, RunError, UsageError
 from ..run.checkpoint import folder_of
-from .options import json_option, model_options, names, number, spec_argument, whole
+from .options import json_option, model_options, names, number, spec_argument, start_of, whole
 from .say import notes_line, printed, say
 
 EXAMPLES = """  smidgen run heisenberg_chain
@@ -160,12 +160,6 @@ def refuse_choices(args, said="--repeat repeats a run as it was: only --out and 
     """A repeated run is the run as it was, and so is one that goes on."""
     if args.values or args.start or any(getattr(args, w) is not None for w in CHOICES):
         raise UsageError(said)
-
-
-def start_of(word: str):
-    """A name, or the rows of a file."""
-    from ..run.start import state_table
-    return state_table(Path(word), word) if word.endswith((".csv", ".npy")) else word
 
 
 def report(args, result, code: int):

@@ -54,17 +54,12 @@ class Case:
             self.compiled[key] = clock.perf_counter() - began
         return self.models[key]
 
-    def end(self, method: str, steps: int, real: str = "double") -> np.ndarray:
-        """The state after the time, by that many steps. Raises RunError for a step that fails."""
+    def end(self, method: str, steps: int, real: str = "double") -> np.ndarray | None:
+        """The state after the time, by that many steps; None where one fails."""
         model = self.model(method, real)
-        model.start(self.w.copy(), h=self.time / steps)
-        model.steps(steps)
-        return np.array(model.w)
-
-    def reached(self, method: str, steps: int, real: str = "double") -> np.ndarray | None:
-        """The same; None where a step fails."""
         try:
-            return self.end(method, steps, real)
+            model.start(self.w.copy(), h=self.time / steps)
+            return np.array(model.steps(steps).w)
         except RunError:
             return None
 

@@ -102,7 +102,7 @@ def words(cost: Cost) -> str:
     f = cost.facts
     head = f"{f['spec']} {f['run']}".strip() + f": time {f['time']}, {f['sites']} sites; {f['machine']}"
     if cost_is_chaotic(cost):
-        return "\n".join([head, f"ends are not judged: {f['reference']}", text_of(invariants(cost)).rstrip()])
+        return "\n".join([head, f"no end errors: {f['reference']}", text_of(invariants(cost)).rstrip()])
     return "\n".join([head, f"errors against {f['reference']}", text_of(times(cost)).rstrip(), *sentences(cost)])
 
 

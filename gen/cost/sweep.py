@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time as clock
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +59,7 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
     rows, best, stalled, steps = [], math.inf, 0, case.fewest(TURN)
     while True:
         row = one(case, name, steps, known)
-        rows += [row, *loosened(case, row, known)]
+        rows += [row, *with_tolerance(case, row, known)]
         gained = row.status == "" and row.end_error < 0.7 * best
         best, stalled = (row.end_error, 0) if gained else (best, stalled + (best < 1e-3))
         if stalled >= STALLED or row.end_error <= FLOOR * known.error or next_seconds(case, name, row) > limit:
@@ -66,7 +67,7 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
         steps = max(steps + 1, round(steps * ratio(name)))
 
 
-def loosened(case: Case, row: Row, known: Reference) -> list[Row]:
+def with_tolerance(case: Case, row: Row, known: Reference) -> list[Row]:
     """The same with iterations that end where what they leave is a tenth of the row's own error; a single sphere has none to end."""
     one_sphere = METHODS[row.method].of_midpoints and len(case.w) == 1
     if row.status or one_sphere or not row.end_error > 0:
@@ -86,7 +87,6 @@ def next_seconds(case: Case, name: str, row: Row) -> float:
 
 def one(case: Case, name: str, steps: int, known: Reference | None, tolerance: float | None = None) -> Row:
     """A run with samples of what it keeps; its time is taken once, for an estimate."""
-    import time as clock
     row = Row(name, case.time / steps, steps, math.nan if tolerance is None else tolerance, compiled=case.compiled[name, "double"])
     model = case.model(name)
     try:

@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import RunError
 from ..methods import METHODS
 from .integrator import Integrator
-
+from .pace import Pace
 
 
 def end_error(model: Integrator, settings, final: np.ndarray, stopped=lambda: False) -> float | None:
@@ -36,7 +36,6 @@ def end_error(model: Integrator, settings, final: np.ndarray, stopped=lambda: Fa
 
 def ended(model: Integrator, settings, steps: int, stopped) -> np.ndarray | None:
     """The end with that many steps; None where one fails."""
-    from .run import Pace
     pace = Pace()
     try:
         model.start(settings.start, h=settings.h * settings.steps / steps, seed=settings.seed, tolerance=settings.tolerance)

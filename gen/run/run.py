@@ -23,6 +23,7 @@ from .checkpoint import refuse_unfinished
 from .estimate import end_error
 from .integrator import Integrator, build
 from .output import MemorySink, Result, load_result, open_sink, result_of
+from .pace import Pace
 from .record import Recorder, columns_of, entry_size
 from .safe import SafeSink
 from .settings import Settings, settle
@@ -30,7 +31,6 @@ from .start import find_start
 from .substeps import RESCUED, substep
 
 MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
-PATIENCE = 0.05         # seconds in C at most, so that Ctrl-C and the progress are prompt
 
 
 class Interrupted(KeyboardInterrupt):
@@ -183,25 +183,6 @@ def _save(model, recorder, began) -> None:
         if isinstance(sink, SafeSink):
             recorder.flush()
             sink.save(model.count, model.save(), {**recorder.facts(), "seconds": clock.perf_counter() - began})
-
-
-class Pace:
-    """How many steps fit in PATIENCE seconds, from those before."""
-
-    def __init__(self):
-        self.size, self.seconds = 1, 0.0
-
-    def timed(self, advance, asked: int) -> int:
-        """Call advance(asked); returns its value and learns from its time."""
-        begin = clock.perf_counter()
-        done = advance(asked)
-        taken = clock.perf_counter() - begin
-        self.seconds += taken
-        if taken > PATIENCE:
-            self.size = max(1, self.size // 2)
-        elif asked == self.size and taken < PATIENCE / 4:
-            self.size *= 2
-        return done
 
 
 def _affordable(layout, settings, keep):

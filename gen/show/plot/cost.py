@@ -25,7 +25,7 @@ def draw_cost(cost: Cost, path) -> Path:
         panel(ax, cost, names, what, label)
     along(axes[3], cost)
     if cost_is_chaotic(cost):
-        axes[0].text(0.5, 0.5, "ends are not judged:\nthey are too uncertain", ha="center", transform=axes[0].transAxes)
+        axes[0].text(0.5, 0.5, "no end errors:\nthe end is too uncertain", ha="center", transform=axes[0].transAxes)
     handles, labels = axes[1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper")
     f = cost.facts
