@@ -1,6 +1,8 @@
 """What accuracy costs: the table, its file and figure, the choice of a method, the error of a run."""
 import dataclasses
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from smidgen.cost.report import load_cost
 from smidgen.cost.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
+from smidgen.run.estimate import TOLERANCE
 from smidgen.run.settings import settle
 from smidgen.show.plot.cost import draw_cost
 
@@ -175,10 +178,13 @@ def test_the_command_draws_and_reads(command, tmp_path):
 # The error of a run
 
 @pytest.mark.parametrize("name, method, h, steps", [("free_rigid_body", "spherical-midpoint", 0.125, 80), ("irreversible_rigid_body", "gauss-4", 0.2, 51),
-                                                    ("point_vortices", "spherical-midpoint", 0.05, 101), ("forced_rigid_body", "classical-midpoint", 0.05, 100)])
+                                                    ("point_vortices", "spherical-midpoint", 0.05, 101), ("forced_rigid_body", "classical-midpoint", 0.05, 100),
+                                                    ("irreversible_rigid_body", "gauss-10", 0.8, 30), ("irreversible_rigid_body", "dop853", 10.0, 1),
+                                                    ("irreversible_rigid_body", "dop853", 0.5, 20), ("point_vortices", "dop853-projected", 1.0, 5)])
 def test_the_estimate_is_the_error_within_a_factor(name, method, h, steps):
+    """Of the last but one h is the step, of the others with step control the tolerance."""
     spec = smidgen.load(name)
-    result = smidgen.run(spec, method=method, h=h, steps=steps, estimate=True)
+    result = smidgen.run(spec, method=method, h=h, steps=steps, estimate=True, tolerance=1e-6 if method.startswith("dop853") else None)
     case = Case(spec, settle(spec), h * steps)
     error = case.distance(result.final, Witness(spec).flow(case.w, 0.0, [h * steps])[0])
     assert error / 1.5 < result.meta["end_error"] < 1.5 * error
@@ -197,9 +203,16 @@ def test_the_estimate_changes_nothing_else(tmp_path):
 
 
 @pytest.mark.quick
+def test_the_estimate_knows_what_step_control_aims_at():
+    text = (Path(__file__).parents[1] / "runtime" / "method" / "smg_dop853.h").read_text()
+    said = re.search(r"defined\(SMG_LONG_DOUBLE\)\n#define SMG_TOLERANCE (\S+)\n.*\n.*\n#else\n#define SMG_TOLERANCE (\S+)", text)
+    assert TOLERANCE == {"long double": float(said[1]), "double": float(said[2])}
+
+
+@pytest.mark.quick
 def test_no_estimate_where_there_is_none_to_be_had():
     spec = smidgen.load("free_rigid_body")
-    assert smidgen.run(spec, steps=8, method="dop853", estimate=True).meta["end_error"] is None
+    assert smidgen.run(spec, steps=8, method="dop853", estimate=True).meta["end_error"] < 1e-11
     assert smidgen.run(spec, steps=1, estimate=True).meta["end_error"] > 0      # by two halves
     with pytest.raises(RunError) as failed:
         smidgen.run(smidgen.load("point_vortices"), h=50, steps=4, estimate=True)

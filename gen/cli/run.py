@@ -47,8 +47,8 @@ def add(commands):
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
     parser.add_argument("--tolerance", type=lambda text: number(text, "--tolerance"), metavar="E", help="of a step, as part of the largest "
                         "component of w: its iterations end there, or step control aims at it; default: round-off")
-    parser.add_argument("--no-estimate", action="store_true", help="do not take the run again with half as many steps "
-                        "to estimate its error, which takes half its time")
+    parser.add_argument("--no-estimate", action="store_true", help="do not take the run again with other steps to "
+                        "estimate its error, which takes from half its time to once and a half")
     parser.add_argument("--substeps", action="store_true", default=None,
                         help="take a step that fails as up to 1024 smaller ones, and say so")
     json_option(parser)
@@ -214,9 +214,9 @@ def estimate_lines(result):
     if error is None:
         return
     if error < VAGUE:
-        yield f"estimated error of the end: {error:.2g} of |w| (the run again with half as many steps; --no-estimate leaves it out)"
+        yield f"estimated error of the end: {error:.2g} of |w| (by a second run with other steps; --no-estimate leaves it out)"
     else:
-        yield "the end is not known: with half as many steps it is another one (h is too large, or the motion is chaotic)"
+        yield "the end is not known: with other steps it is another one (h is too large, or the motion is chaotic)"
 
 
 def split_lines(result):

@@ -64,7 +64,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     as up to 2^10 smaller ones.
     out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
     `out`; progress: a function of the steps done; real: "double" or "long double"; native:
-    compile for this processor; estimate: take the run again with half as many steps, and tell by it
+    compile for this processor; estimate: take the run again with other steps, and tell by it
     how far the end is from the exact solution: `meta["end_error"]`, in units of the largest |w|;
     tolerance: of a step, as for `Integrator.start`.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
