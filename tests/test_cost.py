@@ -2,6 +2,7 @@
 import dataclasses
 import math
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,10 @@ import smidgen
 from smidgen.check.witness import Witness
 from smidgen.cost.case import Case
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
+from smidgen.cost.peers import PEERS, compiled, of_case
+from smidgen.cost.peers.rows import one as one_of_peers
 from smidgen.cost.reference import reference
-from smidgen.cost.report import load_cost
+from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
@@ -173,6 +176,46 @@ def test_the_command_draws_and_reads(command, tmp_path):
     again = command("cost", "--from", "c.csv")
     assert again.returncode == 0 and again.stdout == out.stdout
     assert command("cost").returncode == 2
+
+
+# General integrators beside
+
+SYSTEMS = ("free_rigid_body", "forced_rigid_body", "vortex_tracers", "nambu_a34", "heisenberg_chain", "two_bodies")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_general_integrators_get_to_the_same_end(name):
+    spec = smidgen.load(name)
+    case = Case(spec, settle(spec, values={"n": 6} if name == "heisenberg_chain" else {}), 0.2 if name.startswith("nambu") else 1.0)
+    known, (found, missing) = reference(case), of_case(case)
+    assert {"gsl-rk8pd", "scipy"} <= set(found) and set(found) | set(missing) == set(PEERS)
+    case.peers = found
+    for peer in found:
+        row = one_of_peers(case, peer, known, 1e-9)
+        assert row.status == "" and row.steps > 0 and row.seconds > 0 and row.end_error < 1e-4, (peer, row)
+        assert case.timed or row.energy < 1e-4, (peer, row)
+
+
+@pytest.mark.quick
+def test_what_is_missing_is_named(monkeypatch, tmp_path):
+    """In one line, and the others are measured."""
+    monkeypatch.setenv("SUNDIALS_DIR", str(tmp_path))
+    monkeypatch.setattr(compiled, "SUNDIALS", ("-lsundials_that_is_not_there",))
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    found = smidgen.cost(smidgen.load("free_rigid_body"), time=1, methods=["spherical-midpoint"], seconds=0.2, long=False, peers=True)
+    said = str(found)
+    for word in ("cvode-adams needs SUNDIALS 7", "arkode needs SUNDIALS 7", "heyoka needs heyoka (pip install heyoka)"):
+        assert f"not measured: {word}" in said
+    assert {"gsl-rk8pd", "spherical-midpoint"} <= {row.method for row in found.rows} and "of the general integrators" in said
+
+
+@pytest.mark.quick
+def test_rows_of_general_integrators_are_told_apart_in_the_file(tmp_path):
+    table = Cost([*rows(), Row("gsl-rk8pd", 0.1, 10, 1e-6, end_error=1e-7, energy=1e-8, seconds=2e-6, ns_step=5.0)], [], {"spec": "a", "run": "b", "energy": "1"})
+    text = table.save(tmp_path / "a.csv").read_text()
+    assert text.count("\npeer,gsl-rk8pd,") == 1 and text.count("\nsweep,") == 3
+    assert load_cost(tmp_path / "a.csv").text() == text
 
 
 # The error of a run

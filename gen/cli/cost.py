@@ -18,6 +18,8 @@ def add(commands):
     parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0,
                         help="what the timed runs may take together (60)")
     parser.add_argument("--no-long", action="store_true", help="leave the long runs out")
+    parser.add_argument("--no-ends", action="store_true", help="leave end errors out: judge by what is kept")
+    parser.add_argument("--peers", action="store_true", help="also the general integrators that are there: GSL, SUNDIALS, SciPy, heyoka")
     parser.add_argument("--out", metavar="FILE", help="the table as .csv")
     parser.add_argument("--plot", metavar="FILE", help="the figure: .png, .svg or .pdf")
     parser.add_argument("--from", metavar="FILE", dest="table", help="a table that was written before, instead of measuring")
@@ -48,4 +50,4 @@ def measured(args):
         raise UsageError("a spec to measure, or --from FILE")
     with progress(1000, "cost") as tick:
         return cost(load_spec(args.spec), args.run, **study_choices(args), seconds=args.seconds, long=not args.no_long,
-                    progress=lambda what, done: tick(int(1000 * done)))
+                    ends=not args.no_ends, peers=args.peers, progress=lambda what, done: tick(int(1000 * done)))

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import RunError
 from ..language.spec import LOOSEST
 from ..methods import METHODS
+from ..run.conserved import energy_of, with_tracers
 from .case import Case
 from .reference import Reference
 
@@ -60,9 +61,10 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
     while True:
         row = one(case, name, steps, known)
         rows += [row, *with_tolerance(case, row, known)]
-        gained = row.status == "" and row.end_error < 0.7 * best
-        best, stalled = (row.end_error, 0) if gained else (best, stalled + (best < 1e-3))
-        if stalled >= STALLED or row.end_error <= FLOOR * known.error or next_seconds(case, name, row) > limit:
+        error, floor = (row.energy, 0.0) if known.chaotic else (row.end_error, FLOOR * known.error)
+        gained = row.status == "" and error < 0.7 * best
+        best, stalled = (error, 0) if gained else (best, stalled + (best < 1e-3))
+        if stalled >= STALLED or error <= floor or next_seconds(case, name, row) > limit:
             return rows
         steps = max(steps + 1, round(steps * ratio(name)))
 
@@ -116,10 +118,11 @@ def parts(steps: int) -> list[int]:
 
 
 def sample(model) -> tuple:
-    """(t, energy, momenta, Casimirs)."""
-    names, values = model.columns, model.values()
-    momenta = [v for name, v in zip(names, values) if name.startswith("momentum.")]
-    return model.t, values[0], np.array(momenta), model.casimirs()
+    """(t, energy, momenta, Casimirs); the energy is that of the effects that no tracer feels, nan where there are none."""
+    named = dict(zip(model.columns, model.values()))
+    energy = energy_of(named, with_tracers(model.scene))
+    momenta = [v for name, v in named.items() if name.startswith("momentum.")]
+    return model.t, math.nan if energy is None else energy, np.array(momenta), model.casimirs()
 
 
 def kept(case: Case, row: Row, samples) -> None:

@@ -31,7 +31,7 @@ from smidgen.cost.frontier import seconds_for
 from smidgen.cost.reference import reference
 from smidgen.cost.sweep import ladder
 from smidgen.cost.timing import take_times
-from smidgen.errors import SmidgenError
+from smidgen.errors import SmidgenError, UsageError
 from smidgen.run.settings import settle
 
 OUT = Path(__file__).resolve().parents[2] / "docs" / "cost" / "choose_random.csv"
@@ -51,6 +51,8 @@ def drawn(seed: int, folder: str):
         Path(folder, name).write_text(content, encoding="utf-8")
     spec = smidgen.load(Path(folder, "model.toml"))
     rate = Case(spec, settle(spec), 1.0).rate
+    if not rate > 0:
+        raise UsageError("nothing moves")
     return spec, Case(spec, settle(spec), ANGLE / rate), 10 ** dice.uniform(*ERRORS), math.exp(dice.uniform(*map(math.log, STEPS)))
 
 
