@@ -268,3 +268,18 @@ def test_the_summary_tells_the_estimate(command):
     assert "estimated error of the end: 0.000" in said.stdout
     assert "estimated" not in command("run", "free_rigid_body", "--steps", "80", "--no-estimate").stdout
     assert "the end is not known" in command("run", "irreversible_rigid_body", "--h", "2", "--steps", "100").stdout
+
+
+# What is given up for speed
+
+def test_a_fast_run_says_so_and_can_be_repeated(tmp_path):
+    spec = smidgen.load("irreversible_rigid_body")
+    path = tmp_path / "a.npz"
+    result = smidgen.run(spec, steps=100, fast=True, out=path)
+    assert result.meta["fast"] and "-ffp-contract=fast" in result.meta["flags"] and "-march=native" in result.meta["flags"]
+    smidgen.repeat(path, tmp_path / "b.npz")
+    assert path.read_bytes() == (tmp_path / "b.npz").read_bytes()
+    plain = smidgen.run(spec, steps=100)
+    assert not plain.meta["fast"] and np.abs(plain.final - result.final).max() < 1e-13
+    with pytest.raises(UsageError, match="extended"):
+        smidgen.build(spec, features=("extended",), fast=True)

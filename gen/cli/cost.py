@@ -1,7 +1,7 @@
 """`smidgen cost`: what accuracy costs in time."""
 from __future__ import annotations
 
-from .options import json_option, number, spec_argument, study_choices, study_options
+from .options import json_option, names, number, spec_argument, study_choices, study_options
 from .say import printed, say
 
 EXAMPLES = """  smidgen cost free_rigid_body --time 100
@@ -19,7 +19,8 @@ def add(commands):
                         help="what the timed runs may take together (60)")
     parser.add_argument("--no-long", action="store_true", help="leave the long runs out")
     parser.add_argument("--no-ends", action="store_true", help="leave end errors out: judge by what is kept")
-    parser.add_argument("--peers", action="store_true", help="also the general integrators that are there: GSL, SUNDIALS, SciPy, heyoka")
+    parser.add_argument("--peers", type=names, nargs="?", const=True, default=False, metavar="A,B",
+                        help="also general integrators, these or all that are there: GSL, SUNDIALS, SciPy, heyoka")
     parser.add_argument("--out", metavar="FILE", help="the table as .csv")
     parser.add_argument("--plot", metavar="FILE", help="the figure: .png, .svg or .pdf")
     parser.add_argument("--from", metavar="FILE", dest="table", help="a table that was written before, instead of measuring")

@@ -39,6 +39,8 @@ def add(commands):
     parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
     parser.add_argument("--native", action="store_true", help="compile for this processor")
+    parser.add_argument("--fast", action="store_true", help="--native, and products and sums in one operation: for whom the same "
+                        "bits on every machine are too dear")
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
@@ -150,7 +152,7 @@ CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "sectio
 def choices(args) -> dict:
     """What the command line chooses, by the names that `run` has for it."""
     given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
-    given.update(values=dict(args.values), native=args.native, real=args.real, estimate=not args.no_estimate)
+    given.update(values=dict(args.values), native=args.native, fast=args.fast, real=args.real, estimate=not args.no_estimate)
     if args.start is not None:
         given["start"] = start_of(args.start)
     return given

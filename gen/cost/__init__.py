@@ -14,6 +14,7 @@ from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
+from ..run.integrator import choose as one_of
 from ..run.settings import settle
 from .case import Case, asked_time, candidates
 from .choice import Choice, choose, known_methods
@@ -34,13 +35,13 @@ AIM = 1e-6          # end error of the runs that are made long
 def cost(spec: Spec, name: str | None = None, *, time: float | str | None = None, methods: Iterable[str] | None = None,
          start: str | np.ndarray | None = None, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
          seed: int | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
-         peers: bool = False, native: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
+         peers: bool | Iterable[str] = False, native: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
     """Sweep the methods of the registry over steps, and time them.
 
     name, start, effects, values, seed, native: as for `run`; time: how long, by default that of the run; methods: names,
     by default all that serve; seconds: what the timed runs may take together; long: also the energy along runs a hundred
-    times as long; ends: measure the error of the end, else what is kept alone; peers: also the general integrators that are
-    there (`cost.peers`); progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
+    times as long; ends: measure the error of the end, else what is kept alone; peers: also general integrators
+    (`cost.peers`), those named or all that are there; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
     and where no reference can be had (`reference.reference`).
     """
     settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native, time=None)
@@ -55,16 +56,16 @@ def cost(spec: Spec, name: str | None = None, *, time: float | str | None = None
     for k, method in enumerate(names):
         progress(f"sweep of {method}", k / len(names))
         rows += ladder(case, method, known, seconds / (4 * len(names)))
-    missing = beside(case, rows, known, seconds, progress) if peers else {}
+    missing = beside(case, rows, known, peers, seconds, progress) if peers else {}
     take_times(case, rows, seconds / 2, lambda done: progress("times", done))
     return Cost(rows, long_runs(case, rows, seconds / 4, progress) if long else [], {**facts(case, known), **missing})
 
 
-def beside(case: Case, rows: list[Row], known, seconds: float, progress) -> dict:
+def beside(case: Case, rows: list[Row], known, asked, seconds: float, progress) -> dict:
     """Adds the rows of general integrators; returns what is missing, as facts."""
     from .peers import PEERS, of_case
     from .peers.rows import rows_of
-    case.peers, missing = of_case(case)
+    case.peers, missing = of_case(case, tuple(PEERS) if asked is True else [one_of("general integrator", name, tuple(PEERS)) for name in asked])
     for k, name in enumerate(case.peers):
         progress(f"sweep of {PEERS[name].label}", k / len(case.peers))
         rows += rows_of(case, name, known, seconds / (4 * len(PEERS)))

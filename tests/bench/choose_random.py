@@ -1,6 +1,6 @@
 """`choose` and the error estimate of `run` on Hamiltonians that nobody has looked at: those of the fuzzer.
 
-    python tests/bench/choose_random.py                  # 100 of them, an hour: docs/cost/choose_random.csv; goes on where it was stopped
+    python tests/bench/choose_random.py                  # 100 of them, half an hour: docs/cost/choose_random.csv; goes on where it was stopped
     python tests/bench/choose_random.py --count 5 --out a.csv
     python tests/bench/choose_random.py --summary        # what the table shows
 
@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import csv
 import math
+import multiprocessing
 import random
 import signal
 import sys
@@ -99,26 +100,32 @@ def too_long(*_):
     raise SmidgenError(f"more than {LIMIT} s")
 
 
-def many(seeds, count: int, path: Path) -> None:
+def many(seeds, count: int, path: Path, jobs: int) -> None:
     """Rows of seeds until `count` Hamiltonians have a choice; those that the file has are not done again."""
     path.parent.mkdir(exist_ok=True)
     done = rows_of(path)
     found, had = sum(r["status"] == "ok" for r in done), {int(r["seed"]) for r in done}
-    signal.signal(signal.SIGALRM, too_long)
-    with open(path, "a", newline="") as out:
+    with open(path, "a", newline="") as out, multiprocessing.get_context("spawn").Pool(jobs) as pool:
         table = csv.DictWriter(out, COLUMNS, lineterminator="\n")
         if not had:
             table.writeheader()
-        for seed in (s for s in seeds if s not in had):
+        for row in pool.imap(within_limit, (s for s in seeds if s not in had)):
             if found >= count:
                 return
-            signal.alarm(LIMIT)
-            row = row_of(seed)
-            signal.alarm(0)
             found += row.get("status") == "ok"
             table.writerow({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()})
             out.flush()
-            print(f"{found}/{count}  seed {seed}: {row.get('status')}", file=sys.stderr, flush=True)
+            print(f"{found}/{count}  seed {row['seed']}: {row.get('status')}", file=sys.stderr, flush=True)
+
+
+def within_limit(seed: int) -> dict:
+    """The row of a seed, in a process of the pool."""
+    signal.signal(signal.SIGALRM, too_long)
+    signal.alarm(LIMIT)
+    try:
+        return row_of(seed)
+    finally:
+        signal.alarm(0)
 
 
 def rows_of(path: Path) -> list[dict]:
@@ -129,7 +136,7 @@ def rows_of(path: Path) -> list[dict]:
         return list(csv.DictReader(lines))
 
 
-def summary(rows) -> list[str]:
+def words(rows) -> str:
     """What they show."""
     good = [r for r in rows if r["status"] == "ok"]
     met = sum(float(r["error"]) <= float(r["asked"]) for r in good)
@@ -141,20 +148,21 @@ def summary(rows) -> list[str]:
     for what, error, estimate in (("the chosen run", "error", "estimate"), ("the default method", "plain_error", "plain_estimate")):
         ratios = [float(r[estimate]) / max(float(r[error]), 1e-17) if r[estimate] else math.inf for r in good if r[error]]
         said.append(f"estimate within a factor of 3, {what}: {sum(1 / 3 <= x <= 3 for x in ratios)} of {len(ratios)}")
-    return said
+    return "\n".join(f"- {line}" for line in said)
 
 
 def main() -> None:
     """Measure, then tell."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
     parser.add_argument("--seed", type=int, default=0, help="the first")
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument("--summary", action="store_true", help="measure nothing")
     args = parser.parse_args()
     if not args.summary:
-        many(range(args.seed, args.seed + 10 * args.count), args.count, args.out)
-    print("\n".join(summary(rows_of(args.out))))
+        many(range(args.seed, args.seed + 10 * args.count), args.count, args.out, args.jobs)
+    print(words(rows_of(args.out)))
 
 
 if __name__ == "__main__":

@@ -29,10 +29,11 @@ PEERS = {"gsl-rk8pd": Peer("GSL rk8pd", Compiled), "gsl-msadams": Peer("GSL msad
          "scipy": Peer("SciPy DOP853", SciPy), "heyoka": Peer("heyoka", Taylor)}
 
 
-def of_case(case: Case) -> tuple[dict, dict]:
+def of_case(case: Case, names=tuple(PEERS)) -> tuple[dict, dict]:
     """(name -> integrator, name -> what is missing)."""
     found, missing = {}, {}
-    for name, peer in PEERS.items():
+    for name in names:
+        peer = PEERS[name]
         try:
             found[name] = peer.makes(case, peer.source, peer.kind)
         except Missing as needs:
