@@ -19,10 +19,12 @@ TURN = 4.0          # angle of the fastest site in the largest steps
 RATIO = {2: 2.0, 4: 2 ** 0.5}       # order -> ratio of the steps of neighbours; others:
 FINE = 2 ** 0.25
 FLOOR = 4           # times the error of the reference: nothing smaller is resolved
-STALLED = 3         # neighbours without a gain: round-off
+ROUND_OFF = 1e-10   # errors above it are seldom round-off: a small one may be chance
+STALLED = 3, 12     # neighbours without a gain, below that and above it, after which none is to come
 TOLERANCES = tuple(10.0 ** (-2 - k / 2) for k in range(26))       # of methods that take steps of their own
 WITHIN = 16         # steps in which they give samples
 PART = 0.1          # of a row's error that all its steps together may leave to tolerances
+BRIEF = 5e-3        # seconds: a run in pieces that takes less is timed again in one
 SAMPLES = 48        # points of a run at which invariants are looked at
 
 
@@ -64,7 +66,7 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
         error, floor = (row.energy, 0.0) if known.chaotic else (row.end_error, FLOOR * known.error)
         gained = row.status == "" and error < 0.7 * best
         best, stalled = (error, 0) if gained else (best, stalled + (best < 1e-3))
-        if stalled >= STALLED or error <= floor or next_seconds(case, name, row) > limit:
+        if stalled >= STALLED[error > ROUND_OFF] or error <= floor or next_seconds(case, name, row) > limit:
             return rows
         steps = max(steps + 1, round(steps * ratio(name)))
 
@@ -103,12 +105,21 @@ def one(case: Case, name: str, steps: int, known: Reference | None, tolerance: f
             iterations.append(model.report()["iterations"])
     except RunError as error:
         return dataclasses.replace(row, status=str(error).split(";")[0])
-    row.seconds, row.iterations = spent, float(np.mean(iterations))
-    row.ns_step = 1e9 * spent / steps
+    end = np.array(model.w)
+    row.seconds, row.iterations = spent if spent > BRIEF else whole(model, row, case.w), float(np.mean(iterations))
+    row.ns_step = 1e9 * row.seconds / steps
     if known is not None and not known.chaotic:
-        row.end_error = case.distance(model.w, known.end)
+        row.end_error = case.distance(end, known.end)
     kept(case, row, samples)
     return row
+
+
+def whole(model, row: Row, w) -> float:
+    """Seconds of the run in one piece: the pieces of a short one are mostly calls."""
+    model.start(w.copy(), h=row.h, tolerance=row.tolerance if row.tolerance == row.tolerance else None).advance(0)
+    began = clock.thread_time()
+    model.advance(row.steps)
+    return clock.thread_time() - began
 
 
 def parts(steps: int) -> list[int]:

@@ -35,17 +35,18 @@ def asked(row: Row) -> float | None:
 
 
 def once(case: Case, row: Row) -> float:
-    """Seconds of one run, without its start; the mean of several of short ones."""
+    """Seconds of one run, without its start and the call; the median of several of short ones."""
     times = max(1, min(50, int(SHORT / max(row.seconds, 1e-7))))
     if row.method in case.peers:
         return max(case.peers[row.method].seconds(row.tolerance, times), 1e-9)
     model = case.model(row.method)
-    spent = 0.0
-    for _ in range(times):
-        model.start(case.w.copy(), h=row.h, tolerance=asked(row))
+    taken, begun = np.empty((times, 2)), model.start(case.w.copy(), h=row.h, tolerance=asked(row)).save()
+    for k in range(times):
+        model.restore(begun).advance(0)         # the first call is a cold one
         idle = clock.thread_time()
         model.advance(0)
         began = clock.thread_time()
         model.advance(row.steps)
-        spent += (clock.thread_time() - began) - (began - idle)
-    return max(spent / times, 1e-9)
+        taken[k] = began - idle, clock.thread_time() - began
+    call, run = np.median(taken, axis=0)
+    return max(float(run - call), 1e-9)
