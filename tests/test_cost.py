@@ -14,7 +14,8 @@ from smidgen.cost.case import Case
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
 from smidgen.cost.peers import PEERS, compiled, of_case
 from smidgen.cost.peers.rows import one as one_of_peers
-from smidgen.cost.reference import reference
+from smidgen.cost import sweep, versus
+from smidgen.cost.reference import Reference, reference
 from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
@@ -216,6 +217,37 @@ def test_rows_of_general_integrators_are_told_apart_in_the_file(tmp_path):
     text = table.save(tmp_path / "a.csv").read_text()
     assert text.count("\npeer,gsl-rk8pd,") == 1 and text.count("\nsweep,") == 3
     assert load_cost(tmp_path / "a.csv").text() == text
+
+
+@pytest.mark.quick
+def test_ratios_are_those_of_the_times_and_tell_who_is_ahead():
+    """Of N^-2 and N^-4 at a microsecond a step, beside one that takes 20 steps at 2 us for 1e-6, and never gets to 1e-12."""
+    other = [Row("gsl-rk8pd", 0.1, n, 1.0 / n ** 2, end_error=e, seconds=2e-6 * n, ns_step=2e3) for n, e in ((10, 1e-4), (20, 1e-6))]
+    cost = Cost([*rows("gauss-2", 2, (10, 1000)), *rows("gauss-4", 4, (10, 1000)), *other], [], {"energy": "1"})
+    targets = (1e-4, 1e-6, 1e-12)
+    own, beside = versus.best(cost, "end_error", targets)["symplectic"], versus.others(cost, "end_error", targets)["gsl-rk8pd"]
+    assert [c.name for c in own] == ["gauss-4", "gauss-4", "gauss-4"] and math.isclose(own[1].seconds, 1e-6 * 10 ** 1.5)
+    assert math.isclose(beside[1].seconds, 40e-6) and beside[2].name == ""
+    said = versus.table(cost, "end_error", targets)
+    assert "| GSL rk8pd | 2 / 2 / 2 | 1.3 / 1.3 / 1.3 | does not get there |" in said and versus.behind(cost, "end_error", targets) == []
+    faster = [dataclasses.replace(r, seconds=r.seconds / 4) for r in other]
+    assert versus.behind(Cost([*cost.rows[:4], *faster], [], cost.facts), "end_error", targets) == [
+        "GSL rk8pd at 1e-04: 0.50 of the time of Gauss 4", "GSL rk8pd at 1e-06: 0.32 of the time of Gauss 4"]
+
+
+@pytest.mark.quick
+def test_an_error_that_is_small_by_chance_ends_no_sweep(monkeypatch):
+    """That of 29 steps is a hundredth of its neighbours'."""
+    spec = smidgen.load("free_rigid_body")
+    case = Case(spec, settle(spec), 1.0)
+
+    def made(case, name, steps, known, tolerance=None):
+        error = max(float(steps) ** -6 * (0.01 if 27 < steps < 32 else 1), 1e-15)
+        return Row(name, 1 / steps, steps, math.nan if tolerance is None else tolerance, end_error=error, seconds=1e-6 * steps)
+    monkeypatch.setattr(sweep, "one", made)
+    case.fewest = lambda turn: 10
+    found = sweep.ladder(case, "gauss-6", Reference(case.w, 1e-17, ("a", "b")), 10.0)
+    assert min(r.end_error for r in found) == 1e-15 and sum(r.end_error == 1e-15 for r in found) < 12
 
 
 # The error of a run

@@ -19,8 +19,8 @@ TURN = 4.0          # angle of the fastest site in the largest steps
 RATIO = {2: 2.0, 4: 2 ** 0.5}       # order -> ratio of the steps of neighbours; others:
 FINE = 2 ** 0.25
 FLOOR = 4           # times the error of the reference: nothing smaller is resolved
-ROUND_OFF = 1e-10   # errors above it are seldom round-off: a small one may be chance
-STALLED = 3, 12     # neighbours without a gain, below that and above it, after which none is to come
+WINDOW = 3          # neighbours whose best is compared with the median of as many before: one that is small by chance counts for little
+RESOLVED = 1e-3     # larger errors may still stand for a while
 TOLERANCES = tuple(10.0 ** (-2 - k / 2) for k in range(26))       # of methods that take steps of their own
 WITHIN = 16         # steps in which they give samples
 PART = 0.1          # of a row's error that all its steps together may leave to tolerances
@@ -59,16 +59,21 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
     """Rows of one method, from large steps to round-off, or until a run would take more than `limit` seconds."""
     if METHODS[name].controlled:
         return [one(case, name, min(WITHIN, case.fewest(TURN)), known, tolerance) for tolerance in TOLERANCES]
-    rows, best, stalled, steps = [], math.inf, 0, case.fewest(TURN)
+    rows, errors, steps = [], [], case.fewest(TURN)
     while True:
         row = one(case, name, steps, known)
         rows += [row, *with_tolerance(case, row, known)]
-        error, floor = (row.energy, 0.0) if known.chaotic else (row.end_error, FLOOR * known.error)
-        gained = row.status == "" and error < 0.7 * best
-        best, stalled = (error, 0) if gained else (best, stalled + (best < 1e-3))
-        if stalled >= STALLED[error > ROUND_OFF] or error <= floor or next_seconds(case, name, row) > limit:
+        errors += [row.energy if known.chaotic else row.end_error] if row.status == "" else []
+        floor = 0.0 if known.chaotic else FLOOR * known.error
+        if at_round_off(errors) or (errors and errors[-1] <= floor) or next_seconds(case, name, row) > limit:
             return rows
         steps = max(steps + 1, round(steps * ratio(name)))
+
+
+def at_round_off(errors: list[float]) -> bool:
+    """Do they fall no more?"""
+    before, last = errors[-2 * WINDOW:-WINDOW], errors[-WINDOW:]
+    return len(before) == WINDOW and max(before) < RESOLVED and min(last) >= 0.7 * float(np.median(before))
 
 
 def with_tolerance(case: Case, row: Row, known: Reference) -> list[Row]:

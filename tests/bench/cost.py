@@ -1,6 +1,6 @@
 """What accuracy costs for every system of the paper: docs/cost/*.csv and figures, and the page docs/costs.md.
 
-    python tests/bench/cost.py                       # some twenty minutes on a quiet machine
+    python tests/bench/cost.py                       # all of it and promises.py, some twenty minutes on a quiet machine
     python tests/bench/cost.py point_vortices        # only these
     python tests/bench/cost.py --quick --into /tmp/x # two systems, few methods, short: is all of it there?
     python tests/bench/cost.py --page                # figures and page from the tables
@@ -10,6 +10,7 @@ General integrators are measured beside where they are there: GSL, SciPy, heyoka
 """
 import argparse
 import csv
+import subprocess
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -50,6 +51,13 @@ def measured(name: str, system: System, folder: Path, seconds: float, methods) -
     if system.long:
         tell(f"{name}, to {system.long:g}")
         smidgen.cost(spec, time=system.long, seconds=seconds, ends=False, long=False, **asked).save(folder / f"{name}_long.csv")
+
+
+def promises(folder: Path, quick: bool) -> None:
+    """The table of promises, by its own bench."""
+    tell("promises")
+    bench = Path(__file__).with_name("promises.py")
+    subprocess.run([sys.executable, bench, "--out", folder / "promises.csv", *["--quick"] * quick], check=True, stdout=subprocess.DEVNULL)
 
 
 def tell(text: str) -> None:
@@ -102,6 +110,8 @@ def main() -> None:
     systems, folder = QUICK if args.quick else SYSTEMS, args.into / "cost"
     for name in () if args.page else args.names or systems:
         measured(name, systems[name], folder, 2.0 if args.quick else args.seconds, FEW if args.quick else None)
+    if not args.page and not args.names:
+        promises(folder, args.quick)
     for path in sorted(folder.glob("*.csv")):
         if path.stem.removesuffix("_long") in systems:
             draw_cost(smidgen.load_cost(path), path.with_suffix(".png"))
