@@ -6,9 +6,10 @@ import time as clock
 import numpy as np
 
 from .case import Case
-from .sweep import Row
+from .sweep import BRIEF, Row
 
-ROUNDS = 3, 101         # at least and at most
+ROUNDS = 2, 101         # at least and at most
+FEWEST = 5              # runs of a measurement, where each takes less than BRIEF: one that is interrupted counts for little
 SHORT = 5e-4            # seconds that a measurement takes at least: short runs are repeated within it; less than a slice of the scheduler
 
 
@@ -36,7 +37,7 @@ def asked(row: Row) -> float | None:
 
 def once(case: Case, row: Row) -> float:
     """Seconds of one run, without its start and the call; the median of several of short ones."""
-    times = max(1, min(50, int(SHORT / max(row.seconds, 1e-7))))
+    times = int(np.clip(SHORT / max(row.seconds, 1e-7), FEWEST if row.seconds < BRIEF else 1, 50))
     if row.method in case.peers:
         return max(case.peers[row.method].seconds(row.tolerance, times), 1e-9)
     model = case.model(row.method)
@@ -49,4 +50,4 @@ def once(case: Case, row: Row) -> float:
         model.advance(row.steps)
         taken[k] = began - idle, clock.thread_time() - began
     call, run = np.median(taken, axis=0)
-    return max(float(run - call), 1e-9)
+    return float(run - call if run > call else run)

@@ -8,7 +8,8 @@
 
 static int prepared(peer *p, double tol) {
   if (!p->mem || ARKodeSetOrder(p->mem, ORDER) || ARKodeSStolerances(p->mem, tol, tol)) return 0;
-  return ARKodeSetUserData(p->mem, p->model) == 0 && ARKodeSetMaxNumSteps(p->mem, 100000000) == 0;
+  ARKodeSetMaxHnilWarns(p->mem, -1);
+  return ARKodeSetUserData(p->mem, p->model) == 0 && ARKodeSetMaxNumSteps(p->mem, MOST_STEPS) == 0;
 }
 
 void *peer_new(void *model, int kind, double tol, double first) {
@@ -33,10 +34,10 @@ int64_t peer_run(void *at, double t0, double *y, const double *times, int64_t co
   if (ERKStepReInit(p->mem, right_side, t0, p->y)) return -1;
   for (int64_t k = 0; k < count; ++k) {
     if (ARKodeSetStopTime(p->mem, times[k]) || ARKodeEvolve(p->mem, times[k], p->y, &t, ARK_NORMAL) < 0) return -1;
+    if (ARKodeGetNumSteps(p->mem, &steps) || steps > MOST_STEPS) return -1;
     memcpy(out + (size_t)k * numbers(p->model), now, bytes);
   }
   memcpy(y, now, bytes);
-  ARKodeGetNumSteps(p->mem, &steps);
   return (int64_t)steps;
 }
 

@@ -30,7 +30,8 @@ static int with_bdf(multistep *m) {
 static int prepared(multistep *m, int adams, double tol, double first) {
   void *mem = m->p->mem;
   if (!mem || CVodeInit(mem, right_side, 0, m->p->y) || CVodeSStolerances(mem, tol, tol)) return 0;
-  if (CVodeSetUserData(mem, m->p->model) || CVodeSetMaxNumSteps(mem, 100000000)) return 0;
+  if (CVodeSetUserData(mem, m->p->model) || CVodeSetMaxNumSteps(mem, MOST_STEPS)) return 0;
+  CVodeSetMaxHnilWarns(mem, -1);
   (void)first; /* it finds its own first step */
   return (adams ? with_adams(m) : with_bdf(m)) == 0;
 }
@@ -55,11 +56,10 @@ int64_t peer_run(void *at, double t0, double *y, const double *times, int64_t co
   memcpy(now, y, bytes);
   if (CVodeReInit(p->mem, t0, p->y)) return -1;
   for (int64_t k = 0; k < count; ++k) {
-    if (CVode(p->mem, times[k], p->y, &t, CV_NORMAL) < 0) return -1;
+    if (CVode(p->mem, times[k], p->y, &t, CV_NORMAL) < 0 || CVodeGetNumSteps(p->mem, &steps) || steps > MOST_STEPS) return -1;
     memcpy(out + (size_t)k * numbers(p->model), now, bytes);
   }
   memcpy(y, now, bytes);
-  CVodeGetNumSteps(p->mem, &steps);
   return (int64_t)steps;
 }
 

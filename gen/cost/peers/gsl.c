@@ -49,7 +49,10 @@ void *peer_new(void *model, int kind, double tol, double first) {
   p->first = first;
   p->point = (double *)malloc(3 * ode.dimension * sizeof(double));
   p->d = gsl_odeiv2_driver_alloc_y_new(&p->ode, stepper(kind), first, tol, tol);
-  if (p->d && p->point) return p;
+  if (p->d && p->point) {
+    gsl_odeiv2_driver_set_nmax(p->d, MOST_STEPS);
+    return p;
+  }
   peer_free(p);
   return NULL;
 }
@@ -61,7 +64,7 @@ int64_t peer_run(void *at, double t0, double *y, const double *times, int64_t co
   gsl_odeiv2_driver_reset_hstart(p->d, p->first);
   gsl_odeiv2_driver_reset(p->d);
   for (int64_t k = 0; k < count; ++k) {
-    if (gsl_odeiv2_driver_apply(p->d, &t, times[k], y) != GSL_SUCCESS) return -1;
+    if (gsl_odeiv2_driver_apply(p->d, &t, times[k], y) != GSL_SUCCESS || p->d->e->count > MOST_STEPS) return -1;
     memcpy(out + (size_t)k * n, y, n * sizeof *y);
   }
   return (int64_t)p->d->e->count;

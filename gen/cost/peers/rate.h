@@ -29,6 +29,8 @@ static inline int rate(void *model, double t, const double *y, double *out) {
   return out[0] - out[0] == 0;
 }
 
+#define MOST_STEPS 3000000 /* of a run, or about so: one that needs more gives up */
+
 static inline size_t numbers(void *model) { return (size_t)(3 * smg_sites(&((MODEL *)model)->s.c)); }
 
 void *peer_new(void *model, int kind, double tol, double first);

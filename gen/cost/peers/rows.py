@@ -20,7 +20,7 @@ def rows_of(case: Case, name: str, known: Reference | None, limit: float) -> lis
     for tolerance in TOLERANCES:
         row = one(case, name, known, tolerance)
         rows.append(row)
-        if row.seconds > limit or row.end_error <= FLOOR * (known.error if known else 0):
+        if row.seconds > limit or row.status and any(not r.status for r in rows) or row.end_error <= FLOOR * (known.error if known else 0):
             break
     return rows
 
@@ -38,7 +38,7 @@ def one(case: Case, name: str, known: Reference | None, tolerance: float) -> Row
     states, _ = peer.states(tolerance, times)
     end, steps = peer.states(tolerance, times[-1:])
     if states is None or end is None or not np.isfinite(end).all():
-        row.status = "it gave up"
+        row.status = "it gave up: too many steps, or steps that are too small"
         return row
     row.steps, row.h = steps, case.time / max(1, steps)
     row.seconds = peer.seconds(tolerance, 1)

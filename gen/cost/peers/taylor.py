@@ -10,7 +10,7 @@ from .compiled import Missing
 from .symbols import NoExpression, system
 
 MANY = 20           # sites from which its loops stay loops (compact mode): the compiler takes too long otherwise
-STEPS = 10_000_000  # of a run at most
+STEPS = 3_000_000   # of a run at most
 
 
 class Taylor:
