@@ -1,6 +1,9 @@
 """What accuracy costs: the table, its file and figure, the choice of a method, the error of a run."""
 import dataclasses
 import math
+import re
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,11 +12,15 @@ import smidgen
 from smidgen.check.witness import Witness
 from smidgen.cost.case import Case
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
-from smidgen.cost.reference import reference
-from smidgen.cost.report import load_cost
+from smidgen.cost.peers import PEERS, compiled, of_case
+from smidgen.cost.peers.rows import one as one_of_peers
+from smidgen.cost import sweep, versus
+from smidgen.cost.reference import Reference, reference
+from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
+from smidgen.run.estimate import TOLERANCE
 from smidgen.run.settings import settle
 from smidgen.show.plot.cost import draw_cost
 
@@ -84,7 +91,7 @@ def test_an_end_that_nobody_knows_is_not_judged():
     chain = dict(values={"n": 6}, time=600, start=np.random.default_rng(3).normal(size=(6, 3)))
     chain["start"] /= np.linalg.norm(chain["start"], axis=1)[:, None]
     found = smidgen.cost(spec, methods=("spherical-midpoint",), seconds=1, long=False, **chain)
-    assert all(math.isnan(row.end_error) for row in found.rows) and "ends are not judged" in str(found)
+    assert all(math.isnan(row.end_error) for row in found.rows) and "no end errors" in str(found)
     with pytest.raises(UsageError, match="chaotic"):
         smidgen.choose(spec, error=1e-8, methods=("spherical-midpoint",), **chain)
 
@@ -172,13 +179,87 @@ def test_the_command_draws_and_reads(command, tmp_path):
     assert command("cost").returncode == 2
 
 
+# General integrators beside
+
+SYSTEMS = ("free_rigid_body", "forced_rigid_body", "vortex_tracers", "nambu_a34", "heisenberg_chain", "two_bodies")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_general_integrators_get_to_the_same_end(name):
+    spec = smidgen.load(name)
+    case = Case(spec, settle(spec, values={"n": 6} if name == "heisenberg_chain" else {}), 0.2 if name.startswith("nambu") else 1.0)
+    known, (found, missing) = reference(case), of_case(case)
+    assert {"gsl-rk8pd", "scipy"} <= set(found) and set(found) | set(missing) == set(PEERS)
+    case.peers = found
+    for peer in found:
+        row = one_of_peers(case, peer, known, 1e-9)
+        assert row.status == "" and row.steps > 0 and row.seconds > 0 and row.end_error < 1e-4, (peer, row)
+        assert case.timed or row.energy < 1e-4, (peer, row)
+
+
+@pytest.mark.quick
+def test_what_is_missing_is_named(monkeypatch, tmp_path):
+    """In one line, and the others are measured."""
+    monkeypatch.setenv("SUNDIALS_DIR", str(tmp_path))
+    monkeypatch.setattr(compiled, "SUNDIALS", ("-lsundials_that_is_not_there",))
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    found = smidgen.cost(smidgen.load("free_rigid_body"), time=1, methods=["spherical-midpoint"], seconds=0.2, long=False, peers=True)
+    said = str(found)
+    for word in ("cvode-adams needs SUNDIALS 7", "arkode needs SUNDIALS 7", "heyoka needs heyoka (pip install heyoka)"):
+        assert f"not measured: {word}" in said
+    assert {"gsl-rk8pd", "spherical-midpoint"} <= {row.method for row in found.rows} and "of the general integrators" in said
+
+
+@pytest.mark.quick
+def test_rows_of_general_integrators_are_told_apart_in_the_file(tmp_path):
+    table = Cost([*rows(), Row("gsl-rk8pd", 0.1, 10, 1e-6, end_error=1e-7, energy=1e-8, seconds=2e-6, ns_step=5.0)], [], {"spec": "a", "run": "b", "energy": "1"})
+    text = table.save(tmp_path / "a.csv").read_text()
+    assert text.count("\npeer,gsl-rk8pd,") == 1 and text.count("\nsweep,") == 3
+    assert load_cost(tmp_path / "a.csv").text() == text
+
+
+@pytest.mark.quick
+def test_ratios_are_those_of_the_times_and_tell_who_is_ahead():
+    """Of N^-2 and N^-4 at a microsecond a step, beside one that takes 20 steps at 2 us for 1e-6, and never gets to 1e-12."""
+    other = [Row("gsl-rk8pd", 0.1, n, 1.0 / n ** 2, end_error=e, seconds=2e-6 * n, ns_step=2e3) for n, e in ((10, 1e-4), (20, 1e-6))]
+    cost = Cost([*rows("gauss-2", 2, (10, 1000)), *rows("gauss-4", 4, (10, 1000)), *other], [], {"energy": "1"})
+    targets = (1e-4, 1e-6, 1e-12)
+    own, beside = versus.best(cost, "end_error", targets)["symplectic"], versus.others(cost, "end_error", targets)["gsl-rk8pd"]
+    assert [c.name for c in own] == ["gauss-4", "gauss-4", "gauss-4"] and math.isclose(own[1].seconds, 1e-6 * 10 ** 1.5)
+    assert math.isclose(beside[1].seconds, 40e-6) and beside[2].name == ""
+    said = versus.table(cost, "end_error", targets)
+    assert "| GSL rk8pd | 2 / 2 / 2 | 1.3 / 1.3 / 1.3 | does not get there |" in said and versus.behind(cost, "end_error", targets) == []
+    faster = [dataclasses.replace(r, seconds=r.seconds / 4) for r in other]
+    assert versus.behind(Cost([*cost.rows[:4], *faster], [], cost.facts), "end_error", targets) == [
+        "GSL rk8pd at 1e-04: 0.50 of the time of Gauss 4", "GSL rk8pd at 1e-06: 0.32 of the time of Gauss 4"]
+
+
+@pytest.mark.quick
+def test_an_error_that_is_small_by_chance_ends_no_sweep(monkeypatch):
+    """That of 29 steps is a hundredth of its neighbours'."""
+    spec = smidgen.load("free_rigid_body")
+    case = Case(spec, settle(spec), 1.0)
+
+    def made(case, name, steps, known, tolerance=None):
+        error = max(float(steps) ** -6 * (0.01 if 27 < steps < 32 else 1), 1e-15)
+        return Row(name, 1 / steps, steps, math.nan if tolerance is None else tolerance, end_error=error, seconds=1e-6 * steps)
+    monkeypatch.setattr(sweep, "one", made)
+    case.fewest = lambda turn: 10
+    found = sweep.ladder(case, "gauss-6", Reference(case.w, 1e-17, ("a", "b")), 10.0)
+    assert min(r.end_error for r in found) == 1e-15 and sum(r.end_error == 1e-15 for r in found) < 12
+
+
 # The error of a run
 
 @pytest.mark.parametrize("name, method, h, steps", [("free_rigid_body", "spherical-midpoint", 0.125, 80), ("irreversible_rigid_body", "gauss-4", 0.2, 51),
-                                                    ("point_vortices", "spherical-midpoint", 0.05, 101), ("forced_rigid_body", "classical-midpoint", 0.05, 100)])
+                                                    ("point_vortices", "spherical-midpoint", 0.05, 101), ("forced_rigid_body", "classical-midpoint", 0.05, 100),
+                                                    ("irreversible_rigid_body", "gauss-10", 0.8, 30), ("irreversible_rigid_body", "dop853", 10.0, 1),
+                                                    ("irreversible_rigid_body", "dop853", 0.5, 20), ("point_vortices", "dop853-projected", 1.0, 5)])
 def test_the_estimate_is_the_error_within_a_factor(name, method, h, steps):
+    """Of the last but one h is the step, of the others with step control the tolerance."""
     spec = smidgen.load(name)
-    result = smidgen.run(spec, method=method, h=h, steps=steps, estimate=True)
+    result = smidgen.run(spec, method=method, h=h, steps=steps, estimate=True, tolerance=1e-6 if method.startswith("dop853") else None)
     case = Case(spec, settle(spec), h * steps)
     error = case.distance(result.final, Witness(spec).flow(case.w, 0.0, [h * steps])[0])
     assert error / 1.5 < result.meta["end_error"] < 1.5 * error
@@ -197,9 +278,16 @@ def test_the_estimate_changes_nothing_else(tmp_path):
 
 
 @pytest.mark.quick
+def test_the_estimate_knows_what_step_control_aims_at():
+    text = (Path(__file__).parents[1] / "runtime" / "method" / "smg_dop853.h").read_text()
+    said = re.search(r"defined\(SMG_LONG_DOUBLE\)\n#define SMG_TOLERANCE (\S+)\n.*\n.*\n#else\n#define SMG_TOLERANCE (\S+)", text)
+    assert TOLERANCE == {"long double": float(said[1]), "double": float(said[2])}
+
+
+@pytest.mark.quick
 def test_no_estimate_where_there_is_none_to_be_had():
     spec = smidgen.load("free_rigid_body")
-    assert smidgen.run(spec, steps=8, method="dop853", estimate=True).meta["end_error"] is None
+    assert smidgen.run(spec, steps=8, method="dop853", estimate=True).meta["end_error"] < 1e-11
     assert smidgen.run(spec, steps=1, estimate=True).meta["end_error"] > 0      # by two halves
     with pytest.raises(RunError) as failed:
         smidgen.run(smidgen.load("point_vortices"), h=50, steps=4, estimate=True)
@@ -212,3 +300,18 @@ def test_the_summary_tells_the_estimate(command):
     assert "estimated error of the end: 0.000" in said.stdout
     assert "estimated" not in command("run", "free_rigid_body", "--steps", "80", "--no-estimate").stdout
     assert "the end is not known" in command("run", "irreversible_rigid_body", "--h", "2", "--steps", "100").stdout
+
+
+# What is given up for speed
+
+def test_a_fast_run_says_so_and_can_be_repeated(tmp_path):
+    spec = smidgen.load("irreversible_rigid_body")
+    path = tmp_path / "a.npz"
+    result = smidgen.run(spec, steps=100, fast=True, out=path)
+    assert result.meta["fast"] and "-ffp-contract=fast" in result.meta["flags"] and "-march=native" in result.meta["flags"]
+    smidgen.repeat(path, tmp_path / "b.npz")
+    assert path.read_bytes() == (tmp_path / "b.npz").read_bytes()
+    plain = smidgen.run(spec, steps=100)
+    assert not plain.meta["fast"] and np.abs(plain.final - result.final).max() < 1e-13
+    with pytest.raises(UsageError, match="extended"):
+        smidgen.build(spec, features=("extended",), fast=True)

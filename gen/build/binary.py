@@ -24,13 +24,15 @@ from .. import __version__
 from ..compile.features import chosen_features
 from ..compile.plan.plan import choose
 from ..compile.program import program_of
-from ..errors import BuildError, MissingTool
+from ..errors import BuildError, MissingTool, UsageError
 from ..language.spec import Spec
 from ..resources import HERE, folder, include_flags
 from .cache import cache_folder, entry
 
 FLAGS = ("-std=c11", "-O3", "-ffp-contract=off")    # the same bits on every machine
 SHARED = ("-fPIC", "-shared")
+NATIVE = ("-march=native",)
+FAST = (*NATIVE, "-ffp-contract=fast")      # the last word on contraction counts
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
 GENERATOR = ("methods.py", "language", "read", "compile")     # what decides the generated text, beside templates and runtime
@@ -50,16 +52,18 @@ class Built:
 
 
 def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
-                  real: str = "double", native: bool = False, features=(), generate=None) -> Built:
+                  real: str = "double", native: bool = False, features=(), generate=None, fast: bool = False) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
     real: "double" or "long double"; native: -march=native, whose bits differ between
-    machines; features: names of `features.FEATURES`. Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
+    machines; fast: products and sums in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`. Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
     """
     features, compiler = chosen_features(features), find_compiler()
-    flags = (*FLAGS, *SHARED, *REALS[real], *(("-march=native",) if native else ()))
+    if fast and "extended" in features:
+        raise UsageError("no extended precision in a fast build: leave one of them out")
+    flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()))
     key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
-                 compiler_version(compiler), flags, native and platform.processor())
+                 compiler_version(compiler), flags, (native or fast) and platform.processor())
     wanted = (spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
                   lambda work: _build_into(work, generate or _generate, wanted, compiler, flags))

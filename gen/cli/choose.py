@@ -4,8 +4,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import UsageError
-from .options import assignment, json_option, names, number, spec_argument, whole
-from .run import start_of
+from .options import json_option, number, spec_argument, study_choices, study_options
 from .say import printed, say
 
 EXAMPLES = """  smidgen choose free_rigid_body --error 1e-8 --time 100
@@ -18,19 +17,11 @@ def add(commands):
     """The sub-command."""
     parser = commands.add("choose", command, "find the method and step that give an accuracy in the least time", EXAMPLES)
     spec_argument(parser)
-    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
+    study_options(parser)
     for word, said in (("--error", "error of the state at the end, as part of the largest |w|"),
                        ("--energy", "largest error of the energy on the way, in its unit")):
         parser.add_argument(word, type=lambda text, word=word: number(text, word), metavar="E", help=said)
-    parser.add_argument("--time", help="how long: a number or a formula; default: as long as the run")
     parser.add_argument("--symplectic", action="store_true", help="of the symplectic methods only")
-    parser.add_argument("--methods", type=names, metavar="A,B", help="of these only; default: all that serve")
-    parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
-    parser.add_argument("--set", type=assignment, action="append", default=[], dest="values", metavar="NAME=VALUE",
-                        help="a parameter; a list as 1,2,3; repeatable")
-    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
-    parser.add_argument("--seed", type=whole, help="seed of a random start")
-    parser.add_argument("--native", action="store_true", help="compile for this processor")
     parser.add_argument("--out", metavar="FILE.toml", help="write the spec with the choice as a run of it")
     json_option(parser)
 
@@ -42,9 +33,8 @@ def command(args):
     from ..read.shipped import load_spec
     spec = load_spec(args.spec)
     with progress(1000, "choose") as tick:
-        choice = choose(spec, args.run, error=args.error, energy=args.energy, time=args.time, methods=args.methods, effects=args.effects,
-                        values=dict(args.values), start=None if args.start is None else start_of(args.start), seed=args.seed,
-                        symplectic=args.symplectic, native=args.native, progress=lambda what, done: tick(int(1000 * done)))
+        choice = choose(spec, args.run, error=args.error, energy=args.energy, symplectic=args.symplectic, **study_choices(args),
+                        progress=lambda what, done: tick(int(1000 * done)))
     if args.out:
         say(f"wrote {written(spec, args, choice)}")
     if args.json:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from pathlib import Path
 
 from ..compile.features import FEATURES
 from ..errors import UsageError
@@ -24,6 +25,31 @@ def model_options(parser):
     parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="values",
                         metavar="NAME=VALUE", help="a parameter; a list as 1,2,3; repeatable")
+
+
+def study_options(parser):
+    """What a study of many methods looks at: RUN, --time, --methods, --effects, --set, --start, --seed, --native."""
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
+    parser.add_argument("--time", help="how long: a number or a formula; default: as long as the run")
+    parser.add_argument("--methods", type=names, metavar="A,B", help="of these only; default: all that serve")
+    parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
+    parser.add_argument("--set", type=assignment, action="append", default=[], dest="values", metavar="NAME=VALUE",
+                        help="a parameter; a list as 1,2,3; repeatable")
+    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
+    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    parser.add_argument("--native", action="store_true", help="compile for this processor")
+
+
+def study_choices(args) -> dict:
+    """The same as keywords of `cost` and `choose`."""
+    return {"time": args.time, "methods": args.methods, "effects": args.effects, "values": dict(args.values),
+            "start": None if args.start is None else start_of(args.start), "seed": args.seed, "native": args.native}
+
+
+def start_of(word: str):
+    """A name, or the rows of a file."""
+    from ..run.start import state_table
+    return state_table(Path(word), word) if word.endswith((".csv", ".npy")) else word
 
 
 def feature_option(parser):

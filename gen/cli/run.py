@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import Exit, RunError, UsageError
 from ..run.checkpoint import folder_of
-from .options import json_option, model_options, names, number, spec_argument, whole
+from .options import json_option, model_options, names, number, spec_argument, start_of, whole
 from .say import notes_line, printed, say
 
 EXAMPLES = """  smidgen run heisenberg_chain
@@ -39,6 +39,8 @@ def add(commands):
     parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
     parser.add_argument("--native", action="store_true", help="compile for this processor")
+    parser.add_argument("--fast", action="store_true", help="--native, and products and sums in one operation: for whom the same "
+                        "bits on every machine are too dear")
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
@@ -47,8 +49,8 @@ def add(commands):
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
     parser.add_argument("--tolerance", type=lambda text: number(text, "--tolerance"), metavar="E", help="of a step, as part of the largest "
                         "component of w: its iterations end there, or step control aims at it; default: round-off")
-    parser.add_argument("--no-estimate", action="store_true", help="do not take the run again with half as many steps "
-                        "to estimate its error, which takes half its time")
+    parser.add_argument("--no-estimate", action="store_true", help="do not take the run again with other steps to "
+                        "estimate its error, which takes from half its time to once and a half")
     parser.add_argument("--substeps", action="store_true", default=None,
                         help="take a step that fails as up to 1024 smaller ones, and say so")
     json_option(parser)
@@ -150,7 +152,7 @@ CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "sectio
 def choices(args) -> dict:
     """What the command line chooses, by the names that `run` has for it."""
     given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
-    given.update(values=dict(args.values), native=args.native, real=args.real, estimate=not args.no_estimate)
+    given.update(values=dict(args.values), native=args.native, fast=args.fast, real=args.real, estimate=not args.no_estimate)
     if args.start is not None:
         given["start"] = start_of(args.start)
     return given
@@ -160,12 +162,6 @@ def refuse_choices(args, said="--repeat repeats a run as it was: only --out and 
     """A repeated run is the run as it was, and so is one that goes on."""
     if args.values or args.start or any(getattr(args, w) is not None for w in CHOICES):
         raise UsageError(said)
-
-
-def start_of(word: str):
-    """A name, or the rows of a file."""
-    from ..run.start import state_table
-    return state_table(Path(word), word) if word.endswith((".csv", ".npy")) else word
 
 
 def report(args, result, code: int):
@@ -220,9 +216,9 @@ def estimate_lines(result):
     if error is None:
         return
     if error < VAGUE:
-        yield f"estimated error of the end: {error:.2g} of |w| (the run again with half as many steps; --no-estimate leaves it out)"
+        yield f"estimated error of the end: {error:.2g} of |w| (by a second run with other steps; --no-estimate leaves it out)"
     else:
-        yield "the end is not known: with half as many steps it is another one (h is too large, or the motion is chaotic)"
+        yield "the end is not known: with other steps it is another one (h is too large, or the motion is chaotic)"
 
 
 def split_lines(result):

@@ -14,11 +14,12 @@ from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
+from ..run.integrator import choose as one_of
 from ..run.settings import settle
 from .case import Case, asked_time, candidates
 from .choice import Choice, choose, known_methods
 from .report import Cost, load_cost, machine
-from .reference import reference
+from .reference import no_reference, reference
 from .sweep import Row, ladder, sample
 from .timing import asked, take_times
 
@@ -33,20 +34,21 @@ AIM = 1e-6          # end error of the runs that are made long
 @public
 def cost(spec: Spec, name: str | None = None, *, time: float | str | None = None, methods: Iterable[str] | None = None,
          start: str | np.ndarray | None = None, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
-         seed: int | None = None, seconds: float = SECONDS, long: bool = True, native: bool = False,
-         progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
+         seed: int | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
+         peers: bool | Iterable[str] = False, native: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
     """Sweep the methods of the registry over steps, and time them.
 
     name, start, effects, values, seed, native: as for `run`; time: how long, by default that of the run; methods: names,
     by default all that serve; seconds: what the timed runs may take together; long: also the energy along runs a hundred
-    times as long; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
+    times as long; ends: measure the error of the end, else what is kept alone; peers: also general integrators
+    (`cost.peers`), those named or all that are there; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
     and where no reference can be had (`reference.reference`).
     """
     settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native, time=None)
     methods = known_methods(methods)
     case = Case(spec, settings, asked_time(spec, settings, time))
     progress("reference", 0.0)
-    known = reference(case)
+    known = reference(case) if ends else no_reference(case)
     names = candidates(case, methods)
     if not names:
         raise UsageError("none of these methods serves this spec")
@@ -54,8 +56,20 @@ def cost(spec: Spec, name: str | None = None, *, time: float | str | None = None
     for k, method in enumerate(names):
         progress(f"sweep of {method}", k / len(names))
         rows += ladder(case, method, known, seconds / (4 * len(names)))
+    missing = beside(case, rows, known, peers, seconds, progress) if peers else {}
     take_times(case, rows, seconds / 2, lambda done: progress("times", done))
-    return Cost(rows, long_runs(case, rows, seconds / 4, progress) if long else [], facts(case, known))
+    return Cost(rows, long_runs(case, rows, seconds / 4, progress) if long else [], {**facts(case, known), **missing})
+
+
+def beside(case: Case, rows: list[Row], known, asked, seconds: float, progress) -> dict:
+    """Adds the rows of general integrators; returns what is missing, as facts."""
+    from .peers import PEERS, of_case
+    from .peers.rows import rows_of
+    case.peers, missing = of_case(case, tuple(PEERS) if asked is True else [one_of("general integrator", name, tuple(PEERS)) for name in asked])
+    for k, name in enumerate(case.peers):
+        progress(f"sweep of {PEERS[name].label}", k / len(case.peers))
+        rows += rows_of(case, name, known, seconds / (4 * len(PEERS)))
+    return {f"missing {name}": needs for name, needs in missing.items()}
 
 
 def facts(case: Case, known) -> dict:
@@ -63,6 +77,7 @@ def facts(case: Case, known) -> dict:
     sampled = case.model(case.settings.method).start(case.w.copy(), h=case.settings.h)
     agree = " and ".join(known.methods)
     said = f"{agree} in extended precision, which agree to {known.error:.1e}" + " (chaotic, or not resolved)" * known.chaotic
+    said = said if known.methods else "none: judged by what is kept"
     return {"spec": case.spec.name, "run": case.settings.run, "time": f"{case.time:.10g}", "sites": len(case.w),
             "energy": f"{abs(float(sample(sampled)[1])):.6g}", "machine": machine(), "reference": said,
             **{f"refused {name}": " ".join(why.split()) for (name, real), why in case.refused.items() if real == "double"}}
@@ -70,7 +85,7 @@ def facts(case: Case, known) -> dict:
 
 def long_runs(case: Case, rows: list[Row], seconds: float, progress) -> list[tuple]:
     """(method, h, t, energy error) of a hundred times the time, of each method with the step that comes next to AIM."""
-    found, picked = [], [row for row in map(lambda name: nearest(rows, name), dict.fromkeys(r.method for r in rows)) if row]
+    found, picked = [], [row for row in map(lambda name: nearest(rows, name), dict.fromkeys(r.method for r in rows if r.method in METHODS)) if row]
     for k, row in enumerate(picked):
         progress("long runs", k / len(picked))
         share = min(1.0, seconds / len(picked) / (LONG * row.seconds))

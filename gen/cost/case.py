@@ -1,6 +1,7 @@
 """What is measured: one system from one start over one time, and the compiled models of its methods."""
 from __future__ import annotations
 
+import functools
 import time as clock
 
 import numpy as np
@@ -10,6 +11,7 @@ from ..language.expr import Time, walk
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..read.given import formula
+from ..run.conserved import with_tracers
 from ..run.integrator import Integrator, build
 from ..run.settings import Settings, number
 from ..run.start import initial_state, parameter_values
@@ -17,14 +19,15 @@ from ..run.start import initial_state, parameter_values
 
 class Case:
     """spec and settings of a run; time: how long; w: its start, (sites, 3); rate: the fastest turning at the start,
-    max |(1/kappa) dH/dw|; size: the largest |w|; timed: does H depend on time?"""
+    max |(1/kappa) dH/dw|; size: the largest |w|; timed: does H depend on time? peers: general integrators beside
+    the methods, name -> integrator (`peers.of_case`)"""
 
     def __init__(self, spec: Spec, settings: Settings, time: float | None = None):
         self.spec, self.settings = spec, settings
         self.time = float(settings.h * settings.steps if time is None else time)
         if not self.time:
             raise UsageError("a time that is not 0 is needed")
-        self.models, self.refused, self.compiled = {}, {}, {}
+        self.models, self.refused, self.compiled, self.peers = {}, {}, {}, {}
         self.w = self._start()
         any_model = self.model(settings.method)
         if any_model is None:
@@ -54,17 +57,21 @@ class Case:
             self.compiled[key] = clock.perf_counter() - began
         return self.models[key]
 
-    def end(self, method: str, steps: int, real: str = "double") -> np.ndarray:
-        """The state after the time, by that many steps. Raises RunError for a step that fails."""
-        model = self.model(method, real)
-        model.start(self.w.copy(), h=self.time / steps)
-        model.steps(steps)
-        return np.array(model.w)
+    @functools.cache
+    def meter(self) -> Integrator | None:
+        """A model whose energy is that of the effects that no tracer feels; None where there are none."""
+        model = self.model(self.settings.method)
+        kept = [e.name for e in model.scene.effects if e.name not in with_tracers(model.scene)]
+        if not kept:
+            return None
+        return build(self.spec, self.settings.method, kept, self.settings.values, self.settings.solver).start(self.w.copy(), h=self.settings.h)
 
-    def reached(self, method: str, steps: int, real: str = "double") -> np.ndarray | None:
-        """The same; None where a step fails."""
+    def end(self, method: str, steps: int, real: str = "double") -> np.ndarray | None:
+        """The state after the time, by that many steps; None where one fails."""
+        model = self.model(method, real)
         try:
-            return self.end(method, steps, real)
+            model.start(self.w.copy(), h=self.time / steps)
+            return np.array(model.steps(steps).w)
         except RunError:
             return None
 

@@ -64,7 +64,7 @@ def choose(spec: Spec, name: str | None = None, *, error: float | None = None, e
 
     error: at the end, relative to the largest |w|; energy: the largest energy error on the way, absolute, in the unit of the
     energy; one of them is needed. symplectic: of the symplectic methods only. The rest as for `cost`. Raises UsageError where no method meets
-    them, where ends cannot be judged (a chaotic run: ask for an energy error), and as `cost` does.
+    them, where the end is not known well enough (a chaotic run: ask for an energy error), and as `cost` does.
     """
     asked, methods = asked_errors(error, energy), known_methods(methods)
     settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native)
@@ -74,9 +74,9 @@ def choose(spec: Spec, name: str | None = None, *, error: float | None = None, e
     progress("reference", 0.0)
     known = reference(case, min(1e-13, (error or 1e-6) / 1000))
     if error is not None and not known.error <= error / 3:
-        raise UsageError(f"ends cannot be judged to {error:g}: two methods with the smallest steps differ by {known.error:.1e} "
+        raise UsageError(f"the end is not known to {error:g}: two methods with the smallest steps differ by {known.error:.1e} "
                          "(a chaotic run, or one that is too long): ask for an energy error, or for less time")
-    names = [n for n in by_hope(candidates(case, methods)) if METHODS[n].symplectic or not symplectic]
+    names = [n for n in high_orders_first(candidates(case, methods)) if METHODS[n].symplectic or not symplectic]
     good, short = search(case, names, known, asked, progress)
     if not good:
         raise UsageError("no method gets there: " + "; ".join(f"{label(n)}: {why}" for n, why in short.items()))
@@ -101,8 +101,8 @@ def asked_errors(error, energy) -> dict:
     return asked
 
 
-def by_hope(names) -> list[str]:
-    """High orders first: they find the best time soon, so that slower methods are left soon."""
+def high_orders_first(names) -> list[str]:
+    """They find the best time soon, so that slower methods are left soon."""
     return sorted(names, key=lambda name: (-METHODS[name].order, name))
 
 
@@ -115,7 +115,7 @@ def search(case: Case, names, known: Reference, asked: dict, progress):
         if row is None:
             short[name] = why
         else:
-            good += [row, *looser(case, row, known, asked)]
+            good += [row, *with_tolerance(case, row, known, asked)]
             best = min(best, row.seconds)
     return good, short
 
@@ -123,7 +123,7 @@ def search(case: Case, names, known: Reference, asked: dict, progress):
 def largest_step(case: Case, name: str, known: Reference, asked: dict, limit: float):
     """(row, "") of about the largest step that is good enough, or (None, why)."""
     if METHODS[name].controlled:
-        return loosest(case, name, known, asked)
+        return largest_tolerance(case, name, known, asked)
     steps, failed = case.fewest(TURN), None
     for _ in range(ROUNDS):
         row = one(case, name, steps, known)
@@ -135,16 +135,25 @@ def largest_step(case: Case, name: str, known: Reference, asked: dict, limit: fl
     return None, f"its error stays at {misses(row, asked)}" if not row.status else row.status
 
 
-def loosest(case: Case, name: str, known: Reference, asked: dict):
+def largest_tolerance(case: Case, name: str, known: Reference, asked: dict):
     """The same of a method that takes steps of its own: about the largest tolerance that is good enough."""
     for tolerance in TOLERANCES:
         row = one(case, name, min(WITHIN, case.fewest(TURN)), known, tolerance)
         if enough(row, asked):
-            return row, ""
+            return larger_tolerance(case, row, known, asked), ""
     return None, f"its error stays at {misses(row, asked)}" if not row.status else row.status
 
 
-def looser(case: Case, row: Row, known: Reference, asked: dict) -> list[Row]:
+def larger_tolerance(case: Case, row: Row, known: Reference, asked: dict) -> Row:
+    """The same to a tolerance that is larger by what the error leaves: between two of TOLERANCES they go together."""
+    left = min(MARGIN * value / max(getattr(row, what), 1e-300) for what, value in asked.items())
+    if left < 1.2:
+        return row
+    found = one(case, row.method, row.steps, known, min(LOOSEST, row.tolerance * min(left, TOLERANCES[0] / TOLERANCES[1])))
+    return found if enough(found, asked) else row
+
+
+def with_tolerance(case: Case, row: Row, known: Reference, asked: dict) -> list[Row]:
     """The same run with iterations that leave a part of what was asked for, where that is still good enough."""
     if METHODS[row.method].controlled or "end_error" not in asked:
         return []

@@ -18,13 +18,13 @@ TURN = 1.0          # angle of the first steps
 GOOD = 1e-15        # an error that no run in double resolves
 HALVINGS = 14
 WORK = 4_000_000    # sites times steps that a halving may take
-CHAOS = 1e-5        # a reference no better than this: ends are not judged
+CHAOS = 1e-5        # a reference no better than this: no end errors are given
 
 
 @dataclass(frozen=True)
 class Reference:
     """end: (sites, 3) in extended precision; error: of it, in units of |w|; methods: that agree on it; chaotic: it is
-    too uncertain to judge ends by."""
+    too uncertain to measure end errors by."""
     end: np.ndarray
     error: float
     methods: tuple[str, ...]
@@ -32,6 +32,11 @@ class Reference:
     @property
     def chaotic(self) -> bool:
         return not self.error <= CHAOS
+
+
+def no_reference(case: Case) -> Reference:
+    """For runs that are judged by what they keep."""
+    return Reference(case.w, float("inf"), ())
 
 
 def reference(case: Case, good: float = GOOD) -> Reference:
@@ -61,7 +66,7 @@ def refined(case: Case, name: str, good: float):
     """(end, error) of a method with ever smaller steps; (None, inf) where no two of them get to the end."""
     steps, before, best = case.fewest(TURN), None, (None, np.inf)
     for _ in range(HALVINGS):
-        end = case.reached(name, steps, REAL)
+        end = case.end(name, steps, REAL)
         if end is not None and before is not None:
             error = case.distance(end, before)
             if error > best[1] / 2 and best[1] < 1e-9:

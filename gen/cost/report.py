@@ -14,6 +14,7 @@ from ..methods import METHODS
 from ..public import public
 from ..tables import text_of
 from .frontier import TARGETS, first, frontier, keeps_energy, symplectic
+from .peers import PEERS
 from .sweep import COLUMNS, Row
 
 HEAD = "# "
@@ -41,7 +42,7 @@ class Cost:
         table = csv.writer(out, lineterminator="\n")
         table.writerow(("kind", *COLUMNS, "t"))
         for row in self.rows:
-            table.writerow(("sweep", *(repr(row.h) if name == "h" else shown(getattr(row, name)) for name in COLUMNS), ""))
+            table.writerow(("peer" if row.method in PEERS else "sweep", *(repr(row.h) if name == "h" else shown(getattr(row, name)) for name in COLUMNS), ""))
         for method, h, t, error in self.long:
             table.writerow(("long", *(shown({"method": method, "h": h, "energy": error}.get(name, math.nan)) for name in COLUMNS), shown(t)))
         return out.getvalue()
@@ -68,7 +69,7 @@ def load_cost(path: str | os.PathLike) -> Cost:
     table = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     if not table or not {"kind", *COLUMNS} <= set(table[0]):
         raise UsageError(f"{path} is no cost table: `smidgen cost SPEC --out {path}` writes one")
-    rows = [row_of(line) for line in table if line["kind"] == "sweep"]
+    rows = [row_of(line) for line in table if line["kind"] in ("sweep", "peer")]
     long = [(line["method"], number(line["h"]), number(line["t"]), number(line["energy"])) for line in table if line["kind"] == "long"]
     return Cost(rows, long, facts)
 
@@ -102,7 +103,7 @@ def words(cost: Cost) -> str:
     f = cost.facts
     head = f"{f['spec']} {f['run']}".strip() + f": time {f['time']}, {f['sites']} sites; {f['machine']}"
     if cost_is_chaotic(cost):
-        return "\n".join([head, f"ends are not judged: {f['reference']}", text_of(invariants(cost)).rstrip()])
+        return "\n".join([head, f"no end errors: {f['reference']}", text_of(invariants(cost)).rstrip()])
     return "\n".join([head, f"errors against {f['reference']}", text_of(times(cost)).rstrip(), *sentences(cost)])
 
 
@@ -125,7 +126,7 @@ def times(cost: Cost):
     table = table_of("time to an end error of", *(f"{t:.0e}" for t in TARGETS), "symplectic")
     found = frontier(cost.rows)
     for name, own in sorted(found.items(), key=lambda item: -METHODS[item[0]].order if item[0] in METHODS else 0):
-        table.add_row(label(name), *(duration(x) for x in own), "yes" if symplectic(name) else "no")
+        table.add_row(label(name), *(duration(x) for x in own), "" if name in PEERS else "yes" if symplectic(name) else "no")
     return table
 
 
@@ -142,18 +143,21 @@ def sentences(cost: Cost) -> list[str]:
     """Who is first, for each kind of promise."""
     exact = keeps_energy(cost.rows, float(cost.facts["energy"]))
     iterated = [r for r in cost.rows if r.tolerance != r.tolerance]
-    kinds = (("symplectic", symplectic, cost.rows), ("energy to round-off", lambda name: name in exact, iterated), ("any", lambda name: True, cost.rows))
+    kinds = (("symplectic", symplectic, cost.rows), ("energy to round-off", lambda name: name in exact, iterated),
+             ("any", lambda name: name in METHODS, cost.rows), ("of the general integrators", lambda name: name in PEERS, cost.rows))
     said = []
     for kind, only, rows in kinds:
         best = [(t, *first(rows, "end_error", t, only)) for t in TARGETS]
         parts = [f"{t:.0e} {label(name)} {duration(x)}" for t, name, x in best if name]
         said.append(f"fastest, {kind}: " + ("; ".join(parts) if parts else "none gets there"))
-    return said
+    there = any(row.method in PEERS for row in cost.rows)
+    return (said if there else said[:-1]) + [f"not measured: {word.removeprefix('missing ')} needs {needs}" for word, needs in cost.facts.items()
+                                              if word.startswith("missing ")]
 
 
 def label(name: str) -> str:
     """A method as legends have it."""
-    return METHODS[name].label if name in METHODS else name
+    return METHODS[name].label if name in METHODS else PEERS[name].label if name in PEERS else name
 
 
 def duration(seconds: float) -> str:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time as clock
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from ..errors import RunError
 from ..language.spec import LOOSEST
 from ..methods import METHODS
+from ..run.conserved import energy_of, with_tracers
 from .case import Case
 from .reference import Reference
 
@@ -17,10 +19,12 @@ TURN = 4.0          # angle of the fastest site in the largest steps
 RATIO = {2: 2.0, 4: 2 ** 0.5}       # order -> ratio of the steps of neighbours; others:
 FINE = 2 ** 0.25
 FLOOR = 4           # times the error of the reference: nothing smaller is resolved
-STALLED = 3         # neighbours without a gain: round-off
+WINDOW = 3          # neighbours whose best is compared with the median of as many before: one that is small by chance counts for little
+RESOLVED = 1e-3     # larger errors may still stand for a while
 TOLERANCES = tuple(10.0 ** (-2 - k / 2) for k in range(26))       # of methods that take steps of their own
 WITHIN = 16         # steps in which they give samples
 PART = 0.1          # of a row's error that all its steps together may leave to tolerances
+BRIEF = 5e-3        # seconds: a run in pieces that takes less is timed again in one
 SAMPLES = 48        # points of a run at which invariants are looked at
 
 
@@ -55,18 +59,24 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
     """Rows of one method, from large steps to round-off, or until a run would take more than `limit` seconds."""
     if METHODS[name].controlled:
         return [one(case, name, min(WITHIN, case.fewest(TURN)), known, tolerance) for tolerance in TOLERANCES]
-    rows, best, stalled, steps = [], math.inf, 0, case.fewest(TURN)
+    rows, errors, steps = [], [], case.fewest(TURN)
     while True:
         row = one(case, name, steps, known)
-        rows += [row, *loosened(case, row, known)]
-        gained = row.status == "" and row.end_error < 0.7 * best
-        best, stalled = (row.end_error, 0) if gained else (best, stalled + (best < 1e-3))
-        if stalled >= STALLED or row.end_error <= FLOOR * known.error or next_seconds(case, name, row) > limit:
+        rows += [row, *with_tolerance(case, row, known)]
+        errors += [row.energy if known.chaotic else row.end_error] if row.status == "" else []
+        floor = 0.0 if known.chaotic else FLOOR * known.error
+        if at_round_off(errors) or (errors and errors[-1] <= floor) or next_seconds(case, name, row) > limit:
             return rows
         steps = max(steps + 1, round(steps * ratio(name)))
 
 
-def loosened(case: Case, row: Row, known: Reference) -> list[Row]:
+def at_round_off(errors: list[float]) -> bool:
+    """Do they fall no more?"""
+    before, last = errors[-2 * WINDOW:-WINDOW], errors[-WINDOW:]
+    return len(before) == WINDOW and max(before) < RESOLVED and min(last) >= 0.7 * float(np.median(before))
+
+
+def with_tolerance(case: Case, row: Row, known: Reference) -> list[Row]:
     """The same with iterations that end where what they leave is a tenth of the row's own error; a single sphere has none to end."""
     one_sphere = METHODS[row.method].of_midpoints and len(case.w) == 1
     if row.status or one_sphere or not row.end_error > 0:
@@ -86,7 +96,6 @@ def next_seconds(case: Case, name: str, row: Row) -> float:
 
 def one(case: Case, name: str, steps: int, known: Reference | None, tolerance: float | None = None) -> Row:
     """A run with samples of what it keeps; its time is taken once, for an estimate."""
-    import time as clock
     row = Row(name, case.time / steps, steps, math.nan if tolerance is None else tolerance, compiled=case.compiled[name, "double"])
     model = case.model(name)
     try:
@@ -94,19 +103,28 @@ def one(case: Case, name: str, steps: int, known: Reference | None, tolerance: f
         samples = [sample(model)]
         spent, iterations = 0.0, []
         for count in parts(steps):
-            began = clock.perf_counter()
+            began = clock.thread_time()
             model.steps(count)
-            spent += clock.perf_counter() - began
+            spent += clock.thread_time() - began
             samples.append(sample(model))
             iterations.append(model.report()["iterations"])
     except RunError as error:
         return dataclasses.replace(row, status=str(error).split(";")[0])
-    row.seconds, row.iterations = spent, float(np.mean(iterations))
-    row.ns_step = 1e9 * spent / steps
+    end = np.array(model.w)
+    row.seconds, row.iterations = spent if spent > BRIEF else whole(model, row, case.w), float(np.mean(iterations))
+    row.ns_step = 1e9 * row.seconds / steps
     if known is not None and not known.chaotic:
-        row.end_error = case.distance(model.w, known.end)
+        row.end_error = case.distance(end, known.end)
     kept(case, row, samples)
     return row
+
+
+def whole(model, row: Row, w) -> float:
+    """Seconds of the run in one piece: the pieces of a short one are mostly calls."""
+    model.start(w.copy(), h=row.h, tolerance=row.tolerance if row.tolerance == row.tolerance else None).advance(0)
+    began = clock.thread_time()
+    model.advance(row.steps)
+    return clock.thread_time() - began
 
 
 def parts(steps: int) -> list[int]:
@@ -116,10 +134,11 @@ def parts(steps: int) -> list[int]:
 
 
 def sample(model) -> tuple:
-    """(t, energy, momenta, Casimirs)."""
-    names, values = model.columns, model.values()
-    momenta = [v for name, v in zip(names, values) if name.startswith("momentum.")]
-    return model.t, values[0], np.array(momenta), model.casimirs()
+    """(t, energy, momenta, Casimirs); the energy is that of the effects that no tracer feels, nan where there are none."""
+    named = dict(zip(model.columns, model.values()))
+    energy = energy_of(named, with_tracers(model.scene))
+    momenta = [v for name, v in named.items() if name.startswith("momentum.")]
+    return model.t, math.nan if energy is None else energy, np.array(momenta), model.casimirs()
 
 
 def kept(case: Case, row: Row, samples) -> None:

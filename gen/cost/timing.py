@@ -1,4 +1,4 @@
-"""Times of runs: all of them in turn, again and again; the median and the spread of each."""
+"""Times of runs, of the processor: all of them in turn, again and again; the median and the spread of each."""
 from __future__ import annotations
 
 import time as clock
@@ -6,9 +6,10 @@ import time as clock
 import numpy as np
 
 from .case import Case
-from .sweep import Row
+from .sweep import BRIEF, Row
 
-ROUNDS = 3, 101         # at least and at most
+ROUNDS = 2, 101         # at least and at most
+FEWEST = 5              # runs of a measurement, where each takes less than BRIEF: one that is interrupted counts for little
 SHORT = 5e-4            # seconds that a measurement takes at least: short runs are repeated within it; less than a slice of the scheduler
 
 
@@ -26,7 +27,7 @@ def take_times(case: Case, rows: list[Row], seconds: float, tick=lambda done: No
         tick((lap + 1) / rounds)
     for row in good:
         low, row.seconds, high = (float(x) for x in np.percentile(taken[id(row)], (25, 50, 75)))
-        row.spread, row.ns_step = (high - low) / 2, 1e9 * row.seconds / row.steps
+        row.spread, row.ns_step = (high - low) / 2, 1e9 * row.seconds / max(1, row.steps)
 
 
 def asked(row: Row) -> float | None:
@@ -35,15 +36,18 @@ def asked(row: Row) -> float | None:
 
 
 def once(case: Case, row: Row) -> float:
-    """Seconds of one run, without its start; the mean of several of short ones."""
+    """Seconds of one run, without its start and the call; the median of several of short ones."""
+    times = int(np.clip(SHORT / max(row.seconds, 1e-7), FEWEST if row.seconds < BRIEF else 1, 50))
+    if row.method in case.peers:
+        return max(case.peers[row.method].seconds(row.tolerance, times), 1e-9)
     model = case.model(row.method)
-    times = max(1, min(50, int(SHORT / max(row.seconds, 1e-7))))
-    spent = 0.0
-    for _ in range(times):
-        model.start(case.w.copy(), h=row.h, tolerance=asked(row))
-        idle = clock.perf_counter()
+    taken, begun = np.empty((times, 2)), model.start(case.w.copy(), h=row.h, tolerance=asked(row)).save()
+    for k in range(times):
+        model.restore(begun).advance(0)         # the first call is a cold one
+        idle = clock.thread_time()
         model.advance(0)
-        began = clock.perf_counter()
+        began = clock.thread_time()
         model.advance(row.steps)
-        spent += (clock.perf_counter() - began) - (began - idle)
-    return max(spent / times, 1e-9)
+        taken[k] = began - idle, clock.thread_time() - began
+    call, run = np.median(taken, axis=0)
+    return float(run - call if run > call else run)

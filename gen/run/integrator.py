@@ -42,13 +42,13 @@ NO_MEMORY = ("no memory", "there is not enough memory")
 @public
 def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = None,
           values: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
-          native: bool = False, features: Iterable[str] = ()) -> Integrator:
+          native: bool = False, features: Iterable[str] = (), fast: bool = False) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.
 
     method: one of METHODS; solver: one of SOLVERS; effects: names of the effects to keep, None for all;
     values: parameter values by name, in the units of the spec (a number, or a sequence for an array);
     real: "double" or "long double"; native: compile for this processor; features: names of
-    `features.FEATURES`. Raises UsageError for a name that is not known or a value that does not fit,
+    `features.FEATURES`; fast: native, and products and sums in one operation. Raises UsageError for a name that is not known or a value that does not fit,
     MissingTool without a C compiler, BuildError when it fails.
     """
     choose("method", method, METHODS)
@@ -56,7 +56,7 @@ def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = Non
     choose("real", real, ("double", "long double"))
     scene = scene_of(spec, effects, values)
     known = parameter_values(spec, values)
-    built = build_library(scene, method, solver, real, native, features)
+    built = build_library(scene, method, solver, real, native, features, fast=fast)
     return Integrator(spec, scene, built, known, method, solver)
 
 

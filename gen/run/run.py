@@ -23,6 +23,7 @@ from .checkpoint import refuse_unfinished
 from .estimate import end_error
 from .integrator import Integrator, build
 from .output import MemorySink, Result, load_result, open_sink, result_of
+from .pace import Pace
 from .record import Recorder, columns_of, entry_size
 from .safe import SafeSink
 from .settings import Settings, settle
@@ -30,7 +31,6 @@ from .start import find_start
 from .substeps import RESCUED, substep
 
 MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
-PATIENCE = 0.05         # seconds in C at most, so that Ctrl-C and the progress are prompt
 
 
 class Interrupted(KeyboardInterrupt):
@@ -50,7 +50,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
         out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None, real: str = "double",
-        native: bool = False, estimate: bool = False, tolerance: float | None = None) -> Result:
+        native: bool = False, estimate: bool = False, tolerance: float | None = None, fast: bool = False) -> Result:
     """Run `spec` and return a Result.
 
     name: a run of the spec, by default its first. In place of what that run says:
@@ -64,9 +64,9 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     as up to 2^10 smaller ones.
     out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
     `out`; progress: a function of the steps done; real: "double" or "long double"; native:
-    compile for this processor; estimate: take the run again with half as many steps, and tell by it
+    compile for this processor; estimate: take the run again with other steps, and tell by it
     how far the end is from the exact solution: `meta["end_error"]`, in units of the largest |w|;
-    tolerance: of a step, as for `Integrator.start`.
+    tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
     Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
     cannot be written, MissingTool and BuildError as `build` does.
@@ -75,9 +75,9 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
     settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
                       every=every, section=section, what=what, effects=effects, values=values, seed=seed,
-                      real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate, tolerance=tolerance)
+                      real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate, tolerance=tolerance, fast=fast)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
-                  real, native)
+                  real, native, fast=fast)
     model.start(settings.start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     return execute(model, settings, out, out is None if keep is None else keep, progress)
 
@@ -193,25 +193,6 @@ def _save(model, recorder, began) -> None:
         if isinstance(sink, SafeSink):
             recorder.flush()
             sink.save(model.count, model.save(), {**recorder.facts(), "seconds": clock.perf_counter() - began})
-
-
-class Pace:
-    """How many steps fit in PATIENCE seconds, from those before."""
-
-    def __init__(self):
-        self.size, self.seconds = 1, 0.0
-
-    def timed(self, advance, asked: int) -> int:
-        """Call advance(asked); returns its value and learns from its time."""
-        begin = clock.perf_counter()
-        done = advance(asked)
-        taken = clock.perf_counter() - begin
-        self.seconds += taken
-        if taken > PATIENCE:
-            self.size = max(1, self.size // 2)
-        elif 2 * asked > self.size and taken < PATIENCE / 4:
-            self.size *= 2
-        return done
 
 
 def _affordable(layout, settings, keep):

@@ -24,7 +24,8 @@ class Settings:
     """A run with every choice made. every: steps between outputs; start: a name or an
     array; section: the stroboscopic period when every came from one; substeps: take a step
     that fails as smaller ones; checkpoint: steps between two checkpoints, None for none; estimate: of the
-    error at the end; tolerance: of a step, None for round-off."""
+    error at the end; tolerance: of a step, None for round-off; fast: for this processor, and
+    products and sums in one operation."""
     run: str
     start: object
     method: str
@@ -43,12 +44,13 @@ class Settings:
     checkpoint: int | None = None
     estimate: bool = False
     tolerance: float | None = None
+    fast: bool = False
 
 
 def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
            values=None, seed=None, real="double", native=False, substeps=None,
-           checkpoint=None, estimate=False, tolerance=None) -> Settings:
+           checkpoint=None, estimate=False, tolerance=None, fast=False) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = find_run(spec, name)
     values = {**dict(base.values), **(values or {})}
@@ -70,7 +72,7 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         base.effects if effects is None else tuple(effects), values,
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate),
-        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance))
+        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast))
 
 
 def _read(spec: Spec, what: str, value):

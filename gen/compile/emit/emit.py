@@ -4,6 +4,8 @@ A model is the functions that runtime/core/smg_model.h asks for; the method and 
 """
 from __future__ import annotations
 
+import functools
+
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from ...language.spec import Spec
@@ -30,7 +32,9 @@ def read_template(name: str) -> str:
     return (folder("templates") / name).read_text()
 
 
+@functools.cache
 def environment() -> Environment:
+    """The templates, compiled once in a process."""
     return Environment(loader=FunctionLoader(read_template), undefined=StrictUndefined,
                        keep_trailing_newline=True)
 

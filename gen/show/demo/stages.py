@@ -26,7 +26,7 @@ LEAD = ("Every spec that comes with smidgen, compiled to C, run, and compared wi
         "the same method. Time: generating, compiling and running, in seconds.")
 COMPARED = ("free_rigid_body:classical", "free_rigid_body:moser_veselov",
             "irreversible_rigid_body:classical")        # runs of other methods, in the table too
-SLOW = ("forced_sections_flow", "forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
+SLOW = ("accuracy_cost", "forced_sections_flow", "forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
 
 
 def main(arguments=None) -> int:
@@ -112,7 +112,7 @@ def figure(name: str, out: Path) -> Outcome:
     began, entry = time.perf_counter(), FIGURES[name]
     data, caption = EXPERIMENTS[name]()
     path = save(entry.draw(**data), out / f"{name}.{entry.ending}")
-    picture = Picture(name, path, entry.title, caption, entry.size)
+    picture = Picture(name, path, entry.title, caption, entry.size, entry.part)
     return Outcome(name, seconds=time.perf_counter() - began, passed=True, pictures=(picture,))
 
 
@@ -149,7 +149,7 @@ def place(picture: Picture) -> tuple:
     name = picture.name.removeprefix("player_")
     if picture.name.startswith("player_"):
         return 0, PLAYED.index(name)
-    return (1, 0) if picture.part == "figures" else (2, picture.size == "broad")
+    return (2, picture.size == "broad") if picture.part == "systems" else (1, 0)
 
 
 def write_page(out: Path, lines, figures) -> Path:

@@ -7,7 +7,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...cost.report import Cost, cost_is_chaotic
+from ...cost.peers import PEERS
 from ...methods import METHODS
+from .colours import SOFT
 from .style import footnote, method_marker, method_style, new_figure, save, styled
 
 PANELS = (("end_error", "error at the end, part of |w|"), ("energy", "largest error of the energy"),
@@ -25,7 +27,7 @@ def draw_cost(cost: Cost, path) -> Path:
         panel(ax, cost, names, what, label)
     along(axes[3], cost)
     if cost_is_chaotic(cost):
-        axes[0].text(0.5, 0.5, "ends are not judged:\nthey are too uncertain", ha="center", transform=axes[0].transAxes)
+        axes[0].text(0.5, 0.5, "no end errors:\nthe end is too uncertain", ha="center", transform=axes[0].transAxes)
     handles, labels = axes[1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper")
     f = cost.facts
@@ -34,15 +36,35 @@ def draw_cost(cost: Cost, path) -> Path:
     return save(figure, path)
 
 
+@styled
+def accuracy_cost(panels):
+    """End error against time; panels: [(title, table)]."""
+    figure = new_figure(11, 5)
+    axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for ax, (title, cost) in zip(axes, panels):
+        panel(ax, cost, list(dict.fromkeys(row.method for row in cost.rows)), *PANELS[0])
+        ax.set_title(title)
+    lines = {label: line for ax in axes for line, label in zip(*ax.get_legend_handles_labels())}
+    figure.legend(lines.values(), lines.keys(), loc="outside right upper")
+    footnote(figure, panels[0][1].facts["machine"])
+    return figure
+
+
 def panel(ax, cost: Cost, names, what: str, label: str) -> None:
-    """An error against the time of a run, a line a method."""
+    """An error against the time of a run, a line a method; of general integrators a dotted one."""
     for name in names:
-        rows = [r for r in cost.rows if r.method == name and not r.status and getattr(r, what) == getattr(r, what)
-                and (r.tolerance != r.tolerance or name in METHODS and METHODS[name].controlled)]
+        own = name in PEERS or name in METHODS and METHODS[name].controlled
+        rows = [r for r in cost.rows if r.method == name and not r.status and getattr(r, what) == getattr(r, what) and (own or r.tolerance != r.tolerance)]
         if rows:
-            ax.plot([r.seconds for r in rows], [max(getattr(r, what), LEAST) for r in rows], marker=method_marker(name), markersize=3.5,
-                    **method_style(name))
+            ax.plot([r.seconds for r in rows], [max(getattr(r, what), LEAST) for r in rows], markersize=3.5, **look(name))
     ax.set(xscale="log", yscale="log", xlabel="time of the run [s]", ylabel=label)
+
+
+def look(name: str) -> dict:
+    """Of a line: that of the method everywhere, grey dots and a marker for a general integrator."""
+    if name in PEERS:
+        return {"label": PEERS[name].label, "color": SOFT, "linestyle": ":", "marker": "osD^v<>P"[list(PEERS).index(name)], "markerfacecolor": "none"}
+    return {**method_style(name), "marker": method_marker(name)}
 
 
 def along(ax, cost: Cost) -> None:

@@ -8,17 +8,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable
 
-from . import chain, colours, curves, orbits, overview, portraits, surfaces
+from . import chain, colours, cost, curves, orbits, overview, portraits, surfaces
 from .view import View
 
 
 @dataclass(frozen=True)
 class Entry:
-    """draw: arrays -> figure. size: 'broad' takes the whole width of a page. ending: of the file."""
+    """draw: arrays -> figure. size: 'broad' takes the whole width of a page. ending: of the file; part: of the page."""
     draw: Callable
     title: str
     size: str = ""
     ending: str = "svg"
+    part: str = "figures"
 
 
 def free_body_portrait(paths, marks):
@@ -81,6 +82,7 @@ def test_particles(paths):
 
 
 FIGURES = {
+    "accuracy_cost": Entry(cost.accuracy_cost, "What accuracy costs", size="broad", part="opening"),
     "every_system": Entry(overview.overview, "Every shipped system", size="broad"),
     "coadjoint_orbits": Entry(orbits.coadjoint_orbits, "Coadjoint orbits of so(3)*"),
     "free_body_portrait": Entry(free_body_portrait, "Free rigid body"),

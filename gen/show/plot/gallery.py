@@ -20,7 +20,7 @@ class Picture:
     title: str
     caption: str = ""
     size: str = ""          # "broad": the whole width; "small": a third of it
-    part: str = "figures"   # or "systems": the section of the page
+    part: str = "figures"   # "opening" or "systems": the section of the page
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,10 @@ def gallery(out_dir, columns, rows, pictures, title: str, lead: str = "") -> Pat
     try:
         page = filled(asset("page.html"), {
             "title": in_html(title), "lead": in_html(lead), "table": table(columns, rows),
+            "opening": "\n".join(pictured(p) for p in figures if p.part == "opening"),
             "players": "\n".join(played(p) for p in players),
             "figures": "\n".join(pictured(p) for p in figures if p.part == "figures"),
-            "systems": "\n".join(pictured(p) for p in figures if p.part != "figures")})
+            "systems": "\n".join(pictured(p) for p in figures if p.part == "systems")})
         out = Path(out_dir) / "index.html"
         out.parent.mkdir(parents=True, exist_ok=True)
         out.write_text(page, encoding="utf-8")
