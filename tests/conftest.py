@@ -70,7 +70,7 @@ def toy(tmp_path, monkeypatch):
     """The spec of tests/toy.py, with its hand-written C in place of the compiler's."""
     import toy as model
     monkeypatch.setattr(integrator, "build_library",
-                        lambda *args: build_library(*args, generate=model.generate))
+                        lambda *args, **more: build_library(*args, generate=model.generate, **more))
     path = tmp_path / "toy.toml"
     path.write_text(model.SPEC)
     return smidgen.load(str(path))

@@ -55,8 +55,9 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   real: str = "double", native: bool = False, features=(), generate=None, fast: bool = False) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
-    real: "double" or "long double"; native: -march=native, whose bits differ between
-    machines; fast: products and sums in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`. Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
+    real: "double" or "long double"; native: -march=native, whose bits differ between machines; fast: products and sums
+    in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`.
+    Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
     """
     features, compiler = chosen_features(features), find_compiler()
     if fast and "extended" in features:
