@@ -59,6 +59,7 @@ SPECS = {
     "square": lattice("square", "square(n, 7, periodic)", 6, "7*n"),
     "odd square": lattice("odd_square", "square(n, 5, open)", 9, "5*n", EXCHANGE + DM),
     "cubic": lattice("cubic", "cubic(n, n, 4, periodic)", 6, "4*n*n"),
+    "plain cubic": lattice("plain_cubic", "cubic(n, n, n, periodic)", 6, "n*n*n", EXCHANGE),
     "odd cubic": lattice("odd_cubic", "cubic(n, 3, 5, periodic)", 5, "15*n"),
     "open cubic": lattice("open_cubic", "cubic(n, 4, 3, open)", 18, "12*n"),
     "honeycomb": lattice("honeycomb", "honey.all", 5, "6*n", lattice=HONEY),
@@ -121,6 +122,19 @@ def test_one_by_one_or_at_once(monkeypatch):
     for _ in range(12):
         model.steps(1)
     assert np.array_equal(model.save(), whole)
+
+
+@pytest.mark.parametrize("h", [0.05, 0.2, 0.25, 0.29])
+def test_up_to_the_largest_step_of_rows(monkeypatch, h):
+    """Strong fields, midpoints near the centre."""
+    spec = SPECS["plain cubic"]
+    model, witness = built(monkeypatch, spec).start("random", h=h), Witness(spec)
+    w = model.w.copy()
+    for _ in range(3):
+        after = model.steps(1).w.copy()
+        assert witness.residual(w, after, 0.0, h) <= 4e-15
+        w = after
+    model.steps(100)
 
 
 def test_large_steps_go_the_general_way(monkeypatch):

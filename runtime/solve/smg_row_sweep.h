@@ -167,7 +167,7 @@ SMG_INLINE smg_moved smg_turn_pieces(const smg_state *s, smg_piece *piece, const
 }
 
 /* The three ways: rho by its root; from the sweep before; and with a look at small components. */
-static smg_moved smg_turn_exactly(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 1, 0); }
+static smg_moved smg_turn_exactly(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 1, 1); }
 static smg_moved smg_turn_usual(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 0); }
 static smg_moved smg_turn_late(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 1); }
 
@@ -213,11 +213,11 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
   return most;
 }
 
-/* The next colour: rho by its root in the first sweep of those that were not predicted; small components are looked at once the others
+/* The next colour: rho by its root in the first sweep of those that were not predicted, and where fields are strong; small components are looked at once the others
  * have nearly settled. */
 static void smg_next_colour(smg_state *s, smg_piece *piece, const smg_turning *turn, smg_row_sweeping *sweep) {
   const int64_t colour = sweep->passes % SMG_COLOURS, next = (colour + 1) % SMG_COLOURS;
-  const int exact = sweep->passes < SMG_COLOURS - 1, late = sweep->whole.now <= SMG_LOOK * s->scale;
+  const int exact = s->row_strong || sweep->passes < SMG_COLOURS - 1, late = sweep->whole.now <= SMG_LOOK * s->scale;
   const smg_moved moved = exact ? smg_turn_exactly(s, piece, turn, colour) : late ? smg_turn_late(s, piece, turn, colour) : smg_turn_usual(s, piece, turn, colour);
   sweep->recent[colour] = moved.whole;
   sweep->parts[colour] = moved.part;
