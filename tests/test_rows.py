@@ -171,6 +171,20 @@ def test_a_tiny_component_keeps_its_own_rate(monkeypatch):
     assert np.abs(found[1e-300] - found[1e-9]).max() <= 1e-13
 
 
+@pytest.mark.parametrize("name", ["cubic 20", "ring of 601"])
+def test_memory_of_a_spin(tmp_path, name):
+    """160 bytes, but for the few slots at the ends."""
+    spec = lattice("big", "cubic(n, n, n, periodic)", 20, "n*n*n") if name == "cubic 20" else SPECS[name]
+    for file, text in generate(spec, amalgamate=True).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "main.c").write_text(f'#include <stdio.h>\n#include "{spec.name}.c"\nint main(void) {{\n  {spec.name}_state s;\n  smg_params p;\n'
+                                     f"  {spec.name}_defaults(&p);\n  smg_sizes(&s.c, &p);\n"
+                                     '  printf("%g\\n", (double)sizeof(smg_real) * (double)smg_row_layout(&s, NULL) / (double)smg_sites(&s.c));\n  return 0;\n}\n')
+    subprocess.run(["gcc", "-Wno-psabi", "-I.", "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    sites = 8000 if name == "cubic 20" else 601
+    assert float(subprocess.run(["./main"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout) <= 160 + 8 * 9 * 3 * 32 / sites
+
+
 @pytest.mark.parametrize("name, why", [("index", "0.1*i*w[i].x"), ("cubed", "w[i].z^3")])
 def test_what_rows_are_not_for(name, why):
     spec = lattice("general", "chain(n, periodic)", 16, "n", EXCHANGE + FIELD.replace(re.search('energy = "(.*)"', FIELD)[1], why))

@@ -34,7 +34,11 @@ static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
 static inline void smg_choose_rows(smg_state *s) {
   const smg_real h = smg_signed_h(s->h), field = smg_row_field(&s->c, h);
   s->row_bound = smg_row_factor(&s->c, h);
+#if SMG_TANGENT
+  s->rows = 0; /* its matrix stands in the other arrays */
+#else
   s->rows = s->row_bound <= SMG_ROW_BOUND;
+#endif
   s->row_strong = field > SMG_ROW_STRONG;
   s->row_stretched = 36 * field > 1; /* |h b| > 1/3 may be, as in smg_end_site */
 }

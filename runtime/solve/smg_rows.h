@@ -69,19 +69,20 @@ static inline int64_t smg_slot(const smg_coefficients *c, int64_t sub, int64_t s
 static inline void smg_row_place(const smg_coefficients *c, smg_lattice_row *at) {
   at->sub = smg_place(at->colour, at->rank);
   at->first = smg_left(SMG_TURN_0 * (at->colour - smg_colour_of(at->sub, 0, at->s1, at->s2, at->s3)), SMG_ROW_STEP);
-  at->sites = (smg_cells(c, 0) - at->first + SMG_ROW_STEP - 1) / SMG_ROW_STEP;
-  at->start = smg_row_start(c, at->colour, at->sub, at->s1, at->s2, at->s3);
+  at->sites = smg_down(smg_cells(c, 0) - at->first + SMG_ROW_STEP - 1, SMG_ROW_STEP);
 }
 
 static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t colour) {
   smg_lattice_row at = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   at.colour = colour;
+  at.start = colour * smg_colour_slots(c);
   smg_row_place(c, &at);
   return at;
 }
 
-/* The next row of the colour; after the last one, that has the rank SMG_RANKS. */
+/* The next row of the colour, which begins where this one ends; after the last one, that has the rank SMG_RANKS. */
 static inline void smg_next_row(const smg_coefficients *c, smg_lattice_row *at) {
+  at->start += smg_row_length(c);
   if (++at->s1 == smg_cells(c, 1)) {
     at->s1 = 0;
     if (++at->s2 == smg_cells(c, 2)) {

@@ -6,6 +6,7 @@ energy whose terms are the same in every cell.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 
 import sympy as sp
 
@@ -19,6 +20,7 @@ from ..plan.colouring import Colouring, colouring
 from .lanes import in_lanes, named
 from .sweeps import row_sums
 
+KNOWN = 100     # kinds of rows whose neighbours are kept at hand: with six of them 24 KB
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
@@ -47,11 +49,11 @@ class Rows:
 
 
 def rows(model, low):
-    """`Rows`, or None where they do not serve."""
+    """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
     f = model.families[0]
     if len(model.families) > 1 or not model.plan.rotation or model.plan.coupled != (f.name,) or not model.method.onto_leaf:
         return None
-    if set(model.features) - {"plain-sums"} or model.method.stages > 1 or model.reach is None or f.kind != "sphere":
+    if "extended" in model.features or model.method.stages > 1 or model.reach is None or f.kind != "sphere":
         return None
     if index_names(f.family.kappa) or f.radius.values or index_names(f.family.radius) or f.kappa.values:
         return None
@@ -77,7 +79,13 @@ def fits(found: Rows, lattices) -> bool:
     even = found.step > 1 or all(len(found.places(k)) == found.ranks for k in range(c.colours))
     near = all(abs(a[1][0] - b[1][0]) <= REACH * found.step for over in lattices for bond in over.bonds for a in bond for b in bond)
     based = all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
-    return c.colours > 1 and even and near and based
+    return c.colours > 1 and even and near and based and known_rows(found, lattices) <= KNOWN
+
+
+def known_rows(found: Rows, lattices) -> int:
+    """SMG_KNOWN of smg_rows.h."""
+    reach = [max(abs(a[1][d] - b[1][d]) for over in lattices for bond in over.bonds for a in bond for b in bond) for d in range(1, len(found.over.size))]
+    return found.colours.colours * found.ranks * found.step * prod(2 * r + 1 for r in reach)
 
 
 def rest_field(model, low, f):
@@ -130,7 +138,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_BY_ROWS": 1, "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_BY_ROWS": 1, "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
@@ -185,7 +193,8 @@ def row_part(model, sub: int) -> tuple:
     own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Index("first") + Index("j"), Name("own"))))
     body = (Zeros("sum", 3), *own, *terms, Call("smg_put_slots", (Name("g"), Name("SMG_PIECE_ROOM"), Index("j") - Index("from"), Name("sum"))))
     starts = [Let(f"start{n}", START + Index(f"b[{n}].start")) for n in range(len(beside))]
-    return (Let("pitch", Call("smg_pitch", (Name("c"),))), Let("first", START), Let("sites", Pointed("at", "sites")), *starts,
+    ahead = (Let("sites", Pointed("at", "sites")),) if "sites" in mentions(*body) else ()
+    return (Let("pitch", Call("smg_pitch", (Name("c"),))), Let("first", START), *ahead, *starts,
             For("j", Index("from"), Index("to"), body, step=Index("SMG_LANES")))
 
 

@@ -40,7 +40,7 @@ def settings(model: Model) -> list:
         "SMG_ONE_SITE": model.axes is not None and is_separate(model) and model.total == Whole(1),
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
     found |= row_settings(model)
-    read = {**dict.fromkeys(row_settings(model), True),
+    read = {**dict.fromkeys(set(row_settings(model)) - {"SMG_TANGENT"}, True),
             "SMG_AXES": model.axes is not None, "SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 
