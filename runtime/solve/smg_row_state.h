@@ -111,7 +111,7 @@ static void smg_to_sites(const smg_state *s, const smg_real *slots, smg_real *si
 static void smg_fill_empty_slots(const smg_state *s) {
   const smg_coefficients *c = &s->c;
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, &at))
+    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, smg_row_length(c), &at))
       for (int64_t k = at.sites; k < smg_row_length(c); ++k) s->row_w[2 * smg_pitch(c) + at.start + k] = smg_radius(c, 0);
 }
 

@@ -58,7 +58,7 @@ static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, s
     piece->from = to;
     if (to < length) break;
     piece->from = 0;
-    smg_next_row(c, &piece->at);
+    smg_next_row(c, length, &piece->at);
   }
   return piece->size > 0;
 }

@@ -26,9 +26,10 @@ static inline int64_t smg_shift(int64_t sub);
 static inline int64_t smg_rank(int64_t sub);
 static inline int64_t smg_place(int64_t colour, int64_t rank);
 
-/* One row: its colour, place and cells; s0 of its first site, how many there are, and the slot of the first. */
+/* One row: its colour, place and cells; s0 of its first site, how many there are, and the slot of the first; kind: that of all rows with these
+ * s2 and s3. */
 typedef struct smg_lattice_row {
-  int64_t colour, rank, sub, s1, s2, s3, first, sites, start;
+  int64_t colour, rank, sub, s1, s2, s3, first, sites, start, kind;
 } smg_lattice_row;
 
 /* a/n rounded down and what is left, for |a| < 2^40 n and a known n > 0. */
@@ -65,35 +66,53 @@ static inline int64_t smg_slot(const smg_coefficients *c, int64_t sub, int64_t s
   return smg_row_start(c, smg_colour_of(sub, s0, s1, s2, s3), sub, s1, s2, s3) + s0 / SMG_ROW_STEP;
 }
 
+/* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d of an end, and
+ * else not. */
+#define SMG_KINDS(reach) (2 * (reach) + 1)
+#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_KINDS(SMG_REACH_1) * SMG_ROW_STEP)
+SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) { return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach); }
+
+SMG_INLINE int64_t smg_sites_from(const smg_coefficients *c, int64_t first) { return smg_down(smg_cells(c, 0) - first + SMG_ROW_STEP - 1, SMG_ROW_STEP); }
+
 /* What follows from the place of a row: weights . cell + shift = colour. SMG_TURN_0 undoes the weight of s0. */
 static inline void smg_row_place(const smg_coefficients *c, smg_lattice_row *at) {
   at->sub = smg_place(at->colour, at->rank);
   at->first = smg_left(SMG_TURN_0 * (at->colour - smg_colour_of(at->sub, 0, at->s1, at->s2, at->s3)), SMG_ROW_STEP);
-  at->sites = smg_down(smg_cells(c, 0) - at->first + SMG_ROW_STEP - 1, SMG_ROW_STEP);
+  at->sites = smg_sites_from(c, at->first);
+  at->kind = (at->colour * SMG_RANKS + at->rank) * SMG_KINDS(SMG_REACH_3) + smg_kind_of_cell(at->s3, smg_cells(c, 3), SMG_REACH_3);
+  at->kind = at->kind * SMG_KINDS(SMG_REACH_2) + smg_kind_of_cell(at->s2, smg_cells(c, 2), SMG_REACH_2);
 }
 
 static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t colour) {
-  smg_lattice_row at = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+  smg_lattice_row at = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   at.colour = colour;
   at.start = colour * smg_colour_slots(c);
   smg_row_place(c, &at);
   return at;
 }
 
-/* The next row of the colour, which begins where this one ends; after the last one, that has the rank SMG_RANKS. */
-static inline void smg_next_row(const smg_coefficients *c, smg_lattice_row *at) {
-  at->start += smg_row_length(c);
-  if (++at->s1 == smg_cells(c, 1)) {
-    at->s1 = 0;
-    if (++at->s2 == smg_cells(c, 2)) {
-      at->s2 = 0;
-      if (++at->s3 == smg_cells(c, 3)) {
-        at->s3 = 0;
-        if (++at->rank == SMG_RANKS) return;
-      }
+/* The cells after the last of direction 1; then the place. */
+static inline void smg_next_plane(const smg_coefficients *c, smg_lattice_row *at) {
+  at->s1 = 0;
+  if (++at->s2 == smg_cells(c, 2)) {
+    at->s2 = 0;
+    if (++at->s3 == smg_cells(c, 3)) {
+      at->s3 = 0;
+      if (++at->rank == SMG_RANKS) return;
     }
   }
   smg_row_place(c, at);
+}
+
+/* The next row of the colour, which begins where this one ends; after the last one, that has the rank SMG_RANKS. */
+SMG_INLINE void smg_next_row(const smg_coefficients *c, int64_t length, smg_lattice_row *at) {
+  at->start += length;
+  if (++at->s1 == smg_cells(c, 1)) {
+    smg_next_plane(c, at);
+    return;
+  }
+  at->first = smg_left(at->first - SMG_TURN_0 * SMG_WEIGHT_1, SMG_ROW_STEP);
+  at->sites = smg_sites_from(c, at->first);
 }
 
 /* The sites beside those of a row, at one distance: that beside the j-th stands `start` slots after its first, and j more, for
@@ -163,9 +182,7 @@ SMG_INLINE void smg_only_within(const smg_beside *b, int64_t j, const smg_lanes 
 /* What stands beside a row, by all terms: as the model says. */
 static inline void smg_all_beside(const smg_coefficients *c, const smg_lattice_row *at, smg_beside *b);
 
-/* The same from memory. Along a direction it depends on the cell alone where that is within SMG_REACH_d of an end, and else not. */
-#define SMG_KINDS(reach) (2 * (reach) + 1)
-#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_ROW_STEP * SMG_KINDS(SMG_REACH_1) * SMG_KINDS(SMG_REACH_2) * SMG_KINDS(SMG_REACH_3))
+/* The same from memory, for rows of every kind. */
 typedef struct smg_besides {
   smg_beside rows[SMG_KNOWN][SMG_BESIDES];
   int known[SMG_KNOWN];
@@ -175,16 +192,12 @@ static inline void smg_forget_besides(smg_besides *all) {
   for (int k = 0; k < SMG_KNOWN; ++k) all->known[k] = 0;
 }
 
-/* The kind of the cell s of n. */
-SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) { return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach); }
-
-static inline const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {
-  int64_t kind = (at->colour * SMG_RANKS + at->rank) * SMG_ROW_STEP + at->first;
-  kind = kind * SMG_KINDS(SMG_REACH_1) + smg_kind_of_cell(at->s1, smg_cells(c, 1), SMG_REACH_1);
-  kind = kind * SMG_KINDS(SMG_REACH_2) + smg_kind_of_cell(at->s2, smg_cells(c, 2), SMG_REACH_2);
-  kind = kind * SMG_KINDS(SMG_REACH_3) + smg_kind_of_cell(at->s3, smg_cells(c, 3), SMG_REACH_3);
-  if (!all->known[kind]) smg_all_beside(c, at, all->rows[kind]);
-  all->known[kind] = 1;
+SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {
+  const int64_t kind = (at->kind * SMG_KINDS(SMG_REACH_1) + smg_kind_of_cell(at->s1, smg_cells(c, 1), SMG_REACH_1)) * SMG_ROW_STEP + at->first;
+  if (!all->known[kind]) {
+    smg_all_beside(c, at, all->rows[kind]);
+    all->known[kind] = 1;
+  }
   return all->rows[kind];
 }
 
