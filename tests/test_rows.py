@@ -148,8 +148,7 @@ def test_large_steps_go_the_general_way(monkeypatch):
 
 def test_a_tolerance_is_kept(monkeypatch):
     spec = SPECS["cubic"]
-    model = built(monkeypatch, spec).start("random", h=0.05)
-    model.set_tolerance(1e-9)
+    model = built(monkeypatch, spec).start("random", h=0.05, tolerance=1e-9)
     witness, w = Witness(spec), model.w.copy()
     for _ in range(6):
         after = model.steps(1).w.copy()
@@ -160,7 +159,6 @@ def test_a_tolerance_is_kept(monkeypatch):
 
 def test_a_tiny_component_keeps_its_own_rate(monkeypatch):
     """All spins along z but for 1e-300: what is tiny solves the linear step of its own, to its own digits."""
-    spec = SPECS["ring of 16"]
     spec = lattice("ring", "chain(n, periodic)", 16, "n", EXCHANGE)
     w = np.zeros((16, 3))
     w[:, 2], tiny = 1, np.random.default_rng(3).uniform(-1, 1, (16, 2))

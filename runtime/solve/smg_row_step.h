@@ -6,11 +6,12 @@
 
 #define SMG_ROW_PASSES 2000 /* of colours: 0.9^k is round-off after 350 sweeps */
 
-/* Where a ring is no multiple of the colours, sites of the first colour meet across its seam: they begin from w. */
+/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other across the seam of a
+ * ring that is no multiple of the colours. */
 static void smg_begin_first_colour(smg_state *s) {
   const smg_coefficients *c = &s->c;
   const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
-  int clash = 0;
+  int clash = SMG_OWN_FIELD;
   for (int d = 0; d < 4; ++d) clash = clash || ((SMG_RINGS >> d & 1) && weights[d] * smg_cells(c, d) % SMG_COLOURS > 0);
   for (int k = 0; clash && k < 3; ++k)
     for (int64_t j = 0; j < smg_colour_slots(c); ++j) s->row_m[k * smg_pitch(c) + j] = s->row_w[k * smg_pitch(c) + j];
@@ -70,7 +71,10 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int stretched, smg_real we
   const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
   for (int k = 0; k < 3; ++k) e[k] = w[k] + (smg_real)0.5 * u[k] - rho * m[k];
   smg_lanes square = smg_lane_dot(e, e);
-  if (in < SMG_LANES) square = smg_lane_select(smg_lane_below(in), square, none);
+  if (in < SMG_LANES) { /* what is no site of the piece: 0, in empty slots to stay */
+    square = smg_lane_select(smg_lane_below(in), square, none);
+    for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
+  }
   *most = smg_lane_max(*most, square);
   smg_put_slots(turn.u, turn.pitch, slot, u);
 }

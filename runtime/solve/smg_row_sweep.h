@@ -184,7 +184,7 @@ static inline void smg_rest_take(smg_rest *rest, smg_real change, int still) {
   const smg_real rate = rest->now < SMG_MAX && change < rest->now ? change / rest->now : 1;
   rest->left = still ? smg_min(change, rest->rate * rest->now) : change;
   if (!still || rest->now >= SMG_MAX || rest->rate >= 1) rest->rate = rate;
-  rest->stays = still && rate >= SMG_SLOWED;
+  rest->stays = still && rest->now < SMG_MAX && rate >= SMG_SLOWED;
   rest->now = change;
 }
 
