@@ -74,12 +74,13 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
 /* A visit of all sites: their number and their slot. */
 typedef void smg_slot_visit(void *context, int64_t site, int64_t slot);
 SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot_visit *visit) {
-  int64_t site = 0;
-  for (int64_t s3 = 0; s3 < smg_cells(c, 3); ++s3)
-    for (int64_t s2 = 0; s2 < smg_cells(c, 2); ++s2)
-      for (int64_t s1 = 0; s1 < smg_cells(c, 1); ++s1)
-        for (int64_t s0 = 0; s0 < smg_cells(c, 0); ++s0)
-          for (int64_t sub = 0; sub < SMG_PLACES; ++sub) visit(context, site++, smg_slot(c, sub, s0, s1, s2, s3));
+  const int64_t length = smg_row_length(c);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
+    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at)) {
+      const int64_t cell = ((at.s3 * smg_cells(c, 2) + at.s2) * smg_cells(c, 1) + at.s1) * smg_cells(c, 0) + at.first, site = cell * SMG_PLACES + at.sub;
+      const int64_t sites = at.sites, start = at.start;
+      for (int64_t j = 0; j < sites; ++j) visit(context, site + SMG_ROW_STEP * SMG_PLACES * j, start + j);
+    }
 }
 
 /* Vectors between an array by sites and one by slots: from one to the other. */
@@ -107,19 +108,22 @@ static void smg_to_sites(const smg_state *s, const smg_real *slots, smg_real *si
   smg_each_slot(&s->c, &all, smg_slot_to_site);
 }
 
-/* Empty slots hold a spin that nothing turns. */
+/* Empty slots at the ends of rows hold a spin that nothing turns; those at the end of a colour have increments 0. */
 static void smg_fill_empty_slots(const smg_state *s) {
   const smg_coefficients *c = &s->c;
-  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, smg_row_length(c), &at))
-      for (int64_t k = at.sites; k < smg_row_length(c); ++k) s->row_w[2 * smg_pitch(c) + at.start + k] = smg_radius(c, 0);
+  const int64_t length = smg_row_length(c), pitch = smg_pitch(c);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
+    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
+      for (int64_t k = at.sites; k < length; ++k) s->row_w[2 * pitch + at.start + k] = smg_radius(c, 0);
+    for (int64_t k = smg_rows(c) * length; k < smg_colour_slots(c); ++k)
+      for (int b = 0; b < 3; ++b) s->row_u[b * pitch + colour * smg_colour_slots(c) + k] = 0;
+  }
 }
 
 /* w into slots, and back. */
 static void smg_enter_rows(smg_state *s) {
   smg_to_slots(s, s->w, s->row_w);
   smg_fill_empty_slots(s);
-  for (int64_t k = 0; k < smg_array_size(&s->c); ++k) s->row_u[k - SMG_BEFORE] = 0; /* its empty slots, too */
 }
 static void smg_leave_rows(smg_state *s) { smg_to_sites(s, s->row_w, s->w); }
 

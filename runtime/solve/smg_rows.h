@@ -61,11 +61,6 @@ static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, i
   return colour * smg_colour_slots(c) + row * smg_row_length(c);
 }
 
-/* The slot of a site. */
-static inline int64_t smg_slot(const smg_coefficients *c, int64_t sub, int64_t s0, int64_t s1, int64_t s2, int64_t s3) {
-  return smg_row_start(c, smg_colour_of(sub, s0, s1, s2, s3), sub, s1, s2, s3) + s0 / SMG_ROW_STEP;
-}
-
 /* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d of an end, and
  * else not. */
 #define SMG_KINDS(reach) (2 * (reach) + 1)
