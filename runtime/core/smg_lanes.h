@@ -25,18 +25,21 @@
 
 #if SMG_LANES == 1
 
-typedef smg_real smg_lanes;
+typedef smg_real smg_lanes, smg_lanes_anywhere;
 typedef int smg_lane_mask;
 
 SMG_INLINE smg_lanes smg_lane_abs(smg_lanes a) { return smg_abs(a); }
 SMG_INLINE smg_lane_mask smg_lane_all(int test) { return test; }
 SMG_INLINE smg_lane_mask smg_lane_not(smg_lane_mask test) { return !test; }
 SMG_INLINE smg_lanes smg_lane_select(smg_lane_mask test, smg_lanes a, smg_lanes b) { return test ? a : b; }
+SMG_INLINE smg_lane_mask smg_lane_below(int64_t n) { return n > 0; }
 
 #else
 
 typedef smg_real smg_lanes __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
+typedef smg_lanes smg_lanes_anywhere __attribute__((aligned(sizeof(smg_real))));
 typedef int64_t smg_lane_mask __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
+typedef uint64_t smg_lane_bits __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
 
 /* a without its signs. */
 SMG_INLINE smg_lanes smg_lane_abs(smg_lanes a) { return (smg_lanes)((smg_lane_mask)a & INT64_MAX); }
@@ -53,15 +56,69 @@ SMG_INLINE smg_lanes smg_lane_select(smg_lane_mask test, smg_lanes a, smg_lanes 
   return (smg_lanes)((test & (smg_lane_mask)a) | (~test & (smg_lane_mask)b));
 }
 
+/* The lanes 0 .. n - 1. */
+SMG_INLINE smg_lane_mask smg_lane_below(int64_t n) {
+  static const int64_t number[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  smg_lane_mask own;
+  for (int l = 0; l < SMG_LANES; ++l) own[l] = number[l];
+  return (smg_lane_mask)(own < n);
+}
+
+#endif
+
+/* Arrays begin where lines of the cache do, for the sake of speed alone. */
+#if defined(__GNUC__)
+#define SMG_LINES __attribute__((aligned(64)))
+#else
+#define SMG_LINES
 #endif
 
 SMG_INLINE smg_lanes smg_lane_load(const smg_real *a) { return *(const smg_lanes *)a; }
 SMG_INLINE void smg_lane_store(smg_real *a, smg_lanes x) { *(smg_lanes *)a = x; }
 
+/* The same where a may be any number of an array. */
+SMG_INLINE smg_lanes smg_lane_take(const smg_real *a) { return *(const smg_lanes_anywhere *)a; }
+SMG_INLINE void smg_lane_put(smg_real *a, smg_lanes x) { *(smg_lanes_anywhere *)a = x; }
+
 /* x in every lane; x - 0 has the bits of x. */
 SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
   const smg_lanes zero = {0};
   return x - zero;
+}
+
+/* Numbers of the same exponents as 1/sqrt(x) and 1/x, from the bits of x > 0: off by at most 3.4 and 13 %. C. Lomont, "Fast inverse
+ * square root" (2003); of numbers other than doubles, and where lanes are no vectors of them, sqrt and / say it. */
+#if defined(SMG_LONG_DOUBLE) || defined(SMG_QUAD)
+SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) { return 1 / SMG_MATH(sqrt)(x); }
+SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) { return 1 / x; }
+#else
+#if SMG_LANES == 1
+typedef union smg_lane_union {
+  smg_real number;
+  uint64_t bits;
+} smg_lane_union;
+SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) {
+  smg_lane_union both;
+  both.number = x;
+  both.bits = from - (both.bits >> shift);
+  return both.number;
+}
+#else
+SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) { return (smg_lanes)(from - ((smg_lane_bits)x >> shift)); }
+#endif
+SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) { return smg_lane_of_bits(UINT64_C(0x5fe6eb50c7b537a9), x, 1); }
+SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) { return smg_lane_of_bits(UINT64_C(0x7fde623822fc16e6), x, 0); }
+#endif
+
+/* 1/sqrt(x) to two ulps, by + and * alone, so that every width has its bits: y (1 - r)^(-1/2) with r = 1 - x y^2, to the third power of r.
+ * An error e of y becomes 4.4 e^4: 3.4e-2, 6e-6, 6e-21. */
+SMG_INLINE smg_lanes smg_lane_inverse_root(smg_lanes x) {
+  smg_lanes y = smg_lane_rough_inverse_root(x);
+  for (int k = 0; k < 2; ++k) {
+    const smg_lanes r = 1 - x * y * y;
+    y += y * r * ((smg_real)0.5 + r * ((smg_real)0.375 + r * (smg_real)0.3125));
+  }
+  return y;
 }
 
 /* The larger; b where either is not a number. */

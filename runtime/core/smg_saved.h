@@ -34,6 +34,29 @@ static inline int smg_newton_steps(const smg_state *s) { return (void)s, 0; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) { (void)s, (void)steps; }
 #endif
 
+/* What a step has lost to rounding, and the increments before it, site by site. */
+static void smg_save_sites(const smg_state *s, smg_real *lost, smg_real *past) {
+#if SMG_BY_ROWS
+  if (s->rows) {
+    smg_save_rows(s, lost, past);
+    return;
+  }
+#endif
+  smg_copy(lost, s->compensation, (size_t)(3 * smg_sites(&s->c)));
+  smg_save_history(s, past);
+}
+
+static void smg_restore_sites(smg_state *s, const smg_real *lost, const smg_real *past) {
+#if SMG_BY_ROWS
+  if (s->rows) {
+    smg_restore_rows(s, lost, past);
+    return;
+  }
+#endif
+  smg_copy(s->compensation, lost, (size_t)(3 * smg_sites(&s->c)));
+  smg_restore_history(s, past);
+}
+
 static void smg_save_state(const smg_state *s, smg_real *out) {
   const size_t n3 = (size_t)(3 * smg_sites(&s->c));
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c.p);
@@ -48,8 +71,7 @@ static void smg_save_state(const smg_state *s, smg_real *out) {
   out[SMG_SAVED_SCALE] = s->scale;
   out[SMG_SAVED_TOLERANCE] = s->tolerance;
   smg_copy(out + SMG_SAVED_HEAD, s->w, n3);
-  smg_copy(out + SMG_SAVED_HEAD + n3, s->compensation, n3);
-  smg_save_history(s, out + smg_saved_past(&s->c));
+  smg_save_sites(s, out + SMG_SAVED_HEAD + n3, out + smg_saved_past(&s->c));
 }
 
 static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
@@ -87,9 +109,12 @@ static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
   smg_wide_prepare(&s->wide, &s->c);
 #endif
   smg_set_newton_steps(s, (int)in[SMG_SAVED_NEWTON_STEPS]);
+#if SMG_BY_ROWS
+  smg_choose_rows(s);
+  smg_clear_arrays(s, s->w); /* w is the first of them */
+#endif
   smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
-  smg_copy(s->compensation, in + SMG_SAVED_HEAD + n3, n3);
-  smg_restore_history(s, in + smg_saved_past(&s->c));
+  smg_restore_sites(s, in + SMG_SAVED_HEAD + n3, in + smg_saved_past(&s->c));
   return SMG_OK;
 }
 

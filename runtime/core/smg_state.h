@@ -37,9 +37,20 @@ static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t use
   return used + size;
 }
 
+#if SMG_BY_ROWS
+#include "smg_row_state.h"
+#endif
+
+/* Bytes, whatever the way of its steps. */
 static inline size_t smg_memory(const smg_params *p) {
   smg_state s;
   smg_sizes(&s.c, p);
+#if SMG_BY_ROWS
+  s.rows = 1;
+  const size_t by_rows = smg_layout(&s, NULL);
+  s.rows = 0;
+  if (by_rows > smg_layout(&s, NULL)) return sizeof(smg_real) * by_rows;
+#endif
   return sizeof(smg_real) * smg_layout(&s, NULL);
 }
 
@@ -112,7 +123,16 @@ static void smg_blank(smg_state *s, const smg_params *p, double t0, double h) {
   s->scale = 0;
   s->tolerance = (smg_real)SMG_TOLERANCE;
   s->c.h = smg_signed_h(h);
+#if SMG_BY_ROWS
+  s->rows = 0;
+#endif
   smg_blank_history(s);
+}
+
+/* All arrays, empty. */
+static void smg_clear_arrays(smg_state *s, smg_real *mem) {
+  const size_t used = smg_layout(s, mem);
+  for (size_t k = 0; k < used; ++k) mem[k] = 0;
 }
 
 static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0, double h) {
@@ -126,8 +146,10 @@ static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, 
 #endif
   s->report.status = smg_check_sites(&s->c);
   if (s->report.status != SMG_OK) return s->report.status;
-  const size_t used = smg_layout(s, (smg_real *)mem);
-  for (size_t k = 0; k < used; ++k) ((smg_real *)mem)[k] = 0;
+#if SMG_BY_ROWS
+  smg_choose_rows(s);
+#endif
+  smg_clear_arrays(s, (smg_real *)mem);
   for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->w[k] = w[k];
   return s->report.status = smg_check_start(s);
 }

@@ -7,6 +7,9 @@
 /* count steps, or fewer: the first that fails is the last. */
 static smg_status smg_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
+#if SMG_BY_ROWS
+  if (s->rows) return smg_row_steps(s, count);
+#endif
   while (count-- > 0 && status == SMG_OK) status = smg_step(s);
   return status;
 }

@@ -13,6 +13,9 @@
 #if SMG_SWEPT
 #include "smg_sweep.h"
 #endif
+#if SMG_BY_ROWS
+#include "smg_row_step.h"
+#endif
 #endif
 #if SMG_HAS_ALONE
 #include "smg_alone.h"
@@ -98,6 +101,9 @@ static smg_status smg_advance(smg_state *s, smg_real h) {
 
 #if !SMG_COMPOSED
 static smg_status smg_step(smg_state *s) {
+#if SMG_BY_ROWS
+  if (s->rows) return smg_row_steps(s, 1);
+#endif
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
 #endif

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..lower.code import Argument, Assign, Call, Function, Member, Name, Return, Unary, Variable
+from ..lower.code import Argument, Assign, Call, Function, If, Member, Name, Return, Unary, Variable
 from ..lower.integers import ZERO, Computed, Int, times, whole
 from .sums import held
 
@@ -112,6 +112,7 @@ def layout(model) -> Function:
     used = Name("used")
     placed = [Assign(used, Call("smg_place_array", (Unary("&", Member("s", b.name)), Name("mem"), used, Unary("(size_t)", b.size))))
               for b in buffers(model)]
+    by_rows = (If((Member("s", "rows"),), (Return(Call("smg_row_layout", (Name("s"), Name("mem")))),)),) if model.in_rows else ()
     last = used if model.solo or not model.method.of_midpoints else Call("smg_place_history", (Name("s"), Name("mem"), used))
     return Function("size_t", "smg_layout", (Argument("smg_state *", "s"), Argument("smg_real *", "mem")),
-                    (*held(placed, "c", "smg_coefficients"), Variable("size_t", "used", ZERO), *placed, Return(last)), inlined="never")
+                    (*held(placed, "c", "smg_coefficients"), *by_rows, Variable("size_t", "used", ZERO), *placed, Return(last)), inlined="never")

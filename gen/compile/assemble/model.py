@@ -17,6 +17,7 @@ from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
 from .pairs import pair_kernels
+from .rows import rows
 from .solo import solo_kernels
 from .sweeps import reach
 from .wide import wide_kernels
@@ -26,7 +27,7 @@ class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
     families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None;
-    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach: bounds of the rows of the Hessian, or None.
+    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach: bounds of the rows of the Hessian, or None; in_rows: of a lattice in lanes, or None.
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=()):
@@ -40,6 +41,7 @@ class Model:
         self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
         self.loops = Loops(low, lambda family: self.by_name[family].count)
         self.reach = reach(self, low) if plan.rotation else None
+        self.in_rows = rows(self, low)
         self.solo = solo_kernels(self, low)
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None

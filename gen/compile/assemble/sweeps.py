@@ -1,4 +1,4 @@
-"""Visits of every coupled site in the order of a sweep, and a bound that shows a contraction."""
+"""Visits of every coupled site in the order of a sweep, and bounds of a row that show a contraction."""
 from __future__ import annotations
 
 import sympy as sp
@@ -46,23 +46,25 @@ def visit_family(model, f, coloured: bool) -> tuple:
 
 
 def reach(model, low):
-    """Family -> sum of the norms of the Hessian blocks in a row, where they are the same for all sites; else None."""
+    """Family -> sum of bounds on the norms of the Hessian blocks in a row, where they are the same for all sites; else None."""
     if any(f.kind == "nambu" for f in model.coupled):
         return None
-    found = {}
-    for f in model.coupled:
-        rows = [0] * max([over.sites for over in model.lattices(f.name)] or [1])
-        for t, k in model.roles(f.name):
-            norm = block_norm(low, t, k)
-            if norm is None:
-                return None
-            for sub, times_seen in meetings(t, k, len(rows)):
-                rows[sub] += times_seen * norm
-        kernel = low.kernel(rows, {})
-        if kernel.values:
+    found = {f.name: row_sums(model, low, f, lambda t, k: block_norm(low, t, k)) for f in model.coupled}
+    return None if None in found.values() else found
+
+
+def row_sums(model, low, f, norm):
+    """Sum of norm(term, slot) over the terms that a site feels; of a lattice of several places in a cell the sum over them; None where a
+    norm is."""
+    rows = [0] * max([over.sites for over in model.lattices(f.name)] or [1])
+    for t, k in model.roles(f.name):
+        one = norm(t, k)
+        if one is None:
             return None
-        found[f.name] = added(dict.fromkeys(kernel.results))
-    return found
+        for sub, times_seen in meetings(t, k, len(rows)):
+            rows[sub] += times_seen * one
+    kernel = low.kernel(rows, {})
+    return None if kernel.values else added(dict.fromkeys(kernel.results))
 
 
 def added(values):
@@ -74,7 +76,7 @@ def added(values):
 
 
 def block_norm(low, t, k):
-    """Frobenius norm of the row of Hessian blocks of slot k, if no site enters it."""
+    """A bound on the norms of the Hessian blocks in the row of slot k, if no site enters them."""
     if not isinstance(t.over, (Lattice, Sites)):
         return None
     total_norm = sp.S.Zero
@@ -83,8 +85,21 @@ def block_norm(low, t, k):
             values = [low.number_values(x) for x in block]
             if any(low.when(x) > CLOCK for x in values):
                 return None
-            total_norm += sp.sqrt(sum(x ** 2 for x in values))
+            total_norm += spectral_bound(sp.Matrix(3, 3, values))
     return total_norm
+
+
+def spectral_bound(block):
+    """A bound on the spectral norm: of the symmetric part, which is exact for multiples of I, Frobenius elsewhere; and exact of the
+    antisymmetric one."""
+    even, odd = (block + block.T) / 2, (block - block.T) / 2
+    return even_bound(even.applyfunc(sp.expand)) + sp.sqrt(sum(x.expand() ** 2 for x in (odd[0, 1], odd[0, 2], odd[1, 2])))
+
+
+def even_bound(block):
+    if block == block[0, 0] * sp.eye(3):
+        return sp.Abs(block[0, 0])
+    return sp.sqrt(sum(x ** 2 for x in block))
 
 
 def meetings(t, k: int, subs: int):

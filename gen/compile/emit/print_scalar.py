@@ -49,6 +49,9 @@ class Scalar:
     def show_field(self, n):
         return f"{n.of}.{n.name}", ATOM
 
+    def show_pointed(self, n):
+        return f"{n.of}->{n.name}", ATOM
+
     def show_size(self, n):
         return f"c->{n.name}", ATOM
 
@@ -185,7 +188,7 @@ class Scalar:
     def do_for(self, s):
         if s.step == -1:
             return block(f"for (int64_t {s.index} = {self(s.end)}; {s.index}-- > {self(s.start)};)", self.lines(s.body))
-        step = f"++{s.index}" if s.step == 1 else f"{s.index} += {s.step}"
+        step = f"++{s.index}" if s.step == 1 else f"{s.index} += {s.step if isinstance(s.step, int) else self(s.step)}"
         return block(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", self.lines(s.body))
 
     def do_if(self, s):

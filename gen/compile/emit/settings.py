@@ -5,10 +5,12 @@ from ..assemble.axes import axes_in_use, is_separate
 from ..assemble.buffers import history, stages_kept
 from ..assemble.lanes import has_lanes
 from ..assemble.model import Model
+from ..assemble.rows import row_settings
 from ..lower.integers import Whole
 from .print_wide import elementary
 
 FEW = 4      # sites of which each gets its own copy of a loop's body: with two a step takes 6 or 7 % fewer instructions, with three 0.5 %
+MOST_LANES = 8      # of a row: the widest registers there are
 MATRICES = {"dense": "smg_matrix_dense.h", "band": "smg_matrix_band.h", "sparse": "smg_matrix_sparse.h"}
 
 
@@ -33,18 +35,29 @@ def settings(model: Model) -> list:
         "SMG_EXTENDED": model.wide is not None, "SMG_PLAIN_SUMS": "plain-sums" in model.features,
         "SMG_WIDE_TIMED": model.wide is not None and model.wide.coefficients.timed,
         "SMG_COMPOSED": model.method.stages if model.method.stages > 1 else 0, "SMG_STAGES_KEPT": stages_kept(model),
-        "SMG_HAS_LANES": has_lanes(model), "SMG_MOST_LANES": model.method.lanes if has_lanes(model) else 0,
+        "SMG_HAS_LANES": in_lanes(model), "SMG_MOST_LANES": most_lanes(model),
         "SMG_AXES": axes_in_use(model) if model.axes else 0, "SMG_SEPARATE": model.axes is not None and is_separate(model),
         "SMG_ONE_SITE": model.axes is not None and is_separate(model) and model.total == Whole(1),
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
-    read = {"SMG_AXES": model.axes is not None, "SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
+    found |= row_settings(model)
+    read = {**dict.fromkeys(set(row_settings(model)) - {"SMG_TANGENT"}, True),
+            "SMG_AXES": model.axes is not None, "SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 
 
 def headers(model: Model) -> list:
     """What the functions of the model are written with."""
     return ["smg_model.h", *(["smg_vec.h"] if model.solo else []), *(["smg_wide_math.h"] if takes_wide_functions(model) else []),
-            *(["smg_lanes.h"] if has_lanes(model) else [])]
+            *(["smg_lanes.h"] if has_lanes(model) else []), *(["smg_rows.h"] if model.in_rows else [])]
+
+
+def in_lanes(model: Model) -> bool:
+    """Are lanes used at all: of states, or of the sites of a row?"""
+    return has_lanes(model) or model.in_rows is not None
+
+
+def most_lanes(model: Model) -> int:
+    return model.method.lanes if has_lanes(model) else MOST_LANES if model.in_rows else 0
 
 
 def takes_wide_functions(model: Model) -> bool:

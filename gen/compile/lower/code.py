@@ -234,7 +234,7 @@ class For(Block):
     start: Int
     end: Int
     body: tuple
-    step: int = 1
+    step: int | Int = 1
     over: str = "sites"
 
     def names(self):

@@ -69,6 +69,16 @@ class Field(Int):
 
 
 @dataclass(frozen=True)
+class Pointed(Int):
+    """A member of a struct that is pointed to."""
+    of: str
+    name: str
+
+    def names(self):
+        return (self.of,)
+
+
+@dataclass(frozen=True)
 class Size(Int):
     """A size that is known at run time, computed once: a member of the coefficients."""
     name: str

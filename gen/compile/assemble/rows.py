@@ -1,0 +1,259 @@
+"""Rows of a lattice for vectors of lanes: where sites stand, and the gradient of a part of a row (runtime/solve/smg_rows.h).
+
+They serve one family of spheres, alone on a lattice of several colours, all alike: a constant strength and radius, and a quadratic
+energy whose terms are the same in every cell.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import prod
+
+import sympy as sp
+
+from ...language.spec import Lattice, Sites
+from ..derive.derivatives import switched
+from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Variable, Zeros, mentions, where
+from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
+from ..lower.kernels import COEFFICIENTS
+from ..lower.lowering import PREPARE, index_names
+from ..plan.colouring import Colouring, colouring
+from .lanes import in_lanes, named
+from .sweeps import row_sums
+
+KNOWN = 100     # kinds of rows whose neighbours are kept at hand: with six of them 24 KB
+REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The lattice, its colouring, and bounds of a row: of the field of no spins."""
+    over: Lattice
+    colours: Colouring
+    rest: object
+
+    @property
+    def step(self) -> int:
+        """Sites of a colour follow each other along direction 0 at this distance."""
+        return self.colours.colours if any(self.colours.weights) else 1
+
+    @property
+    def ranks(self) -> int:
+        """Places of a cell that a row of the lattice has in each colour."""
+        return self.over.sites if self.step > 1 else self.over.sites // self.colours.colours
+
+    def places(self, colour: int) -> list:
+        return [sub for sub in range(self.over.sites) if self.step > 1 or self.colours.shift[sub] == colour]
+
+    def rank(self, sub: int) -> int:
+        return self.places(self.colours.shift[sub]).index(sub)
+
+
+def rows(model, low):
+    """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
+    f = model.families[0]
+    if len(model.families) > 1 or not model.plan.rotation or model.plan.coupled != (f.name,) or not model.method.onto_leaf:
+        return None
+    if "extended" in model.features or model.method.stages > 1 or model.reach is None or f.kind != "sphere":
+        return None
+    if index_names(f.family.kappa) or f.radius.values or index_names(f.family.radius) or f.kappa.values:
+        return None
+    over = model.lattice(f.name)
+    if over is None or not all(alike(low, t) for t in model.effects):
+        return None
+    found = Rows(over, colouring(model.lattices(f.name)), rest_field(model, low, f))
+    return found if found.rest is not None and fits(found, model.lattices(f.name)) else None
+
+
+def alike(low, t) -> bool:
+    """Is the term the same in every cell, and its Hessian at all times?"""
+    gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
+    values = [low.number_values(x) for block in t.derived.hessian.values() for x in block]
+    if t.derived.parts or switched(t.derived):
+        return False
+    return isinstance(t.over, (Lattice, Sites)) and not set(t.over.bound) & mentions(*gradient.body) and all(low.when(x) <= PREPARE for x in values)
+
+
+def fits(found: Rows, lattices) -> bool:
+    """Several colours of equally many sites; bonds that begin in the cell of a member, and reach no further than vectors may."""
+    c = found.colours
+    even = found.step > 1 or all(len(found.places(k)) == found.ranks for k in range(c.colours))
+    near = all(abs(a[1][0] - b[1][0]) <= REACH * found.step for over in lattices for bond in over.bonds for a in bond for b in bond)
+    based = all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
+    return c.colours > 1 and even and near and based and known_rows(found, lattices) <= KNOWN
+
+
+def known_rows(found: Rows, lattices) -> int:
+    """SMG_KNOWN of smg_rows.h."""
+    reach = [max(abs(a[1][d] - b[1][d]) for over in lattices for bond in over.bonds for a in bond for b in bond) for d in range(1, len(found.over.size))]
+    return found.colours.colours * found.ranks * found.step * prod(2 * r + 1 for r in reach)
+
+
+def rest_field(model, low, f):
+    """A bound on the norm of the field where all w are 0, as `reach` is one of the Hessian; None where time or the site decides it."""
+    def norm(t, k):
+        origin = {v: 0 for vector in t.derived.vectors for v in vector}
+        values = [low.number_values(sp.sympify(x).subs(origin)) for x in t.derived.gradient[k]]
+        return None if any(low.when(x) > PREPARE for x in values) else sp.sqrt(sum(x ** 2 for x in values))
+    return row_sums(model, low, f, norm)
+
+
+# What the model says of them
+
+def row_functions(model) -> list:
+    """What runtime/solve/smg_rows.h and smg_row_state.h ask of a model."""
+    found = model.in_rows
+    if found is None:
+        return []
+    places = range(found.over.sites)
+    size = [model.low.size(n) for n in found.over.size]
+    kernels = [in_lanes(f) for t in model.effects for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    return [looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+            looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
+            looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
+            place_function(found), Function("smg_real", "smg_rest_field_norm", (COEFFICIENTS, Argument("int64_t", "k")), (Return(found.rest),), wanted=True),
+            all_beside(model), *kernels, row_gradient(model)]
+
+
+def looked_up(name: str, arguments, index: str, values, beyond=None) -> Function:
+    """The index-th of some integers."""
+    *first, last = [*values, *([beyond] if beyond is not None else [])]
+    tests = [If((compare(Index(index), "==", total(k)),), (Return(value),)) for k, value in enumerate(first) if value != last]
+    return Function("int64_t", name, arguments, (*tests, Return(last)), wanted=True)
+
+
+def place_function(found: Rows) -> Function:
+    """The place with a rank in a colour."""
+    arguments = (Argument("int64_t", "colour"), Argument("int64_t", "rank"))
+    if found.step > 1:
+        return Function("int64_t", "smg_place", arguments, (Return(Index("rank")),), wanted=True)
+    tests = [If((compare(Index("colour"), "==", total(c)), compare(Index("rank"), "==", total(r))), (Return(total(sub)),))
+             for c in range(found.colours.colours) for r, sub in enumerate(found.places(c))]
+    return Function("int64_t", "smg_place", arguments, (*tests, Return(ZERO)), wanted=True)
+
+
+def row_settings(model) -> dict:
+    """The macros of smg_rows.h."""
+    found = model.in_rows
+    if found is None:
+        return {}
+    weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
+    back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
+    return {"SMG_BY_ROWS": 1, "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
+            **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
+
+
+# The gradient of a part of a row
+
+ROW = (COEFFICIENTS, Argument("const smg_lattice_row *", "at"))
+PART = (*ROW, Argument("const smg_beside *", "b"), Argument("const smg_real *", "all"), Argument("int64_t", "from"), Argument("int64_t", "to"), Argument("smg_real *", "g"))
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Sites at one distance from those of a row: their place, the offset of their cell, and which directions close (as bits)."""
+    sub: int
+    offset: tuple
+    ring: int
+
+
+def neighbours(model, sub: int) -> list:
+    """What stands beside the sites of a place, each once."""
+    f = model.families[0]
+    found = [beside(t, bond, k, q) for t, k in model.roles(f.name) for bond in bonds_of(t, k, sub) for q in range(len(t.slots)) if q != k]
+    return list(dict.fromkeys(found))
+
+
+def all_beside(model) -> Function:
+    """b = what stands beside a row."""
+    def body(sub: int):
+        return tuple(Assign(Name(f"b[{n}]"), Call("smg_beside_row", (Name("c"), Name("at"), total(one.ring), total(one.sub), *map(total, one.offset))))
+                     for n, one in enumerate(neighbours(model, sub)))
+    return Function("void", "smg_all_beside", (*ROW, Argument("smg_beside *", "b")), by_place(model, body), wanted=True)
+
+
+def by_place(model, body_of) -> tuple:
+    """What is done in the rows of each place."""
+    bodies = [body_of(sub) for sub in range(model.in_rows.over.sites)]
+    return bodies[0] if len(bodies) == 1 else tuple(If((compare(Pointed("at", "sub"), "==", total(sub)),), body) for sub, body in enumerate(bodies))
+
+
+def row_gradient(model) -> Function:
+    """g = dH/dw of the sites from <= j < to of a row, SMG_LANES at once; x, y and z are SMG_PIECE_ROOM apart."""
+    return Function("void", "smg_row_gradient", PART, by_place(model, lambda sub: row_part(model, sub)), target="lanes", wanted=True)
+
+
+START = Pointed("at", "start")
+
+
+def row_part(model, sub: int) -> tuple:
+    """The loop over the sites of a place."""
+    beside = neighbours(model, sub)
+    terms = [line for t, k in model.roles(model.families[0].name) for bond in bonds_of(t, k, sub) for line in term_of_row(t, k, bond, beside)]
+    own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Index("first") + Index("j"), Name("own"))))
+    body = (Zeros("sum", 3), *own, *terms, Call("smg_put_slots", (Name("g"), Name("SMG_PIECE_ROOM"), Index("j") - Index("from"), Name("sum"))))
+    starts = [Let(f"start{n}", START + Index(f"b[{n}].start")) for n in range(len(beside))]
+    ahead = (Let("sites", Pointed("at", "sites")),) if "sites" in mentions(*body) else ()
+    return (Let("pitch", Call("smg_pitch", (Name("c"),))), Let("first", START), *ahead, *starts,
+            For("j", Index("from"), Index("to"), body, step=Index("SMG_LANES")))
+
+
+ALL = (Name("all"), Index("pitch"))
+
+
+def bonds_of(t, k: int, sub: int) -> list:
+    """The bonds through which a site of this place feels a term by slot k; of a term of single sites none, once."""
+    if isinstance(t.over, Sites):
+        return [None]
+    position = t.over.indices.index(t.slots[k][1])
+    return [bond for bond in t.over.bonds if bond[position][0] == sub]
+
+
+def term_of_row(t, k: int, bond, known: list) -> list:
+    """The statements that add the gradient of one term."""
+    others = [q for q in range(len(t.slots)) if q != k]
+    found = [(q, beside(t, bond, k, q)) for q in others]
+    points = [Name("own" if q == k else f"v{q}") for q in range(len(t.slots))]
+    outputs = [Name("sum" if q == k else f"o{q}") for q in range(len(t.slots))]
+    lines = [line for q, one in found for line in (Variable("smg_lanes", f"v{q}[3]"), Zeros(f"o{q}", 3), taken(one, known.index(one), f"v{q}"))]
+    lines.append(Call(named(f"{t.prefix}_gradient"), (Name("c"), *[ZERO] * len(t.over.bound), *points, *outputs)))
+    there = tuple(Index(f"b[{known.index(one)}].there") for _, one in found if any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset) if d))
+    return [where(there, (*kept_beyond(found, known, lines),))] if found else lines
+
+
+def kept_beyond(found, known: list, lines) -> list:
+    """The same, but for sites whose neighbour is beyond an open end of the row."""
+    ends = [known.index(one) for _, one in found if one.offset[0] and not one.ring & 1]
+    before = Let("before[3]", Braces(tuple(Name(f"sum[{a}]") for a in range(3))), "const smg_lanes")
+    return [before, *lines, *(Call("smg_only_within", (Name(f"b + {n}"), Index("j"), Name("before"), Name("sum"))) for n in ends)] if ends else lines
+
+
+def taken(one: Beside, n: int, v: str) -> Call:
+    """v = the vectors there."""
+    if not one.offset[0] or not one.ring & 1:
+        return Call("smg_take_slots", (*ALL, Index(f"start{n}") + Index("j"), Name(v)))
+    if one.offset[0] < 0:
+        return Call("smg_take_behind", (Name(f"b + {n}"), Index("first"), Index(f"start{n}"), *ALL, Index("j"), Name(v)))
+    return Call("smg_take_ahead", (Name(f"b + {n}"), Index("first"), Index(f"start{n}"), Index("sites"), *ALL, Index("j"), Name(v)))
+
+
+def member(t, bond, q: int) -> tuple:
+    return bond[t.over.indices.index(t.slots[q][1])]
+
+
+def beside(t, bond, k: int, q: int) -> Beside:
+    """Slot q of a term as slot k sees it."""
+    (_, own), (sub, offset) = member(t, bond, k), member(t, bond, q)
+    ring = sum(1 << d for d, closes in enumerate(t.over.periodic) if closes)
+    return Beside(sub, (*(b - a for a, b in zip(own, offset)), 0, 0, 0, 0)[:4], ring)
+
+
+def rings(model) -> int:
+    """The directions that close for some bond, as bits."""
+    over = model.lattices(model.families[0].name)
+    return sum(1 << d for d in range(len(over[0].size)) if any(one.periodic[d] for one in over))
+
+
+def reach_of(model, d: int) -> int:
+    """How far the farthest stands in direction d."""
+    return max([abs(one.offset[d]) for sub in range(model.in_rows.over.sites) for one in neighbours(model, sub)], default=0)

@@ -1,0 +1,152 @@
+/* smidgen runtime: which steps of a lattice go by rows in lanes (smg_row_step.h), and the arrays of such a state.
+ *
+ * One spin in the field g = (h/2kappa) F of its neighbours has the midpoint m with rho m - m x g = w (smg_spin.h), and a change of g
+ * moves m by at most 1/sqrt(rho^2 + (m.g)^2) <= 1/sqrt(1 - |g|^2) of it. With B a bound on the norms of the Hessian in a row, F0 of the
+ * field of no spins and x = |h/2kappa|, |g| <= x (B r + F0), so all spins at once are a contraction of the product of spheres by
+ *
+ *     x B r / sqrt(1 - x^2 (B r + F0)^2).
+ *
+ * Where that is below 1, for this h and so for all smaller ones, there is one solution; it moves continuously from W = w at h = 0, and
+ * sweeps find it. Neither a branch is to be checked nor a matrix needed: such a state keeps its rows alone. */
+#ifndef SMG_ROW_STATE_H
+#define SMG_ROW_STATE_H
+
+#include "smg_rows.h"
+
+#define SMG_ROW_BOUND (smg_real)0.9 /* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
+#define SMG_ROW_STRONG (smg_real)0.1 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
+#define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4) /* increments kept, of all colours but the first: with them a spin has at most 160 bytes */
+#define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
+
+/* x^2 (B r + F0)^2, a bound on |g|^2. */
+static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
+  const smg_real g = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) * (smg_hessian_row_norm(c, 0) * smg_radius(c, 0) + smg_rest_field_norm(c, 0));
+  return g * g;
+}
+
+/* That factor, or SMG_MAX. */
+static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
+  const smg_real field = smg_row_field(c, h), x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
+  return field < 1 ? x * smg_hessian_row_norm(c, 0) * smg_radius(c, 0) / SMG_MATH(sqrt)(1 - field) : SMG_MAX;
+}
+
+/* Do the steps of this state go by rows? */
+static inline void smg_choose_rows(smg_state *s) {
+  const smg_real h = smg_signed_h(s->h), field = smg_row_field(&s->c, h);
+  s->row_bound = smg_row_factor(&s->c, h);
+#if SMG_TANGENT
+  s->rows = 0; /* its matrix stands in the other arrays */
+#else
+  s->rows = s->row_bound <= SMG_ROW_BOUND;
+#endif
+  s->row_strong = field > SMG_ROW_STRONG;
+  s->row_stretched = 36 * field > 1; /* |h b| > 1/3 may be, as in smg_end_site */
+}
+
+/* The first number from p on that begins a line of the cache. */
+static inline smg_real *smg_line_from(smg_real *p) {
+  const uintptr_t line = SMG_WIDEST * sizeof(double), off = (uintptr_t)p % line;
+  return off % sizeof(smg_real) == 0 && off > 0 ? p + (line - off) / sizeof(smg_real) : p;
+}
+
+/* An array by slots, from *next on. */
+static inline smg_real *smg_place_slots(smg_real **next, size_t size) {
+  smg_real *first = *next + SMG_BEFORE;
+  *next += size;
+  return first;
+}
+
+/* Their arrays. The increments of a step stand where w is between calls. */
+static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
+  const size_t size = (size_t)smg_array_size(&s->c), late = (size_t)(3 * SMG_LATE_PITCH(&s->c));
+  if (mem) {
+    smg_real *next = smg_line_from(mem);
+    s->w = mem;
+    s->row_u = smg_place_slots(&next, size);
+    s->row_w = smg_place_slots(&next, size);
+    s->row_compensation = smg_place_slots(&next, size);
+    s->row_m = smg_place_slots(&next, size);
+    for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
+  }
+  return SMG_WIDEST + 4 * size + SMG_ROW_HISTORY * late;
+}
+
+/* A visit of all sites: their number and their slot. */
+typedef void smg_slot_visit(void *context, int64_t site, int64_t slot);
+SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot_visit *visit) {
+  const int64_t length = smg_row_length(c);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
+    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at)) {
+      const int64_t cell = ((at.s3 * smg_cells(c, 2) + at.s2) * smg_cells(c, 1) + at.s1) * smg_cells(c, 0) + at.first, site = cell * SMG_PLACES + at.sub;
+      const int64_t sites = at.sites, start = at.start;
+      for (int64_t j = 0; j < sites; ++j) visit(context, site + SMG_ROW_STEP * SMG_PLACES * j, start + j);
+    }
+}
+
+/* Vectors between an array by sites and one by slots: from one to the other. */
+typedef struct smg_carried {
+  const smg_real *from;
+  smg_real *to;
+  int64_t pitch, first; /* of the slots; lower ones have none */
+} smg_carried;
+
+SMG_INLINE void smg_site_to_slot(void *context, int64_t site, int64_t slot) {
+  const smg_carried *a = (const smg_carried *)context;
+  for (int k = 0; k < 3 && slot >= a->first; ++k) a->to[k * a->pitch + slot - a->first] = a->from[3 * site + k];
+}
+SMG_INLINE void smg_slot_to_site(void *context, int64_t site, int64_t slot) {
+  const smg_carried *a = (const smg_carried *)context;
+  for (int k = 0; k < 3; ++k) a->to[3 * site + k] = slot >= a->first ? a->from[k * a->pitch + slot - a->first] : 0;
+}
+
+static void smg_to_slots(const smg_state *s, const smg_real *sites, smg_real *slots) {
+  smg_carried all = {sites, slots, smg_pitch(&s->c), 0};
+  smg_each_slot(&s->c, &all, smg_site_to_slot);
+}
+static void smg_to_sites(const smg_state *s, const smg_real *slots, smg_real *sites) {
+  smg_carried all = {slots, sites, smg_pitch(&s->c), 0};
+  smg_each_slot(&s->c, &all, smg_slot_to_site);
+}
+
+/* Empty slots at the ends of rows hold a spin that nothing turns; those at the end of a colour have increments 0. */
+static void smg_fill_empty_slots(const smg_state *s) {
+  const smg_coefficients *c = &s->c;
+  const int64_t length = smg_row_length(c), pitch = smg_pitch(c);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
+    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
+      for (int64_t k = at.sites; k < length; ++k) s->row_w[2 * pitch + at.start + k] = smg_radius(c, 0);
+    for (int64_t k = smg_rows(c) * length; k < smg_colour_slots(c); ++k)
+      for (int b = 0; b < 3; ++b) s->row_u[b * pitch + colour * smg_colour_slots(c) + k] = 0;
+  }
+}
+
+/* w into slots, and back. */
+static void smg_enter_rows(smg_state *s) {
+  smg_to_slots(s, s->w, s->row_w);
+  smg_fill_empty_slots(s);
+}
+static void smg_leave_rows(smg_state *s) { smg_to_sites(s, s->row_w, s->w); }
+
+/* The same for a saved state; of the increments those of the first colour are 0. */
+static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
+  const int64_t n3 = 3 * smg_sites(&s->c);
+  smg_to_sites(s, s->row_compensation, lost);
+  for (int64_t k = 0; k < SMG_HISTORY * n3; ++k) past[k] = 0;
+  for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
+    smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
+    smg_each_slot(&s->c, &late, smg_slot_to_site);
+  }
+}
+
+static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past) {
+  const int64_t n3 = 3 * smg_sites(&s->c);
+  if (s->history > SMG_ROW_HISTORY) s->history = SMG_ROW_HISTORY;
+  if (s->degree >= s->history) s->degree = s->history - 1;
+  smg_to_slots(s, lost, s->row_compensation);
+  for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
+    smg_carried late = {past + j * n3, s->past[j], SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
+    smg_each_slot(&s->c, &late, smg_site_to_slot);
+  }
+}
+
+#endif

@@ -1,0 +1,196 @@
+/* smidgen runtime: steps of a lattice by rows in lanes, where the sweeps are a contraction whatever the state (smg_row_state.h). */
+#ifndef SMG_ROW_STEP_H
+#define SMG_ROW_STEP_H
+
+#include "smg_row_sweep.h"
+
+#define SMG_ROW_PASSES 2000 /* of colours: 0.9^k is round-off after 350 sweeps */
+
+/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other across the seam of a
+ * ring that is no multiple of the colours. */
+static void smg_begin_first_colour(smg_state *s) {
+  const smg_coefficients *c = &s->c;
+  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
+  int clash = SMG_OWN_FIELD;
+  for (int d = 0; d < 4; ++d) clash = clash || ((SMG_RINGS >> d & 1) && weights[d] * smg_cells(c, d) % SMG_COLOURS > 0);
+  for (int k = 0; clash && k < 3; ++k)
+    for (int64_t j = 0; j < smg_colour_slots(c); ++j) s->row_m[k * smg_pitch(c) + j] = s->row_w[k * smg_pitch(c) + j];
+}
+
+/* m = P(w + u/2) of all colours but the first, u extrapolated. */
+static void smg_predict_rows(smg_state *s) {
+  const int64_t pitch = smg_pitch(&s->c), first = smg_colour_slots(&s->c), late = SMG_LATE_PITCH(&s->c);
+  const int64_t end = smg_slots(&s->c);
+  const int degree = s->degree;
+  const smg_real r = smg_radius(&s->c, 0), *w = s->row_w, *past[SMG_ROW_HISTORY];
+  smg_real weights[SMG_ROW_HISTORY], *midpoints = s->row_m;
+  for (int j = 0; j <= degree; ++j) {
+    weights[j] = smg_weight(degree, j);
+    past[j] = s->past[j] - first;
+  }
+  for (int64_t slot = first; slot < end; slot += SMG_LANES) {
+    smg_lanes m[3];
+    for (int k = 0; k < 3; ++k) {
+      smg_lanes u = {0};
+      for (int j = 0; j <= degree; ++j) u += weights[j] * smg_lane_take(past[j] + k * late + slot);
+      m[k] = smg_lane_take(w + k * pitch + slot) + (smg_real)0.5 * u;
+    }
+    smg_lane_stretch_to(r, m);
+    smg_put_slots(midpoints, pitch, slot, m);
+  }
+}
+
+/* Sweeps to stagnation, or to the tolerance. */
+static void smg_settle_rows(smg_state *s, smg_piece *piece, const smg_turning *turn, smg_row_sweeping *sweep) {
+  do smg_next_colour(s, piece, turn, sweep);
+  while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
+  s->report.iterations = (int)((sweep->passes + SMG_COLOURS - 1) / SMG_COLOURS);
+}
+
+/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves, smaller by the factor of a sweep, within the tolerance? */
+static int smg_row_solved(smg_state *s, smg_real residual) {
+  s->report.residual = residual;
+  if (residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale) return 1;
+  s->report.residual = s->row_bound * residual;
+  return s->report.residual <= s->tolerance * s->scale;
+}
+
+/* u = h X(m) of the slots of one vector; the largest square of the residual w + u/2 - rho m. */
+SMG_INLINE void smg_end_slots(const smg_turning turn, int stretched, smg_real weakest, int64_t slot, int64_t in, const smg_lanes *g, smg_lanes *most) {
+  const smg_lanes none = {0};
+  smg_lanes w[3], m[3], u[3], e[3];
+  smg_take_slots(turn.w, turn.pitch, slot, w);
+  smg_take_slots(turn.m, turn.pitch, slot, m);
+  smg_lane_cross(u, m, g); /* the rate last: pairs of spins turn each other by exactly opposite amounts */
+  for (int k = 0; k < 3; ++k) u[k] *= 2 * turn.half;
+  if (stretched) {
+    smg_lanes lost[3];
+    smg_take_slots(turn.compensation, turn.pitch, slot, lost);
+    smg_lane_stretch(w, lost, turn.inverse, (smg_lane_mask)(smg_lane_dot(g, g) >= weakest), u);
+  }
+  const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
+  for (int k = 0; k < 3; ++k) e[k] = w[k] + (smg_real)0.5 * u[k] - rho * m[k];
+  smg_lanes square = smg_lane_dot(e, e);
+  if (in < SMG_LANES) { /* what is no site of the piece: 0, in empty slots to stay */
+    square = smg_lane_select(smg_lane_below(in), square, none);
+    for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
+  }
+  *most = smg_lane_max(*most, square);
+  smg_put_slots(turn.u, turn.pitch, slot, u);
+}
+
+/* The same of a piece. */
+SMG_INLINE void smg_end_piece(const smg_turning turn, int stretched, smg_real weakest, const smg_piece *piece, smg_lanes *most) {
+  const int64_t size = piece->size, start = piece->start;
+  smg_lanes all = *most;
+  for (int64_t k = 0; k < size; k += SMG_LANES) {
+    smg_lanes g[3];
+    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, g);
+    smg_end_slots(turn, stretched, weakest, start + k, size - k, g, &all);
+  }
+  *most = all;
+}
+
+/* The increments of all sites, and whether they solve the step. Those by strong fields, |h b| >= 1/3, keep the lengths of spins. */
+static int smg_end_rows(smg_state *s, smg_piece *piece, const smg_turning *turn) {
+  const smg_real weakest = 1 / (36 * turn->half * turn->half);
+  smg_lanes most = {0};
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
+    smg_begin_colour(&s->c, colour, piece);
+    while (smg_next_piece(&s->c, s->row_m, piece)) {
+      if (s->row_stretched) smg_end_piece(*turn, 1, weakest, piece, &most);
+      else smg_end_piece(*turn, 0, 0, piece, &most);
+    }
+  }
+  smg_real square = 0;
+  for (int l = 0; l < SMG_LANES; ++l) smg_take(&square, ((const smg_real *)&most)[l]);
+  return smg_row_solved(s, SMG_MATH(sqrt)(square));
+}
+
+/* w + compensation + u of one component in all slots (Kahan); the increments of all colours but the first are remembered. */
+static void smg_commit_slots(smg_state *s, int64_t component, smg_real *past) {
+  const int64_t first = smg_colour_slots(&s->c), end = smg_slots(&s->c), skip = component * smg_pitch(&s->c);
+  smg_real *rows_w = s->row_w + skip, *lost = s->row_compensation + skip, *rows_u = s->row_u + skip;
+  for (int64_t k = 0; k < end; k += SMG_LANES) {
+    const smg_lanes w = smg_lane_take(rows_w + k), u = smg_lane_take(rows_u + k);
+#if SMG_PLAIN_SUMS
+    smg_lane_put(rows_w + k, w + u);
+#else
+    const smg_lanes y = u + smg_lane_take(lost + k), sum = w + y;
+    smg_lane_put(lost + k, y - (sum - w));
+    smg_lane_put(rows_w + k, sum);
+#endif
+    if (k + SMG_LANES > first) smg_lane_put(past + k - first, u);
+  }
+}
+
+/* The error, squared, that every degree would have made in one component of the step just solved. */
+static void smg_row_misses(const smg_state *s, int64_t k, smg_real newest, smg_real *miss) {
+  smg_real row[SMG_HISTORY + 1];
+  row[0] = newest;
+  for (int j = 0; j < s->history; ++j) row[j + 1] = s->past[j][k];
+  for (int d = 0; d < s->history; ++d) {
+    for (int j = 0; j < s->history - d; ++j) row[j] -= row[j + 1];
+    miss[d] += row[0] * row[0];
+  }
+}
+
+#define SMG_SAMPLE 20 /* slots, of which each has three numbers */
+
+/* Which degree would have served best? A sample of the slots decides, now and then. */
+static void smg_choose_row_degree(smg_state *s) {
+  const int64_t first = smg_colour_slots(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
+  smg_real miss[SMG_HISTORY] = {0};
+  for (int64_t k = 0; k < size; k += stride)
+    for (int b = 0; b < 3; ++b) smg_row_misses(s, b * SMG_LATE_PITCH(&s->c) + k, s->row_u[b * smg_pitch(&s->c) + first + k], miss);
+  s->degree = s->history > 0 ? 0 : -1;
+  for (int d = 1; d < s->history; ++d)
+    if (miss[d] < miss[s->degree]) s->degree = d;
+}
+
+/* The state after the step. */
+static void smg_commit_rows(smg_state *s) {
+  smg_real *oldest = s->past[SMG_ROW_HISTORY - 1];
+  if (s->history < SMG_ROW_HISTORY || s->count % 16 == 0) smg_choose_row_degree(s);
+  for (int j = SMG_ROW_HISTORY - 1; j > 0; --j) s->past[j] = s->past[j - 1];
+  s->past[0] = oldest;
+  for (int k = 0; k < 3; ++k) smg_commit_slots(s, k, oldest + k * SMG_LATE_PITCH(&s->c));
+  if (s->history < SMG_ROW_HISTORY) ++s->history;
+  if (s->degree < 0) s->degree = 0;
+}
+
+/* One step, in slots: what sweeps leave is put into the equation, and more of them follow where its residual is more than round-off. */
+static smg_status smg_row_step(smg_state *s, smg_piece *piece) {
+  const smg_turning turn = smg_turning_of(s, smg_signed_h(s->h));
+  smg_row_sweeping sweep;
+  smg_begin_sweeping(&sweep);
+  smg_begin_first_colour(s);
+  smg_predict_rows(s);
+  do smg_settle_rows(s, piece, &turn, &sweep);
+  while (!smg_end_rows(s, piece, &turn) && sweep.passes < SMG_ROW_PASSES);
+  s->report.site = s->report.partner = -1;
+  s->report.reached = 0;
+  s->report.status = sweep.passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE;
+  if (s->report.status != SMG_OK) return s->report.status;
+  smg_commit_rows(s);
+  ++s->count;
+  return SMG_OK;
+}
+
+/* count steps, or fewer: the first that fails is the last. */
+static smg_status smg_row_steps(smg_state *s, int64_t count) {
+  smg_status status = SMG_OK;
+  smg_piece piece;
+  smg_begin_piece(&s->c, &piece);
+  smg_enter_rows(s);
+  while (count-- > 0 && status == SMG_OK) {
+#if SMG_TIMED
+    smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
+#endif
+    status = smg_row_step(s, &piece);
+  }
+  smg_leave_rows(s);
+  return status;
+}
+
+#endif

@@ -1,0 +1,235 @@
+/* smidgen runtime: sweeps over the colours of a lattice in lanes: every spin solves its own step in the field of its neighbours.
+ *
+ * A piece of a colour goes through three loops, so that each is short enough for a processor to overlap its turns and what they share
+ * stays in the nearest cache: the fields of the sites, by smg_row_gradient of the model; the directions of their midpoints; and the
+ * midpoints. Pieces are cut alike for all SMG_LANES. */
+#ifndef SMG_ROW_SWEEP_H
+#define SMG_ROW_SWEEP_H
+
+#include "smg_row_spin.h"
+#include "smg_rows.h"
+#include "smg_rules.h"
+
+/* The next sites of a colour: the slots start .. start + size - 1, with the gradient at their places; at, from: where the one after begins. */
+typedef struct smg_piece {
+  smg_lattice_row at;
+  int64_t from, start, size, room;
+  smg_besides known;
+  SMG_LINES smg_real g[3 * SMG_PIECE_ROOM];
+  SMG_LINES smg_real made[3 * SMG_PIECE_ROOM];
+} smg_piece;
+
+/* Slots of a piece: as many whole rows as fit, so that the next piece begins where a vector does if that can be; of a longer row SMG_PIECE. */
+static inline int64_t smg_piece_room(const smg_coefficients *c) {
+  const int64_t length = smg_row_length(c);
+  int64_t rows = SMG_PIECE / length;
+  for (int64_t n = rows; n > 0; --n)
+    if (n * length % SMG_WIDEST == 0) return n * length;
+  return rows > 0 ? rows * length : SMG_PIECE;
+}
+
+static inline void smg_begin_piece(const smg_coefficients *c, smg_piece *piece) {
+  piece->room = smg_piece_room(c);
+  smg_forget_besides(&piece->known);
+}
+
+static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, smg_piece *piece) {
+  piece->at = smg_first_row(c, colour);
+  piece->from = 0;
+}
+
+/* The gradient of the sites from <= j < to of the row; of empty slots at its end it is 0. */
+static inline void smg_piece_gradient(const smg_coefficients *c, const smg_real *m, smg_piece *piece, int64_t to) {
+  smg_real *g = piece->g + piece->size;
+  smg_row_gradient(c, &piece->at, smg_besides_of(c, &piece->at, &piece->known), m, piece->from, to < piece->at.sites ? to : piece->at.sites, g);
+  for (int64_t j = piece->at.sites > piece->from ? piece->at.sites : piece->from; j < to; ++j)
+    for (int k = 0; k < 3; ++k) g[k * SMG_PIECE_ROOM + j - piece->from] = 0;
+  piece->size += to - piece->from;
+}
+
+/* The next piece; 0 where the colour ends. */
+static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, smg_piece *piece) {
+  const int64_t length = smg_row_length(c);
+  piece->size = 0;
+  piece->start = piece->at.start + piece->from;
+  while (piece->at.rank < SMG_RANKS && piece->size < piece->room) {
+    const int64_t room = piece->room - piece->size, to = length - piece->from > room ? piece->from + room : length;
+    smg_piece_gradient(c, m, piece, to);
+    piece->from = to;
+    if (to < length) break;
+    piece->from = 0;
+    smg_next_row(c, length, &piece->at);
+  }
+  return piece->size > 0;
+}
+
+#define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
+#define SMG_LOOK (smg_real)1e-12 /* part of the state by which midpoints move when that begins */
+
+/* How far midpoints moved: the largest square, and the largest part of what a small component is made of. */
+typedef struct smg_motion {
+  smg_lanes square, part;
+} smg_motion;
+
+/* What a sweep works with, at hand in registers: spins, midpoints and increments by slots; h/(2 kappa), the radius, 1/radius^2, and the
+ * size below which a component is small. */
+typedef struct smg_turning {
+  const smg_real *w, *compensation;
+  smg_real *m, *u;
+  int64_t pitch;
+  smg_real half, radius, inverse, small;
+} smg_turning;
+
+static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
+  const smg_real radius = smg_radius(&s->c, 0);
+  const smg_turning turn = {s->row_w, s->row_compensation, s->row_m, s->row_u, smg_pitch(&s->c), (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h),
+                            radius, 1 / (radius * radius), SMG_SMALL * radius};
+  return turn;
+}
+
+/* |w_k| + |g_k| + |w_i g_j| + |w_j g_i|, what component k of a midpoint is made of. */
+SMG_INLINE void smg_made_of(const smg_lanes *w, const smg_lanes *g, smg_lanes *made) {
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    made[k] = smg_lane_abs(w[k]) + smg_lane_abs(g[k]) + smg_lane_abs(w[i] * g[j]) + smg_lane_abs(w[j] * g[i]);
+  }
+}
+
+/* The part of that by which it moved, to 13 %, where that is small: no change of the others shows whether it has settled. */
+SMG_INLINE smg_lanes smg_part_moved(smg_real small, smg_lanes d, smg_lanes made) {
+  const smg_lanes none = {0};
+  return smg_lane_select((smg_lane_mask)(made < small), smg_lane_abs(d) * smg_lane_rough_inverse(made), none);
+}
+
+/* v, along the midpoints of the slots of one vector, in place of their gradient g. made: what they are made of, where asked for. */
+SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, int exact, smg_lanes *g, smg_lanes *made) {
+  smg_lanes w[3], m[3], v[3], rho;
+  smg_take_slots(turn.w, turn.pitch, slot, w);
+  for (int k = 0; k < 3; ++k) g[k] *= turn.half;
+  if (exact) rho = smg_lane_rho(w, g, turn.inverse);
+  else {
+    smg_take_slots(turn.m, turn.pitch, slot, m);
+    rho = smg_lane_corrected_rho(w, g, turn.inverse * smg_lane_dot(w, m), turn.inverse);
+  }
+  smg_lane_along_spin(w, g, rho, v);
+  if (made) smg_made_of(w, g, made);
+  for (int k = 0; k < 3; ++k) g[k] = v[k];
+}
+
+/* m = r v/|v| of those slots, `in` of them sites of the piece. */
+SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *made, smg_motion *moved) {
+  smg_lanes m[3], d[3];
+  smg_take_slots(turn.m, turn.pitch, slot, m);
+  smg_lane_stretch_to(turn.radius, v);
+  if (in < SMG_LANES)
+    for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(smg_lane_below(in), v[k], m[k]);
+  for (int k = 0; k < 3; ++k) d[k] = v[k] - m[k];
+  smg_put_slots(turn.m, turn.pitch, slot, v);
+  moved->square = smg_lane_larger(moved->square, smg_lane_dot(d, d));
+  if (made)
+    for (int k = 0; k < 3; ++k) moved->part = smg_lane_larger(moved->part, smg_part_moved(turn.small, d[k], made[k]));
+}
+
+/* The spins of a piece. */
+SMG_INLINE void smg_turn_piece(const smg_turning turn, smg_piece *piece, int exact, int small, smg_motion *moved) {
+  const int64_t size = piece->size, start = piece->start;
+  smg_motion most = *moved;
+  for (int64_t k = 0; k < size; k += SMG_LANES) {
+    smg_lanes v[3], made[3];
+    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
+    smg_aim_slots(turn, start + k, exact, v, small ? made : NULL);
+    smg_put_slots(piece->g, SMG_PIECE_ROOM, k, v);
+    if (small) smg_put_slots(piece->made, SMG_PIECE_ROOM, k, made);
+  }
+  for (int64_t k = 0; k < size; k += SMG_LANES) {
+    smg_lanes v[3], made[3];
+    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
+    if (small) smg_take_slots(piece->made, SMG_PIECE_ROOM, k, made);
+    smg_turn_slots(turn, start + k, size - k, v, small ? made : NULL, &most);
+  }
+  *moved = most;
+}
+
+/* What a colour's pass shows: the largest change, and the largest part of a small component (SMG_MAX: not looked at). */
+typedef struct smg_moved {
+  smg_real whole, part;
+} smg_moved;
+
+SMG_INLINE smg_moved smg_turn_pieces(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour, int exact, int small) {
+  const smg_lanes none = {0};
+  smg_motion motion = {none, none};
+  smg_moved moved;
+  smg_begin_colour(&s->c, colour, piece);
+  while (smg_next_piece(&s->c, s->row_m, piece)) smg_turn_piece(*turn, piece, exact, small, &motion);
+  moved.whole = SMG_MATH(sqrt)(smg_lane_largest(motion.square));
+  moved.part = small ? smg_lane_largest(motion.part) : SMG_MAX;
+  return moved;
+}
+
+/* The three ways: rho by its root; from the sweep before; and with a look at small components. */
+static smg_moved smg_turn_exactly(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 1, 1); }
+static smg_moved smg_turn_usual(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 0); }
+static smg_moved smg_turn_late(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 1); }
+
+/* One quantity on its way to rest: its last change, the factor by which they shrink, and what is left of it beside round-off. */
+typedef struct smg_rest {
+  smg_real now, rate, left;
+  int stays; /* is the change round-off, and shrinks no more? */
+} smg_rest;
+
+static const smg_rest smg_unknown_rest = {SMG_MAX, 1, SMG_MAX, 0};
+
+/* The next change. Below some ulps it may be round-off: then the factor before tells what is left. */
+static inline void smg_rest_take(smg_rest *rest, smg_real change, int still) {
+  const smg_real rate = rest->now < SMG_MAX && change < rest->now ? change / rest->now : 1;
+  rest->left = still ? smg_min(change, rest->rate * rest->now) : change;
+  if (!still || rest->now >= SMG_MAX || rest->rate >= 1) rest->rate = rate;
+  rest->stays = still && rest->now < SMG_MAX && rate >= SMG_SLOWED;
+  rest->now = change;
+}
+
+/* Has it settled? The next change would be a small part of an ulp, since what is left of it is of one sign along many an orbit; or the
+ * change is round-off and shrinks no more. */
+static inline int smg_rest_settled(const smg_rest *rest, smg_real ulp) { return rest->rate * rest->left <= SMG_LEFT * ulp || rest->stays; }
+
+/* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them. */
+typedef struct smg_row_sweeping {
+  int64_t passes;
+  smg_real recent[SMG_COLOURS], parts[SMG_COLOURS];
+  smg_rest whole, part;
+} smg_row_sweeping;
+
+static inline void smg_begin_sweeping(smg_row_sweeping *sweep) {
+  sweep->passes = 0;
+  for (int k = 0; k < SMG_COLOURS; ++k) sweep->recent[k] = sweep->parts[k] = SMG_MAX;
+  sweep->whole = sweep->part = smg_unknown_rest;
+}
+
+/* The largest of all colours but the next. */
+static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
+  smg_real most = 0;
+  for (int k = 0; k < SMG_COLOURS; ++k)
+    if (k != next) most = smg_max(most, changes[k]);
+  return most;
+}
+
+/* The next colour: rho by its root in the first sweep of those that were not predicted, and where fields are strong; small components are looked at once the others
+ * have nearly settled. */
+static void smg_next_colour(smg_state *s, smg_piece *piece, const smg_turning *turn, smg_row_sweeping *sweep) {
+  const int64_t colour = sweep->passes % SMG_COLOURS, next = (colour + 1) % SMG_COLOURS;
+  const int exact = s->row_strong || sweep->passes < SMG_COLOURS - 1, late = sweep->whole.now <= SMG_LOOK * s->scale;
+  const smg_moved moved = exact ? smg_turn_exactly(s, piece, turn, colour) : late ? smg_turn_late(s, piece, turn, colour) : smg_turn_usual(s, piece, turn, colour);
+  sweep->recent[colour] = moved.whole;
+  sweep->parts[colour] = moved.part;
+  if (++sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */
+  const int still = smg_recent(sweep->recent, next) <= SMG_STILL * SMG_EPS * s->scale;
+  smg_rest_take(&sweep->whole, smg_recent(sweep->recent, next), still);
+  smg_rest_take(&sweep->part, smg_recent(sweep->parts, next), still);
+}
+
+static inline int smg_rows_settled(const smg_state *s, const smg_row_sweeping *sweep) {
+  if (s->tolerance > 0 && s->row_bound * sweep->whole.rate * sweep->whole.now <= s->tolerance * s->scale) return 1;
+  return smg_rest_settled(&sweep->whole, SMG_EPS * s->scale) && smg_rest_settled(&sweep->part, SMG_EPS);
+}
+
+#endif

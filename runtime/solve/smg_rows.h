@@ -1,0 +1,199 @@
+/* smidgen runtime: the sites of a lattice in rows, for vectors of lanes.
+ *
+ * Sites of one colour do not feel each other (gen/compile/plan/colouring.py): a colour is (weights . cell + shift of the place) mod
+ * SMG_COLOURS. Along direction 0 a row of the lattice holds every SMG_ROW_STEP-th site of a colour, s0 = first + SMG_ROW_STEP j: every
+ * SMG_COLOURS-th, or all of them where the place in the cell alone decides. An array
+ * holds three times smg_pitch numbers, all x, all y, all z, each in slots: colour after colour, row after row, j after j. Rows have one
+ * length; where one has a site less, or is rounded up, its last slots stay empty. So the neighbours of a row of sites lie in a row of slots, and lanes
+ * are loaded as they stand; at the ends of the row single lanes are put right. The order of the slots is the same for all SMG_LANES. */
+#ifndef SMG_ROWS_H
+#define SMG_ROWS_H
+
+#include "smg_lanes.h"
+#include "smg_model.h"
+
+#define SMG_BEFORE 8 /* numbers before the first slot and after the last that vectors reach into: gen/compile/plan/rows.py keeps bonds so short */
+#define SMG_AFTER 16
+#define SMG_WIDEST 8  /* lanes of the widest registers there are */
+#define SMG_LONG_ROW 64 /* slots from which a row takes whole vectors: at most an eighth stays empty */
+#define SMG_PIECE 256 /* slots that a sweep works on at a time: fields, spins and midpoints of so many are 18 KB */
+#define SMG_PIECE_ROOM (SMG_PIECE + SMG_BEFORE)
+
+/* What the model says: cells of a direction (1 of those beyond); the shift of a place, its number among the SMG_RANKS places of its
+ * colour in a row, and the place of that number. */
+static inline int64_t smg_cells(const smg_coefficients *c, int d);
+static inline int64_t smg_shift(int64_t sub);
+static inline int64_t smg_rank(int64_t sub);
+static inline int64_t smg_place(int64_t colour, int64_t rank);
+
+/* One row: its colour, place and cells; s0 of its first site, how many there are, and the slot of the first; kind: that of all rows with these
+ * s2 and s3. */
+typedef struct smg_lattice_row {
+  int64_t colour, rank, sub, s1, s2, s3, first, sites, start, kind;
+} smg_lattice_row;
+
+/* a/n rounded down and what is left, for |a| < 2^40 n and a known n > 0. */
+SMG_INLINE int64_t smg_down(int64_t a, int64_t n) { return (int64_t)((uint64_t)(a + n * ((int64_t)1 << 40)) / (uint64_t)n) - ((int64_t)1 << 40); }
+SMG_INLINE int64_t smg_left(int64_t a, int64_t n) { return (int64_t)((uint64_t)(a + n * ((int64_t)1 << 40)) % (uint64_t)n); }
+
+SMG_INLINE int64_t smg_colour_of(int64_t sub, int64_t s0, int64_t s1, int64_t s2, int64_t s3) {
+  return smg_left(SMG_WEIGHT_0 * s0 + SMG_WEIGHT_1 * s1 + SMG_WEIGHT_2 * s2 + SMG_WEIGHT_3 * s3 + smg_shift(sub), SMG_COLOURS);
+}
+
+/* Whole vectors of the widest lanes. */
+SMG_INLINE int64_t smg_whole_vectors(int64_t n) { return (n + SMG_WIDEST - 1) / SMG_WIDEST * SMG_WIDEST; }
+
+/* Slots of a row, rows of a colour, slots of a colour, and of all. Long rows and colours begin where a vector does. */
+static inline int64_t smg_row_length(const smg_coefficients *c) {
+  const int64_t n = (smg_cells(c, 0) + SMG_ROW_STEP - 1) / SMG_ROW_STEP;
+  return n < SMG_LONG_ROW ? n : smg_whole_vectors(n);
+}
+static inline int64_t smg_rows(const smg_coefficients *c) { return SMG_RANKS * smg_cells(c, 1) * smg_cells(c, 2) * smg_cells(c, 3); }
+static inline int64_t smg_colour_slots(const smg_coefficients *c) { return smg_whole_vectors(smg_rows(c) * smg_row_length(c)); }
+static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS * smg_colour_slots(c); }
+
+/* Numbers from x to y of an array, and numbers of an array. */
+static inline int64_t smg_pitch(const smg_coefficients *c) { return smg_slots(c) + SMG_BEFORE + SMG_AFTER; }
+static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg_pitch(c); }
+
+static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, int64_t sub, int64_t s1, int64_t s2, int64_t s3) {
+  const int64_t row = ((smg_rank(sub) * smg_cells(c, 3) + s3) * smg_cells(c, 2) + s2) * smg_cells(c, 1) + s1;
+  return colour * smg_colour_slots(c) + row * smg_row_length(c);
+}
+
+/* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d of an end, and
+ * else not. */
+#define SMG_KINDS(reach) (2 * (reach) + 1)
+#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_KINDS(SMG_REACH_1) * SMG_ROW_STEP)
+SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) { return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach); }
+
+SMG_INLINE int64_t smg_sites_from(const smg_coefficients *c, int64_t first) { return smg_down(smg_cells(c, 0) - first + SMG_ROW_STEP - 1, SMG_ROW_STEP); }
+
+/* What follows from the place of a row: weights . cell + shift = colour. SMG_TURN_0 undoes the weight of s0. */
+static inline void smg_row_place(const smg_coefficients *c, smg_lattice_row *at) {
+  at->sub = smg_place(at->colour, at->rank);
+  at->first = smg_left(SMG_TURN_0 * (at->colour - smg_colour_of(at->sub, 0, at->s1, at->s2, at->s3)), SMG_ROW_STEP);
+  at->sites = smg_sites_from(c, at->first);
+  at->kind = (at->colour * SMG_RANKS + at->rank) * SMG_KINDS(SMG_REACH_3) + smg_kind_of_cell(at->s3, smg_cells(c, 3), SMG_REACH_3);
+  at->kind = at->kind * SMG_KINDS(SMG_REACH_2) + smg_kind_of_cell(at->s2, smg_cells(c, 2), SMG_REACH_2);
+}
+
+static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t colour) {
+  smg_lattice_row at = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  at.colour = colour;
+  at.start = colour * smg_colour_slots(c);
+  smg_row_place(c, &at);
+  return at;
+}
+
+/* The cells after the last of direction 1; then the place. */
+static inline void smg_next_plane(const smg_coefficients *c, smg_lattice_row *at) {
+  at->s1 = 0;
+  if (++at->s2 == smg_cells(c, 2)) {
+    at->s2 = 0;
+    if (++at->s3 == smg_cells(c, 3)) {
+      at->s3 = 0;
+      if (++at->rank == SMG_RANKS) return;
+    }
+  }
+  smg_row_place(c, at);
+}
+
+/* The next row of the colour, which begins where this one ends; after the last one, that has the rank SMG_RANKS. */
+SMG_INLINE void smg_next_row(const smg_coefficients *c, int64_t length, smg_lattice_row *at) {
+  at->start += length;
+  if (++at->s1 == smg_cells(c, 1)) {
+    smg_next_plane(c, at);
+    return;
+  }
+  at->first = smg_left(at->first - SMG_TURN_0 * SMG_WEIGHT_1, SMG_ROW_STEP);
+  at->sites = smg_sites_from(c, at->first);
+}
+
+/* The sites beside those of a row, at one distance: that beside the j-th stands `start` slots after its first, and j more, for
+ * from <= j < to; the others, beyond the ends of the row, stand `around`, and j more, after it where direction 0 is a ring. there: do the other
+ * directions not end before? */
+typedef struct smg_beside {
+  int64_t start, around, from, to, there;
+} smg_beside;
+
+/* The cell s + offset, on a ring around it; 0 where there is none. */
+static inline int smg_step_to(int64_t *s, int64_t offset, int64_t n, int ring) {
+  *s += offset;
+  if (ring) *s = smg_wrap(*s, n);
+  return *s >= 0 && *s < n;
+}
+
+/* The slot of the site x of the row of a place and cells, as if it went on beyond its ends. */
+static inline int64_t smg_slot_beyond(const smg_coefficients *c, int64_t sub, int64_t x, const int64_t *s) {
+  return smg_row_start(c, smg_colour_of(sub, x, s[0], s[1], s[2]), sub, s[0], s[1], s[2]) + smg_down(x, SMG_ROW_STEP);
+}
+
+/* That of the place sub at the distance o0, o1, o2, o3. ring: bit d says whether direction d closes. */
+static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lattice_row *at, int ring, int64_t sub, int64_t o0, int64_t o1, int64_t o2, int64_t o3) {
+  const int64_t x = at->first + o0, n = smg_cells(c, 0), before = -smg_down(x, SMG_ROW_STEP), inside = -smg_down(x - n, SMG_ROW_STEP);
+  int64_t s[3] = {at->s1, at->s2, at->s3};
+  smg_beside b = {0, 0, 0, at->sites, 1};
+  b.there = smg_step_to(s, o1, smg_cells(c, 1), ring >> 1 & 1) & smg_step_to(s + 1, o2, smg_cells(c, 2), ring >> 2 & 1) & smg_step_to(s + 2, o3, smg_cells(c, 3), ring >> 3 & 1);
+  if (!b.there) return b;
+  b.start = smg_slot_beyond(c, sub, x, s) - at->start;
+  b.around = smg_slot_beyond(c, sub, o0 < 0 ? x + n : x - n, s) - at->start;
+  if (before > 0) b.from = before < at->sites ? before : at->sites;
+  if (inside < at->sites) b.to = inside > 0 ? inside : 0;
+  return b;
+}
+
+/* The vectors of an array in some slots. Its x, y and z are `pitch` apart. */
+SMG_INLINE void smg_take_slots(const smg_real *all, int64_t pitch, int64_t slot, smg_lanes *v) {
+  for (int k = 0; k < 3; ++k) v[k] = smg_lane_take(all + k * pitch + slot);
+}
+SMG_INLINE void smg_put_slots(smg_real *all, int64_t pitch, int64_t slot, const smg_lanes *v) {
+  for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
+}
+
+/* One lane of v from another slot. */
+SMG_INLINE void smg_take_one(const smg_real *all, int64_t pitch, int64_t slot, int64_t lane, smg_lanes *v) {
+  const smg_lane_mask others = smg_lane_below(lane), both = smg_lane_below(lane + 1);
+  for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(others, v[k], smg_lane_select(both, smg_lane_of(all[k * pitch + slot]), v[k]));
+}
+
+/* The vectors beside the sites j, j + 1, .. < sites of a row that is a ring, whose first is in the slot `first`, and what is beside it at `start`: behind them, and ahead. */
+SMG_INLINE void smg_take_behind(const smg_beside *b, int64_t first, int64_t start, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+  smg_take_slots(all, pitch, start + j, v);
+  for (int64_t k = j; k < b->from && k < j + SMG_LANES; ++k) smg_take_one(all, pitch, first + b->around + k, k - j, v);
+}
+SMG_INLINE void smg_take_ahead(const smg_beside *b, int64_t first, int64_t start, int64_t sites, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+  smg_take_slots(all, pitch, start + j, v);
+  for (int64_t k = j < b->to ? b->to : j; k < sites && k < j + SMG_LANES; ++k) smg_take_one(all, pitch, first + b->around + k, k - j, v);
+}
+
+/* Of open ends: g as it was, in the lanes whose neighbour is beyond. */
+SMG_INLINE void smg_only_within(const smg_beside *b, int64_t j, const smg_lanes *before, smg_lanes *g) {
+  if (j >= b->from && j + SMG_LANES <= b->to) return;
+  const smg_lane_mask early = smg_lane_below(b->from - j), early_or_in = smg_lane_below(b->to - j);
+  for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(early, before[k], smg_lane_select(early_or_in, g[k], before[k]));
+}
+
+/* What stands beside a row, by all terms: as the model says. */
+static inline void smg_all_beside(const smg_coefficients *c, const smg_lattice_row *at, smg_beside *b);
+
+/* The same from memory, for rows of every kind. */
+typedef struct smg_besides {
+  smg_beside rows[SMG_KNOWN][SMG_BESIDES];
+  int known[SMG_KNOWN];
+} smg_besides;
+
+static inline void smg_forget_besides(smg_besides *all) {
+  for (int k = 0; k < SMG_KNOWN; ++k) all->known[k] = 0;
+}
+
+SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {
+  const int64_t kind = (at->kind * SMG_KINDS(SMG_REACH_1) + smg_kind_of_cell(at->s1, smg_cells(c, 1), SMG_REACH_1)) * SMG_ROW_STEP + at->first;
+  if (!all->known[kind]) {
+    smg_all_beside(c, at, all->rows[kind]);
+    all->known[kind] = 1;
+  }
+  return all->rows[kind];
+}
+
+#endif

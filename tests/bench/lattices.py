@@ -1,0 +1,86 @@
+"""Lattices and chains: a step by rows in lanes beside one from site to site, in one process.
+
+    python tests/bench/lattices.py [--out docs/lattices.csv] [--repeats 100]
+
+Three builds of each spec take turns: portable, for this processor (the same bits), and with the tangent map, whose steps go from site to
+site. Of many short turns the shortest counts: on a machine with other work the median tells of that.
+"""
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import time
+
+import smidgen
+from machine import machine
+
+TEXT = """
+[model]
+name = "{name}"
+[space]
+w = {{ sphere = "{sites}" }}
+[parameters]
+n = {n}
+[effects.exchange]
+over = "bond(i, j) of {over}"
+energy = "-dot(w[i], w[j])"
+[starts.random]
+random = 1
+[starts.smooth]
+theta = "0.7 + 0.3*sin(6*pi*i/n) + 0.05*cos(18*pi*i/n)"
+phi = "2*pi*i/n"
+"""
+CUBIC, CHAIN = ("cubic(n, n, n, periodic)", "n*n*n"), ("chain(n, periodic)", "n")
+SYSTEMS = [("cubic", *CUBIC, 20, "random", 0.0247, 0), ("cubic", *CUBIC, 20, "random", 0.0247, 1e-12), ("cubic", *CUBIC, 20, "random", 0.15, 0),
+           ("cubic", *CUBIC, 20, "random", 0.2, 0), ("square", "square(n, n, periodic)", "n*n", 90, "random", 0.0247, 0),
+           ("cubic", *CUBIC, 100, "random", 0.0247, 0), ("chain", *CHAIN, 100, "smooth", 0.1, 0), ("chain", *CHAIN, 100, "random", 0.1, 0),
+           ("chain", *CHAIN, 1_000_000, "smooth", 0.1, 0)]
+BUILDS = {"portable": {}, "native": dict(native=True), "site to site": dict(features=("tangent",))}
+COLUMNS = ["system", "spins", "start", "h", "tolerance", "sweeps", *(f"{name}, ns" for name in BUILDS), "site to site / portable", "site to site / native"]
+
+
+def started(system, more):
+    name, over, sites, n, start, h, tolerance = system
+    model = smidgen.build(smidgen.load_text(TEXT.format(name=name, over=over, sites=sites, n=n)), **more)
+    return model.start(start, h=h, tolerance=tolerance or None).steps(10)
+
+
+def turn(model) -> float:
+    """Nanoseconds a spin and step."""
+    count = max(1, 10_000 // model.sites)
+    begin = time.perf_counter()
+    model.steps(count)
+    return (time.perf_counter() - begin) / count / model.sites * 1e9
+
+
+def row(system, repeats: int) -> dict:
+    models = {name: started(system, more) for name, more in BUILDS.items()}
+    found = {name: [] for name in BUILDS}
+    for _ in range(repeats if models["portable"].sites < 1e5 else max(3, repeats // 20)):
+        for name, model in models.items():
+            found[name].append(turn(model))
+    least = {name: min(times) for name, times in found.items()}
+    name, _, _, _, start, h, tolerance = system
+    return {"system": name, "spins": models["portable"].sites, "start": start, "h": h, "tolerance": tolerance or "round-off",
+            "sweeps": models["portable"].report()["iterations"], **{f"{name}, ns": round(t, 1) for name, t in least.items()},
+            **{f"site to site / {name}": round(least["site to site"] / least[name], 1) for name in ("portable", "native")}}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", default="docs/lattices.csv")
+    parser.add_argument("--repeats", type=int, default=100)
+    args = parser.parse_args()
+    lines = [row(system, args.repeats) for system in SYSTEMS]
+    with open(args.out, "w", newline="") as f:
+        f.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
+        writer = csv.DictWriter(f, COLUMNS)
+        writer.writeheader()
+        writer.writerows(lines)
+    for line in lines:
+        print(line)
+
+
+if __name__ == "__main__":
+    main()

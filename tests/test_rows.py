@@ -1,0 +1,200 @@
+"""Lattices in lanes (runtime/solve/smg_rows.h): at every size, boundary and width the step that the equation has, with the same bits."""
+import re
+import subprocess
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.check.witness import Witness
+from smidgen.compile.emit.emit import generate
+from smidgen.resources import include_flags
+from support.strict import COMPILERS, WARNINGS
+
+HEAD = """
+[model]
+name = "{name}"
+[space]
+w = {{ sphere = "{sites}"{more} }}
+[parameters]
+n = {n}
+{lattice}
+{effects}
+[starts.random]
+random = 1
+"""
+EXCHANGE = """[effects.exchange]
+over = "bond(i, j) of {over}"
+energy = "-0.7*dot(w[i], w[j])"
+"""
+FIELD = """[effects.field]
+over = "site(i) of w"
+energy = "0.3*w[i].x - 0.2*w[i].z + 0.4*w[i].z^2 + 0.1*w[i].x*w[i].y"
+"""
+DM = """[effects.dm]
+over = "bond(i, j) of {over}"
+energy = "0.2*(w[i].x*w[j].y - w[i].y*w[j].x) + 0.3*w[i].z*w[j].z"
+"""
+HONEY = """[lattices.honey]
+size = ["n", 3]
+boundary = ["periodic", "open"]
+sites = 2
+bonds.all = [{ from = 0, to = 1, offset = [0, 0] }, { from = 0, to = 1, offset = [-1, 0] }, { from = 0, to = 1, offset = [0, -1] }]
+"""
+SKEW = """[lattices.skew]
+size = ["n", 4]
+boundary = ["open", "periodic"]
+bonds.near = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset = [2, 1] }, { from = 0, to = 0, offset = [0, -1] }]
+"""
+
+
+def lattice(name, over, n, sites, effects=EXCHANGE + FIELD, lattice="", more=""):
+    return smidgen.load_text(HEAD.format(name=name, sites=sites, n=n, lattice=lattice, more=more, effects=effects.format(over=over)))
+
+
+SPECS = {
+    **{f"ring of {n}": lattice("ring", "chain(n, periodic)", n, "n", EXCHANGE + FIELD + DM) for n in (4, 5, 16, 17, 33, 100, 601)},
+    **{f"open chain of {n}": lattice("open_chain", "chain(n, open)", n, "n") for n in (3, 5, 16, 35)},
+    **{f"further neighbours of {n}": lattice("further", "chain(n, periodic, 2)", n, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)"))
+       for n in (7, 12, 50)},
+    "square": lattice("square", "square(n, 7, periodic)", 6, "7*n"),
+    "odd square": lattice("odd_square", "square(n, 5, open)", 9, "5*n", EXCHANGE + DM),
+    "cubic": lattice("cubic", "cubic(n, n, 4, periodic)", 6, "4*n*n"),
+    "plain cubic": lattice("plain_cubic", "cubic(n, n, n, periodic)", 6, "n*n*n", EXCHANGE),
+    "odd cubic": lattice("odd_cubic", "cubic(n, 3, 5, periodic)", 5, "15*n"),
+    "open cubic": lattice("open_cubic", "cubic(n, 4, 3, open)", 18, "12*n"),
+    "honeycomb": lattice("honeycomb", "honey.all", 5, "6*n", lattice=HONEY),
+    "three colours": lattice("skew", "skew.near", 13, "4*n", EXCHANGE + DM, SKEW),
+    "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", more=", radius = 1.7, kappa = -0.6"),
+}
+
+
+def built(monkeypatch, spec, lanes=4, compiler="gcc"):
+    monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
+    return smidgen.build(spec)
+
+
+def bits(model, steps=12):
+    return model.start("random", h=0.1).steps(steps).save()
+
+
+@pytest.mark.parametrize("name", SPECS)
+def test_rows_solve_the_step(monkeypatch, name):
+    """Against the witness, which knows no rows."""
+    spec = SPECS[name]
+    assert "SMG_BY_ROWS" in generate(spec)[f"{spec.name}.c"]
+    model = built(monkeypatch, spec).start("random", h=0.1)
+    w = model.w.copy()
+    found, wanted = model.steps(5).w, Witness(spec).steps(w, 0.0, 0.1, 5)
+    assert np.abs(found - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14 * np.abs(w).max()
+
+
+@pytest.mark.parametrize("name", ["ring of 5", "ring of 17", "odd square", "odd cubic", "honeycomb", "three colours",
+                                  *(pytest.param(n, marks=pytest.mark.long) for n in SPECS)])
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name):
+    spec = SPECS[name]
+    wanted = bits(built(monkeypatch, spec, 1))
+    for lanes in (2, 4, 8):
+        assert np.array_equal(bits(built(monkeypatch, spec, lanes)), wanted)
+
+
+@pytest.mark.skipif("clang" not in COMPILERS, reason="no clang")
+@pytest.mark.parametrize("name", ["ring of 33", pytest.param("open cubic", marks=pytest.mark.long)])
+def test_another_compiler_has_them_too(monkeypatch, name):
+    assert np.array_equal(bits(built(monkeypatch, SPECS[name], 2, "clang")), bits(built(monkeypatch, SPECS[name], 4)))
+
+
+def test_native_code_has_them_too(monkeypatch):
+    wanted = bits(built(monkeypatch, SPECS["odd cubic"], 1))
+    assert np.array_equal(bits(smidgen.build(SPECS["odd cubic"], native=True)), wanted)
+
+
+@pytest.mark.parametrize("name", ["ring of 17", "honeycomb", "three colours"])
+def test_restored_it_goes_on_with_the_same_bits(monkeypatch, name):
+    model = built(monkeypatch, SPECS[name])
+    saved, whole = model.start("random", h=0.1).steps(7).save(), model.steps(9).save()
+    assert np.array_equal(model.start("random", h=0.03).restore(saved).steps(9).save(), whole)
+
+
+def test_one_by_one_or_at_once(monkeypatch):
+    model = built(monkeypatch, SPECS["odd cubic"])
+    whole = bits(model)
+    model.start("random", h=0.1)
+    for _ in range(12):
+        model.steps(1)
+    assert np.array_equal(model.save(), whole)
+
+
+@pytest.mark.parametrize("h", [0.05, 0.2, 0.25, 0.29])
+def test_up_to_the_largest_step_of_rows(monkeypatch, h):
+    """Strong fields, midpoints near the centre."""
+    spec = SPECS["plain cubic"]
+    model, witness = built(monkeypatch, spec).start("random", h=h), Witness(spec)
+    w = model.w.copy()
+    for _ in range(3):
+        after = model.steps(1).w.copy()
+        assert witness.residual(w, after, 0.0, h) <= 4e-15
+        w = after
+    model.steps(100)
+
+
+def test_large_steps_go_the_general_way(monkeypatch):
+    """h where sweeps need not be a contraction: J h/sqrt(1 - (J h)^2) > 0.9; a state restored changes its way with its h."""
+    model = built(monkeypatch, SPECS["cubic"])
+    small = model.start("random", h=0.05).steps(3).save()
+    w = model.w.copy()
+    model.start("random", h=0.4).steps(1).restore(small)
+    assert np.array_equal(model.save(), small) and np.array_equal(model.w, w)
+
+
+def test_a_tolerance_is_kept(monkeypatch):
+    spec = SPECS["cubic"]
+    model = built(monkeypatch, spec).start("random", h=0.05, tolerance=1e-9)
+    witness, w = Witness(spec), model.w.copy()
+    for _ in range(6):
+        after = model.steps(1).w.copy()
+        assert witness.residual(w, after, 0.0, 0.05) <= 1e-9
+        w = after
+    assert witness.residual(w, model.steps(1).w, 0.0, 0.05) > 1e-15
+
+
+def test_a_tiny_component_keeps_its_own_rate(monkeypatch):
+    """All spins along z but for 1e-300: what is tiny solves the linear step of its own, to its own digits."""
+    spec = lattice("ring", "chain(n, periodic)", 16, "n", EXCHANGE)
+    w = np.zeros((16, 3))
+    w[:, 2], tiny = 1, np.random.default_rng(3).uniform(-1, 1, (16, 2))
+    found = {}
+    for size in (1e-9, 1e-300):
+        w[:, :2] = size * tiny
+        found[size] = built(monkeypatch, spec).start(w, h=0.1).steps(20).w[:, :2] / size
+    assert np.abs(found[1e-300] - found[1e-9]).max() <= 1e-13
+
+
+@pytest.mark.parametrize("name", ["cubic 20", "ring of 601"])
+def test_memory_of_a_spin(tmp_path, name):
+    """160 bytes, but for the few slots at the ends."""
+    spec = lattice("big", "cubic(n, n, n, periodic)", 20, "n*n*n") if name == "cubic 20" else SPECS[name]
+    for file, text in generate(spec, amalgamate=True).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "main.c").write_text(f'#include <stdio.h>\n#include "{spec.name}.c"\nint main(void) {{\n  {spec.name}_state s;\n  smg_params p;\n'
+                                     f"  {spec.name}_defaults(&p);\n  smg_sizes(&s.c, &p);\n"
+                                     '  printf("%g\\n", (double)sizeof(smg_real) * (double)smg_row_layout(&s, NULL) / (double)smg_sites(&s.c));\n  return 0;\n}\n')
+    subprocess.run(["gcc", "-Wno-psabi", "-I.", "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    sites = 8000 if name == "cubic 20" else 601
+    assert float(subprocess.run(["./main"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout) <= 160 + 8 * 9 * 3 * 32 / sites
+
+
+@pytest.mark.parametrize("name, why", [("index", "0.1*i*w[i].x"), ("cubed", "w[i].z^3")])
+def test_what_rows_are_not_for(name, why):
+    spec = lattice("general", "chain(n, periodic)", 16, "n", EXCHANGE + FIELD.replace(re.search('energy = "(.*)"', FIELD)[1], why))
+    assert "SMG_BY_ROWS" not in generate(spec)["general.c"]
+
+
+@pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("name", ["honeycomb", pytest.param("three colours", marks=pytest.mark.long)])
+def test_clean_c(tmp_path, compiler, lanes, name):
+    spec = SPECS[name]
+    for file, text in generate(spec, amalgamate=True).items():
+        (tmp_path / file).write_text(text)
+    words = [compiler, *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", f"-DSMG_LANES={lanes}", *include_flags(), "-I.", "-O1"]
+    subprocess.run([*words, "-c", f"{spec.name}.c", "-o", "model.o"], cwd=tmp_path, check=True)
