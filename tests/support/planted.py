@@ -40,16 +40,34 @@ static smg_real planted_cap(smg_real x, smg_real y, smg_real z) {
   return planted == %(cap)d && along > (smg_real)%(EDGE)g * SMG_MATH(sqrt)(x * x + y * y + z * z) ? 1 + (smg_real)%(CAP)g : 1;
 }
 """
+# where steps go by rows: the same faults in slots, the increment by its field
+ROWS = """static void planted_turn_slot(smg_real *w, int64_t pitch, int64_t count) {
+  smg_real first[3] = {w[0], w[pitch], w[2 * pitch]};
+  planted_turn(first, count);
+  for (int k = 0; k < 3; ++k) w[k * pitch] = first[k];
+}
+static void planted_cap_slots(const smg_turning turn, int64_t slot, smg_lanes *g) {
+  for (int lane = 0; lane < SMG_LANES && planted == %(cap)d; ++lane) {
+    const smg_real *m = turn.m + slot + lane, part = planted_cap(m[0], m[turn.pitch], m[2 * turn.pitch]);
+    for (int k = 0; k < 3; ++k) ((smg_real *)(g + k))[lane] *= part;
+  }
+}
+"""
 # name -> (pattern, replacement) of the emitted text; @ is the number of the fault
 FAULTS = {
     "no compensation": [(r"s->compensation\[(\d)\] = (y\..*);", r"s->compensation[\1] = planted == @ ? 0 : \2;"),
                  (r"smg_add_compensated\(&s->w\[k\], &s->compensation\[k\], s->u\[k\]\);",
-                  r"if (planted == @) s->w[k] += s->u[k]; else smg_add_compensated(&s->w[k], &s->compensation[k], s->u[k]);")],
+                  r"if (planted == @) s->w[k] += s->u[k]; else smg_add_compensated(&s->w[k], &s->compensation[k], s->u[k]);"),
+                 (r"smg_lane_put\(lost \+ k, y - \(sum - w\)\);", r"if (planted != @) smg_lane_put(lost + k, y - (sum - w));")],
     "no branch check": [(r"if \((!smg_clear_of_branches\(det\) .*)\) return SMG_WRONG_BRANCH;", r"if (planted != @ && (\1)) return SMG_WRONG_BRANCH;"),
                         (r": certified \? SMG_OK : SMG_WRONG_BRANCH;", r": certified || planted == @ ? SMG_OK : SMG_WRONG_BRANCH;"),
                         (r"status == SMG_OK && sure\)", r"status == SMG_OK && (sure || planted == @))")],
-    "turned": [(r"\+\+s->count;", r"++s->count; planted_turn(s->w, s->count);")],
+    "turned": [(r"\+\+s->count;", r"++s->count; planted_turn(s->w, s->count);"),
+               (r"(smg_commit_rows\(s\);\n *\+\+s->count;) planted_turn\(s->w, s->count\);",
+                r"\1 planted_turn_slot(s->row_w, smg_pitch(&s->c), s->count);")],
     "cap": [(r"u\[b\] \*= rate;", r"u[b] *= planted_cap(m[0], m[1], m[2]) * rate;"),
+            (r"(g\[k\] \*= turn\.half;)", r"\1\n  planted_cap_slots(turn, slot, g);"),
+            (r"(u\[k\] \*= 2 \* turn\.half;)", r"\1\n  planted_cap_slots(turn, slot, u);"),
             (r"smg_vec smg_motion(\(const .*?smg_vec m\) \{.*?\n\}\n)",
              r"smg_vec smg_right_motion\1SMG_INLINE smg_vec smg_motion(const smg_coefficients *c, smg_vec m) { return "
              r"smg_vec_scale(planted_cap(m.x, m.y, m.z), smg_right_motion(c, m)); }\n")],
@@ -129,5 +147,6 @@ def planted(text):
         return f"{match[1]}return (planted == {number} ? -1 : 1) * (sum + lost);"
     text = re.sub(FUNCTION, reversed_one, text, flags=re.DOTALL)
     head = HEAD % {"turned": numbers["turned"], "cap": numbers["cap"], "TURN": TURN, "CAP": CAP, "EDGE": 1 - 2 * AREA}
+    text = re.sub(r"(?=SMG_INLINE void smg_made_of\()", ROWS % numbers, text)
     place = text.index("\nstatic")         # after the includes
     return text[:place] + head + text[place:], numbers
