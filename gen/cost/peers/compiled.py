@@ -43,13 +43,13 @@ class Compiled:
         m = case.model(explicit)
         self.model = Integrator(m.spec, m.scene, m.built, m.values_in, m.method, m.solver)      # one that nobody else starts anew
         self.model.start(case.w.copy(), h=case.time)
-        self.library = library(self.model.built, self.model.name, source)
+        self.functions = library(self.model.built, self.model.name, source)
         self.handles, self.first = {}, FIRST / max(case.rate, 1e-300) * np.sign(case.time)
 
     def prepare(self, tolerance: float) -> None:
         """Memory for runs to this tolerance. Raises MemoryError."""
         if tolerance not in self.handles:
-            found = self.library.peer_new(self.model._state, self.kind, tolerance, self.first)
+            found = self.functions.peer_new(self.model._state, self.kind, tolerance, self.first)
             if not found:
                 raise MemoryError("the integrator cannot be set up")
             self.handles[tolerance] = found
@@ -59,19 +59,19 @@ class Compiled:
         self.prepare(tolerance)
         y, times = self.case.w.copy(), np.ascontiguousarray(times, float)
         out = np.empty((len(times), *y.shape))
-        steps = self.library.peer_run(self.handles[tolerance], 0.0, y.ctypes.data, times.ctypes.data, len(times), out.ctypes.data)
+        steps = self.functions.peer_run(self.handles[tolerance], 0.0, y.ctypes.data, times.ctypes.data, len(times), out.ctypes.data)
         return (out, steps) if steps >= 0 else (None, -1)
 
     def seconds(self, tolerance: float, repeats: int) -> float:
         """Of one run, the mean of several; counted in C."""
         self.prepare(tolerance)
         start, y, out = (np.array(self.case.w) for _ in range(3))
-        return self.library.peer_seconds(self.handles[tolerance], self.model._state, start.ctypes.data, self.case.time, repeats,
+        return self.functions.peer_seconds(self.handles[tolerance], self.model._state, start.ctypes.data, self.case.time, repeats,
                                          y.ctypes.data, out.ctypes.data)
 
     def __del__(self):
         for handle in getattr(self, "handles", {}).values():
-            self.library.peer_free(handle)
+            self.functions.peer_free(handle)
 
 
 def library(built, name: str, source: str):
