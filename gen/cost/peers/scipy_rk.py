@@ -21,7 +21,7 @@ class SciPy:
         except ImportError:
             raise Missing("SciPy (pip install scipy)") from None
         over = Compiled(case, source, kind)
-        self.case, self.solve, self.model, rate = case, solve_ivp, over.model, over.library.peer_rate
+        self.case, self.solve, self.model, rate = case, solve_ivp, over.model, over.functions.peer_rate
 
         def right_side(t, y):
             out = np.empty(len(y))
