@@ -28,18 +28,6 @@ typedef struct smg_turning {
   smg_real h;
 } smg_turning;
 
-/* v turns about g by the angle whose half has the tangent |g|, scale = 2/(1 + |g|^2); u moves with it. */
-SMG_INLINE void smg_turn_about(const smg_real *g, smg_real scale, smg_real *v, smg_real *u) {
-  smg_real x[3], xx[3];
-  smg_cross(x, v, g);
-  smg_cross(xx, x, g);
-  for (int b = 0; b < 3; ++b) {
-    const smg_real moved = scale * (x[b] + xx[b]);
-    v[b] += moved;
-    u[b] += moved;
-  }
-}
-
 /* One bond; slope = f'. */
 static inline void smg_turn_pair(void *context, int64_t i, int64_t j, smg_real slope) {
   const smg_turning *turning = (const smg_turning *)context;

@@ -31,18 +31,11 @@ typedef struct smg_turning {
 static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
   const smg_turning *turning = (const smg_turning *)context;
   const smg_state *s = turning->s;
-  smg_real g[3] = {0, 0, 0}, x[3], xx[3], *v = s->points + 3 * at.k, *u = s->u + 3 * at.k;
+  smg_real g[3] = {0, 0, 0}, *v = s->points + 3 * at.k, *u = s->u + 3 * at.k;
   smg_pull(&s->c, at, s->points, g);
   const smg_real half = 0.5 * smg_h_over_kappa(&s->c, at.k, turning->h);
   for (int b = 0; b < 3; ++b) g[b] *= half;
-  const smg_real scale = 2 / (1 + smg_dot(g, g));
-  smg_cross(x, v, g);
-  smg_cross(xx, x, g);
-  for (int b = 0; b < 3; ++b) {
-    const smg_real moved = scale * (x[b] + xx[b]);
-    v[b] += moved;
-    u[b] += moved;
-  }
+  smg_turn_about(g, 2 / (1 + smg_dot(g, g)), v, u);
 }
 
 /* All sites of a colour, for the part h of the step. */
