@@ -1,6 +1,8 @@
 """A model as data: its kernels, its plan, and what the functions over its sites ask of them."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS
@@ -17,7 +19,7 @@ from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
 from .pairs import pair_kernels
-from .rows import rows
+from .rows import BY_ROWS, rows
 from .solo import solo_kernels
 from .sweeps import reach
 from .wide import wide_kernels
@@ -42,6 +44,8 @@ class Model:
         self.loops = Loops(low, lambda family: self.by_name[family].count)
         self.reach = reach(self, low) if plan.rotation else None
         self.in_rows = rows(self, low)
+        if self.in_rows:
+            self.plan = replace(self.plan, reason=f"{self.plan.reason}; {BY_ROWS}")
         self.solo = solo_kernels(self, low)
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None

@@ -21,6 +21,7 @@ from .lanes import in_lanes, named
 from .sweeps import row_sums
 
 KNOWN = 100     # kinds of rows whose neighbours are kept at hand: with six of them 24 KB
+BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 

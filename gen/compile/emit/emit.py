@@ -70,7 +70,7 @@ def emitted(spec: Spec, plan: Plan, features) -> Files:
     files = Files({f"{M}.h": render("model.h.j2", **header_slots(model), **said),
                    f"{M}.c": render("model.c.j2", **source_slots(model), interface=render("interface.c.j2", **interface_slots(model, M)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
-    files.notes = {"method": plan.method, "solver": plan.solver, "reason": plan.reason,
+    files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
                    "local": list(plan.local), "coupled": list(plan.coupled)}
     return files
 
