@@ -202,6 +202,32 @@ def test_what_is_built_can_be_read(spec):
     assert built.binary.stat().st_mode & stat.S_IRUSR
 
 
+class InLanes(Counting):
+    """The same, with a note that the model has vectors of lanes."""
+
+    def __call__(self, *wanted):
+        files, notes = super().__call__(*wanted)
+        return files, {**notes, "lanes": True}
+
+
+def test_a_model_in_lanes_is_compiled_for_this_processor(spec):
+    """By default, since its bits are the same; not where a library for every processor is asked for."""
+    assert "-march=native" in build_library(spec, generate=InLanes()).flags
+    assert "-march=native" not in build_library(spec, generate=InLanes(), native=False).flags
+    assert build_library(spec, generate=InLanes()).flags[-1] == "-march=native"      # of the one that is found
+
+
+def test_a_compiler_that_cannot_compile_for_this_processor_is_not_asked_to(spec, monkeypatch):
+    monkeypatch.setattr(BUILD, "NATIVE", ("-march=nowhere",))
+    assert "-march=nowhere" not in build_library(spec, generate=InLanes()).flags
+
+
+def test_a_cache_shared_by_processors_keeps_their_builds_apart(spec, monkeypatch):
+    one = build_library(spec, generate=InLanes())
+    monkeypatch.setattr(BUILD, "processor", lambda: "another")
+    assert build_library(spec, generate=InLanes()).binary != one.binary
+
+
 def test_a_new_value_is_no_new_build(toy):
     one = smidgen.build(toy, values={"J": 2.0, "shift": [1.0, 2.0]})
     other = smidgen.build(toy, values={"J": 3.0})

@@ -3,7 +3,8 @@
 The key of a build is a digest of all that its bytes depend on: the selected spec without
 texts and run-time values (`program_of`), the plan of its step, the generator's own sources
 with templates and runtime, compiler, flags. So a build serves all sizes that lead to one
-plan. Two builds of the same thing at once are safe, and so is the library that is found: `cache.py`.
+plan. A model with vectors of lanes is compiled for this processor: it has the same bits with
+vectors of every width. Two builds of the same thing at once are safe, and so is the library that is found: `cache.py`.
 """
 from __future__ import annotations
 
@@ -52,10 +53,10 @@ class Built:
 
 
 def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
-                  real: str = "double", native: bool = False, features=(), generate=None, fast: bool = False) -> Built:
+                  real: str = "double", native: bool | None = None, features=(), generate=None, fast: bool = False) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
-    real: "double" or "long double"; native: -march=native, whose bits differ between machines; fast: products and sums
+    real: "double" or "long double"; native: -march=native or not; None: for models with vectors of lanes; fast: products and sums
     in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`.
     Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
     """
@@ -63,14 +64,15 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
     if fast and "extended" in features:
         raise UsageError("no extended precision in a fast build: leave one of them out")
     flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()))
+    wide = native is None and not fast
     key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
-                 compiler_version(compiler), flags, (native or fast) and platform.processor())
+                 compiler_version(compiler), flags, wide, processor())
     wanted = (spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
-                  lambda work: _build_into(work, generate or _generate, wanted, compiler, flags))
+                  lambda work: _build_into(work, generate or _generate, wanted, compiler, flags, wide))
     facts = json.loads((place / "built.json").read_text())
     return Built(spec.name, place / LIBRARY, place, real, compiler_version(compiler),
-                 flags, facts["notes"], generator_name())
+                 tuple(facts["flags"]), facts["notes"], generator_name())
 
 
 def find_compiler() -> tuple[str, ...]:
@@ -114,6 +116,25 @@ def compiler_version(compiler: tuple[str, ...]) -> str:
 
 
 @functools.lru_cache(maxsize=None)
+def takes(compiler: tuple[str, ...], flags: tuple[str, ...]) -> bool:
+    """Does the compiler know these flags?"""
+    with tempfile.TemporaryDirectory(prefix="smidgen-") as folder_:
+        Path(folder_, "empty.c").write_text("typedef int nothing;\n")
+        return ran([*compiler, *flags, "-fsyntax-only", "empty.c"], folder_).returncode == 0
+
+
+@functools.lru_cache(maxsize=None)
+def processor() -> str:
+    """This kind of processor by what it can do: a cache may be shared by machines of several kinds."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    kinds = [line for line in lines if line.lower().startswith(("model name", "flags", "features"))]
+    return digest(platform.machine(), platform.processor(), sorted(set(kinds)))
+
+
+@functools.lru_cache(maxsize=None)
 def generator_digest() -> str:
     """Digest of what decides the generated text: the compiler's own modules and templates."""
     roots = [*(HERE / stage for stage in GENERATOR), folder("templates"), folder("runtime")]
@@ -141,11 +162,13 @@ def _generate(spec, method, solver, features):
     return generate_program(spec, method, solver, features)
 
 
-def _build_into(work, generate, wanted, compiler, flags):
+def _build_into(work, generate, wanted, compiler, flags, wide):
     files, notes = split_notes(generate(*wanted))
+    if wide and notes.get("lanes") and takes(compiler, NATIVE):
+        flags = (*flags, *NATIVE)
     write_files(files, work)
     compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags)
-    (work / "built.json").write_text(json.dumps({"notes": notes}))
+    (work / "built.json").write_text(json.dumps({"notes": notes, "flags": flags}))
 
 
 def split_notes(made) -> tuple[dict, dict]:

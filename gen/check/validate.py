@@ -105,7 +105,7 @@ def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: in
              start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
              h: float | str | None = None, effects: Iterable[str] | None = None,
              values: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
-             native: bool = False) -> Report:
+             native: bool | None = None) -> Report:
     """Compare the compiled integrator of a run with the witness.
 
     start .. native: as for `smidgen.run`, in place of what the run says.

@@ -29,7 +29,7 @@ def add(commands):
     parser.add_argument("--out", metavar="DIR", help="install a static library, its headers "
                         "and a pkg-config file below DIR")
     parser.add_argument("--native", action="store_true",
-                        help="for this processor (-march=native); bits then differ between machines")
+                        help="for this processor (-march=native)")
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     json_option(parser)
 
@@ -65,7 +65,7 @@ def build(args):
     if args.out:
         files, notes = export_library(scene, args.out, method, solver, args.features)
     else:
-        built = build_library(scene, method, solver, args.real, args.native, args.features)
+        built = build_library(scene, method, solver, args.real, args.native or False, args.features)
         files, notes = [built.binary], built.notes
     report(args, scene, method, notes, files)
 

@@ -27,8 +27,16 @@ def model_options(parser):
                         metavar="NAME=VALUE", help="a parameter; a list as 1,2,3; repeatable")
 
 
+def processor_options(parser):
+    """--native, --portable: for which processors to compile."""
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--native", action="store_true", default=None, help="compile for this processor; by default so where vectors of "
+                       "lanes make it faster, with the same bits")
+    which.add_argument("--portable", action="store_false", dest="native", default=None, help="compile for every processor of this family")
+
+
 def study_options(parser):
-    """What a study of many methods looks at: RUN, --time, --methods, --effects, --set, --start, --seed, --native."""
+    """What a study of many methods looks at: RUN, --time, --methods, --effects, --set, --start, --seed, --native, --portable."""
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     parser.add_argument("--time", help="how long: a number or a formula; default: as long as the run")
     parser.add_argument("--methods", type=names, metavar="A,B", help="of these only; default: all that serve")
@@ -37,7 +45,7 @@ def study_options(parser):
                         help="a parameter; a list as 1,2,3; repeatable")
     parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
-    parser.add_argument("--native", action="store_true", help="compile for this processor")
+    processor_options(parser)
 
 
 def study_choices(args) -> dict:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import Exit, RunError, UsageError
 from ..run.checkpoint import folder_of
-from .options import json_option, model_options, names, number, spec_argument, start_of, whole
+from .options import json_option, model_options, names, number, processor_options, spec_argument, start_of, whole
 from .say import notes_line, printed, say
 
 EXAMPLES = """  smidgen run heisenberg_chain
@@ -38,7 +38,7 @@ def add(commands):
                         "momentum, casimirs, names of observables")
     parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
-    parser.add_argument("--native", action="store_true", help="compile for this processor")
+    processor_options(parser)
     parser.add_argument("--fast", action="store_true", help="--native, and products and sums in one operation: for whom the same "
                         "bits on every machine are too dear")
     parser.add_argument("--real", choices=("double", "long double"), default="double")

@@ -35,7 +35,7 @@ AIM = 1e-6          # end error of the runs that are made long
 def cost(spec: Spec, name: str | None = None, *, time: float | str | None = None, methods: Iterable[str] | None = None,
          start: str | np.ndarray | None = None, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
          seed: int | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
-         peers: bool | Iterable[str] = False, native: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
+         peers: bool | Iterable[str] = False, native: bool | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
     """Sweep the methods of the registry over steps, and time them.
 
     name, start, effects, values, seed, native: as for `run`; time: how long, by default that of the run; methods: names,

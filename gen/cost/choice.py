@@ -59,7 +59,7 @@ class Choice:
 def choose(spec: Spec, name: str | None = None, *, error: float | None = None, energy: float | None = None,
            time: float | str | None = None, methods: Iterable[str] | None = None, start: str | np.ndarray | None = None,
            effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None, seed: int | None = None,
-           symplectic: bool = False, native: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
+           symplectic: bool = False, native: bool | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
     """The method and step that meet the errors asked for in the least time.
 
     error: at the end, relative to the largest |w|; energy: the largest energy error on the way, absolute, in the unit of the

@@ -42,12 +42,13 @@ NO_MEMORY = ("no memory", "there is not enough memory")
 @public
 def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = None,
           values: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
-          native: bool = False, features: Iterable[str] = (), fast: bool = False) -> Integrator:
+          native: bool | None = None, features: Iterable[str] = (), fast: bool = False) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.
 
     method: one of METHODS; solver: one of SOLVERS; effects: names of the effects to keep, None for all;
     values: parameter values by name, in the units of the spec (a number, or a sequence for an array);
-    real: "double" or "long double"; native: compile for this processor; features: names of
+    real: "double" or "long double"; native: compile for this processor (None: where the
+    model has vectors of lanes, whose bits are the same); features: names of
     `features.FEATURES`; fast: native, and products and sums in one operation. Raises UsageError for a name that is not known or a value that does not fit,
     MissingTool without a C compiler, BuildError when it fails.
     """

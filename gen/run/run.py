@@ -50,7 +50,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
         out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None, real: str = "double",
-        native: bool = False, estimate: bool = False, tolerance: float | None = None, fast: bool = False) -> Result:
+        native: bool | None = None, estimate: bool = False, tolerance: float | None = None, fast: bool = False) -> Result:
     """Run `spec` and return a Result.
 
     name: a run of the spec, by default its first. In place of what that run says:
@@ -64,7 +64,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     as up to 2^10 smaller ones.
     out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
     `out`; progress: a function of the steps done; real: "double" or "long double"; native:
-    compile for this processor; estimate: take the run again with other steps, and tell by it
+    compile for this processor (None: as `build` does); estimate: take the run again with other steps, and tell by it
     how far the end is from the exact solution: `meta["end_error"]`, in units of the largest |w|;
     tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and

@@ -39,7 +39,7 @@ class Settings:
     values: dict
     seed: int | None
     real: str = "double"
-    native: bool = False
+    native: bool | None = None
     substeps: bool = False
     checkpoint: int | None = None
     estimate: bool = False
@@ -49,7 +49,7 @@ class Settings:
 
 def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
-           values=None, seed=None, real="double", native=False, substeps=None,
+           values=None, seed=None, real="double", native=None, substeps=None,
            checkpoint=None, estimate=False, tolerance=None, fast=False) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = find_run(spec, name)

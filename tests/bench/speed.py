@@ -35,7 +35,7 @@ Newton from an extrapolation of degree 6; because the field is divergence-free o
 
 {lattices}
 
-Nanoseconds a spin and step. `portable` is what `smidgen.build` makes (two lanes), `native` the same text with `-march=native`, with the same
+Nanoseconds a spin and step. `portable` is compiled for any processor of the family (two lanes), `native`, as `smidgen.build` makes it, for this one (`-march=native`), with the same
 bits; `site to site` the steps that models without rows take (here the model with its tangent map), in turns with the others. `sweeps` are those of
 the last step; every step is evaluated once more.
 

@@ -118,7 +118,7 @@ def certify(spec: Spec, run=None, *, tier="normal", features=(), subject=None, s
     case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks, tier, features)
     subject = emitted(spec, settings, chosen_features(features)) if subject is None else subject
     rows = tuple(rows_of(case, subject))
-    return Certificate(rows, {**facts_of(case, tier, features), "not_looked_at": case.unseen})
+    return Certificate(rows, {**facts_of(case, tier, features), **compiled_with(subject), "not_looked_at": case.unseen})
 
 
 def lengthened(spec, run, given) -> dict:
@@ -164,15 +164,13 @@ def facts_of(case: Case, tier, features=()) -> dict:
             "solver": s.solver, "features": sorted(features), "fingerprint": fingerprint(case.scene, s.method, s.solver, features),
             "effects": [e.name for e in case.scene.effects], "values": plain(s.values), "h": s.h,
             "probe": case.probe, "steps": s.steps, "start": s.start if isinstance(s.start, str) else None,
-            "sites": case.sites, "tier": tier, "generator": __version__, "generator_digest": generator_digest(),
-            **compiled_with(s)}
+            "sites": case.sites, "tier": tier, "generator": __version__, "generator_digest": generator_digest()}
 
 
-def compiled_with(settings) -> dict:
-    """Compiler and flags of the code that was measured."""
-    from ...build.binary import FLAGS, SHARED
-    native = ("-march=native",) if settings.native else ()
-    return {"compiler": compiler_version(find_compiler()), "flags": [*FLAGS, *SHARED, *native]}
+def compiled_with(subject) -> dict:
+    """Compiler and flags of the code that was measured, where it is the generated one."""
+    double = getattr(subject, "double", None)
+    return {"compiler": compiler_version(find_compiler()), "flags": list(double.built.flags) if double else []}
 
 
 def plain(values: dict) -> dict:

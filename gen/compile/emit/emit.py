@@ -19,7 +19,7 @@ from ..plan.plan import Plan, choose
 from ..program import program_of
 from .amalgamate import inline_runtime
 from .interface import abi_slots, banner, header_slots, interface_slots
-from .settings import headers, method_headers, settings
+from .settings import headers, in_lanes, method_headers, settings
 from .targets import printed
 
 
@@ -71,7 +71,7 @@ def emitted(spec: Spec, plan: Plan, features) -> Files:
                    f"{M}.c": render("model.c.j2", **source_slots(model), interface=render("interface.c.j2", **interface_slots(model, M)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
-                   "local": list(plan.local), "coupled": list(plan.coupled)}
+                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": in_lanes(model)}
     return files
 
 
