@@ -198,3 +198,41 @@ def test_clean_c(tmp_path, compiler, lanes, name):
         (tmp_path / file).write_text(text)
     words = [compiler, *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", f"-DSMG_LANES={lanes}", *include_flags(), "-I.", "-O1"]
     subprocess.run([*words, "-c", f"{spec.name}.c", "-o", "model.o"], cwd=tmp_path, check=True)
+
+
+@pytest.fixture
+def quiet_threads(monkeypatch):
+    """Threads that sleep while they wait: there may be fewer processors than threads."""
+    monkeypatch.setenv("OMP_WAIT_POLICY", "passive")
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+@pytest.mark.parametrize("name", ["odd cubic", "plain cubic", "honeycomb", "three colours", "ring of 601"])
+def test_threads_have_the_same_bits(monkeypatch, quiet_threads, name, threads):
+    """Shares so small that each thread has some of these few sites."""
+    spec = SPECS[name]
+    wanted = bits(smidgen.build(spec))
+    monkeypatch.setenv("CC", "gcc -Wno-psabi -DSMG_SHARE=8")
+    assert np.array_equal(bits(smidgen.build(spec, threads=threads)), wanted)
+
+
+def test_threads_where_there_are_none():
+    with pytest.raises(smidgen.UsageError, match="have one thread"):
+        smidgen.build(smidgen.load("free_rigid_body"), threads=2)
+    for wrong in (0, -1, 1.5, True, 10**6):
+        with pytest.raises(smidgen.UsageError, match="threads are a number"):
+            smidgen.build(SPECS["plain cubic"], threads=wrong)
+
+
+def test_a_compiler_without_openmp(monkeypatch):
+    from smidgen.build import binary
+    monkeypatch.setattr(binary, "THREADS", ("-fno-such-thing",))
+    with pytest.raises(smidgen.MissingTool, match="has no OpenMP"):
+        smidgen.build(SPECS["plain cubic"], threads=2)
+
+
+def test_a_run_with_threads_is_recorded_and_repeated(tmp_path):
+    spec = SPECS["plain cubic"]
+    result = smidgen.run(spec, start="random", h=0.1, steps=3, threads=2, out=tmp_path / "cubic.npz", keep=True)
+    assert result.meta["threads"] == 2 and "-fopenmp" in result.meta["flags"]
+    assert np.array_equal(smidgen.repeat(tmp_path / "cubic.npz").w["w"], smidgen.run(spec, start="random", h=0.1, steps=3).w["w"])

@@ -33,6 +33,7 @@ from .cache import cache_folder, entry
 FLAGS = ("-std=c11", "-O3", "-ffp-contract=off")    # the same bits on every machine
 SHARED = ("-fPIC", "-shared")
 NATIVE = ("-march=native",)
+THREADS = ("-fopenmp",)
 FAST = (*NATIVE, "-ffp-contract=fast")      # the last word on contraction counts
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
@@ -53,17 +54,19 @@ class Built:
 
 
 def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
-                  real: str = "double", native: bool | None = None, features=(), generate=None, fast: bool = False) -> Built:
+                  real: str = "double", native: bool | None = None, features=(), generate=None, fast: bool = False,
+                  threads: bool = False) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
     real: "double" or "long double"; native: -march=native or not; None: for models with vectors of lanes; fast: products and sums
-    in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`.
-    Raises UsageError for a name that is none, MissingTool without a C compiler and BuildError when it refuses.
+    in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`; threads:
+    with OpenMP. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
+    or without OpenMP, and BuildError when it refuses.
     """
     features, compiler = chosen_features(features), find_compiler()
     if fast and "extended" in features:
         raise UsageError("no extended precision in a fast build: leave one of them out")
-    flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()))
+    flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(threads_of(compiler) if threads else ()))
     wide = native is None and not fast
     key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
                  compiler_version(compiler), flags, wide, processor())
@@ -71,6 +74,8 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
     place = entry(f"{spec.name}-{key[:32]}",
                   lambda work: _build_into(work, generate or _generate, wanted, compiler, flags, wide))
     facts = json.loads((place / "built.json").read_text())
+    if threads and not facts["notes"].get("threads"):
+        raise UsageError(f"steps of {spec.name} by {method} have one thread: only those of lattices by rows have several")
     return Built(spec.name, place / LIBRARY, place, real, compiler_version(compiler),
                  tuple(facts["flags"]), facts["notes"], generator_name())
 
@@ -119,8 +124,15 @@ def compiler_version(compiler: tuple[str, ...]) -> str:
 def takes(compiler: tuple[str, ...], flags: tuple[str, ...]) -> bool:
     """Does the compiler know these flags?"""
     with tempfile.TemporaryDirectory(prefix="smidgen-") as folder_:
-        Path(folder_, "empty.c").write_text("typedef int nothing;\n")
-        return ran([*compiler, *flags, "-fsyntax-only", "empty.c"], folder_).returncode == 0
+        Path(folder_, "empty.c").write_text("#ifdef _OPENMP\n#include <omp.h>\n#endif\ntypedef int nothing;\n")
+        return ran([*compiler, *flags, *SHARED, "empty.c", "-o", "empty.so"], folder_).returncode == 0
+
+
+def threads_of(compiler: tuple[str, ...]) -> tuple[str, ...]:
+    """The flags for OpenMP. Raises MissingTool."""
+    if not takes(compiler, THREADS):
+        raise MissingTool(f"{shlex.join(compiler)} has no OpenMP, which threads need (on Debian: gcc, or clang with libomp-dev)")
+    return THREADS
 
 
 @functools.lru_cache(maxsize=None)

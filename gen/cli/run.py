@@ -41,6 +41,7 @@ def add(commands):
     processor_options(parser)
     parser.add_argument("--fast", action="store_true", help="--native, and products and sums in one operation: for whom the same "
                         "bits on every machine are too dear")
+    parser.add_argument("--threads", type=whole, metavar="N", help="how many may share a step: of lattices by rows, with the same bits")
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
@@ -146,7 +147,7 @@ def asked(args):
 
 
 CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "section", "what",
-           "seed", "checkpoint", "substeps", "tolerance")
+           "seed", "checkpoint", "substeps", "tolerance", "threads")
 
 
 def choices(args) -> dict:

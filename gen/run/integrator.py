@@ -26,6 +26,8 @@ from .block import Block
 from .saved import Saved
 from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
 
+MOST_THREADS = 1024
+
 # smg_status of runtime/core/smidgen.h: number -> (name, what happened)
 STATUS = {
     1: ("no convergence", "the step equation did not converge"),
@@ -42,14 +44,15 @@ NO_MEMORY = ("no memory", "there is not enough memory")
 @public
 def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = None,
           values: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
-          native: bool | None = None, features: Iterable[str] = (), fast: bool = False) -> Integrator:
+          native: bool | None = None, features: Iterable[str] = (), fast: bool = False, threads: int | None = None) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.
 
     method: one of METHODS; solver: one of SOLVERS; effects: names of the effects to keep, None for all;
     values: parameter values by name, in the units of the spec (a number, or a sequence for an array);
     real: "double" or "long double"; native: compile for this processor (None: where the
     model has vectors of lanes, whose bits are the same); features: names of
-    `features.FEATURES`; fast: native, and products and sums in one operation. Raises UsageError for a name that is not known or a value that does not fit,
+    `features.FEATURES`; fast: native, and products and sums in one operation; threads: how many may share a step,
+    with OpenMP and the same bits. Raises UsageError for a name that is not known, a value that does not fit, threads where steps have none,
     MissingTool without a C compiler, BuildError when it fails.
     """
     choose("method", method, METHODS)
@@ -57,8 +60,16 @@ def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = Non
     choose("real", real, ("double", "long double"))
     scene = scene_of(spec, effects, values)
     known = parameter_values(spec, values)
-    built = build_library(scene, method, solver, real, native, features, fast=fast)
-    return Integrator(spec, scene, built, known, method, solver)
+    threads = checked_threads(threads)
+    built = build_library(scene, method, solver, real, native, features, fast=fast, threads=threads is not None)
+    return Integrator(spec, scene, built, known, method, solver, threads)
+
+
+def checked_threads(threads) -> int | None:
+    """Raises UsageError for what is no number of threads."""
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 1 <= threads <= MOST_THREADS):
+        raise UsageError(f"threads are a number from 1 to {MOST_THREADS}, not {threads}")
+    return threads
 
 
 def scene_of(spec: Spec, effects=None, values=None) -> Spec:
@@ -77,7 +88,7 @@ def choose(what: str, name: str, names) -> str:
 class Integrator(ReadOnly):
     """One model with its parameter values, compiled; at most one trajectory at a time.
 
-    name, method, solver: as asked for; `notes`: what the generator chose. `w` is the state,
+    name, method, solver, threads: as asked for; `notes`: what the generator chose. `w` is the state,
     shape (sites, 3); it is the same array after every step, and the caller's own if
     `start` was given one of that shape and type. h: the step, nan before `start`; t0: the time
     of the start; count: the steps taken since; times in the unit that the spec's energy implies.
@@ -91,6 +102,7 @@ class Integrator(ReadOnly):
     method: str
     solver: str
     notes: dict
+    threads: int | None
     values_in: dict
     families: dict[str, tuple[int, int]]
     real: np.dtype
@@ -102,14 +114,15 @@ class Integrator(ReadOnly):
     INSTEAD = {"": "smidgen.build(spec, ...) makes another model", "count": "steps(count) takes steps"} | dict.fromkeys(
         ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step")
 
-    def __init__(self, spec, scene, built: Built, values, method, solver):
+    def __init__(self, spec, scene, built: Built, values, method, solver, threads=None):
         self.spec, self.scene, self.built = spec, scene, built
         self.name, self.method, self.solver = scene.name, method, solver
-        self.notes = built.notes
+        self.notes, self.threads = built.notes, threads
         self.values_in = _known_to(scene, values)
         self.families = sizes(scene, self.values_in)
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
-        self._c = _functions(_loaded(built.binary), self.name)
+        self._library = _loaded(built.binary)
+        self._c = _functions(self._library, self.name)
         self._state, self._keep = None, None
         self.h, self.t0, self.count, self.w = math.nan, 0.0, 0, None
         self.columns = value_columns(scene)
@@ -162,6 +175,7 @@ class Integrator(ReadOnly):
         self._started()
         if count < 0:
             raise UsageError("a number of steps from 0 up; a negative h runs backward")
+        self._gather_threads()
         done = ctypes.c_int64(0)
         self._status = self._c.steps(self._state, count, ctypes.byref(done))
         self._now(count=self.count + done.value)
@@ -173,10 +187,16 @@ class Integrator(ReadOnly):
         Returns how many there are; fewer than `count` where a step failed, which `failure` tells.
         """
         self._started()
+        self._gather_threads()
         done = ctypes.c_int64(0)
         self._status = self._c.outputs(self._state, first, every, count, ctypes.byref(block.addressed(begin)), ctypes.byref(done))
         self._now(count=self._c.count(self._state))
         return done.value
+
+    def _gather_threads(self) -> None:
+        """How many there are is a property of the thread that calls, in OpenMP."""
+        if self.threads is not None:
+            self._library.omp_set_num_threads(self.threads)
 
     def failure(self) -> RunError | None:
         """The error of the last step, or None when it succeeded."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import UsageError
 
 ASKED = ("start", "method", "solver", "h", "steps", "every", "section", "what", "effects",
-         "seed", "real", "native", "substeps", "estimate", "tolerance", "fast")
+         "seed", "real", "native", "substeps", "estimate", "tolerance", "fast", "threads")
 
 
 def recorded(meta: dict):

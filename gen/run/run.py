@@ -50,7 +50,8 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
         out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None, real: str = "double",
-        native: bool | None = None, estimate: bool = False, tolerance: float | None = None, fast: bool = False) -> Result:
+        native: bool | None = None, estimate: bool = False, tolerance: float | None = None, fast: bool = False,
+        threads: int | None = None) -> Result:
     """Run `spec` and return a Result.
 
     name: a run of the spec, by default its first. In place of what that run says:
@@ -66,7 +67,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     `out`; progress: a function of the steps done; real: "double" or "long double"; native:
     compile for this processor (None: as `build` does); estimate: take the run again with other steps, and tell by it
     how far the end is from the exact solution: `meta["end_error"]`, in units of the largest |w|;
-    tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation.
+    tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation; threads: as for `build`.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
     Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
     cannot be written, MissingTool and BuildError as `build` does.
@@ -75,9 +76,10 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
     settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
                       every=every, section=section, what=what, effects=effects, values=values, seed=seed,
-                      real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate, tolerance=tolerance, fast=fast)
+                      real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate, tolerance=tolerance, fast=fast,
+                      threads=threads)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
-                  real, native, fast=fast)
+                  real, native, fast=fast, threads=threads)
     model.start(settings.start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     return execute(model, settings, out, out is None if keep is None else keep, progress)
 

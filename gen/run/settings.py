@@ -45,12 +45,13 @@ class Settings:
     estimate: bool = False
     tolerance: float | None = None
     fast: bool = False
+    threads: int | None = None
 
 
 def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
            values=None, seed=None, real="double", native=None, substeps=None,
-           checkpoint=None, estimate=False, tolerance=None, fast=False) -> Settings:
+           checkpoint=None, estimate=False, tolerance=None, fast=False, threads=None) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = find_run(spec, name)
     values = {**dict(base.values), **(values or {})}
@@ -72,7 +73,7 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         base.effects if effects is None else tuple(effects), values,
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate),
-        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast))
+        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads)
 
 
 def _read(spec: Spec, what: str, value):

@@ -10,17 +10,14 @@
  * ring that is no multiple of the colours. */
 static void smg_begin_first_colour(smg_state *s) {
   const smg_coefficients *c = &s->c;
-  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
-  int clash = SMG_OWN_FIELD;
-  for (int d = 0; d < 4; ++d) clash = clash || ((SMG_RINGS >> d & 1) && weights[d] * smg_cells(c, d) % SMG_COLOURS > 0);
-  for (int k = 0; clash && k < 3; ++k)
+  const int felt = SMG_OWN_FIELD || smg_meet_at_seam(c);
+  for (int k = 0; felt && k < 3; ++k)
     for (int64_t j = 0; j < smg_colour_slots(c); ++j) s->row_m[k * smg_pitch(c) + j] = s->row_w[k * smg_pitch(c) + j];
 }
 
-/* m = P(w + u/2) of all colours but the first, u extrapolated. */
-static void smg_predict_rows(smg_state *s) {
+/* m = P(w + u/2) of some slots, u extrapolated. */
+static void smg_predict_slots(const smg_state *s, smg_share part) {
   const int64_t pitch = smg_pitch(&s->c), first = smg_colour_slots(&s->c), late = SMG_LATE_PITCH(&s->c);
-  const int64_t end = smg_slots(&s->c);
   const int degree = s->degree;
   const smg_real r = smg_radius(&s->c, 0), *w = s->row_w, *past[SMG_ROW_HISTORY];
   smg_real weights[SMG_ROW_HISTORY], *midpoints = s->row_m;
@@ -28,7 +25,7 @@ static void smg_predict_rows(smg_state *s) {
     weights[j] = smg_weight(degree, j);
     past[j] = s->past[j] - first;
   }
-  for (int64_t slot = first; slot < end; slot += SMG_LANES) {
+  for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
     smg_lanes m[3];
     for (int k = 0; k < 3; ++k) {
       smg_lanes u = {0};
@@ -40,9 +37,15 @@ static void smg_predict_rows(smg_state *s) {
   }
 }
 
+/* Those of all colours but the first. */
+static void smg_predict_rows(const smg_state *s) {
+  const int64_t first = smg_colour_slots(&s->c);
+  SMG_TEAM(s->row_team) { smg_predict_slots(s, smg_share_of(first, smg_slots(&s->c) - first)); }
+}
+
 /* Sweeps to stagnation, or to the tolerance. */
-static void smg_settle_rows(smg_state *s, smg_piece *piece, const smg_turning *turn, smg_row_sweeping *sweep) {
-  do smg_next_colour(s, piece, turn, sweep);
+static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
+  do smg_next_colour(s, known, turn, sweep);
   while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
   s->report.iterations = (int)((sweep->passes + SMG_COLOURS - 1) / SMG_COLOURS);
 }
@@ -91,27 +94,39 @@ SMG_INLINE void smg_end_piece(const smg_turning turn, int stretched, smg_real we
   *most = all;
 }
 
-/* The increments of all sites, and whether they solve the step. Those by strong fields, |h b| >= 1/3, keep the lengths of spins. */
-static int smg_end_rows(smg_state *s, smg_piece *piece, const smg_turning *turn) {
+/* The increments of a thread's share of all colours, and the largest square of their residual. Those by strong fields, |h b| >= 1/3,
+ * keep the lengths of spins. */
+static smg_real smg_end_share(const smg_state *s, smg_besides *known, const smg_turning *turn) {
   const smg_real weakest = 1 / (36 * turn->half * turn->half);
   smg_lanes most = {0};
+  smg_piece piece;
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
-    smg_begin_colour(&s->c, colour, piece);
-    while (smg_next_piece(&s->c, s->row_m, piece)) {
-      if (s->row_stretched) smg_end_piece(*turn, 1, weakest, piece, &most);
-      else smg_end_piece(*turn, 0, 0, piece, &most);
+    smg_begin_colour(&s->c, colour, known, &piece);
+    while (smg_next_piece(&s->c, s->row_m, &piece)) {
+      if (s->row_stretched) smg_end_piece(*turn, 1, weakest, &piece, &most);
+      else smg_end_piece(*turn, 0, 0, &piece, &most);
     }
   }
   smg_real square = 0;
   for (int l = 0; l < SMG_LANES; ++l) smg_take(&square, ((const smg_real *)&most)[l]);
-  return smg_row_solved(s, SMG_MATH(sqrt)(square));
+  return square;
 }
 
-/* w + compensation + u of one component in all slots (Kahan); the increments of all colours but the first are remembered. */
-static void smg_commit_slots(smg_state *s, int64_t component, smg_real *past) {
-  const int64_t first = smg_colour_slots(&s->c), end = smg_slots(&s->c), skip = component * smg_pitch(&s->c);
+/* The increments of all sites, and whether they solve the step. */
+static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *turn) {
+  smg_real most = 0;
+  SMG_TEAM(s->row_team) {
+    const smg_real square = smg_end_share(s, known, turn);
+    SMG_ONE_BY_ONE smg_take(&most, square);
+  }
+  return smg_row_solved(s, SMG_MATH(sqrt)(most));
+}
+
+/* w + compensation + u of one component in some slots (Kahan); the increments of all colours but the first are remembered. */
+static void smg_commit_slots(const smg_state *s, smg_share part, int64_t component, smg_real *past) {
+  const int64_t first = smg_colour_slots(&s->c), skip = component * smg_pitch(&s->c);
   smg_real *rows_w = s->row_w + skip, *lost = s->row_compensation + skip, *rows_u = s->row_u + skip;
-  for (int64_t k = 0; k < end; k += SMG_LANES) {
+  for (int64_t k = part.from; k < part.to; k += SMG_LANES) {
     const smg_lanes w = smg_lane_take(rows_w + k), u = smg_lane_take(rows_u + k);
 #if SMG_PLAIN_SUMS
     smg_lane_put(rows_w + k, w + u);
@@ -154,20 +169,23 @@ static void smg_commit_rows(smg_state *s) {
   if (s->history < SMG_ROW_HISTORY || s->count % 16 == 0) smg_choose_row_degree(s);
   for (int j = SMG_ROW_HISTORY - 1; j > 0; --j) s->past[j] = s->past[j - 1];
   s->past[0] = oldest;
-  for (int k = 0; k < 3; ++k) smg_commit_slots(s, k, oldest + k * SMG_LATE_PITCH(&s->c));
+  SMG_TEAM(s->row_team) {
+    const smg_share part = smg_share_of(0, smg_slots(&s->c));
+    for (int k = 0; k < 3; ++k) smg_commit_slots(s, part, k, oldest + k * SMG_LATE_PITCH(&s->c));
+  }
   if (s->history < SMG_ROW_HISTORY) ++s->history;
   if (s->degree < 0) s->degree = 0;
 }
 
 /* One step, in slots: what sweeps leave is put into the equation, and more of them follow where its residual is more than round-off. */
-static smg_status smg_row_step(smg_state *s, smg_piece *piece) {
+static smg_status smg_row_step(smg_state *s, smg_besides *known) {
   const smg_turning turn = smg_turning_of(s, smg_signed_h(s->h));
   smg_row_sweeping sweep;
   smg_begin_sweeping(&sweep);
   smg_begin_first_colour(s);
   smg_predict_rows(s);
-  do smg_settle_rows(s, piece, &turn, &sweep);
-  while (!smg_end_rows(s, piece, &turn) && sweep.passes < SMG_ROW_PASSES);
+  do smg_settle_rows(s, known, &turn, &sweep);
+  while (!smg_end_rows(s, known, &turn) && sweep.passes < SMG_ROW_PASSES);
   s->report.site = s->report.partner = -1;
   s->report.reached = 0;
   s->report.status = sweep.passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE;
@@ -180,14 +198,16 @@ static smg_status smg_row_step(smg_state *s, smg_piece *piece) {
 /* count steps, or fewer: the first that fails is the last. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
-  smg_piece piece;
-  smg_begin_piece(&s->c, &piece);
+  smg_besides known;
+  smg_forget_besides(&known);
+  s->row_team = smg_row_team(&s->c);
+  if (s->row_team > 1) smg_know_besides(&s->c, &known);
   smg_enter_rows(s);
   while (count-- > 0 && status == SMG_OK) {
 #if SMG_TIMED
     smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
 #endif
-    status = smg_row_step(s, &piece);
+    status = smg_row_step(s, &known);
   }
   smg_leave_rows(s);
   return status;

@@ -7,53 +7,56 @@
 #define SMG_ROW_SWEEP_H
 
 #include "smg_row_spin.h"
-#include "smg_rows.h"
+#include "smg_row_team.h"
 #include "smg_rules.h"
 
-/* The next sites of a colour: the slots start .. start + size - 1, with the gradient at their places; at, from: where the one after begins. */
+/* The next sites of a share of a colour: the slots start .. start + size - 1, with the gradient at their places; at, from: where the one
+ * after begins; end: of the share. */
 typedef struct smg_piece {
   smg_lattice_row at;
-  int64_t from, start, size, room;
-  smg_besides known;
+  int64_t from, start, size, room, end;
+  smg_besides *known;
   SMG_LINES smg_real g[3 * SMG_PIECE_ROOM];
   SMG_LINES smg_real made[3 * SMG_PIECE_ROOM];
 } smg_piece;
 
-/* Slots of a piece: as many whole rows as fit, so that the next piece begins where a vector does if that can be; of a longer row SMG_PIECE. */
+/* Slots of a piece, so that the next one begins where a vector does: as many whole rows as fit, or SMG_PIECE. */
 static inline int64_t smg_piece_room(const smg_coefficients *c) {
   const int64_t length = smg_row_length(c);
-  int64_t rows = SMG_PIECE / length;
-  for (int64_t n = rows; n > 0; --n)
+  for (int64_t n = SMG_PIECE / length; n > 0; --n)
     if (n * length % SMG_WIDEST == 0) return n * length;
-  return rows > 0 ? rows * length : SMG_PIECE;
+  return SMG_PIECE;
 }
 
-static inline void smg_begin_piece(const smg_coefficients *c, smg_piece *piece) {
+/* The share of this thread in a colour. */
+static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, smg_besides *known, smg_piece *piece) {
+  const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), rows = smg_rows(c) * length;
+  const smg_share share = smg_share_of(first, rows);
+  const int64_t row = (share.from - first) / length;
+  piece->at = smg_row_of(c, colour, row);
+  piece->from = share.from - first - row * length;
+  piece->end = share.to < first + rows ? share.to : first + rows;
   piece->room = smg_piece_room(c);
-  smg_forget_besides(&piece->known);
-}
-
-static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, smg_piece *piece) {
-  piece->at = smg_first_row(c, colour);
-  piece->from = 0;
+  piece->known = known;
 }
 
 /* The gradient of the sites from <= j < to of the row; of empty slots at its end it is 0. */
 static inline void smg_piece_gradient(const smg_coefficients *c, const smg_real *m, smg_piece *piece, int64_t to) {
   smg_real *g = piece->g + piece->size;
-  smg_row_gradient(c, &piece->at, smg_besides_of(c, &piece->at, &piece->known), m, piece->from, to < piece->at.sites ? to : piece->at.sites, g);
+  smg_row_gradient(c, &piece->at, smg_besides_of(c, &piece->at, piece->known), m, piece->from, to < piece->at.sites ? to : piece->at.sites, g);
   for (int64_t j = piece->at.sites > piece->from ? piece->at.sites : piece->from; j < to; ++j)
     for (int k = 0; k < 3; ++k) g[k * SMG_PIECE_ROOM + j - piece->from] = 0;
   piece->size += to - piece->from;
 }
 
-/* The next piece; 0 where the colour ends. */
+/* The next piece; 0 where the share ends. */
 static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, smg_piece *piece) {
   const int64_t length = smg_row_length(c);
   piece->size = 0;
   piece->start = piece->at.start + piece->from;
-  while (piece->at.rank < SMG_RANKS && piece->size < piece->room) {
-    const int64_t room = piece->room - piece->size, to = length - piece->from > room ? piece->from + room : length;
+  const int64_t whole = piece->end - piece->start < piece->room ? piece->end - piece->start : piece->room;
+  while (piece->size < whole) {
+    const int64_t room = whole - piece->size, to = length - piece->from > room ? piece->from + room : length;
     smg_piece_gradient(c, m, piece, to);
     piece->from = to;
     if (to < length) break;
@@ -155,21 +158,34 @@ typedef struct smg_moved {
   smg_real whole, part;
 } smg_moved;
 
-SMG_INLINE smg_moved smg_turn_pieces(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour, int exact, int small) {
+/* A thread's share of a colour. */
+SMG_INLINE smg_motion smg_turn_share(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, int exact, int small) {
   const smg_lanes none = {0};
   smg_motion motion = {none, none};
-  smg_moved moved;
-  smg_begin_colour(&s->c, colour, piece);
-  while (smg_next_piece(&s->c, s->row_m, piece)) smg_turn_piece(*turn, piece, exact, small, &motion);
-  moved.whole = SMG_MATH(sqrt)(smg_lane_largest(motion.square));
-  moved.part = small ? smg_lane_largest(motion.part) : SMG_MAX;
-  return moved;
+  smg_piece piece;
+  smg_begin_colour(&s->c, colour, known, &piece);
+  while (smg_next_piece(&s->c, s->row_m, &piece)) smg_turn_piece(*turn, &piece, exact, small, &motion);
+  return motion;
 }
 
 /* The three ways: rho by its root; from the sweep before; and with a look at small components. */
-static smg_moved smg_turn_exactly(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 1, 1); }
-static smg_moved smg_turn_usual(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 0); }
-static smg_moved smg_turn_late(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 1); }
+static smg_motion smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, 1, 1); }
+static smg_motion smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, 0, 0); }
+static smg_motion smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, 0, 1); }
+
+/* A colour by all threads. */
+static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, int exact, int small) {
+  smg_moved moved = {0, exact || small ? 0 : SMG_MAX};
+  SMG_TEAM(s->row_team) {
+    const smg_motion motion = exact ? smg_turn_exactly(s, known, turn, colour) : small ? smg_turn_late(s, known, turn, colour) : smg_turn_usual(s, known, turn, colour);
+    SMG_ONE_BY_ONE {
+      moved.whole = smg_max(moved.whole, smg_lane_largest(motion.square));
+      moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
+    }
+  }
+  moved.whole = SMG_MATH(sqrt)(moved.whole);
+  return moved;
+}
 
 /* One quantity on its way to rest: its last change, the factor by which they shrink, and what is left of it beside round-off. */
 typedef struct smg_rest {
@@ -215,10 +231,10 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
 
 /* The next colour: rho by its root in the first sweep of those that were not predicted, and where fields are strong; small components are looked at once the others
  * have nearly settled. */
-static void smg_next_colour(smg_state *s, smg_piece *piece, const smg_turning *turn, smg_row_sweeping *sweep) {
+static void smg_next_colour(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
   const int64_t colour = sweep->passes % SMG_COLOURS, next = (colour + 1) % SMG_COLOURS;
   const int exact = s->row_strong || sweep->passes < SMG_COLOURS - 1, late = sweep->whole.now <= SMG_LOOK * s->scale;
-  const smg_moved moved = exact ? smg_turn_exactly(s, piece, turn, colour) : late ? smg_turn_late(s, piece, turn, colour) : smg_turn_usual(s, piece, turn, colour);
+  const smg_moved moved = smg_turn_colour(s, known, turn, colour, exact, late);
   sweep->recent[colour] = moved.whole;
   sweep->parts[colour] = moved.part;
   if (++sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */

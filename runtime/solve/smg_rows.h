@@ -86,6 +86,19 @@ static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t c
   return at;
 }
 
+/* The row-th of a colour. */
+static inline smg_lattice_row smg_row_of(const smg_coefficients *c, int64_t colour, int64_t row) {
+  smg_lattice_row at = smg_first_row(c, colour);
+  const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2);
+  at.s1 = row - above * smg_cells(c, 1);
+  at.s2 = above - over * smg_cells(c, 2);
+  at.rank = over / smg_cells(c, 3);
+  at.s3 = over - at.rank * smg_cells(c, 3);
+  at.start += row * smg_row_length(c);
+  smg_row_place(c, &at);
+  return at;
+}
+
 /* The cells after the last of direction 1; then the place. */
 static inline void smg_next_plane(const smg_coefficients *c, smg_lattice_row *at) {
   at->s1 = 0;
@@ -194,6 +207,13 @@ SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg
     all->known[kind] = 1;
   }
   return all->rows[kind];
+}
+
+/* All kinds at once, where several threads read them. */
+static inline void smg_know_besides(const smg_coefficients *c, smg_besides *all) {
+  const int64_t length = smg_row_length(c);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
+    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at)) smg_besides_of(c, &at, all);
 }
 
 #endif

@@ -1,0 +1,58 @@
+/* smidgen runtime: threads for the rows of a lattice. With OpenMP (-fopenmp) they share the slots of a colour, and of an array.
+ *
+ * Sites of a colour do not feel each other, shares begin where vectors of all widths do, and what shares find together is a largest
+ * number: so the bits are those of one thread. Sites of one colour that meet across the seam of a ring go one after the other: there one
+ * thread does all. */
+#ifndef SMG_ROW_TEAM_H
+#define SMG_ROW_TEAM_H
+
+#include "smg_rows.h"
+
+#if defined(_OPENMP)
+#include <omp.h>
+#define SMG_PRAGMA(text) _Pragma(#text)
+#define SMG_TEAM(threads) SMG_PRAGMA(omp parallel num_threads(threads))
+#define SMG_ONE_BY_ONE SMG_PRAGMA(omp critical)
+SMG_INLINE int smg_most_threads(void) { return omp_get_max_threads(); }
+SMG_INLINE int smg_thread(void) { return omp_get_thread_num(); }
+SMG_INLINE int smg_threads(void) { return omp_get_num_threads(); }
+#else
+#define SMG_TEAM(threads)
+#define SMG_ONE_BY_ONE
+SMG_INLINE int smg_most_threads(void) { return 1; }
+SMG_INLINE int smg_thread(void) { return 0; }
+SMG_INLINE int smg_threads(void) { return 1; }
+#endif
+
+#ifndef SMG_SHARE /* slots of a colour that are worth a thread: some 8 microseconds of work, where to begin and to end a team takes 1 to 2 */
+#define SMG_SHARE 1024
+#endif
+
+/* Some slots, from the first up to the last but one. */
+typedef struct smg_share {
+  int64_t from, to;
+} smg_share;
+
+/* The part of this thread in `slots` of them from `first` on. */
+SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) {
+  const int64_t vectors = (slots + SMG_WIDEST - 1) / SMG_WIDEST, k = smg_thread(), n = smg_threads();
+  const smg_share part = {first + vectors * k / n * SMG_WIDEST, first + vectors * (k + 1) / n * SMG_WIDEST};
+  return part;
+}
+
+/* Do sites of one colour meet across the seam of a ring that is no multiple of the colours? */
+static inline int smg_meet_at_seam(const smg_coefficients *c) {
+  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
+  int meet = 0;
+  for (int d = 0; d < 4; ++d) meet = meet || ((SMG_RINGS >> d & 1) && weights[d] * smg_cells(c, d) % SMG_COLOURS > 0);
+  return meet;
+}
+
+/* Threads for the steps of a lattice. */
+static inline int smg_row_team(const smg_coefficients *c) {
+  const int64_t worth = smg_colour_slots(c) / SMG_SHARE;
+  const int most = smg_most_threads();
+  return worth <= 1 || smg_meet_at_seam(c) ? 1 : most < worth ? most : (int)worth;
+}
+
+#endif
