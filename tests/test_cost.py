@@ -3,7 +3,9 @@ import dataclasses
 import math
 import re
 import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -193,9 +195,25 @@ def test_general_integrators_get_to_the_same_end(name):
     assert {"gsl-rk8pd", "scipy"} <= set(found) and set(found) | set(missing) == set(PEERS)
     case.peers = found
     for peer in found:
-        row = one_of_peers(case, peer, known, 1e-9)
+        row = one_of_peers(case, peer, known, 1e-9, 1000.0)
         assert row.status == "" and row.steps > 0 and row.seconds > 0 and row.end_error < 1e-4, (peer, row)
         assert case.timed or row.energy < 1e-4, (peer, row)
+
+
+@pytest.mark.quick
+def test_a_run_that_would_take_too_long_is_not_begun():
+    """A peer that has been asked for the hundredth part twice is asked no more."""
+    class Slow:
+        asked = []
+        def prepare(self, tolerance): pass
+        def states(self, tolerance, times):
+            self.asked.append(float(times[-1]))
+            began = time.thread_time()
+            while time.thread_time() - began < 2e-3: pass
+            return np.zeros((len(times), 1, 3)), 1
+    case = SimpleNamespace(peers={"slow": Slow()}, time=50.0)
+    row = one_of_peers(case, "slow", None, 1e-9, 0.1)
+    assert row.status == "a run would take more than 0.1 s" and Slow.asked == [0.5, 0.5]
 
 
 @pytest.mark.quick

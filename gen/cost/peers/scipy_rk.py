@@ -9,9 +9,6 @@ from ..case import Case
 from .compiled import Compiled, Missing
 
 
-LONGEST = 5.0       # seconds of a run: Python calls take their time
-
-
 class SciPy:
     """solve_ivp on one case."""
 
@@ -32,16 +29,8 @@ class SciPy:
     def prepare(self, tolerance: float) -> None:
         """Nothing to do."""
 
-    def affordable(self, tolerance: float) -> bool:
-        """Is a run in sight that takes no more than LONGEST? By a hundredth of it."""
-        began = clock.thread_time()
-        self.solved(self.case.w.ravel().copy(), 0.0, self.case.time / 100, tolerance)
-        return 100 * (clock.thread_time() - began) < LONGEST
-
     def states(self, tolerance: float, times) -> tuple[np.ndarray | None, int]:
         """(states at the times, steps taken); (None, -1) where it fails. Each time is the end of a step: it has no cheap way in between."""
-        if not self.affordable(tolerance):
-            return None, -1
         y, before, out, steps = self.case.w.ravel().copy(), 0.0, [], 0
         for t in times:
             found = self.solved(y, before, float(t), tolerance)
