@@ -121,7 +121,7 @@ def test_small_demo(tmp_path, capsys):
     """One system and one figure, in two processes: a table, a page, no failure."""
     code = stages.main(["--out", str(tmp_path), "--only", "nambu_a38,irreversible_energy"])
     said = capsys.readouterr()
-    assert code == 0, said
+    assert code == 0, said.out + said.err
     assert "1 of 1 systems and 1 of 1 figures" in said.out and "nambu_a38" in said.out
     page = (tmp_path / "index.html").read_text()
     assert page.count("<iframe") == 1 and page.count("<img") == 2

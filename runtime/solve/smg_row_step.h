@@ -125,7 +125,10 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
 /* w + compensation + u of one component in some slots (Kahan); the increments of all colours but the first are remembered. */
 static void smg_commit_slots(const smg_state *s, smg_share part, int64_t component, smg_real *past) {
   const int64_t first = smg_colour_slots(&s->c), skip = component * smg_pitch(&s->c);
-  smg_real *rows_w = s->row_w + skip, *lost = s->row_compensation + skip, *rows_u = s->row_u + skip;
+  smg_real *rows_w = s->row_w + skip, *rows_u = s->row_u + skip;
+#if !SMG_PLAIN_SUMS
+  smg_real *lost = s->row_compensation + skip;
+#endif
   for (int64_t k = part.from; k < part.to; k += SMG_LANES) {
     const smg_lanes w = smg_lane_take(rows_w + k), u = smg_lane_take(rows_u + k);
 #if SMG_PLAIN_SUMS

@@ -24,7 +24,6 @@ FLAGS = ("-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Wno-unused-funct
 SANITIZE = ("-O1", "-g", "-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 KINDS = {"sphere": "ON_SPHERE", "r3": "ON_R3", "nambu": "ON_NAMBU"}
 METHODS = {"spherical-midpoint": "SPHERICAL", "classical-midpoint": "CLASSICAL", "moser-veselov": "VESELOV"}
-KEPT = ("t0", "h", "count", "history", "degree", "row", "newton_steps", "tolerance", "scale")     # fields that the next step reads
 
 GLUE = """#include "{name}.h"
 
@@ -42,6 +41,8 @@ typedef {name}_state S;
 #define model_init {name}_init
 #define model_step {name}_step
 #define model_field {name}_field
+#define model_savesize {name}_savesize
+#define model_save {name}_save
 
 static void draw_parameters(dice *d, P *p, double *room) {{
   {name}_defaults(p);
@@ -61,19 +62,6 @@ static int sites_of(const P *p, equation *e) {{
   {sites}
   e->sites = site;
   return site == model_sites(p);
-}}
-
-/* After a failed step: what of all that the next step reads is not as it was? NULL: nothing. */
-static const char *changed(const S *a, const unsigned char *before, const unsigned char *after, const S *b, int64_t sites) {{
-  const size_t row = sizeof(double) * 3 * (size_t)sites;
-  (void)row, (void)before, (void)after;
-#define SAME(name, bytes) (a->name == b->name && \\
-    !memcmp(before + ((const unsigned char *)(a->name) - after), b->name, bytes))
-  {fields}
-  if (!SAME(w, row)) return "w";
-  if (!SAME(compensation, row)) return "compensation";
-  {history}
-  return NULL;
 }}
 """
 
@@ -129,17 +117,12 @@ def site_lines(model):
                        for count, kind, kappa, radius in model.families)
 
 
-def glue(model, spec, header):
-    """The text of glue.h, with what the state of this header holds."""
-    fields = [f for f in KEPT if re.search(rf"\b{f}\b[,;]", header[header.index("_coefficients;"):])]
-    solo = "*rows;" in header
-    history = ('if (!SAME(rows, sizeof(double) * 4 * 64)) return "rows";' if solo else
-               'for (int j = 0; j < a->history; j++) if (!SAME(past[j], row)) return "past";')
+def glue(model, spec):
+    """The text of glue.h."""
     text, room = draws(spec)
     return GLUE.format(
         name=spec.name, method=METHODS[model.method], orientation=model.orientation, closed=int(model.closed), draws=text, room=room, prints=prints(spec),
-        casimir=", ".join(map(str, model.casimir)), sites=site_lines(model), history=history,
-        fields="\n  ".join(f'if (memcmp(&a->{f}, &b->{f}, sizeof a->{f})) return "{f}";' for f in fields))
+        casimir=", ".join(map(str, model.casimir)), sites=site_lines(model))
 
 
 REFERENCE = """#include "exact.h"
@@ -160,7 +143,7 @@ def build(name, where, sanitize=False, change=None, level="-O2"):
     if change:
         files[f"{name}.c"] = change(files[f"{name}.c"])
     write_files(files | {k: exact[k] for k in ("exact.c", "exact.h")}, where)
-    (where / "glue.h").write_text(glue(model, spec, files[f"{name}.h"]))
+    (where / "glue.h").write_text(glue(model, spec))
     (where / "reference.c").write_text(REFERENCE)
     return compiled(name, where, SANITIZE if sanitize else (level,))
 

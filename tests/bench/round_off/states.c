@@ -12,10 +12,13 @@
 #define NAME(m, what) PASTE(m, what)
 #define F(what) NAME(M, what)
 
-static void show(const F(_state) * s, int64_t n) {
+/* w and its compensation stand before the history of a saved state, whose beginning it tells. */
+static void show(const F(_state) * s, int64_t n, smg_real *saved) {
+  F(_save)(s, saved);
+  const smg_real *lost = saved + (int64_t)saved[1] - n;
   for (int64_t k = 0; k < n; ++k) {
-    const smg_real w = s->w[k];
-    const double hi = (double)w, lo = (double)((w - (smg_real)hi) + s->compensation[k]);
+    const smg_real w = lost[k - n];
+    const double hi = (double)w, lo = (double)((w - (smg_real)hi) + lost[k]);
     printf(" %.17g %.17g", hi, lo);
   }
   printf("\n");
@@ -31,6 +34,7 @@ int main(int count, char **words) {
   if (scanf("%d", &sites) != 1) return 1;
   smg_real *w = (smg_real *)calloc(3 * (size_t)sites, sizeof *w);
   void *memory = malloc(F(_memsize)(&p));
+  smg_real *saved = (smg_real *)malloc(F(_savesize)(&p) * sizeof *saved);
   for (int k = 0; k < 3 * sites; ++k) {
     if (scanf("%lf", &x) != 1) return 1;
     w[k] = x;
@@ -39,9 +43,10 @@ int main(int count, char **words) {
   for (int k = 0; k < 3 * sites && status == SMG_OK; ++k) s.w[k] = w[k]; /* not put on the sphere to more digits than given */
   for (int k = 2; k < count && status == SMG_OK; ++k) {
     status = F(_steps)(&s, atoll(words[k]) - s.count);
-    show(&s, 3 * sites);
+    show(&s, 3 * sites, saved);
   }
   free(memory);
+  free(saved);
   free(w);
   return (int)status;
 }
