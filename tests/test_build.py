@@ -1,10 +1,13 @@
 """The build cache: same content, same build; anything else, another; two at once are safe."""
+import contextlib
 import dataclasses
 import json
 import multiprocessing
 import os
 import stat
 import sys
+import threading
+import time
 
 import pytest
 import smidgen
@@ -189,10 +192,57 @@ def _build_counted(given):
 
 def test_the_cache_forgets_the_oldest(spec, monkeypatch):
     monkeypatch.setattr(cache, "KEPT", 2)
+    monkeypatch.setattr(cache, "RECENT", 0)
     for solver in ("auto", "newton", "plain", "rotation"):
         last = build_library(spec, solver=solver, generate=Counting())
     kept = [p for p in cache_folder().iterdir() if (p / "built.json").exists()]
     assert len(kept) == 2 and last.folder in kept
+
+
+def test_the_cache_keeps_what_may_just_be_loaded(spec, monkeypatch):
+    """However many there are: the process that found an entry reads it after it has left the lock."""
+    monkeypatch.setattr(cache, "KEPT", 1)
+    built = [build_library(spec, solver=solver, generate=Counting()) for solver in ("auto", "newton", "plain")]
+    assert all(one.binary.exists() for one in built)
+
+
+def test_an_entry_found_by_another_process_stays(spec, monkeypatch):
+    """It is used between the look at the times and the removal."""
+    built = build_library(spec, generate=Counting())
+    os.utime(built.folder, (1, 1))
+    monkeypatch.setattr(cache, "KEPT", 0)
+    whole = cache.lock
+
+    @contextlib.contextmanager
+    def used_meanwhile(place):
+        os.utime(built.folder)
+        with whole(place):
+            yield
+    monkeypatch.setattr(cache, "lock", used_meanwhile)
+    cache._prune(cache_folder())
+    assert built.binary.exists()
+    os.utime(built.folder, (1, 1))
+    monkeypatch.setattr(cache, "lock", whole)
+    cache._prune(cache_folder())
+    assert not built.binary.exists() and not built.folder.with_suffix(".lock").exists()
+
+
+def test_a_lock_that_was_removed_is_taken_anew(tmp_path):
+    """Two that hold different files of one name would both be at work."""
+    place, taken = tmp_path / "entry", []
+    first = cache.locked(place.with_suffix(".lock"))
+
+    def wait():
+        with cache.lock(place):
+            taken.append(os.stat(place.with_suffix(".lock")).st_ino)
+    other = threading.Thread(target=wait)
+    other.start()
+    time.sleep(0.2)
+    place.with_suffix(".lock").unlink()
+    fresh = os.open(place.with_suffix(".lock"), os.O_RDWR | os.O_CREAT, 0o600)
+    os.close(first)
+    other.join(10)
+    assert taken == [os.fstat(fresh).st_ino]
 
 
 def test_what_is_built_can_be_read(spec):

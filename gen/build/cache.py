@@ -11,12 +11,14 @@ import hashlib
 import os
 import shutil
 import tempfile
+import time
 import warnings
 from pathlib import Path
 
 from ..errors import BuildError
 
 KEPT = 300          # entries that are kept; the ones unused longest go first
+RECENT = 3600       # seconds since its last use in which an entry stays: a process may be about to load it
 SEAL = "sha256"     # the file with the digest of the others
 OTHERS = 0o022      # mode bits: group or others may write
 
@@ -71,11 +73,21 @@ def entry(name: str, make) -> Path:
 @contextlib.contextmanager
 def lock(place: Path):
     """One process at a time; the kernel frees the lock of one that dies. A link in its place is not followed."""
-    handle = os.open(place.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+    handle = locked(place.with_suffix(".lock"))
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
         yield
     finally:
+        os.close(handle)
+
+
+def locked(path: Path) -> int:
+    """An open lock. One that was removed while we waited for it is no lock any more."""
+    while True:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(handle), os.stat(path)):
+                return handle
         os.close(handle)
 
 
@@ -116,8 +128,23 @@ def _remove(place):
 
 def _prune(cache: Path) -> None:
     """Forget what was unused longest. A loaded library survives its file on Linux."""
-    entries = sorted((p for p in cache.iterdir() if (p / SEAL).exists()),
-                     key=lambda p: p.stat().st_mtime, reverse=True)
-    for old in entries[KEPT:]:
-        shutil.rmtree(old, ignore_errors=True)
-        old.with_suffix(".lock").unlink(missing_ok=True)
+    used = sorted(((last_use(p), p) for p in cache.iterdir() if (p / SEAL).exists()), reverse=True)
+    for when, old in used[KEPT:]:
+        if time.time() - when >= RECENT:
+            _forget(old)
+
+
+def _forget(old: Path) -> None:
+    """Another process may have found it meanwhile: then it stays."""
+    with lock(old):
+        if time.time() - last_use(old) >= RECENT:
+            shutil.rmtree(old, ignore_errors=True)
+            old.with_suffix(".lock").unlink(missing_ok=True)
+
+
+def last_use(place: Path) -> float:
+    """Seconds; of one that is gone, now."""
+    try:
+        return place.stat().st_mtime
+    except OSError:
+        return time.time()
