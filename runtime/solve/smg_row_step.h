@@ -181,7 +181,8 @@ static smg_status smg_row_step(smg_state *s, smg_piece *piece) {
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   smg_piece piece;
-  smg_begin_piece(&s->c, &piece);
+  SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
+  smg_begin_piece(&s->c, gradient, &piece);
   smg_enter_rows(s);
   while (count-- > 0 && status == SMG_OK) {
 #if SMG_TIMED

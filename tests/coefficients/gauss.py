@@ -21,7 +21,8 @@ HEAD = """\
  *                          Makazaga, Murua 2017)
  *   smg_gauss_ahead[j][i]  (b_i / b_j) l_j(1 + c_i): the polynomial through the stages, one step on
  *
- * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th.
+ * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th; where the lanes are
+ * sites (SMG_ROW_STAGES) there are as many as they are.
  * SMG_PAIR: high and low part, right to 1e-32; SMG_MIRROR: 1 less that. */
 #ifndef SMG_GAUSS_TABLE_H
 #define SMG_GAUSS_TABLE_H
@@ -29,7 +30,11 @@ HEAD = """\
 #include "smg_lanes.h"
 
 #define SMG_STAGE_BLOCKS ((SMG_STAGES + SMG_LANES - 1) / SMG_LANES)
+#if SMG_ROW_STAGES
+#define SMG_PADDED SMG_STAGES
+#else
 #define SMG_PADDED (SMG_STAGE_BLOCKS * SMG_LANES)
+#endif
 #if SMG_PADDED - SMG_STAGES == 0
 #define SMG_LAST(x) x
 #elif SMG_PADDED - SMG_STAGES == 1
