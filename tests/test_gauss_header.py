@@ -65,8 +65,25 @@ def test_the_table_is_right_to_its_second_double(s):
     c, b, a, _ = coefficients.gauss(s)
     shares = [a[i][j] / b[j] if i > j else 1 - a[i][j] / b[j] for j in range(s) for i in range(s) if i != j]
     pairs = [mpf(float(high)) + mpf(float(low)) for high, low in re.findall(r"(?:PAIR|MIRROR)\((\S+), ([^\s)]+)\)", text)]
-    assert len(pairs) == 2 * s + s * (s - 1)
-    assert max(abs(x - y) for x, y in zip(pairs, c + b + shares)) < mpf(10)**-32
+    half = [(a[i][j] / b[j] + a[i][s - 1 - j] / b[s - 1 - j] - 1) / 2 for i in range(s // 2) for j in range((s + 1) // 2)]
+    assert len(pairs) == 2 * s + s * (s - 1) + len(half)
+    assert max(abs(x - y) for x, y in zip(pairs, c + b + shares + half)) < mpf(10)**-32
+
+
+@pytest.mark.parametrize("s", range(1, 9))
+def test_halves_of_the_stages_tell_all_shares(s):
+    """a_ij/b_j - 1/2 = alpha_ij - alpha_ji and its mirror images, by the numbers of the table for pairs of stages."""
+    _, b, a, _ = coefficients.gauss(s)
+    alpha, last = coefficients.crossed(a, b), s - 1
+    for i in range(s // 2):
+        for j in range(s // 2):
+            near, far = alpha[i][j] - alpha[j][i], alpha[i][j] + alpha[j][i]
+            for (k, q), found in (((i, j), near), ((i, last - j), far), ((last - i, last - j), -near), ((last - i, j), -far)):
+                assert abs(a[k][q] / b[q] - mpf(1) / 2 - found) < mpf(10)**-50
+        if s % 2:
+            m = s // 2
+            assert abs(a[i][m] / b[m] - mpf(1) / 2 - alpha[i][m]) < mpf(10)**-50
+            assert abs(a[m][i] / b[i] - mpf(1) / 2 + alpha[i][m]) < mpf(10)**-50
 
 
 # ---- order ------------------------------------------------------------------------------------

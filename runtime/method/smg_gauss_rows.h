@@ -145,7 +145,7 @@ SMG_INLINE void smg_add_orthogonal(const smg_lanes *z, smg_lanes re, smg_lanes i
   l[3] += z[0] * im - z[1] * re;
 }
 
-/* L_i by F of the slots of one vector, with its change and that change's part for the shift; the largest change is noted. */
+/* L_i by F of the slots of one vector, with its change and that change's part for the shift; the largest change is noted, and what is not a number. */
 SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, const smg_lanes *g, const smg_lanes *z, smg_lanes *l, smg_lanes *part, smg_lanes *change) {
   const int64_t pitch = a->pitch;
   const smg_real half = a->half * smg_gauss_weight[i];
@@ -157,36 +157,64 @@ SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, co
   smg_turn(t, a->inverse * (p[0] * t[0] + p[1] * t[1] + p[2] * t[2]), x, l);
   for (int b = 0; b < 4; ++b) d[b] = l[b] - d[b];
   smg_part_orthogonal(z, d, part);
-  *change = smg_lane_larger(*change, (smg_lane_abs(d[0]) + smg_lane_abs(d[1])) + (smg_lane_abs(d[2]) + smg_lane_abs(d[3])));
+  *change = smg_lane_max(*change, (smg_lane_abs(d[0]) + smg_lane_abs(d[1])) + (smg_lane_abs(d[2]) + smg_lane_abs(d[3])));
 }
 
-/* L_i += (D part)_i */
+/* L_i += (D part)_i, three products for each of complex numbers: (x + iy)(p + iq) = x(p + q) - (x + y)q + i (x(p + q) + (y - x)p). */
 SMG_INLINE void smg_shift_slopes(const smg_slot_sweep *a, const smg_lanes *z, const smg_lanes (*part)[2], smg_lanes (*l)[4]) {
+  smg_lanes sum[SMG_STAGES];
+  SMG_UNROLL
+  for (int j = 0; j < SMG_STAGES; ++j) sum[j] = part[j][0] + part[j][1];
   SMG_UNROLL
   for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_lanes re = a->shift.re[i][0] * part[0][0] - a->shift.im[i][0] * part[0][1], im = a->shift.re[i][0] * part[0][1] + a->shift.im[i][0] * part[0][0];
+    smg_lanes both = a->shift.re[i][0] * sum[0], less = a->shift.sum[i][0] * part[0][1], more = a->shift.gap[i][0] * part[0][0];
     SMG_UNROLL
     for (int j = 1; j < SMG_STAGES; ++j) {
-      re += a->shift.re[i][j] * part[j][0] - a->shift.im[i][j] * part[j][1];
-      im += a->shift.re[i][j] * part[j][1] + a->shift.im[i][j] * part[j][0];
+      both += a->shift.re[i][j] * sum[j];
+      less += a->shift.sum[i][j] * part[j][1];
+      more += a->shift.gap[i][j] * part[j][0];
     }
-    smg_add_orthogonal(z, re, im, l[i]);
+    smg_add_orthogonal(z, both - less, both + more, l[i]);
+  }
+}
+
+/* sum_i = z + sum_j (a_ij/b_j) L_j of one component, stages i and i' = s + 1 - i together: half of the products (smg_gauss_table.h). */
+SMG_INLINE void smg_combine_halves(smg_lanes z, int b, const smg_lanes (*l)[4], smg_lanes (*sum)[4]) {
+  enum { HALF = SMG_STAGES / 2, ODD = SMG_STAGES % 2 };
+  smg_lanes even[HALF + 1], odd[HALF + 1], all = {0}, middle;
+  SMG_UNROLL
+  for (int j = 0; j < HALF; ++j) {
+    even[j] = l[j][b] + l[SMG_STAGES - 1 - j][b];
+    odd[j] = l[j][b] - l[SMG_STAGES - 1 - j][b];
+    all += even[j];
+  }
+  if (ODD) all += even[HALF] = l[HALF][b];
+  middle = z + (smg_real)0.5 * all;
+  if (ODD) sum[HALF][b] = middle;
+  SMG_UNROLL
+  for (int i = 0; i < HALF; ++i) {
+    smg_lanes p = smg_gauss_cross[i][0] * even[0], q = smg_gauss_cross[0][i] * odd[0];
+    SMG_UNROLL
+    for (int j = 1; j < HALF; ++j) {
+      p += smg_gauss_cross[i][j] * even[j];
+      q += smg_gauss_cross[j][i] * odd[j];
+    }
+    if (ODD) p += smg_gauss_cross[i][HALF] * even[HALF];
+    if (ODD) sum[HALF][b] -= smg_gauss_cross[i][HALF] * odd[i];
+    sum[i][b] = middle + (p - q);
+    sum[SMG_STAGES - 1 - i][b] = middle - (p + q);
   }
 }
 
 /* Z_i = z + sum_j (a_ij/b_j) L_j as x and p, of the slots of one vector. */
 SMG_INLINE void smg_join_slots(const smg_slot_sweep *a, int64_t slot, const smg_lanes *z, const smg_lanes (*l)[4]) {
+  smg_lanes sum[SMG_STAGES][4];
+  SMG_UNROLL
+  for (int b = 0; b < 4; ++b) smg_combine_halves(z[b], b, l, sum);
   SMG_UNROLL
   for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_lanes sum[4], x[4], p[3];
-    SMG_UNROLL
-    for (int b = 0; b < 4; ++b) {
-      sum[b] = smg_gauss_share[0][i] * l[0][b];
-      SMG_UNROLL
-      for (int j = 1; j < SMG_STAGES; ++j) sum[b] += smg_gauss_share[j][i] * l[j][b];
-      sum[b] += z[b];
-    }
-    smg_point(a->radius, sum, x, p);
+    smg_lanes x[4], p[3];
+    smg_point(a->radius, sum[i], x, p);
     smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_X), a->pitch, slot, x);
     smg_put_slots(smg_sweep_stage(a, i, SMG_SLOT_POINT), a->pitch, slot, p);
   }
@@ -214,7 +242,7 @@ SMG_INLINE void smg_sweep_slots(const smg_slot_sweep *a, int64_t k, int64_t in, 
   if (a->shift.theta != 0) smg_shift_slopes(a, z, (const smg_lanes(*)[2])part, l);
   if (in < SMG_LANES) smg_only_first(a, slot, in, l, &moved);
   if (a->marks) smg_lane_put(a->marks + slot, moved);
-  *change = smg_lane_larger(*change, moved);
+  *change = smg_lane_max(*change, moved);
   SMG_UNROLL
   for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), a->pitch, slot, l[i]);
   smg_join_slots(a, slot, z, (const smg_lanes(*)[4])l);
@@ -246,22 +274,37 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
     smg_begin_colour(&s->c, colour, &a->piece);
     while (smg_sweep_piece(s, a, &change)) continue;
   }
+  smg_real bad = 0; /* or not a number, where a lane is not: among others it may be lost */
+  for (int l = 0; l < SMG_LANES; ++l) bad += ((const smg_real *)&change)[l] - ((const smg_real *)&change)[l];
+  change += bad;
   const smg_moved moved = {change / (a->size * a->strength + SMG_LEAST), 2 * a->size * change, smg_lane_of(2 * a->radius * a->strength)};
   return moved;
 }
 
-/* The L_j it begins with: the polynomial through those of the step before, or 0. */
+/* L_j by the polynomial through those of the step before, or 0. */
+SMG_INLINE void smg_ahead_slots(const smg_slot_sweep *a, int64_t slot, int extrapolated, smg_lanes (*l)[4]) {
+  SMG_UNROLL
+  for (int b = 0; b < 4; ++b) {
+    smg_lanes past[SMG_STAGES];
+    SMG_UNROLL
+    for (int j = 0; j < SMG_STAGES; ++j) past[j] = extrapolated ? smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_PAST + b) + slot) : smg_lane_of(0);
+    SMG_UNROLL
+    for (int i = 0; i < SMG_STAGES; ++i) {
+      l[i][b] = smg_gauss_ahead[0][i] * past[0];
+      SMG_UNROLL
+      for (int j = 1; j < SMG_STAGES; ++j) l[i][b] += smg_gauss_ahead[j][i] * past[j];
+    }
+  }
+}
+
+/* What the iteration begins with. */
 static void smg_begin_slots(const smg_state *s, const smg_slot_sweep *a, int extrapolated) {
   const int64_t end = smg_slots(&s->c);
   for (int64_t slot = 0; slot < end; slot += SMG_LANES) {
     smg_lanes z[4], l[SMG_STAGES][4];
-    for (int i = 0; i < SMG_STAGES; ++i) {
-      for (int b = 0; b < 4; ++b) {
-        l[i][b] = smg_lane_of(0);
-        for (int j = 0; extrapolated && j < SMG_STAGES; ++j) l[i][b] += smg_gauss_ahead[j][i] * smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_PAST + b) + slot);
-      }
-      smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), a->pitch, slot, l[i]);
-    }
+    smg_ahead_slots(a, slot, extrapolated, l);
+    SMG_UNROLL
+    for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), a->pitch, slot, l[i]);
     smg_take_four(a->z, a->pitch, slot, z);
     smg_join_slots(a, slot, z, (const smg_lanes(*)[4])l);
   }
@@ -288,24 +331,10 @@ static smg_real smg_look_at_fields(smg_state *s, smg_slot_sweep *a) {
   return (smg_real)(int)(8 * theta) / 8;
 }
 
-/* Are all L_j finite? A change that is not a number may be lost among the others. */
-static int smg_finite_slots(const smg_state *s, const smg_slot_sweep *a) {
-  const int64_t end = smg_slots(&s->c);
-  smg_lanes none = {0};
-  for (int i = 0; i < SMG_STAGES; ++i)
-    for (int b = 0; b < 4; ++b)
-      for (int64_t slot = 0; slot < end; slot += SMG_LANES) {
-        const smg_lanes l = smg_lane_take(smg_sweep_stage(a, i, SMG_SLOT_SLOPE + b) + slot);
-        none += l - l;
-      }
-  return !(smg_lane_largest(none) != 0);
-}
-
 static smg_status smg_settle_slots(smg_state *s, smg_slot_sweep *a, int extrapolated) {
   smg_begin_slots(s, a, extrapolated);
   smg_shift_by(&a->shift, a->radius, smg_look_at_fields(s, a));
-  const smg_status status = smg_sweep_to_rest(s, a);
-  return smg_finite_slots(s, a) ? status : SMG_NOT_FINITE;
+  return smg_sweep_to_rest(s, a);
 }
 
 /* The site that moves most, or is no number. */

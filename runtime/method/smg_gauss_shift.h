@@ -12,9 +12,9 @@
 
 #define SMG_MOST_TURN 4 /* of theta: beyond, spins turn by more than half a circle a step, and no start is near */
 
-/* D_ij/r, for a z of size r: real and imaginary parts; theta that it is for. */
+/* D_ij/r, for a z of size r: the real part, its sum with the imaginary one and what that is more; theta that it is for. */
 typedef struct smg_shift_matrix {
-  smg_real theta, re[SMG_STAGES][SMG_STAGES], im[SMG_STAGES][SMG_STAGES];
+  smg_real theta, re[SMG_STAGES][SMG_STAGES], sum[SMG_STAGES][SMG_STAGES], gap[SMG_STAGES][SMG_STAGES];
 } smg_shift_matrix;
 
 /* row a -= (re + i im) row b, of [M | N]. */
@@ -50,7 +50,8 @@ static void smg_shift_by(smg_shift_matrix *d, smg_real r, smg_real theta) {
   for (int i = 0; i < SMG_STAGES; ++i)
     for (int j = 0; j < SMG_STAGES; ++j) {
       d->re[i][j] = (re[i][SMG_STAGES + j] - (i == j)) / r;
-      d->im[i][j] = im[i][SMG_STAGES + j] / r;
+      d->sum[i][j] = d->re[i][j] + im[i][SMG_STAGES + j] / r;
+      d->gap[i][j] = im[i][SMG_STAGES + j] / r - d->re[i][j];
     }
   d->theta = theta;
 }
