@@ -121,9 +121,9 @@ def test_a_tolerance_is_kept(monkeypatch):
 
 
 def test_few_sweeps_on_the_smooth_chain():
-    """What a spin turns by itself is known in closed form: seven sweeps where 18 were needed without."""
+    """With what a spin turns by itself, and relaxation for it: six sweeps where 18 were needed without, 7 with the first alone."""
     model = smidgen.build(smidgen.load("heisenberg_chain"), "gauss-8").start("smooth", h=1.0, tolerance=7e-12).steps(10)
-    assert model.report()["iterations"] <= 8
+    assert model.report()["iterations"] <= 6
 
 
 def test_what_rows_are_not_for():

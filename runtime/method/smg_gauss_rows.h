@@ -2,7 +2,7 @@
  *
  * Components stand by slots (smg_rows.h): those of a colour follow each other, the gradient of a row comes from vectors as they stand.
  * A sweep takes the colours in turn, each with the points of the others as they are by then, all stages of a piece while it is in the
- * nearest cache; what a site's own turning adds is known in closed form (smg_gauss_shift.h). */
+ * nearest cache; what a site's own turning adds is known, and sweeps are relaxed as is best for it (smg_gauss_shift.h). */
 #ifndef SMG_GAUSS_ROWS_H
 #define SMG_GAUSS_ROWS_H
 
@@ -160,7 +160,7 @@ SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, co
   *change = smg_lane_max(*change, (smg_lane_abs(d[0]) + smg_lane_abs(d[1])) + (smg_lane_abs(d[2]) + smg_lane_abs(d[3])));
 }
 
-/* L_i += (D part)_i, three products for each of complex numbers: (x + iy)(p + iq) = x(p + q) - (x + y)q + i (x(p + q) + (y - x)p). */
+/* L_i += (D part)_i/r, three products for each of complex numbers: (x + iy)(p + iq) = x(p + q) - (x + y)q + i (x(p + q) + (y - x)p). */
 SMG_INLINE void smg_shift_slopes(const smg_slot_sweep *a, const smg_lanes *z, const smg_lanes (*part)[2], smg_lanes (*l)[4]) {
   smg_lanes sum[SMG_STAGES];
   SMG_UNROLL

@@ -1,7 +1,6 @@
 """A model as data: its kernels, its plan, and what the functions over its sites ask of them."""
 from __future__ import annotations
 
-from dataclasses import replace
 
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
@@ -45,7 +44,7 @@ class Model:
         self.reach = reach(self, low) if plan.rotation else None
         self.in_rows = rows(self, low)
         if self.in_rows:
-            self.plan = replace(self.plan, reason=f"{self.plan.reason}; {BY_STAGE_ROWS if self.method.stage_rows else BY_ROWS}")
+            self.plan = self.plan.also(BY_STAGE_ROWS if self.method.stage_rows else BY_ROWS)
         self.solo = solo_kernels(self, low)
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None
