@@ -30,7 +30,8 @@ class Method:
     must offer it (`OFFERS`), whatever the solver.
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps that its
     `history` reaches back, `arrays` of its state as (name, numbers a site or the macro of its header that has them for so many
-    sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once.
+    sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once; stage_rows: on
+    lattices it goes by rows, sites in lanes.
     A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
     variant: sweeps over all methods leave it out, since another one of its kind and order does better.
     symmetric: a step of -h undoes a step of h.
@@ -60,6 +61,7 @@ class Method:
     controlled: bool = False
     how: tuple = ()
     history: int = 0
+    stage_rows: bool = False
     arrays: tuple = ()
     defines: tuple = ()
     lanes: int = 1
@@ -143,7 +145,7 @@ METHODS = {m.name: m for m in (
              symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False,
              how=("fixed-point", "the stages of all sites together, by fixed-point iteration"), history=1,
              arrays=(("stages", "SMG_STAGES_SIZE", 0, "points, stages and slopes of every site"),), defines=(("SMG_STAGES", s),),
-             lanes=1 << (s - 1).bit_length())
+             lanes=1 << (s - 1).bit_length(), stage_rows=True)
       for s in range(1, 9)),
     *(Method(f"dop853{kind}", f"Dormand-Prince 8(5,3){said}", f"DOP853{said}",
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",

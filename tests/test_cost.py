@@ -44,6 +44,8 @@ def test_the_time_for_an_error_lies_on_the_line_between_neighbours():
     assert math.isclose(seconds_for(rows(order=2), "end_error", 30.0 ** -2), 30e-6)
     assert math.isclose(seconds_for(rows(), "end_error", 1.0), 10e-6)           # the largest step is good enough
     assert math.isnan(seconds_for(rows(), "end_error", 1e-9))       # none is
+    quick = [*rows()[:2], dataclasses.replace(rows()[2], seconds=5e-6)]
+    assert math.isclose(seconds_for(quick, "end_error", 30.0 ** -2), 5e-6)      # a smaller step that takes less time
     failed = [dataclasses.replace(rows()[0], status="no solution"), *rows()[1:]]
     assert math.isclose(seconds_for(failed, "end_error", 1.0), 20e-6)
 
@@ -101,6 +103,7 @@ def test_an_end_that_nobody_knows_is_not_judged():
 def test_errors_fall_as_the_order_says(table):
     for name, own in by_method(table.rows).items():
         good = [r for r in own if not r.status and 1e-11 < r.end_error < 1e-3]
+        good = good[len(good) // 2:]        # in the largest steps leading terms of one sign may cancel later ones
         if METHODS[name].controlled or len(good) < 2:
             continue
         observed = math.log(good[0].end_error / good[-1].end_error) / math.log(good[-1].steps / good[0].steps)

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from mpmath import cos, fsum, log, matrix, mp, mpc, mpf, sin
+from mpmath import cos, fsum, log, mp, mpf, sin
 from smidgen.resources import folder
 from support.gauss import BODY, COMMANDS, FREE, KAPPA, STARTS, TIMED, UNREAL, VORTICES, compile_gauss, run
 from support.triples import apart, cross, dot, norm, on_sphere
@@ -65,8 +65,25 @@ def test_the_table_is_right_to_its_second_double(s):
     c, b, a, _ = coefficients.gauss(s)
     shares = [a[i][j] / b[j] if i > j else 1 - a[i][j] / b[j] for j in range(s) for i in range(s) if i != j]
     pairs = [mpf(float(high)) + mpf(float(low)) for high, low in re.findall(r"(?:PAIR|MIRROR)\((\S+), ([^\s)]+)\)", text)]
-    assert len(pairs) == 2 * s + s * (s - 1)
-    assert max(abs(x - y) for x, y in zip(pairs, c + b + shares)) < mpf(10)**-32
+    half = [(a[i][j] / b[j] + a[i][s - 1 - j] / b[s - 1 - j] - 1) / 2 for i in range(s // 2) for j in range((s + 1) // 2)]
+    assert len(pairs) == 2 * s + s * (s - 1) + len(half)
+    assert max(abs(x - y) for x, y in zip(pairs, c + b + shares + half)) < mpf(10)**-32
+
+
+@pytest.mark.parametrize("s", range(1, 9))
+def test_halves_of_the_stages_tell_all_shares(s):
+    """a_ij/b_j - 1/2 = alpha_ij - alpha_ji and its mirror images, by the numbers of the table for pairs of stages."""
+    _, b, a, _ = coefficients.gauss(s)
+    alpha, last = coefficients.crossed(a, b), s - 1
+    for i in range(s // 2):
+        for j in range(s // 2):
+            near, far = alpha[i][j] - alpha[j][i], alpha[i][j] + alpha[j][i]
+            for (k, q), found in (((i, j), near), ((i, last - j), far), ((last - i, last - j), -near), ((last - i, j), -far)):
+                assert abs(a[k][q] / b[q] - mpf(1) / 2 - found) < mpf(10)**-50
+        if s % 2:
+            m = s // 2
+            assert abs(a[i][m] / b[m] - mpf(1) / 2 - alpha[i][m]) < mpf(10)**-50
+            assert abs(a[m][i] / b[i] - mpf(1) / 2 + alpha[i][m]) < mpf(10)**-50
 
 
 # ---- order ------------------------------------------------------------------------------------
@@ -108,47 +125,21 @@ def body_field(w):
     return [(x + x * x) / moment for x, moment in zip(w, (1, 2, 4))]
 
 
-def su2(w):
-    return matrix([[w[2], mpc(w[0], -w[1])], [mpc(w[0], w[1]), -w[2]]])
-
-
-def from_su2(m):
-    return [m[1, 0].real, m[1, 0].imag, m[0, 0].real]
-
-
-def so3(w):
-    return matrix([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
-
-
-def from_so3(m):
-    return [m[2, 1], m[0, 2], m[1, 0]]
-
-
-def isospectral_midpoint(w, h, lift, lower, generator):
-    """(I - h B/2) V (I + h B/2) = w, W = (I + h B/2) V (I - h B/2), B of v (Modin, Viviani)."""
-    v = w
-    one = lift(w)**0
+def spherical_midpoint(w, h):
+    """W = w + h m x b(m), m = (w + W)/|w + W|."""
+    end = w
     for _ in range(150):
-        half = h / 2 * generator(body_field(v))
-        v = [x + y for x, y in zip(v, [a - b for a, b in zip(w, lower((one - half) * lift(v) * (one + half)))])]
-    return lower((one + half) * lift(v) * (one - half))
+        m = [x + y for x, y in zip(w, end)]
+        m = [x / norm(m) for x in m]
+        end = [x + h * y for x, y in zip(w, cross(m, body_field(m)))]
+    return end
 
 
-def isospectral(w, h):
-    """The midpoints of su(2) and of so(3)."""
-    return (isospectral_midpoint(w, h, su2, from_su2, lambda b: mpc(0, 0.5) * su2(b)),
-            isospectral_midpoint(w, h, so3, from_so3, lambda b: -so3(b)))
-
-
-def test_one_stage_is_the_isospectral_midpoint_of_su2(make):
-    """w = v - (h/2) v x b + (h^2/16) (2 (b.v) b - b^2 v); that of so(3), (h^2/4) (b.v) b, is another: apart by h^3."""
-    gaps, w = [], STARTS[BODY][0]
-    for h in (0.5, 0.25, 0.125):
+def test_one_stage_is_the_spherical_midpoint(make):
+    w = STARTS[BODY][0]
+    for h in (0.5, 0.25):
         found = run(make(1, BODY, "quad"), [w], h)
-        mine, other = isospectral(w, mpf(h))
-        assert found.status == OK and apart(found.state, [mine]) < mpf(10)**-32
-        gaps.append(apart(found.state, [other]))
-    assert gaps[2] > 1e-5 and 2.5 < log(gaps[1] / gaps[2], 2) < 3.5
+        assert found.status == OK and apart(found.state, [spherical_midpoint(w, mpf(h))]) < mpf(10)**-32
 
 
 # ---- what is kept -------------------------------------------------------------------------------
@@ -282,7 +273,15 @@ def test_a_hopeless_step_is_refused_and_leaves_no_trace(make, s, field, h):
 def test_what_is_not_finite_is_told(make):
     found = run(make(2, UNREAL), STARTS[UNREAL], 0.1)
     assert (found.status, found.site, found.count) == (NOT_FINITE, 0, 0)
-    assert run(make(2, BODY), STARTS[BODY], 1e300).status == NOT_FINITE
+    far = run(make(2, BODY), STARTS[BODY], 1e300)     # where the field along rays still is a number
+    assert far.status == NO_CONVERGENCE and far.count == 0 and apart(far.state, run(make(2, BODY), STARTS[BODY], 1e300, 0).state) == 0
+
+
+def moves_on(program, start, first, last):
+    """Is W, fast where two solutions are about to meet, looked at ten times as closely, without a jump of a twentieth?"""
+    known = [(h, run(program, start, h)) for h in (first + (last - first) * k / 10 for k in range(11))]
+    known = [(h, found.state) for h, found in known if found.status == OK]
+    return all(apart(v, w) < 6 * (h - g) for (g, w), (h, v) in zip(known, known[1:])) and len(known) > 1
 
 
 @fields(BODY, VORTICES)
@@ -294,7 +293,7 @@ def test_accepted_steps_are_of_one_branch(make, s, field):
         found = run(program, STARTS[field], h := k / 10)
         refused += found.status != OK
         if found.status == OK:
-            assert apart(found.state, last) < 2 * (h - last_h)
+            assert apart(found.state, last) < 2 * (h - last_h) or moves_on(program, STARTS[field], last_h, h)
             last, last_h = found.state, h
     assert refused and last_h > 0.9
 

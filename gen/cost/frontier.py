@@ -14,8 +14,8 @@ EXACT = 16 * 2.0 ** -52     # an energy error of one step that is round-off, rel
 
 def seconds_for(rows: list[Row], what: str, error: float) -> float:
     """The time in which a method gets below `error` (`what`: end_error, energy, ..): between two neighbours by a straight
-    line of the logarithms; nan where it never does, and where its errors lie below from the largest step on, that one's.
-    The shorter one of its runs to round-off and of those to a tolerance."""
+    line of the logarithms, or with a smaller step that takes less time; nan where it never does. The shorter one of its runs to
+    round-off and of those to a tolerance."""
     kinds = [[r for r in rows if (r.tolerance == r.tolerance) is loose] for loose in (False, True)]
     times = [x for x in (seconds_along(kind, what, error) for kind in kinds) if x == x]
     return min(times, default=math.nan)
@@ -24,12 +24,11 @@ def seconds_for(rows: list[Row], what: str, error: float) -> float:
 def seconds_along(rows: list[Row], what: str, error: float) -> float:
     """The same along rows of one kind."""
     good = sorted((r for r in rows if not r.status and getattr(r, what) == getattr(r, what)), key=lambda r: (r.steps, -r.tolerance))
-    before = None
-    for row in good:
-        if getattr(row, what) <= error:
-            return row.seconds if before is None else between(before, row, what, error)
-        before = row
-    return math.nan
+    there = next((k for k, row in enumerate(good) if getattr(row, what) <= error), None)
+    if there is None:
+        return math.nan
+    met = good[there].seconds if there == 0 else between(good[there - 1], good[there], what, error)
+    return min([met, *(row.seconds for row in good[there:] if getattr(row, what) <= error)])
 
 
 def between(a: Row, b: Row, what: str, error: float) -> float:

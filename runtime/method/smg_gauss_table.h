@@ -8,9 +8,14 @@
  *   smg_gauss_share[j][i]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
  *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to (Antonana,
  *                          Makazaga, Murua 2017)
+ *   smg_gauss_cross[i][j]  (a_ij/b_j + a_ij'/b_j' - 1)/2, j' = s + 1 - j, for i, j in the first half and j in the middle. From the
+ *                          symmetries of the nodes, a_ij/b_j - 1/2 is this one plus beta, a_ij'/b_j' - 1/2 this one less beta,
+ *                          where beta = -smg_gauss_cross[j][i], and for i' both with the other sign: with these numbers
+ *                          b_i a_ij + b_j a_ji = b_i b_j holds without any error too
  *   smg_gauss_ahead[j][i]  (b_i / b_j) l_j(1 + c_i): the polynomial through the stages, one step on
  *
- * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th.
+ * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th; where the lanes are
+ * sites (SMG_ROW_STAGES) there are as many as they are.
  * SMG_PAIR: high and low part, right to 1e-32; SMG_MIRROR: 1 less that. */
 #ifndef SMG_GAUSS_TABLE_H
 #define SMG_GAUSS_TABLE_H
@@ -18,7 +23,11 @@
 #include "smg_lanes.h"
 
 #define SMG_STAGE_BLOCKS ((SMG_STAGES + SMG_LANES - 1) / SMG_LANES)
+#if SMG_ROW_STAGES
+#define SMG_PADDED SMG_STAGES
+#else
 #define SMG_PADDED (SMG_STAGE_BLOCKS * SMG_LANES)
+#endif
 #if SMG_PADDED - SMG_STAGES == 0
 #define SMG_LAST(x) x
 #elif SMG_PADDED - SMG_STAGES == 1
@@ -48,6 +57,10 @@ SMG_ALIGNED static const smg_real smg_gauss_share[1][SMG_PADDED] = {
     {SMG_LAST((smg_real)0.5)}};
 SMG_ALIGNED static const smg_real smg_gauss_ahead[1][SMG_PADDED] = {
     {SMG_LAST((smg_real)1.0)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[1][1] = {
+    {0}};
+#endif
 #endif
 
 #if SMG_STAGES == 2
@@ -63,6 +76,10 @@ SMG_ALIGNED static const smg_real smg_gauss_share[2][SMG_PADDED] = {
 SMG_ALIGNED static const smg_real smg_gauss_ahead[2][SMG_PADDED] = {
     {(smg_real)-0.7320508075688773, SMG_LAST((smg_real)-1.7320508075688772)},
     {(smg_real)1.7320508075688772, SMG_LAST((smg_real)2.732050807568877)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[1][1] = {
+    {SMG_PAIR(-0.28867513459481287, -1.6725140369678172e-17)}};
+#endif
 #endif
 
 #if SMG_STAGES == 3
@@ -81,6 +98,10 @@ SMG_ALIGNED static const smg_real smg_gauss_ahead[3][SMG_PADDED] = {
     {(smg_real)0.46034998712591646, (smg_real)3.2677422153560443, SMG_LAST((smg_real)4.624327782069139)},
     {(smg_real)-0.9391805448271526, (smg_real)-5.666666666666667, SMG_LAST((smg_real)-7.39415278850618)},
     {(smg_real)2.0423388845975277, (smg_real)7.398924451310623, SMG_LAST((smg_real)8.20631667954075)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[1][2] = {
+    {SMG_PAIR(-0.23237900077244503, 1.3723733643603991e-17), SMG_PAIR(-0.5809475019311126, 2.0431546301195522e-17)}};
+#endif
 #endif
 
 #if SMG_STAGES == 4
@@ -102,6 +123,11 @@ SMG_ALIGNED static const smg_real smg_gauss_ahead[4][SMG_PADDED] = {
     {(smg_real)0.5560939709183108, (smg_real)6.246427614654768, (smg_real)22.244205449220566, SMG_LAST((smg_real)23.52091860319091)},
     {(smg_real)-1.0294085679737872, (smg_real)-9.46401244076669, (smg_real)-29.80681363156252, SMG_LAST((smg_real)-29.864571097947245)},
     {(smg_real)2.191699902136537, (smg_real)11.574646496723345, (smg_real)29.836782226170214, SMG_LAST((smg_real)27.864733549197386)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[2][2] = {
+    {SMG_PAIR(-0.2602202103420203, -1.2898585582586935e-17), SMG_PAIR(-0.521431911732197, -5.323295977477731e-18)},
+    {SMG_PAIR(0.06015783830008282, -1.5981394191806978e-18), SMG_PAIR(-0.2927518757052597, 3.1430341862810022e-18)}};
+#endif
 #endif
 
 #if SMG_STAGES == 5
@@ -126,6 +152,11 @@ SMG_ALIGNED static const smg_real smg_gauss_ahead[5][SMG_PADDED] = {
     {(smg_real)0.5950547554319133, (smg_real)8.57782472937071, (smg_real)49.53333333333333, (smg_real)122.26764561114993, SMG_LAST((smg_real)108.77614157071412)},
     {(smg_real)-1.0766994648819006, (smg_real)-12.477098642413985, (smg_real)-62.26997524396194, (smg_real)-142.56488005348794, SMG_LAST((smg_real)-122.6553826687497)},
     {(smg_real)2.273072432837063, (smg_real)14.792931022515294, (smg_real)59.34965383829963, (smg_real)124.60137942445458, SMG_LAST((smg_real)103.57685065862603)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[2][3] = {
+    {SMG_PAIR(-0.24329703352369925, 4.740699305579793e-18), SMG_PAIR(-0.5525755341685523, -2.4512021497024652e-17), SMG_PAIR(-0.46043374712195834, -2.2739462260156335e-17)},
+    {SMG_PAIR(0.02920128182810635, 1.5961596586516477e-18), SMG_PAIR(-0.22844199207724433, 6.746026477620106e-18), SMG_PAIR(-0.5864566529596796, 2.5517417431861254e-17)}};
+#endif
 #endif
 
 #if SMG_STAGES == 6
@@ -153,6 +184,12 @@ SMG_ALIGNED static const smg_real smg_gauss_ahead[6][SMG_PADDED] = {
     {(smg_real)0.6153683621677491, (smg_real)10.314692722222963, (smg_real)80.72009986119583, (smg_real)318.28476281398264, (smg_real)625.9069282839303, SMG_LAST((smg_real)496.7873276668209)},
     {(smg_real)-1.1044719984682665, (smg_real)-14.734525403100172, (smg_real)-98.2956080863264, (smg_real)-355.04399345857104, (smg_real)-667.022647396944, SMG_LAST((smg_real)-518.391599290175)},
     {(smg_real)2.3217904145819985, (smg_real)17.169472044020374, (smg_real)91.16228752342718, (smg_real)299.6143138170155, (smg_real)539.2246354463375, SMG_LAST((smg_real)411.36149264789475)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[3][3] = {
+    {SMG_PAIR(-0.25474409793939995, 1.3161331962920916e-17), SMG_PAIR(-0.5330115333001637, -2.016816807790278e-17), SMG_PAIR(-0.49218618556352, -1.9360908401632813e-17)},
+    {SMG_PAIR(0.048836019766289936, 1.775943443115037e-19), SMG_PAIR(-0.26354687775292945, -2.3687275423741113e-17), SMG_PAIR(-0.5212366961502606, -2.7419163009131112e-17)},
+    {SMG_PAIR(-0.03204415950906446, 5.467507407123925e-19), SMG_PAIR(0.06553183452740802, -3.013533714750259e-18), SMG_PAIR(-0.2937741350113054, -3.3175652803501715e-18)}};
+#endif
 #endif
 
 #if SMG_STAGES == 7
@@ -183,6 +220,12 @@ SMG_ALIGNED static const smg_real smg_gauss_ahead[7][SMG_PADDED] = {
     {(smg_real)0.6274523864841693, (smg_real)11.599352675098414, (smg_real)111.52977481217196, (smg_real)603.0062308885894, (smg_real)1854.226095251547, (smg_real)3118.759808731535, SMG_LAST((smg_real)2281.9995129091694)},
     {(smg_real)-1.122128098125727, (smg_real)-16.409251023325353, (smg_real)-133.32108990328905, (smg_real)-655.157348466494, (smg_real)-1911.143058294306, (smg_real)-3123.9362849291574, SMG_LAST((smg_real)-2254.8971782052226)},
     {(smg_real)2.3531072275798812, (smg_real)18.918016374588806, (smg_real)121.58473074987191, (smg_real)541.3075314512822, (smg_real)1506.4729909219768, (smg_real)2404.9480874253068, SMG_LAST((smg_real)1717.2229011822221)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[3][4] = {
+    {SMG_PAIR(-0.2464620639962789, 4.087117123934608e-18), SMG_PAIR(-0.5466842496338887, -2.819400179954752e-17), SMG_PAIR(-0.47169352534770104, 7.899188263748911e-19), SMG_PAIR(-0.5245657172459025, -2.220594252327492e-17)},
+    {SMG_PAIR(0.035194881992523804, 1.10133556760327e-18), SMG_PAIR(-0.24054060469609692, 5.403134010257488e-18), SMG_PAIR(-0.5575834680420187, 3.245079504591284e-17), SMG_PAIR(-0.45526059410266373, -1.370633142663775e-17)},
+    {SMG_PAIR(-0.011675731370122058, -7.367015745683315e-19), SMG_PAIR(0.02931386524487699, 1.7154521180318502e-18), SMG_PAIR(-0.2271820929574573, -6.779469160039804e-18), SMG_PAIR(-0.5879284147028457, 3.009347562066928e-17)}};
+#endif
 #endif
 
 #if SMG_STAGES == 8
@@ -216,6 +259,13 @@ SMG_ALIGNED static const smg_real smg_gauss_ahead[8][SMG_PADDED] = {
     {(smg_real)0.6352712778770466, (smg_real)12.558295828662436, (smg_real)139.74609925920427, (smg_real)949.4271118823712, (smg_real)3990.8836016134996, (smg_real)10276.221274542184, (smg_real)15403.995866514897, SMG_LAST((smg_real)10601.802975233773)},
     {(smg_real)-1.1340322212135254, (smg_real)-17.66164789747079, (smg_real)-165.08635563532548, (smg_real)-1014.0959681011233, (smg_real)-4025.884677267847, (smg_real)-10030.887096713139, (smg_real)-14759.89899359608, SMG_LAST((smg_real)-10066.789375614047)},
     {(smg_real)2.374369440795084, (smg_real)20.218826218740432, (smg_real)148.89161360043673, (smg_real)826.4045445570162, (smg_real)3122.8949086127777, (smg_real)7580.346483190528, (smg_real)10998.20145623356, SMG_LAST((smg_real)7450.967969033686)}};
+#if SMG_ROW_STAGES
+static const smg_real smg_gauss_cross[4][4] = {
+    {SMG_PAIR(-0.25274140412660795, 7.847973485676354e-18), SMG_PAIR(-0.536573198168192, -1.9329984939928018e-17), SMG_PAIR(-0.4860916051676766, 1.470011158557392e-19), SMG_PAIR(-0.5038725862834147, 5.087842825166927e-17)},
+    {SMG_PAIR(0.04532176493738943, 2.513174621435336e-18), SMG_PAIR(-0.2570371779445835, 7.993377676570669e-18), SMG_PAIR(-0.5334708983322121, 5.526502512049838e-17), SMG_PAIR(-0.4919093245860618, -2.007911395981889e-17)},
+    {SMG_PAIR(-0.026134308945621628, -1.1294652836298927e-18), SMG_PAIR(0.05348802596862071, 3.2936999915161635e-18), SMG_PAIR(-0.26480193653248896, -1.1377203060716513e-17), SMG_PAIR(-0.5209641869587541, -1.2252709750570421e-17)},
+    {SMG_PAIR(0.020848759519785733, 7.011633037773467e-19), SMG_PAIR(-0.0368504508886875, -1.096027427740568e-18), SMG_PAIR(0.06712965177355418, -3.783413646551665e-18), SMG_PAIR(-0.2941735805549139, -9.435593305408405e-18)}};
+#endif
 #endif
 
 #endif

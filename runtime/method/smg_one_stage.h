@@ -66,7 +66,8 @@ static inline void smg_new_slope(smg_state *s, int64_t k, smg_moved *moved) {
   g[0] = absolute;
 }
 
-static smg_moved smg_sweep_stages(smg_state *s) {
+static smg_moved smg_sweep_stages(smg_state *s, void *with) {
+  (void)with;
   const int64_t sites = smg_sites(&s->c);
   smg_moved moved = {0, 0, 0};
   for (int64_t q = 0; q < 3 * sites; q += 3) smg_stage_point(s->w + q, smg_norm(s->w + q), s->slopes + q, s->points + q);
@@ -89,9 +90,9 @@ static void smg_begin_slopes(smg_state *s, int steps) {
 static smg_status smg_solve_stage(smg_state *s) {
   s->report.iterations = 0;
   smg_begin_slopes(s, s->history);
-  if (s->history > 0 && smg_sweep_to_rest(s) == SMG_OK) return SMG_OK;
+  if (s->history > 0 && smg_sweep_to_rest(s, NULL) == SMG_OK) return SMG_OK;
   smg_begin_slopes(s, 0);
-  return smg_sweep_to_rest(s);
+  return smg_sweep_to_rest(s, NULL);
 }
 
 /* The site that the last sweep moved most, or made no number. */

@@ -1,6 +1,6 @@
 /* smidgen runtime: fixed-point iteration over the stages of all sites together: when it has settled, and whether it contracts.
  *
- * A method defines smg_sweep_stages(s), one sweep; it says what the sweep has moved: how far w will be moved by the change of the
+ * A method defines smg_sweep_stages(s, with), one sweep; `with` is what it works with, or NULL; it says what the sweep has moved: how far w will be moved by the change of the
  * stages, relative to the stages' own size and absolutely, next to the products in them. A step ends where the w of it are right to
  * s->tolerance, as its last two changes tell; 0: where nothing moves but by round-off, as long runs need it. */
 #ifndef SMG_FIXED_POINT_H
@@ -25,7 +25,7 @@ typedef struct smg_moved {
 } smg_moved;
 
 /* One sweep: every stage from all as they were. */
-static smg_moved smg_sweep_stages(smg_state *s);
+static smg_moved smg_sweep_stages(smg_state *s, void *with);
 
 /* What the sweeps of a step have shown: the change before the last, the least one and how long ago it was, the most that a
  * contraction allows, and how large a change is round-off. */
@@ -74,16 +74,16 @@ SMG_INLINE int smg_sweeps_contract(smg_watch *watch) {
 
 /* Sweeps until what is left is round-off, one more, and an eighth as many again: what was left is of one sign along many an orbit,
  * a drift. */
-static smg_status smg_sweep_to_rest(smg_state *s) {
+static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
   smg_watch watch = {{SMG_MAX, SMG_MAX, 0}, {SMG_MAX, SMG_MAX, 0}, 0, -1, 0, 0};
   for (int n = 0; n < SMG_MOST_SWEEPS; ++n) {
-    const smg_moved moved = smg_sweep_stages(s);
+    const smg_moved moved = smg_sweep_stages(s, with);
     smg_look(s, &moved, &watch);
     ++s->report.iterations;
     s->report.residual = watch.now.absolute;
     if (!(watch.now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     if (smg_stages_settled(s, &watch)) {
-      for (int more = s->tolerance > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s);
+      for (int more = s->tolerance > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s, with);
       return SMG_OK;
     }
     if (!smg_sweeps_contract(&watch)) break;

@@ -100,8 +100,10 @@ static smg_real smg_end_share(const smg_state *s, smg_besides *known, const smg_
   const smg_real weakest = 1 / (36 * turn->half * turn->half);
   smg_lanes most = {0};
   smg_piece piece;
+  SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
+  smg_begin_piece(&s->c, known, gradient, &piece);
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
-    smg_begin_colour(&s->c, colour, known, &piece);
+    smg_begin_share(&s->c, colour, &piece);
     while (smg_next_piece(&s->c, s->row_m, &piece)) {
       if (s->row_stretched) smg_end_piece(*turn, 1, weakest, &piece, &most);
       else smg_end_piece(*turn, 0, 0, &piece, &most);

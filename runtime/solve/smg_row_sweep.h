@@ -7,64 +7,8 @@
 #define SMG_ROW_SWEEP_H
 
 #include "smg_row_spin.h"
-#include "smg_row_team.h"
+#include "smg_row_piece.h"
 #include "smg_rules.h"
-
-/* The next sites of a share of a colour: the slots start .. start + size - 1, with the gradient at their places; at, from: where the one
- * after begins; end: of the share. */
-typedef struct smg_piece {
-  smg_lattice_row at;
-  int64_t from, start, size, room, end;
-  smg_besides *known;
-  SMG_LINES smg_real g[3 * SMG_PIECE_ROOM];
-  SMG_LINES smg_real made[3 * SMG_PIECE_ROOM];
-} smg_piece;
-
-/* Slots of a piece, so that the next one begins where a vector does: as many whole rows as fit, or SMG_PIECE. */
-static inline int64_t smg_piece_room(const smg_coefficients *c) {
-  const int64_t length = smg_row_length(c);
-  for (int64_t n = SMG_PIECE / length; n > 0; --n)
-    if (n * length % SMG_WIDEST == 0) return n * length;
-  return SMG_PIECE;
-}
-
-/* The share of this thread in a colour. */
-static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, smg_besides *known, smg_piece *piece) {
-  const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), rows = smg_rows(c) * length;
-  const smg_share share = smg_share_of(first, rows);
-  const int64_t row = (share.from - first) / length;
-  piece->at = smg_row_of(c, colour, row);
-  piece->from = share.from - first - row * length;
-  piece->end = share.to < first + rows ? share.to : first + rows;
-  piece->room = smg_piece_room(c);
-  piece->known = known;
-}
-
-/* The gradient of the sites from <= j < to of the row; of empty slots at its end it is 0. */
-static inline void smg_piece_gradient(const smg_coefficients *c, const smg_real *m, smg_piece *piece, int64_t to) {
-  smg_real *g = piece->g + piece->size;
-  smg_row_gradient(c, &piece->at, smg_besides_of(c, &piece->at, piece->known), m, piece->from, to < piece->at.sites ? to : piece->at.sites, g);
-  for (int64_t j = piece->at.sites > piece->from ? piece->at.sites : piece->from; j < to; ++j)
-    for (int k = 0; k < 3; ++k) g[k * SMG_PIECE_ROOM + j - piece->from] = 0;
-  piece->size += to - piece->from;
-}
-
-/* The next piece; 0 where the share ends. */
-static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, smg_piece *piece) {
-  const int64_t length = smg_row_length(c);
-  piece->size = 0;
-  piece->start = piece->at.start + piece->from;
-  const int64_t whole = piece->end - piece->start < piece->room ? piece->end - piece->start : piece->room;
-  while (piece->size < whole) {
-    const int64_t room = whole - piece->size, to = length - piece->from > room ? piece->from + room : length;
-    smg_piece_gradient(c, m, piece, to);
-    piece->from = to;
-    if (to < length) break;
-    piece->from = 0;
-    smg_next_row(c, length, &piece->at);
-  }
-  return piece->size > 0;
-}
 
 #define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
 #define SMG_LOOK (smg_real)1e-12 /* part of the state by which midpoints move when that begins */
@@ -163,7 +107,9 @@ SMG_INLINE smg_motion smg_turn_share(const smg_state *s, smg_besides *known, con
   const smg_lanes none = {0};
   smg_motion motion = {none, none};
   smg_piece piece;
-  smg_begin_colour(&s->c, colour, known, &piece);
+  SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
+  smg_begin_piece(&s->c, known, gradient, &piece);
+  smg_begin_share(&s->c, colour, &piece);
   while (smg_next_piece(&s->c, s->row_m, &piece)) smg_turn_piece(*turn, &piece, exact, small, &motion);
   return motion;
 }

@@ -16,7 +16,12 @@
 #define SMG_AFTER 16
 #define SMG_WIDEST 8  /* lanes of the widest registers there are */
 #define SMG_LONG_ROW 64 /* slots from which a row takes whole vectors: at most an eighth stays empty */
-#define SMG_PIECE 256 /* slots that a sweep works on at a time: fields, spins and midpoints of so many are 18 KB */
+/* Slots that a sweep works on at a time: fields, spins and midpoints of 256 are 18 KB; four stages of 64 spins 24 KB. */
+#if SMG_ROW_STAGES
+#define SMG_PIECE 64
+#else
+#define SMG_PIECE 256
+#endif
 #define SMG_PIECE_ROOM (SMG_PIECE + SMG_BEFORE)
 
 /* What the model says: cells of a direction (1 of those beyond); the shift of a place, its number among the SMG_RANKS places of its

@@ -19,9 +19,14 @@ HEAD = """\
  *   smg_gauss_share[j][i]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
  *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to (Antonana,
  *                          Makazaga, Murua 2017)
+ *   smg_gauss_cross[i][j]  (a_ij/b_j + a_ij'/b_j' - 1)/2, j' = s + 1 - j, for i, j in the first half and j in the middle. From the
+ *                          symmetries of the nodes, a_ij/b_j - 1/2 is this one plus beta, a_ij'/b_j' - 1/2 this one less beta,
+ *                          where beta = -smg_gauss_cross[j][i], and for i' both with the other sign: with these numbers
+ *                          b_i a_ij + b_j a_ji = b_i b_j holds without any error too
  *   smg_gauss_ahead[j][i]  (b_i / b_j) l_j(1 + c_i): the polynomial through the stages, one step on
  *
- * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th.
+ * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th; where the lanes are
+ * sites (SMG_ROW_STAGES) there are as many as they are.
  * SMG_PAIR: high and low part, right to 1e-32; SMG_MIRROR: 1 less that. */
 #ifndef SMG_GAUSS_TABLE_H
 #define SMG_GAUSS_TABLE_H
@@ -29,7 +34,11 @@ HEAD = """\
 #include "smg_lanes.h"
 
 #define SMG_STAGE_BLOCKS ((SMG_STAGES + SMG_LANES - 1) / SMG_LANES)
+#if SMG_ROW_STAGES
+#define SMG_PADDED SMG_STAGES
+#else
 #define SMG_PADDED (SMG_STAGE_BLOCKS * SMG_LANES)
+#endif
 #if SMG_PADDED - SMG_STAGES == 0
 #define SMG_LAST(x) x
 #elif SMG_PADDED - SMG_STAGES == 1
@@ -98,6 +107,13 @@ def share(a, b, i, j):
     return pair(near, "SMG_MIRROR")
 
 
+def crossed(a, b):
+    """(a_ij/b_j + a_ij'/b_j' - 1)/2 of the first half of the stages, j' = s + 1 - j; a_ij/b_j - 1/2 in the column of the middle one."""
+    s = len(b)
+    shares = [[a[i][j] / b[j] for j in range(s)] for i in range(s)]
+    return [[(shares[i][j] + shares[i][s - 1 - j] - 1) / 2 for j in range((s + 1) // 2)] for i in range(s // 2)]
+
+
 def table(s):
     c, b, a, ahead = gauss(s)
     every = range(s)
@@ -111,11 +127,13 @@ def table(s):
     shares = [filled([share(a, b, i, j) for i in every]) for j in every]
     far = [filled([f"(smg_real){float(b[i] / b[j] * ahead[i][j])!r}" for i in every]) for j in every]
     weights = filled([pair(x) for x in b])
+    crosses = [", ".join(pair(x) for x in row) for row in crossed(a, b)] or ["0"]
     return (f"\n#if SMG_STAGES == {s}\n"
             f"#if SMG_TIMED\nstatic const smg_real smg_gauss_node[{s}] = {listed(pair(x) for x in c)};\n#endif\n"
             f"SMG_ALIGNED static const smg_real smg_gauss_weight[SMG_PADDED] = {weights};\n"
             f"SMG_ALIGNED static const smg_real smg_gauss_share[{s}][SMG_PADDED] = {listed(shares)};\n"
             f"SMG_ALIGNED static const smg_real smg_gauss_ahead[{s}][SMG_PADDED] = {listed(far)};\n"
+            f"#if SMG_ROW_STAGES\nstatic const smg_real smg_gauss_cross[{max(1, s // 2)}][{(s + 1) // 2}] = {listed('{' + x + '}' for x in crosses)};\n#endif\n"
             "#endif\n")
 
 

@@ -1,6 +1,7 @@
 """Gauss collocation of s stages in collective variables, by numpy: the witness's own, from the theory and not from tables.
 
-Every w is lifted to z in C^2 with w_k = z^* sigma_k z; then w' = w x b is z' = (i/2)(b.sigma) z. The stages solve
+Every w is lifted to z in C^2 with w_k = z^* sigma_k z. H is extended to be constant along rays: with p = r w/abs(w), r of the
+start, and b the field at p, its gradient is (r/abs(w)) (b - p (p.b)/r^2); then w' = w x b is z' = (i/2)(b.sigma) z. The stages solve
 Z_i = z + h sum_j a_ij F(Z_j), where, with shifted Legendre polynomials P_k (Hairer, Norsett, Wanner, II.7),
 
     a_ij = b_j sum_(k < s) (2k + 1) P_k(c_j) (integral of P_k from 0 to c_i).
@@ -39,13 +40,21 @@ def lowered(z):
     return np.einsum("sa,kab,sb->sk", z.conj(), SIGMA, z).real
 
 
+def along_rays(witness, w, r, t: float) -> np.ndarray:
+    """The field of the Hamiltonian that is constant along rays, 0 at sites of length 0."""
+    size = np.linalg.norm(w, axis=1, keepdims=True)
+    n = np.divide(w, size, out=np.zeros_like(w), where=size > 0)
+    b = witness.field(r * n, t)
+    return np.divide(r, size, out=np.zeros_like(size), where=size > 0) * (b - n * np.sum(n * b, axis=1, keepdims=True))
+
+
 def step(witness, w, t: float, h: float, s: int) -> np.ndarray | None:
     """The state after one step of the system of `witness`; None where the iteration does not settle."""
     c, b, a = tableau(s)
-    z, H = lifted(w), witness.spec.orientation * h
+    z, H, r = lifted(w), witness.spec.orientation * h, np.linalg.norm(w, axis=1, keepdims=True)
 
     def slope(Z, at):
-        return 0.5j * np.einsum("sk,kab,sb->sa", witness.field(lowered(Z), t + at * h), SIGMA, Z)
+        return 0.5j * np.einsum("sk,kab,sb->sa", along_rays(witness, lowered(Z), r, t + at * h), SIGMA, Z)
 
     K, least, idle = np.array([slope(z, at) for at in c]), np.inf, 0
     for _ in range(MOST):

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..lower.code import Argument, Assign, Call, Function, If, Member, Name, Return, Unary, Variable
-from ..lower.integers import ZERO, Computed, Int, times, whole
+from ..lower.integers import ZERO, Computed, Index, Int, times, whole
 from .sums import held
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
@@ -34,6 +34,8 @@ def buffers(model) -> list:
     n = model.total
     found = [buffer("w", 3 * n, "the state: 3 numbers per site"), buffer("compensation", 3 * n, "what w has lost to rounding"),
              buffer("u", 3 * n, "increment W - w of the step under way")]
+    if model.in_rows and model.method.stage_rows:
+        return found[:2] + [buffer("stages", Computed("smg_stages_size", (Index("c"),)), "components by slots: w, z, points, stages and slopes")]
     if not model.method.of_midpoints:
         return found + [buffer(name, (Computed(size, (n,)) if isinstance(size, str) else size * n) + more, meaning)
                         for name, size, more, meaning in model.method.arrays]
@@ -112,7 +114,7 @@ def layout(model) -> Function:
     used = Name("used")
     placed = [Assign(used, Call("smg_place_array", (Unary("&", Member("s", b.name)), Name("mem"), used, Unary("(size_t)", b.size))))
               for b in buffers(model)]
-    by_rows = (If((Member("s", "rows"),), (Return(Call("smg_row_layout", (Name("s"), Name("mem")))),)),) if model.in_rows else ()
+    by_rows = (If((Member("s", "rows"),), (Return(Call("smg_row_layout", (Name("s"), Name("mem")))),)),) if model.in_rows and not model.method.stage_rows else ()
     last = used if model.solo or not model.method.of_midpoints else Call("smg_place_history", (Name("s"), Name("mem"), used))
     return Function("size_t", "smg_layout", (Argument("smg_state *", "s"), Argument("smg_real *", "mem")),
                     (*held(placed, "c", "smg_coefficients"), *by_rows, Variable("size_t", "used", ZERO), *placed, Return(last)), inlined="never")

@@ -10,8 +10,8 @@ VECTORS = {"const smg_real *": "const smg_lanes *", "smg_real *": "smg_lanes *"}
 
 
 def has_lanes(model) -> bool:
-    """Does the method take several gradients at once, and may all states share one time?"""
-    return model.method.lanes > 1 and not model.coefficients.timed
+    """Does the method take several gradients at once, and may all states share one time? Where it goes by rows, it does not."""
+    return model.in_rows is None and model.method.lanes > 1 and not model.coefficients.timed
 
 
 def lane_functions(model) -> list:

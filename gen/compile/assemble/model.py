@@ -1,7 +1,6 @@
 """A model as data: its kernels, its plan, and what the functions over its sites ask of them."""
 from __future__ import annotations
 
-from dataclasses import replace
 
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
@@ -19,7 +18,7 @@ from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
 from .pairs import pair_kernels
-from .rows import BY_ROWS, rows
+from .rows import BY_ROWS, BY_STAGE_ROWS, one_lattice, rows
 from .solo import solo_kernels
 from .sweeps import reach
 from .wide import wide_kernels
@@ -45,7 +44,7 @@ class Model:
         self.reach = reach(self, low) if plan.rotation else None
         self.in_rows = rows(self, low)
         if self.in_rows:
-            self.plan = replace(self.plan, reason=f"{self.plan.reason}; {BY_ROWS}")
+            self.plan = self.plan.also(BY_STAGE_ROWS if self.method.stage_rows else BY_ROWS)
         self.solo = solo_kernels(self, low)
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None
@@ -122,8 +121,7 @@ class Model:
         """The lattice that a swept family lives on, when all its bonds agree on it."""
         if not self.plan.rotation or family not in self.plan.coupled:
             return None
-        overs = self.lattices(family)
-        return overs[0] if len({(o.size, o.sites) for o in overs}) == 1 else None
+        return one_lattice(self.lattices(family))
 
     # -- what follows -------------------------------------------------------------------------
     def is_linear(self, family: str) -> bool:

@@ -22,6 +22,7 @@ from .sweeps import row_sums
 
 KNOWN = 100     # kinds of rows whose neighbours are kept at hand: with six of them 24 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
+BY_STAGE_ROWS = "sites of a row in lanes"
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
@@ -52,17 +53,27 @@ class Rows:
 def rows(model, low):
     """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
     f = model.families[0]
-    if len(model.families) > 1 or not model.plan.rotation or model.plan.coupled != (f.name,) or not model.method.onto_leaf:
-        return None
-    if "extended" in model.features or model.method.stages > 1 or model.reach is None or f.kind != "sphere":
+    if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or midpoint_rows(model, f)):
         return None
     if index_names(f.family.kappa) or f.radius.values or index_names(f.family.radius) or f.kappa.values:
         return None
-    over = model.lattice(f.name)
+    over = one_lattice(model.lattices(f.name))
     if over is None or not all(alike(low, t) for t in model.effects):
         return None
-    found = Rows(over, colouring(model.lattices(f.name)), rest_field(model, low, f))
-    return found if found.rest is not None and fits(found, model.lattices(f.name)) else None
+    found = Rows(over, colouring(model.lattices(f.name)), None if model.method.stage_rows else rest_field(model, low, f))
+    bounded = model.method.stage_rows or found.rest is not None
+    return found if bounded and fits(found, model.lattices(f.name)) else None
+
+
+def one_lattice(overs):
+    """The lattice that all bonds agree on, or None."""
+    return overs[0] if len({(o.size, o.sites) for o in overs}) == 1 else None
+
+
+def midpoint_rows(model, f) -> bool:
+    """May midpoints be swept by rows, under a bound that tells for which h sweeps converge?"""
+    swept = model.plan.rotation and model.plan.coupled == (f.name,) and model.method.onto_leaf
+    return swept and "extended" not in model.features and model.method.stages == 1 and model.reach is not None
 
 
 def alike(low, t) -> bool:
@@ -111,8 +122,12 @@ def row_functions(model) -> list:
     return [looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
-            place_function(found), Function("smg_real", "smg_rest_field_norm", (COEFFICIENTS, Argument("int64_t", "k")), (Return(found.rest),), wanted=True),
-            all_beside(model), *kernels, row_gradient(model)]
+            place_function(found), *rest_function(found), all_beside(model), *kernels, row_gradient(model)]
+
+
+def rest_function(found: Rows) -> list:
+    """The bound that midpoints ask for."""
+    return [] if found.rest is None else [Function("smg_real", "smg_rest_field_norm", (COEFFICIENTS, Argument("int64_t", "k")), (Return(found.rest),), wanted=True)]
 
 
 def looked_up(name: str, arguments, index: str, values, beyond=None) -> Function:
@@ -139,7 +154,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_BY_ROWS": 1, "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 

@@ -56,6 +56,10 @@ class Plan:
         """Whether sweeps (rotations, or the plain fixed point) are tried before Newton."""
         return bool(self.coupled) and (self.rotation or not self.matrix)
 
+    def also(self, reason: str) -> Plan:
+        """The same, of which more is said."""
+        return replace(self, reason=f"{self.reason}; {reason}")
+
 
 def coupled_families(spec: Spec, contributions=None) -> tuple:
     """Families with a term that joins several of their sites, and those whose midpoints move tracers."""

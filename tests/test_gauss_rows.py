@@ -1,0 +1,141 @@
+"""Gauss collocation on lattices, sites in lanes (runtime/method/smg_gauss_rows.h): the step that the equation has, with the same bits."""
+import subprocess
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.check.witness import Witness
+from smidgen.compile.emit.emit import generate
+from smidgen.errors import RunError
+from smidgen.resources import include_flags
+from support.strict import COMPILERS, WARNINGS
+from test_rows import DM, EXCHANGE, FIELD, SPECS as QUADRATIC, lattice
+
+IN_TIME = """[effects.field]
+over = "site(i) of w"
+energy = "sin(2*t)*w[i].x - 0.3*cos(t)*w[i].z + 0.2*w[i].z^2"
+"""
+SPECS = {**QUADRATIC, "in time": lattice("in_time", "square(n, 7, periodic)", 6, "7*n", EXCHANGE + IN_TIME)}
+SOME = ("ring of 5", "ring of 17", "odd square", "honeycomb", "three colours", "in time")
+
+
+def built(monkeypatch, spec, order=6, lanes=4, compiler="gcc", **more):
+    monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
+    return smidgen.build(spec, f"gauss-{order}", **more)
+
+
+def bits(model, steps=8):
+    return model.start("random", h=0.2).steps(steps).save()
+
+
+@pytest.mark.parametrize("name", [*SOME, "open chain of 3", "other spheres", *(pytest.param(n, marks=pytest.mark.long) for n in SPECS)])
+def test_rows_solve_the_step(monkeypatch, name):
+    """Against the witness, which knows no rows."""
+    spec = SPECS[name]
+    assert "SMG_ROW_STAGES" in generate(spec, method="gauss-6")[f"{spec.name}.c"]
+    model = built(monkeypatch, spec).start("random", h=0.2)
+    w = model.w.copy()
+    found, wanted = model.steps(4).w, Witness(spec).steps(w, 0.0, 0.2, 4, "gauss-6")
+    assert np.abs(found - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14 * np.abs(w).max()
+
+
+@pytest.mark.parametrize("order", range(2, 17, 2))
+def test_every_order_is_that_of_the_witness(monkeypatch, order):
+    spec = SPECS["ring of 17"]
+    model = built(monkeypatch, spec, order).start("random", h=0.25)
+    w = model.w.copy()
+    wanted = Witness(spec).steps(w, 0.0, 0.25, 3, f"gauss-{order}")
+    assert np.abs(model.steps(3).w - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14
+
+
+@pytest.mark.parametrize("order", [4, 8])
+def test_order_in_extended_precision(monkeypatch, order):
+    """Of steps against those half as long, and of these against half of them again."""
+    model, ends = built(monkeypatch, SPECS["in time"], order, real="long double"), []
+    for n in (16, 32, 64):
+        ends.append(model.start("random", h=1 / n).steps(n).w.copy())
+    ratio = np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - ends[2]).max()
+    assert abs(np.log2(ratio) - order) < 0.1
+
+
+@pytest.mark.parametrize("name", [*SOME, *(pytest.param(n, marks=pytest.mark.long) for n in SPECS)])
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name):
+    wanted = bits(built(monkeypatch, SPECS[name], lanes=1))
+    for lanes in (2, 4, 8):
+        assert np.array_equal(bits(built(monkeypatch, SPECS[name], lanes=lanes)), wanted)
+
+
+@pytest.mark.skipif("clang" not in COMPILERS, reason="no clang")
+def test_another_compiler_has_them_too(monkeypatch):
+    found, wanted = (bits(built(monkeypatch, SPECS["ring of 33"], lanes=n, compiler=c)) for n, c in ((2, "clang"), (4, "gcc")))
+    assert np.array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("name", ["ring of 17", "honeycomb"])
+def test_restored_it_goes_on_with_the_same_bits(monkeypatch, name):
+    model = built(monkeypatch, SPECS[name])
+    saved, whole = model.start("random", h=0.1).steps(7).save(), model.steps(9).save()
+    assert np.array_equal(model.start("random", h=0.03).restore(saved).steps(9).save(), whole)
+
+
+def test_one_by_one_or_at_once(monkeypatch):
+    model = built(monkeypatch, SPECS["odd cubic"])
+    whole = bits(model)
+    model.start("random", h=0.2)
+    for _ in range(8):
+        model.steps(1)
+    assert np.array_equal(model.save(), whole)
+
+
+def test_a_refused_step_leaves_all_as_it_was(monkeypatch):
+    """One site in a field that no iteration of this h solves: it is named, and the state goes on as if nothing had been."""
+    strong = EXCHANGE + FIELD.replace("0.3*w[i].x", "(0.3 + 60*floor(t + 0.5))*w[i].x")
+    model = built(monkeypatch, lattice("strong", "chain(n, periodic)", 12, "n", strong))
+    model.start("random", h=0.1).steps(5)
+    before = model.save()
+    with pytest.raises(RunError, match="at site"):
+        model.steps(1)
+    assert np.array_equal(model.save(), before)
+
+
+def test_what_is_kept(monkeypatch):
+    """Lengths and total momentum to round-off, energy without a drift."""
+    spec = lattice("ring", "chain(n, periodic)", 100, "n", EXCHANGE)
+    model = built(monkeypatch, spec, 8).start("random", h=0.25)
+    first, w = dict(zip(model.columns, model.values())), model.w.copy()
+    last = dict(zip(model.steps(2000).columns, model.values()))
+    assert np.abs(np.linalg.norm(model.w, axis=1) / np.linalg.norm(w, axis=1) - 1).max() < 60 * 2**-52
+    assert np.abs(model.w.sum(0) - w.sum(0)).max() < 1e-13
+    assert abs(last["energy"] - first["energy"]) < 1e-5
+
+
+def test_a_tolerance_is_kept(monkeypatch):
+    exact = built(monkeypatch, SPECS["cubic"], 8).start("random", h=0.2).steps(6)
+    errors, iterations = [], [exact.report()["iterations"]]
+    w = exact.w.copy()
+    for tolerance in (1e-10, 1e-6):
+        model = built(monkeypatch, SPECS["cubic"], 8).start("random", h=0.2, tolerance=tolerance).steps(6)
+        errors.append(np.abs(model.w - w).max() / tolerance)
+        iterations.append(model.report()["iterations"])
+    assert 0 < max(errors) < 6 and iterations[0] > iterations[1] > iterations[2]
+
+
+def test_few_sweeps_on_the_smooth_chain():
+    """With what a spin turns by itself, and relaxation for it: six sweeps where 18 were needed without, 7 with the first alone."""
+    model = smidgen.build(smidgen.load("heisenberg_chain"), "gauss-8").start("smooth", h=1.0, tolerance=7e-12).steps(10)
+    assert model.report()["iterations"] <= 6
+
+
+def test_what_rows_are_not_for():
+    spec = lattice("general", "chain(n, periodic)", 16, "n", EXCHANGE + FIELD.replace("0.4*w[i].z^2", "0.1*i*w[i].x"))
+    assert "SMG_ROW_STAGES" not in generate(spec, method="gauss-6")["general.c"]
+
+
+@pytest.mark.parametrize("lanes", [1, 8])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_clean_c(tmp_path, compiler, lanes):
+    spec = lattice("skew", "square(n, 5, open)", 9, "5*n", EXCHANGE + DM)
+    for file, text in generate(spec, amalgamate=True, method="gauss-6").items():
+        (tmp_path / file).write_text(text)
+    words = [compiler, *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", f"-DSMG_LANES={lanes}", *include_flags(), "-I.", "-O1"]
+    subprocess.run([*words, "-c", f"{spec.name}.c", "-o", "model.o"], cwd=tmp_path, check=True)
