@@ -28,7 +28,7 @@ def settings(model: Model) -> list:
         "SMG_COUPLED_NAMBU": any(f.kind == "nambu" for f in coupled),
         "SMG_COUPLED_LIFTED": "tangent" in model.features and model.lifts(),
         "SMG_MATRIX_FREE": bool(coupled) and not plan.matrix, "SMG_SWEPT": plan.swept, "SMG_ROTATION": turned,
-        "SMG_CONSTANT_HESSIAN": turned and model.reach is not None,
+        "SMG_TRIED_SWEEPS": plan.tried if turned else 0, "SMG_CONSTANT_HESSIAN": turned and model.reach is not None,
         "SMG_BAND": plan.band if plan.solver == "band" else 0, "SMG_CYCLIC": plan.solver == "band" and plan.wrap,
         "SMG_FEW": bool(coupled) and isinstance(model.rows, Whole) and model.rows.value <= FEW,
         "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
