@@ -6,9 +6,9 @@
 #ifndef SMG_ROW_SWEEP_H
 #define SMG_ROW_SWEEP_H
 
+#include "smg_rest.h"
 #include "smg_row_spin.h"
 #include "smg_rows.h"
-#include "smg_rules.h"
 
 /* The next sites of a colour: the slots start .. start + size - 1, with the gradient at their places; at, from: where the one after begins. */
 typedef struct smg_piece {
@@ -170,27 +170,6 @@ SMG_INLINE smg_moved smg_turn_pieces(const smg_state *s, smg_piece *piece, const
 static smg_moved smg_turn_exactly(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 1, 1); }
 static smg_moved smg_turn_usual(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 0); }
 static smg_moved smg_turn_late(const smg_state *s, smg_piece *piece, const smg_turning *turn, int64_t colour) { return smg_turn_pieces(s, piece, turn, colour, 0, 1); }
-
-/* One quantity on its way to rest: its last change, the factor by which they shrink, and what is left of it beside round-off. */
-typedef struct smg_rest {
-  smg_real now, rate, left;
-  int stays; /* is the change round-off, and shrinks no more? */
-} smg_rest;
-
-static const smg_rest smg_unknown_rest = {SMG_MAX, 1, SMG_MAX, 0};
-
-/* The next change. Below some ulps it may be round-off: then the factor before tells what is left. */
-static inline void smg_rest_take(smg_rest *rest, smg_real change, int still) {
-  const smg_real rate = rest->now < SMG_MAX && change < rest->now ? change / rest->now : 1;
-  rest->left = still ? smg_min(change, rest->rate * rest->now) : change;
-  if (!still || rest->now >= SMG_MAX || rest->rate >= 1) rest->rate = rate;
-  rest->stays = still && rest->now < SMG_MAX && rate >= SMG_SLOWED;
-  rest->now = change;
-}
-
-/* Has it settled? The next change would be a small part of an ulp, since what is left of it is of one sign along many an orbit; or the
- * change is round-off and shrinks no more. */
-static inline int smg_rest_settled(const smg_rest *rest, smg_real ulp) { return rest->rate * rest->left <= SMG_LEFT * ulp || rest->stays; }
 
 /* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them. */
 typedef struct smg_row_sweeping {

@@ -18,6 +18,7 @@ from ..plan.contributions import contributions_of, require
 from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
+from .few import BY_LANES, few
 from .norms import edge_norms, reach
 from .pairs import pair_kernels
 from .rows import BY_ROWS, rows
@@ -29,7 +30,7 @@ class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
     families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None;
-    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None.
+    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None; few: of few sites in lanes, or None.
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=()):
@@ -47,6 +48,9 @@ class Model:
         self.in_rows = rows(self, low)
         if self.in_rows:
             self.plan = replace(self.plan, reason=f"{self.plan.reason}; {BY_ROWS}")
+        self.few = few(self, low)
+        if self.few is not None:
+            self.plan = replace(self.plan, reason=BY_LANES)
         self.solo = solo_kernels(self, low)
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None

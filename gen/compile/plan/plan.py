@@ -30,7 +30,8 @@ class Plan:
 
     local, coupled: family names, of midpoint methods; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
-    rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it.
+    rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it;
+    lanes: fixed-point iteration in lanes is tried before dense Newton, where the terms allow it.
     """
     method: str
     local: tuple
@@ -42,6 +43,7 @@ class Plan:
     pattern: object = None
     rotation: bool = False
     tried: int = 0
+    lanes: bool = False
 
     @property
     def block(self) -> int:
@@ -135,7 +137,7 @@ def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contri
         what, newton = plan.reason.split(": ")
         return replace(plan, rotation=True, reason=f"{what}: rotation sweeps while they settle soon, else {newton}")
     if plan is not None:
-        return plan
+        return replace(plan, lanes=plan.solver == "dense" and solver == "auto" and method.onto_leaf)
     if solver == "newton":
         other = "rotation or plain" if turns else "plain"
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "

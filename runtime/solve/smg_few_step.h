@@ -1,0 +1,163 @@
+/* smidgen runtime: the step of few sites that all feel each other by fixed-point iteration in lanes, u <- h X(P(w + compensation + u/2))
+ * for all sites at once, tried before Newton.
+ *
+ * It ends where one more evaluation leaves a twentieth of an ulp, by the rate at which changes shrink. That evaluation also sums bounds on
+ * the norms of the Hessian in each row: the rows of J - I are at most
+ *
+ *     (h/2)(1/kappa) s (r sum of norms + abs(m.g)/r),
+ *
+ * (smg_end_site of smg_sweep.h), and where they show no contraction, or the field is strong, Newton decides. */
+#ifndef SMG_FEW_STEP_H
+#define SMG_FEW_STEP_H
+
+#include "smg_few.h"
+#include "smg_newton.h"
+#include "smg_rest.h"
+#include "smg_row_spin.h"
+
+#define SMG_FEW_ROUNDS 32 /* evaluations; more of them cost more than Newton: four vortices 40 ns each, and 1200 */
+#define SMG_FEW_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own, as in smg_row_sweep.h */
+
+/* How far u moved: the largest square, and the largest part of what a small component of w + u/2 is made of. */
+typedef struct smg_few_motion {
+  smg_lanes square, part;
+} smg_few_motion;
+
+/* The arrays of a step from the state, u extrapolated; lanes beyond the last site hold a vector that nothing turns. */
+static void smg_few_enter(const smg_state *s, smg_real h) {
+  const smg_coefficients *c = &s->c;
+  const int64_t sites = smg_sites(c), pitch = smg_few_pitch(sites);
+  smg_real *a = s->few;
+  for (int64_t k = 0; k < pitch; ++k) {
+    for (int q = 0; q < 3; ++q) {
+      a[(SMG_FEW_W + q) * pitch + k] = k < sites ? s->w[3 * k + q] : q == 2;
+      a[(SMG_FEW_LOST + q) * pitch + k] = k < sites ? s->compensation[3 * k + q] : 0;
+      a[(SMG_FEW_U + q) * pitch + k] = k < sites ? smg_extrapolate(s, 3 * k + q, s->degree) : 0;
+    }
+    a[SMG_FEW_HALF * pitch + k] = k < sites ? (smg_real)0.5 * smg_h_over_kappa(c, k, h) : 0;
+    a[SMG_FEW_RADIUS * pitch + k] = k < sites ? smg_radius(c, k) : 1;
+  }
+}
+
+static void smg_few_leave(const smg_state *s) {
+  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+  for (int64_t k = 0; k < sites; ++k)
+    for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
+}
+
+/* m = s (w + compensation + u/2), as long as the radius. */
+static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
+  for (int64_t i = 0; i < sites; i += SMG_LANES) {
+    smg_lanes m[3], lost[3], u[3];
+    smg_few_take(a + SMG_FEW_W * pitch, pitch, i, m);
+    smg_few_take(a + SMG_FEW_LOST * pitch, pitch, i, lost);
+    smg_few_take(a + SMG_FEW_U * pitch, pitch, i, u);
+    for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
+    const smg_lanes s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) * smg_lane_inverse_root(smg_lane_dot(m, m));
+    for (int k = 0; k < 3; ++k) m[k] *= s;
+    smg_few_put(a + SMG_FEW_M * pitch, pitch, i, m);
+    smg_lane_put(a + SMG_FEW_S * pitch + i, s);
+  }
+}
+
+/* u = h X(m) of the sites of one vector, `in` of them sites of the state, and how far that moved it. */
+SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, const smg_lanes *g, smg_few_motion *moved) {
+  const smg_lanes none = {0}, rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i), small = SMG_FEW_SMALL * smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+  smg_lanes w[3], m[3], u[3], before[3];
+  smg_few_take(a + SMG_FEW_W * pitch, pitch, i, w);
+  smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
+  smg_few_take(a + SMG_FEW_U * pitch, pitch, i, before);
+  smg_lane_cross(u, m, g); /* the rate last, as in smg_increment */
+  for (int k = 0; k < 3; ++k) {
+    u[k] *= rate;
+    if (in < SMG_LANES) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
+    before[k] = (smg_real)0.5 * (u[k] - before[k]);
+    const smg_lanes made = smg_lane_abs(w[k]) + smg_lane_abs((smg_real)0.5 * u[k]), part = smg_lane_abs(before[k]) * smg_lane_rough_inverse(made);
+    moved->part = smg_lane_max(moved->part, smg_lane_select((smg_lane_mask)(made < small), part, none));
+  }
+  smg_few_put(a + SMG_FEW_U * pitch, pitch, i, u);
+  moved->square = smg_lane_max(moved->square, smg_lane_dot(before, before));
+}
+
+/* All increments from the midpoints as they were. */
+static smg_few_motion smg_few_evaluate(const smg_state *s) {
+  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+  const smg_lanes none = {0};
+  smg_few_motion moved = {none, none};
+  smg_few_midpoints(s->few, sites, pitch);
+  for (int64_t i = 0; i < sites; i += SMG_LANES) {
+    smg_lanes g[3] = {none, none, none};
+    smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
+    smg_few_turn(s->few, pitch, i, sites - i, g, &moved);
+  }
+  return moved;
+}
+
+/* Does one more evaluation leave less than a twentieth of an ulp, or what the user allows; or do changes shrink no more? */
+static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, const smg_rest *part) {
+  if (smg_tolerated(s, whole->rate * whole->now) && s->tolerance > 0) return 1;
+  const int one = whole->stays || whole->rate * whole->rate * whole->left <= SMG_LEFT * SMG_EPS * s->scale;
+  return one && (part->stays || part->rate * part->rate * part->left <= SMG_LEFT * SMG_EPS);
+}
+
+/* Evaluations until then; 0 where they do not settle soon. */
+static int smg_few_settle(smg_state *s) {
+  smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
+  for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
+    const smg_few_motion moved = smg_few_evaluate(s);
+    const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
+    const int still = change <= SMG_STILL * SMG_EPS * s->scale;
+    if (n > 3 && !still && !(change <= SMG_CONTRACTS * whole.now)) return 0;
+    smg_rest_take(&whole, change, still);
+    smg_rest_take(&part, smg_lane_largest(moved.part), still);
+    s->report.iterations = n;
+    if (smg_few_settled(s, &whole, &part)) return 1;
+  }
+  return 0;
+}
+
+/* Bounds on the rows of J - I of the sites of one vector, and on the squares of the products in h X; 0 beyond the last site. */
+SMG_INLINE void smg_few_rows(const smg_real *a, int64_t pitch, int64_t i, int64_t in, const smg_lanes *g, smg_lanes norms, smg_lanes *row, smg_lanes *products) {
+  const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i), r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+  smg_lanes m[3];
+  smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
+  const smg_lanes own = smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_S * pitch + i) * (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
+  const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(g, g);
+  *row = smg_lane_max(*row, smg_lane_select(smg_lane_below(in), own, none));
+  *products = smg_lane_max(*products, smg_lane_select(smg_lane_below(in), square, none));
+}
+
+/* The last evaluation: do its increments solve the step, and on the right branch? */
+static int smg_few_solved(smg_state *s) {
+  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+  const smg_lanes none = {0};
+  smg_few_motion moved = {none, none};
+  smg_lanes row = none, products = none;
+  smg_few_midpoints(s->few, sites, pitch);
+  for (int64_t i = 0; i < sites; i += SMG_LANES) {
+    smg_lanes g[4] = {none, none, none, none};
+    smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
+    smg_few_rows(s->few, pitch, i, sites - i, g, g[3], &row, &products);
+    smg_few_turn(s->few, pitch, i, sites - i, g, &moved);
+  }
+  s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
+  const int solved = s->report.residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale || smg_tolerated(s, s->report.residual);
+  return solved && smg_contracts(smg_lane_largest(row)) && smg_lane_largest(products) <= s->scale * s->scale;
+}
+
+/* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it. */
+static smg_status smg_few_iterate(smg_state *s, smg_real h) {
+  if (s->newton_steps > 0) {
+    --s->newton_steps;
+    return SMG_NO_CONVERGENCE;
+  }
+  smg_few_enter(s, h);
+  if (smg_few_settle(s) && smg_few_solved(s)) {
+    smg_few_leave(s);
+    return SMG_OK;
+  }
+  s->newton_steps = SMG_NEWTON_STEPS;
+  return SMG_NO_CONVERGENCE;
+}
+
+#endif
