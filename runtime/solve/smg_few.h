@@ -12,8 +12,8 @@
 
 #define SMG_FEW_WIDEST 8 /* lanes of the widest registers there are */
 
-/* Arrays of a step: x, y and z of w, of what it has lost to rounding, of u and of m; h/(2 kappa), the radius, and s of m = s mbar. */
-enum { SMG_FEW_W = 0, SMG_FEW_LOST = 3, SMG_FEW_U = 6, SMG_FEW_M = 9, SMG_FEW_HALF = 12, SMG_FEW_RADIUS, SMG_FEW_S, SMG_FEW_ARRAYS };
+/* Arrays of a step: x, y and z of w, of what it has lost to rounding, of u and of m; h/(2 kappa), the radius, and 1/|mbar|. */
+enum { SMG_FEW_W = 0, SMG_FEW_LOST = 3, SMG_FEW_U = 6, SMG_FEW_M = 9, SMG_FEW_HALF = 12, SMG_FEW_RADIUS, SMG_FEW_INVERSE, SMG_FEW_ARRAYS };
 
 static inline int64_t smg_few_pitch(int64_t sites) { return (sites + SMG_FEW_WIDEST - 1) / SMG_FEW_WIDEST * SMG_FEW_WIDEST; }
 #define SMG_FEW_SIZE(sites) (SMG_FEW_ARRAYS * smg_few_pitch(sites))
@@ -38,14 +38,15 @@ SMG_INLINE smg_lanes smg_few_entries(const double *a, int64_t i, int64_t sites) 
   return x;
 }
 
-/* sum += more, of n vectors of lanes, but for the lane of site j itself. */
+/* sum += more, of n vectors of lanes; 0 in the lane of site j itself. */
 SMG_INLINE void smg_few_add(int n, int64_t j, int64_t i, const smg_lanes *more, smg_lanes *sum) {
   if (j < i || j >= i + SMG_LANES) {
     for (int k = 0; k < n; ++k) sum[k] += more[k];
     return;
   }
-  const smg_lane_mask before = smg_lane_below(j - i), until = smg_lane_below(j - i + 1);
-  for (int k = 0; k < n; ++k) sum[k] = smg_lane_select(before, sum[k] + more[k], smg_lane_select(until, sum[k], sum[k] + more[k]));
+  const smg_lanes none = {0};
+  const smg_lane_mask own = smg_lane_only(j - i);
+  for (int k = 0; k < n; ++k) sum[k] += smg_lane_select(own, none, more[k]);
 }
 
 #endif

@@ -23,20 +23,44 @@ typedef struct smg_few_motion {
   smg_lanes square, part;
 } smg_few_motion;
 
-/* The arrays of a step from the state, u extrapolated; lanes beyond the last site hold a vector that nothing turns. */
-static void smg_few_enter(const smg_state *s, smg_real h) {
+/* s->u = u extrapolated, component after component. */
+static void smg_few_predict(const smg_state *s) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  smg_real *u = s->u;
+  for (int64_t k = 0; k < n; ++k) u[k] = 0;
+  for (int j = 0; j <= s->degree; ++j) {
+    const smg_real weight = smg_weight(s->degree, j), *past = s->past[j];
+    for (int64_t k = 0; k < n; ++k) u[k] += weight * past[k];
+  }
+}
+
+/* Lanes beyond the last site hold a vector that nothing turns. */
+static void smg_few_fill(smg_real *a, int64_t sites, int64_t pitch) {
+  for (int64_t k = sites; k < sites + SMG_LANES - 1 && k < pitch; ++k) {
+    for (int q = 0; q < SMG_FEW_ARRAYS; ++q) a[q * pitch + k] = q == SMG_FEW_W + 2 || q == SMG_FEW_RADIUS;
+  }
+}
+
+/* The arrays of a step from the state, u extrapolated; is a component so small that it is watched on its own? */
+static int smg_few_enter(const smg_state *s, smg_real h) {
   const smg_coefficients *c = &s->c;
   const int64_t sites = smg_sites(c), pitch = smg_few_pitch(sites);
   smg_real *a = s->few;
-  for (int64_t k = 0; k < pitch; ++k) {
+  int small = 0;
+  smg_few_predict(s);
+  smg_few_fill(a, sites, pitch);
+  for (int64_t k = 0; k < sites; ++k) {
+    const smg_real radius = smg_radius(c, k);
     for (int q = 0; q < 3; ++q) {
-      a[(SMG_FEW_W + q) * pitch + k] = k < sites ? s->w[3 * k + q] : q == 2;
-      a[(SMG_FEW_LOST + q) * pitch + k] = k < sites ? s->compensation[3 * k + q] : 0;
-      a[(SMG_FEW_U + q) * pitch + k] = k < sites ? smg_extrapolate(s, 3 * k + q, s->degree) : 0;
+      a[(SMG_FEW_W + q) * pitch + k] = s->w[3 * k + q];
+      a[(SMG_FEW_LOST + q) * pitch + k] = s->compensation[3 * k + q];
+      a[(SMG_FEW_U + q) * pitch + k] = s->u[3 * k + q];
+      small |= smg_abs(s->w[3 * k + q]) < SMG_FEW_SMALL * radius;
     }
-    a[SMG_FEW_HALF * pitch + k] = k < sites ? (smg_real)0.5 * smg_h_over_kappa(c, k, h) : 0;
-    a[SMG_FEW_RADIUS * pitch + k] = k < sites ? smg_radius(c, k) : 1;
+    a[SMG_FEW_HALF * pitch + k] = (smg_real)0.5 * smg_h_over_kappa(c, k, h);
+    a[SMG_FEW_RADIUS * pitch + k] = radius;
   }
+  return small;
 }
 
 static void smg_few_leave(const smg_state *s) {
@@ -45,26 +69,39 @@ static void smg_few_leave(const smg_state *s) {
     for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
 }
 
-/* m = s (w + compensation + u/2), as long as the radius. */
-static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
+/* 1/sqrt(x) from that of the evaluation before, by Newton: an error e leaves 1.5 e^2, and e is the change of u. */
+SMG_INLINE smg_lanes smg_few_inverse(smg_lanes x, smg_lanes before) { return before * ((smg_real)1.5 - (smg_real)0.5 * x * before * before); }
+
+/* m = (w + compensation + u/2)/|..|, as long as the radius. */
+static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch, int first) {
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes m[3], lost[3], u[3];
     smg_few_take(a + SMG_FEW_W * pitch, pitch, i, m);
     smg_few_take(a + SMG_FEW_LOST * pitch, pitch, i, lost);
     smg_few_take(a + SMG_FEW_U * pitch, pitch, i, u);
     for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
-    const smg_lanes s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) * smg_lane_inverse_root(smg_lane_dot(m, m));
+    const smg_lanes square = smg_lane_dot(m, m), inverse = first ? smg_lane_inverse_root(square) : smg_few_inverse(square, smg_lane_take(a + SMG_FEW_INVERSE * pitch + i));
+    const smg_lanes s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) * inverse;
     for (int k = 0; k < 3; ++k) m[k] *= s;
     smg_few_put(a + SMG_FEW_M * pitch, pitch, i, m);
-    smg_lane_put(a + SMG_FEW_S * pitch + i, s);
+    smg_lane_put(a + SMG_FEW_INVERSE * pitch + i, inverse);
+  }
+}
+
+/* The part by which a component of w + u/2 moved, to 13 %, where it is small. */
+SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const smg_lanes *u, const smg_lanes *off, smg_few_motion *moved) {
+  const smg_lanes none = {0}, small = SMG_FEW_SMALL * smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+  for (int k = 0; k < 3; ++k) {
+    const smg_lanes made = smg_lane_abs(smg_lane_take(a + (SMG_FEW_W + k) * pitch + i)) + smg_lane_abs((smg_real)0.5 * u[k]);
+    const smg_lanes part = smg_lane_abs(off[k]) * smg_lane_rough_inverse(made);
+    moved->part = smg_lane_max(moved->part, smg_lane_select((smg_lane_mask)(made < small), part, none));
   }
 }
 
 /* u = h X(m) of the sites of one vector, `in` of them sites of the state, and how far that moved it. */
-SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, const smg_lanes *g, smg_few_motion *moved) {
-  const smg_lanes none = {0}, rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i), small = SMG_FEW_SMALL * smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
-  smg_lanes w[3], m[3], u[3], before[3];
-  smg_few_take(a + SMG_FEW_W * pitch, pitch, i, w);
+SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, int small, const smg_lanes *g, smg_few_motion *moved) {
+  const smg_lanes none = {0}, rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
+  smg_lanes m[3], u[3], before[3];
   smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
   smg_few_take(a + SMG_FEW_U * pitch, pitch, i, before);
   smg_lane_cross(u, m, g); /* the rate last, as in smg_increment */
@@ -72,23 +109,22 @@ SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, 
     u[k] *= rate;
     if (in < SMG_LANES) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
     before[k] = (smg_real)0.5 * (u[k] - before[k]);
-    const smg_lanes made = smg_lane_abs(w[k]) + smg_lane_abs((smg_real)0.5 * u[k]), part = smg_lane_abs(before[k]) * smg_lane_rough_inverse(made);
-    moved->part = smg_lane_max(moved->part, smg_lane_select((smg_lane_mask)(made < small), part, none));
   }
+  if (small) smg_few_watch(a, pitch, i, u, before, moved);
   smg_few_put(a + SMG_FEW_U * pitch, pitch, i, u);
   moved->square = smg_lane_max(moved->square, smg_lane_dot(before, before));
 }
 
 /* All increments from the midpoints as they were. */
-static smg_few_motion smg_few_evaluate(const smg_state *s) {
+static smg_few_motion smg_few_evaluate(const smg_state *s, int first, int small) {
   const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
   const smg_lanes none = {0};
   smg_few_motion moved = {none, none};
-  smg_few_midpoints(s->few, sites, pitch);
+  smg_few_midpoints(s->few, sites, pitch, first);
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes g[3] = {none, none, none};
     smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
-    smg_few_turn(s->few, pitch, i, sites - i, g, &moved);
+    smg_few_turn(s->few, pitch, i, sites - i, small, g, &moved);
   }
   return moved;
 }
@@ -101,10 +137,10 @@ static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, con
 }
 
 /* Evaluations until then; 0 where they do not settle soon. */
-static int smg_few_settle(smg_state *s) {
+static int smg_few_settle(smg_state *s, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
-    const smg_few_motion moved = smg_few_evaluate(s);
+    const smg_few_motion moved = smg_few_evaluate(s, n == 1, small);
     const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
     const int still = change <= SMG_STILL * SMG_EPS * s->scale;
     if (n > 3 && !still && !(change <= SMG_CONTRACTS * whole.now)) return 0;
@@ -121,10 +157,10 @@ SMG_INLINE void smg_few_rows(const smg_real *a, int64_t pitch, int64_t i, int64_
   const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i), r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
   smg_lanes m[3];
   smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
-  const smg_lanes own = smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_S * pitch + i) * (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
+  const smg_lanes own = smg_lane_abs(half) * (r * smg_lane_take(a + SMG_FEW_INVERSE * pitch + i)) * (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
   const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(g, g);
-  *row = smg_lane_max(*row, smg_lane_select(smg_lane_below(in), own, none));
-  *products = smg_lane_max(*products, smg_lane_select(smg_lane_below(in), square, none));
+  *row = smg_lane_max(*row, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), own, none) : own);
+  *products = smg_lane_max(*products, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), square, none) : square);
 }
 
 /* The last evaluation: do its increments solve the step, and on the right branch? */
@@ -133,12 +169,12 @@ static int smg_few_solved(smg_state *s) {
   const smg_lanes none = {0};
   smg_few_motion moved = {none, none};
   smg_lanes row = none, products = none;
-  smg_few_midpoints(s->few, sites, pitch);
+  smg_few_midpoints(s->few, sites, pitch, 0);
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes g[4] = {none, none, none, none};
     smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
     smg_few_rows(s->few, pitch, i, sites - i, g, g[3], &row, &products);
-    smg_few_turn(s->few, pitch, i, sites - i, g, &moved);
+    smg_few_turn(s->few, pitch, i, sites - i, 0, g, &moved);
   }
   s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
   const int solved = s->report.residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale || smg_tolerated(s, s->report.residual);
@@ -151,8 +187,7 @@ static smg_status smg_few_iterate(smg_state *s, smg_real h) {
     --s->newton_steps;
     return SMG_NO_CONVERGENCE;
   }
-  smg_few_enter(s, h);
-  if (smg_few_settle(s) && smg_few_solved(s)) {
+  if (smg_few_settle(s, smg_few_enter(s, h)) && smg_few_solved(s)) {
     smg_few_leave(s);
     return SMG_OK;
   }
