@@ -38,14 +38,13 @@ SMG_INLINE smg_lanes smg_few_entries(const double *a, int64_t i, int64_t sites) 
   return x;
 }
 
-/* sum += more, of n vectors of lanes; 0 in the lane of site j itself. */
-SMG_INLINE void smg_few_add(int n, int64_t j, int64_t i, const smg_lanes *more, smg_lanes *sum) {
-  if (j < i || j >= i + SMG_LANES) {
-    for (int k = 0; k < n; ++k) sum[k] += more[k];
-    return;
-  }
+/* The site after the last of those in lanes from i on. */
+SMG_INLINE int64_t smg_few_end(int64_t i, int64_t sites) { return i + SMG_LANES < sites ? i + SMG_LANES : sites; }
+
+/* sum += more, of n vectors of lanes; in the lane of the site itself that is seen, 0. */
+SMG_INLINE void smg_few_add(int n, int64_t lane, const smg_lanes *more, smg_lanes *sum) {
   const smg_lanes none = {0};
-  const smg_lane_mask own = smg_lane_only(j - i);
+  const smg_lane_mask own = smg_lane_only(lane);
   for (int k = 0; k < n; ++k) sum[k] += smg_lane_select(own, none, more[k]);
 }
 

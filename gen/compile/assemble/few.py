@@ -13,7 +13,7 @@ from ...language.expr import Elem, Idx
 from ...language.spec import Pairs, Sites
 from ..derive.derivatives import switched
 from ..lower.code import Argument, Call, Component, For, Function, Let, Local, Member, Name, Variable, Zeros
-from ..lower.integers import ZERO, Index, total
+from ..lower.integers import ZERO, Computed, Index, total
 from ..lower.kernels import COEFFICIENTS, additions
 from ..lower.lowering import index_names
 from ..plan.splitting import of_the_product
@@ -149,7 +149,9 @@ def term(p: Pull, f: Function, tag: str, n, numbers: int) -> tuple:
     given = tuple(Name(name + tag) for name, _ in p.entries)
     if isinstance(p.term.over, Sites):
         return (*entries, Call(f.name, (Name("c"), *given, Name("own"), Name("g"))))
-    body = (Variable("smg_lanes", "other[3]"), Zeros("more", numbers), Call("smg_few_spread", (Name("all"), Name("pitch"), Index("j"), Name("other"))),
-            Call(f.name, (Name("c"), Index("j"), *given, Name("own"), Name("other"), Name("more"))),
-            Call("smg_few_add", (total(numbers), Index("j"), Index("i"), Name("more"), Name("g"))))
-    return (*entries, For("j", ZERO, n, body, over="pairs"))
+    i, j = Index("i"), Index("j")
+    other = (Variable("smg_lanes", "other[3]"), Call("smg_few_spread", (Name("all"), Name("pitch"), j, Name("other"))))
+    called = [Call(f.name, (Name("c"), j, *given, Name("own"), Name("other"), Name(out))) for out in ("g", "more")]
+    within = (*other, Zeros("more", numbers), called[1], Call("smg_few_add", (total(numbers), j - i, Name("more"), Name("g"))))
+    return (*entries, For("j", ZERO, i, (*other, called[0]), over="pairs"), For("j", i, Computed("smg_few_end", (i, n)), within, over="pairs"),
+            For("j", i + Index("SMG_LANES"), n, (*other, called[0]), over="pairs"))
