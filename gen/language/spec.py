@@ -6,6 +6,8 @@ shape (sites, 3). `Expr` fields marked [int] are integer formulas in int paramet
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
 from typing import Optional, Union
 
 from ..public import few
@@ -120,6 +122,11 @@ class Graph:
     @property
     def bound(self):
         return (self.first, self.second)
+
+    @cached_property
+    def highest(self) -> int:
+        """The largest number of a site that an edge meets; -1 without edges."""
+        return max(chain.from_iterable(self.edges), default=-1)
 
 
 Over = Union[Once, Sites, Pairs, Each, Lattice, Graph]

@@ -242,7 +242,7 @@ def term_fits(spec: Spec, term: Term, path: tuple, key: str, values) -> Iterator
     if isinstance(over, Lattice):
         yield from lattice(over, counts[over.family], path + ("over",), values)
     if isinstance(over, Graph):
-        far = max(max(e) for e in over.edges)
+        far = over.highest
         if far >= counts[over.family]:
             yield Trouble(path + ("over",), codes.LATTICE, f"an edge names site {far}, but "
                           f"`{over.family}` has {plural(counts[over.family], 'site')} (0 to "

@@ -33,12 +33,14 @@ SMG_INLINE smg_lane_mask smg_lane_all(int test) { return test; }
 SMG_INLINE smg_lane_mask smg_lane_not(smg_lane_mask test) { return !test; }
 SMG_INLINE smg_lanes smg_lane_select(smg_lane_mask test, smg_lanes a, smg_lanes b) { return test ? a : b; }
 SMG_INLINE smg_lane_mask smg_lane_below(int64_t n) { return n > 0; }
+SMG_INLINE smg_lane_mask smg_lane_only(int64_t n) { return n == 0; }
 
 #else
 
 typedef smg_real smg_lanes __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
 typedef smg_lanes smg_lanes_anywhere __attribute__((aligned(sizeof(smg_real))));
 typedef int64_t smg_lane_mask __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
+typedef smg_lane_mask smg_lane_mask_anywhere __attribute__((aligned(sizeof(int64_t))));
 typedef uint64_t smg_lane_bits __attribute__((vector_size(sizeof(smg_real) * SMG_LANES), may_alias));
 
 /* a without its signs. */
@@ -62,6 +64,12 @@ SMG_INLINE smg_lane_mask smg_lane_below(int64_t n) {
   smg_lane_mask own;
   for (int l = 0; l < SMG_LANES; ++l) own[l] = number[l];
   return (smg_lane_mask)(own < n);
+}
+
+/* The lane n, 0 <= n < SMG_LANES. */
+SMG_INLINE smg_lane_mask smg_lane_only(int64_t n) {
+  static const int64_t around[16] = {0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0};
+  return *(const smg_lane_mask_anywhere *)(around + 8 - n);
 }
 
 #endif

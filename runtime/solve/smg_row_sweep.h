@@ -6,9 +6,9 @@
 #ifndef SMG_ROW_SWEEP_H
 #define SMG_ROW_SWEEP_H
 
-#include "smg_row_spin.h"
+#include "smg_rest.h"
 #include "smg_row_piece.h"
-#include "smg_rules.h"
+#include "smg_row_spin.h"
 
 #define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
 #define SMG_LOOK (smg_real)1e-12 /* part of the state by which midpoints move when that begins */
@@ -132,27 +132,6 @@ static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const s
   moved.whole = SMG_MATH(sqrt)(moved.whole);
   return moved;
 }
-
-/* One quantity on its way to rest: its last change, the factor by which they shrink, and what is left of it beside round-off. */
-typedef struct smg_rest {
-  smg_real now, rate, left;
-  int stays; /* is the change round-off, and shrinks no more? */
-} smg_rest;
-
-static const smg_rest smg_unknown_rest = {SMG_MAX, 1, SMG_MAX, 0};
-
-/* The next change. Below some ulps it may be round-off: then the factor before tells what is left. */
-static inline void smg_rest_take(smg_rest *rest, smg_real change, int still) {
-  const smg_real rate = rest->now < SMG_MAX && change < rest->now ? change / rest->now : 1;
-  rest->left = still ? smg_min(change, rest->rate * rest->now) : change;
-  if (!still || rest->now >= SMG_MAX || rest->rate >= 1) rest->rate = rate;
-  rest->stays = still && rest->now < SMG_MAX && rate >= SMG_SLOWED;
-  rest->now = change;
-}
-
-/* Has it settled? The next change would be a small part of an ulp, since what is left of it is of one sign along many an orbit; or the
- * change is round-off and shrinks no more. */
-static inline int smg_rest_settled(const smg_rest *rest, smg_real ulp) { return rest->rate * rest->left <= SMG_LEFT * ulp || rest->stays; }
 
 /* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them. */
 typedef struct smg_row_sweeping {

@@ -16,6 +16,9 @@
 #if SMG_BY_ROWS
 #include "smg_row_step.h"
 #endif
+#if SMG_FEW_IN_LANES
+#include "smg_few_step.h"
+#endif
 #endif
 #if SMG_HAS_ALONE
 #include "smg_alone.h"
@@ -29,6 +32,9 @@ static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
 #if SMG_SWEPT
   status = smg_sweeps(s, h);
   if (status == SMG_OK) return SMG_OK;
+#endif
+#if SMG_FEW_IN_LANES
+  if (smg_few_iterate(s, h) == SMG_OK) return SMG_OK;
 #endif
   for (int k = 0; k < tries; ++k) {
     smg_predict(s, k == 0 ? s->degree : -1);

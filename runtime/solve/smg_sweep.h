@@ -5,10 +5,13 @@
 
 #include "smg_newton.h"
 
+/* More of them cost more than Newton; of a graph the generator counts it (gen/compile/plan/plan.py). */
+#ifndef SMG_TRIED_SWEEPS
 #if SMG_MATRIX_FREE
-#define SMG_TRIED_SWEEPS 200 /* more of them cost more than Newton */
+#define SMG_TRIED_SWEEPS 200
 #else
 #define SMG_TRIED_SWEEPS 12
+#endif
 #endif
 
 #if SMG_ROTATION
@@ -73,10 +76,10 @@ static void smg_sweep_start(smg_state *s) {
 }
 
 /* What the increments after a sweep show: the largest residual of u - h X(m) and of m - P(w + u/2), a bound on the rows of J - I,
- * the largest s, and the size of the products in h X. */
+ * and the size of the products in h X. */
 typedef struct smg_sweep_end {
   smg_state *s;
-  smg_real h, residual, row, stretch, rounding_scale;
+  smg_real h, residual, row, rounding_scale;
 } smg_sweep_end;
 
 /* *most = the larger of both; NaN comes in and stays. */
@@ -96,7 +99,8 @@ static inline void smg_reflect(const smg_state *s, int64_t k, smg_sweep_end *end
   }
 }
 
-/* u = h X(m) of one site. The rows of J - I are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
+/* u = h X(m) of one site. J_ij - I has the factors 1/kappa of its row and s of its column; with the s of the row, as diag(s) (J - I) diag(1/s)
+ * has it, the rows are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
 static inline void smg_end_site(void *context, smg_lattice_site at) {
   smg_sweep_end *end = (smg_sweep_end *)context;
   smg_state *s = end->s;
@@ -116,18 +120,19 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(m[b] - s->m[3 * k + b]));
 #if SMG_CONSTANT_HESSIAN
   const smg_real r = smg_leaf_value(s, k);
-  smg_take(&end->row, smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) * (smg_hessian_row_norm(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
+  smg_take(&end->row, stretch * smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) * (smg_hessian_row_norm(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
+#else
+  (void)stretch;
 #endif
-  smg_take(&end->stretch, stretch);
 }
 
 /* The increments of the solution that the sweeps left: is the step equation solved to round-off? *row: a bound on the row sums of
  * J - I, where one is known. */
 static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
-  smg_sweep_end end = {s, h, 0, 0, 0, 0};
+  smg_sweep_end end = {s, h, 0, 0, 0};
   smg_each(&s->c, &end, smg_end_site);
   s->report.residual = end.residual;
-  *row = SMG_CONSTANT_HESSIAN ? end.row * end.stretch : SMG_MAX;
+  *row = SMG_CONSTANT_HESSIAN ? end.row : SMG_MAX;
   return end.residual <= SMG_SWEEP_ULPS * SMG_EPS * (s->scale + end.rounding_scale) || smg_tolerated(s, end.residual);
 }
 #else

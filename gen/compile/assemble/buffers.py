@@ -49,6 +49,8 @@ def buffers(model) -> list:
         found += [buffer("mbar", 3 * n, "midpoints (w + W)/2"), buffer("g", 3 * n, "dH/dw at m"), buffer("r", 3 * n, "residual"),
                   buffer("s", n, "m = s mbar"), *matrix_buffers(model),
                   buffer("curve", 15 * n, "a branch of solutions followed: its point, tangent, changes")]
+    if model.few is not None:
+        found.append(buffer("few", Computed("SMG_FEW_SIZE", (n,)), "the same in lanes, by components"))
     return [*found, *stage_buffers(model), *(wide_buffers(model) if model.wide else [])]
 
 

@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 
+from dataclasses import replace
+
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS
@@ -17,10 +19,11 @@ from ..plan.contributions import contributions_of, require
 from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
+from .few import BY_LANES, few
+from .norms import edge_norms, reach
 from .pairs import pair_kernels
 from .rows import BY_ROWS, BY_STAGE_ROWS, one_lattice, rows
 from .solo import solo_kernels
-from .sweeps import reach
 from .wide import wide_kernels
 
 
@@ -28,7 +31,7 @@ class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
     families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None;
-    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach: bounds of the rows of the Hessian, or None; in_rows: of a lattice in lanes, or None.
+    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None; few: of few sites in lanes, or None.
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=()):
@@ -42,9 +45,13 @@ class Model:
         self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
         self.loops = Loops(low, lambda family: self.by_name[family].count)
         self.reach = reach(self, low) if plan.rotation else None
+        self.edge_norms = edge_norms(self, low) if self.reach is not None else {}
         self.in_rows = rows(self, low)
         if self.in_rows:
             self.plan = self.plan.also(BY_STAGE_ROWS if self.method.stage_rows else BY_ROWS)
+        self.few = few(self, low)
+        if self.few is not None:
+            self.plan = replace(self.plan, reason=BY_LANES)
         self.solo = solo_kernels(self, low)
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None

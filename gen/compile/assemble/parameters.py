@@ -93,5 +93,4 @@ def lattice_checks(model, t) -> list:
 
 def graph_checks(model, t) -> list:
     """Every family that an edge meets has the sites that the graph names."""
-    top = max((max(e) for e in t.over.edges), default=-1)
-    return [check for f, _ in t.slots for check in refuse(compare(model.by_name[f].count, "<=", top))]
+    return [check for f, _ in t.slots for check in refuse(compare(model.by_name[f].count, "<=", t.over.highest))]

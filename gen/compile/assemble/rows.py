@@ -18,7 +18,7 @@ from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import PREPARE, index_names
 from ..plan.colouring import Colouring, colouring
 from .lanes import in_lanes, named
-from .sweeps import row_sums
+from .norms import row_sums
 
 KNOWN = 100     # kinds of rows whose neighbours are kept at hand: with six of them 24 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"

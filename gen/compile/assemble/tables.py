@@ -1,15 +1,19 @@
 """Constant tables: of the spec, edges and weights of graphs, the pattern of a sparse elimination."""
 from __future__ import annotations
 
+import numpy as np
+
 from ...language.spec import Graph
 from ..lower.code import Table
 from ..lower.loops import graph_name
+from .norms import share_tables
 
 
 def tables(model) -> list:
     found = [Table(f"table_{name}", "double", tuple(values)) for name, values in model.low.constants().items()]
     graphs = {graph_name(t.over): t.over for t in (*model.effects, *model.observables) if isinstance(t.over, Graph)}
     found += [table for name, over in graphs.items() for table in graph_tables(name, over)]
+    found += share_tables(model)
     return found + (pattern_tables(model.plan.pattern) if model.plan.solver == "sparse" else [])
 
 
@@ -17,16 +21,11 @@ def graph_tables(name: str, over: Graph) -> list:
     """Edges, weights, and the edges that each site begins and ends."""
     found = [Table(f"{name}_edge", "int64_t", over.edges, columns=2)]
     found += [Table(f"{name}_{column}", "double", values) for column, values in over.columns]
-    sites = 1 + max((max(e) for e in over.edges), default=0)
+    ends = np.array(over.edges, dtype=np.int64).reshape(-1, 2)
     for side, label in enumerate(("first", "second")):
-        rows: list = [[] for _ in range(sites)]
-        for k, e in enumerate(over.edges):
-            rows[e[side]].append(k)
-        starts = [0]
-        for row in rows:
-            starts.append(starts[-1] + len(row))
-        found += [Table(f"{name}_{label}_row", "int64_t", tuple(starts)),
-                  Table(f"{name}_{label}", "int64_t", tuple(k for row in rows for k in row) or (0,))]
+        starts = np.cumsum(np.bincount(ends[:, side], minlength=1 + over.highest))
+        found += [Table(f"{name}_{label}_row", "int64_t", (0, *starts.tolist())),
+                  Table(f"{name}_{label}", "int64_t", tuple(np.argsort(ends[:, side], kind="stable").tolist()) or (0,))]
     return found
 
 

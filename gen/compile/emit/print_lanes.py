@@ -84,7 +84,7 @@ class Lanes(Scalar):
     named = frozenset()
 
     def define_function(self, f):
-        self.named = set()
+        self.named = {a.name for a in f.arguments if a.kind == "smg_lanes"}
         return super().define_function(f)
 
     def formulas_of(self, real) -> LaneFormulas:

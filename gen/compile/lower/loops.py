@@ -114,7 +114,7 @@ class Loops:
     def gather_graph(self, over: Graph, slot, body):
         """Adjacency rows: for each site the edges that it begins (or ends)."""
         side = graph_name(over) + ("_first" if slot[1] == over.first else "_second")
-        sites = 1 + max((max(e) for e in over.edges), default=0)     # later sites have no edge and no row
+        sites = 1 + over.highest     # later sites have no edge and no row
         inside = (Let("e", Cell(side, (Index("row"),))), *self.edge(over), *body)
         rows = For("row", Cell(f"{side}_row", (SITE,)), Cell(f"{side}_row", (SITE + 1,)), inside, over="edges")
         return (where([compare(SITE, "<", total(sites))], (rows,)),)

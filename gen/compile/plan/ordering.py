@@ -62,6 +62,8 @@ def symbolic(size: int, edges, limit: int | None = None) -> Pattern:
     ValueError for an edge that leaves the sites. Same input, same output.
     """
     edges = np.asarray(list(edges), dtype=np.int64).reshape(-1, 2)
+    if limit is not None and size + 2 * _distinct(edges) > limit:
+        raise TooMuchFill(f"the factors need more than {limit} blocks")
     if edges.size and (edges.min() < 0 or edges.max() >= size):
         raise ValueError(f"an edge leaves the {size} sites")
     order, higher = minimum_degree(_adjacency(size, edges), limit)
@@ -82,30 +84,34 @@ def minimum_degree(neighbours: list[set[int]], limit: int | None = None):
 
     Eliminating a site joins its neighbours to a clique. Returns the order and, for each
     site, the neighbours that were left when it went: its row of U. Spoils `neighbours`.
+    Every pair that is joined stays in the factors: the blocks known so far only grow.
     """
     heap = [(len(near), site) for site, near in enumerate(neighbours)]
     heapq.heapify(heap)
-    order, higher, blocks = [], {}, len(neighbours)
+    order, higher, blocks = [], {}, len(neighbours) + sum(map(len, neighbours))
     while heap:
+        if limit is not None and blocks > limit:
+            raise TooMuchFill(f"the factors need more than {limit} blocks")
         degree, site = heapq.heappop(heap)
         if site in higher or degree != len(neighbours[site]):
             continue
-        blocks += 2 * degree
-        if limit is not None and blocks > limit:
-            raise TooMuchFill(f"the factors need more than {limit} blocks")
         order.append(site)
         higher[site] = neighbours[site]
-        _join(neighbours, site, heap)
+        blocks += _join(neighbours, site, heap)
     return order, higher
 
 
-def _join(neighbours: list[set[int]], site: int, heap: list) -> None:
-    clique = neighbours[site]
+def _join(neighbours: list[set[int]], site: int, heap: list) -> int:
+    """How many blocks it adds."""
+    clique, added = neighbours[site], 0
     for other in sorted(clique):
         near = neighbours[other]
+        before = len(near)
         near |= clique
         near -= {site, other}
+        added += len(near) - before + 1
         heapq.heappush(heap, (len(near), other))
+    return added
 
 
 def _pattern(size: int, edges: np.ndarray, order: list[int], higher: dict) -> Pattern:
@@ -129,4 +135,5 @@ def _pattern(size: int, edges: np.ndarray, order: list[int], higher: dict) -> Pa
 
 
 def _distinct(edges: np.ndarray) -> int:
-    return len({(min(i, j), max(i, j)) for i, j in edges.tolist() if i != j})
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    return len(np.unique((low * (high.max(initial=0) + 1) + high)[low != high]))

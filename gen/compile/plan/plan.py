@@ -18,6 +18,7 @@ DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sw
 DENSE_SMALL = 24           # below this nothing beats a dense factorisation
 BAND_LIMIT = 4             # widest block band
 FILL_LIMIT = 400_000       # blocks of a sparse factorisation that still fit
+TRIED = (12, 200)          # sweeps that are tried before a sparse factorisation, at least and at most
 ASKS = {"local": (SITE_GRADIENT, HESSIAN), "newton": (GRADIENT, HESSIAN), "rotation": (GRADIENT, SITE_GRADIENT, HESSIAN),
         "plain": (GRADIENT, HESSIAN)}      # of every contribution; where sweeps do not settle, Newton takes Hessians
 KINDS = {"sphere": "spheres", "r3": "factors R^3", "nambu": "Nambu factors"}
@@ -29,7 +30,8 @@ class Plan:
 
     local, coupled: family names, of midpoint methods; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
-    rotation: rotation sweeps, alone or tried before Newton.
+    rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it;
+    lanes: fixed-point iteration in lanes is tried before dense Newton, where the terms allow it.
     """
     method: str
     local: tuple
@@ -40,6 +42,8 @@ class Plan:
     wrap: bool = False
     pattern: object = None
     rotation: bool = False
+    tried: int = 0
+    lanes: bool = False
 
     @property
     def block(self) -> int:
@@ -129,14 +133,15 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
 
 
 def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contributions) -> Plan:
-    """Newton where its factorisation fits, on a chain after sweeps; else sweeps."""
+    """Newton where its factorisation fits, on chains and graphs after sweeps; else sweeps."""
     turns = "rotation" in method.solvers and all_offer(contributions, ASKS["rotation"])
     factored = all_offer(contributions, ASKS["newton"])
     plan = newton_plan(spec, method.name, local, coupled, joint_overs(spec, contributions)) if factored else None
-    if plan is not None and plan.solver == "band" and solver == "auto" and method.onto_leaf and turns:
-        return replace(plan, rotation=True, reason="chain: rotation sweeps while they settle soon, else " + plan.reason[7:])
+    if plan is not None and plan.solver in ("band", "sparse") and solver == "auto" and method.onto_leaf and turns:
+        what, newton = plan.reason.split(": ")
+        return replace(plan, rotation=True, reason=f"{what}: rotation sweeps while they settle soon, else {newton}")
     if plan is not None:
-        return plan
+        return replace(plan, lanes=plan.solver == "dense" and solver == "auto" and method.onto_leaf)
     if solver == "newton":
         other = "rotation or plain" if turns else "plain"
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
@@ -180,14 +185,28 @@ def sparse_plan(method, local, coupled, n, overs):
     from .ordering import TooMuchFill, symbolic
     if not all(isinstance(o, Graph) for o in overs):
         return None
-    edges = sorted({(min(e), max(e)) for o in overs for e in o.edges})
+    edges = joined(overs)
     try:
         pattern = symbolic(n, edges, limit=FILL_LIMIT)
     except TooMuchFill:
         return None
     blocks = pattern.blocks
-    return Plan(method, local, coupled, "sparse", f"graph: Newton on {blocks} blocks with fill",
-                pattern=pattern)
+    return Plan(method, local, coupled, "sparse", f"graph: Newton on {blocks} blocks with fill", pattern=pattern, tried=sweeps_tried(pattern, len(edges)))
+
+
+def joined(overs) -> list:
+    """The pairs of sites that the edges of some graphs join, each once, in order."""
+    import numpy as np                      # for those alone
+    ends = np.sort(np.concatenate([np.array(o.edges, dtype=np.int64).reshape(-1, 2) for o in overs]), axis=1)
+    high = 1 + int(ends.max(initial=0))
+    keys = np.unique(ends[:, 0] * high + ends[:, 1])
+    return list(zip((keys // high).tolist(), (keys % high).tolist()))
+
+
+def sweeps_tried(pattern, edges: int) -> int:
+    """Sweeps that cost as much as the three factorisations that Newton needs: 16 operations each of its products of blocks has, a spin in a field
+    some hundred, an edge 30 from either end."""
+    return min(max(3 * 16 * pattern.multiplications // (100 * pattern.size + 60 * edges), TRIED[0]), TRIED[1])
 
 
 def require_free_body(spec: Spec, method: str) -> None:

@@ -1,0 +1,157 @@
+"""Few sites of one family that all feel each other: their field in lanes, a site in each (runtime/solve/smg_few.h).
+
+Terms of single sites and of pairs serve, the latter where both sites enter alike, so that every site feels the others by one formula. What
+belongs to a site by its number must be an entry of an array, w[i] with gamma[i]: lanes hold it as they hold the vectors.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from ...language.expr import Elem, Idx
+from ...language.spec import Pairs, Sites
+from ..derive.derivatives import switched
+from ..lower.code import Argument, Call, Component, For, Function, Let, Local, Member, Name, Variable, Zeros
+from ..lower.integers import ZERO, Computed, Index, total
+from ..lower.kernels import COEFFICIENTS, additions
+from ..lower.lowering import index_names
+from ..plan.splitting import of_the_product
+from .norms import spectral_bound
+
+BY_LANES = "few sites: fixed-point iteration in lanes while it settles soon, else dense Newton"
+VECTOR, OUT = "const smg_lanes *", "smg_lanes *"
+
+
+@dataclass(frozen=True)
+class Pull:
+    """What one term does to its first site: its kernels without and with the bound of norms, and the entries that belong to that site,
+    ((name, array), ..)."""
+    term: object
+    field: Function
+    norms: Function
+    entries: tuple
+
+
+def few(model, low):
+    """The pulls of all terms, or None where a term, a factor or a feature does not allow it."""
+    if not (model.plan.lanes and len(model.families) == 1 and model.families[0].kind == "sphere"):
+        return None
+    if model.method.stages > 1 or {"extended", "tangent"} & set(model.features) or not all(serves(low, t) for t in model.effects):
+        return None
+    return tuple(pull(low, t, model.unit_radius()) for t in model.effects)
+
+
+# Which terms serve
+
+def serves(low, t) -> bool:
+    d = t.derived
+    if not isinstance(t.over, (Pairs, Sites)) or d.parts or switched(d) or any(slot not in t.over.bound for _, slot in t.slots):
+        return False
+    if not all(plain(node) for node in d.leaves.values()) or len(t.slots) != len(t.over.bound):
+        return False
+    return symmetric(d, t.over) and norm(low, t) is not None
+
+
+def plain(node) -> bool:
+    """No number that stands for a site but as the place of an entry."""
+    return isinstance(node.index, Idx) if isinstance(node, Elem) and index_names(node) else not index_names(node)
+
+
+def symmetric(d, over) -> bool:
+    """Do both sites of a pair enter alike?"""
+    if isinstance(over, Sites):
+        return True
+    swapped = {a: b for x, y in (d.vectors, d.vectors[::-1]) for a, b in zip(x, y)}
+    by_node = {node: name for name, node in d.leaves.items()}
+    other = {over.first: over.second, over.second: over.first}
+    for s in d.value.free_symbols:
+        node = d.leaves.get(s.name)
+        if isinstance(node, Elem) and index_names(node):
+            twin = by_node.get(Elem(node.name, Idx(other[node.index.name])))
+            if twin is None:
+                return False
+            swapped[s] = sp.Symbol(twin, **s.assumptions0)
+    return sp.expand(d.value.xreplace(swapped) - d.value) == 0
+
+
+# Kernels
+
+def pull(low, t, unit: bool) -> Pull:
+    own = own_entries(t)
+    gradient, bound = list(t.derived.gradient[0]), norm(low, t, unit)
+    held = tuple((name, array_of(low, t.derived.leaves[symbol])) for symbol, name in own.items())
+    return Pull(t, kernel(low, t, "pull", gradient, own), kernel(low, t, "pull_and_norm", [*gradient, bound], own), held)
+
+
+def own_entries(t) -> dict:
+    """Symbol -> name of the entries that belong to the site that is pulled."""
+    found = [symbol for symbol, node in sorted(t.derived.leaves.items()) if isinstance(node, Elem) and t.over.bound[0] in index_names(node)]
+    return {symbol: f"own{k}" for k, symbol in enumerate(found)}
+
+
+def array_of(low, node):
+    p = low.parameters.get(node.name)
+    return Member("c", f"p.{node.name}") if p is not None and not p.fixed else Name(f"table_{node.name}")
+
+
+def kernel(low, t, what: str, expressions, own: dict) -> Function:
+    """g += the gradient by the first slot, and, as the fourth number, the bound."""
+    made = low.kernel(expressions, t.derived.leaves, own={symbol: Local(name) for symbol, name in own.items()})
+    arguments = (COEFFICIENTS, *(Argument("int64_t", i) for i in t.over.bound[1:]), *(Argument("smg_lanes", name) for name in own.values()),
+                 *(Argument(VECTOR, f"v{k}") for k in range(len(t.slots))), Argument(OUT, "g"))
+    targets = [Component("g", a) for a in range(len(expressions))]
+    return Function("void", f"lane_{t.prefix}_{what}", arguments, (*made.values, *additions(targets, made.results)), target="lanes")
+
+
+def norm(low, t, unit: bool = False):
+    """A bound on the norms of the Hessian blocks in the row of the first slot; None where none is at hand.
+
+    Of f(a.b) the block on the diagonal is f'' b b^T, that beside it f' I + f'' b a^T. On vectors across a, and across b on the right, they are at most
+    |f''| c/|a|^2 and |f'| + |f''| c/(|a||b|), c = |a x b|^2; 1/(|a||b|) is at most (1/|a|^2 + 1/|b|^2)/2. unit: |a| = |b| = 1.
+    """
+    blocks = [sp.Matrix(3, 3, [low.number_values(x) for x in block]) for (k, _), block in t.derived.hessian.items() if k == 0]
+    vectors = {v for vector in t.derived.vectors for v in vector}
+    if not any(vectors & block.free_symbols for block in blocks):
+        return sum(map(spectral_bound, blocks), sp.S.Zero)
+    u = sp.Symbol("product", real=True)
+    f = of_the_product(t.derived, u)
+    if f is None:
+        return None
+    a, b = t.derived.vectors
+    dot, aa, bb = (sum(x * y for x, y in zip(p, q)) for p, q in ((a, b), (a, a), (b, b)))
+    aa, bb = (sp.S.One, sp.S.One) if unit else (aa, bb)
+    first, second = (sp.Abs(sp.diff(f, u, n).xreplace({u: dot})) for n in (1, 2))
+    return first + second * (aa * bb - dot ** 2) * (sp.Rational(3, 2) / aa + sp.Rational(1, 2) / bb)
+
+
+# What runtime/solve/smg_few_step.h asks of a model
+
+def few_functions(model) -> list:
+    if model.few is None:
+        return []
+    arguments = (COEFFICIENTS, Argument("const smg_real *", "all"), Argument("int64_t", "pitch"), Argument("int64_t", "i"), Argument(OUT, "g"))
+    bodies = {"smg_few_field": field(model, 3, lambda p: p.field), "smg_few_norms": field(model, 4, lambda p: p.norms)}
+    return [*(f for p in model.few for f in (p.field, p.norms)),
+            *(Function("void", name, arguments, body, target="lanes", wanted=True) for name, body in bodies.items())]
+
+
+def field(model, numbers: int, kernel_of) -> tuple:
+    """g = what all terms add for the sites of one vector."""
+    own = (Variable("smg_lanes", "own[3]"), Call("smg_few_take", (Name("all"), Name("pitch"), Index("i"), Name("own"))))
+    n = model.families[0].count
+    lines = [line for k, p in enumerate(model.few) for line in term(p, kernel_of(p), f"_{k}", n, numbers)]
+    return (*own, *lines)
+
+
+def term(p: Pull, f: Function, tag: str, n, numbers: int) -> tuple:
+    entries = [Let(name + tag, Call("smg_few_entries", (array, Index("i"), n)), "const smg_lanes") for name, array in p.entries]
+    given = tuple(Name(name + tag) for name, _ in p.entries)
+    if isinstance(p.term.over, Sites):
+        return (*entries, Call(f.name, (Name("c"), *given, Name("own"), Name("g"))))
+    i, j = Index("i"), Index("j")
+    other = (Variable("smg_lanes", "other[3]"), Call("smg_few_spread", (Name("all"), Name("pitch"), j, Name("other"))))
+    called = [Call(f.name, (Name("c"), j, *given, Name("own"), Name("other"), Name(out))) for out in ("g", "more")]
+    within = (*other, Zeros("more", numbers), called[1], Call("smg_few_add", (total(numbers), j - i, Name("more"), Name("g"))))
+    return (*entries, For("j", ZERO, i, (*other, called[0]), over="pairs"), For("j", i, Computed("smg_few_end", (i, n)), within, over="pairs"),
+            For("j", i + Index("SMG_LANES"), n, (*other, called[0]), over="pairs"))

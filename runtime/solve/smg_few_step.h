@@ -1,0 +1,201 @@
+/* smidgen runtime: the step of few sites that all feel each other by fixed-point iteration in lanes, u <- h X(P(w + compensation + u/2))
+ * for all sites at once, tried before Newton.
+ *
+ * It ends where one more evaluation would move a small part of an ulp of u, by the rate at which changes shrink. That evaluation also sums bounds on
+ * the norms of the Hessian in each row: the rows of J - I are at most
+ *
+ *     (h/2)(1/kappa) s (r sum of norms + abs(m.g)/r),
+ *
+ * (smg_end_site of smg_sweep.h), and where they are above SMG_SLOWED, so that changes that shrink by less need not be round-off, or the field is strong, Newton decides. */
+#ifndef SMG_FEW_STEP_H
+#define SMG_FEW_STEP_H
+
+#include "smg_few.h"
+#include "smg_newton.h"
+#include "smg_rest.h"
+#include "smg_row_spin.h"
+
+#define SMG_FEW_ROUNDS 32 /* evaluations; more of them cost more than Newton: four vortices 40 ns each, and 1200 */
+/* Ulps of u that the last evaluation may move, as far as the rate tells. Sixteen spins, 1e6 steps: |w|^2 drifts by 2e-20 a step with a twentieth of an
+ * ulp of w, by 1e-20 with one of u, and not at all with this. */
+#define SMG_FEW_LEFT (SMG_LEFT * SMG_LEFT)
+#define SMG_FEW_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own, as in smg_row_sweep.h */
+
+/* How far u/2 moved: the largest square, and the largest part of what a small component of w + u/2 is made of; and the largest square of u. */
+typedef struct smg_few_motion {
+  smg_lanes square, part, size;
+} smg_few_motion;
+
+/* s->u = u extrapolated, component after component. */
+static void smg_few_predict(const smg_state *s) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  smg_real *u = s->u;
+  for (int64_t k = 0; k < n; ++k) u[k] = 0;
+  for (int j = 0; j <= s->degree; ++j) {
+    const smg_real weight = smg_weight(s->degree, j), *past = s->past[j];
+    for (int64_t k = 0; k < n; ++k) u[k] += weight * past[k];
+  }
+}
+
+/* Lanes beyond the last site hold a vector that nothing turns. */
+static void smg_few_fill(smg_real *a, int64_t sites, int64_t pitch) {
+  for (int64_t k = sites; k < sites + SMG_LANES - 1 && k < pitch; ++k) {
+    for (int q = 0; q < SMG_FEW_ARRAYS; ++q) a[q * pitch + k] = q == SMG_FEW_W + 2 || q == SMG_FEW_RADIUS;
+  }
+}
+
+/* The arrays of a step from the state, u extrapolated; is a component so small that it is watched on its own? */
+static int smg_few_enter(const smg_state *s, smg_real h) {
+  const smg_coefficients *c = &s->c;
+  const int64_t sites = smg_sites(c), pitch = smg_few_pitch(sites);
+  smg_real *a = s->few;
+  int small = 0;
+  smg_few_predict(s);
+  smg_few_fill(a, sites, pitch);
+  for (int64_t k = 0; k < sites; ++k) {
+    const smg_real radius = smg_radius(c, k);
+    for (int q = 0; q < 3; ++q) {
+      a[(SMG_FEW_W + q) * pitch + k] = s->w[3 * k + q];
+      a[(SMG_FEW_LOST + q) * pitch + k] = s->compensation[3 * k + q];
+      a[(SMG_FEW_U + q) * pitch + k] = s->u[3 * k + q];
+      small |= smg_abs(s->w[3 * k + q]) < SMG_FEW_SMALL * radius;
+    }
+    a[SMG_FEW_HALF * pitch + k] = (smg_real)0.5 * smg_h_over_kappa(c, k, h);
+    a[SMG_FEW_RADIUS * pitch + k] = radius;
+  }
+  return small;
+}
+
+static void smg_few_leave(const smg_state *s) {
+  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+  for (int64_t k = 0; k < sites; ++k)
+    for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
+}
+
+/* m = (w + compensation + u/2)/|..|, as long as the radius. The inverse from the evaluation before, with a correction, would spare a few
+ * products, but creep by ulps of one sign: |w| of sixteen spins then drifted by 2e-20 a step. */
+static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
+  for (int64_t i = 0; i < sites; i += SMG_LANES) {
+    smg_lanes m[3], lost[3], u[3];
+    smg_few_take(a + SMG_FEW_W * pitch, pitch, i, m);
+    smg_few_take(a + SMG_FEW_LOST * pitch, pitch, i, lost);
+    smg_few_take(a + SMG_FEW_U * pitch, pitch, i, u);
+    for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
+    const smg_lanes inverse = smg_lane_inverse_root(smg_lane_dot(m, m));
+    const smg_lanes s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) * inverse;
+    for (int k = 0; k < 3; ++k) m[k] *= s;
+    smg_few_put(a + SMG_FEW_M * pitch, pitch, i, m);
+    smg_lane_put(a + SMG_FEW_INVERSE * pitch + i, inverse);
+  }
+}
+
+/* The part by which a component of w + u/2 moved, to 13 %, where it is small. */
+SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const smg_lanes *u, const smg_lanes *off, smg_few_motion *moved) {
+  const smg_lanes none = {0}, small = SMG_FEW_SMALL * smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+  for (int k = 0; k < 3; ++k) {
+    const smg_lanes made = smg_lane_abs(smg_lane_take(a + (SMG_FEW_W + k) * pitch + i)) + smg_lane_abs((smg_real)0.5 * u[k]);
+    const smg_lanes part = smg_lane_abs(off[k]) * smg_lane_rough_inverse(made);
+    moved->part = smg_lane_max(moved->part, smg_lane_select((smg_lane_mask)(made < small), part, none));
+  }
+}
+
+/* u = h X(m) of the sites of one vector, `in` of them sites of the state, and how far that moved it. */
+SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, int small, const smg_lanes *g, smg_few_motion *moved) {
+  const smg_lanes none = {0}, rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
+  smg_lanes m[3], u[3], before[3];
+  smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
+  smg_few_take(a + SMG_FEW_U * pitch, pitch, i, before);
+  smg_lane_cross(u, m, g); /* the rate last, as in smg_increment */
+  for (int k = 0; k < 3; ++k) {
+    u[k] *= rate;
+    if (in < SMG_LANES) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
+    before[k] = (smg_real)0.5 * (u[k] - before[k]);
+  }
+  if (small) smg_few_watch(a, pitch, i, u, before, moved);
+  smg_few_put(a + SMG_FEW_U * pitch, pitch, i, u);
+  moved->square = smg_lane_max(moved->square, smg_lane_dot(before, before));
+  moved->size = smg_lane_larger(moved->size, smg_lane_dot(u, u));
+}
+
+/* All increments from the midpoints as they were. */
+static smg_few_motion smg_few_evaluate(const smg_state *s, int small) {
+  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+  const smg_lanes none = {0};
+  smg_few_motion moved = {none, none, none};
+  smg_few_midpoints(s->few, sites, pitch);
+  for (int64_t i = 0; i < sites; i += SMG_LANES) {
+    smg_lanes g[3] = {none, none, none};
+    smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
+    smg_few_turn(s->few, pitch, i, sites - i, small, g, &moved);
+  }
+  return moved;
+}
+
+/* Would one more evaluation move less than SMG_FEW_LEFT ulps of u, or than the user allows; or do changes shrink no more? That move, along u,
+ * changes |w|, with one sign along many an orbit. */
+static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, const smg_rest *part, smg_real size) {
+  if (smg_tolerated(s, whole->rate * whole->now) && s->tolerance > 0) return 1;
+  const int one = whole->stays || whole->rate * whole->left <= SMG_FEW_LEFT * SMG_EPS * size;
+  return one && smg_rest_settled(part, SMG_EPS);
+}
+
+/* Evaluations until then; 0 where they do not settle soon. */
+static int smg_few_settle(smg_state *s, int small) {
+  smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
+  for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
+    const smg_few_motion moved = smg_few_evaluate(s, small);
+    const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
+    const int still = change <= SMG_STILL * SMG_EPS * s->scale;
+    if (n > 3 && !still && !(change <= SMG_CONTRACTS * whole.now)) return 0;
+    smg_rest_take(&whole, change, still);
+    smg_rest_take(&part, smg_lane_largest(moved.part), still);
+    s->report.iterations = n;
+    if (smg_few_settled(s, &whole, &part, SMG_MATH(sqrt)(smg_lane_largest(moved.size)))) return 1;
+  }
+  return 0;
+}
+
+/* Bounds on the rows of J - I of the sites of one vector, and on the squares of the products in h X; 0 beyond the last site. */
+SMG_INLINE void smg_few_rows(const smg_real *a, int64_t pitch, int64_t i, int64_t in, const smg_lanes *g, smg_lanes norms, smg_lanes *row, smg_lanes *products) {
+  const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i), r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+  smg_lanes m[3];
+  smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
+  const smg_lanes own = smg_lane_abs(half) * (r * smg_lane_take(a + SMG_FEW_INVERSE * pitch + i)) * (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
+  const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(g, g);
+  *row = smg_lane_max(*row, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), own, none) : own);
+  *products = smg_lane_max(*products, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), square, none) : square);
+}
+
+/* The last evaluation: do its increments solve the step, and on the right branch? */
+static int smg_few_solved(smg_state *s) {
+  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+  const smg_lanes none = {0};
+  smg_few_motion moved = {none, none, none};
+  smg_lanes row = none, products = none;
+  smg_few_midpoints(s->few, sites, pitch);
+  for (int64_t i = 0; i < sites; i += SMG_LANES) {
+    smg_lanes g[4] = {none, none, none, none};
+    smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
+    smg_few_rows(s->few, pitch, i, sites - i, g, g[3], &row, &products);
+    smg_few_turn(s->few, pitch, i, sites - i, 0, g, &moved);
+  }
+  s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
+  const int solved = s->report.residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale || smg_tolerated(s, s->report.residual);
+  return solved && smg_lane_largest(row) <= SMG_SLOWED && smg_lane_largest(products) <= s->scale * s->scale;
+}
+
+/* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it. */
+static smg_status smg_few_iterate(smg_state *s, smg_real h) {
+  if (s->newton_steps > 0) {
+    --s->newton_steps;
+    return SMG_NO_CONVERGENCE;
+  }
+  if (smg_few_settle(s, smg_few_enter(s, h)) && smg_few_solved(s)) {
+    smg_few_leave(s);
+    return SMG_OK;
+  }
+  s->newton_steps = SMG_NEWTON_STEPS;
+  return SMG_NO_CONVERGENCE;
+}
+
+#endif
