@@ -32,6 +32,7 @@ from .cache import cache_folder, entry
 FLAGS = ("-std=c11", "-O3", "-ffp-contract=off")    # the same bits on every machine
 SHARED = ("-fPIC", "-shared")
 NATIVE = ("-march=native",)
+LANES = ("-fno-math-errno",)        # of an ensemble: without it roots are taken lane by lane; no bit differs
 FAST = (*NATIVE, "-ffp-contract=fast")      # the last word on contraction counts
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
@@ -62,7 +63,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
     features, compiler = chosen_features(features), find_compiler()
     if fast and "extended" in features:
         raise UsageError("no extended precision in a fast build: leave one of them out")
-    flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()))
+    flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(LANES if "ensemble" in features else ()))
     key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
                  compiler_version(compiler), flags, (native or fast) and platform.processor())
     wanted = (spec, method, solver, features)

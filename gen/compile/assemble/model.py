@@ -7,7 +7,7 @@ from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS
 from ..derive.derivatives import switched
-from ..features import ASKS, chosen_features
+from ..features import ASKS, EVERYWHERE, chosen_features
 from ..lower.code import At, Name
 from ..lower.indices import one_site, safe_indices
 from ..lower.integers import Index, Int, total
@@ -18,6 +18,7 @@ from ..plan.contributions import contributions_of, require
 from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
+from .lane_sphere import lane_sphere
 from .pairs import pair_kernels
 from .rows import BY_ROWS, rows
 from .solo import solo_kernels
@@ -28,7 +29,7 @@ from .wide import wide_kernels
 class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
-    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None;
+    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None; lane_sphere: the same in lanes, where an ensemble has them, or None;
     wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach: bounds of the rows of the Hessian, or None; in_rows: of a lattice in lanes, or None.
     """
 
@@ -47,13 +48,14 @@ class Model:
         if self.in_rows:
             self.plan = replace(self.plan, reason=f"{self.plan.reason}; {BY_ROWS}")
         self.solo = solo_kernels(self, low)
+        self.lane_sphere = lane_sphere(self) if "ensemble" in self.features else None
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None
         self.wide = wide_kernels(self) if "extended" in self.features else None
         self.low, self.coefficients = low, low.finished()
 
     def refuse_what_the_method_has_not(self):
-        missing = [name for name in self.features if name not in self.method.features]
+        missing = [name for name in self.features if name not in (*EVERYWHERE, *self.method.features)]
         if missing:
             raise UsageError(f"method {self.plan.method} has no feature '{missing[0]}'")
         for feature in self.features:
