@@ -18,9 +18,16 @@
 #define SMG_LANE_ROWS 24 /* rows of history before they are moved back: more leave the nearest cache, fewer are moved more often */
 #define SMG_GROUPS 4     /* groups of lanes that step in turn, for the processor to overlap; with more their histories leave the nearest cache */
 
+/* A Newton iteration: the increment, 1/|w + W|, det(1 - E), and the square of the change. */
+typedef struct smg_lane_newton {
+  smg_lane_vec u;
+  smg_lanes q, det, size;
+} smg_lane_newton;
+
 /* SMG_LANES states under way. */
 typedef struct smg_group {
   smg_lanes w[3], compensation[3], weights[SMG_HISTORY], rows[4 * SMG_LANE_ROWS], residual;
+  smg_lane_newton next;
   smg_lane_coefficients c;
   smg_lane_mask live, iterations, began; /* no lane is live that repeats another, or whose step failed; began: the count at its beginning */
   smg_state *state[SMG_LANES];
@@ -40,12 +47,6 @@ typedef struct smg_lane_found {
   smg_lane_vec v, y, W;
   smg_lanes q, residual;
 } smg_lane_found;
-
-/* A Newton iteration: the increment, 1/|w + W|, det(1 - E), and the square of the change. */
-typedef struct smg_lane_newton {
-  smg_lane_vec u;
-  smg_lanes q, det, size;
-} smg_lane_newton;
 
 /* ---- the step, as in smg_single_sphere.h ---------------------------------------------------- */
 
@@ -251,11 +252,18 @@ SMG_COLD static void smg_lanes_unsettled(smg_group *g, smg_lane_mask left, smg_l
   if (smg_lane_any(due)) smg_lanes_degree(g, due);
 }
 
-static void smg_lanes_step(smg_group *g) {
+/* A step in three parts, each short enough that a processor works on several groups at once. */
+SMG_INLINE void smg_lanes_predict(smg_group *g) {
+  g->next.u = smg_lane_vec_of(smg_lanes_predicted(g, 0), smg_lanes_predicted(g, 1), smg_lanes_predicted(g, 2));
+  g->next.q = smg_lanes_predicted(g, 3);
+}
+
+SMG_INLINE void smg_lanes_correct(smg_group *g) { g->next = smg_lanes_newton(&g->c, smg_lane_vec_load(g->w), g->next.u, g->next.q); }
+
+SMG_INLINE void smg_lanes_finish(smg_group *g) {
   smg_lane_found f;
+  smg_lane_newton n = g->next;
   const smg_lane_vec w = smg_lane_vec_load(g->w);
-  const smg_lane_vec p = smg_lane_vec_of(smg_lanes_predicted(g, 0), smg_lanes_predicted(g, 1), smg_lanes_predicted(g, 2));
-  smg_lane_newton n = smg_lanes_newton(&g->c, w, p, smg_lanes_predicted(g, 3));
   f.q = n.q;
   f.v = smg_lanes_image(&g->c, smg_lanes_twice_midpoint(w, n.u), n.q);
   f.y = smg_lane_vec_add(f.v, smg_lane_vec_load(g->compensation));
@@ -338,7 +346,9 @@ static void smg_batch_steps(smg_state *const *s, int n, int64_t count, int alike
 #if SMG_TIMED
     smg_batch_time(&b);
 #endif
-    for (int g = 0; g < b.groups; ++g) smg_lanes_step(b.group + g);
+    for (int g = 0; g < b.groups; ++g) smg_lanes_predict(b.group + g);
+    for (int g = 0; g < b.groups; ++g) smg_lanes_correct(b.group + g);
+    for (int g = 0; g < b.groups; ++g) smg_lanes_finish(b.group + g);
   }
   for (int g = 0; g < b.groups; ++g) smg_group_end(b.group + g);
 }
