@@ -136,6 +136,7 @@ LEAVES = {"a": Component("v0", 2), "b": Parameter("ga", I), "c": Constant(-0.5),
 SHOWN = {"scalar": ["v0[2]", "c->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
          "value": ["v0.z", "c->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
          "lanes": ["v0[2]", "c->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
+         "lanes by value": ["v0.z", "c->p.ga[i]", "smg_lane_of(-0.5)", "wide->k3", "smg_lane_of(x0)", "smg_lane_of(weight_J)", "smg_lane_of((smg_real)i)"],
          "wide": ["smg_wide_load(v0, 2)", "smg_wide_of(c->p.ga[i])", "smg_wide_of(-0.5)", "wide->k3", "x0", "smg_wide_of(weight_J)", "smg_wide_of((smg_real)i)"]}
 
 

@@ -8,7 +8,9 @@ FEATURES = {
     "tangent": "the tangent map of the step, for Lyapunov exponents and stability",
     "extended": "the last evaluation of a step in extended precision: round-off far below a unit of w",
     "plain-sums": "no compensated summation: w + u is rounded, its error forgotten",
+    "ensemble": "many states side by side, each with the bits that it has alone; those of a single sphere in lanes",
 }
+EVERYWHERE = ("ensemble",)      # of every method
 ASKS = {"tangent": (HESSIAN,), "extended": (WIDE_GRADIENT, HESSIAN)}       # of every contribution
 
 

@@ -490,6 +490,10 @@ def _functions(library, name):
     }
     if hasattr(library, f"{name}_abi_tangent"):
         types["tangent"] = (ctypes.c_int, [pointer, pointer, integer, integer, pointer])
+    if hasattr(library, f"{name}_abi_ensemble_new"):
+        types |= {"ensemble_new": (pointer, [pointer, pointer, ctypes.c_int, integer, pointer, real, real, real]),
+                  "ensemble_steps": (integer, [pointer, integer, integer, integer]), "ensemble_reports": (None, [pointer] * 5),
+                  "ensemble_states": (None, [pointer, pointer]), "ensemble_energies": (None, [pointer, pointer]), "ensemble_free": (None, [pointer])}
     found = SimpleNamespace()
     for word, (result, arguments) in types.items():
         function = getattr(library, f"{name}_abi_{word}", None)

@@ -88,11 +88,29 @@ SMG_INLINE void smg_lane_store(smg_real *a, smg_lanes x) { *(smg_lanes *)a = x; 
 SMG_INLINE smg_lanes smg_lane_take(const smg_real *a) { return *(const smg_lanes_anywhere *)a; }
 SMG_INLINE void smg_lane_put(smg_real *a, smg_lanes x) { *(smg_lanes_anywhere *)a = x; }
 
+/* One lane. */
+SMG_INLINE smg_real smg_lane_get(const smg_lanes *a, int l) { return ((const smg_real *)a)[l]; }
+SMG_INLINE void smg_lane_set(smg_lanes *a, int l, smg_real x) { ((smg_real *)a)[l] = x; }
+#if SMG_LANES == 1
+SMG_INLINE int smg_lane_holds(smg_lane_mask test, int l) { return (void)l, test != 0; }
+SMG_INLINE int smg_lane_any(smg_lane_mask test) { return test != 0; }
+#else
+SMG_INLINE int smg_lane_holds(smg_lane_mask test, int l) { return test[l] != 0; }
+
+/* Does the test hold in any lane? */
+SMG_INLINE int smg_lane_any(smg_lane_mask test) {
+  int64_t any = 0;
+  for (int l = 0; l < SMG_LANES; ++l) any |= test[l];
+  return any != 0;
+}
+#endif
+
 /* x in every lane; x - 0 has the bits of x. */
 SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
   const smg_lanes zero = {0};
   return x - zero;
 }
+SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x); }
 
 /* Numbers of the same exponents as 1/sqrt(x) and 1/x, from the bits of x > 0: off by at most 3.4 and 13 %. C. Lomont, "Fast inverse
  * square root" (2003); of numbers other than doubles, and where lanes are no vectors of them, sqrt and / say it. */

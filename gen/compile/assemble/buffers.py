@@ -8,7 +8,8 @@ from ..lower.integers import ZERO, Computed, Index, Int, times, whole
 from .sums import held
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
-SOLO = 8        # the same of a single sphere, where another row costs less than another iteration
+SOLO = 10       # the same of a single sphere, where another row costs less than another iteration
+SOLO_STAGES = 8     # of its compositions: stages
 ROWS = 64       # rows of history of a single sphere before they are moved back
 
 
@@ -26,7 +27,9 @@ def buffer(name: str, size, meaning: str) -> Buffer:
 
 def history(model) -> int:
     """Steps that are remembered."""
-    return SOLO if model.solo else HISTORY if model.method.midpoint else model.method.history
+    if model.solo:
+        return SOLO if model.method.stages == 1 else SOLO_STAGES
+    return HISTORY if model.method.midpoint else model.method.history
 
 
 def buffers(model) -> list:

@@ -7,7 +7,7 @@ from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS
 from ..derive.derivatives import switched
-from ..features import ASKS, chosen_features
+from ..features import ASKS, EVERYWHERE, chosen_features
 from ..lower.code import At, Name
 from ..lower.indices import one_site, safe_indices
 from ..lower.integers import Index, Int, total
@@ -19,6 +19,7 @@ from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
 from .few import BY_LANES, few
+from .lane_sphere import lane_sphere
 from .norms import edge_norms, reach
 from .pairs import pair_kernels
 from .rows import BY_ROWS, BY_STAGE_ROWS, one_lattice, rows
@@ -29,7 +30,7 @@ from .wide import wide_kernels
 class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
-    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None;
+    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None; lane_sphere: the same in lanes, where an ensemble has them, or None;
     wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None; few: of few sites in lanes, or None.
     """
 
@@ -52,13 +53,14 @@ class Model:
         if self.few is not None:
             self.plan = replace(self.plan, reason=BY_LANES)
         self.solo = solo_kernels(self, low)
+        self.lane_sphere = lane_sphere(self) if "ensemble" in self.features else None
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None
         self.wide = wide_kernels(self) if "extended" in self.features else None
         self.low, self.coefficients = low, low.finished()
 
     def refuse_what_the_method_has_not(self):
-        missing = [name for name in self.features if name not in self.method.features]
+        missing = [name for name in self.features if name not in (*EVERYWHERE, *self.method.features)]
         if missing:
             raise UsageError(f"method {self.plan.method} has no feature '{missing[0]}'")
         for feature in self.features:

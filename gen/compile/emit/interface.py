@@ -18,7 +18,12 @@ def interface_slots(model: Model, M: str) -> dict:
     values = [dict(function=f"{kind}_{name}", sums="\n".join(indent(PRINTERS["scalar"].lines(body))), unused="w" not in mentions(*body))
               for kind, name, body in value_sums(model)]
     energy = " + ".join(f"{M}_energy_{t.derived.term.name}(p, t, w)" for t in model.effects)
-    return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", tangent="tangent" in model.features)
+    return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", **features(model))
+
+
+def features(model: Model) -> dict:
+    """Which functions are there because they were asked for."""
+    return {name: name in model.features for name in ("tangent", "ensemble")}
 
 
 def defaults(model: Model):
@@ -41,7 +46,7 @@ def header_slots(model: Model) -> dict:
     return dict(
         params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=history(model), solo=bool(model.solo), midpoint=model.method.of_midpoints, composed=model.method.of_midpoints and model.method.stages > 1,
         integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.effects],
-        hoisted_names=model.coefficients.names, tangent="tangent" in model.features, observables=[o.name for o in model.spec.observables],
+        hoisted_names=model.coefficients.names, observables=[o.name for o in model.spec.observables],
         rows=model.in_rows is not None and not model.method.stage_rows, wide_names=model.wide.coefficients.names if model.wide else [])
 
 
@@ -60,7 +65,7 @@ def banner(model: Model) -> dict:
         method_text=model.method.summary, solver_text=comment(f"{plan.solver}: {plan.reason}"),
         bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw",
         effects_text=comment(", ".join(e.name for e in spec.effects) or "none"),
-        extended=model.wide is not None,
+        extended=model.wide is not None, **features(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
         families_text=comment(", ".join(f.name for f in model.families)),
         family_names=comment(", ".join(f.name for f in model.families)))
@@ -74,14 +79,14 @@ def abi_slots(model: Model, M: str) -> dict:
              for k, p in enumerate(scalars)]
     lines += [f"a->p.{p.name} = arrays[{k}];" for k, p in enumerate(arrays)]
     effects, observables = [e.name for e in model.spec.effects], [o.name for o in model.spec.observables]
-    return dict(assignments=lines, prototypes=prototypes(M, model.features), tangent="tangent" in model.features,
+    return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=prototypes(M, model.features), **features(model),
                 effects=effects, observables=observables, families=model.families,
                 columns=1 + len(effects) + 3 * len(model.families) + len(observables))
 
 
 def prototypes(M: str, features=()):
     tangent = [f"int {M}_abi_tangent(void *s, smg_real *v, int64_t columns, int64_t count, int64_t *done)"] if "tangent" in features else []
-    return [*tangent, f"void *{M}_abi_new(const double *scalars, const double *const *arrays, const smg_real *w, "
+    return [*tangent, *(ensemble_prototypes(M) if "ensemble" in features else []), f"void *{M}_abi_new(const double *scalars, const double *const *arrays, const smg_real *w, "
             "double t0, double h, int *status)",
             f"int {M}_abi_set_tolerance(void *s, double tolerance)",
             f"int {M}_abi_steps(void *s, int64_t count, int64_t *done)", f"double {M}_abi_time(void *s)",
@@ -96,3 +101,13 @@ def prototypes(M: str, features=()):
             f"void {M}_abi_field(void *s, double t, const smg_real *w, smg_real *b)",
             f"void {M}_abi_energy(void *s, double t, const smg_real *w, smg_real *e)",
             f"void {M}_abi_free(void *s)"]
+
+
+def ensemble_prototypes(M: str) -> list:
+    return [f"void *{M}_abi_ensemble_new(const double *scalars, const double *const *arrays, int own, int64_t members, const smg_real *w, "
+            "double t0, double h, double tolerance)",
+            f"int64_t {M}_abi_ensemble_steps(void *e, int64_t first, int64_t members, int64_t count)",
+            f"void {M}_abi_ensemble_reports(void *e, int64_t *count, int *status, int64_t *site, double *reached)",
+            f"void {M}_abi_ensemble_states(void *e, smg_real *w)",
+            f"void {M}_abi_ensemble_energies(void *e, smg_real *energy)",
+            f"void {M}_abi_ensemble_free(void *e)"]

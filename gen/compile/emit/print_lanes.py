@@ -1,4 +1,4 @@
-"""The printer of several states at once: the same operations in the same order on smg_lanes (runtime/core/smg_lanes.h).
+"""The printers of several states at once: the same operations in the same order on smg_lanes (runtime/core/smg_lanes.h).
 
 A sum or a product of lanes, or of lanes and one number, is written as that of numbers; functions and tests are calls. What does
 not depend on a state stays one number.
@@ -9,8 +9,10 @@ import sympy as sp
 from sympy.core.sorting import default_sort_key
 from sympy.logic.boolalg import Boolean
 
+from ..assemble.lane_sphere import IN_LANES, named
 from ..derive import derivatives as derive
-from ..lower.code import Component, Local
+from ..lower.code import Component, Held, Local, Number, Parameter
+from ..lower.integers import Whole
 from .formulas import ATOM, ELEMENTARY, PRODUCT, RELATIONS, Formulas, power_of
 from .print_scalar import Scalar
 
@@ -106,3 +108,34 @@ class Lanes(Scalar):
 
     def do_zeros(self, s):
         return [f"smg_lanes {s.name}[{s.size}] = {{{', '.join(['smg_lane_of(0)'] * s.size)}}};"]
+
+
+class LanesByValue(Lanes):
+    """The single sphere in lanes: vectors by value, and coefficients that are lanes too, so that each state has its own."""
+    real = "smg_lanes"
+
+    def formulas_of(self, real) -> LaneFormulas:
+        wide = {name for name, leaf in real.leaves.items()
+                if isinstance(leaf, (Component, Held, Parameter)) or isinstance(leaf, Local) and (leaf.name == "q" or leaf.name in self.named)}
+        return LaneFormulas(lambda name: self.leaf(real.leaves[name]), wide)
+
+    def leaf_component(self, n):
+        return f"{n.vector}.{'xyz'[n.axis]}", ATOM
+
+    def leaf_parameter(self, n):
+        return super().leaf_parameter(n) if n.place is not None and not isinstance(n.place, Whole) else (f"c->{named(n)}", ATOM)
+
+    def show_real(self, r):
+        shown = self.formulas_of(r)
+        truth = isinstance(r.expr, Boolean) and not r.expr.is_Symbol
+        return super().show_real(r) if shown.in_lanes(r.expr) or truth else (shown.lanes(r.expr), ATOM)
+
+    def show_call(self, n):
+        """Numbers as lanes; the function of lanes."""
+        return f"{IN_LANES.get(n.function, n.function)}({', '.join(map(self.as_lanes, n.args))})", ATOM
+
+    def as_lanes(self, n) -> str:
+        return f"smg_lane_of({self(n)})" if isinstance(n, (Number, Whole)) else self(n)
+
+    def do_return(self, s):
+        return [f"return {self.as_lanes(s.value)};"]

@@ -11,7 +11,7 @@ from .print_wide import elementary
 
 FEW = 4      # sites of which each gets its own copy of a loop's body: with two a step takes 6 or 7 % fewer instructions, with three 0.5 %
 FEW_LANES = 4      # where the number of sites is known at run time alone
-MOST_LANES = 8      # of a row: the widest registers there are
+MOST_LANES = 8      # of a row or an ensemble: the widest registers there are
 MATRICES = {"dense": "smg_matrix_dense.h", "band": "smg_matrix_band.h", "sparse": "smg_matrix_sparse.h"}
 
 
@@ -36,7 +36,7 @@ def settings(model: Model) -> list:
         "SMG_EXTENDED": model.wide is not None, "SMG_PLAIN_SUMS": "plain-sums" in model.features,
         "SMG_WIDE_TIMED": model.wide is not None and model.wide.coefficients.timed,
         "SMG_COMPOSED": model.method.stages if model.method.stages > 1 else 0, "SMG_STAGES_KEPT": stages_kept(model),
-        "SMG_FEW_IN_LANES": model.few is not None, "SMG_HAS_LANES": in_lanes(model), "SMG_MOST_LANES": most_lanes(model),
+        "SMG_FEW_IN_LANES": model.few is not None, "SMG_LANE_SPHERE": model.lane_sphere is not None, "SMG_HAS_LANES": in_lanes(model), "SMG_MOST_LANES": most_lanes(model),
         "SMG_AXES": axes_in_use(model) if model.axes else 0, "SMG_SEPARATE": model.axes is not None and is_separate(model),
         "SMG_ONE_SITE": model.axes is not None and is_separate(model) and model.total == Whole(1),
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
@@ -49,19 +49,19 @@ def settings(model: Model) -> list:
 def headers(model: Model) -> list:
     """What the functions of the model are written with."""
     return ["smg_model.h", *(["smg_vec.h"] if model.solo else []), *(["smg_wide_math.h"] if takes_wide_functions(model) else []),
-            *(["smg_lanes.h"] if has_lanes(model) else []), *(["smg_rows.h"] if model.in_rows else []), *(["smg_few.h"] if model.few is not None else [])]
+            *(["smg_lanes.h"] if has_lanes(model) else []), *(["smg_lane_vec.h"] if model.lane_sphere else []), *(["smg_rows.h"] if model.in_rows else []), *(["smg_few.h"] if model.few is not None else [])]
 
 
 def in_lanes(model: Model) -> bool:
-    """Are lanes used at all: of states, of the sites of a row, or of few sites?"""
-    return has_lanes(model) or model.in_rows is not None or model.few is not None
+    """Are lanes used at all: of states, of the sites of a row, of few sites, or of the members of an ensemble?"""
+    return has_lanes(model) or model.in_rows is not None or model.few is not None or model.lane_sphere is not None
 
 
 def most_lanes(model: Model) -> int:
     if model.few is not None:
         sites = model.total.value if isinstance(model.total, Whole) else FEW_LANES
         return min(1 << max(sites - 1, 1).bit_length(), MOST_LANES)
-    return model.method.lanes if has_lanes(model) else MOST_LANES if model.in_rows else 0
+    return model.method.lanes if has_lanes(model) else MOST_LANES if in_lanes(model) else 0
 
 
 def takes_wide_functions(model: Model) -> bool:
@@ -72,9 +72,10 @@ def method_headers(model: Model) -> list:
     """The method, what its step is made of, and its features."""
     composed = model.method.stages > 1
     names = [*([model.method.scheme] if composed else []), model.method.header]
+    ensemble = ["smg_ensemble.h"] if "ensemble" in model.features else []
     if not model.method.of_midpoints:
-        return [*names, "smg_saved.h"]
+        return [*names, "smg_saved.h", *ensemble]
     if model.plan.coupled:
         names.append(MATRICES.get(model.plan.solver, "smg_matrix_free.h"))
     names.append("smg_composition.h" if composed else "smg_single_sphere.h" if model.solo else "smg_step.h")
-    return [*names, "smg_saved.h", *(["smg_tangent.h"] if "tangent" in model.features else [])]
+    return [*names, "smg_saved.h", *(["smg_tangent.h"] if "tangent" in model.features else []), *ensemble]

@@ -313,10 +313,11 @@ class Function(Block):
 
 @dataclass(frozen=True)
 class Struct(Node):
-    """A type of real numbers."""
+    """A type of numbers of the target."""
     name: str
     members: tuple
     wanted: bool = True
+    target: str = "scalar"
 
 
 @dataclass(frozen=True)

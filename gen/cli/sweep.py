@@ -1,0 +1,96 @@
+"""`smidgen sweep`: a run over values of parameters and random starts, into a folder."""
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..errors import Exit
+from ..language import limits
+from .options import json_option, names, number, spec_argument, whole
+from .say import printed, say
+
+EXAMPLES = """  smidgen sweep free_rigid_body --set I3=3:4:11 --out bodies
+  smidgen sweep spins.toml demo --set J=0:2:50 --set B=0.5 --starts 20 --out spins
+  smidgen sweep spins.toml demo --set J=0:2:50 --set B=0.5 --starts 20 --out spins   goes on where it was stopped"""
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("sweep", command, "repeat a run over values of parameters and random starts", EXAMPLES)
+    spec_argument(parser)
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
+    parser.add_argument("--set", type=axis, action="append", default=[], dest="axes", metavar="NAME=FIRST:LAST:COUNT",
+                        help="COUNT values of a parameter, evenly from FIRST to LAST; or one value, or a list as 1,2,3; repeatable")
+    parser.add_argument("--starts", type=whole, metavar="N", help="N random starts for all values, of the seeds from --seed on")
+    parser.add_argument("--seed", type=whole, default=0, help="the first seed; default: 0")
+    parser.add_argument("--out", required=True, metavar="FOLDER", help="where the manifest and the results go; the same command goes on there")
+    parser.add_argument("--processes", type=whole, metavar="N", help="how many at once; default: one a processor")
+    parser.add_argument("--method", help="the integrator; default: the run's")
+    parser.add_argument("--solver", help="solver of the step equation")
+    parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
+    parser.add_argument("--h", help="the step: a number or a formula")
+    long = parser.add_mutually_exclusive_group()
+    long.add_argument("--steps", type=whole, help="number of steps")
+    long.add_argument("--time", help="duration: a multiple of h")
+    parser.add_argument("--every", type=whole, metavar="K", help="output each K-th step")
+    parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, momentum, casimirs, names of observables")
+    parser.add_argument("--native", action="store_true", help="compile for this processor")
+    json_option(parser)
+
+
+CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "what")
+
+
+def axis(text: str):
+    """`J=0:2:50` -> ("J", [0, .., 2], True); `J=1` and `g=1,2,3`: one value, for all cells -> (.., .., False)."""
+    from .options import assignment
+    name, equals, value = text.partition("=")
+    ends = value.split(":")
+    if not equals or len(ends) == 1:
+        return (*assignment(text), False)
+    if len(ends) != 3:
+        raise argparse.ArgumentTypeError(f"'{text}' is not NAME=FIRST:LAST:COUNT, such as J=0:2:50")
+    what, name = f"--set {name.strip()}", assignment(f"{name}=0")[0]
+    first, last, count = number(ends[0], what), number(ends[1], what), whole(ends[2])
+    if not 1 <= count <= limits.CELLS:
+        raise argparse.ArgumentTypeError(f"a sweep has from 1 to {limits.CELLS} cells, not {count}")
+    return name, [between(first, last, k, count) for k in range(count)], True
+
+
+def between(first, last, k: int, count: int):
+    """The k-th of `count` values; both ends are exact, and integers where they are."""
+    if k == 0 or count == 1:
+        return first
+    if k == count - 1:
+        return last
+    step = (last - first) * k
+    return first + step // (count - 1) if isinstance(step, int) and step % (count - 1) == 0 else first + step / (count - 1)
+
+
+def command(args):
+    """Run what is left of the sweep; the exit code tells of failed cells."""
+    from ..read.shipped import load_spec
+    from ..run.sweep import sweep
+    given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
+    given |= {"values": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
+    axes = {name: value for name, value, swept in args.axes if swept}
+    found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes, tell=said, **given)
+    failed = [outcome for outcome in found if outcome["status"] != "complete"]
+    if args.json:
+        printed({"folder": args.out, "cells": found})
+    else:
+        print(f"{len(found)} cells in {Path(args.out)}, {len(failed)} of them failed")
+        for outcome in failed:
+            print(named(outcome))
+    return Exit.STEP if failed else Exit.OK
+
+
+def said(outcome: dict) -> None:
+    """A cell that has failed, as soon as it has."""
+    if outcome["error"]:
+        say(named(outcome))
+
+
+def named(outcome: dict) -> str:
+    from ..run.sweep import Cell
+    return f"{Cell(outcome['cell'], outcome['values'], outcome['seed'])}: {outcome['error'] or outcome['status']}"

@@ -1,0 +1,72 @@
+"""A single sphere's kernels for several states at once, one a lane: those of solo.py for another printer, and their coefficients."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..lower.code import Argument, Call, Component, Constant, Entry, Function, Held, Local, Member, Name, Parameter, Real, Struct, Unary, Variable, real_of, walk
+from ..lower.integers import Whole
+
+KINDS = {"smg_vec": "smg_lane_vec", "smg_slope": "smg_lane_slope", "smg_real": "smg_lanes", "const smg_coefficients *": "const smg_lane_coefficients *"}
+IN_LANES = {f"smg_{name}": f"smg_lane_{name}" for name in (
+    "vec", "slope", "motion", "radial", "derivative", "slope_times", "slope_minors", "vec_of", "vec_cross", "vec_scale")}
+TO = Argument("smg_lane_coefficients *", "to")
+ONE_STATE = Argument("const smg_coefficients *", "c")
+
+
+def lane_sphere(model):
+    """The definitions of smg_lane_sphere.h, or None where the members of an ensemble step one by one."""
+    if not model.solo or model.method.stages > 1 or "extended" in model.features:
+        return None
+    read = coefficients_of(model.solo)
+    if read is None:
+        return None
+    struct = Struct("smg_lane_coefficients", tuple(read) or ("none",), target=TARGET)
+    return (struct, taken(read, "smg_lane_fill", (TO, Argument("int", "l"), ONE_STATE), fill), taken(read, "smg_lane_spread", (TO, ONE_STATE), spread),
+            *map(in_lanes, model.solo))
+
+
+TARGET = "lanes by value"
+
+
+def coefficients_of(kernels):
+    """name -> leaf of the coefficients that differ between states; None where a kernel reads what has no place among them."""
+    leaves = dict.fromkeys(leaf for f in kernels for node in walk(f) if isinstance(node, Real) for leaf in node.leaves.values())
+    if not all(map(is_known, leaves)):
+        return None
+    return {named(leaf): leaf for leaf in leaves if isinstance(leaf, (Held, Parameter))}
+
+
+def is_known(leaf) -> bool:
+    """A component, a value under way, a constant, or a coefficient whose place is fixed."""
+    if isinstance(leaf, (Parameter, Entry)):
+        return leaf.place is None or isinstance(leaf.place, Whole)
+    return isinstance(leaf, (Component, Local, Constant, Held))
+
+
+def named(leaf) -> str:
+    if isinstance(leaf, Held):
+        return leaf.name
+    return f"p_{leaf.name}" if leaf.place is None else f"p_{leaf.name}_{leaf.place.value}"
+
+
+def taken(read: dict, name: str, arguments, statement) -> Function:
+    return Function("void", name, arguments, tuple(statement(member, real_of(leaf)) for member, leaf in read.items()), wanted=True)
+
+
+def fill(member: str, value: Real) -> Call:
+    """Lane l of a coefficient, from one state."""
+    return Call("smg_lane_set", (Unary("&", Member("to", member)), Name("l"), value))
+
+
+def spread(member: str, value: Real) -> Call:
+    """All of its lanes."""
+    return Call("smg_lane_put_all", (Unary("&", Member("to", member)), value))
+
+
+def in_lanes(d):
+    """A kernel or the type of a slope for several states at once."""
+    if isinstance(d, Struct):
+        return replace(d, name=KINDS[d.name], target=TARGET)
+    arguments = tuple(replace(a, kind=KINDS[a.kind]) for a in d.arguments)
+    body = tuple(replace(s, kind=KINDS[s.kind]) if isinstance(s, Variable) else s for s in d.body)
+    return replace(d, kind=KINDS[d.kind], name=IN_LANES[d.name], arguments=arguments, body=body, target=TARGET)

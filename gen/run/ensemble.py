@@ -1,0 +1,256 @@
+"""Many starts, or many values of parameters, of one model at once: each member with the bits that it has alone.
+
+    found = smidgen.ensemble(spec, starts, values={"I3": np.linspace(3, 4, 1000)}, h=0.1, steps=1000)
+    found.w, found.failures         # the end of each, and the members that stopped before it
+"""
+from __future__ import annotations
+
+import ctypes
+import os
+import threading
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..build.binary import build_library
+from ..errors import RunError, UsageError
+from ..language import limits
+from ..language.spec import Spec
+from ..public import few, public
+from .integrator import NO_MEMORY, STATUS, _functions, _known_to, _loaded, _packed, checked_tolerance, scene_of
+from .pace import Pace
+from .settings import settle, whole
+from .start import find_start, initial_state, sizes
+
+BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least what steps in lanes together
+MEMORY = 2 ** 31            # bytes of outputs
+OUTPUTS = ("states", "energy")
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """What `smidgen.ensemble` gives. Members are numbered from 0, in the order of the starts and values.
+
+    t: the time of each output, shape (outputs,), the last one the end; w: the state at the end, or before the step that failed,
+    (members, sites, 3); status: 0, or why a member stopped (`STATUS` of run.integrator), and steps: those it has taken, both (members,);
+    states: (outputs, members, sites, 3) and energy: (outputs, members), where they were asked for, else None; a member that
+    stopped stays in them where it was. failures: member -> what happened.
+    """
+    t: np.ndarray
+    w: np.ndarray
+    status: np.ndarray
+    steps: np.ndarray
+    states: np.ndarray | None = None
+    energy: np.ndarray | None = None
+    failures: dict = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        failed = f"; failed: {few(map(str, self.failures))}" if self.failures else ""
+        return f"<Ensemble of {len(self.w)} members, {self.w.shape[1]} sites each, to t = {self.t[-1]:.10g}{failed}>"
+
+
+@public
+def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = None, h: float | str | None = None, steps: int | None = None,
+             time: float | str | None = None, run: str | None = None, method: str | None = None, solver: str | None = None,
+             effects: Iterable[str] | None = None, every: int | None = None, what: Iterable[str] = (), t0: float = 0.0,
+             tolerance: float | None = None, native: bool = False, threads: int | None = None) -> Ensemble:
+    """Take the same steps from many starts, or with many values of parameters; returns an Ensemble.
+
+    starts: an array of shape (members, sites, 3), of (members, 3) for one site, or for all members the name of a start (None: the
+    only one, or that of the run); values: name -> a number or a list as for `run`, for all members, or one more dimension in front,
+    (members,) or (members, size), one for each; integer parameters and fixed ones are the same for all. run: of the spec, by default its
+    first; in place of what it says: h, steps or time, method, solver, effects, tolerance, as for `run` (formulas take the values of member 0);
+    t0: the time of the start; what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is
+    given; native: compile for this processor, whose registers hold more members at once; threads: how many, by default one a processor.
+
+    Each member has the bits that it has alone. A single sphere's members step in lanes, those of other models one by one. A member whose
+    step fails, or that cannot begin, stays where it is, and `failures` names it; the others go on. Raises UsageError for what does not
+    fit, MissingTool and BuildError as `build` does, RunError without memory.
+    """
+    values, given = dict(values or {}), starts if isinstance(starts, str) or starts is None else _stacked(starts)
+    own = {name: value for name, value in values.items() if _is_own(spec, name, value)}
+    members = _members(None if given is None or isinstance(given, str) else given, own)
+    first = {**values, **{name: np.asarray(value)[0] for name, value in own.items()}}
+    s = settle(spec, run, start=given if isinstance(given, str) else None, method=method, solver=solver, h=h, steps=steps, time=time,
+               every=every or 1, what=(), effects=effects, values=first, tolerance=tolerance)
+    scene = scene_of(spec, s.effects, first)
+    w = _states(spec, scene, s.start if given is None else given, first, own, members)
+    built = build_library(scene, s.method, s.solver, "double", native, ("ensemble",))
+    rows = _rows(s.steps, None if every is None else s.every)
+    stepped = Stepped(scene, built, first, own, w, float(t0), s.h, checked_tolerance(s.tolerance), _threads(threads))
+    try:
+        return stepped.outputs(rows, _chosen(what, len(rows), w.nbytes))
+    finally:
+        stepped.close()
+
+
+class Stepped:
+    """The members in C, and the threads that step them."""
+
+    def __init__(self, scene, built, first, own, w, t0, h, tolerance, threads):
+        self.c, self.w, self.t0, self.h, self.threads = _functions(_loaded(built.binary), scene.name), w, t0, h, threads
+        self.members, self.pace, self.stop = len(w), threading.local(), threading.Event()
+        self.block = max(LEAST, min(BLOCK, -(-self.members // (threads * LEAST)) * LEAST))
+        own = {name: value for name, value in own.items() if any(p.name == name for p in scene.parameters)}
+        scalars, arrays = _parameters(scene, first, own, self.members)
+        pointers = (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
+        self.keep = scalars, arrays, pointers
+        self.at = self.c.ensemble_new(scalars.ctypes.data, pointers, bool(own), self.members, w.ctypes.data, t0, h, tolerance)
+        if not self.at:
+            raise RunError(f"an ensemble of {self.members} members: {NO_MEMORY[1]}", -1)
+
+    def close(self):
+        """Give the memory back."""
+        if self.at:
+            self.c.ensemble_free(self.at)
+        self.at = None
+
+    def outputs(self, rows, what) -> Ensemble:
+        """The members stepped to each of `rows`, numbers of steps from the start."""
+        states = np.empty((len(rows), *self.w.shape)) if "states" in what else None
+        energy = np.empty((len(rows), self.members)) if "energy" in what else None
+        done = 0
+        for k, row in enumerate(rows):
+            self.advance(row - done)
+            done = row
+            if states is not None:
+                states[k] = self.state()
+            if energy is not None:
+                self.c.ensemble_energies(self.at, energy[k].ctypes.data)
+        return self.result(np.array([self.t0 + row * self.h for row in rows]), states, energy)
+
+    def result(self, t, states, energy) -> Ensemble:
+        count, status = np.empty(self.members, np.int64), np.empty(self.members, np.intc)
+        site, reached = np.empty(self.members, np.int64), np.empty(self.members)
+        self.c.ensemble_reports(self.at, count.ctypes.data, status.ctypes.data, site.ctypes.data, reached.ctypes.data)
+        failures = {int(k): self.why(int(status[k]), int(count[k]), int(site[k]), float(reached[k])) for k in np.flatnonzero(status)}
+        return Ensemble(t, self.state(), status, count, states, energy, failures)
+
+    def why(self, status: int, count: int, site: int, reached: float) -> str:
+        where = f" at site {site}" if site >= 0 and self.w.shape[1] > 1 else ""
+        far = f"; from there steps exist up to |h| = {abs(self.h) * reached:.6g}" if status == 2 and 0 < reached <= 1 else ""
+        return f"step {count + 1} from t = {self.t0 + count * self.h:.12g}: {': '.join(STATUS[status])}{where}{far}"
+
+    def state(self) -> np.ndarray:
+        """(members, sites, 3); of members that could not begin what was given."""
+        found = self.w.copy()
+        self.c.ensemble_states(self.at, found.ctypes.data)
+        return found
+
+    def advance(self, count: int) -> None:
+        """`count` steps of all members, block by block."""
+        if count == 0:
+            return
+        with ThreadPoolExecutor(self.threads) as pool:
+            try:
+                list(pool.map(lambda first: self.advance_block(first, count), range(0, self.members, self.block)))
+            except BaseException:
+                self.stop.set()         # Ctrl-C: each thread ends with the call that it is in
+                raise
+
+    def advance_block(self, first: int, left: int) -> None:
+        if not hasattr(self.pace, "own"):
+            self.pace.own = Pace()
+        members = min(self.block, self.members - first)
+        while left > 0 and not self.stop.is_set():
+            asked = min(left, self.pace.own.size)
+            self.pace.own.timed(lambda k: self.c.ensemble_steps(self.at, first, members, k), asked)
+            left -= asked
+
+
+def _stacked(starts) -> np.ndarray:
+    try:
+        w = np.array(starts, dtype=float, order="C")
+    except (TypeError, ValueError):
+        raise UsageError("starts are an array of numbers, of shape (members, sites, 3), or the name of a start") from None
+    if w.ndim == 2:
+        w = w[:, None, :]
+    if w.ndim != 3 or w.shape[2] != 3 or not len(w):
+        raise UsageError(f"starts have shape (members, sites, 3), not {np.shape(starts)}")
+    return w
+
+
+def _is_own(spec, name: str, value) -> bool:
+    """Is there a value for each member? Checks those."""
+    p = next((p for p in spec.parameters if p.name == name), None)
+    if p is None or np.ndim(value) != (2 if p.kind == "array" else 1):
+        return False
+    if p.kind == "int" or p.fixed:
+        raise UsageError(f"'{name}' is the same for all members: {'an integer' if p.kind == 'int' else 'it is fixed, compiled in'}")
+    try:
+        array = np.asarray(value, float)
+    except (TypeError, ValueError):
+        raise UsageError(f"'{name}' must be an array of numbers, one for each member") from None
+    bad = ~(np.isfinite(array) & (np.abs(array) <= limits.LARGEST) & ((array == 0) | (np.abs(array) >= limits.SMALLEST)))
+    if bad.any():
+        raise UsageError(f"'{name}' of member {int(np.argwhere(bad)[0][0])} is {array[bad][0]}: it must be 0 or a number between "
+                         f"{limits.SMALLEST:g} and {limits.LARGEST:g}")
+    return True
+
+
+def _members(given, own) -> int:
+    """How many there are, by the starts and the values, which must agree."""
+    found = {**({} if given is None else {"starts": len(given)}), **{f"'{name}'": len(value) for name, value in own.items()}}
+    if len(set(found.values())) > 1:
+        raise UsageError("how many members? " + ", ".join(f"{name}: {count}" for name, count in found.items()))
+    members = next(iter(found.values()), 1)
+    if not 1 <= members <= limits.MEMBERS:
+        raise UsageError(f"an ensemble has from 1 to {limits.MEMBERS} members, not {members}")
+    return members
+
+
+def _states(spec, scene, start, first, own, members) -> np.ndarray:
+    """The start of each member, shape (members, sites, 3)."""
+    if isinstance(start, np.ndarray):
+        total = sum(count for _, count in sizes(scene, _known_to(scene, first)).values())
+        if start.shape[1] != total:
+            raise UsageError(f"a state of {scene.name} has {total} sites, and the starts have {start.shape[1]}")
+        return start
+    find_start(spec, start)
+    known = {p.name for p in scene.parameters}
+    each = [{**first, **{name: value[k] for name, value in own.items()}} for k in (range(members) if own else [0])]
+    w = [initial_state(scene, start, {name: value for name, value in one.items() if name in known}) for one in each]
+    return np.ascontiguousarray(np.broadcast_to(np.array(w), (members, *w[0].shape)))
+
+
+def _parameters(scene, first, own, members):
+    """(scalars, arrays) as the C takes them, one set for all members or one after the other."""
+    known = {p.name for p in scene.parameters}
+    first = {name: value for name, value in first.items() if name in known}
+    if not own:
+        return _packed(scene, first)
+    scalars, arrays = _packed(scene, first)
+    free = [p for p in scene.parameters if not p.fixed]
+    names = [p.name for p in free if p.kind != "array"]
+    table = np.tile(scalars[:len(names)], (members, 1))
+    for k, name in enumerate(names):
+        if name in own:
+            table[:, k] = own[name]
+    sets = [np.ascontiguousarray(own[p.name], float) if p.name in own else one for p, one in zip((p for p in free if p.kind == "array"), arrays)]
+    return np.ascontiguousarray(table), [one[k] if one.ndim == 2 else one for k in range(members) for one in sets]
+
+
+def _rows(steps: int, every: int | None) -> list:
+    """After how many steps there is an output; the end is one."""
+    return [steps] if every is None else [*range(0, steps, every), steps]
+
+
+def _chosen(what, rows: int, size: int) -> tuple:
+    """Names of outputs, checked; what they take must fit into MEMORY."""
+    what = (what,) if isinstance(what, str) else tuple(what)
+    for name in what:
+        if name not in OUTPUTS:
+            raise UsageError(f"no output '{name}' of an ensemble; there are: {', '.join(OUTPUTS)}")
+    if "states" in what and rows * size > MEMORY:
+        raise UsageError(f"the outputs take {rows * size / 2 ** 30:.1f} GiB of memory: give a larger every, or fewer members")
+    return what
+
+
+def _threads(threads) -> int:
+    if threads is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if whole(threads, "threads") < 1:
+        raise UsageError("threads must be at least 1")
+    return int(threads)

@@ -1,0 +1,150 @@
+"""A run repeated over values of parameters and over random starts: one cell each, in processes, into a folder.
+
+The folder holds manifest.json, what is swept; cells.jsonl, one line for each cell that has ended, by whatever end; and cell-<number>.npz,
+the result of each. The same call goes on with the cells that have no line.
+"""
+from __future__ import annotations
+
+import itertools
+import json
+import multiprocessing
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..build.binary import generator_name
+from ..errors import OutputError, RunError, UsageError
+from ..language import limits
+from ..language.spec import Spec
+from .durable import write_new
+from .integrator import build
+from .run import Interrupted, run
+from .settings import settle, whole
+from .start import find_start, initial_state, parameter_values
+
+MANIFEST, CELLS, FORMAT = "manifest.json", "cells.jsonl", 1
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One run of a sweep: its number, the values that it has of those swept, and the seed of its start (None: the run's)."""
+    number: int
+    values: dict
+    seed: int | None
+
+    def __str__(self) -> str:
+        facts = [f"{name} = {value}" for name, value in self.values.items()] + ([] if self.seed is None else [f"seed {self.seed}"])
+        return f"cell {self.number} ({', '.join(facts)})"
+
+    @property
+    def file(self) -> str:
+        return f"cell-{self.number}.npz"
+
+
+def cells_of(axes: Mapping[str, list], starts: int | None, seed: int) -> list[Cell]:
+    """Every combination of the values; for each the seeds from `seed` on. Raises UsageError for none, or too many."""
+    total = starts or 1
+    for values in axes.values():
+        total *= len(values)
+    if not 1 <= total <= limits.CELLS:
+        raise UsageError(f"a sweep has from 1 to {limits.CELLS} cells, not {total}")
+    seeds = [None] if starts is None else range(seed, seed + starts)
+    combined = itertools.product(*axes.values(), seeds)
+    return [Cell(k, dict(zip(axes, parts)), parts[-1]) for k, parts in enumerate(combined)]
+
+
+def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, starts: int | None = None, seed: int = 0,
+          processes: int | None = None, tell: Callable[[dict], object] = lambda outcome: None, **given) -> list[dict]:
+    """Run every cell that `folder` has not; returns the outcome of each cell, in their order: cell, values, seed, status, error, file.
+
+    axes: parameter -> its values; starts: how many random ones, of the seeds from `seed` on, the same for all values; given: as for `run`;
+    tell: called with each outcome as it comes. A cell that fails stays as it is, with its error. Raises UsageError for what does
+    not fit (a folder of another sweep), RunError where a process was killed, OutputError for a folder that cannot be written; KeyboardInterrupt
+    when interrupted. What has ended is safe in every case.
+    """
+    cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder)
+    for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
+        settled = settle(spec, name, **{**given, "values": {**given.get("values", {}), **values}})
+    if starts is not None:
+        initial_state(spec, find_start(spec, settled.start), parameter_values(spec, settled.values), seed)       # is anything random?
+    ended = opened(folder, manifest(spec, name, axes, starts, seed, given))
+    build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
+    left = [cell for cell in cells if cell.number not in ended]
+    if left:
+        computed(spec, name, left, folder, given, processes, ended, tell)
+    return [ended[cell.number] for cell in cells]
+
+
+def manifest(spec, name, axes, starts, seed, given) -> dict:
+    """What decides the cells, as JSON has it."""
+    facts = {"format": FORMAT, "generator": generator_name(), "spec": spec.name, "digest": spec.digest, "run": name, "axes": dict(axes), "starts": starts,
+             "seed": seed, "choices": given}
+    return json.loads(json.dumps(facts, default=lambda x: x.tolist() if hasattr(x, "tolist") else list(x)))
+
+
+def opened(folder: Path, wanted: dict) -> dict:
+    """The outcomes that are in the folder, by number; a new folder gets its manifest."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not (folder / MANIFEST).exists():
+            if any(folder.iterdir()):
+                raise UsageError(f"{folder} is not empty, and no sweep: give another folder")
+            write_new(folder / MANIFEST, json.dumps(wanted, indent=1).encode())
+        found, text = (folder / MANIFEST).read_text(), (folder / CELLS).read_text() if (folder / CELLS).exists() else ""
+    except OSError as problem:
+        raise OutputError(f"cannot write the sweep {folder}: {problem.strerror}") from None
+    if parsed(found) != wanted:
+        raise UsageError(f"{folder} holds another sweep, of other choices or by another version: give another folder")
+    lines = [parsed(line) for line in text.splitlines()]
+    return {line["cell"]: line for line in lines if line and (line["file"] is None or (folder / line["file"]).exists())}
+
+
+def parsed(text: str):
+    """The JSON, or None: the last line of a sweep that was killed may be cut."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None
+
+
+def computed(spec, name, cells, folder: Path, given, processes, ended: dict, tell) -> None:
+    """The outcomes of `cells` into `ended`, and a line each into the folder as they come."""
+    several = multiprocessing.get_context("fork")
+    with open(folder / CELLS, "a", encoding="utf-8") as lines, ProcessPoolExecutor(_processes(processes, len(cells)), several) as pool:
+        lines.write("\n")           # after a line that was cut
+        waiting = [pool.submit(one, spec, name, cell, folder, given) for cell in cells]
+        try:
+            for done in as_completed(waiting):
+                outcome = done.result()
+                lines.write(json.dumps(outcome) + "\n")
+                lines.flush()
+                os.fsync(lines.fileno())
+                ended[outcome["cell"]] = outcome
+                tell(outcome)
+        except BrokenProcessPool:
+            raise RunError(f"a process of the sweep {folder} was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def one(spec, name, cell: Cell, folder: Path, given) -> dict:
+    """One cell, in a process of its own. What it cannot do is its outcome; what nobody could do is raised."""
+    outcome = {"cell": cell.number, "values": cell.values, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
+    try:
+        run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "values": {**given.get("values", {}), **cell.values}})
+    except Interrupted:
+        raise KeyboardInterrupt from None
+    except (RunError, UsageError) as error:
+        outcome |= {"status": "failed", "error": str(error), "file": cell.file if (folder / cell.file).exists() else None}
+    return outcome
+
+
+def _processes(processes, cells: int) -> int:
+    if processes is None:
+        processes = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if whole(processes, "processes") < 1:
+        raise UsageError("processes must be at least 1")
+    return min(int(processes), cells)

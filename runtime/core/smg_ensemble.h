@@ -1,0 +1,70 @@
+/* smidgen runtime: an ensemble, states of one model side by side, each with the bits that it has alone.
+ *
+ * Its memory holds the states, then the arrays of each. A member whose step fails stays where it is, as m_step() leaves it, and takes
+ * no more; its report says why. Members of a single sphere step SMG_LANES at a time (smg_lane_sphere.h), all others one by one.
+ * Two threads may step different members at once. */
+#ifndef SMG_ENSEMBLE_H
+#define SMG_ENSEMBLE_H
+
+#include "smg_steps.h"
+#if SMG_LANE_SPHERE
+#include "smg_lane_sphere.h"
+#endif
+
+#define SMG_ENSEMBLE_LINE 64 /* bytes of a line of the cache: no two threads write to one */
+
+SMG_INLINE size_t smg_whole_lines(size_t bytes) { return (bytes + SMG_ENSEMBLE_LINE - 1) / SMG_ENSEMBLE_LINE * SMG_ENSEMBLE_LINE; }
+
+/* The parameters of member k: its own, or those of all. */
+static inline const smg_params *smg_params_of(const smg_params *p, int own, int64_t k) { return own ? p + k : p; }
+
+/* Bytes of the arrays of one member, 0 where it cannot have any. */
+static size_t smg_member_memory(const smg_params *p) {
+  smg_coefficients c;
+  smg_sizes(&c, p);
+  return smg_check_sizes(&c) == SMG_OK ? smg_whole_lines(smg_memory(p)) : 0;
+}
+
+static size_t smg_ensemble_memory(const smg_params *p, int own, int64_t members) {
+  size_t bytes = smg_whole_lines((size_t)members * sizeof(smg_state));
+  for (int64_t k = 0; k < members; ++k) bytes += smg_member_memory(smg_params_of(p, own, k));
+  return bytes;
+}
+
+/* How many of the members first .. first + count - 1 have failed, in the start or since. */
+static int64_t smg_ensemble_failed(const smg_ensemble *e, int64_t first, int64_t count) {
+  int64_t failed = 0;
+  for (int64_t k = first; k < first + count; ++k) failed += e->member[k].report.status != SMG_OK;
+  return failed;
+}
+
+/* Every member at its start: w holds 3*sites numbers of each, one after the other, as many as the first has. Returns how many cannot
+ * begin: SMG_BAD_PARAMETER also for another number of sites. */
+static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own, int64_t members, void *mem, const smg_real *w, double t0, double h) {
+  const int64_t sites = smg_sites_of(p);
+  char *at = (char *)mem + smg_whole_lines((size_t)members * sizeof(smg_state));
+  e->member = (smg_state *)mem;
+  e->members = members;
+  e->own = own;
+  for (int64_t k = 0; k < members; ++k) {
+    const smg_params *its = smg_params_of(p, own, k);
+    const size_t size = smg_member_memory(its);
+    if (size > 0 && smg_sites_of(its) == sites) (void)smg_begin_state(e->member + k, its, at, w + 3 * sites * k, t0, h);
+    else smg_blank(e->member + k, its, t0, h); /* with SMG_BAD_PARAMETER */
+    at += size;
+  }
+  return smg_ensemble_failed(e, 0, members);
+}
+
+/* count steps of the members first .. first + members - 1, where none failed before. Returns how many of them have failed. */
+static int64_t smg_ensemble_steps(smg_ensemble *e, int64_t first, int64_t members, int64_t count) {
+#if SMG_LANE_SPHERE && SMG_LANES > 1
+  smg_lane_steps(e->member + first, members, count, !e->own);
+#else
+  for (int64_t k = first; k < first + members; ++k)
+    if (e->member[k].report.status == SMG_OK) e->member[k].report.status = smg_steps(e->member + k, count);
+#endif
+  return smg_ensemble_failed(e, first, members);
+}
+
+#endif

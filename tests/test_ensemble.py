@@ -1,0 +1,213 @@
+"""Ensembles: each member has the bits that it has alone, those of a single sphere in lanes; a member that fails is named."""
+import subprocess
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.compile.emit.emit import generate
+from smidgen.language import limits
+from smidgen.resources import include_flags
+from smidgen.run import ensemble as module
+from smidgen.run.start import initial_state
+from support.strict import COMPILERS, WARNINGS
+
+BODIES = ("free_rigid_body", "irreversible_rigid_body", "forced_rigid_body")
+PULSED = """
+[model]
+name = "pulsed"
+[space]
+w = { sphere = 1, kappa = "1 + a^2" }
+[parameters]
+a = 0.3
+n = 3
+B = { default = [0.3, 0.2, 0.5], vector = true }
+[effects.smooth]
+energy = "exp(a*w.x) + log(2 + w.y)*sin(w.z) + sqrt(2 + w.z)*B[1] + n*w.z^2 - cos(2*t)*dot(B, w) + 1.5*(2 + w.x)^1.3"
+[effects.pieces]
+energy = "if(w.x > w.y and not w.z > 0.9, 0.1*w.x*w.y, -0.1*w.y^3) + max(w.x, a)*0.1"
+[starts.a]
+theta = "1 + a"
+phi = 0.4
+"""
+PLANAR = """
+[model]
+name = "planar"
+[space]
+w = { sphere = 1 }
+[effects.only]
+energy = "w.x^2"
+"""
+SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load_text(PULSED), "planar": smidgen.load_text(PLANAR)}
+
+
+def test_these_go_in_lanes():
+    assert all("#define SMG_LANE_SPHERE 1" in generate(spec, features=("ensemble",))[f"{spec.name}.c"] for spec in SPECS.values())
+
+
+def points(members: int, seed: int = 0) -> np.ndarray:
+    w = np.random.default_rng(seed).standard_normal((members, 1, 3))
+    return w / np.linalg.norm(w, axis=2)[..., None]
+
+
+def alone(spec, w, h, steps, t0=0.0, **how):
+    """(state, status, steps taken) of each member by itself."""
+    values, own = how.pop("values", {}), how.pop("own", {})
+    found = []
+    for k, one in enumerate(w):
+        model = smidgen.build(spec, values={**values, **{name: value[k] for name, value in own.items()}}, **how).start(one.copy(), t0, h)
+        done = model.advance(steps)
+        error = model.failure()
+        found.append((model.state(), 0 if error is None else error.status, done))
+    states, status, done = zip(*found)
+    return np.array(states), np.array(status), np.array(done)
+
+
+def agree(found, wanted) -> bool:
+    """The same bits, signs of zeros too."""
+    return (found.w.tobytes() == wanted[0].tobytes() and np.array_equal(found.status, wanted[1]) and np.array_equal(found.steps, wanted[2])
+            and sorted(found.failures) == list(np.flatnonzero(wanted[1])))
+
+
+@pytest.fixture(params=["portable", "native", "clang"])
+def how(request, monkeypatch):
+    """Builds with registers of different widths, by both compilers."""
+    if request.param == "clang":
+        if "clang" not in COMPILERS:
+            pytest.skip("no clang")
+        monkeypatch.setenv("CC", "clang")
+    return {"native": request.param == "native"}
+
+
+@pytest.mark.parametrize("h", [0.05, 0.3, 1.1, 2.5])
+@pytest.mark.parametrize("name", BODIES)
+def test_each_member_has_the_bits_that_it_has_alone(how, name, h):
+    """At 0.05 most steps take one iteration in lanes, at 0.3 two, at 1.1 most are taken alone, at 2.5 many end at a fold."""
+    w = points(13)
+    assert agree(smidgen.ensemble(SPECS[name], w, h=h, steps=70, t0=0.7, threads=1, **how), alone(SPECS[name], w, h, 70, 0.7))
+
+
+def test_members_fail_where_they_fail_alone():
+    """Some do and some do not, and at different steps; where they were, they stay."""
+    spec, w = SPECS["irreversible_rigid_body"], points(40)
+    found, wanted = smidgen.ensemble(spec, w, h=2.5, steps=40, every=8, what="states"), alone(spec, w, 2.5, 40)
+    assert agree(found, wanted) and 5 < len(found.failures) < 35 and len(set(found.steps)) > 5
+    longer = smidgen.ensemble(spec, w, h=2.5, steps=48)
+    for k, said in found.failures.items():
+        assert f"step {wanted[2][k] + 1} from" in said
+        assert np.array_equal(longer.w[k], found.w[k]) and np.array_equal(found.states[-1, k], found.w[k])
+
+
+@pytest.mark.parametrize("members", [1, 2, 7, 8, 9, 33])
+def test_any_number_of_members(members):
+    spec, w = SPECS["forced_rigid_body"], points(members, 3)
+    found = smidgen.ensemble(spec, w, h=0.2, steps=40, native=True)
+    assert agree(found, alone(spec, w, 0.2, 40)) and found.w.shape == (members, 1, 3)
+
+
+@pytest.mark.parametrize("name, own", [("free_rigid_body", {"I2": (1.5, 2.5), "I3": (3, 4)}), ("forced_rigid_body", {"eps": (0, 0.3)}),
+                                       ("pulsed", {"a": (0.1, 0.8), "B": (0.1, 0.9)})])
+def test_parameters_of_each_member(how, name, own):
+    spec, w, rng = SPECS[name], points(11), np.random.default_rng(5)
+    own = {p: rng.uniform(*ends, (11, 3) if p == "B" else 11) for p, ends in own.items()}
+    found = smidgen.ensemble(spec, w, values=own, h=0.1, steps=50, **how)
+    assert agree(found, alone(spec, w, 0.1, 50, own=own))
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8])
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch, lanes):
+    spec, w = SPECS["pulsed"], points(9)
+    wanted = alone(spec, w, 0.05, 60)
+    monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+    assert agree(smidgen.ensemble(spec, w, h=0.05, steps=60), wanted)
+
+
+def test_energy_of_one_component():
+    """Where many entries of the matrix are 0; and the plane x = 0, in which nothing moves."""
+    w = np.concatenate([points(6), [[[0.0, 0.6, 0.8]], [[-0.0, -1.0, 0.0]], [[1.0, 0.0, -0.0]]]])
+    assert agree(smidgen.ensemble(SPECS["planar"], w, h=0.3, steps=60), alone(SPECS["planar"], w, 0.3, 60))
+
+
+def test_outputs_on_the_way():
+    spec, w = SPECS["free_rigid_body"], points(5)
+    found = smidgen.ensemble(spec, w, h=0.1, steps=25, every=10, what=("states", "energy"))
+    assert np.array_equal(found.t, [0.0, 10 * 0.1, 20 * 0.1, 25 * 0.1]) and found.states.shape == (4, 5, 1, 3)
+    model = smidgen.build(spec).start(w[2].copy(), h=0.1)
+    for k, count in enumerate((0, 10, 10, 5)):
+        model.steps(count)
+        assert np.array_equal(found.states[k, 2], model.w) and found.energy[k, 2] == model.energy()
+    assert smidgen.ensemble(spec, w, h=0.1, steps=25).states is None
+
+
+def test_stops_and_threads_change_no_bit(monkeypatch):
+    spec, w = SPECS["forced_rigid_body"], points(70)
+    whole = smidgen.ensemble(spec, w, h=0.3, steps=33, threads=1)
+    monkeypatch.setattr(module, "BLOCK", 32)
+    for threads, every in ((3, 1), (2, 7)):
+        parts = smidgen.ensemble(spec, w, h=0.3, steps=33, threads=threads, every=every)
+        assert parts.w.tobytes() == whole.w.tobytes()
+
+
+@pytest.mark.parametrize("name, method, h", [("heisenberg_chain", "spherical-midpoint", 0.1), ("free_rigid_body", "spherical-midpoint-4", 0.1),
+                                             ("point_vortices", "gauss-4", 0.05), ("nambu_a31", "classical-midpoint", 0.02)])
+def test_other_models_and_methods(name, method, h):
+    """Members one by one, or stages of each in lanes."""
+    spec = smidgen.load(name)
+    start = initial_state(spec, spec.runs[0].start)
+    w = np.array([start, start[:, [1, 2, 0]] if name != "nambu_a31" else start, start])
+    assert agree(smidgen.ensemble(spec, w, h=h, steps=12, method=method), alone(spec, w, h, 12, method=method))
+
+
+def test_a_start_by_name_and_by_the_values():
+    spec, own = SPECS["pulsed"], {"a": np.array([0.1, 0.3, 0.9])}
+    found = smidgen.ensemble(spec, "a", values=own, h=0.1, steps=10)
+    w = np.array([initial_state(spec, "a", {"a": a}) for a in own["a"]])
+    assert agree(found, alone(spec, w, 0.1, 10, own=own))
+    assert np.array_equal(smidgen.ensemble(spec, values=own, h=0.1, steps=10).w, found.w)
+
+
+def test_members_that_cannot_begin_are_named():
+    spec, w = SPECS["pulsed"], points(6)
+    w[2] *= 1.1
+    w[4, 0, 1] = np.nan
+    found = smidgen.ensemble(spec, w, h=0.1, steps=10)
+    good = [0, 1, 3, 5]
+    assert sorted(found.failures) == [2, 4] and "off manifold" in found.failures[2] and "not finite" in found.failures[4]
+    assert found.w[good].tobytes() == alone(spec, w[good], 0.1, 10)[0].tobytes() and found.w[2].tobytes() == w[2].tobytes()
+    assert list(found.steps) == [10, 10, 0, 10, 0, 10]
+
+
+@pytest.mark.parametrize("given, said", [
+    (dict(starts=np.zeros((3, 2))), "shape"), (dict(starts="abc"), "no start 'abc'"), (dict(starts=np.ones((3, 2, 3))), "has 1 sites"),
+    (dict(values={"a": [1.0, 2.0]}), "how many members"), (dict(values={"n": [1, 2, 3]}), "'n' is the same"), (dict(values={"a": [1, 2, np.inf]}), "member 2"),
+    (dict(values={"B": np.ones((3, 2))}), "list of 3 numbers"), (dict(what="spin"), "no output 'spin'"), (dict(threads=0), "at least 1"), (dict(values={"c": 1}), "c"),
+    (dict(starts=[["x"]]), "array of numbers"), (dict(steps=None), "how long")])
+def test_what_does_not_fit_is_refused(given, said):
+    given = {"starts": points(3), "h": 0.1, "steps": 10, **given}
+    with pytest.raises(smidgen.UsageError, match=said):
+        smidgen.ensemble(SPECS["pulsed"], **given)
+
+
+def test_limits_of_an_ensemble(monkeypatch):
+    monkeypatch.setattr(limits, "MEMBERS", 4)
+    smidgen.ensemble(SPECS["pulsed"], points(4), h=0.1, steps=1)
+    with pytest.raises(smidgen.UsageError, match="from 1 to 4 members, not 5"):
+        smidgen.ensemble(SPECS["pulsed"], points(5), h=0.1, steps=1)
+    monkeypatch.setattr(module, "MEMORY", 4 * 24 * 2)
+    smidgen.ensemble(SPECS["pulsed"], points(4), h=0.1, steps=1, every=1, what="states")
+    with pytest.raises(smidgen.UsageError, match="GiB of memory"):
+        smidgen.ensemble(SPECS["pulsed"], points(4), h=0.1, steps=2, every=1, what="states")
+
+
+@pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("name", ["pulsed", "free_rigid_body"])
+def test_clean_c(tmp_path, name, compiler, lanes):
+    for file, text in generate(SPECS[name], amalgamate=True, features=("ensemble",)).items():
+        (tmp_path / file).write_text(text)
+    words = [compiler, *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", f"-DSMG_LANES={lanes}", *include_flags(), "-I.", "-O1"]
+    for file in (f"{name}.c", f"{name}_abi.c"):
+        subprocess.run([*words, "-c", file, "-o", "one.o"], cwd=tmp_path, check=True)
+
+
+def test_nobody_else_pays():
+    assert not any("ensemble" in text or "lane" in text for text in generate(SPECS["free_rigid_body"]).values())

@@ -1,0 +1,156 @@
+"""Sweeps: every cell is the run that it names; what has ended stays, whatever stops the rest."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.language import limits
+from smidgen.run import sweep as module
+from smidgen.run.sweep import sweep
+
+SPEC = """
+[model]
+name = "swept"
+[space]
+w = { sphere = 1 }
+[parameters]
+a = 0.3
+b = 1.0
+[effects.only]
+energy = "b*w.x^2 + a*w.y^3 + sin(t)*w.z"
+[starts.any]
+random = 1
+[starts.one]
+vectors = [[0.6, 0, 0.8]]
+[runs.demo]
+start = "any"
+h = 0.1
+steps = 20
+output = { every = 10, what = ["states", "energy"] }
+[runs.wide]
+start = "any"
+h = 1.2
+steps = 60
+output = { every = 20, what = ["states"] }
+[runs.one]
+start = "one"
+h = 0.1
+steps = 4
+"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    file = tmp_path / "swept.toml"
+    file.write_text(SPEC)
+    return file
+
+
+def lines(folder: Path) -> list:
+    return [json.loads(line) for line in (folder / "cells.jsonl").read_text().splitlines() if line]
+
+
+def test_every_cell_is_its_run(command, path):
+    said = command("sweep", path, "--set", "a=0:0.6:3", "--set", "b=2", "--starts", 2, "--seed", 5, "--out", path.parent / "cells", "--processes", 2)
+    assert said.returncode == 0 and said.stdout.startswith("6 cells in ")
+    spec, k = smidgen.load(path), 0
+    for a in (0, 0.3, 0.6):
+        for seed in (5, 6):
+            found = smidgen.load_result(path.parent / "cells" / f"cell-{k}.npz")
+            wanted = smidgen.run(spec, values={"a": a, "b": 2}, seed=seed)
+            assert np.array_equal(found.final, wanted.final) and found.meta["values"] == {"a": a, "b": 2} and found.meta["seed"] == seed
+            k += 1
+
+
+def test_failed_cells_are_kept_and_named(command, path):
+    folder = path.parent / "cells"
+    said = command("sweep", path, "wide", "--set", "a=0:0.9:3", "--starts", 6, "--out", folder)
+    found = {line["cell"]: line for line in lines(folder)}
+    failed = [line for line in found.values() if line["status"] == "failed"]
+    assert said.returncode == 4 and len(found) == 18 and 0 < len(failed) < 18
+    for line in failed:
+        assert f"cell {line['cell']} (a = {line['values']['a']}, seed {line['seed']}): {line['error']}" in said.stdout
+        result = smidgen.load_result(folder / line["file"])
+        assert result.meta["status"].startswith("failed: step") and result.meta["done"] < 60
+    before = (folder / "cells.jsonl").read_text()
+    again = command("sweep", path, "wide", "--set", "a=0:0.9:3", "--starts", 6, "--out", folder, "--json")
+    assert again.returncode == 4 and (folder / "cells.jsonl").read_text() == before
+    assert sorted(cell["cell"] for cell in json.loads(again.stdout)["cells"]) == list(range(18))
+
+
+def test_a_sweep_that_is_killed_goes_on(path):
+    """SIGKILL of it and its processes at any moment; what had ended is not done again, and the end is the same."""
+    folder = path.parent / "cells"
+    words = [sys.executable, "-m", "smidgen", "sweep", str(path), "--set", "a=0:0.5:40", "--steps", "20000", "--every", "20000", "--out", str(folder), "--processes", "2"]
+    child = subprocess.Popen(words, start_new_session=True)
+    for _ in range(600):
+        if (folder / "cells.jsonl").exists() and len((folder / "cells.jsonl").read_text().splitlines()) > 4:
+            break
+        time.sleep(0.05)
+    os.killpg(child.pid, signal.SIGKILL)
+    child.wait()
+    with open(folder / "cells.jsonl", "a") as out:
+        out.write('{"cell": 39, "val')        # a line that was cut
+    done = {cell: os.stat(folder / f"cell-{cell}.npz").st_mtime_ns for cell in (json.loads(x)["cell"] for x in (folder / "cells.jsonl").read_text().splitlines()[1:-1] if x)}
+    assert 0 < len(done) < 40
+    assert subprocess.run(words).returncode == 0
+    assert all(os.stat(folder / f"cell-{cell}.npz").st_mtime_ns == when for cell, when in done.items())
+    whole = sweep(smidgen.load(path), None, {"a": [0.5 * k / 39 for k in range(39)] + [0.5]}, path.parent / "whole", steps=20000, every=20000)
+    assert len(whole) == 40
+    for k in (0, 20, 39):
+        assert np.array_equal(*(smidgen.load_result(path.parent / place / f"cell-{k}.npz").final for place in ("cells", "whole")))
+
+
+def test_a_process_that_is_killed_is_told(path, monkeypatch):
+    monkeypatch.setattr(module, "run", lambda *args, **more: os.kill(os.getpid(), signal.SIGKILL))
+    with pytest.raises(smidgen.RunError, match="was killed; the same command goes on"):
+        sweep(smidgen.load(path), None, {"a": [0.1, 0.2]}, path.parent / "cells")
+
+
+def test_another_sweep_and_another_folder_are_refused(command, path):
+    folder = path.parent / "cells"
+    assert command("sweep", path, "one", "--set", "a=0:1:2", "--out", folder).returncode == 0
+    for words in (["--set", "a=0:1:3"], ["--set", "a=0:1:2", "--set", "b=2"], ["--set", "a=0:1:2", "--h", "0.2"]):
+        said = command("sweep", path, "one", *words, "--out", folder)
+        assert said.returncode == 2 and "another sweep" in said.stderr
+    other = path.parent / "other"
+    other.mkdir()
+    (other / "mine.txt").write_text("mine")
+    said = command("sweep", path, "one", "--out", other)
+    assert said.returncode == 2 and "no sweep" in said.stderr and [p.name for p in other.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize("words, said", [
+    (["--set", "a=0:1"], "FIRST:LAST:COUNT"), (["--set", "a=0:1:0"], "from 1 to"), (["--set", "a=0:x:3"], "x"), (["--set", "a=0:__import__('os'):3"], "--set a"),
+    (["--set", "c=0:1:2"], "c"), (["--starts", "0"], "from 1 to"), (["--method", "none"], "no method"), (["--processes", "0"], "at least 1"),
+    (["--set", "a=0:1:2.5"], "integer")])
+def test_what_does_not_fit_is_refused(command, path, words, said):
+    if words == ["--starts", "0"]:
+        words = ["--set", f"a=0:1:{limits.CELLS + 1}"]
+    found = command("sweep", path, *words, "--out", path.parent / "cells")
+    assert found.returncode == 2 and said in found.stderr and "Traceback" not in found.stderr
+
+
+def test_random_starts_need_a_random_start(command, path):
+    found = command("sweep", path, "one", "--starts", 3, "--out", path.parent / "cells")
+    assert found.returncode == 2 and "nothing of start 'one' is random" in found.stderr
+
+
+def test_the_limit_of_cells(path, monkeypatch):
+    monkeypatch.setattr(limits, "CELLS", 4)
+    assert len(module.cells_of({"a": [1, 2]}, 2, 0)) == 4
+    with pytest.raises(smidgen.UsageError, match="from 1 to 4 cells, not 5"):
+        module.cells_of({"a": [1, 2, 3, 4, 5]}, None, 0)
+
+
+def test_values_are_even_and_their_ends_exact():
+    from smidgen.cli.sweep import axis
+    assert axis("n=2:10:5") == ("n", [2, 4, 6, 8, 10], True) and axis("J=0:1:3")[1] == [0, 0.5, 1]
+    assert axis("J=pi:0.1:7")[1][-1] == 0.1 and axis("J=pi:0.1:7")[1][0] == np.pi and len(axis("J=0:2:50")[1]) == 50
+    assert axis("J=3:4:1")[1] == [3] and axis("g=1,2") == ("g", [1, 2], False)
