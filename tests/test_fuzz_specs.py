@@ -10,13 +10,14 @@ import pytest
 import smidgen
 from fuzz import specs, through as passage
 from fuzz.differential import Mismatch
-from fuzz.invent import OF_HIGH_ORDER, features_of, files_of, spec_text
+from fuzz.invent import OF_HIGH_ORDER, equal_spheres, features_of, files_of, spec_text
 from fuzz.smaller import smaller
 from fuzz.specs import KINDS, attempt, closing, many, rows_of, signature
 from fuzz.through import Fault, through
 
 from smidgen.errors import BuildError
 from smidgen.compile.emit.amalgamate import inline_runtime
+from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
 from smidgen.methods import MIDPOINTS as METHODS, SOLVERS
 from smidgen.run.settings import settle
@@ -113,6 +114,14 @@ def test_random_specs_are_of_every_kind():
     for key, values in {"method": (*METHODS, *OF_HIGH_ORDER), "solver": SOLVERS}.items():
         assert {re.search(rf'\n{key} = "(.*)"', t).group(1) for t in texts} == set(values)
     assert spec_text(random.Random(3)) == spec_text(random.Random(3))
+
+
+@pytest.mark.quick
+def test_lattices_of_equal_spheres_go_by_rows():
+    """All of them; one random spec in sixteen is such a lattice."""
+    for seed in range(4):
+        text = equal_spheres(random.Random(seed))
+        assert "define SMG_BY_ROWS 1" in generate(smidgen.load_text(text), features=features_of(text))["random_model.c"]
 
 
 # -- each spec in a process of its own --------------------------------------------------------------

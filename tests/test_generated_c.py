@@ -53,14 +53,15 @@ def check_combination(where, spec, method, solver):
 
 
 ALL = [(compiler, real) for real in REALS for compiler in COMPILERS]
-FEW = [(compiler, real) for compiler, real in ALL if real == "double" or compiler in ("gcc", "clang++")]     # both languages, both makers
+BOTH = ("gcc", "clang++")       # languages and makers
+FEW = [(compiler, real) for compiler, real in ALL if compiler in BOTH]
 
 
 @pytest.fixture(autouse=True)
 def few_pairs(request, monkeypatch):
-    """Outside the long tier two compilers look at extended precision, which is the same text with other types."""
+    """Outside the long tier two compilers look, one of each maker and language; all four at plain doubles of the spec that has the most kinds of terms."""
     if not request.node.get_closest_marker("long"):
-        monkeypatch.setattr(sys.modules[__name__], "ALL", FEW)
+        monkeypatch.setattr(sys.modules[__name__], "ALL", [p for p in ALL if p in FEW or (p[1] == "double" and "corners" in request.node.name)])
 
 
 def check_clean(where, sources):
@@ -170,7 +171,7 @@ EMPTY = {"no vector": "a^2", "no motion": "abs(dot(x[i], x[i]))", "a field alone
 def test_energies_that_move_little_or_nothing_compile_clean(energy, fixed, tmp_path):
     """On one sphere, where the step has a form of its own, and on spheres of any number."""
     sources = written(tmp_path, texts.read(ALONE.format(energy=EMPTY[energy], fixed=fixed)), SPHERICAL)
-    assert [compile_all(tmp_path, sources, compiler) for compiler in COMPILERS] == [""] * len(COMPILERS)
+    assert {said for compiler, real in ALL if real == "double" for said in [compile_all(tmp_path, sources, compiler)]} == {""}
 
 
 def test_a_graph_on_a_number_of_sites_known_at_run_time(tmp_path):

@@ -123,7 +123,7 @@ class Integrator(ReadOnly):
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
         self._library = _loaded(built.binary)
         self._c = _functions(self._library, self.name)
-        self._state, self._keep = None, None
+        self._state, self._passed = None, _packed(self.scene, self.values_in)
         self.h, self.t0, self.count, self.w = math.nan, 0.0, 0, None
         self.columns = value_columns(scene)
 
@@ -358,10 +358,8 @@ class Integrator(ReadOnly):
         return array if array.flags.writeable else array.copy()
 
     def _new(self, tolerance: float):
-        scalars, arrays = _packed(self.scene, self.values_in)
-        pointers = (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
+        scalars, _, pointers = self._passed
         status = ctypes.c_int(0)
-        self._keep = scalars, arrays, pointers
         self._state = self._c.new(scalars.ctypes.data, pointers, self.w.ctypes.data, self.t0,
                                   self.h, ctypes.byref(status))
         self._status = status.value
@@ -449,12 +447,12 @@ def _known_to(scene, values):
 
 
 def _packed(scene, values):
-    """(scalars, arrays) as the C takes them: run-time parameters in the order of the spec."""
+    """(scalars, arrays, where the arrays are) as the C takes them: run-time parameters in the order of the spec."""
     numbers = parameter_values(scene, values)
     free = [p for p in scene.parameters if not p.fixed]
     scalars = [float(numbers[p.name]) for p in free if p.kind != "array"]
     arrays = [np.ascontiguousarray(numbers[p.name], float) for p in free if p.kind == "array"]
-    return np.array(scalars or [0.0]), arrays
+    return np.array(scalars or [0.0]), arrays, (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
 
 
 def _real_array(v, real):

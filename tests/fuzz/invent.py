@@ -127,8 +127,9 @@ class Inventor(Writer):
 
 def spec_text(dice) -> str:
     """The whole text of a random spec."""
-    if dice.randint(0, 15) == 0:
-        return free_body(dice)
+    kind = dice.randint(0, 15)
+    if kind in (0, 15):
+        return equal_spheres(dice) if kind else free_body(dice)
     before = dice.choice((2, 2, 3, 3, 4, 5)), dice.choice((1, 2, 2, 3))
     after = (dice.choice((2, 3, 4, 5)), dice.choice((1, 2, 3))) if dice.randint(0, 2) == 0 else before
     w = Inventor(dice, pairs=(before, after), extra=dice.choice(("h", "x1", "k0", "I2", "S2", "N", "beta", "E1", "J")))
@@ -452,6 +453,38 @@ def free_body(dice):
                       f"kap = {{ default = 0.8{', fixed = true' * dice.randint(0, 1)} }}", "[effects.e0]", f'energy = "{energy}"', "[starts.s]", start,
                       "[runs.fuzz]", 'start = "s"', f'method = "{dice.choice(("moser-veselov", "moser-veselov", "spherical-midpoint"))}"',
                       f'solver = "{dice.choice(("auto", "newton", "plain"))}"', f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]) + "\n"
+
+
+LATTICES = {"chain(n, {0})": "n", "chain(n, {0}, 2)": "n", "square(n, m, {0}, {1})": "n*m", "cubic(m, n, 2, {0}, {1}, open)": "2*n*m", "cells.b": "2*n*m"}
+CELL = """[lattices.cells]
+size = ["n", "m"]
+boundary = ["{0}", "{1}"]
+sites = 2
+bonds.b = [{{ from = 0, to = 1, offset = [0, 0] }}, {{ from = {2}, to = {2}, offset = [1, 0] }}, {{ from = 1, to = 0, offset = [0, 1] }}]"""
+ON_BONDS = ("J*dot({0}, {1})", "{k}*{0}.{x}*{1}.{y}", "{k}*triple({0}, {1}, B)", "{k}*{0}.{x}*{1}.{x} + dot({0}, {1})/3")
+ON_SITES = ("{k}*{0}.{x}^2", "{k}*{0}.{x}", "a*{0}.{x}*{0}.{y} + dot({0}, B)", "(dot({0}, B) - a)^2/4")
+
+
+def equal_spheres(dice):
+    """A lattice of equal spheres with the same quadratic energy in every cell: its steps go by rows in lanes."""
+    w, over = Inventor(dice), dice.choice(list(LATTICES))
+    edges = [dice.choice(("periodic", "open")) for _ in "nm"]
+    n, m, fixed = dice.choice((5, 6, 7, 12, 35)), dice.choice((3, 4)), lambda: ", fixed = true" * dice.randint(0, 1)
+    alike = [*dice.choice(((), ("kappa = -1.5",), ('kappa = "kap"',))), *dice.choice(((), ("radius = 1.7",), ('radius = "abs(kap)"',)))]
+
+    def effect(k, where, forms):
+        energy = dice.choice(forms).format("w[i]", "w[j]", k=w.coefficient(), x=dice.choice("xyz"), y=dice.choice("xyz"))
+        return f'[effects.e{k}]\nover = "{where}"\nenergy = "{energy}"'
+
+    lattice = [CELL.format(*edges, dice.randint(0, 1))] * (over == "cells.b")
+    effects = [effect(k, f"bond(i, j) of {over.format(*edges)}", ON_BONDS) for k in range(dice.choice((1, 1, 2)))]
+    effects += [effect(len(effects) + k, "site(i) of w", ON_SITES) for k in range(dice.choice((0, 1, 2)))]
+    return "\n".join(["# features: plain-sums" * (dice.randint(0, 4) == 0), "# equal spheres", "[model]", 'name = "random_model"', f"orientation = {dice.choice((1, -1))}", "[space]",
+                      f"w = {{ {', '.join([f'sphere = {quoted(LATTICES[over])}', *alike])} }}", "[parameters]", f"n = {{ default = {n}{fixed()} }}", f"m = {{ default = {m}{fixed()} }}",
+                      *(f"{name} = {{ default = {value}{fixed()} }}" for name, value in (("a", 0.4), ("J", float(w.coefficient())), ("kap", 0.8))),
+                      f"B = {{ default = [0.3, -0.5, 0.8], vector = true{fixed()} }}", *lattice, *effects, "[starts.s]", f"random = {dice.randint(0, 99)}",
+                      "[runs.fuzz]", 'start = "s"', 'method = "spherical-midpoint"', f'solver = "{dice.choice(("auto", "auto", "rotation"))}"',
+                      f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]) + "\n"
 
 
 def files_of(text) -> dict:

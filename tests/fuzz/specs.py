@@ -47,7 +47,8 @@ KINDS = {"sphere": r"sphere =", "r3": r"r3 =", "nambu": r"nambu =", "tracer": r"
          "open": r"\bopen\b", "if": r"if\(", "mod": r"mod\(", "floor": r"floor\(", "min": r"min\(", "max": r"max\(", "abs": r"abs\(",
          "time": r"\bt[)* +^/,]", "observable": r"\[observables", "orientation -1": r"orientation = -1", "start file": r"file = \"start",
          "start random": r"\nrandom =", "start angles": r"\ntheta", "start vectors": r"\nvectors", "start formula": r"\nx = ",
-         "set": r"\nset =", "set sizes": r"set = .*\bn =", "set array": r"set = .*(gamma|delta|rho) =", "effects of a run": r"\neffects ="}
+         "set": r"\nset =", "set sizes": r"set = .*\bn =", "set array": r"set = .*(gamma|delta|rho) =", "effects of a run": r"\neffects =",
+         "equal spheres": r"# equal spheres"}
 
 
 def attempt(text, seconds=SECONDS):

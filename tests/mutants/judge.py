@@ -14,7 +14,7 @@ from .plant import Tree
 BESIDE = re.compile(r"test_(plot|pictures_tell|player|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read\w*|hard_suite|mutants|covered|parse|pages|"
                     r"determinism|witness|paper_numbers|build|run|settings|linking|stop|full_disk|hundred_kills|explain|symmetry|"
                     r"advice|verify\w*|fuzz\w*|resume)\b")
-RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|band|sparse|follow|wide|unit|shown)")     # of the headers alone
+RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|krylov|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
           r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)",
@@ -22,7 +22,7 @@ STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|
           r"runs?_clean", r"test_(validate|user_specs|advice)", r"")
 SHARP = 3       # stages that are run before the quick tier
 # Before these: the tests that were made for faults of a kind, or for what a file does.
-MADE_FOR = {"branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
+MADE_FOR = {"rows": r"test_rows|statuses", "method": r"test_(comparators|splittings|compositions|lengths)|edges_of_steps", "branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
             "runtime/method/smg_tangent.h": r"test_tangent|test_lyapunov", "runtime/method/smg_extended.h": r"wide|round_off|extended",

@@ -147,5 +147,59 @@ WRAP = (
     (BAND, r"next >= n - 2 \* k && next < n - k", r"next >= n - k && next < n - k"),
 )
 
-KINDS = {"time": TIME, "jacobian": JACOBIAN, "branch": BRANCH, "tolerance": TOLERANCE, "wrap": WRAP}
+# Lattices by rows in lanes: which sites stand beside a row, where its ends are, what of it is kept, and when steps may go so.
+ROWS, ROW_STATE, ROW_SWEEP, ROW_STEP = (f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_sweep", "row_step"))
+BY_ROWS = "gen/compile/assemble/rows.py"
+IN_ROWS = (
+    (ROWS, r"s < n - reach \? reach :", r"s < n ? reach :"),
+    (ROWS, r"if \(before > 0\) b\.from = .*;", r""),
+    (ROWS, r"if \(inside < at->sites\) b\.to = .*;", r""),
+    (ROWS, r"o0 < 0 \? x \+ n : x - n", r"o0 < 0 ? x + n : x"),
+    (ROWS, r"if \(ring\) \*s = smg_wrap\(\*s, n\);", r""),
+    (ROWS, r"at->first - SMG_TURN_0 \* SMG_WEIGHT_1", r"at->first"),
+    (ROWS, r"smg_rank\(sub\) \* smg_cells\(c, 3\)", r"0 * smg_cells(c, 3)"),
+    (ROWS, r"first \+ b->around \+ k, k - j", r"first + b->around, k - j"),
+    (ROWS, r"smg_lane_below\(b->to - j\)", r"smg_lane_below(b->to - j + 1)"),
+    (ROW_STATE, r"s->rows = s->row_bound <= SMG_ROW_BOUND", r"s->rows = 1"),
+    (ROW_STATE, r"cell \* SMG_PLACES \+ at\.sub", r"cell * SMG_PLACES"),
+    (ROW_STATE, r"past \+ j \* n3", r"past"),
+    (ROW_STATE, r"if \(s->history > SMG_ROW_HISTORY\) s->history = SMG_ROW_HISTORY;", r""),
+    (ROW_SWEEP, r"piece->at\.start \+ piece->from", r"piece->at.start"),
+    (ROW_SWEEP, r"smg_lane_select\(smg_lane_below\(in\), v\[k\], m\[k\]\)", r"v[k]"),
+    (ROW_SWEEP, r"1 / \(radius \* radius\)", r"1 / radius"),
+    (ROW_SWEEP, r" && smg_rest_settled\(&sweep->part, SMG_EPS\)", r""),
+    (ROW_STEP, r"u\[k\] \*= 2 \* turn\.half", r"u[k] *= turn.half"),
+    (ROW_STEP, r"sweep\.passes < SMG_ROW_PASSES \? SMG_OK : SMG_NO_CONVERGENCE", r"SMG_OK"),
+    (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
+    (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),
+    (BY_ROWS, r" and not set\(t\.over\.bound\) & mentions\(\*gradient\.body\)", r""),
+)
+
+# Comparators, splittings and compositions: the order of their parts, the part of h that each has, the length that they keep; and the outputs.
+AXES, CF4, LENGTHS = (f"runtime/method/smg_{name}.h" for name in ("axis_splitting", "cf4", "lengths"))
+IN_METHODS = (
+    (AXES, r"smg_turn_all\(s, 2, h\)", r"smg_turn_all(s, 2, 0.5 * h)"),
+    (AXES, r"smg_turn_site\(c, 2, k, whole, v, u\)", r"smg_turn_site(c, 2, k, part, v, u)"),
+    (AXES, r"tau \* v\[d\] - square", r"tau * v[d] + square"),
+    (CF4, r"third\[4\] = \{-0\.5, 0, 1, 0\}", r"third[4] = {0, 0, 1, 0}"),
+    (CF4, r"\{first\[3\], first\[1\], first\[2\], first\[0\]\}", r"{first[0], first[1], first[2], first[3]}"),
+    (CF4, r"smg_take_turns\(s, 4, h, 1\)", r"smg_take_turns(s, 4, h, (smg_real)0.5)"),
+    ("runtime/method/smg_pair_rotations.h", r"smg_each_pair_back\(", r"smg_each_pair("),
+    ("runtime/method/smg_pair_rotations.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
+    ("runtime/method/smg_sublattice_rotations.h", r"smg_turn_colour\(s, last, h\)", r"smg_turn_colour(s, last, 0.5 * h)"),
+    ("runtime/method/smg_geodesic_midpoint.h", r"smg_sinc\(smg_norm\(a\) / r\)", r"smg_sinc(smg_norm(a))"),
+    ("runtime/method/smg_one_stage.h", r"smg_begin_slopes\(s, 0\);", r";"),
+    (LENGTHS, r"\(1 - s->inverse\[k\] \* smg_dot\(w, w\)\)", r"(s->inverse[k] * smg_dot(w, w) - 1)"),
+    ("runtime/method/smg_explicit_step.h", r"done \+ 0\.5 \* smg_gamma\[i\]", r"done"),
+    ("runtime/method/smg_composition.h", r"s->prepared\[1\] == \(smg_real\)s->h", r"1"),
+    ("runtime/method/smg_composition.h", r"s->compensation\[k\] = s->before\[n3 \+ k\];", r";"),
+    ("runtime/method/smg_composition.h", r"for \(int j = 0; j < SMG_HISTORY; \+\+j\) s->past\[j\] = b->past\[j\];", r""),
+    ("runtime/method/smg_composed_tangent.h", r"s->w\[k\] = end\[k\];", r";"),
+    ("runtime/core/smg_outputs.h", r"\*done > 0 \? every : first", r"every"),
+    ("runtime/core/smg_outputs.h", r"count - 1, &done", r"count, &done"),
+    ("runtime/core/smg_outputs.h", r"rho < \*o->nearest", r"rho > *o->nearest"),
+    ("runtime/solve/smg_fixed_point.h", r"if \(!smg_sweeps_contract\(&watch\)\) break;", r""),
+)
+
+KINDS = {"time": TIME, "jacobian": JACOBIAN, "branch": BRANCH, "tolerance": TOLERANCE, "wrap": WRAP, "rows": IN_ROWS, "method": IN_METHODS}
 RULES = tuple((kind, *rule) for kind, rules in KINDS.items() for rule in rules)

@@ -17,7 +17,7 @@ from mutants.report import Outcome, write  # noqa: E402
 from mutants.trial import Trial  # noqa: E402
 
 ROOT = HERE.parent.parent
-DRAWN = {"sign": 7, "coefficient": 6, "time": 5, "jacobian": 5, "branch": 6, "tolerance": 5, "wrap": 5,
+DRAWN = {"sign": 7, "coefficient": 6, "time": 5, "jacobian": 5, "branch": 6, "tolerance": 5, "wrap": 5, "rows": 6, "method": 6,
          "comparison": 5, "index": 6, "operator": 4, "constant": 4, "statement": 4}
 
 
