@@ -18,6 +18,7 @@ from .analyse import lyapunov  # noqa: E402
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,     # noqa: E402
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
 from .run.integrator import Integrator, build  # noqa: E402
+from .run import lattice  # noqa: E402
 from .run.output import Result, load_result  # noqa: E402
 from .show.plot import plot  # noqa: E402
 from .read import load_text  # noqa: E402
@@ -36,8 +37,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "UsageError", "ValidationError",
-           "advise", "build", "choose", "cost", "explain", "load", "load_cost", "load_result", "load_text", "lyapunov", "plot", "repeat", "resume",
-           "run", "validate", "verify"]
+           "advise", "build", "choose", "cost", "explain", "lattice", "load", "load_cost", "load_result", "load_text",
+           "lyapunov", "plot", "repeat", "resume", "run", "validate", "verify"]
 
 
 def __getattr__(name):
