@@ -19,7 +19,10 @@ from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnl
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
 from .run.integrator import Integrator, build  # noqa: E402
 from .run.ensemble import Ensemble, ensemble  # noqa: E402
+from .run import lattice  # noqa: E402
+from .run.field import load_field  # noqa: E402
 from .run.output import Result, load_result  # noqa: E402
+from .run.snapshot import snapshot  # noqa: E402
 from .show.plot import plot  # noqa: E402
 from .read import load_text  # noqa: E402
 from .run.run import Interrupted, repeat, run  # noqa: E402
@@ -37,8 +40,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "UsageError", "ValidationError",
-           "advise", "build", "choose", "cost", "ensemble", "explain", "load", "load_cost", "load_result", "load_text", "lyapunov", "plot", "repeat", "resume",
-           "run", "validate", "verify"]
+           "advise", "build", "choose", "cost", "ensemble", "explain", "lattice", "load", "load_cost", "load_field", "load_result", "load_text",
+           "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "validate", "verify"]
 
 
 def __getattr__(name):

@@ -16,7 +16,7 @@ def add(commands):
     spec_argument(parser)
     model_options(parser)
     parser.add_argument("--h", help="the step to compare with; its sign is that of the advice")
-    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
+    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
     long = parser.add_mutually_exclusive_group()
     long.add_argument("--steps", type=whole, help="how long to look: a number of steps of the run's h")

@@ -43,7 +43,7 @@ def study_options(parser):
     parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="values", metavar="NAME=VALUE",
                         help="a parameter; a list as 1,2,3; repeatable")
-    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
+    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
     processor_options(parser)
 
@@ -56,7 +56,10 @@ def study_choices(args) -> dict:
 
 def start_of(word: str):
     """A name, or the rows of a file."""
+    from ..run.field import FORMATS, load_field
     from ..run.start import state_table
+    if word.endswith(tuple(FORMATS)):
+        return load_field(word)
     return state_table(Path(word), word) if word.endswith((".csv", ".npy")) else word
 
 

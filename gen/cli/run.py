@@ -36,7 +36,7 @@ def add(commands):
                        help="output at multiples of PERIOD only (a multiple of h)")
     parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, "
                         "momentum, casimirs, names of observables")
-    parser.add_argument("--start", help="a start of the spec, or a .csv or .npy of rows x,y,z")
+    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
     processor_options(parser)
     parser.add_argument("--fast", action="store_true", help="--native, and products and sums in one operation: for whom the same "

@@ -12,6 +12,7 @@ from ..language.evaluate import evaluate, integer
 from ..language.expr import Expr
 from ..language.spec import Run, Spec
 from ..read.given import formula
+from .field import Field
 from .integrator import METHODS, SOLVERS, checked_tolerance, choose
 from .start import parameter_values
 
@@ -65,7 +66,7 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         every, section = (base.every, None) if base.section is None else (None, base.section)
     section = None if section is None else abs(number(section, env, "the section's period"))
     return Settings(
-        base.name, base.start if start is None else start,
+        base.name, _placed(spec, base.start if start is None else start, values),
         choose("method", method or base.method, METHODS),
         choose("solver", solver or base.solver, SOLVERS), h,
         number_of_steps(steps, time, h, env), interval(every, section, h), section,
@@ -79,6 +80,11 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
 def _read(spec: Spec, what: str, value):
     """Text becomes a formula of the spec's parameters; the rest stays."""
     return formula(value, what, spec.parameters) if isinstance(value, str) else value
+
+
+def _placed(spec: Spec, start, values):
+    """The vectors of a file on the sites of the spec; another start stays."""
+    return start.rows(spec, values) if isinstance(start, Field) else start
 
 
 def whole(value, what: str) -> int:

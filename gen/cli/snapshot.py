@@ -1,0 +1,68 @@
+"""`smidgen snapshot`: one state of a result, as a file for other programs and in numbers."""
+from __future__ import annotations
+
+import argparse
+
+from ..errors import UsageError
+from .options import json_option, names, number
+from .say import printed
+
+EXAMPLES = """  smidgen snapshot film.h5 --out last.ovf               the last state
+  smidgen snapshot film.h5 --time 50 --out film.vtk --text
+  smidgen snapshot film.h5 --row=-1 --what magnetisation,charge"""
+TELLS = ("magnetisation", "charge")
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("snapshot", command, "write one state of a lattice as .ovf or .vtk, or tell its magnetisation and charge", EXAMPLES)
+    parser.add_argument("result", metavar="RESULT", help="a file that `smidgen run` wrote")
+    parser.add_argument("--of", metavar="FAMILY", help="the family of the space; default: the only one")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--time", type=lambda text: number(text, "--time"), metavar="T", help="the output at this time; default: the last state")
+    which.add_argument("--row", type=row, metavar="K", help="the output of this number, from 0; --row=-1 is the last one")
+    parser.add_argument("--out", metavar="FILE", help=".ovf or .vtk")
+    parser.add_argument("--text", action="store_true", help="numbers as text, not binary")
+    parser.add_argument("--what", type=names, default=(), metavar="A,B", help=f"tell these: {', '.join(TELLS)}")
+    json_option(parser)
+
+
+def command(args):
+    """The file, then the path and the numbers as data."""
+    from ..run.output import load_result
+    from ..run.snapshot import snapshot
+    if not args.out and not args.what:
+        raise UsageError(f"give a file (--out last.ovf), or name what to tell (--what {','.join(TELLS)})")
+    result = load_result(args.result)
+    found = told(args, result)
+    if args.out:
+        found["out"] = str(snapshot(result, args.out, args.of, args.row, args.time, args.text))
+    if args.json:
+        return printed(found)
+    for name, value in found.items():
+        print(value if name == "out" else f"{name}: {value}")
+
+
+def told(args, result) -> dict:
+    """What --what names, of the state."""
+    from ..run import lattice
+    from ..run.grid import family_of, of, spec_and_values
+    from ..run.snapshot import state_of
+    unknown = [name for name in args.what if name not in TELLS]
+    if unknown:
+        raise UsageError(f"no '{unknown[0]}' of a state; there are: {', '.join(TELLS)}")
+    if not args.what:
+        return {}
+    spec, values = spec_and_values(result, None)
+    family = family_of(spec, args.of)
+    w, step, t = state_of(result, family, args.row, args.time)
+    tell = {"magnetisation": lambda: lattice.magnetisation(w).tolist(), "charge": lambda: float(lattice.charge(w, of(spec, family, values)))}
+    return {"step": step, "t": float(t), **{name: tell[name]() for name in args.what}}
+
+
+def row(text: str) -> int:
+    """The number of an output, from the end where negative."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not an integer") from None

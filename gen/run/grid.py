@@ -1,0 +1,113 @@
+"""The lattice on which a family lies: its cells, their numbers and places.
+
+Sites have no positions in a spec. Here cell (c0, c1, ..) stands at the integers c0, c1, .., and site s of the p
+sites of a cell at the fraction s/p of its diagonal, unless other fractions are given.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import UsageError
+from ..language.evaluate import integer
+from ..language.spec import Lattice, Spec
+from ..public import public
+from .recorded import spec_of
+from .start import parameter_values, sizes
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of a lattice: cell (c0, c1, ..) has the number c0 + size0*(c1 + size1*(..)); the sites of a cell follow each other.
+
+    size: cells in each direction; periodic: True where a direction is closed; sites: of a cell.
+    """
+    size: tuple[int, ...]
+    periodic: tuple[bool, ...]
+    sites: int = 1
+
+    @property
+    def count(self) -> int:
+        """All sites."""
+        return math.prod(self.size) * self.sites
+
+    def cells(self, w) -> np.ndarray:
+        """States (.., count, 3) as (.., last direction, .., first direction, sites, 3). Raises UsageError for another shape."""
+        w = np.asarray(w)
+        if w.shape[-2:] != (self.count, 3):
+            raise UsageError(f"states on this lattice have shape (.., {self.count}, 3), not {w.shape}")
+        return w.reshape(*w.shape[:-2], *self.size[::-1], self.sites, 3)
+
+    def positions(self, basis=None) -> np.ndarray:
+        """Where the sites stand, (count, directions), in cells. basis: of the sites of a cell, (sites, directions)."""
+        cells = np.indices(self.size[::-1]).reshape(len(self.size), -1)[::-1].T
+        return (cells[:, None] + self.basis(basis)).reshape(-1, len(self.size))
+
+    def basis(self, given=None) -> np.ndarray:
+        """Fractions (sites, directions) of a cell: those given, else site s at s/sites of the diagonal."""
+        diagonal = np.repeat(np.arange(self.sites)[:, None] / self.sites, len(self.size), axis=1)
+        basis = diagonal if given is None else np.asarray(given, float)
+        if basis.shape != diagonal.shape or not np.all(np.isfinite(basis)):
+            raise UsageError(f"a basis has {self.sites} rows of {len(self.size)} finite numbers")
+        return basis
+
+
+@public
+def of(source, family: str | None = None, values: dict | None = None) -> Grid:
+    """The lattice that joins the sites of a family, by the effects and observables of a spec.
+
+    source: a Spec, or a Result, which knows its values; family: by default the only one; values: of parameters, in place
+    of defaults. Of several lattices the one with most directions counts; a direction is periodic where all its bonds are.
+    Raises UsageError where there is no lattice, or where two are as good.
+    """
+    spec, values = spec_and_values(source, values)
+    name = family_of(spec, family)
+    found = grids_of(spec, name, values)
+    most = [grid for grid in found if len(grid.size) == max(len(g.size) for g in found)]
+    if not most:
+        raise UsageError(f"no lattice joins the sites of '{name}' in {spec.name}")
+    if len(most) > 1:
+        raise UsageError(f"'{name}' of {spec.name} lies on lattices of different sizes: {', '.join(said(g.size) for g in most)} cells")
+    return most[0]
+
+
+def grids_of(spec: Spec, family: str, values: dict | None = None) -> list[Grid]:
+    """All lattices that join the sites of a family; those that differ in their ends alone are one."""
+    env, count = parameter_values(spec, values), sizes(spec, values)[family][1]
+    found = {}
+    for over in (term.over for term in (*spec.effects, *spec.observables)):
+        if isinstance(over, Lattice) and over.family == family:
+            key = tuple(integer(e, env, "the size of a lattice") for e in over.size), over.sites
+            found[key] = tuple(a and b for a, b in zip(over.periodic, found.get(key, over.periodic)))
+    grids = [Grid(size, periodic, per_cell) for (size, per_cell), periodic in found.items()]
+    for grid in grids:
+        if min(grid.size) < 1 or grid.count != count:
+            raise UsageError(f"a lattice of {said(grid.size)} cells does not fit the {count} sites of '{family}'")
+    return grids
+
+
+def spec_and_values(source, values: dict | None) -> tuple[Spec, dict]:
+    """Of a Spec, or of a Result, whose values are its own. Raises UsageError, SpecError."""
+    if isinstance(source, Spec):
+        return source, dict(values or {})
+    if not hasattr(source, "meta"):
+        raise UsageError(f"a spec or a result is needed, not a {type(source).__name__}")
+    return spec_of(source.meta["sources"]), {**source.meta["set"], **(values or {})}
+
+
+def family_of(spec: Spec, family: str | None) -> str:
+    """The name given, or that of the only family."""
+    names = [f.name for f in spec.families]
+    if family is None and len(names) == 1:
+        return names[0]
+    if family not in names:
+        said_ = "which family" if family is None else f"no family '{family}'"
+        raise UsageError(f"{said_} in {spec.name}? It has: {', '.join(names)}")
+    return family
+
+
+def said(size) -> str:
+    """`8 x 8`."""
+    return " x ".join(map(str, size))

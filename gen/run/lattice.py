@@ -1,0 +1,74 @@
+"""What one state on a lattice tells, computed where it is called for and nowhere else.
+
+    grid = smidgen.lattice.of(spec)
+    smidgen.lattice.charge(result.w["w"], grid)         # of every output
+"""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..errors import UsageError
+from ..public import public
+from .grid import Grid, of
+
+__all__ = ["Grid", "charge", "correlation", "magnetisation", "of"]
+
+
+@public
+def magnetisation(w) -> np.ndarray:
+    """The mean vector (1/N) sum_i w_i of states w of shape (.., N, 3): shape (.., 3)."""
+    return np.mean(np.asarray(w), axis=-2)
+
+
+@public
+def correlation(w, grid: Grid) -> np.ndarray:
+    """C(r) = (1/cells) sum_c w_c.w_(c+r) of states w (.., N, 3) on a periodic lattice of one site a cell.
+
+    Shape (.., last direction, .., first direction): r in cells, modulo the size. By FFT: the transform of C is |S(q)|^2
+    (Wiener and Khinchin). Raises UsageError for an open lattice.
+    """
+    if not all(grid.periodic) or grid.sites > 1:
+        raise UsageError("correlations in space are of a periodic lattice of one site a cell")
+    axes = tuple(range(-1 - len(grid.size), -1))
+    q = np.fft.fftn(grid.cells(w)[..., 0, :], axes=axes)
+    power = np.sum(np.abs(q) ** 2, axis=-1)
+    return np.fft.ifftn(power, axes=tuple(a + 1 for a in axes)).real / math.prod(grid.size)
+
+
+@public
+def charge(w, grid: Grid):
+    """The topological charge of states w (.., N, 3) on a lattice of two directions, one site a cell: shape (..).
+
+    Each cell is cut along its diagonal into two triangles; the directions a, b, c of the spins at the corners of one,
+    counter-clockwise, span the solid angle Omega with
+
+        tan(Omega/2) = a.(b x c)/(1 + a.b + b.c + c.a),     Q = sum Omega/(4 pi),
+
+    B. Berg and M. Luscher, Nucl. Phys. B 190 (1981) 412; the fraction: A. van Oosterom and J. Strackee, IEEE Trans. Biomed.
+    Eng. 30 (1983) 125. Q = (1/4 pi) int w.(dw/dx x dw/dy) in the continuum: -1 of a skyrmion whose core points down. Where both directions are periodic the
+    spins cover the sphere a whole number of times, whatever Omega is taken for triangles of half the sphere; Q is then
+    that integer. Raises UsageError for other lattices.
+    """
+    if len(grid.size) != 2 or grid.sites > 1:
+        raise UsageError("a topological charge is of a lattice of two directions and one site a cell")
+    u = grid.cells(np.asarray(w, float))[..., 0, :]
+    with np.errstate(invalid="ignore", divide="ignore"):        # a zero vector has no direction, and the charge is nan
+        u = u / np.linalg.norm(u, axis=-1, keepdims=True)
+    a, b, c, d = (corner(u, grid, step) for step in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    q = (solid_angles(a, b, c) + solid_angles(a, c, d)).sum(axis=(-1, -2)) / (4 * np.pi)
+    return np.rint(q) if all(grid.periodic) else q
+
+
+def corner(u, grid: Grid, step) -> np.ndarray:
+    """The spins `step` cells away, for every cell that has all its corners."""
+    u = np.roll(u, [-step[1], -step[0]], axis=(-3, -2))
+    return u[..., :grid.size[1] - (not grid.periodic[1]), :grid.size[0] - (not grid.periodic[0]), :]
+
+
+def solid_angles(a, b, c) -> np.ndarray:
+    """Of spherical triangles, between -2 pi and 2 pi."""
+    def dot(x, y):
+        return np.sum(x * y, axis=-1)
+    return 2 * np.arctan2(dot(a, np.cross(b, c)), 1 + dot(a, b) + dot(b, c) + dot(c, a))

@@ -1,0 +1,101 @@
+"""OVF 2.0, the format of OOMMF, mumax and Spirit.
+
+M. J. Donahue and D. G. Porter, OOMMF User's Guide, release 2.0, "Vector field file format": a header of lines `# key: value`,
+then a row of numbers for each cell, x fastest, as text or as little-endian binary after a number that tells the order of
+bytes. A lattice of one site a cell is a `rectangular` mesh; of several sites it is an `irregular` one, where each row
+begins with the position.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+from ..language import limits
+from .received import Wrong, within
+
+CHECK = {4: 1234567.0, 8: 123456789012345.0}        # the first number of binary data
+HEADER = 200        # lines; OOMMF writes thirty
+AXES = "xyz"
+
+
+def written(w, points, size, label: str, title: str, text: bool) -> bytes:
+    """The bytes of a file. points: the Grid where cells have several sites, else None; size: cells in three directions."""
+    rows = w if points is None else np.hstack([in_three(points.positions()), w])
+    kind = "Text" if text else "Binary 8"
+    head = ["OOMMF OVF 2.0", "Segment count: 1", "Begin: Segment", "Begin: Header", f"Title: {title}", "meshunit: cell",
+            "valuedim: 3", f"valuelabels: {' '.join(f'{label}_{axis}' for axis in AXES)}", "valueunits: 1 1 1",
+            *(f"{axis}min: -0.5" for axis in AXES), *(f"{axis}max: {n - 0.5}" for axis, n in zip(AXES, size)),
+            *(mesh(size) if points is None else ["meshtype: irregular", f"pointcount: {len(rows)}"]),
+            "End: Header", f"Begin: Data {kind}"]
+    body = "".join(" ".join(f"{x:.17g}" for x in row) + "\n" for row in rows.tolist()).encode() if text \
+        else np.concatenate([[CHECK[8]], rows.ravel()]).astype("<f8").tobytes() + b"\n"
+    return "".join(f"# {line}\n" for line in head).encode() + body + f"# End: Data {kind}\n# End: Segment\n".encode()
+
+
+def mesh(size) -> list[str]:
+    """Cells of length 1 with their centres at the integers."""
+    return ["meshtype: rectangular", *(f"{axis}base: 0" for axis in AXES), *(f"{axis}stepsize: 1" for axis in AXES),
+            *(f"{axis}nodes: {n}" for axis, n in zip(AXES, size))]
+
+
+def in_three(positions) -> np.ndarray:
+    """Positions in up to three directions with zeros for the rest."""
+    return np.pad(positions, ((0, 0), (0, 3 - positions.shape[1])))
+
+
+def read(file, length: int) -> tuple[np.ndarray, tuple | None]:
+    """(vectors, cells in three directions or None) of an open file of `length` bytes. Raises Wrong."""
+    head, kind = header(file)
+    if head.get("valuedim") != "3":
+        raise Wrong("it holds no vectors (valuedim: 3)")
+    if whole(head, "segment count", "1") != 1:
+        raise Wrong("it has several segments")
+    regular = head.get("meshtype", "").lower() == "rectangular"
+    size = tuple(whole(head, f"{axis}nodes") for axis in AXES) if regular else None
+    count = size[0] * size[1] * size[2] if regular else whole(head, "pointcount")
+    if not 1 <= count <= limits.SITES:
+        raise Wrong(f"from 1 to {limits.SITES} sites are read, not {count}")
+    return numbers(file, length, kind, count, 3 if regular else 6)[:, -3:], size
+
+
+def header(file) -> tuple[dict, list]:
+    """({key: value}, words of the kind of data) of the lines up to the data."""
+    first = file.readline(limits.LINE).decode("ascii", "replace").strip("#\r\n ").upper()
+    if first != "OOMMF OVF 2.0":
+        raise Wrong("it is not in the format OVF 2.0")
+    found = {}
+    for _ in range(HEADER):
+        line = file.readline(limits.LINE)
+        key, _, value = line.decode("utf-8", "replace").lstrip("#").strip().partition(":")
+        if key.lower() == "begin" and value.lower().split()[:1] == ["data"]:
+            return found, value.lower().split()[1:]
+        if not line.startswith(b"##"):
+            found.setdefault(key.strip().lower(), value.strip())
+    raise Wrong("it has no data")
+
+
+def whole(head: dict, key: str, default: str = "") -> int:
+    """A count of the header."""
+    text = head.get(key, default)
+    if not text.isdecimal() or len(text) > 19:
+        raise Wrong(f"its header lacks '{key}', or that is no count")
+    return int(text)
+
+
+def numbers(file, length: int, kind: list, count: int, width: int) -> np.ndarray:
+    """`count` rows of `width` numbers; nothing is taken for more than the file has."""
+    if kind == ["text"]:
+        within([2 * count * width - 1], length - file.tell())       # a digit and a space at least
+        rows = np.loadtxt(file, ndmin=2, encoding="ascii", comments="#")
+        if rows.shape != (count, width):
+            raise Wrong(f"it has {len(rows)} rows, not {count}" if rows.shape[1] == width else f"its rows have {rows.shape[1]} numbers")
+        return rows
+    if kind not in (["binary", "4"], ["binary", "8"]):
+        raise Wrong("its data are neither text nor binary 4 or 8")
+    size = int(kind[1])
+    within([(1 + count * width) * size], length - file.tell())
+    data = np.frombuffer(file.read((1 + count * width) * size), f"<f{size}")
+    if data[0] != CHECK[size]:
+        raise Wrong("the order of its bytes is not that of OVF 2.0")
+    if not file.readline(limits.LINE).strip() and not file.readline(limits.LINE).lower().startswith(b"# end: data"):
+        raise Wrong("its data do not end where they should")
+    return data[1:].astype(float).reshape(count, width)

@@ -1,0 +1,61 @@
+"""One state of a result: which one, and into a file that other programs read."""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import UsageError
+from ..public import public
+from .field import save_field
+from .grid import family_of, of, spec_and_values
+from .output import load_result
+from .start import sizes
+
+NEAR = 1e-6         # of a step: a time as people write it
+
+
+@public
+def snapshot(result, out: str | os.PathLike, family: str | None = None, row: int | None = None, time: float | None = None,
+             text: bool = False) -> Path:
+    """Write the spins of one state into `out`, and return its path: OVF 2.0 (.ovf) or legacy VTK (.vtk).
+
+    result: a Result, or the path of its file; family: by default the only one; row: a number of an output, from the end
+    where negative, or time: the time of one; by default the last state. text: numbers as text, to 17 digits, in place of
+    doubles in binary. Cell (c0, c1, c2) of the lattice stands at these integers; site s of the p sites of a cell at the
+    fraction s/p of its diagonal. Raises UsageError where there is no such state or lattice, OutputError for a file
+    that cannot be written.
+    """
+    result = result if hasattr(result, "meta") else load_result(result)
+    spec, values = spec_and_values(result, None)
+    name = family_of(spec, family)
+    grid = of(spec, name, values)
+    w, step, t = state_of(result, name, row, time)
+    meta = result.meta
+    return save_field(out, w, grid, name, f"{meta['spec']} {meta['run']}: {name} at t = {t:.17g}, step {step}", text)
+
+
+def state_of(result, family: str, row: int | None = None, time: float | None = None):
+    """(w, step, t) of a family: of an output, or of the last state."""
+    if row is not None and time is not None:
+        raise UsageError("which state? give either row or time")
+    if row is None and time is None:
+        first, count = sizes(*spec_and_values(result, None))[family]
+        meta = result.meta
+        return result.final[first:first + count], meta["done"], result.t[-1] if len(result.t) and result.step[-1] == meta["done"] else meta["done"] * meta["h"]
+    if not result.w or not len(result.t):
+        raise UsageError("the result holds no states but the last one: run with --what states")
+    k = row_at(result, time) if row is None else row
+    if not -len(result.t) <= k < len(result.t):
+        raise UsageError(f"no row {k}: the result has {len(result.t)}")
+    return result.w[family][k], int(result.step[k]), float(result.t[k])
+
+
+def row_at(result, time: float) -> int:
+    """The output at a time. Raises UsageError that names the nearest."""
+    away = np.abs(result.t - time)
+    k = int(np.argmin(away))
+    if not away[k] <= NEAR * abs(result.meta["h"]):
+        raise UsageError(f"no output at t = {time:.15g}; the nearest is at {result.t[k]:.15g}")
+    return k

@@ -1,0 +1,118 @@
+"""The legacy format of VTK, which ParaView reads.
+
+The VTK User's Guide, 11th edition (Kitware 2010), "VTK File Formats": a title, ASCII or BINARY (big-endian), then the
+points and the vectors at them, x fastest. A lattice of one site a cell is of STRUCTURED_POINTS; of several sites it is an
+UNSTRUCTURED_GRID, a vertex a site.
+"""
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from ..language import limits
+from .ovf import in_three
+from .received import Wrong, within
+
+TITLE = 200         # characters; the format ends it at 256
+VERTEX = 1          # the type of a cell that is a point
+SIZES = {"double": 8, "float": 4}
+KEYWORD = re.compile(rb"\n(?=[A-Z])")       # ends the numbers of a text
+SHAPES = ("STRUCTURED_POINTS", "UNSTRUCTURED_GRID", "POLYDATA")
+PASSED = ("ORIGIN", "SPACING", "ASPECT_RATIO", "METADATA")      # what is read and not used
+
+
+def written(w, points, size, label: str, title: str, text: bool) -> bytes:
+    """The bytes of a file. points: the Grid where cells have several sites, else None; size: cells in three directions."""
+    head = f"# vtk DataFile Version 3.0\n{title[:TITLE] or label}\n{'ASCII' if text else 'BINARY'}\n"
+    place = spots(points, text) if points else \
+        f"DATASET STRUCTURED_POINTS\nDIMENSIONS {size[0]} {size[1]} {size[2]}\nORIGIN 0 0 0\nSPACING 1 1 1\n".encode()
+    return head.encode("ascii", "replace") + place + f"POINT_DATA {len(w)}\nVECTORS {label} double\n".encode() + block(w, ">f8", text)
+
+
+def spots(grid, text: bool) -> bytes:
+    """Points, and a cell of one point for each."""
+    n = grid.count
+    cells = np.stack([np.ones(n, int), np.arange(n)], axis=1)
+    return (f"DATASET UNSTRUCTURED_GRID\nPOINTS {n} double\n".encode() + block(in_three(grid.positions()), ">f8", text)
+            + f"CELLS {n} {2 * n}\n".encode() + block(cells, ">i4", text)
+            + f"CELL_TYPES {n}\n".encode() + block(np.full((n, 1), VERTEX), ">i4", text))
+
+
+def block(rows, kind: str, text: bool) -> bytes:
+    """Rows of numbers."""
+    if text:
+        return "".join(" ".join(f"{x:.17g}" for x in row) + "\n" for row in rows.tolist()).encode()
+    return np.ascontiguousarray(rows).astype(kind).tobytes() + b"\n"
+
+
+def read(file, length: int) -> tuple[np.ndarray, tuple | None]:
+    """(vectors, cells in three directions or None): the first VECTORS of an open file of `length` bytes. Raises Wrong."""
+    if not file.readline(limits.LINE).startswith(b"# vtk DataFile Version"):
+        raise Wrong("it is not in the legacy format of VTK")
+    file.readline(limits.LINE)
+    form = file.readline(limits.LINE).split()
+    if form not in ([b"ASCII"], [b"BINARY"]):
+        raise Wrong("it is neither ASCII nor BINARY")
+    return Reader(file, length, form == [b"ASCII"]).vectors()
+
+
+class Reader:
+    """Goes from keyword to keyword; of text, lines of numbers are passed over."""
+
+    def __init__(self, file, length: int, text: bool):
+        self.file, self.length, self.text = file, length, text
+        self.size, self.points, self.count = None, None, None
+
+    def vectors(self):
+        """The first VECTORS, and the DIMENSIONS."""
+        while line := self.file.readline(limits.LINE):
+            words = line.decode("ascii", "replace").split()
+            if words and words[0].upper() == "VECTORS":
+                return self.rows(words), self.size
+            if words and words[0][0].isalpha():
+                self.keyword(words[0].upper(), words[1:])
+        raise Wrong("it holds no VECTORS")
+
+    def keyword(self, key: str, rest: list) -> None:
+        if key == "DATASET" and rest[0].upper() in SHAPES or key in PASSED:
+            return
+        if key == "DIMENSIONS":
+            self.size = tuple(count_of(word) for word in rest[:3])
+            self.points = self.size[0] * self.size[1] * self.size[2]
+        elif key == "POINTS":
+            self.points = count_of(rest[0])
+            self.skip(3 * self.points * SIZES.get(rest[1].lower(), 0))
+        elif key == "POINT_DATA":
+            self.count = count_of(rest[0])
+        elif key in ("CELLS", "VERTICES", "CELL_TYPES"):
+            self.skip(4 * count_of(rest[-1]))
+        else:
+            raise Wrong(f"'{key[:20]}' is not read: a file of spins has points and VECTORS")
+
+    def skip(self, bytes_: int) -> None:
+        """Binary numbers that are not used."""
+        if not self.text:
+            within([bytes_], self.length - self.file.tell())
+            self.file.seek(bytes_, 1)
+
+    def rows(self, words: list) -> np.ndarray:
+        """The vectors; nothing is taken for more than the file has."""
+        if self.count is None or self.count != self.points or not 1 <= self.count <= limits.SITES or words[2].lower() not in SIZES:
+            raise Wrong("its VECTORS do not fit its points")
+        left, size = self.length - self.file.tell(), SIZES[words[2].lower()]
+        within([6 * self.count - 1 if self.text else 3 * self.count * size], left)
+        if self.text:
+            found = np.fromstring(KEYWORD.split(self.file.read(left), 1)[0], sep=" ")
+        else:
+            found = np.frombuffer(self.file.read(3 * self.count * size), f">f{size}").astype(float)
+        if len(found) != 3 * self.count:
+            raise Wrong(f"its VECTORS have {len(found)} numbers, not {3 * self.count}")
+        return found.reshape(-1, 3)
+
+
+def count_of(word: str) -> int:
+    """A count."""
+    if not word.isdecimal() or len(word) > 19:
+        raise Wrong(f"'{word[:20]}' is no count")
+    return int(word)

@@ -1,0 +1,203 @@
+"""Spins on lattices as files: .ovf and .vtk, out and in."""
+import numpy as np
+import pytest
+import smidgen
+from fuzz.judge import check_print
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from smidgen.run import ovf, vtk
+from smidgen.run.field import Field, load_field, save_field
+from smidgen.run.grid import Grid
+from support.lattices import FILM, HONEY, random_spins
+
+pytestmark = pytest.mark.quick
+ENDINGS, FORMS = (".ovf", ".vtk"), (True, False)
+
+
+@pytest.fixture(scope="module")
+def film():
+    return smidgen.load_text(FILM)
+
+
+@pytest.fixture(scope="module")
+def result(film):
+    return smidgen.run(film)
+
+
+# Out and in
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("text", FORMS)
+@pytest.mark.parametrize("grid", [Grid((5,), (True,)), Grid((5, 3), (True, True)), Grid((4, 3, 2), (True,) * 3), Grid((3, 2), (True, True), 2)])
+def test_what_is_written_is_read_to_the_bit(tmp_path, ending, text, grid):
+    w = random_spins(grid.count)
+    path = save_field(tmp_path / f"a{ending}", w, grid, "w", "a title", text)
+    found = load_field(path)
+    assert np.array_equal(found.vectors, w) and found.size == (None if grid.sites > 1 else (*grid.size, 1, 1)[:3])
+
+
+@pytest.mark.parametrize("spec_text", [FILM, HONEY])
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_snapshot_starts_the_run_that_goes_on(tmp_path, spec_text, ending):
+    spec = smidgen.load_text(spec_text)
+    result = smidgen.run(spec)
+    path = smidgen.snapshot(result, tmp_path / f"a{ending}", time=0.6)
+    again = smidgen.run(spec, start=load_field(path), steps=0)
+    assert np.array_equal(again.final, result.w["w"][3])
+    assert np.array_equal(load_field(smidgen.snapshot(result, path)).vectors, result.final)
+    assert np.array_equal(load_field(smidgen.snapshot(result, path, row=-2, text=True)).vectors, result.w["w"][-2])
+
+
+def test_states_that_there_are_not(tmp_path, film, result):
+    for choice, said in [({"time": 0.5}, "nearest is at 0.[46]"), ({"row": 9}, "no row 9"), ({"row": 1, "time": 0.2}, "either")]:
+        with pytest.raises(smidgen.UsageError, match=said):
+            smidgen.snapshot(result, tmp_path / "a.ovf", **choice)
+    with pytest.raises(smidgen.UsageError, match="ends in .ovf or .vtk"):
+        smidgen.snapshot(result, tmp_path / "a.txt")
+    with pytest.raises(smidgen.OutputError, match="cannot write"):
+        smidgen.snapshot(result, tmp_path / "none" / "a.ovf")
+    without = smidgen.run(film, what=["energy"])
+    assert np.array_equal(load_field(smidgen.snapshot(without, tmp_path / "a.ovf")).vectors, without.final)
+    with pytest.raises(smidgen.UsageError, match="no states but the last"):
+        smidgen.snapshot(without, tmp_path / "a.ovf", row=0)
+
+
+def test_cells_that_lie_otherwise_are_refused(film):
+    w = random_spins(15)
+    assert np.array_equal(Field(w, (5, 3, 1)).rows(film), w)
+    with pytest.raises(smidgen.UsageError, match="3 x 5 x 1 cells, film on 5 x 3"):
+        smidgen.run(film, start=Field(w, (3, 5, 1)))
+    with pytest.raises(smidgen.UsageError, match="12 vectors, film has 15 sites"):
+        Field(w[:12], (4, 3, 1)).rows(film)
+
+
+def test_vectors_in_single_precision_are_put_on_their_spheres(tmp_path, film):
+    w = random_spins(15)
+    path = save_field(tmp_path / "a.ovf", w, Grid((5, 3), (True, False)), "m", "mumax writes binary 4", False)
+    head, body = path.read_bytes().split(b"Binary 8\n", 1)
+    numbers = np.concatenate([[1234567.0], w.ravel()]).astype("<f4").tobytes()
+    path.write_bytes(head + b"Binary 4\n" + numbers + b"\n# End: Data Binary 4\n# End: Segment\n")
+    found = load_field(path)
+    assert np.abs(found.vectors - w).max() < 1e-7 and np.abs(np.linalg.norm(found.vectors, axis=1) - 1).max() > 1e-9
+    assert np.abs(np.linalg.norm(found.rows(film), axis=1) - 1).max() < 1e-15
+    with pytest.raises(smidgen.errors.RunError, match="off its sphere|off manifold"):
+        smidgen.run(film, start=Field(1.001 * w, None))
+
+
+OOMMF = """# OOMMF OVF 2.0
+# Segment count: 1
+## a comment
+# Begin: Segment
+# Begin: Header
+# Title: m
+# meshunit: nm
+# meshtype: rectangular
+# xbase: 0.5
+# xnodes: 2
+# ynodes: 1
+# znodes: 1
+# xstepsize: 1
+# valuedim: 3
+# valuelabels: m_x m_y m_z
+# valueunits: 1 1 1
+# Desc: made by hand after the user's guide
+# End: Header
+# Begin: Data Text
+0 0 1
+ -1   0 0
+# End: Data Text
+# End: Segment
+"""
+PARAVIEW = """# vtk DataFile Version 2.0
+by hand
+ASCII
+DATASET STRUCTURED_POINTS
+DIMENSIONS 2 1 1
+ORIGIN 0 0 0
+SPACING 1 1 1
+
+POINT_DATA 2
+VECTORS m float
+0 0 1 -1
+0 0
+"""
+
+
+def read(tmp_path, ending, data):
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return load_field(path)
+
+
+@pytest.mark.parametrize("ending, data", [(".ovf", OOMMF), (".vtk", PARAVIEW), (".vtk", PARAVIEW + "\nMETADATA\nINFORMATION 0\n"), (".ovf", OOMMF.replace("\n", "\r\n"))])
+def test_files_of_others(tmp_path, ending, data):
+    found = read(tmp_path, ending, data)
+    assert found.vectors.tolist() == [[0, 0, 1], [-1, 0, 0]] and found.size == (2, 1, 1)
+
+
+@pytest.mark.parametrize("ending, data, said", [
+    (".ovf", OOMMF.replace("2.0", "1.0"), "not in the format OVF 2.0"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 3"), "2 rows, not 3"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 1"), "2 rows, not 1"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 90000000"), "promises"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 999999999999"), "from 1 to 100000000 sites"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: -2"), "lacks 'xnodes'"),
+    (".ovf", OOMMF.replace("dim: 3", "dim: 1"), "no vectors"),
+    (".ovf", OOMMF.replace("count: 1", "count: 2"), "several segments"),
+    (".ovf", OOMMF.replace("Text", "Binary 8"), "promises|order of its bytes"),
+    (".ovf", OOMMF.replace("-1   0 0", "-1   0"), "damaged"),
+    (".ovf", OOMMF.replace("rectangular", "irregular"), "lacks 'pointcount'"),
+    (".ovf", "# OOMMF OVF 2.0\n" + 300 * "# a: b\n", "no data"),
+    (".ovf", b"", "not in the format"),
+    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 3"), "do not fit"),
+    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 90000000").replace("DATA 2", "DATA 90000000"), "promises"),
+    (".vtk", PARAVIEW.replace("-1\n0 0\n", "-1\n0     \n"), "have 5 numbers, not 6"),
+    (".vtk", PARAVIEW.replace("VECTORS", "SCALARS"), "'SCALARS' is not read"),
+    (".vtk", PARAVIEW.replace("STRUCTURED_POINTS", "RECTILINEAR_GRID"), "'DATASET' is not read"),
+    (".vtk", PARAVIEW.replace("ASCII", "BINARY"), "promises"),
+    (".vtk", PARAVIEW[:PARAVIEW.index("VECTORS")], "no VECTORS"),
+    (".vtk", b"\x00" * 100, "not in the legacy format"),
+])
+def test_what_is_no_such_file_is_refused_in_words(tmp_path, ending, data, said):
+    with pytest.raises(smidgen.UsageError, match=said):
+        read(tmp_path, ending, data)
+
+
+def test_a_pipe_and_a_missing_file_are_refused(tmp_path):
+    import os
+    os.mkfifo(tmp_path / "a.ovf")
+    for name in ("a.ovf", "b.vtk"):
+        with pytest.raises(smidgen.UsageError, match="cannot read"):
+            load_field(tmp_path / name)
+
+
+GRIDS = (None, Grid((2, 2), (True, True), 2))
+GOOD = {(module, grid, text): module.written(random_spins(8), grid, (2, 4, 1), "w", "t", text)
+        for module in (ovf, vtk) for grid in GRIDS for text in FORMS}
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+@given(which=st.sampled_from(list(GOOD)), at=st.integers(0, 2000), byte=st.integers(0, 255), cut=st.booleans())
+def test_damaged_files_are_read_or_refused_in_words(tmp_path_factory, which, at, byte, cut):
+    data = GOOD[which]
+    at %= len(data)
+    path = tmp_path_factory.getbasetemp() / ("a.ovf" if which[0] is ovf else "a.vtk")
+    path.write_bytes(data[:at] if cut else data[:at] + bytes([byte]) + data[at + 1:])
+    try:
+        found = load_field(path)
+        assert found.vectors.shape == (8, 3) or not cut
+    except smidgen.UsageError as refusal:
+        check_print(str(refusal))
+
+
+def test_the_command(command, tmp_path):
+    (tmp_path / "film.toml").write_text(FILM)
+    assert command("run", "film.toml", "--out", "a.npz").returncode == 0
+    assert command("snapshot", "a.npz", "--time", "0.4", "--out", "b.ovf").stdout == "b.ovf\n"
+    said = command("run", "film.toml", "--start", "b.ovf", "--steps", "0", "--out", "c.npz")
+    assert said.returncode == 0, said.stderr
+    a, c = (smidgen.load_result(tmp_path / name) for name in ("a.npz", "c.npz"))
+    assert np.array_equal(c.final, a.w["w"][2])
+    assert command("run", "film.toml", "--start", "b.ovf", "--set", "nx=3", "--set", "ny=5").returncode == 2
+    assert "give a file" in command("snapshot", "a.npz").stderr
+    assert "no 'mass'" in command("snapshot", "a.npz", "--what", "mass").stderr
