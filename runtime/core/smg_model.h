@@ -38,7 +38,8 @@
  *              smg_all_beside(c, at, b)           what stands beside a row
  *              smg_row_gradient(c, at, b, all, from, to, g)  g = dH/dw of the sites from <= j < to of a row, in lanes
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k where all w are 0
- *   bound      smg_hessian_row_norm(c, k)                    sum of bounds on the norms of the Hessian blocks in the row of site k, where SMG_CONSTANT_HESSIAN says
+ *   few        smg_few_field(c, all, pitch, i, g), smg_few_norms  dH/dw of the sites in the lanes from i on: smg_few.h, where SMG_FEW_IN_LANES says so
+ *   bound      smg_hessian_row_norm(c, k)                    sum of bounds on the norms of the Hessian blocks in the row of site k, on a graph in a norm that fits it, where SMG_CONSTANT_HESSIAN says
  *                                                 that it is the same at all states
  *
  * A tracer feels others and acts on none.
@@ -54,7 +55,8 @@
  * SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not depend on themselves, and
  * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
- * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h asks for. SMG_COMPOSED: stages of a
+ * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h asks for; SMG_FEW_IN_LANES: few sites, all at once in
+ * lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a
  * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no
  * term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED,
  * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone; SMG_FEW: the coupled sites are a few, and their number is known. */

@@ -23,8 +23,8 @@ static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
   for (size_t k = 0; k < size; ++k) to[k] = from[k];
 }
 
-/* Steps that stay with Newton: models with sweeps count them. */
-#if SMG_SWEPT
+/* Steps that stay with Newton: models that try something else first count them. */
+#if SMG_SWEPT || SMG_FEW_IN_LANES
 enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
 static inline int smg_newton_steps(const smg_state *s) { return s->newton_steps; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) { s->newton_steps = steps; }

@@ -16,8 +16,8 @@
 #include "smg_row_spin.h"
 
 #define SMG_FEW_ROUNDS 32 /* evaluations; more of them cost more than Newton: four vortices 40 ns each, and 1200 */
-/* Ulps of u that the last evaluation may move, as far as the rate tells. Sixteen spins, 1e6 steps: |w|^2 drifts by 2e-20 a step with a twentieth of an
- * ulp of w, by 1e-20 with one of u, and not at all with this. */
+/* Ulps of u that the last evaluation may move, as far as the rate tells. Sixteen spins, 1e6 steps: |w|^2 drifts by 2e-20 a step or more
+ * with a twentieth of an ulp of w, by 1e-20 with one of u, and by nothing that is seen with this. */
 #define SMG_FEW_LEFT (SMG_LEFT * SMG_LEFT)
 #define SMG_FEW_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own, as in smg_row_sweep.h */
 

@@ -31,7 +31,8 @@ class Plan:
     local, coupled: family names, of midpoint methods; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
     rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it;
-    lanes: fixed-point iteration in lanes is tried before dense Newton, where the terms allow it.
+    lanes: fixed-point iteration in lanes is tried before dense Newton, where the terms allow it;
+    coupling: what joins the sites, where Newton has a matrix.
     """
     method: str
     local: tuple
@@ -44,6 +45,7 @@ class Plan:
     rotation: bool = False
     tried: int = 0
     lanes: bool = False
+    coupling: str = "few sites"
 
     @property
     def block(self) -> int:
@@ -138,10 +140,9 @@ def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contri
     factored = all_offer(contributions, ASKS["newton"])
     plan = newton_plan(spec, method.name, local, coupled, joint_overs(spec, contributions)) if factored else None
     if plan is not None and plan.solver in ("band", "sparse") and solver == "auto" and method.onto_leaf and turns:
-        what, newton = plan.reason.split(": ")
-        return replace(plan, rotation=True, reason=f"{what}: rotation sweeps while they settle soon, else {newton}")
+        return replace(plan, rotation=True, reason=f"{plan.coupling}: rotation sweeps while they settle soon, else {plan.reason}")
     if plan is not None:
-        return replace(plan, lanes=plan.solver == "dense" and solver == "auto" and method.onto_leaf)
+        return replace(plan, lanes=plan.solver == "dense" and solver == "auto" and method.onto_leaf, reason=f"{plan.coupling}: {plan.reason}")
     if solver == "newton":
         other = "rotation or plain" if turns else "plain"
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
@@ -160,23 +161,23 @@ def check_space(spec: Spec, method: Method) -> None:
 
 
 def newton_plan(spec: Spec, method: str, local, coupled, overs):
-    """Dense, band or sparse Newton; None when its factorisation would not fit."""
+    """Dense, band or sparse Newton, which its reason names; None when its factorisation would not fit."""
     n = site_count(spec, coupled)
     size = n * METHODS[method].unknowns
     width, wrap = chain_band(overs, coupled)
     small = size <= DENSE_SMALL
     if 0 < width <= BAND_LIMIT and n >= 2 * width + 1 and not (small and fixed_size(spec, coupled)):
         kind = "cyclic" if wrap else "open"
-        return Plan(method, local, coupled, "band", f"chain: Newton on a {kind} band of {width} blocks",
+        return Plan(method, local, coupled, "band", f"Newton on a {kind} band of {width} blocks", coupling="chain",
                     band=width, wrap=wrap)
     if small:
-        return Plan(method, local, coupled, "dense", "few sites: dense Newton")
+        return Plan(method, local, coupled, "dense", "dense Newton")
     if any(isinstance(o, Graph) for o in overs) and len(coupled) == 1:
         plan = sparse_plan(method, local, coupled, n, overs)
         if plan is not None:
             return plan
     if size <= DENSE_UNKNOWNS and not any(isinstance(o, Lattice) for o in overs):
-        return Plan(method, local, coupled, "dense", "few sites: dense Newton")
+        return Plan(method, local, coupled, "dense", "dense Newton")
     return None
 
 
@@ -191,7 +192,7 @@ def sparse_plan(method, local, coupled, n, overs):
     except TooMuchFill:
         return None
     blocks = pattern.blocks
-    return Plan(method, local, coupled, "sparse", f"graph: Newton on {blocks} blocks with fill", pattern=pattern, tried=sweeps_tried(pattern, len(edges)))
+    return Plan(method, local, coupled, "sparse", f"Newton on {blocks} blocks with fill", coupling="graph", pattern=pattern, tried=sweeps_tried(pattern, len(edges)))
 
 
 def joined(overs) -> list:
