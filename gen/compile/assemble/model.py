@@ -1,7 +1,6 @@
 """A model as data: its kernels, its plan, and what the functions over its sites ask of them."""
 from __future__ import annotations
 
-
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...methods import METHODS
