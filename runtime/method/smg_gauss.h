@@ -24,7 +24,8 @@
  *
  * Of the model it needs SMG_STAGES, SMG_HISTORY 1, and beside w, compensation and u one array, s->stages, of
  * SMG_STAGES_SIZE(sites) numbers. Where SMG_HAS_LANES says so it gives smg_lane_gradient(c, w, g) beside smg_gradient(c, w, g),
- * the same for arrays of smg_lanes, each lane a state of its own. */
+ * the same for arrays of smg_lanes, each lane a state of its own. Where SMG_ROW_STAGES says so, it gives what smg_rows.h asks for, and the
+ * array s->stages has smg_stages_size(c) numbers; there is no u then. */
 #ifndef SMG_GAUSS_H
 #define SMG_GAUSS_H
 

@@ -1,0 +1,112 @@
+/* smidgen method: the arrays of Gauss collocation on lattices (smg_gauss_rows.h), by slots, and z and w in lanes. */
+#ifndef SMG_GAUSS_SLOTS_H
+#define SMG_GAUSS_SLOTS_H
+
+#include "smg_row_slots.h"
+
+/* ---- arrays ------------------------------------------------------------------------------- */
+
+/* Numbers of the slots, component after component: w, what it has lost, z; and of every stage p, x = (r/|Z_i|^2) Z_i, L_i, and the L_i before. */
+enum {
+  SMG_SLOT_W = 0, SMG_SLOT_LOST = 3, SMG_SLOT_Z = 6, SMG_SLOT_STAGES = 10,
+  SMG_SLOT_POINT = 0, SMG_SLOT_X = 3, SMG_SLOT_SLOPE = 7, SMG_SLOT_PAST = 11, SMG_SLOT_STAGE = 15,
+  SMG_SLOT_COMPONENTS = SMG_SLOT_STAGES + SMG_SLOT_STAGE * SMG_STAGES
+};
+
+static inline int64_t smg_stages_size(const smg_coefficients *c) { return SMG_WIDEST + SMG_SLOT_COMPONENTS * smg_pitch(c); }
+
+/* Slot 0 of a component, and of a component of stage i. */
+static inline smg_real *smg_slot_component(const smg_state *s, int64_t k);
+static inline smg_real *smg_slot_stage(const smg_state *s, int i, int64_t k) { return smg_slot_component(s, SMG_SLOT_STAGES + SMG_SLOT_STAGE * i + k); }
+
+/* The history: the L_j of the step before, s->history = 1 once there are any. */
+static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
+static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
+static inline void smg_save_history(const smg_state *s, smg_real *out);
+static inline void smg_restore_history(smg_state *s, const smg_real *in);
+
+#include "smg_state.h"
+
+static inline smg_real *smg_slot_component(const smg_state *s, int64_t k) { return smg_line_from(s->stages) + SMG_BEFORE + k * smg_pitch(&s->c); }
+
+/* One of the numbers of a history on its way between sites and slots. */
+typedef struct smg_past_slots {
+  const smg_state *s;
+  const smg_real *in;
+  smg_real *out;
+} smg_past_slots;
+
+SMG_INLINE void smg_past_of_site(void *context, int64_t site, int64_t slot) {
+  const smg_past_slots *a = (const smg_past_slots *)context;
+  for (int q = 0; q < SMG_STAGE_NUMBERS; ++q) {
+    smg_real *there = smg_slot_stage(a->s, q % SMG_STAGES, SMG_SLOT_PAST + q / SMG_STAGES) + slot;
+    if (a->in) *there = a->in[SMG_STAGE_NUMBERS * site + q];
+    else a->out[SMG_STAGE_NUMBERS * site + q] = *there;
+  }
+}
+
+static inline void smg_save_history(const smg_state *s, smg_real *out) {
+  smg_past_slots all = {s, NULL, out};
+  smg_each_slot(&s->c, &all, smg_past_of_site);
+}
+static inline void smg_restore_history(smg_state *s, const smg_real *in) {
+  smg_past_slots all = {s, in, NULL};
+  smg_each_slot(&s->c, &all, smg_past_of_site);
+}
+
+/* Four components of some slots. */
+SMG_INLINE void smg_take_four(const smg_real *all, int64_t pitch, int64_t slot, smg_lanes *v) {
+  for (int k = 0; k < 4; ++k) v[k] = smg_lane_take(all + k * pitch + slot);
+}
+SMG_INLINE void smg_put_four(smg_real *all, int64_t pitch, int64_t slot, const smg_lanes *v) {
+  for (int k = 0; k < 4; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
+}
+
+/* ---- z and w -------------------------------------------------------------------------------- */
+
+/* A z with w(z) = w: the larger of z_0, z_1 is real and positive, sqrt((|w| + |w_3|)/2); nothing cancels. */
+SMG_INLINE void smg_lift(const smg_lanes *w, smg_lanes *z) {
+  const smg_lanes zero = {0}, norm = smg_lane_sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+  const smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (norm + smg_lane_abs(w[2]))), part = (smg_real)0.5 / large;
+  const smg_lanes re = w[0] * part, im = w[1] * part;
+  const smg_lane_mask south = (smg_lane_mask)(w[2] < zero);
+  z[0] = smg_lane_select(south, re, large);
+  z[1] = smg_lane_select(south, -im, zero);
+  z[2] = smg_lane_select(south, large, re);
+  z[3] = smg_lane_select(south, zero, im);
+}
+
+/* w = 2 B(y, d), 2 B(z, z) = 2 w(z): w_1 + i w_2 = 2 conj(z_0) z_1, w_3 = |z_0|^2 - |z_1|^2, made bilinear and symmetric. */
+SMG_INLINE void smg_collect(const smg_lanes *y, const smg_lanes *d, smg_lanes *w) {
+  w[0] = 2 * ((y[0] * d[2] + y[2] * d[0]) + (y[1] * d[3] + y[3] * d[1]));
+  w[1] = 2 * ((y[0] * d[3] + y[3] * d[0]) - (y[1] * d[2] + y[2] * d[1]));
+  w[2] = 2 * ((y[0] * d[0] + y[1] * d[1]) - (y[2] * d[2] + y[3] * d[3]));
+}
+
+static void smg_lift_slots(const smg_state *s) {
+  const int64_t pitch = smg_pitch(&s->c), end = smg_slots(&s->c);
+  const smg_real *from = smg_slot_component(s, SMG_SLOT_W);
+  smg_real *to = smg_slot_component(s, SMG_SLOT_Z);
+  for (int64_t slot = 0; slot < end; slot += SMG_LANES) {
+    smg_lanes w[3], z[4];
+    smg_take_slots(from, pitch, slot, w);
+    smg_lift(w, z);
+    smg_put_four(to, pitch, slot, z);
+  }
+}
+
+/* w and what it has lost into slots; empty ones hold a spin that nothing turns. */
+static void smg_enter_slots(const smg_state *s) {
+  smg_real *w = smg_slot_component(s, SMG_SLOT_W);
+  const int64_t pitch = smg_pitch(&s->c);
+  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) w[2 * pitch + slot] = smg_radius(&s->c, 0);
+  smg_to_slots(s, s->w, w);
+  smg_to_slots(s, s->compensation, smg_slot_component(s, SMG_SLOT_LOST));
+  smg_lift_slots(s);
+}
+static void smg_leave_slots(const smg_state *s) {
+  smg_to_sites(s, smg_slot_component(s, SMG_SLOT_W), s->w);
+  smg_to_sites(s, smg_slot_component(s, SMG_SLOT_LOST), s->compensation);
+}
+
+#endif

@@ -1,0 +1,257 @@
+/* smidgen method: the sweeps of Gauss collocation on lattices (smg_gauss_rows.h). A vector of sites goes through all stages at once: the
+ * slopes at the points as they are, what the shift adds to their changes, and the new points. */
+#ifndef SMG_GAUSS_SWEEP_H
+#define SMG_GAUSS_SWEEP_H
+
+#include "smg_row_piece.h"
+#include "smg_gauss_slots.h"
+#include "smg_gauss_shift.h"
+
+/* What sweeps work with: where the slots are; where changes are marked, or NULL; h/(2 kappa), r, 1/r, sqrt(r); how
+ * strongly fields turn spins; D; a piece, and the gradients of its stages. */
+typedef struct smg_slot_sweep {
+  smg_real *w, *z, *stages, *marks;
+  int64_t pitch;
+  smg_real half, radius, inverse, size, strength;
+  smg_shift_matrix shift;
+  smg_besides known;
+  smg_piece piece;
+  SMG_LINES smg_real gradient[3 * SMG_STAGES * SMG_PIECE_ROOM];
+} smg_slot_sweep;
+
+/* Component k of stage i. */
+SMG_INLINE smg_real *smg_sweep_stage(const smg_slot_sweep *a, int i, int64_t k) { return a->stages + (SMG_SLOT_STAGE * i + k) * a->pitch; }
+
+/* conj(-conj z_1, conj z_0).r, what r has orthogonal to z. */
+SMG_INLINE void smg_part_orthogonal(const smg_lanes *z, const smg_lanes *r, smg_lanes *part) {
+  part[0] = (z[0] * r[2] - z[1] * r[3]) - (z[2] * r[0] - z[3] * r[1]);
+  part[1] = (z[0] * r[3] + z[1] * r[2]) - (z[2] * r[1] + z[3] * r[0]);
+}
+
+/* l += (re + i im) (-conj z_1, conj z_0) */
+SMG_INLINE void smg_add_orthogonal(const smg_lanes *z, smg_lanes re, smg_lanes im, smg_lanes *l) {
+  l[0] -= z[2] * re + z[3] * im;
+  l[1] += z[3] * re - z[2] * im;
+  l[2] += z[0] * re + z[1] * im;
+  l[3] += z[0] * im - z[1] * re;
+}
+
+/* L_i by F of the slots of one vector, with its change and that change's part for the shift; the largest change is noted, and what is not a number. */
+SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, const smg_lanes *g, const smg_lanes *z, smg_lanes *l, smg_lanes *part, smg_lanes *change) {
+  const int64_t pitch = a->pitch;
+  const smg_real half = a->half * smg_gauss_weight[i];
+  const smg_lanes t[3] = {half * g[0], half * g[1], half * g[2]};
+  smg_lanes p[3], x[4], d[4];
+  smg_take_slots(smg_sweep_stage(a, i, SMG_SLOT_POINT), pitch, slot, p);
+  smg_take_four(smg_sweep_stage(a, i, SMG_SLOT_X), pitch, slot, x);
+  smg_take_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), pitch, slot, d);
+  smg_turn(t, a->inverse * (p[0] * t[0] + p[1] * t[1] + p[2] * t[2]), x, l);
+  for (int b = 0; b < 4; ++b) d[b] = l[b] - d[b];
+  smg_part_orthogonal(z, d, part);
+  *change = smg_lane_max(*change, (smg_lane_abs(d[0]) + smg_lane_abs(d[1])) + (smg_lane_abs(d[2]) + smg_lane_abs(d[3])));
+}
+
+/* L_i += (D part)_i/r, three products for each of complex numbers: (x + iy)(p + iq) = x(p + q) - (x + y)q + i (x(p + q) + (y - x)p). */
+SMG_INLINE void smg_shift_slopes(const smg_slot_sweep *a, const smg_lanes *z, const smg_lanes (*part)[2], smg_lanes (*l)[4]) {
+  smg_lanes sum[SMG_STAGES];
+  SMG_UNROLL
+  for (int j = 0; j < SMG_STAGES; ++j) sum[j] = part[j][0] + part[j][1];
+  SMG_UNROLL
+  for (int i = 0; i < SMG_STAGES; ++i) {
+    smg_lanes both = a->shift.re[i][0] * sum[0], less = a->shift.sum[i][0] * part[0][1], more = a->shift.gap[i][0] * part[0][0];
+    SMG_UNROLL
+    for (int j = 1; j < SMG_STAGES; ++j) {
+      both += a->shift.re[i][j] * sum[j];
+      less += a->shift.sum[i][j] * part[j][1];
+      more += a->shift.gap[i][j] * part[j][0];
+    }
+    smg_add_orthogonal(z, both - less, both + more, l[i]);
+  }
+}
+
+/* sum_i = z + sum_j (a_ij/b_j) L_j of one component, stages i and i' = s + 1 - i together: half of the products (smg_gauss_table.h). */
+SMG_INLINE void smg_combine_halves(smg_lanes z, int b, const smg_lanes (*l)[4], smg_lanes (*sum)[4]) {
+  enum { HALF = SMG_STAGES / 2, ODD = SMG_STAGES % 2 };
+  smg_lanes even[HALF + 1], odd[HALF + 1], all = {0}, middle;
+  SMG_UNROLL
+  for (int j = 0; j < HALF; ++j) {
+    even[j] = l[j][b] + l[SMG_STAGES - 1 - j][b];
+    odd[j] = l[j][b] - l[SMG_STAGES - 1 - j][b];
+    all += even[j];
+  }
+  if (ODD) all += even[HALF] = l[HALF][b];
+  middle = z + (smg_real)0.5 * all;
+  if (ODD) sum[HALF][b] = middle;
+  SMG_UNROLL
+  for (int i = 0; i < HALF; ++i) {
+    smg_lanes p = smg_gauss_cross[i][0] * even[0], q = smg_gauss_cross[0][i] * odd[0];
+    SMG_UNROLL
+    for (int j = 1; j < HALF; ++j) {
+      p += smg_gauss_cross[i][j] * even[j];
+      q += smg_gauss_cross[j][i] * odd[j];
+    }
+    if (ODD) p += smg_gauss_cross[i][HALF] * even[HALF];
+    if (ODD) sum[HALF][b] -= smg_gauss_cross[i][HALF] * odd[i];
+    sum[i][b] = middle + (p - q);
+    sum[SMG_STAGES - 1 - i][b] = middle - (p + q);
+  }
+}
+
+/* Z_i = z + sum_j (a_ij/b_j) L_j as x and p, of the slots of one vector. */
+SMG_INLINE void smg_join_slots(const smg_slot_sweep *a, int64_t slot, const smg_lanes *z, const smg_lanes (*l)[4]) {
+  smg_lanes sum[SMG_STAGES][4];
+  SMG_UNROLL
+  for (int b = 0; b < 4; ++b) smg_combine_halves(z[b], b, l, sum);
+  SMG_UNROLL
+  for (int i = 0; i < SMG_STAGES; ++i) {
+    smg_lanes x[4], p[3];
+    smg_point(a->radius, sum[i], x, p);
+    smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_X), a->pitch, slot, x);
+    smg_put_slots(smg_sweep_stage(a, i, SMG_SLOT_POINT), a->pitch, slot, p);
+  }
+}
+
+/* L as it was, and no change, in all lanes but the first `in`. */
+SMG_INLINE void smg_only_first(const smg_slot_sweep *a, int64_t slot, int64_t in, smg_lanes (*l)[4], smg_lanes *change) {
+  const smg_lanes none = {0};
+  *change = smg_lane_select(smg_lane_below(in), *change, none);
+  for (int i = 0; i < SMG_STAGES; ++i)
+    for (int b = 0; b < 4; ++b) l[i][b] = smg_lane_select(smg_lane_below(in), l[i][b], smg_lane_take(smg_sweep_stage(a, i, SMG_SLOT_SLOPE + b) + slot));
+}
+
+/* The slots of one vector, k of the piece: `in` of them belong to it, the others stay as they are. */
+SMG_INLINE void smg_sweep_slots(const smg_slot_sweep *a, int64_t k, int64_t in, smg_lanes *change) {
+  const int64_t slot = a->piece.start + k;
+  smg_lanes z[4], l[SMG_STAGES][4], part[SMG_STAGES][2], moved = {0};
+  smg_take_four(a->z, a->pitch, slot, z);
+  SMG_UNROLL
+  for (int i = 0; i < SMG_STAGES; ++i) {
+    smg_lanes g[3];
+    smg_take_slots(a->gradient + 3 * SMG_PIECE_ROOM * i, SMG_PIECE_ROOM, k, g);
+    smg_slot_slopes(a, i, slot, g, z, l[i], part[i], &moved);
+  }
+  if (a->shift.theta != 0) smg_shift_slopes(a, z, (const smg_lanes(*)[2])part, l);
+  if (in < SMG_LANES) smg_only_first(a, slot, in, l, &moved);
+  if (a->marks) smg_lane_put(a->marks + slot, moved);
+  *change = smg_lane_max(*change, moved);
+  SMG_UNROLL
+  for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), a->pitch, slot, l[i]);
+  smg_join_slots(a, slot, z, (const smg_lanes(*)[4])l);
+}
+
+/* The next piece of a colour, all stages; 0 where the colour ends. */
+static int smg_sweep_piece(smg_state *s, smg_slot_sweep *a, smg_lanes *change) {
+  const smg_lattice_row at = a->piece.at;
+  const int64_t from = a->piece.from;
+  smg_lanes most = *change;
+  for (int i = 0; i < SMG_STAGES; ++i) {
+    a->piece.at = at;
+    a->piece.from = from;
+    a->piece.g = a->gradient + 3 * SMG_PIECE_ROOM * i;
+#if SMG_TIMED
+    smg_set_time(&s->c, smg_time_at(s, smg_gauss_node[i]));
+#endif
+    if (!smg_next_piece(&s->c, smg_sweep_stage(a, i, SMG_SLOT_POINT), &a->piece)) return 0;
+  }
+  for (int64_t k = 0; k < a->piece.size; k += SMG_LANES) smg_sweep_slots(a, k, a->piece.size - k, &most);
+  *change = most;
+  return 1;
+}
+
+static smg_moved smg_sweep_stages(smg_state *s, void *with) {
+  smg_slot_sweep *a = (smg_slot_sweep *)with;
+  smg_lanes change = {0};
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
+    smg_begin_colour(&s->c, colour, &a->piece);
+    while (smg_sweep_piece(s, a, &change)) continue;
+  }
+  smg_real bad = 0; /* or not a number, where a lane is not: among others it may be lost */
+  for (int l = 0; l < SMG_LANES; ++l) bad += ((const smg_real *)&change)[l] - ((const smg_real *)&change)[l];
+  change += bad;
+  const smg_moved moved = {change / (a->size * a->strength + SMG_LEAST), 2 * a->size * change, smg_lane_of(2 * a->radius * a->strength)};
+  return moved;
+}
+
+/* L_j by the polynomial through those of the step before, or 0. */
+SMG_INLINE void smg_ahead_slots(const smg_slot_sweep *a, int64_t slot, int extrapolated, smg_lanes (*l)[4]) {
+  SMG_UNROLL
+  for (int b = 0; b < 4; ++b) {
+    smg_lanes past[SMG_STAGES];
+    SMG_UNROLL
+    for (int j = 0; j < SMG_STAGES; ++j) past[j] = extrapolated ? smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_PAST + b) + slot) : smg_lane_of(0);
+    SMG_UNROLL
+    for (int i = 0; i < SMG_STAGES; ++i) {
+      l[i][b] = smg_gauss_ahead[0][i] * past[0];
+      SMG_UNROLL
+      for (int j = 1; j < SMG_STAGES; ++j) l[i][b] += smg_gauss_ahead[j][i] * past[j];
+    }
+  }
+}
+
+/* What the iteration begins with. */
+static void smg_begin_slots(const smg_state *s, const smg_slot_sweep *a, int extrapolated) {
+  const int64_t end = smg_slots(&s->c);
+  for (int64_t slot = 0; slot < end; slot += SMG_LANES) {
+    smg_lanes z[4], l[SMG_STAGES][4];
+    smg_ahead_slots(a, slot, extrapolated, l);
+    SMG_UNROLL
+    for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), a->pitch, slot, l[i]);
+    smg_take_four(a->z, a->pitch, slot, z);
+    smg_join_slots(a, slot, z, (const smg_lanes(*)[4])l);
+  }
+}
+
+#define SMG_LOOKS 16 /* spins of a piece that are looked at: theta by their mean is as good as by that of all */
+
+/* What a piece of the first colour tells of the fields: the largest |h b/2|, and theta, the mean h b.p/r, in eighths, so that D is
+ * seldom made anew. */
+static smg_real smg_look_at_fields(smg_state *s, smg_slot_sweep *a) {
+  const smg_real *p = smg_sweep_stage(a, SMG_STAGES / 2, SMG_SLOT_POINT), *g = a->piece.g;
+  smg_real sum = 0, most = 0, looks = 0;
+#if SMG_TIMED
+  smg_set_time(&s->c, smg_time_at(s, smg_gauss_node[SMG_STAGES / 2]));
+#endif
+  smg_begin_colour(&s->c, 0, &a->piece);
+  (void)smg_next_piece(&s->c, p, &a->piece);
+  for (int64_t k = 0; k < a->piece.size; k += 1 + a->piece.size / SMG_LOOKS, ++looks) {
+    const smg_real *b = g + k, *q = p + a->piece.start + k;
+    sum += q[0] * b[0] + q[a->pitch] * b[SMG_PIECE_ROOM] + q[2 * a->pitch] * b[2 * SMG_PIECE_ROOM];
+    most = smg_max(most, smg_abs(b[0]) + smg_abs(b[SMG_PIECE_ROOM]) + smg_abs(b[2 * SMG_PIECE_ROOM]));
+  }
+  a->strength = smg_abs(a->half) * most;
+  const smg_real theta = 2 * a->half * a->inverse * sum / looks;
+  if (!(smg_abs(theta) <= SMG_MOST_TURN)) return theta > 0 ? SMG_MOST_TURN : theta < 0 ? -SMG_MOST_TURN : 0;
+  return (smg_real)(int)(8 * theta) / 8;
+}
+
+static smg_status smg_settle_slots(smg_state *s, smg_slot_sweep *a, int extrapolated) {
+  smg_begin_slots(s, a, extrapolated);
+  smg_shift_by(&a->shift, a->radius, smg_look_at_fields(s, a));
+  return smg_sweep_to_rest(s, a);
+}
+
+/* The site that moves most, or is no number. */
+typedef struct smg_most_moved {
+  const smg_real *marks;
+  smg_real most;
+  int64_t site;
+} smg_most_moved;
+
+SMG_INLINE void smg_look_at_mark(void *context, int64_t site, int64_t slot) {
+  smg_most_moved *found = (smg_most_moved *)context;
+  if (found->marks[slot] <= found->most) return;
+  found->most = found->marks[slot];
+  found->site = site;
+}
+
+/* After a step that failed: by one more sweep, with marks in place of z, which the next step lifts anew. */
+static int64_t smg_moving_site(smg_state *s, smg_slot_sweep *a) {
+  smg_most_moved found = {a->z, -1, -1};
+  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) a->z[slot] = 0;
+  a->marks = a->z;
+  (void)smg_sweep_stages(s, a);
+  smg_each_slot(&s->c, &found, smg_look_at_mark);
+  return found.site;
+}
+
+#endif
