@@ -123,7 +123,7 @@ class Integrator(ReadOnly):
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
         self._library = _loaded(built.binary)
         self._c = _functions(self._library, self.name)
-        self._state, self._passed = None, _packed(self.scene, self.values_in)
+        self._state, self._passed = None, _passed(*_packed(self.scene, self.values_in))
         self.h, self.t0, self.count, self.w = math.nan, 0.0, 0, None
         self.columns = value_columns(scene)
 
@@ -447,12 +447,17 @@ def _known_to(scene, values):
 
 
 def _packed(scene, values):
-    """(scalars, arrays, where the arrays are) as the C takes them: run-time parameters in the order of the spec."""
+    """(scalars, arrays) as the C takes them: run-time parameters in the order of the spec."""
     numbers = parameter_values(scene, values)
     free = [p for p in scene.parameters if not p.fixed]
     scalars = [float(numbers[p.name]) for p in free if p.kind != "array"]
     arrays = [np.ascontiguousarray(numbers[p.name], float) for p in free if p.kind == "array"]
-    return np.array(scalars or [0.0]), arrays, (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
+    return np.array(scalars or [0.0]), arrays
+
+
+def _passed(scalars, arrays):
+    """The same, and where the arrays are."""
+    return scalars, arrays, (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
 
 
 def _real_array(v, real):

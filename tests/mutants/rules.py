@@ -148,7 +148,8 @@ WRAP = (
 )
 
 # Lattices by rows in lanes: which sites stand beside a row, where its ends are, what of it is kept, and when steps may go so.
-ROWS, ROW_STATE, ROW_SWEEP, ROW_STEP = (f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_sweep", "row_step"))
+ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP = (
+    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step"))
 BY_ROWS = "gen/compile/assemble/rows.py"
 IN_ROWS = (
     (ROWS, r"s < n - reach \? reach :", r"s < n ? reach :"),
@@ -161,10 +162,12 @@ IN_ROWS = (
     (ROWS, r"first \+ b->around \+ k, k - j", r"first + b->around, k - j"),
     (ROWS, r"smg_lane_below\(b->to - j\)", r"smg_lane_below(b->to - j + 1)"),
     (ROW_STATE, r"s->rows = s->row_bound <= SMG_ROW_BOUND", r"s->rows = 1"),
-    (ROW_STATE, r"cell \* SMG_PLACES \+ at\.sub", r"cell * SMG_PLACES"),
+    (ROW_SLOTS, r"cell \* SMG_PLACES \+ at\.sub", r"cell * SMG_PLACES"),
     (ROW_STATE, r"past \+ j \* n3", r"past"),
     (ROW_STATE, r"if \(s->history > SMG_ROW_HISTORY\) s->history = SMG_ROW_HISTORY;", r""),
-    (ROW_SWEEP, r"piece->at\.start \+ piece->from", r"piece->at.start"),
+    (ROW_PIECE, r"piece->at\.start \+ piece->from", r"piece->at.start"),
+    (ROW_PIECE, r"piece->from = share\.from - first - row \* length", r"piece->from = 0"),
+    (ROW_TEAM, r"worth <= 1 \|\| smg_meet_at_seam\(c\)", r"worth <= 1"),
     (ROW_SWEEP, r"smg_lane_select\(smg_lane_below\(in\), v\[k\], m\[k\]\)", r"v[k]"),
     (ROW_SWEEP, r"1 / \(radius \* radius\)", r"1 / radius"),
     (ROW_SWEEP, r" && smg_rest_settled\(&sweep->part, SMG_EPS\)", r""),
