@@ -24,7 +24,7 @@ from .pace import Pace
 from .settings import settle, whole
 from .start import find_start, initial_state, sizes
 
-BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least what steps in lanes together
+BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least some registers full
 MEMORY = 2 ** 31            # bytes of outputs
 OUTPUTS = ("states", "energy")
 

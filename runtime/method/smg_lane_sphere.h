@@ -16,7 +16,7 @@
 #if SMG_LANES > 1
 
 #define SMG_LANE_ROWS 24 /* rows of history before they are moved back: more leave the nearest cache, fewer are moved more often */
-#define SMG_GROUPS 4     /* groups of lanes that step in turn, for the processor to overlap; with more their histories leave the nearest cache */
+#define SMG_GROUPS 3      /* groups of lanes that step in turn, for the processor to overlap; with more their histories leave a nearest cache of 32 KB */
 
 /* A Newton iteration: the increment, 1/|w + W|, det(1 - E), and the square of the change. */
 typedef struct smg_lane_newton {
