@@ -14,6 +14,8 @@ import pytest
 import smidgen
 from smidgen.build import binary, cache
 from smidgen.build.binary import build_library
+from smidgen.check.verify import branch, certificate, order
+from smidgen.check.verify.case import Case
 from smidgen.cli import main
 from smidgen.run import integrator
 
@@ -51,12 +53,28 @@ def optimised():
         yield
 
 
+@pytest.fixture
+def optimised_here():
+    """The same for one test."""
+    with built_at("-O1"):
+        yield
+
+
 @contextlib.contextmanager
 def built_at(level):
     flags = binary.FLAGS
     binary.FLAGS = tuple(level if f.startswith("-O") else f for f in flags)
     yield
     binary.FLAGS = flags
+
+
+@pytest.fixture
+def few_states(monkeypatch):
+    """A certificate looks at as few states as that of `--quick`, and at fewer branches, however long its orbits are."""
+    monkeypatch.setattr(Case, "of_tier", lambda self, table: table["quick"])
+    monkeypatch.setitem(certificate.STATES, "normal", certificate.STATES["quick"])
+    monkeypatch.setattr(branch, "STATES", (2, 6, 6))
+    monkeypatch.setattr(order, "FLOW_HALVINGS", 7)
 
 
 @pytest.fixture

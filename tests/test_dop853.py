@@ -31,6 +31,7 @@ def test_validate(name, method):
     assert report.passed, report
 
 
+@pytest.mark.usefixtures("few_states", "optimised_here")
 def test_the_certificate_refuses_what_it_is_not():
     rows = {row.name: row.verdict for row in smidgen.verify(smidgen.load("irreversible_rigid_body"), method="dop853", tier="quick").rows}
     assert rows["symplectic"] == rows["casimirs"] == rows["reversible"] == "no"

@@ -257,8 +257,10 @@ def test_round_off_is_carried_along(build):
     assert carried < 1e-15 and plain > 5 * carried
 
 
-def test_a_zero_state_stays(build):
-    found = run(build(), BODY_R3, 3, 2, starts="0 0 0")
+@pytest.mark.parametrize("flags", [(), (PROJECT,)])
+def test_a_zero_state_stays(build, flags):
+    """Projected too: its leaf is a point."""
+    found = run(build(*flags), BODY_R3, 3, 2, starts="0 0 0")
     assert found.status == OK and not found.w.any() and found.internal == 2
 
 
@@ -380,6 +382,7 @@ def test_not_finite(build, flags):
 
 def test_the_site_of_a_failure(build):
     assert failed(build(), EDGE, 1, 50, "0.1 0.99 0.01  0 0.7855 0.6188")[:2] == [NOT_FINITE, 1]
+    assert failed(build(), EDGE, 1, 50, "0 0.7855 0.6188  0.1 0.99 0.01")[:2] == [NOT_FINITE, 0]
 
 
 @pytest.mark.parametrize("h", ["1e6", "1e13"])

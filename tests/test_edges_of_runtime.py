@@ -110,6 +110,12 @@ def test_another_curve_is_not_followed(make):
     assert status == NO_CONVERGENCE and (reached, far) == (0, 0)
 
 
+def test_where_no_sign_is_known_the_curve_is_followed_all_the_same(make):
+    """By the angle between its tangents alone."""
+    status, reached, far = followed(make("gcc-sanitized", "curve"), b=1.0, sign=0)
+    assert (status, reached) == (OK, 1) and far == pytest.approx(2, abs=1e-8)
+
+
 def test_a_large_system_runs_out_of_points(make):
     """600 000 components leave eleven points, too few for eighty natural steps; 6 have all that are needed."""
     assert followed(make("gcc", "curve"), s=80.0)[0] == OK

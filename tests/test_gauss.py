@@ -49,6 +49,7 @@ def test_validate(name, order):
 
 
 @pytest.mark.parametrize("order", [2, 6])
+@pytest.mark.usefixtures("few_states", "optimised_here")
 def test_the_certificate_says_symplectic_and_claims_no_quadratic_integral(order):
     rows = {row.name: row for row in smidgen.verify(FREE, method=f"gauss-{order}", tier="quick").rows}
     assert rows["symplectic"].verdict == rows["order"].verdict == rows["casimirs"].verdict == "yes"

@@ -15,6 +15,7 @@ MODELS = {
     "sites alone": HEAD.format(space="w = { sphere = 6, radius = 2 }", over="site(i) of w", energy="w[i].z^2 + w[i].x"),
     "all pairs": HEAD.format(space="w = { sphere = 6 }", over="pair(i, j) of w", energy="dot(w[i], w[j])"),
     "factors R^3": HEAD.format(space="w = { r3 = 6 }", over="pair(i, j) of w", energy="w[i].x*w[j].x + w[i].z*w[j].z"),
+    "by rows": HEAD.format(space='w = { sphere = "n" }\n[parameters]\nn = 6', over="bond(i, j) of chain(n, periodic)", energy="-dot(w[i], w[j])"),
     "a tracer": HEAD.format(space="w = { sphere = 3 }\np = { sphere = 3, tracer = true }", over="each(i of w, j of p)",
                             energy="dot(w[i], p[j])"),
 }
@@ -34,7 +35,9 @@ static smg_status run(int garbage, int count, m_state *s) {{
   memset(mem, garbage, m_memsize(&p));
   memset(s, garbage, sizeof *s);
   const smg_status status = m_init(s, &p, mem, w, 0.5, 0.1);
-  return status == SMG_OK ? m_steps(s, count) : status;
+  if (status != SMG_OK || count < 1) return status;
+  const smg_status first = m_step(s);
+  return first == SMG_OK ? m_steps(s, count - 1) : first;
 }}
 
 int main(void) {{
@@ -92,3 +95,57 @@ def test_a_refused_start_names_its_site(said):
         nan, nan_site, off, off_site = map(int, line.split())
         assert (nan, nan_site) == (4, k // 3)
         assert (off, off_site) == ((0, -1) if name == "factors R^3" else (6, k // 3))
+
+
+REFUSED = """
+[model]
+name = "m"
+[space]
+w = { sphere = "n", kappa = "k*(i + 1)", radius = "r*(i + 1)" }
+[parameters]
+n = 3
+k = 1.0
+r = 1.0
+[effects.exchange]
+over = "bond(i, j) of chain(n, periodic)"
+energy = "dot(w[i], w[j])"
+"""
+ASKED = """
+#include "m.h"
+#include <stdio.h>
+#include <stdlib.h>
+
+int main(void) {
+  static smg_real mem[10000];
+  static const smg_real w[] = {0, 0, 1, 0, 0, 2, 0, 3, 0};
+  double n, k, r, t0, h, tolerance;
+  while (scanf("%lf %lf %lf %lf %lf %lf", &n, &k, &r, &t0, &h, &tolerance) == 6) {
+    m_params p;
+    m_state s;
+    m_defaults(&p);
+    p.n = (int64_t)n;
+    p.k = k;
+    p.r = r;
+    if (n == 3 && m_memsize(&p) > sizeof mem) return 1;
+    const int begun = (int)m_init(&s, &p, mem, w, t0, h);
+    printf("%d %d\\n", begun, begun == 0 ? (int)m_set_tolerance(&s, tolerance) : -1);
+  }
+  return 0;
+}
+"""
+OK, NOT_FINITE, BAD = 0, 4, 5
+GOOD = {"n": 3, "k": 1, "r": 1, "t0": 0, "h": 0.1, "tolerance": 0.5}
+CASES = [({}, OK, OK), ({"tolerance": 0}, OK, OK), ({"tolerance": -1e-9}, OK, BAD), ({"tolerance": 1}, OK, BAD), ({"tolerance": "nan"}, OK, BAD),
+         ({"n": 2}, BAD, -1), ({"n": -1}, BAD, -1), ({"k": 0}, BAD, -1), ({"k": -1}, OK, OK), ({"k": 1e308}, BAD, -1), ({"k": "nan"}, NOT_FINITE, -1),
+         ({"r": 0}, BAD, -1), ({"r": -1}, BAD, -1), ({"r": 1e308}, BAD, -1), ({"r": "inf"}, NOT_FINITE, -1), ({"t0": "inf"}, NOT_FINITE, -1),
+         ({"h": "inf"}, NOT_FINITE, -1), ({"h": 1e-310}, BAD, -1), ({"h": -1e-310}, BAD, -1), ({"h": 0}, OK, OK), ({"h": -0.1}, OK, OK)]
+
+
+def test_init_refuses_what_no_step_could_use(tmp_path):
+    """By itself: nobody has asked m_check. Strengths and radii that overflow on the way are no better than infinite ones."""
+    for name, content in {**generate(load_text(REFUSED)), "main.c": ASKED}.items():
+        (tmp_path / name).write_text(content)
+    subprocess.run(["gcc", "-O1", "-std=c11", "-ffp-contract=off", *include_flags(), "-I.", "main.c", "m.c", "-lm", "-o", "program"], cwd=tmp_path, check=True)
+    asked = "\n".join(" ".join(str({**GOOD, **changed}[key]) for key in GOOD) for changed, _, _ in CASES)
+    said = subprocess.run(["./program"], cwd=tmp_path, input=asked, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert [tuple(map(int, line.split())) for line in said] == [(begun, set_) for _, begun, set_ in CASES]

@@ -23,7 +23,7 @@ a = 0.75
 b = { default = 0.3, size = 3 }
 [effects.smooth]
 over = "site(i) of w"
-energy = "exp(a*w[i].x) + log(2 + w[i].y) + sin(w[i].z)*cos(w[i].x) + tan(w[i].y/2) + b[i]*sqrt(2 + w[i].z) + (2 + w[i].x)^1.3 + i*w[i].z"
+energy = "exp(a*w[i].x) + (1 + 0.1*w[i].z)*log(2 + w[i].y) + sin(w[i].z)*cos(w[i].x) + tan(w[i].y/2) + b[i]*sqrt(2 + w[i].z) + (2 + w[i].x)^1.3 + i*w[i].z"
 [effects.pieces]
 over = "each(i of w, j of v)"
 energy = "0.1*abs(dot(w[i], v[j])) + max(w[i].x, v[j].y) + min(w[i].z*v[j].z, a) + if(w[i].x > v[j].x and not w[i].y == 2, w[i].x*v[j].y, -w[i].y^3)"
@@ -32,7 +32,7 @@ over = "site(i) of v"
 energy = "if(a > 0.5 or v[i].x < v[i].y, floor(v[i].x)*v[i].y, v[i].z^2) + if(a > 1, v[i].x, 2)*v[i].z^3"
 [effects.more]
 over = "site(i) of v"
-energy = "v[i].x^2/2 + v[i].y^2*(1 + atan(v[i].z)) + asin(v[i].x/4) + acos(v[i].y/9) + cosh(v[i].y) + tanh(v[i].z)*sinh(v[i].x) + (1 + v[i].x^2)^(3/2) + atan2(v[i].y, 2)"
+energy = "v[i].x^2/2 + v[i].y^2*(1 + atan(v[i].z)) + (1 + 0.1*v[i].y)*asin(v[i].x/4) + (1 + 0.1*v[i].z)*acos(v[i].y/9) + cosh(v[i].y) + tanh(v[i].z)*sinh(v[i].x) + (1 + v[i].x^2)^(3/2) + (1 + 0.1*v[i].z)*atan2(v[i].y, 3 + v[i].x)"
 [effects.constant]
 over = "site(i) of w"
 energy = "b[i]*w[i].x"

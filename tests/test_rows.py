@@ -8,6 +8,7 @@ import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
+from smidgen.run.saved import DEGREE, H, HISTORY
 from support.strict import COMPILERS, WARNINGS
 
 HEAD = """
@@ -45,6 +46,22 @@ size = ["n", 4]
 boundary = ["open", "periodic"]
 bonds.near = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset = [2, 1] }, { from = 0, to = 0, offset = [0, -1] }]
 """
+LADDER = """[lattices.rungs]
+size = ["n"]
+boundary = "open"
+sites = 2
+bonds.all = [{ from = 0, to = 0, offset = [1] }, { from = 1, to = 1, offset = [1] }, { from = 0, to = 1, offset = [0] }]
+"""
+FAR = """[lattices.reach]
+size = ["n"]
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 0, offset = [1] }, { from = 0, to = 0, offset = [5] }]
+"""
+FOUR = """[lattices.four]
+size = ["n", 3, 4, 2]
+boundary = ["periodic", "open", "periodic", "open"]
+bonds.near = [{ from = 0, to = 0, offset = [1, 0, 0, 0] }, { from = 0, to = 0, offset = [0, 0, 1, 0] }, { from = 0, to = 0, offset = [0, 0, 0, 1] }]
+"""
 
 
 def lattice(name, over, n, sites, effects=EXCHANGE + FIELD, lattice="", more=""):
@@ -52,7 +69,7 @@ def lattice(name, over, n, sites, effects=EXCHANGE + FIELD, lattice="", more="")
 
 
 SPECS = {
-    **{f"ring of {n}": lattice("ring", "chain(n, periodic)", n, "n", EXCHANGE + FIELD + DM) for n in (4, 5, 16, 17, 33, 100, 601)},
+    **{f"ring of {n}": lattice("ring", "chain(n, periodic)", n, "n", EXCHANGE + FIELD + DM) for n in (4, 5, 16, 17, 33, 66, 601)},
     **{f"open chain of {n}": lattice("open_chain", "chain(n, open)", n, "n") for n in (3, 5, 16, 35)},
     **{f"further neighbours of {n}": lattice("further", "chain(n, periodic, 2)", n, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)"))
        for n in (7, 12, 50)},
@@ -64,8 +81,15 @@ SPECS = {
     "open cubic": lattice("open_cubic", "cubic(n, 4, 3, open)", 18, "12*n"),
     "honeycomb": lattice("honeycomb", "honey.all", 5, "6*n", lattice=HONEY),
     "three colours": lattice("skew", "skew.near", 13, "4*n", EXCHANGE + DM, SKEW),
+    "ladder": lattice("ladder", "rungs.all", 7, "2*n", lattice=LADDER),
+    "far": lattice("far", "reach.all", 14, "n", lattice=FAR),
+    "four dimensions": lattice("four", "four.near", 4, "24*n", EXCHANGE + DM, FOUR),
+    "pieces": lattice("pieces", "square(n, 30, periodic)", 20, "30*n"),
     "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", more=", radius = 1.7, kappa = -0.6"),
 }
+
+
+WIDTHS = dict.fromkeys(("ring of 17", "three colours"), (2, 4, 8))      # ends of rows within a vector of every width, and a colour that feels itself
 
 
 def built(monkeypatch, spec, lanes=4, compiler="gcc"):
@@ -83,17 +107,17 @@ def test_rows_solve_the_step(monkeypatch, name):
     spec = SPECS[name]
     assert "SMG_BY_ROWS" in generate(spec)[f"{spec.name}.c"]
     model = built(monkeypatch, spec).start("random", h=0.1)
-    w = model.w.copy()
-    found, wanted = model.steps(5).w, Witness(spec).steps(w, 0.0, 0.1, 5)
+    w, steps = model.w.copy(), 5 if model.sites < 200 else 2        # of hundreds of sites the witness takes seconds a step
+    found, wanted = model.steps(steps).w, Witness(spec).steps(w, 0.0, 0.1, steps)
     assert np.abs(found - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14 * np.abs(w).max()
 
 
-@pytest.mark.parametrize("name", ["ring of 5", "ring of 17", "odd square", "odd cubic", "honeycomb", "three colours",
+@pytest.mark.parametrize("name", ["ring of 5", "ring of 17", "odd square", "odd cubic", "honeycomb", "three colours", "ladder", "far",
                                   *(pytest.param(n, marks=pytest.mark.long) for n in SPECS)])
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name):
     spec = SPECS[name]
     wanted = bits(built(monkeypatch, spec, 1))
-    for lanes in (2, 4, 8):
+    for lanes in WIDTHS.get(name, (4,)):
         assert np.array_equal(bits(built(monkeypatch, spec, lanes)), wanted)
 
 
@@ -146,15 +170,39 @@ def test_large_steps_go_the_general_way(monkeypatch):
     assert np.array_equal(model.save(), small) and np.array_equal(model.w, w)
 
 
-def test_a_tolerance_is_kept(monkeypatch):
+def test_a_state_of_the_general_way_goes_on_by_rows(monkeypatch):
+    """Of the increments that are saved rows keep as many as they have room for."""
+    spec = SPECS["ring of 17"]
+    model = built(monkeypatch, spec).start("random", h=0.7).steps(9)
+    saved = model.save()
+    assert saved[HISTORY] == 7
+    saved[H], saved[DEGREE] = 0.05, 6
+    kept = model.restore(saved).save()
+    assert kept[HISTORY] in (4, 5) and kept[DEGREE] == kept[HISTORY] - 1
+    w = model.w.copy()
+    assert Witness(spec).residual(w, model.steps(1).w, 0.0, 0.05) <= 4e-15
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_a_tolerance_is_kept(monkeypatch, tolerance):
     spec = SPECS["cubic"]
-    model = built(monkeypatch, spec).start("random", h=0.05, tolerance=1e-9)
+    model = built(monkeypatch, spec).start("random", h=0.05, tolerance=tolerance)
     witness, w = Witness(spec), model.w.copy()
     for _ in range(6):
         after = model.steps(1).w.copy()
-        assert witness.residual(w, after, 0.0, 0.05) <= 1e-9
+        assert witness.residual(w, after, 0.0, 0.05) <= tolerance
         w = after
     assert witness.residual(w, model.steps(1).w, 0.0, 0.05) > 1e-15
+
+
+def test_a_step_that_does_not_settle_leaves_the_state(monkeypatch):
+    """With five passes of colours allowed, in place of two thousand; the increments of a step stand where w is between calls."""
+    model = built(monkeypatch, SPECS["cubic"], "4 -DSMG_ROW_PASSES=5").start("random", h=0.2)
+    before, w = model.save(), model.w.copy()
+    with pytest.raises(smidgen.RunError) as caught:
+        model.steps(3)
+    assert caught.value.status == 1 and caught.value.residual > 1e-12
+    assert np.array_equal(model.save(), before) and np.array_equal(model.state(), w)
 
 
 def test_a_tiny_component_keeps_its_own_rate(monkeypatch):

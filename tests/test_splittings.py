@@ -84,6 +84,7 @@ def test_the_witness_takes_the_same_steps(name, method):
 
 
 @pytest.mark.parametrize("name", AXES)
+@pytest.mark.usefixtures("few_states", "optimised_here")
 def test_the_certificate(name):
     """Symplectic, reversible, of its order; nothing is claimed that a splitting does not keep."""
     rows = {row.name: row for row in smidgen.verify(AXES[name], method="axis-splitting", tier="quick").rows}
@@ -220,6 +221,7 @@ def test_the_witness_does_not_trust_the_colours():
 
 
 @pytest.mark.parametrize("name", [name for name in LATTICES if name != "apart"])
+@pytest.mark.usefixtures("few_states", "optimised_here")
 def test_the_certificate_says_that_sublattice_rotations_are_not_symplectic(name):
     """And that they keep the energy, where it does not depend on time."""
     rows = {row.name: row for row in smidgen.verify(LATTICES[name], method="sublattice-rotations", tier="quick").rows}
@@ -313,6 +315,7 @@ def test_the_witness_turns_the_same_pairs(name, method):
 
 
 @pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.usefixtures("few_states", "optimised_here")
 def test_the_certificate_says_symplectic_and_momentum_exact(name):
     rows = {row.name: row for row in smidgen.verify(PAIRS[name], method="pair-rotations", tier="quick").rows}
     assert not [row for row in rows.values() if row.verdict == "no"]

@@ -10,9 +10,7 @@ from support.systems import CLASSICAL, SPECS, VESELOV, load, tiers
 import smidgen
 from smidgen.errors import RunError, UsageError, ValidationError
 from smidgen.run.settings import settle
-from smidgen.check.verify import branch, order
-from smidgen.check.verify.case import Case
-from smidgen.check.verify.certificate import STATES, certify
+from smidgen.check.verify.certificate import certify
 from smidgen.check.verify.row import CLAIMS, NO, NOT_APPLICABLE, YES, at_most, at_least
 from smidgen.check.verify.subject import emitted
 
@@ -24,13 +22,9 @@ quick, long = pytest.mark.quick, pytest.mark.long
 
 
 @pytest.fixture(autouse=True)
-def few_states(request, monkeypatch):
-    """Outside the long tier a certificate looks at as few states as that of `--quick`, however long its orbits are."""
+def outside_the_long_tier(request):
     if not request.node.get_closest_marker("long"):
-        monkeypatch.setattr(Case, "of_tier", lambda self, table: table["quick"])
-        monkeypatch.setitem(STATES, "normal", STATES["quick"])
-        monkeypatch.setattr(branch, "STATES", (2, 6, 6))
-        monkeypatch.setattr(order, "FLOW_HALVINGS", 7)
+        request.getfixturevalue("few_states")
 
 
 def said(certificate, verdict):

@@ -46,9 +46,9 @@ static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
 
 /* The site that a block row of the matrix belongs to. */
 static int64_t smg_site_of(const smg_state *s, int64_t place) {
-  for (int64_t row = 0; row < smg_coupled(&s->c); ++row)
-    if (smg_block_row(row) == place) return smg_site(&s->c, row);
-  return -1;
+  int64_t row = 0;
+  while (smg_block_row(row) != place) ++row;
+  return smg_site(&s->c, row);
 }
 
 /* d = J^-1 r for the midpoints, by the frames and the matrix of the last evaluation; 0, or 1 + the place of a singular row.
@@ -132,7 +132,7 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
 static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real rounding_scale) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_real *before = s->curve, *d = s->curve + n, *noise = s->curve + 2 * n;
-  for (int round = 0; round <= SMG_ROUNDS; ++round) {
+  for (int round = 0;; ++round) {
     smg_increment_residual(s, h, before);
     smg_assemble(s, h);
     if (round > 1 && smg_within_round_off(s, h, NULL)) return SMG_OK;

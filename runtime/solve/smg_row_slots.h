@@ -7,7 +7,7 @@
 /* The first number from p on that begins a line of the cache. */
 static inline smg_real *smg_line_from(smg_real *p) {
   const uintptr_t line = SMG_WIDEST * sizeof(double), off = (uintptr_t)p % line;
-  return off % sizeof(smg_real) == 0 && off > 0 ? p + (line - off) / sizeof(smg_real) : p;
+  return off > 0 ? p + (line - off) / sizeof(smg_real) : p;
 }
 
 /* A visit of all sites: their number and their slot. */

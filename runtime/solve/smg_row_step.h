@@ -4,7 +4,9 @@
 
 #include "smg_row_sweep.h"
 
+#ifndef SMG_ROW_PASSES
 #define SMG_ROW_PASSES 2000 /* of colours: 0.9^k is round-off after 350 sweeps */
+#endif
 
 /* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other across the seam of a
  * ring that is no multiple of the colours. */
@@ -134,7 +136,7 @@ static void smg_commit_slots(const smg_state *s, smg_share part, int64_t compone
   for (int64_t k = part.from; k < part.to; k += SMG_LANES) {
     const smg_lanes w = smg_lane_take(rows_w + k), u = smg_lane_take(rows_u + k);
 #if SMG_PLAIN_SUMS
-    smg_lane_put(rows_w + k, w + u);
+    (void)lost, smg_lane_put(rows_w + k, w + u);
 #else
     const smg_lanes y = u + smg_lane_take(lost + k), sum = w + y;
     smg_lane_put(lost + k, y - (sum - w));

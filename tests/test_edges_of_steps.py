@@ -1,0 +1,293 @@
+"""Edges of steps: matrices that are singular, sites at rest, fields that are no numbers, sweeps that find nothing; each with what is left behind."""
+import sys
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.errors import RunError
+from smidgen.run.block import Block
+from smidgen.run.saved import H
+from support import texts
+from support.filters import HERE
+
+sys.path.insert(0, str(HERE / "coefficients"))
+import compositions as coefficients  # noqa: E402
+
+NO_CONVERGENCE, NO_SOLUTION, NOT_FINITE, SINGULAR = 1, 2, 4, 7
+TANGENT = ("tangent",)
+
+
+def system(name, space, *energies):
+    """A spec from the lines of its space and (over, energy) pairs; over "": once."""
+    effects = [f"[effects.e{k}]\n" + (f'over = "{over}"\n' if over else "") + f'energy = "{energy}"' for k, (over, energy) in enumerate(energies)]
+    return smidgen.load_text("\n".join([f'[model]\nname = "{name}"\n[space]\n{space}', *effects, ""]))
+
+
+def refused(model, *statuses):
+    """The next step fails so, and all that decides later bits stays. Returns the error."""
+    saved = model.save()
+    with pytest.raises(RunError) as caught:
+        model.step()
+    assert caught.value.status in statuses and np.array_equal(model.save(), saved)
+    return caught.value
+
+
+def unit(rows):
+    rows = np.array(rows, float)
+    return rows / np.linalg.norm(rows, axis=1)[:, None]
+
+
+def generic(sites, seed=4):
+    return unit(np.random.default_rng(seed).normal(size=(sites, 3)))
+
+
+# -- Moser-Veselov ------------------------------------------------------------------------------
+
+MOMENTS = np.array([1.0, 2.0, 4.0])
+
+
+def divided(spec, w, W, h):
+    """The largest component of W - w - (h/q) X(m), m = (w + W)/2, and what stands below the root of q = (1 + sqrt(1 - h^2 |b|^2))/2."""
+    m = (w + W) / 2
+    below = 1 - (h * h) * np.sum((m / MOMENTS)**2)
+    q = (1 + np.sqrt(max(below, 0))) / 2
+    return np.abs(W - w - spec.orientation * h / q * np.cross(m, m / MOMENTS)).max(), below
+
+
+@pytest.mark.parametrize("w", [(0.6, 0.0, 0.8), (0.5, 0.7, -0.5), (0.9, -0.3, 0.3)])
+def test_moser_veselov_up_to_the_end_of_its_root(w):
+    """Near the end it goes by stages of h; where it has no step the state stays."""
+    spec = smidgen.load("free_rigid_body")
+    model, w = smidgen.build(spec, "moser-veselov"), unit([w])
+    least = 1.0
+    for h in np.arange(0.5, 4, 0.05):
+        model.start(w.copy(), h=h)
+        try:
+            off, below = divided(spec, w, model.step().w, h)
+        except RunError as error:
+            assert error.status == NO_CONVERGENCE and error.site == 0 and np.array_equal(model.state(), w)
+            break
+        assert off < 1e-14 and below > 0
+        least = below
+    else:
+        raise AssertionError("the root has no end")
+    assert least < 0.2
+
+
+def test_about_an_axis_the_root_ends_at_the_moment_of_inertia():
+    model = smidgen.build(smidgen.load("free_rigid_body"), "moser-veselov")
+    for axis, moment in zip(np.eye(3)[:, None], MOMENTS):
+        assert np.array_equal(model.start(axis.copy(), h=0.99 * moment).step().w, axis)
+        refused(model.start(axis.copy(), h=1.01 * moment), NO_CONVERGENCE)
+
+
+# -- singular matrices --------------------------------------------------------------------------
+
+POLE = np.array([[0.0, 0.0, 1.0]])
+SADDLE = system("saddle", "w = { sphere = 1 }", ("site(i)", "(w[i].x^2 - w[i].y^2)/2"))
+TWO_SADDLES = system("saddles", "w = { sphere = 2 }", ("site(i)", "(w[i].x^2 - w[i].y^2)/2"))
+COUPLED = system("coupled_saddle", "w = { sphere = 2 }", ("pair(i, j) of w", "w[i].x*w[j].x - w[i].y*w[j].y"))
+
+
+@pytest.mark.parametrize("spec", [SADDLE, TWO_SADDLES], ids=lambda s: s.name)
+def test_a_rest_whose_matrix_is_singular_has_no_step(spec):
+    """At the pole J = I - (h/2) DX has the eigenvalues 1 +- h/2: another branch meets that of rest at h = 2."""
+    model, w = smidgen.build(spec), np.tile(POLE, (2 if spec is TWO_SADDLES else 1, 1))
+    assert np.array_equal(model.start(w.copy(), h=1.9).step().w, w)
+    error = refused(model.start(w.copy(), h=2.0), SINGULAR)
+    assert error.site == 0 and error.reached < 1
+
+
+@pytest.mark.parametrize("spec, solver", [(SADDLE, "auto"), (TWO_SADDLES, "auto"), (COUPLED, "newton"), (COUPLED, "plain")], ids=lambda s: getattr(s, "name", s))
+def test_a_singular_step_has_no_tangent_map(spec, solver):
+    """The step at rest, then its tangent map for the h at which J is singular there; for any other h there is one."""
+    model = smidgen.build(spec, solver=solver, features=TANGENT)
+    saved = model.start(np.tile(POLE, (model.sites, 1)), h=1.0).step().save()
+    v = np.random.default_rng(1).normal(size=(2, model.sites, 3))
+    for h, singular in ((2.0, True), (1.5, False)):
+        saved[H] = h
+        model.restore(saved)
+        carried = v.copy()
+        if singular:
+            with pytest.raises(RunError) as caught:
+                model.tangent(carried)
+            assert caught.value.status == SINGULAR and caught.value.site >= 0 and np.array_equal(carried, v)
+        else:
+            assert np.abs(model.tangent(carried)).max() > np.abs(v).max()
+        assert np.array_equal(model.save(), saved)
+
+
+@pytest.mark.parametrize("name", ["free_rigid_body", "point_vortices"])
+def test_a_composed_tangent_map_that_is_no_number(name):
+    """What stages had moved goes back."""
+    spec = smidgen.load(name)
+    model = smidgen.build(spec, "spherical-midpoint-4", features=TANGENT).start(spec.runs[0].start, h=0.1).steps(2)
+    saved, v = model.save(), np.ones((1, model.sites, 3))
+    v[0, -1, 2] = np.nan
+    with pytest.raises(RunError) as caught:
+        model.tangent(v)
+    assert caught.value.status == NOT_FINITE and np.array_equal(model.save(), saved)
+    assert np.isfinite(model.tangent(np.ones((1, model.sites, 3)))).all()
+
+
+# -- sites at rest ------------------------------------------------------------------------------
+
+BODIES = system("bodies", "w = { r3 = 2 }", ("site(i)", "w[i].x^2/2 + w[i].y^2/3 + 0.2*w[i].z"), ("pair(i, j) of w", "0.4*dot(w[i], w[j]) + 0.1*w[i].x*w[j].y"))
+
+
+@pytest.mark.parametrize("method, features", [("spherical-midpoint", ()), ("spherical-midpoint", ("extended",)), ("geodesic-midpoint", ())])
+@pytest.mark.parametrize("site", [0, 1])
+def test_a_body_at_rest_stays_among_others(method, features, site):
+    """A point is a leaf of its own: no direction, no length to keep; the other body keeps its length."""
+    w = np.array([[0.3, -0.4, 1.2], [-0.5, 0.7, 0.1]])
+    w[site] = 0
+    model = smidgen.build(BODIES, method, features=features).start(w.copy(), h=0.2).steps(20)
+    assert not model.w[site].any()
+    assert np.linalg.norm(model.w[1 - site]) == pytest.approx(np.linalg.norm(w[1 - site]), rel=1e-15)
+    assert np.abs(model.w[1 - site] - w[1 - site]).max() > 0.1
+
+
+def test_beside_a_body_at_rest_no_column_is_carried():
+    """At w = 0 the method of R^3 has no derivative, whichever site it is."""
+    model = smidgen.build(BODIES, features=TANGENT).start(np.array([[0, 0, 0], [-0.5, 0.7, 0.1]]), h=0.2).step()
+    with pytest.raises(RunError) as caught:
+        model.tangent(np.ones((2, 3)))
+    assert caught.value.status == SINGULAR and caught.value.site == 0
+
+
+# -- the last evaluation in extended precision ----------------------------------------------------
+
+needs_long_double = pytest.mark.skipif(np.finfo(np.longdouble).nmant < 60, reason="long double is no longer than double")
+
+
+DYADIC = system("dyadic", "w = { r3 = 2 }", ("site(i)", "w[i].x^2/2 + w[i].y^2/4 + w[i].z/8"), ("pair(i, j) of w", "dot(w[i], w[j])/2 + w[i].x*w[j].y/8"))
+
+
+@needs_long_double
+@pytest.mark.parametrize("spec, w", [(smidgen.load("nambu_a39"), [[0.9, -0.4, 0.7]]), (DYADIC, [[0.3, -0.4, 1.2], [-0.5, 0.7, 0.1]])], ids=["nambu", "r3"])
+def test_a_step_has_the_digits_of_long_double(spec, w):
+    """w + compensation beside the step of the long-double build: much less than what a plain step is off by. No sphere, to which each build would
+    bring the start by its own rounding."""
+    w, off = np.array(w), {}
+    exact = smidgen.build(spec, real="long double").start(w.astype(np.longdouble), h=0.1).step().state()
+    for features in ((), ("extended",)):
+        model = smidgen.build(spec, features=features).start(w.copy(), h=0.1).step()
+        saved = model.save().astype(np.longdouble)
+        found = saved[11:11 + w.size] + saved[11 + w.size:11 + 2 * w.size]
+        off[features] = float(np.abs(found - exact.ravel()).max())
+    assert off["extended",] < 2e-18 * np.abs(w).max() and off["extended",] < off[()] / 10
+
+
+def test_at_any_step_it_is_the_same_step():
+    """Steps whose series falls fast, slowly and not at all: the state is that of the step without it, to round-off."""
+    spec = smidgen.load("heisenberg_chain")
+    plain, extended = (smidgen.build(spec, values={"n": 12}, features=features) for features in ((), ("extended",)))
+    for h in np.arange(0.1, 1.6, 0.1):
+        w = generic(12, 7)
+        states = [model.start(w.copy(), h=h).steps(3).w for model in (plain, extended)]
+        assert np.abs(states[0] - states[1]).max() < 1e-13
+
+
+def test_where_products_overflow_the_step_is_as_without(monkeypatch):
+    """Pairs of doubles: the square of |w| = 1e150 cannot be split; the increment stays what it was."""
+    monkeypatch.setenv("CC", "gcc -DSMG_DOUBLE_DOUBLE")
+    spec = system("enormous", "w = { r3 = 1 }", ("site(i)", "w[i].x/2 + w[i].y/3 + w[i].z/5"))
+    w = np.array([[1e150, -1e150, 0.5e150]])
+    plain, extended = (smidgen.build(spec, features=features).start(w.copy(), h=0.3).step().w for features in ((), ("extended",)))
+    assert np.isfinite(extended).all() and np.abs(plain - extended).max() <= 1e-15 * np.abs(w).max()
+    assert np.abs(extended - w).max() > 0.05 * np.abs(w).max()
+
+
+# -- stages, fields that are no numbers -----------------------------------------------------------
+
+def late_stage(scheme="ss21", least=9):
+    """(number of a stage whose middle lies later than those of all before, a time between), h = 1."""
+    half = [float(x) for x in coefficients.coefficients(scheme)]
+    gammas = [*half, 1 - 2 * sum(half), *half[::-1]]
+    ends = np.cumsum(gammas)
+    middles = ends - np.array(gammas) / 2
+    k = next(k for k in range(least, len(middles)) if middles[k] > middles[:k].max())
+    return k, float(middles[k] + middles[:k].max()) / 2
+
+
+def test_a_stage_that_fails_late_leaves_no_trace():
+    """The field is no number from the tenth stage or so on: more increments of this step have come than the history keeps."""
+    stage, end = late_stage()
+    assert stage > 8
+    spec = system("ending", "w = { sphere = 3 }", ("pair(i, j) of w", "0.3*dot(w[i], w[j])"), ("", f"sqrt({end + 1!r} - t)*w[0].x/10"))
+    model = smidgen.build(spec, "spherical-midpoint-8").start(generic(3), h=0.125).steps(8)     # up to t = 1
+    saved = model.save()
+    saved[H] = 1.0
+    saved[2] -= 8 - 1.0         # t0: the eight steps were of this h, and time is the same
+    model.restore(saved)
+    assert model.t == 1.0
+    assert refused(model, NOT_FINITE).site >= 0
+
+
+def test_outputs_end_where_a_step_fails():
+    """At whichever step between two outputs that is; what was put out before stands."""
+    growing = system("growing", "w = { sphere = 1 }", ("site(i)", "exp(400*t)*w[i].z^2"))
+    w = unit([[0.6, 0.0, 0.8]])
+    for method in ("spherical-midpoint", "classical-midpoint"):         # the first looks for midpoints near the centre
+        model = smidgen.build(growing, method).start(w.copy(), h=1.0, t0=-4.0)
+        taken, block = model.advance(20), Block(model, True)
+        assert 1 < taken < 20
+        for every in (1, 2, 3, 4):
+            model.start(w.copy(), h=1.0, t0=-4.0)
+            done = model.outputs(0, every, block, 0, 15)
+            assert done == 1 + taken // every and model.count == taken and model.failure() is not None
+            assert np.array_equal(block.t[:done], -4.0 + every * np.arange(done))
+            assert np.array_equal(block.states[0], w)
+
+
+def test_a_rotation_too_large_to_be_squared():
+    """tau^2 overflows: the slope is a number, the increment none."""
+    spec = system("fields", "w = { sphere = 2 }", ("site(i)", "0.3*w[i].z + 0.1*w[i].x"))
+    model = smidgen.build(spec, "isospectral-midpoint")
+    assert refused(model.start(generic(2), h=1e200), NOT_FINITE).site == 0
+    model.start(generic(2), h=1e100).step()
+
+
+# -- sweeps ---------------------------------------------------------------------------------------
+
+KINDS = system("three_kinds", 'w = { sphere = 2, kappa = [1, -0.7] }\nb = { r3 = 2 }\nv = { nambu = 1, C = "v.x^2 + v.y^2" }',
+               ("pair(i, j) of w", "0.7*dot(w[i], w[j])"), ("pair(i, j) of b", "0.4*dot(b[i], b[j]) + 0.2*b[i].x*b[j].y"),
+               ("each(i of w, j of b)", "0.3*dot(w[i], b[j])"), ("", "0.5*dot(w[0], v) + v.z^2/2 + 0.1*b[1].x*v.y"))
+
+
+def test_spins_bodies_and_a_cylinder_are_swept():
+    """Each by the step that its leaf has; beside Newton for all at once."""
+    w = np.array([*generic(2), [0.3, -0.4, 1.1], [0.9, 0.2, -0.3], [0.6, 0.8, 0.4]])
+    swept, newton = (smidgen.build(KINDS, solver=solver).start(w.copy(), h=0.1).steps(10) for solver in ("rotation", "newton"))
+    assert swept.notes["solver"] == "rotation" and np.abs(swept.w - newton.w).max() < 1e-14
+
+
+@pytest.mark.parametrize("space", ["sphere", "r3"])
+@pytest.mark.parametrize("sites", [2, 3, 5])
+def test_what_sweeps_find_is_what_newton_finds(space, sites):
+    """Large steps from random states, and across the fields of the others, where a spin as the others stand has no step at first."""
+    spec = system("turned", f"w = {{ {space} = {sites} }}", ("pair(i, j) of w", "dot(w[i], w[j])"), ("site(i)", "0.3*w[i].z^2"))
+    models, dice, steps = [smidgen.build(spec, solver=solver) for solver in ("rotation", "newton")], np.random.default_rng(sites), 0
+    for case in range(60):
+        w = np.eye(3)[[k % 3 for k in range(sites)]] if case % 10 == 0 else generic(sites, case)
+        h = dice.uniform(0.3, 4)
+        ends = []
+        for model in models:
+            model.start(w.copy(), h=h)
+            ends.append(model.state() if model.advance(1) == 1 else None)
+        both = [e for e in ends if e is not None]
+        assert len(both) != 2 or np.abs(both[0] - both[1]).max() < 1e-11
+        steps += len(both) == 2
+    assert steps > 20
+
+
+# -- a graph --------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_graph_says_up_to_which_step_solutions_exist(seed, tmp_path):
+    model = smidgen.build(texts.read(texts.GLASS, tmp_path))
+    assert model.notes["solver"] == "sparse"
+    w = generic(30, seed)
+    error = refused(model.start(w.copy(), h=20.0), NO_SOLUTION)
+    assert error.site >= 0 and 0 < error.reached < 1
+    assert model.start(w.copy(), h=0.999 * error.reached * 20.0).step().report()["reached"] == 1
