@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 from .analyse import lyapunov  # noqa: E402
+from .analyse.spectrum import Spectrum, spectrum  # noqa: E402
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,     # noqa: E402
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
 from .run.integrator import Integrator, build  # noqa: E402
@@ -39,9 +40,9 @@ if TYPE_CHECKING:
     from .analyse.symmetry import explain
 
 __all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
-           "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "UsageError", "ValidationError",
+           "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "UsageError", "ValidationError",
            "advise", "build", "choose", "cost", "ensemble", "explain", "lattice", "load", "load_cost", "load_field", "load_result", "load_text",
-           "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "validate", "verify"]
+           "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "validate", "verify"]
 
 
 def __getattr__(name):

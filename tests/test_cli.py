@@ -3,6 +3,7 @@ import json
 import os
 import pty
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from smidgen.cli.options import assignment, whole
 from smidgen.cli.parser import make_parser
 
 TOP = "free_rigid_body"
-SUBCOMMANDS = ["new", "check", "gen", "build", "run", "validate", "plot", "list"]
+SUBCOMMANDS = ["new", "check", "gen", "build", "run", "validate", "plot", "snapshot", "spectrum", "list"]
 
 
 @pytest.fixture
@@ -51,7 +52,7 @@ def test_the_examples_of_the_help_parse():
     for name in SUBCOMMANDS:
         sub = parser._subparsers._group_actions[0].choices[name]
         for line in sub.epilog.splitlines()[1:]:
-            words = re.split(r"\s{2,}", line.strip())[0].split()
+            words = shlex.split(re.split(r"\s{2,}", line.strip())[0])
             assert words[:2] == ["smidgen", name]
             parser.parse_args(words[1:])
 
@@ -333,6 +334,13 @@ def test_the_page(tmp_path):
         sh(script, tmp_path)
     for program in blocks("command.md", "python"):
         python(program, tmp_path)
+
+
+def test_the_page_on_lattices(tmp_path):
+    (tmp_path / "film.toml").write_text(blocks("lattices.md", "toml")[0])
+    for script in blocks("lattices.md", "sh"):
+        sh(script, tmp_path)
+    python("\n".join(blocks("lattices.md", "python")), tmp_path)
 
 
 @pytest.mark.quick

@@ -2,7 +2,6 @@
 import numpy as np
 import pytest
 import smidgen
-from pages import blocks, python, sh
 from smidgen.run.grid import Grid
 from support.lattices import FILM, HONEY, random_spins
 
@@ -75,10 +74,3 @@ def test_the_correlation_is_the_sum_that_it_stands_for():
     np.testing.assert_allclose(smidgen.lattice.magnetisation(w), w.mean(axis=0), atol=1e-15)
     with pytest.raises(smidgen.UsageError, match="periodic"):
         smidgen.lattice.correlation(w, Grid((5, 3), (True, False)))
-
-
-def test_the_page_holds(tmp_path):
-    (tmp_path / "film.toml").write_text(blocks("lattices.md", "toml")[0])
-    for script in blocks("lattices.md", "sh"):
-        sh(script, tmp_path)
-    python("\n".join(blocks("lattices.md", "python")), tmp_path)

@@ -1,0 +1,222 @@
+"""The dynamical structure factor S(q, omega) of a lattice, without the trajectory.
+
+    found = smidgen.spectrum(spec, q="0 1/2", time=200, every=10)
+    found.omega[found.mean.argmax(axis=1)]      # where each wave is strongest
+
+At each output the spatial Fourier components S_q(t) of the chosen q are kept and nothing else. From M of them, dt apart, and
+a window g_n,
+
+    S_a(q, omega_m) = |sum_n g_n S_q,a(t_n) exp(i omega_m t_n)|^2 / (M sum_n g_n^2),    omega_m = 2 pi m/(M dt),
+
+for each component a = x, y, z, so that the sum over omega is the mean of |S_q,a|^2 over time, weighted by g_n^2 (Parseval).
+A wave cos(2 pi q.r - omega t) is at (q, omega) and at (-q, -omega).
+"""
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import zipfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import OutputError, UsageError
+from ..language.spec import Spec
+from ..public import ReadOnly, public
+from ..run.durable import write_new
+from ..run.field import Field
+from ..run.grid import Grid, family_of, of
+from ..run.integrator import build, choose
+from ..run.record import Recorder
+from ..run.run import MEMORY, advance, describe
+from ..run.settings import settle, whole
+from .waves import Components, waves
+
+WINDOWS = ("none", "hann")
+BLOCK = 2 ** 18         # complex numbers that are transformed at a time: 4 MiB
+
+
+@dataclass(repr=False)
+class Spectrum(ReadOnly):
+    """S(q, omega) of a family, in the units of the spec.
+
+    meta: everything about the run. q: (waves, directions), in units of the reciprocal lattice; omega: (frequencies,), rising, in
+    radians per unit of time; s: (waves, frequencies, 3), for each component; equal_time: (waves, 3), the mean of |S_q|^2
+    over time; tau: (frequencies,) and autocorrelation: (waves, frequencies, 3), the mean of conj(S_q(t)) S_q(t + tau)
+    over t; None when it was not asked for.
+    """
+    INSTEAD = {"": "smidgen.spectrum(spec, ...) makes another spectrum"}
+    meta: dict
+    q: np.ndarray
+    omega: np.ndarray
+    s: np.ndarray
+    equal_time: np.ndarray
+    tau: np.ndarray
+    autocorrelation: np.ndarray | None = None
+
+    def __repr__(self) -> str:
+        return (f"<Spectrum {self.meta['spec']} {self.meta['run']}: {self.meta['family']}, {len(self.q)} waves, "
+                f"{len(self.omega)} frequencies {self.omega[0]:.6g} .. {self.omega[-1]:.6g}>")
+
+    @property
+    def mean(self) -> np.ndarray:
+        """(waves, frequencies): the mean of the three components."""
+        return self.s.mean(axis=-1)
+
+    def save(self, path: str | os.PathLike) -> Path:
+        """Write it: .npz, all arrays by their names and `meta` as JSON; .csv, a row for each q and omega. Raises OutputError."""
+        path = saved_as(path)
+        data = self._npz() if path.suffix == ".npz" else self._csv()
+        try:
+            write_new(path, data)
+        except OSError as problem:
+            raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from None
+        return path
+
+    def _npz(self) -> bytes:
+        arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        out = io.BytesIO()
+        with zipfile.ZipFile(out, "w") as archive:
+            for name, value in {**arrays, "meta": np.array(json.dumps(self.meta))}.items():
+                with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:     # without a date: the same run gives the same bytes
+                    np.lib.format.write_array(member, value, allow_pickle=False)
+        return out.getvalue()
+
+    def _csv(self) -> bytes:
+        names = [*(f"q{k}" for k in range(self.q.shape[1])), "omega", "xx", "yy", "zz"]
+        q = np.repeat(self.q, len(self.omega), axis=0)
+        rows = np.hstack([q, np.tile(self.omega, len(self.q))[:, None], self.s.reshape(-1, 3)])
+        out = io.BytesIO()
+        out.write(f"# meta: {json.dumps(self.meta)}\n{','.join(names)}\n".encode())
+        np.savetxt(out, rows, "%.17g", delimiter=",")
+        return out.getvalue()
+
+
+def saved_as(path) -> Path:
+    """`path`, if its ending is one that a spectrum has. Raises UsageError."""
+    if Path(path).suffix not in (".npz", ".csv"):
+        raise UsageError(f"{path}: the name of a spectrum ends in .npz or .csv")
+    return Path(path)
+
+
+@public
+def spectrum(spec: Spec, name: str | None = None, *, family: str | None = None, q="all", window: str = "none", parts: int = 1,
+             autocorrelation: bool = False, basis=None, start: str | np.ndarray | Field | None = None, method: str | None = None,
+             solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
+             every: int | None = None, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+             seed: int | None = None, native: bool | None = None, threads: int | None = None,
+             progress: Callable[[int], object] = lambda done: None) -> Spectrum:
+    """Run `spec` and return S(q, omega) of the spins of a family on its lattice.
+
+    family: by default the only one; q: "all" of the first zone, a path "0,0 1/2,0 1/2,1/2" (all waves of the lattice on it), or an
+    array (waves, directions), in units of the reciprocal lattice; window: "none", or "hann", g_n = sin^2(pi n/M) (F. J. Harris,
+    Proc. IEEE 66 (1978) 51), which lets the foot of a strong line fall faster; parts: the run is cut into so many equal
+    parts, whose spectra are averaged (M. S. Bartlett, Biometrika 37 (1950) 1): less noise and memory, wider lines;
+    autocorrelation: also in time; basis: where the sites of a cell stand, (sites, directions), by default at fractions
+    of its diagonal. name, start .. threads: as for `run`.
+
+    The outputs at t = 0, dt, .. are taken, dt = |h| every, the one at the end is not: a part of M outputs tells
+    frequencies 2 pi/(M dt) apart below pi/dt, and a faster wave appears at a lower frequency. The formula stands at the head of the module, and in
+    docs/lattices.md. Memory: 72 bytes (120 with autocorrelation) for each of M times a wave, at most 2 GiB, and some
+    copies of one state. Raises UsageError for what does not fit, RunError for a step that fails, and what `build` raises.
+    """
+    settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every,
+                      effects=effects, values=values, seed=seed, native=native, threads=threads)
+    choose("window", window, WINDOWS)
+    family = family_of(spec, family)
+    grid = of(spec, family, settings.values)
+    m, length = waves(grid, q), part_length(settings, parts)
+    affordable(len(m) * length, autocorrelation)
+    model = build(spec, settings.method, settings.effects, settings.values, settings.solver, native=native, threads=threads)
+    model.start(settings.start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
+    keeper = Keeper(family, Components(grid, m, basis), len(m), length, window, parts, autocorrelation)
+    recorder = stepped(model, settings, family, grid, keeper, progress)
+    chosen = {"family": family, "waves": q.strip() if isinstance(q, str) else "given", "window": window, "parts": parts, "in_parts": len(recorder.substeps)}
+    return keeper.result({**describe(model, settings, "complete"), **chosen}, m / np.array(grid.size), settings.h * settings.every)
+
+
+def part_length(settings, parts) -> int:
+    """Outputs of a part."""
+    parts = whole(parts, "parts")
+    length = settings.steps // settings.every // parts if parts else 0
+    if length < 2:
+        raise UsageError(f"{settings.steps} steps with an output every {settings.every} make no {parts} parts of two outputs or more")
+    return length
+
+
+def affordable(numbers: int, autocorrelation: bool) -> None:
+    """Raise UsageError for a spectrum beyond MEMORY."""
+    total = numbers * (120 if autocorrelation else 72)
+    if total > MEMORY:
+        raise UsageError(f"the spectrum takes {total / 2 ** 30:.1f} GiB of memory, of {MEMORY / 2 ** 30:.0f}: choose fewer q, a larger every, or more parts")
+
+
+def stepped(model, settings, family: str, grid: Grid, keeper: Keeper, progress) -> Recorder:
+    """Take all steps; the keeper sees the states on the way. Raises RunError, and KeyboardInterrupt on Ctrl-C."""
+    recorder = Recorder(model, {family: ((grid.count, 3), model.real)}, [keeper], settings.steps * settings.h)
+    status, error = advance(model, settings, recorder, progress, lambda: None)
+    if error is not None:
+        raise error
+    if status != "complete":
+        raise KeyboardInterrupt
+    recorder.flush()
+    return recorder
+
+
+class Keeper:
+    """A sink that keeps the components of the states of one part, and the sums of their spectra over the parts."""
+
+    def __init__(self, family: str, components: Components, count: int, length: int, window: str, parts: int, lagged: bool):
+        self.family, self.components, self.parts, self.seen = family, components, parts, 0
+        self.rows = np.empty((length, count, 3), complex)
+        self.window = np.sin(np.pi * np.arange(length) / length) ** 2 if window == "hann" else np.ones(length)
+        self.s, self.equal_time = np.zeros((count, length, 3)), np.zeros((count, 3))
+        self.lagged = np.zeros((count, length, 3), complex) if lagged else None
+
+    def write(self, chunk: dict) -> None:
+        """More outputs; those behind the last part are left out."""
+        for w in chunk[self.family]:
+            part, k = divmod(self.seen, len(self.rows))
+            if part == self.parts:
+                return
+            self.rows[k] = self.components.of(w)
+            self.seen += 1
+            if k == len(self.rows) - 1:
+                self.add()
+
+    def add(self) -> None:
+        """The part that is complete, some waves at a time."""
+        size = max(1, BLOCK // (6 * len(self.rows)))
+        for begin in range(0, self.rows.shape[1], size):
+            now = slice(begin, begin + size)
+            rows = self.rows[:, now]
+            self.s[now] += power(rows, self.window).swapaxes(0, 1)
+            self.equal_time[now] += np.mean(np.abs(rows) ** 2, axis=0)
+            if self.lagged is not None:
+                self.lagged[now] += lagged(rows).swapaxes(0, 1)
+
+    def result(self, meta: dict, q, dt: float) -> Spectrum:
+        """Means over the parts, frequencies in rising order."""
+        length, self.rows = len(self.rows), None        # their memory is that of the copies below
+        omega = 2 * np.pi * np.fft.fftfreq(length, dt)
+        order = np.argsort(omega)
+        for sums in (self.s, self.equal_time, *([] if self.lagged is None else [self.lagged])):
+            sums /= self.parts
+        return Spectrum(meta, q, omega[order], self.s[:, order], self.equal_time, dt * np.arange(length), self.lagged)
+
+
+def power(rows, window) -> np.ndarray:
+    """|sum_n g_n x_n exp(2 pi i m n/M)|^2/(M sum g_n^2) of rows (M, ..): numpy's inverse transform has this sign, and 1/M before the sum."""
+    found = np.fft.ifft(rows * window[:, None, None], axis=0)
+    return np.abs(found) ** 2 * (len(rows) / math.fsum(window ** 2))
+
+
+def lagged(rows) -> np.ndarray:
+    """(1/(M - j)) sum_n conj(x_n) x_(n+j) for j = 0 .. M-1, by a transform of twice the length (Wiener and Khinchin)."""
+    length = len(rows)
+    sums = np.fft.ifft(np.abs(np.fft.fft(rows, 2 * length, axis=0)) ** 2, axis=0)[:length]
+    return sums / (length - np.arange(length))[:, None, None]

@@ -1,0 +1,111 @@
+"""`smidgen spectrum`: S(q, omega) of the spins of a lattice."""
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+from .options import json_option, model_options, processor_options, spec_argument, start_of, whole
+from .say import printed, say
+
+EXAMPLES = """  smidgen spectrum heisenberg_chain random --q "0 1/2" --time 200 --every 5 --plot chain.png
+  smidgen spectrum film.toml --q "0,0 1/2,0 1/2,1/2 0,0" --window hann --out film.npz
+  smidgen spectrum film.toml --parts 10 --out -          a table on stdout"""
+TOLD = 20       # waves whose peaks are said
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("spectrum", command, "run a lattice and tell its waves, S(q, omega)", EXAMPLES)
+    spec_argument(parser)
+    model_options(parser)
+    parser.add_argument("--of", metavar="FAMILY", dest="family", help="the family of the space; default: the only one")
+    parser.add_argument("--q", metavar="PATH", default="all", help="wave vectors in units of the reciprocal lattice: corners of a path, "
+                        "such as \"0,0 1/2,0 1/2,1/2\", or all (default)")
+    parser.add_argument("--h", help="the step: a number or a formula")
+    long = parser.add_mutually_exclusive_group()
+    long.add_argument("--steps", type=whole, help="number of steps")
+    long.add_argument("--time", help="duration: a multiple of h; frequencies are 2 pi/time apart")
+    parser.add_argument("--every", type=whole, metavar="K", help="a sample each K-th step; frequencies go up to pi/(K h)")
+    parser.add_argument("--window", choices=("none", "hann"), default="none", help="in time; default: none")
+    parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average the spectra of P equal parts of the run")
+    parser.add_argument("--autocorrelation", action="store_true", help="also in time, in a .npz")
+    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
+    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    processor_options(parser)
+    parser.add_argument("--threads", type=whole, metavar="N", help="how many may share a step")
+    parser.add_argument("--out", metavar="FILE", help=".npz or .csv; - for a table on stdout")
+    parser.add_argument("--plot", metavar="FILE", help="a heat map along the path: .png, .svg or .pdf")
+    json_option(parser)
+
+
+CHOICES = ("family", "q", "window", "parts", "autocorrelation", "method", "solver", "h", "steps", "time", "every", "effects", "seed",
+           "native", "threads")
+
+
+def command(args):
+    """Run; then the file, the picture and where the waves are strongest."""
+    from ..analyse.spectrum import saved_as
+    if args.out not in (None, "-"):
+        saved_as(args.out)
+    found = measured(args)
+    if args.out == "-":
+        return table(found)
+    made = {}
+    if args.out:
+        made["out"] = str(found.save(args.out))
+    if args.plot:
+        from ..show.plot.spectrum import draw_spectrum
+        made["plot"] = str(draw_spectrum(found, args.plot))
+    if args.json:
+        return printed({**facts(found), **made})
+    for line in lines(found):
+        print(line)
+    for path in made.values():
+        say(f"wrote {path}")
+
+
+def measured(args):
+    """The spectrum that the arguments ask for."""
+    from ..analyse.spectrum import spectrum
+    from ..progress import progress
+    from ..read.shipped import load_spec
+    from ..run.settings import settle
+    given = {word: getattr(args, word) for word in CHOICES if getattr(args, word) is not None}
+    given["values"] = dict(args.values)
+    if args.start is not None:
+        given["start"] = start_of(args.start)
+    spec = load_spec(args.spec)
+    total = settle(spec, args.run, **{k: given[k] for k in ("h", "steps", "time", "every", "values") if k in given}).steps
+    with progress(total, spec.name) as tick:
+        return spectrum(spec, args.run, progress=tick, **given)
+
+
+def peaks(found) -> list:
+    """For each wave the frequency, from 0 up, at which it is strongest."""
+    up = found.omega >= 0
+    return found.omega[up][found.mean[:, up].argmax(axis=1)].tolist()
+
+
+def facts(found) -> dict:
+    """For programs."""
+    meta = {k: v for k, v in found.meta.items() if k not in ("sources", "start")}
+    return {**meta, "q": found.q.tolist(), "omega": [float(found.omega[0]), float(found.omega[-1]), len(found.omega)],
+            "peak": peaks(found), "equal_time": found.equal_time.tolist()}
+
+
+def lines(found):
+    """For people."""
+    yield (f"{found.meta['spec']} {found.meta['run']}: {len(found.q)} waves of {found.meta['family']}, {len(found.omega)} frequencies "
+           f"{found.omega[1] - found.omega[0]:.6g} apart up to {found.omega[-1]:.6g}")
+    yield f"{'q':>20} {'strongest at':>14} {'mean |S_q|^2':>14}"
+    for q, omega, power in list(zip(found.q, peaks(found), found.equal_time.sum(axis=1)))[:TOLD]:
+        yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {power:14.6g}"
+    if len(found.q) > TOLD:
+        yield f".. ({len(found.q)})"
+
+
+def table(found) -> None:
+    """The .csv on stdout."""
+    with tempfile.TemporaryDirectory(prefix="smidgen-") as folder:
+        sys.stdout.write(found.save(Path(folder, "table.csv")).read_text())
