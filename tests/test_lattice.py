@@ -74,3 +74,37 @@ def test_the_correlation_is_the_sum_that_it_stands_for():
     np.testing.assert_allclose(smidgen.lattice.magnetisation(w), w.mean(axis=0), atol=1e-15)
     with pytest.raises(smidgen.UsageError, match="periodic"):
         smidgen.lattice.correlation(w, Grid((5, 3), (True, False)))
+
+
+# As outputs of a run
+
+@pytest.mark.parametrize("ending", [".csv", ".npz", ".h5"])
+def test_outputs_that_a_run_names(tmp_path, ending):
+    film = smidgen.load_text(FILM.replace("periodic, open", "periodic").replace('["states"]', '["charge", "magnetisation"]'))
+    states = smidgen.run(film, what=["states"]).w["w"]
+    smidgen.run(film, out=tmp_path / f"a{ending}", checkpoint=4)
+    found = smidgen.load_result(tmp_path / f"a{ending}")
+    assert sorted(found.values) == ["charge.w", "magnetisation.w"] and found.w is None
+    assert np.array_equal(found.values["charge.w"], smidgen.lattice.charge(states, Grid((5, 3), (True, True))))
+    assert np.array_equal(found.values["magnetisation.w"], states.mean(axis=1))
+
+
+def test_outputs_with_other_columns_and_in_extended_precision():
+    film = smidgen.load_text(FILM)
+    found = smidgen.run(film, what=["states", "charge", "energy"], real="long double")
+    np.testing.assert_allclose(np.float64(found.values["charge.w"]), smidgen.lattice.charge(found.w["w"], Grid((5, 3), (True, False))), atol=1e-15)
+
+
+def test_a_charge_needs_a_film_and_an_observable_of_its_name_goes_first():
+    for text in (FILM.replace("square(nx, ny, periodic, open)", "chain(nx*ny, periodic)"), HONEY):
+        with pytest.raises(smidgen.UsageError, match="no charge in film: none of its families"):
+            smidgen.run(smidgen.load_text(text), what=["charge"])
+    own = smidgen.load_text(FILM + '[observables.charge]\nover = "site(i) of w"\nvalue = "1.0"\n')
+    assert sorted(smidgen.run(own, what=["charge"]).values) == ["charge"]
+    with pytest.raises(smidgen.SpecError, match="did you mean `charge`"):
+        smidgen.load_text(FILM.replace('"states"', '"chrge"'))
+
+
+def test_the_charge_over_time_is_drawn(tmp_path):
+    result = smidgen.run(smidgen.load_text(FILM), what=["charge"])
+    assert smidgen.plot(result, "observables", tmp_path / "a.png").exists()

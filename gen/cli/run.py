@@ -35,7 +35,7 @@ def add(commands):
     often.add_argument("--section", metavar="PERIOD",
                        help="output at multiples of PERIOD only (a multiple of h)")
     parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, "
-                        "momentum, casimirs, names of observables")
+                        "momentum, casimirs, magnetisation, charge, names of observables")
     parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
     processor_options(parser)

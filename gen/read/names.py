@@ -41,6 +41,7 @@ DECLARED = ("parameter", "formula", "family of vectors")
 NEVER_SPOKEN = ("model", "effect", "observable")                # in no formula
 OUTSIDE = ("run", "start", "lattice", "graph", "bond list")     # never a word of the C
 OUTPUTS = ("states", "energy", "momentum", "casimirs")
+COMPUTED = ("magnetisation", "charge")      # outputs too; an observable may have such a name, and is then meant
 COLUMNS = OUTPUTS + ("time", "step", "t", "meta", "final")      # words of the output files
 
 

@@ -6,7 +6,7 @@ from ..language import limits
 from ..language.spec import LOOSEST, Run
 from . import codes
 from .formulas import Formulas
-from .names import OUTPUTS, identifier
+from .names import COMPUTED, OUTPUTS, identifier
 from .problems import Problems, nearest
 from .scope import Declared
 from .text import meaning
@@ -126,7 +126,7 @@ class RunReader:
 
     def kept(self, entry: Node) -> str:
         """The name of an output."""
-        word, known = entry.string(), OUTPUTS + tuple(self.observables)
+        word, known = entry.string(), OUTPUTS + COMPUTED + tuple(self.observables)
         if word not in known and word not in self.declared.broken:
             entry.wrong(codes.OUTPUT, f"there is no output `{word}`", nearest(word, known))
         return word

@@ -22,7 +22,7 @@ from ..errors import OutputError, UsageError
 from ..language import limits
 from ..public import ReadOnly, few, public
 from .durable import sync_folder
-from .received import read
+from .received import VECTORS, read
 
 FORMATS = (".csv", ".npz", ".h5")
 RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
@@ -339,7 +339,7 @@ def flat_names(name: str, shape: tuple) -> list[str]:
         return [name]
     if len(shape) == 2:
         return [f"{name}[{i}].{axis}" for i in range(shape[0]) for axis in "xyz"]
-    if name.startswith("momentum."):
+    if name.startswith(VECTORS):
         return [f"{name}.{axis}" for axis in "xyz"]
     return [f"{name}[{i}]" for i in range(shape[0])]
 

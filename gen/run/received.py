@@ -23,6 +23,7 @@ from ..errors import UsageError
 from ..language import limits
 
 AXES = "xyz"
+VECTORS = ("momentum.", "magnetisation.")      # columns of three numbers
 
 
 class Wrong(Exception):
@@ -114,7 +115,7 @@ def gathered(table, names) -> dict:
     places = {}
     for place, name in enumerate(names):
         stem = name.partition("[")[0]
-        places.setdefault(stem[:-2] if name.startswith("momentum.") else stem, []).append(place)
+        places.setdefault(stem[:-2] if name.startswith(VECTORS) else stem, []).append(place)
     columns = {}
     for name, at in places.items():
         block = table[:, at] if len(at) > 1 or "[" in names[at[0]] else table[:, at[0]]

@@ -10,6 +10,7 @@ from .conserved import conserved_axes, driven, energy_of, momentum_of, with_trac
 from .integrator import Integrator
 from .output import RESERVED
 from .block import Block, clean
+from .computed import SHAPES, computed_columns, functions_of
 
 
 class Recorder:
@@ -20,7 +21,8 @@ class Recorder:
 
     def __init__(self, model, layout, sinks, span: float):
         self.model, self.sinks, self.count, self.begun = model, sinks, 0, False
-        self.block = Block(model, any(f in layout for f in model.families))
+        self.computed = functions_of(model, layout)
+        self.block = Block(model, bool(self.computed) or any(f in layout for f in model.families))
         self.steps = np.empty(self.block.capacity, np.int64)
         entries = outputs_of(model, self.block)
         self.columns = {name: entries[name] for name in layout if name in entries}
@@ -71,7 +73,8 @@ class Recorder:
     def flush(self) -> None:
         """Hand the buffered outputs on."""
         chunk = {"step": self.steps[:self.count], "t": self.block.t[:self.count],
-                 **{name: clean(rows[:self.count]) for name, rows in self.columns.items()}}
+                 **{name: clean(rows[:self.count]) for name, rows in self.columns.items()},
+                 **{name: of(self.block.states[:self.count]) for name, of in self.computed.items()}}
         for sink in self.sinks:
             sink.write(chunk)
         self.count = 0
@@ -162,6 +165,7 @@ def columns_of(model: Integrator, what) -> dict:
         named.update({f"momentum.{f}": ((3,), real) for f in model.families})
     if "casimirs" in what:
         named["casimirs"] = ((model.sites,), real)
+    named.update({name: (SHAPES[name.split(".")[0]], real) for name in computed_columns(model, what)})
     _distinct([*model.families, *(o.name for o in scene.observables)])
     named.update({o.name: ((), real) for o in scene.observables if o.name in what})
     return named

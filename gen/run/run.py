@@ -59,7 +59,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     h: the step, and steps (their number) or time (a multiple of h), how long; every: steps
     between outputs, or section: the time between them; h, time and section in the unit of
     time of the spec, numbers or formulas of its parameters such as "2*pi/n"; what: names of
-    outputs (states, energy, momentum, casimirs, observables); effects: names of those to keep;
+    outputs (states, energy, momentum, casimirs, magnetisation, charge, observables); effects: names of those to keep;
     values: parameter name -> number, or a sequence for an array; seed: of random starts;
     checkpoint: steps between two checkpoints (needs `out`); substeps: take a step that fails
     as up to 2^10 smaller ones.

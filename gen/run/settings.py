@@ -12,6 +12,7 @@ from ..language.evaluate import evaluate, integer
 from ..language.expr import Expr
 from ..language.spec import Run, Spec
 from ..read.given import formula
+from ..read.names import COMPUTED
 from .field import Field
 from .integrator import METHODS, SOLVERS, checked_tolerance, choose
 from .start import parameter_values
@@ -186,7 +187,7 @@ def cadence(given, otherwise) -> int | None:
 
 def chosen_outputs(spec: Spec, what) -> tuple[str, ...]:
     """Names of outputs, checked."""
-    known = [*KINDS, *(o.name for o in spec.observables)]
+    known = [*KINDS, *COMPUTED, *(o.name for o in spec.observables)]
     for name in what:
         if name not in known:
             raise UsageError(f"no output '{name}'; there are: {', '.join(known)}")

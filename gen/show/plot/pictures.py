@@ -169,9 +169,9 @@ def draw_invariants(result):
 
 
 def draw_observables(result):
-    """The spec's own observables over time."""
+    """The spec's own observables, and topological charges, over time."""
     own = {n: v for n, v in result.values.items()
-           if n not in ("energy", "casimirs") and "." not in n}
+           if n not in ("energy", "casimirs") and ("." not in n or n.startswith("charge."))}
     if not own:
         raise UsageError("this result holds no observables: name some with --what")
     return curves.against_time(result.t, own, first_line(result))
