@@ -65,11 +65,14 @@ SMG_INLINE smg_lanes smg_lanes_bound(const smg_lane_coefficients *c, smg_lane_ve
 
 SMG_INLINE smg_lanes smg_lanes_predicted(const smg_group *g, int i) {
   const smg_lanes *row = g->rows + 4 * g->row + i, *a = g->weights;
-  smg_lanes sum = {0};
-  if (g->deep)
-    for (int j = SMG_HISTORY - 2; j >= SMG_FEW_ROWS; --j) sum += a[j] * row[4 * j];
+  smg_lanes sum = a[SMG_FEW_ROWS - 1] * row[4 * (SMG_FEW_ROWS - 1)];
   SMG_UNROLL
-  for (int j = SMG_FEW_ROWS - 1; j >= 2; --j) sum += a[j] * row[4 * j];
+  for (int j = SMG_FEW_ROWS - 2; j >= 2; --j) sum += a[j] * row[4 * j];
+  if (g->deep) {
+    const smg_lanes few = sum, none = {0};
+    for (int j = SMG_FEW_ROWS; j < SMG_HISTORY - 1; ++j) sum += a[j] * row[4 * j];
+    sum = smg_lane_select((smg_lane_mask)(a[SMG_FEW_ROWS] != none), sum, few);
+  }
   sum += a[1] * row[4];
   return sum + a[0] * row[0];
 }
