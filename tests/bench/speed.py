@@ -1,4 +1,4 @@
-"""Writes docs/speed.md from docs/free_body.csv, docs/lattices.csv and docs/scaling.csv, which the other benches measure.
+"""Writes docs/speed.md from the tables free_body, lattices, threads, few and scaling (.csv) in docs/, which the other benches measure.
 
     python tests/bench/speed.py
 """
@@ -10,6 +10,8 @@ from pathlib import Path
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 LATTICES = ("system", "spins", "start", "h", "tolerance", "sweeps", "portable, ns", "native, ns", "site to site, ns", "site to site / portable",
             "site to site / native")
+THREADS = ("scaling", "system", "spins of one thread", "one thread, ns", "two threads, ns", "efficiency", "same bits")
+FEW = ("system", "h", "portable, ns", "native, ns", "newton, ns", "newton / portable", "newton / native")
 
 PAGE = """# Speed
 
@@ -39,6 +41,25 @@ Nanoseconds a spin and step. `portable` is compiled for any processor of the fam
 bits; `site to site` the steps that models without rows take (here the model with its tangent map), in turns with the others. `sweeps` are those of
 the last step; every step is evaluated once more.
 
+## Lattices shared by threads
+
+{threads_machine}
+
+{threads}
+
+Nanoseconds a spin and step, by the clock. Strong scaling: the same lattice; weak: twice the spins by two threads. Efficiency is the part of two times
+the pace of one thread that two have.
+
+## Few sites, and graphs
+
+{few_machine}
+
+{few}
+
+Nanoseconds a step: compiled for any processor of the family, for this one as `smidgen.build` does, and with Newton alone (`--solver newton`), in turns.
+
+Thousands of single bodies side by side: [ensembles.md](ensembles.md).
+
 ## From a hundred spins to a million
 
 {scaling_machine}
@@ -64,11 +85,14 @@ def main():
                                                  "ratio of medians": "ratio to the fastest by hand",
                                                  "energy error": "energy error at the end"})
     lattice_machine, lattices = table("lattices.csv", {name: name for name in LATTICES})
+    threads_machine, threads = table("threads.csv", {name: name for name in THREADS})
+    few_machine, few = table("few.csv", {name: name for name in FEW})
     scaling_machine, scaling = table("scaling.csv", {
         "system": "system", "spins": "spins", "solver": "solver", "generate s": "generate, s",
         "compile s": "compile, s", "bytes of C": "bytes of C", "ns per spin and step": "ns per spin and step",
         "ratio to small": "ratio", "iterations": "iterations"})
     (DOCS / "speed.md").write_text(PAGE.format(body_machine=body_machine, body=body, lattice_machine=lattice_machine, lattices=lattices,
+                                               threads_machine=threads_machine, threads=threads, few_machine=few_machine, few=few,
                                                scaling_machine=scaling_machine, scaling=scaling))
 
 
