@@ -97,7 +97,7 @@ OOMMF = """# OOMMF OVF 2.0
 # ynodes: 1
 # znodes: 1
 # xstepsize: 1
-# valuedim: 3
+# valuedim: 3   ## as Spirit writes it
 # valuelabels: m_x m_y m_z
 # valueunits: 1 1 1
 # Desc: made by hand after the user's guide
@@ -182,7 +182,7 @@ def test_files_of_others(tmp_path, ending, data):
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 90000000"), "promises"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 999999999999"), "from 1 to 100000000 sites"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: -2"), "lacks 'xnodes'"),
-    (".ovf", OOMMF.replace("dim: 3", "dim: 1"), "no vectors"),
+    (".ovf", OOMMF.replace("dim: 3 ", "dim: 1 "), "no vectors"),
     (".ovf", OOMMF.replace("count: 1", "count: 2"), "several segments"),
     (".ovf", OOMMF.replace("Text", "Binary 8"), "promises|order of its bytes"),
     (".ovf", OOMMF.replace("-1   0 0", "-1   0"), "5 numbers, not 6"),

@@ -64,11 +64,11 @@ def header(file) -> tuple[dict, list]:
         raise Wrong("it is not in the format OVF 2.0")
     found = {}
     for _ in range(HEADER):
-        line = file.readline(limits.LINE)
-        key, _, value = line.decode("utf-8", "replace").lstrip("#").strip().partition(":")
-        if key.lower() == "begin" and value.lower().split()[:1] == ["data"]:
+        line = file.readline(limits.LINE).decode("utf-8", "replace").strip()
+        key, _, value = line[1:].partition("##")[0].partition(":")      # ## begins a comment
+        if key.strip().lower() == "begin" and value.lower().split()[:1] == ["data"]:
             return found, value.lower().split()[1:]
-        if not line.startswith(b"##"):
+        if not line.startswith("##"):
             found.setdefault(key.strip().lower(), value.strip())
     raise Wrong("it has no data")
 
