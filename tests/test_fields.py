@@ -97,7 +97,7 @@ OOMMF = """# OOMMF OVF 2.0
 # ynodes: 1
 # znodes: 1
 # xstepsize: 1
-# valuedim: 3
+# valuedim: 3   ## as Spirit writes it
 # valuelabels: m_x m_y m_z
 # valueunits: 1 1 1
 # Desc: made by hand after the user's guide
@@ -123,39 +123,82 @@ VECTORS m float
 """
 
 
+RECTILINEAR = """# vtk DataFile Version 3.0
+as discretisedfield writes it
+ASCII
+DATASET RECTILINEAR_GRID
+DIMENSIONS 2 1 1
+X_COORDINATES 2 float
+5e-10 1.5e-09
+Y_COORDINATES 1 float
+5e-10
+Z_COORDINATES 1 float
+5e-10
+POINT_DATA 2
+SCALARS x-component double
+LOOKUP_TABLE default
+0
+-1
+VECTORS field double
+0 0 1
+-1 0 0"""
+VERSION_5 = b"""# vtk DataFile Version 5.1
+as VTK 9 writes it
+BINARY
+DATASET UNSTRUCTURED_GRID
+POINTS 2 float
+""" + np.array([0, 0, 0, 1, 0, 0], ">f4").tobytes() + b"""
+METADATA
+INFORMATION 0
+
+CELLS 3 2
+OFFSETS vtktypeint64
+""" + np.array([0, 1, 2], ">i8").tobytes() + b"\nCONNECTIVITY vtktypeint64\n" + np.array([0, 1], ">i8").tobytes() + b"""
+CELL_TYPES 2
+""" + np.array([1, 1], ">i4").tobytes() + b"""
+POINT_DATA 2
+SCALARS s float 2
+LOOKUP_TABLE default
+""" + np.arange(4).astype(">f4").tobytes() + b"\nVECTORS m double\n" + np.array([0, 0, 1, -1, 0, 0], ">f8").tobytes() + b"\n"
+
+
 def read(tmp_path, ending, data):
     path = tmp_path / f"a{ending}"
     path.write_bytes(data if isinstance(data, bytes) else data.encode())
     return load_field(path)
 
 
-@pytest.mark.parametrize("ending, data", [(".ovf", OOMMF), (".vtk", PARAVIEW), (".vtk", PARAVIEW + "\nMETADATA\nINFORMATION 0\n"), (".ovf", OOMMF.replace("\n", "\r\n"))])
+@pytest.mark.parametrize("ending, data", [(".ovf", OOMMF), (".vtk", PARAVIEW), (".vtk", PARAVIEW + "\nMETADATA\nINFORMATION 0\n"), (".ovf", OOMMF.replace("\n", "\r\n")),
+                                          (".ovf", OOMMF.replace("1\n -1", "1 -1").replace("xnodes", "xnodes ")), (".vtk", RECTILINEAR), (".vtk", VERSION_5)])
 def test_files_of_others(tmp_path, ending, data):
     found = read(tmp_path, ending, data)
-    assert found.vectors.tolist() == [[0, 0, 1], [-1, 0, 0]] and found.size == (2, 1, 1)
+    assert found.vectors.tolist() == [[0, 0, 1], [-1, 0, 0]] and found.size == (None if data == VERSION_5 else (2, 1, 1))
 
 
 @pytest.mark.parametrize("ending, data, said", [
     (".ovf", OOMMF.replace("2.0", "1.0"), "not in the format OVF 2.0"),
-    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 3"), "2 rows, not 3"),
-    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 1"), "2 rows, not 1"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 3"), "6 numbers, not 9"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 1"), "6 numbers, not 3"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 90000000"), "promises"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 999999999999"), "from 1 to 100000000 sites"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: -2"), "lacks 'xnodes'"),
-    (".ovf", OOMMF.replace("dim: 3", "dim: 1"), "no vectors"),
+    (".ovf", OOMMF.replace("dim: 3 ", "dim: 1 "), "no vectors"),
     (".ovf", OOMMF.replace("count: 1", "count: 2"), "several segments"),
     (".ovf", OOMMF.replace("Text", "Binary 8"), "promises|order of its bytes"),
-    (".ovf", OOMMF.replace("-1   0 0", "-1   0"), "damaged"),
+    (".ovf", OOMMF.replace("-1   0 0", "-1   0"), "5 numbers, not 6"),
+    (".ovf", OOMMF.replace("-1   0 0", "-1 x 0"), "damaged"),
     (".ovf", OOMMF.replace("rectangular", "irregular"), "lacks 'pointcount'"),
     (".ovf", "# OOMMF OVF 2.0\n" + 300 * "# a: b\n", "no data"),
     (".ovf", b"", "not in the format"),
     (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 3"), "do not fit"),
     (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 90000000").replace("DATA 2", "DATA 90000000"), "promises"),
     (".vtk", PARAVIEW.replace("-1\n0 0\n", "-1\n0     \n"), "have 5 numbers, not 6"),
-    (".vtk", PARAVIEW.replace("VECTORS", "SCALARS"), "'SCALARS' is not read"),
-    (".vtk", PARAVIEW.replace("STRUCTURED_POINTS", "RECTILINEAR_GRID"), "'DATASET' is not read"),
+    (".vtk", PARAVIEW.replace("VECTORS", "TENSORS"), "'TENSORS' is not read"),
+    (".vtk", PARAVIEW.replace("STRUCTURED_POINTS", "STRUCTURED_GRID"), "'DATASET' is not read"),
     (".vtk", PARAVIEW.replace("ASCII", "BINARY"), "promises"),
     (".vtk", PARAVIEW[:PARAVIEW.index("VECTORS")], "no VECTORS"),
+    (".vtk", VERSION_5.replace(b"CELLS 3", b"CELLS 9000"), "promises"),
+    (".vtk", VERSION_5.replace(b"float 2", b"float 900"), "promises"),
     (".vtk", b"\x00" * 100, "not in the legacy format"),
 ])
 def test_what_is_no_such_file_is_refused_in_words(tmp_path, ending, data, said):
@@ -174,6 +217,7 @@ def test_a_pipe_and_a_missing_file_are_refused(tmp_path):
 GRIDS = (None, Grid((2, 2), (True, True), 2))
 GOOD = {(module, grid, text): module.written(random_spins(8), grid, (2, 4, 1), "w", "t", text)
         for module in (ovf, vtk) for grid in GRIDS for text in FORMS}
+GOOD |= {(vtk, k, None): data.encode() if isinstance(data, str) else data for k, data in enumerate((RECTILINEAR, VERSION_5))}
 
 
 @settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
@@ -185,7 +229,7 @@ def test_damaged_files_are_read_or_refused_in_words(tmp_path_factory, which, at,
     path.write_bytes(data[:at] if cut else data[:at] + bytes([byte]) + data[at + 1:])
     try:
         found = load_field(path)
-        assert found.vectors.shape == (8, 3) or not cut
+        assert found.vectors.shape[1] == 3 and (not cut or len(found.vectors) == (2 if which[2] is None else 8))
     except smidgen.UsageError as refusal:
         check_print(str(refusal))
 

@@ -58,7 +58,7 @@ def charge(w, grid: Grid):
         u = u / np.linalg.norm(u, axis=-1, keepdims=True)
     a, b, c, d = (corner(u, grid, step) for step in ((0, 0), (1, 0), (1, 1), (0, 1)))
     q = (solid_angles(a, b, c) + solid_angles(a, c, d)).sum(axis=(-1, -2)) / (4 * np.pi)
-    return np.rint(q) if all(grid.periodic) else q
+    return np.rint(q) + 0.0 if all(grid.periodic) else q        # no -0
 
 
 def corner(u, grid: Grid, step) -> np.ndarray:

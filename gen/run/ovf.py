@@ -64,11 +64,11 @@ def header(file) -> tuple[dict, list]:
         raise Wrong("it is not in the format OVF 2.0")
     found = {}
     for _ in range(HEADER):
-        line = file.readline(limits.LINE)
-        key, _, value = line.decode("utf-8", "replace").lstrip("#").strip().partition(":")
-        if key.lower() == "begin" and value.lower().split()[:1] == ["data"]:
+        line = file.readline(limits.LINE).decode("utf-8", "replace").strip()
+        key, _, value = line[1:].partition("##")[0].partition(":")      # ## begins a comment
+        if key.strip().lower() == "begin" and value.lower().split()[:1] == ["data"]:
             return found, value.lower().split()[1:]
-        if not line.startswith(b"##"):
+        if not line.startswith("##"):
             found.setdefault(key.strip().lower(), value.strip())
     raise Wrong("it has no data")
 
@@ -85,10 +85,10 @@ def numbers(file, length: int, kind: list, count: int, width: int) -> np.ndarray
     """`count` rows of `width` numbers; nothing is taken for more than the file has."""
     if kind == ["text"]:
         within([2 * count * width - 1], length - file.tell())       # a digit and a space at least
-        rows = np.loadtxt(file, ndmin=2, encoding="ascii", comments="#")
-        if rows.shape != (count, width):
-            raise Wrong(f"it has {len(rows)} rows, not {count}" if rows.shape[1] == width else f"its rows have {rows.shape[1]} numbers")
-        return rows
+        found = np.fromstring(file.read(length).partition(b"#")[0], sep=" ")
+        if len(found) != count * width:
+            raise Wrong(f"it has {len(found)} numbers, not {count * width}")
+        return found.reshape(count, width)
     if kind not in (["binary", "4"], ["binary", "8"]):
         raise Wrong("its data are neither text nor binary 4 or 8")
     size = int(kind[1])

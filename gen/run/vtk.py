@@ -18,8 +18,9 @@ TITLE = 200         # characters; the format ends it at 256
 VERTEX = 1          # the type of a cell that is a point
 SIZES = {"double": 8, "float": 4}
 KEYWORD = re.compile(rb"\n(?=[A-Z])")       # ends the numbers of a text
-SHAPES = ("STRUCTURED_POINTS", "UNSTRUCTURED_GRID", "POLYDATA")
-PASSED = ("ORIGIN", "SPACING", "ASPECT_RATIO", "METADATA")      # what is read and not used
+SHAPES = ("STRUCTURED_POINTS", "RECTILINEAR_GRID", "UNSTRUCTURED_GRID", "POLYDATA")
+PASSED = ("ORIGIN", "SPACING", "ASPECT_RATIO")      # what is read and not used
+INTEGERS = {"vtktypeint64": 8, "vtktypeint32": 4}   # of version 5, in whose CELLS two arrays follow
 
 
 def written(w, points, size, label: str, title: str, text: bool) -> bytes:
@@ -48,21 +49,22 @@ def block(rows, kind: str, text: bool) -> bytes:
 
 def read(file, length: int) -> tuple[np.ndarray, tuple | None]:
     """(vectors, cells in three directions or None): the first VECTORS of an open file of `length` bytes. Raises Wrong."""
-    if not file.readline(limits.LINE).startswith(b"# vtk DataFile Version"):
+    first = file.readline(limits.LINE)
+    if not first.startswith(b"# vtk DataFile Version"):
         raise Wrong("it is not in the legacy format of VTK")
     file.readline(limits.LINE)
     form = file.readline(limits.LINE).split()
     if form not in ([b"ASCII"], [b"BINARY"]):
         raise Wrong("it is neither ASCII nor BINARY")
-    return Reader(file, length, form == [b"ASCII"]).vectors()
+    return Reader(file, length, form == [b"ASCII"], first.split()[-1] >= b"5").vectors()
 
 
 class Reader:
     """Goes from keyword to keyword; of text, lines of numbers are passed over."""
 
-    def __init__(self, file, length: int, text: bool):
-        self.file, self.length, self.text = file, length, text
-        self.size, self.points, self.count = None, None, None
+    def __init__(self, file, length: int, text: bool, arrays: bool):
+        self.file, self.length, self.text, self.arrays = file, length, text, arrays
+        self.size, self.points, self.count, self.scalars, self.cells = None, None, None, 0, {}
 
     def vectors(self):
         """The first VECTORS, and the DIMENSIONS."""
@@ -75,20 +77,41 @@ class Reader:
         raise Wrong("it holds no VECTORS")
 
     def keyword(self, key: str, rest: list) -> None:
-        if key == "DATASET" and rest[0].upper() in SHAPES or key in PASSED:
-            return
+        if key in ("DIMENSIONS", "POINTS", "POINT_DATA"):
+            self.counts(key, rest)
+        elif key in ("CELLS", "VERTICES", "CELL_TYPES", "OFFSETS", "CONNECTIVITY"):
+            self.elements(key, rest)
+        elif key.endswith("_COORDINATES"):
+            self.skip(count_of(rest[0]) * SIZES[rest[1].lower()])
+        elif key == "SCALARS":
+            self.scalars = (self.count or 0) * SIZES[rest[1].lower()] * count_of(rest[2] if rest[2:] else "1")
+        elif key == "LOOKUP_TABLE":
+            self.skip(self.scalars)
+        elif key == "METADATA":
+            while self.file.readline(limits.LINE).strip():
+                pass
+        elif not (key == "DATASET" and rest[0].upper() in SHAPES or key in PASSED):
+            raise Wrong(f"'{key[:20]}' is not read: a file of spins has points and VECTORS")
+
+    def counts(self, key: str, rest: list) -> None:
+        """How many there are."""
         if key == "DIMENSIONS":
             self.size = tuple(count_of(word) for word in rest[:3])
             self.points = self.size[0] * self.size[1] * self.size[2]
         elif key == "POINTS":
             self.points = count_of(rest[0])
-            self.skip(3 * self.points * SIZES.get(rest[1].lower(), 0))
-        elif key == "POINT_DATA":
-            self.count = count_of(rest[0])
-        elif key in ("CELLS", "VERTICES", "CELL_TYPES"):
-            self.skip(4 * count_of(rest[-1]))
+            self.skip(3 * self.points * SIZES[rest[1].lower()])
         else:
-            raise Wrong(f"'{key[:20]}' is not read: a file of spins has points and VECTORS")
+            self.count = count_of(rest[0])
+
+    def elements(self, key: str, rest: list) -> None:
+        """Which points make a cell does not matter here."""
+        if key in ("CELLS", "VERTICES") and self.arrays:
+            self.cells = {"OFFSETS": count_of(rest[0]), "CONNECTIVITY": count_of(rest[1])}
+        elif key in self.cells:
+            self.skip(self.cells[key] * INTEGERS[rest[0].lower()])
+        else:
+            self.skip(4 * count_of(rest[-1]))
 
     def skip(self, bytes_: int) -> None:
         """Binary numbers that are not used."""
