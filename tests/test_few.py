@@ -131,3 +131,17 @@ def test_restored_it_goes_on_with_the_same_bits():
     model = started(SPECS["4 vortices"], 0.05)
     saved, whole = model.steps(7).save(), model.steps(9).save()
     assert np.array_equal(model.start("random", h=0.03).restore(saved).steps(9).save(), whole)
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8])
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_a_field_that_is_no_number_is_refused(monkeypatch, n, lanes):
+    """Also where it is one in the lanes that no site fills; the state stays."""
+    monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+    w = np.random.default_rng(1).normal(size=(n, 3))
+    w /= np.linalg.norm(w, axis=1)[:, None]
+    w[0] = w[1] = 0, 0, 1
+    model = smidgen.build(SPECS[f"{n} vortices"]).start(w.copy(), h=0.01)
+    with pytest.raises(smidgen.RunError, match="not finite"):
+        model.steps(1)
+    assert np.array_equal(model.w, w) and model.count == 0

@@ -245,3 +245,13 @@ def test_the_command(command, tmp_path):
     assert command("run", "film.toml", "--start", "b.ovf", "--set", "nx=3", "--set", "ny=5").returncode == 2
     assert "give a file" in command("snapshot", "a.npz").stderr
     assert "no 'mass'" in command("snapshot", "a.npz", "--what", "mass").stderr
+
+
+def test_numbers_beyond_those_that_are_promised_are_refused(tmp_path):
+    """Between the data and their end."""
+    path = save_field(tmp_path / "a.ovf", random_spins(15), Grid((5, 3), (True, False)), "m", "a", False)
+    whole = path.read_bytes()
+    at = whole.index(b"# End: Data") - 1
+    path.write_bytes(whole[:at] + np.ones(3).tobytes() + whole[at:])
+    with pytest.raises(smidgen.UsageError, match="do not end where they should"):
+        load_field(path)

@@ -154,3 +154,17 @@ def test_values_are_even_and_their_ends_exact():
     assert axis("n=2:10:5") == ("n", [2, 4, 6, 8, 10], True) and axis("J=0:1:3")[1] == [0, 0.5, 1]
     assert axis("J=pi:0.1:7")[1][-1] == 0.1 and axis("J=pi:0.1:7")[1][0] == np.pi and len(axis("J=0:2:50")[1]) == 50
     assert axis("J=3:4:1")[1] == [3] and axis("g=1,2") == ("g", [1, 2], False)
+
+
+def test_lines_that_are_no_outcomes_count_for_nothing(path):
+    """Their cells are computed again, and no other file is taken for one."""
+    spec, folder = smidgen.load(path), path.parent / "cells"
+    wanted = [outcome["cell"] for outcome in sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)]
+    good = (folder / "cells.jsonl").read_bytes()
+    assert good.splitlines()[0].startswith(b"{")
+    for wrong in (b"[1]", b"7", b'{"cell": 0}', b'{"cell": 0, "file": 5, "status": "complete"}', b"\xff\xfe",
+                  b'{"cell": 0, "file": "/etc/hostname", "status": "complete"}', b'{"cell": 0, "file": "cell-1.npz", "status": "complete"}'):
+        (folder / "cells.jsonl").write_bytes(wrong + b"\n" + good.splitlines()[1] + b"\n")
+        (folder / "cell-0.npz").unlink()
+        assert [outcome["cell"] for outcome in sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)] == wanted
+        assert (folder / "cell-0.npz").exists()

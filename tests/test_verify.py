@@ -1,5 +1,6 @@
 """Certificates: yes for what is generated, and the right no for each impostor."""
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from support.systems import CLASSICAL, SPECS, VESELOV, load, tiers
 import smidgen
 from smidgen.errors import RunError, UsageError, ValidationError
 from smidgen.run.settings import settle
+from smidgen.check.verify import integrals
 from smidgen.check.verify.certificate import certify
 from smidgen.check.verify.row import CLAIMS, NO, NOT_APPLICABLE, YES, at_most, at_least
 from smidgen.check.verify.subject import emitted
@@ -409,3 +411,14 @@ def test_the_page_runs(tmp_path):
 def test_the_page_names_every_row():
     page = (DOCS / "verify.md").read_text()
     assert all(f"| {name} |" in page or name in ("field", "energy formula") for name in CLAIMS)
+
+
+@pytest.mark.quick
+def test_sums_over_many_sites_are_no_error_of_the_method():
+    """4096 spins nearly along one axis, and the same in another order: sums in double alone would differ by more than is allowed."""
+    dice = np.random.default_rng(1)
+    w = dice.normal(size=(4096, 3)) * 0.1 + [0, 0, 1]
+    w /= np.linalg.norm(w, axis=1)[:, None]
+    path = np.array([w, dice.permutation(w)])
+    one = integrals.Integral(lambda w: np.einsum("si,i->", w, np.array([0.0, 0.0, 1.0])), scale=64.0)
+    assert np.abs(one.changes(*path)).max() > 16 * np.finfo(float).eps and integrals.along(SimpleNamespace(path=path), one) < 1

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..errors import Exit
 from ..language import limits
-from .options import json_option, names, number, spec_argument, whole
+from .options import json_option, names, number, processor_options, spec_argument, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen sweep free_rigid_body --set I3=3:4:11 --out bodies
@@ -34,7 +34,7 @@ def add(commands):
     long.add_argument("--time", help="duration: a multiple of h")
     parser.add_argument("--every", type=whole, metavar="K", help="output each K-th step")
     parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, momentum, casimirs, names of observables")
-    parser.add_argument("--native", action="store_true", help="compile for this processor")
+    processor_options(parser)
     json_option(parser)
 
 

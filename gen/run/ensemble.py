@@ -55,7 +55,7 @@ class Ensemble:
 def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = None, h: float | str | None = None, steps: int | None = None,
              time: float | str | None = None, run: str | None = None, method: str | None = None, solver: str | None = None,
              effects: Iterable[str] | None = None, every: int | None = None, what: Iterable[str] = (), t0: float = 0.0,
-             tolerance: float | None = None, native: bool = False, threads: int | None = None) -> Ensemble:
+             tolerance: float | None = None, native: bool | None = None, threads: int | None = None) -> Ensemble:
     """Take the same steps from many starts, or with many values of parameters; returns an Ensemble.
 
     starts: an array of shape (members, sites, 3), of (members, 3) for one site, or for all members the name of a start (None: the
@@ -63,7 +63,7 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
     (members,) or (members, size), one for each; integer parameters and fixed ones are the same for all. run: of the spec, by default its
     first; in place of what it says: h, steps or time, method, solver, effects, tolerance, as for `run` (formulas take the values of member 0);
     t0: the time of the start; what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is
-    given; native: compile for this processor, whose registers hold more members at once; threads: how many, by default one a processor.
+    given; native: compile for this processor, whose registers hold more members at once (None: where members go in lanes); threads: how many, by default one a processor.
 
     Each member has the bits that it has alone. A single sphere's members step in lanes, those of other models one by one. A member whose
     step fails, or that cannot begin, stays where it is, and `failures` names it; the others go on. Raises UsageError for what does not

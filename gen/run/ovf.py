@@ -96,6 +96,7 @@ def numbers(file, length: int, kind: list, count: int, width: int) -> np.ndarray
     data = np.frombuffer(file.read((1 + count * width) * size), f"<f{size}")
     if data[0] != CHECK[size]:
         raise Wrong("the order of its bytes is not that of OVF 2.0")
-    if not file.readline(limits.LINE).strip() and not file.readline(limits.LINE).lower().startswith(b"# end: data"):
+    rest = [file.readline(limits.LINE).strip() for _ in range(2)]
+    if not (rest[0] or rest[1]).lower().startswith(b"# end: data"):
         raise Wrong("its data do not end where they should")
     return data[1:].astype(float).reshape(count, width)

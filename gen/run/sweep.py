@@ -93,13 +93,19 @@ def opened(folder: Path, wanted: dict) -> dict:
             if any(folder.iterdir()):
                 raise UsageError(f"{folder} is not empty, and no sweep: give another folder")
             write_new(folder / MANIFEST, json.dumps(wanted, indent=1).encode())
-        found, text = (folder / MANIFEST).read_text(), (folder / CELLS).read_text() if (folder / CELLS).exists() else ""
+        found, text = (folder / MANIFEST).read_text(errors="replace"), (folder / CELLS).read_text(errors="replace") if (folder / CELLS).exists() else ""
     except OSError as problem:
         raise OutputError(f"cannot write the sweep {folder}: {problem.strerror}") from None
     if parsed(found) != wanted:
         raise UsageError(f"{folder} holds another sweep, of other choices or by another version: give another folder")
     lines = [parsed(line) for line in text.splitlines()]
-    return {line["cell"]: line for line in lines if line and (line["file"] is None or (folder / line["file"]).exists())}
+    return {line["cell"]: line for line in lines if is_outcome(line) and (line["file"] is None or (folder / line["file"]).exists())}
+
+
+def is_outcome(line) -> bool:
+    """Is it what `computed` writes? Whatever else a line holds, its cell is computed again."""
+    return (isinstance(line, dict) and type(line.get("cell")) is int and isinstance(line.get("status"), str)
+            and line.get("file", 0) in (None, f"cell-{line['cell']}.npz"))
 
 
 def parsed(text: str):
@@ -114,7 +120,8 @@ def computed(spec, name, cells, folder: Path, given, processes, ended: dict, tel
     """The outcomes of `cells` into `ended`, and a line each into the folder as they come."""
     several = multiprocessing.get_context("fork")
     with open(folder / CELLS, "a", encoding="utf-8") as lines, ProcessPoolExecutor(_processes(processes, len(cells)), several) as pool:
-        lines.write("\n")           # after a line that was cut
+        if lines.tell():
+            lines.write("\n")       # after a line that was cut
         waiting = [pool.submit(one, spec, name, cell, folder, given) for cell in cells]
         try:
             for done in as_completed(waiting):

@@ -193,12 +193,12 @@ SMG_LANE_FUNCTION_2(pow)
 #undef SMG_LANE_FUNCTION
 #undef SMG_LANE_FUNCTION_2
 
-/* The largest lane. */
+/* The largest lane; what is not a number stays so. */
 SMG_INLINE smg_real smg_lane_largest(smg_lanes a) {
   smg_real x[SMG_LANES];
   for (int l = 0; l < SMG_LANES; ++l) x[l] = ((const smg_real *)&a)[l];
   for (int n = SMG_LANES / 2; n > 0; n /= 2)
-    for (int l = 0; l < n; ++l) x[l] = x[l] > x[l + n] ? x[l] : x[l + n];
+    for (int l = 0; l < n; ++l) x[l] = smg_max(x[l], x[l + n]);
   return x[0];
 }
 

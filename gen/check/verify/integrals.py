@@ -114,11 +114,11 @@ def kept(case: Case, subject, name, found, otherwise) -> Row:
 
 
 def along(case: Case, one: Integral) -> float:
-    """The largest change after k steps of the run, in ulps sqrt(k)."""
+    """The largest change after k steps of the run, in ulps sqrt(k); sums of many sites are taken in extended precision."""
     if case.path is None:
         return 0.0
     steps = np.unique(np.linspace(1, len(case.path) - 1, LOOKS).astype(int))
-    return max(float(np.abs(one.changes(case.path[0], case.path[k])).max()) / (EPS * np.sqrt(k)) for k in steps)
+    return max(float(np.abs(one.changes(*case.path[[0, k]].astype(LONG))).max()) / (EPS * np.sqrt(k)) for k in steps)
 
 
 def change(case: Case, subject, one: Integral, w, t, h) -> float:
