@@ -24,7 +24,7 @@ def iterations(case, h, count, method=SPHERICAL, solver="auto"):
 
 # The first step begins at rest, so with an error of h |X|/2. Squared four times 0.3 is 1e-8, and
 # five times 1e-17: one or two more iterations confirm it.
-NEWTON = [("point_vortices", SPHERICAL, "auto", 0.4), ("point_vortices", CLASSICAL, "auto", 0.4),
+NEWTON = [("point_vortices", SPHERICAL, "newton", 0.4), ("point_vortices", CLASSICAL, "auto", 0.4),
           ("product", SPHERICAL, "auto", 0.2), ("product", CLASSICAL, "auto", 0.2),
           ("heisenberg_chain", SPHERICAL, "newton", 0.4), ("heisenberg_chain", CLASSICAL, "newton", 0.4),
           ("j1j2_chain", SPHERICAL, "newton", 0.2), ("OPEN_CHAIN", SPHERICAL, "newton", 0.3),
@@ -52,7 +52,7 @@ def test_a_linear_iteration_would_show():
     assert iterations(begin("heisenberg_chain", n=20), 0.1, 1, solver="rotation")[0] > 7
 
 
-SMOOTH = [("point_vortices", "auto", 0.025), ("two_bodies", "auto", 0.0125), ("product", "auto", 0.0125),
+SMOOTH = [("point_vortices", "newton", 0.025), ("two_bodies", "auto", 0.0125), ("product", "auto", 0.0125),
           ("nambu_a39", "auto", 0.0125), ("free_rigid_body", "auto", 0.03), ("forced_rigid_body", "auto", 0.03),
           ("irreversible_rigid_body", "auto", 0.025), ("heisenberg_chain", "auto", 0.0025),
           ("heisenberg_chain", "plain", 0.0025), ("GLASS", "newton", 0.005)]

@@ -89,7 +89,7 @@ def test_halves_of_the_stages_tell_all_shares(s):
 # ---- order ------------------------------------------------------------------------------------
 
 # Half the steps of each ladder: errors from where the order shows down to 1e-30.
-LADDERS = {(BODY, 7): 16, (BODY, 8): 8, (VORTICES, 6): 16, (VORTICES, 7): 8, (VORTICES, 8): 4}
+LADDERS = {(BODY, 7): 16, (BODY, 8): 8, (VORTICES, 6): 16, (VORTICES, 7): 4, (VORTICES, 8): 4}
 END = 2
 
 

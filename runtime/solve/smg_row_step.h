@@ -136,7 +136,7 @@ static void smg_commit_slots(const smg_state *s, smg_share part, int64_t compone
   for (int64_t k = part.from; k < part.to; k += SMG_LANES) {
     const smg_lanes w = smg_lane_take(rows_w + k), u = smg_lane_take(rows_u + k);
 #if SMG_PLAIN_SUMS
-    (void)lost, smg_lane_put(rows_w + k, w + u);
+    smg_lane_put(rows_w + k, w + u);
 #else
     const smg_lanes y = u + smg_lane_take(lost + k), sum = w + y;
     smg_lane_put(lost + k, y - (sum - w));

@@ -30,7 +30,7 @@ def compile_model(to, spec, method, build="quad", half=None):
     """The filter of a model; half: coefficients before the middle one, in place of those of HOST."""
     to.mkdir(parents=True, exist_ok=True)
     program = to / "composed"
-    files = generate(spec, method=method)
+    files = generate(spec, method=method, solver="newton")     # compositions have no other for few sites
     for name, text in files.items():
         if half is not None:
             text = text.replace(f"#define SMG_COMPOSED {HOST[2]}", f"#define SMG_COMPOSED {2 * len(half) + 1}")
