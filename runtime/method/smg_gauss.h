@@ -15,6 +15,10 @@
  * stages at once, in the lanes of vectors (smg_lanes.h): the same bits for any number of lanes. The lanes are stages
  * (smg_gauss_stages.h), or on lattices sites (smg_gauss_rows.h).
  *
+ * |w| of a sphere is its r, as init put it there, not the root of a sum of squares: that falls on the same few numbers for good, whose
+ * rounding errors are mostly of one sign, and z too short by d makes u turn a w too short, |W| less than |w| by d |u|^2/2. So |w|
+ * drifted, by some 1e-3 ulp a step of random spins (order 8, h = 0.2). With r it walks at random.
+ *
  * What b has along w turns no spin: with H as its formula has it off the sphere, it would turn the phase of z all the same. Without it
  * the stages of spins in the field of parallel neighbours hardly move: on the chain of 100 (h = 1, four stages) the error is 190
  * times smaller.

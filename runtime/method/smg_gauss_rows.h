@@ -50,7 +50,7 @@ static void smg_commit_all(const smg_state *s, const smg_slot_sweep *a) {
     }
     smg_collect(middle, dz, u);
     smg_add_to_slots(a->w, pitch, slot, u, w);
-    smg_lift(w, z);
+    smg_lift(w, a->radius, z);
     smg_put_four(a->z, pitch, slot, z);
     smg_turn_slopes(a, slot, end, z);
   }

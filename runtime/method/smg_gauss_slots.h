@@ -64,10 +64,10 @@ SMG_INLINE void smg_put_four(smg_real *all, int64_t pitch, int64_t slot, const s
 
 /* ---- z and w -------------------------------------------------------------------------------- */
 
-/* A z with w(z) = w: the larger of z_0, z_1 is real and positive, sqrt((|w| + |w_3|)/2); nothing cancels. */
-SMG_INLINE void smg_lift(const smg_lanes *w, smg_lanes *z) {
-  const smg_lanes zero = {0}, norm = smg_lane_sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-  const smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (norm + smg_lane_abs(w[2]))), part = (smg_real)0.5 / large;
+/* A z with w(z) = w, r = |w| (smg_gauss.h): the larger of z_0, z_1 is real and positive, sqrt((r + |w_3|)/2); nothing cancels. */
+SMG_INLINE void smg_lift(const smg_lanes *w, smg_real r, smg_lanes *z) {
+  const smg_lanes zero = {0};
+  const smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (r + smg_lane_abs(w[2]))), part = (smg_real)0.5 / large;
   const smg_lanes re = w[0] * part, im = w[1] * part;
   const smg_lane_mask south = (smg_lane_mask)(w[2] < zero);
   z[0] = smg_lane_select(south, re, large);
@@ -90,7 +90,7 @@ static void smg_lift_slots(const smg_state *s) {
   for (int64_t slot = 0; slot < end; slot += SMG_LANES) {
     smg_lanes w[3], z[4];
     smg_take_slots(from, pitch, slot, w);
-    smg_lift(w, z);
+    smg_lift(w, smg_radius(&s->c, 0), z);
     smg_put_four(to, pitch, slot, z);
   }
 }

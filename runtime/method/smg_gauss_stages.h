@@ -63,10 +63,10 @@ static inline void smg_lift(const smg_real *w, smg_real norm, smg_real *z) {
   z[3] = south ? 0 : im;
 }
 
-/* What a step of site k begins with, from its w alone; returns |w|. */
+/* What a step of site k begins with, from its w alone; returns |w|, of spheres r (smg_gauss.h). */
 static inline smg_real smg_place_site(const smg_state *s, int64_t k) {
   smg_real *own = smg_own(s, k);
-  const smg_real *w = s->w + 3 * k, norm = smg_norm(w);
+  const smg_real *w = s->w + 3 * k, norm = smg_kind(&s->c, k) == SMG_SPHERE ? smg_radius(&s->c, k) : smg_norm(w);
   smg_lift(w, norm, own + SMG_OWN_Z);
   own[SMG_OWN_HALF] = 0.5 * smg_h_over_kappa(&s->c, k, smg_signed_h(s->h));
   own[SMG_OWN_SIZE] = SMG_MATH(sqrt)(norm);
