@@ -54,6 +54,13 @@ def optimised():
 
 
 @pytest.fixture
+def as_shipped():
+    """The flags of a user's build, for runs of minutes."""
+    with built_at("-O3"):
+        yield
+
+
+@pytest.fixture
 def optimised_here():
     """The same for one test."""
     with built_at("-O1"):

@@ -179,6 +179,7 @@ def test_a_table_on_stdout(command):
     said = command("run", TOP, "--steps", "3", "--what", "energy", "--out", "-")
     rows = [line for line in said.stdout.splitlines() if not line.startswith("#")]
     assert rows[0] == "step,t,energy,energy.rotation" and len(rows) == 5
+    assert max(map(len, said.stdout.splitlines())) < 200        # neither the whole last state nor all choices
     assert "3 of 3 steps" in said.stderr
 
 

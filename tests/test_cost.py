@@ -90,6 +90,7 @@ def test_the_reference_is_the_flow_to_the_error_it_states():
 
 
 @pytest.mark.long
+@pytest.mark.usefixtures("as_shipped")
 def test_an_end_that_nobody_knows_is_not_judged():
     spec = smidgen.load("heisenberg_chain")
     chain = dict(values={"n": 6}, time=600, start=np.random.default_rng(3).normal(size=(6, 3)))

@@ -168,3 +168,16 @@ def test_lines_that_are_no_outcomes_count_for_nothing(path):
         (folder / "cell-0.npz").unlink()
         assert [outcome["cell"] for outcome in sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)] == wanted
         assert (folder / "cell-0.npz").exists()
+
+
+def test_ctrl_c_says_how_to_go_on(monkeypatch, capsys, tmp_path):
+    """An interrupt after one cell: what has ended is counted, and the exit code is that of an interrupt."""
+    from smidgen.cli import main
+    from smidgen.run import sweep as module
+
+    def stopped(*_, tell, **__):
+        tell({"error": None})
+        raise KeyboardInterrupt
+    monkeypatch.setattr(module, "sweep", stopped)
+    assert main(["sweep", "free_rigid_body", "--set", "I3=3:4:2", "--out", str(tmp_path / "bodies")]) == 130
+    assert "1 more cells have ended" in capsys.readouterr().err

@@ -1,7 +1,6 @@
 """`smidgen run`: a run of a spec, its errors, its file."""
 from __future__ import annotations
 
-import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -74,6 +73,9 @@ def command(args):
     return code
 
 
+WHOLE_STATE = ("# final:", "# meta:")       # lines of a table that tell the last state and all choices: of any length, for --repeat
+
+
 class output_file:
     """The file that a run writes: --out, or for `-` one that goes to stdout at the end."""
 
@@ -92,7 +94,7 @@ class output_file:
         with self.folder:
             if Path(self.path).exists():
                 with open(self.path, encoding="utf-8") as table:
-                    shutil.copyfileobj(table, sys.stdout)
+                    sys.stdout.writelines(line for line in table if not line.startswith(WHOLE_STATE))
 
 
 def go(args, out):

@@ -33,7 +33,7 @@ def add(commands):
     long.add_argument("--steps", type=whole, help="number of steps")
     long.add_argument("--time", help="duration: a multiple of h")
     parser.add_argument("--every", type=whole, metavar="K", help="output each K-th step")
-    parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, momentum, casimirs, names of observables")
+    parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, momentum, casimirs, magnetisation, charge, names of observables")
     processor_options(parser)
     json_option(parser)
 
@@ -74,7 +74,13 @@ def command(args):
     given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
     given |= {"values": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
     axes = {name: value for name, value, swept in args.axes if swept}
-    found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes, tell=said, **given)
+    ended = []
+    try:
+        found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes,
+                      tell=lambda outcome: (ended.append(outcome), said(outcome)), **given)
+    except KeyboardInterrupt:
+        say(f"smidgen: interrupted; {len(ended)} more cells have ended in {Path(args.out)}, the same command goes on with the others")
+        return Exit.INTERRUPTED
     failed = [outcome for outcome in found if outcome["status"] != "complete"]
     if args.json:
         printed({"folder": args.out, "cells": found})

@@ -19,6 +19,7 @@ GOOD = 1e-15        # an error that no run in double resolves
 HALVINGS = 14
 WORK = 4_000_000    # sites times steps that a halving may take
 CHAOS = 1e-5        # a reference no better than this: no end errors are given
+FINER = 2.0**11     # units of double in the last place of 1 are so many of extended precision
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,8 @@ def no_reference(case: Case) -> Reference:
 
 def reference(case: Case, good: float = GOOD) -> Reference:
     """The reference end of a case, to `good` where that can be had. Raises UsageError where no two methods serve."""
+    if lost_to_round_off(case):
+        return no_reference(case)
     ends = []
     for name in by_kind():
         found = (None, np.inf) if case.model(name, REAL) is None else refined(case, name, good)
@@ -51,6 +54,16 @@ def reference(case: Case, good: float = GOOD) -> Reference:
         raise UsageError("no reference: fewer than two independent methods get to the end of this run")
     (first, end, error), (second, other, more) = ends
     return Reference(end if error <= more else other, max(error, more, case.distance(end, other)), (first, second))
+
+
+def lost_to_round_off(case: Case) -> bool:
+    """Does round-off of extended precision grow beyond CHAOS? As that of double does, by the first method, in the same steps: no
+    smaller step helps."""
+    name, steps = next((name for name in by_kind() if case.model(name, REAL) is not None), None), 4 * case.fewest(TURN)
+    if name is None:
+        return False
+    coarse, fine = (case.end(name, steps, real) for real in ("double", REAL))
+    return coarse is not None and fine is not None and case.distance(coarse, fine) > CHAOS * FINER
 
 
 def by_kind() -> list[str]:

@@ -405,7 +405,8 @@ class Integrator(ReadOnly):
     def _rate(self, site: int) -> float:
         """|h b|, the angle by which the field turns `site` in a step; of the fastest one for -1."""
         b = np.asarray(self.field(self.state()), float)
-        turns = abs(self.h) * np.hypot(np.hypot(b[:, 0], b[:, 1]), b[:, 2])
+        with np.errstate(over="ignore"):        # a step of 1e300 fails, and its rate may be infinite
+            turns = abs(self.h) * np.hypot(np.hypot(b[:, 0], b[:, 1]), b[:, 2])
         return float(turns[site] if site >= 0 else turns.max())
 
 

@@ -8,15 +8,13 @@ counts: on a machine with other work the median tells of that.
 from __future__ import annotations
 
 import argparse
-import csv
-import os
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
 import smidgen
-from machine import machine
+from machine import write_table
 
 SPINS = """
 [model]
@@ -87,13 +85,7 @@ def main():
         lines = [row("4 vortices", smidgen.load("point_vortices"), "four", 0.1, many, args.repeats),
                  row("16 spins, all pairs", smidgen.load_text(SPINS), "random", 0.1, many, args.repeats),
                  row("random graph, 1000 sites, 3000 edges", random_graph(folder), "random", 0.1, {"portable": 20, "native": 20, "newton": 1}, args.repeats)]
-    with open(args.out, "w", newline="") as f:
-        f.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
-        writer = csv.DictWriter(f, COLUMNS)
-        writer.writeheader()
-        writer.writerows(lines)
-    for line in lines:
-        print(line)
+    write_table(args.out, lines, COLUMNS)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,12 @@ One and two threads take turns in one process, by the clock; of many short turns
 from __future__ import annotations
 
 import argparse
-import csv
-import os
 import time
 
 import numpy as np
 import smidgen
 from lattices import CHAIN, CUBIC, TEXT
-from machine import machine
+from machine import write_table
 
 THREADS = (1, 2)
 STRONG = [("cubic", *CUBIC, 20, "random", 0.0247), ("cubic", *CUBIC, 40, "random", 0.0247), ("cubic", *CUBIC, 100, "random", 0.0247),
@@ -68,11 +66,7 @@ def main():
     parser.add_argument("--repeats", type=int, default=40)
     args = parser.parse_args()
     lines = [*(strong(system, args.repeats) for system in STRONG), *(weak(system, args.repeats) for system in WEAK)]
-    with open(args.out, "w", newline="") as f:
-        f.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
-        writer = csv.DictWriter(f, COLUMNS)
-        writer.writeheader()
-        writer.writerows(lines)
+    write_table(args.out, lines, COLUMNS)
 
 
 if __name__ == "__main__":

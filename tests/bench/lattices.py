@@ -8,12 +8,10 @@ site. Of many short turns the shortest counts: on a machine with other work the 
 from __future__ import annotations
 
 import argparse
-import csv
-import os
 import time
 
 import smidgen
-from machine import machine
+from machine import write_table
 
 TEXT = """
 [model]
@@ -73,13 +71,7 @@ def main():
     parser.add_argument("--repeats", type=int, default=100)
     args = parser.parse_args()
     lines = [row(system, args.repeats) for system in SYSTEMS]
-    with open(args.out, "w", newline="") as f:
-        f.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
-        writer = csv.DictWriter(f, COLUMNS)
-        writer.writeheader()
-        writer.writerows(lines)
-    for line in lines:
-        print(line)
+    write_table(args.out, lines, COLUMNS)
 
 
 if __name__ == "__main__":

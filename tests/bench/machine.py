@@ -1,4 +1,5 @@
-"""Names the machine that timings were taken on."""
+"""Names the machine that timings were taken on, and writes their tables."""
+import csv
 import os
 import platform
 import subprocess
@@ -18,3 +19,14 @@ def machine() -> str:
     """Processor, cores, compiler and flags in one line."""
     compiler = subprocess.run([*find_compiler(), "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     return f"{processor()}, {os.cpu_count()} cores; {compiler}; {' '.join(FLAGS)}"
+
+
+def write_table(path, lines: list, columns=None) -> None:
+    """A CSV of dicts below a line that names the machine and its load; printed too."""
+    with open(path, "w", newline="") as f:
+        f.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
+        writer = csv.DictWriter(f, columns or list(lines[0]))
+        writer.writeheader()
+        writer.writerows(lines)
+    for line in lines:
+        print(line)

@@ -7,8 +7,6 @@ The small and the large system take turns in one process; ratios are of medians.
 from __future__ import annotations
 
 import argparse
-import csv
-import os
 import statistics
 import subprocess
 import tempfile
@@ -16,7 +14,7 @@ import time
 from pathlib import Path
 
 import smidgen
-from machine import machine
+from machine import write_table
 from smidgen.build.binary import FLAGS, find_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.run.integrator import scene_of
@@ -90,13 +88,7 @@ def main():
     parser.add_argument("--repeats", type=int, default=9)
     options = parser.parse_args()
     lines = list(rows(options.repeats))
-    with open(options.out, "w", newline="") as file:
-        file.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
-        writer = csv.DictWriter(file, COLUMNS)
-        writer.writeheader()
-        writer.writerows(lines)
-    for line in lines:
-        print("  ".join(f"{line[c]}" for c in COLUMNS))
+    write_table(options.out, lines, COLUMNS)
 
 
 if __name__ == "__main__":
