@@ -181,3 +181,24 @@ def test_ctrl_c_says_how_to_go_on(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(module, "sweep", stopped)
     assert main(["sweep", "free_rigid_body", "--set", "I3=3:4:2", "--out", str(tmp_path / "bodies")]) == 130
     assert "1 more cells have ended" in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_a_cluster_computes_the_same_cells(path, tmp_path):
+    """Two workers of a Dask cluster, each a process of its own."""
+    from distributed import LocalCluster
+    given = dict(axes={"a": [0.0, 0.3]}, starts=2)
+    here = sweep(smidgen.load(str(path)), "demo", folder=tmp_path / "here", processes=1, **given)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as several:
+        there = sweep(smidgen.load(str(path)), "demo", folder=tmp_path / "there", cluster=several.scheduler_address, **given)
+    assert here == there and len(there) == 4
+    for outcome in here:
+        one, other = (smidgen.load_result(tmp_path / place / outcome["file"]) for place in ("here", "there"))
+        assert np.array_equal(one.final, other.final)
+
+
+def test_no_cluster_is_a_clear_error(command, path, monkeypatch):
+    from smidgen.run import cluster
+    monkeypatch.setattr(cluster, "CONNECT", "1s")
+    said = command("sweep", path, "--set", "a=0:0.6:3", "--out", path.parent / "cells", "--cluster", "tcp://127.0.0.1:9")
+    assert said.returncode == 2 and "no Dask scheduler answers at tcp://127.0.0.1:9" in said.stderr

@@ -24,7 +24,9 @@ def add(commands):
     parser.add_argument("--starts", type=whole, metavar="N", help="N random starts for all values, of the seeds from --seed on")
     parser.add_argument("--seed", type=whole, default=0, help="the first seed; default: 0")
     parser.add_argument("--out", required=True, metavar="FOLDER", help="where the manifest and the results go; the same command goes on there")
-    parser.add_argument("--processes", type=whole, metavar="N", help="how many at once; default: one a processor")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--processes", type=whole, metavar="N", help="how many at once; default: one a processor")
+    where.add_argument("--cluster", metavar="ADDRESS", help="compute on the workers of this Dask scheduler, such as tcp://host:8786")
     parser.add_argument("--method", help="the integrator; default: the run's")
     parser.add_argument("--solver", help="solver of the step equation")
     parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
@@ -76,7 +78,7 @@ def command(args):
     axes = {name: value for name, value, swept in args.axes if swept}
     ended = []
     try:
-        found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes,
+        found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
                       tell=lambda outcome: (ended.append(outcome), said(outcome)), **given)
     except KeyboardInterrupt:
         say(f"smidgen: interrupted; {len(ended)} more cells have ended in {Path(args.out)}, the same command goes on with the others")

@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import itertools
 import json
-import multiprocessing
 import os
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +17,7 @@ from ..build.binary import generator_name
 from ..errors import OutputError, RunError, UsageError
 from ..language import limits
 from ..language.spec import Spec
+from .cluster import executor, lost
 from .durable import write_new
 from .integrator import build
 from .run import Interrupted, run
@@ -57,15 +56,16 @@ def cells_of(axes: Mapping[str, list], starts: int | None, seed: int) -> list[Ce
 
 
 def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, starts: int | None = None, seed: int = 0,
-          processes: int | None = None, tell: Callable[[dict], object] = lambda outcome: None, **given) -> list[dict]:
+          processes: int | None = None, cluster: str | None = None, tell: Callable[[dict], object] = lambda outcome: None, **given) -> list[dict]:
     """Run every cell that `folder` has not; returns the outcome of each cell, in their order: cell, values, seed, status, error, file.
 
     axes: parameter -> its values; starts: how many random ones, of the seeds from `seed` on, the same for all values; given: as for `run`;
+    processes: how many at once; cluster: the address of a Dask scheduler, whose workers see `folder` by the same path;
     tell: called with each outcome as it comes. A cell that fails stays as it is, with its error. Raises UsageError for what does
     not fit (a folder of another sweep), RunError where a process was killed, OutputError for a folder that cannot be written; KeyboardInterrupt
     when interrupted. What has ended is safe in every case.
     """
-    cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder)
+    cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder).absolute()
     for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
         settled = settle(spec, name, **{**given, "values": {**given.get("values", {}), **values}})
     if starts is not None:
@@ -74,7 +74,8 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
     left = [cell for cell in cells if cell.number not in ended]
     if left:
-        computed(spec, name, left, folder, given, processes, ended, tell)
+        with executor(_processes(processes, len(left)), cluster) as pool:
+            computed(pool, spec, name, left, folder, given, ended, tell)
     return [ended[cell.number] for cell in cells]
 
 
@@ -116,13 +117,12 @@ def parsed(text: str):
         return None
 
 
-def computed(spec, name, cells, folder: Path, given, processes, ended: dict, tell) -> None:
+def computed(pool, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
     """The outcomes of `cells` into `ended`, and a line each into the folder as they come."""
-    several = multiprocessing.get_context("fork")
-    with open(folder / CELLS, "a", encoding="utf-8") as lines, ProcessPoolExecutor(_processes(processes, len(cells)), several) as pool:
+    waiting = [pool.submit(one, spec, name, cell, folder, given) for cell in cells]
+    with open(folder / CELLS, "a", encoding="utf-8") as lines:
         if lines.tell():
             lines.write("\n")       # after a line that was cut
-        waiting = [pool.submit(one, spec, name, cell, folder, given) for cell in cells]
         try:
             for done in as_completed(waiting):
                 outcome = done.result()
@@ -131,10 +131,11 @@ def computed(spec, name, cells, folder: Path, given, processes, ended: dict, tel
                 os.fsync(lines.fileno())
                 ended[outcome["cell"]] = outcome
                 tell(outcome)
-        except BrokenProcessPool:
+        except lost():
             raise RunError(f"a process of the sweep {folder} was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
         finally:
-            pool.shutdown(cancel_futures=True)
+            for cell in waiting:
+                cell.cancel()
 
 
 def one(spec, name, cell: Cell, folder: Path, given) -> dict:
