@@ -199,6 +199,18 @@ def test_the_cache_forgets_the_oldest(spec, monkeypatch):
     assert len(kept) == 2 and last.folder in kept
 
 
+def test_the_cache_forgets_old_logs_and_what_killed_processes_left(spec):
+    build_library(spec, generate=Counting())
+    left, fresh = [cache_folder() / name for name in ("failed-old.log", ".building-old")], cache_folder() / "failed-new.log"
+    left[1].mkdir()
+    for path in (left[0], fresh):
+        path.touch()
+    for path in left:
+        os.utime(path, (1, 1))
+    build_library(spec, solver="newton", generate=Counting())
+    assert fresh.exists() and not any(map(os.path.exists, left))
+
+
 def test_the_cache_keeps_what_may_just_be_loaded(spec, monkeypatch):
     """However many there are: the process that found an entry reads it after it has left the lock."""
     monkeypatch.setattr(cache, "KEPT", 1)

@@ -407,6 +407,13 @@ def test_characters_that_the_stream_has_not_are_escaped(tmp_path):
     assert codes == [0] and out == b"\\xfc\\udcff.toml\n" and b"defect" not in err
 
 
+def test_methods_are_listed(command):
+    from smidgen.methods import METHODS
+    lines = command("list", "--methods").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(METHODS)
+    assert json.loads(command("list", "--methods", "--json").stdout)[0]["order"] == 2
+
+
 # Guesses
 
 @pytest.mark.quick

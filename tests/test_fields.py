@@ -182,6 +182,8 @@ def test_files_of_others(tmp_path, ending, data):
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 90000000"), "promises"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 999999999999"), "from 1 to 100000000 sites"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: -2"), "lacks 'xnodes'"),
+    (".ovf", OOMMF.replace("# xnodes: 2", "# xnodes: 2\n# xnodes: 3"), "'xnodes' twice"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: \u0662"), "lacks 'xnodes'"),
     (".ovf", OOMMF.replace("dim: 3 ", "dim: 1 "), "no vectors"),
     (".ovf", OOMMF.replace("count: 1", "count: 2"), "several segments"),
     (".ovf", OOMMF.replace("Text", "Binary 8"), "promises|order of its bytes"),

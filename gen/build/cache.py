@@ -18,6 +18,7 @@ from pathlib import Path
 from ..errors import BuildError
 
 KEPT = 300          # entries that are kept; the ones unused longest go first
+LEFT = 86400        # seconds after which a log of a compiler, or what a killed process was building, goes
 RECENT = 3600       # seconds since its last use in which an entry stays: a process may be about to load it
 SEAL = "sha256"     # the file with the digest of the others
 OTHERS = 0o022      # mode bits: group or others may write
@@ -132,6 +133,10 @@ def _prune(cache: Path) -> None:
     for when, old in used[KEPT:]:
         if time.time() - when >= RECENT:
             _forget(old)
+    for old in [*cache.glob("failed-*.log"), *cache.glob(".building-*")]:
+        if time.time() - last_use(old) >= LEFT:
+            with contextlib.suppress(OSError):
+                _remove(old)
 
 
 def _forget(old: Path) -> None:

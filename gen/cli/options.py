@@ -20,7 +20,7 @@ def spec_argument(parser, **more):
 def model_options(parser):
     """What decides the C: RUN, --method, --solver, --effects, --set."""
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
-    parser.add_argument("--method", choices=METHODS, help="the integrator; default: the run's")
+    parser.add_argument("--method", choices=METHODS, metavar="NAME", help="the integrator, of `smidgen list --methods`; default: the run's")
     parser.add_argument("--solver", choices=SOLVERS, help="solver of the step equation")
     parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="values",

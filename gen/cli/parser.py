@@ -11,6 +11,8 @@ CODES = """exit codes: 0 good, 1 a defect of smidgen, 2 wrong usage, 3 a bad spe
 5 a validation failed, 6 a tool is missing, 7 the C compiler failed, 8 a file cannot be written,
 130 interrupted, 141 the reader of stdout has gone"""
 
+SHOWN = 16      # choices that an error names
+
 
 class Parser(argparse.ArgumentParser):
     """Says which word was probably meant: a command, a choice or an option."""
@@ -19,7 +21,9 @@ class Parser(argparse.ArgumentParser):
         try:
             super()._check_value(action, value)
         except argparse.ArgumentError as error:
-            error.message = guessed(error.message, value, action.choices)
+            more = [*action.choices][SHOWN:]
+            message = f"invalid choice: {value!r} (choose from {', '.join([*action.choices][:SHOWN])} and {len(more)} more)" if more else error.message
+            error.message = guessed(message, value, action.choices)
             raise
 
     def parse_known_args(self, args=None, namespace=None):
@@ -28,6 +32,10 @@ class Parser(argparse.ArgumentParser):
             known = [name for name in self._option_string_actions if name.startswith("--")]
             self.error(guessed(f"unrecognized arguments: {' '.join(rest)}", rest[0].partition("=")[0], known))
         return found, rest
+
+    def error(self, message):
+        """What is wrong, and where all options are told; they themselves would hide it."""
+        self.exit(2, f"{self.prog}: error: {message}; see `{self.prog} --help`\n")
 
 
 def guessed(message: str, word: str, known) -> str:

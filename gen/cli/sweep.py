@@ -27,7 +27,7 @@ def add(commands):
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--processes", type=whole, metavar="N", help="how many at once; default: one a processor")
     where.add_argument("--cluster", metavar="ADDRESS", help="compute on the workers of this Dask scheduler, such as tcp://host:8786")
-    parser.add_argument("--method", help="the integrator; default: the run's")
+    parser.add_argument("--method", metavar="NAME", help="the integrator, of `smidgen list --methods`; default: the run's")
     parser.add_argument("--solver", help="solver of the step equation")
     parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
     parser.add_argument("--h", help="the step: a number or a formula")

@@ -15,6 +15,7 @@ from .received import Wrong, within
 CHECK = {4: 1234567.0, 8: 123456789012345.0}        # the first number of binary data
 HEADER = 200        # lines; OOMMF writes thirty
 AXES = "xyz"
+READ = ("valuedim", "segment count", "meshtype", "pointcount", *(f"{axis}nodes" for axis in AXES))     # what counts of the header
 
 
 def written(w, points, size, label: str, title: str, text: bool) -> bytes:
@@ -68,15 +69,15 @@ def header(file) -> tuple[dict, list]:
         key, _, value = line[1:].partition("##")[0].partition(":")      # ## begins a comment
         if key.strip().lower() == "begin" and value.lower().split()[:1] == ["data"]:
             return found, value.lower().split()[1:]
-        if not line.startswith("##"):
-            found.setdefault(key.strip().lower(), value.strip())
+        if not line.startswith("##") and found.setdefault(key.strip().lower(), value.strip()) != value.strip() and key.strip().lower() in READ:
+            raise Wrong(f"its header has '{key.strip()}' twice")
     raise Wrong("it has no data")
 
 
 def whole(head: dict, key: str, default: str = "") -> int:
     """A count of the header."""
     text = head.get(key, default)
-    if not text.isdecimal() or len(text) > 19:
+    if not (text.isascii() and text.isdecimal()) or len(text) > 19:
         raise Wrong(f"its header lacks '{key}', or that is no count")
     return int(text)
 
