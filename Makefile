@@ -2,7 +2,8 @@
 PYTHON ?= python3
 VENV   := .venv
 PY     := $(VENV)/bin/python
-PYTEST := $(PY) -m pytest -n 2 --dist worksteal
+# Bytecode lies beside the environment, not among the sources, and is kept: the tests start many interpreters.
+PYTEST := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY) -m pytest -n 2 --dist worksteal
 
 .PHONY: demo test quick test-long bench hard mutants coverage fuzz clean
 

@@ -20,7 +20,10 @@ from smidgen.cli import main
 from smidgen.run import integrator
 
 sys.path.insert(0, str(Path(__file__).parent))
+from support.strict import CALLS     # noqa: E402
+
 ROOT = Path(__file__).parent.parent
+FLAGS = binary.FLAGS
 
 
 def pytest_configure(config):
@@ -40,9 +43,9 @@ def own_cache(tmp_path_factory):
 
 @pytest.fixture(scope="session", autouse=True)
 def cheaper_builds():
-    """-O0 in place of -O3, here and in what is forked: the same bits, compiled in a quarter of the time. Programs that tests
-    start anew use -O3, and files whose runs are long ask for `optimised`."""
-    with built_at("-O0"):
+    """-O0 in place of -O3, and calls in place of inlined text, here and in what is forked: the same bits, compiled in a quarter of
+    the time. Programs that tests start anew use -O3, and files whose runs are long ask for `optimised`."""
+    with built_at("-O0", CALLS):
         yield
 
 
@@ -68,11 +71,11 @@ def optimised_here():
 
 
 @contextlib.contextmanager
-def built_at(level):
-    flags = binary.FLAGS
-    binary.FLAGS = tuple(level if f.startswith("-O") else f for f in flags)
+def built_at(*level):
+    before = binary.FLAGS
+    binary.FLAGS = (*(f for f in FLAGS if not f.startswith("-O")), *level)
     yield
-    binary.FLAGS = flags
+    binary.FLAGS = before
 
 
 @pytest.fixture

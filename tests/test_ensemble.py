@@ -1,15 +1,14 @@
 """Ensembles: each member has the bits that it has alone, those of a single sphere in lanes; a member that fails is named."""
-import subprocess
+import functools
 
 import numpy as np
 import pytest
 import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.language import limits
-from smidgen.resources import include_flags
 from smidgen.run import ensemble as module
 from smidgen.run.start import initial_state
-from support.strict import COMPILERS, WARNINGS
+from support.strict import COMPILERS, MODES, compile_all
 
 BODIES = ("free_rigid_body", "irreversible_rigid_body", "forced_rigid_body")
 PULSED = """
@@ -68,7 +67,10 @@ def agree(found, wanted) -> bool:
             and sorted(found.failures) == list(np.flatnonzero(wanted[1])))
 
 
-@pytest.fixture(params=["portable", "native", "clang"])
+HOW = ("portable", "native", "clang")
+
+
+@pytest.fixture(params=HOW)
 def how(request, monkeypatch):
     """Builds with registers of different widths, by both compilers."""
     if request.param == "clang":
@@ -78,7 +80,8 @@ def how(request, monkeypatch):
     return {"native": request.param == "native"}
 
 
-@pytest.mark.parametrize("h", [0.05, 0.3, 1.1, 2.5])
+@pytest.mark.parametrize("how, h", [pytest.param(how, h, marks=() if how == "native" or h in (0.3, 2.5) else pytest.mark.long)
+                                    for how in HOW for h in (0.05, 0.3, 1.1, 2.5)], indirect=["how"])
 @pytest.mark.parametrize("name", BODIES)
 def test_each_member_has_the_bits_that_it_has_alone(how, name, h):
     """At 0.05 most steps take one iteration in lanes, at 0.3 two, at 1.1 most are taken alone, at 2.5 many end at a fold."""
@@ -198,15 +201,18 @@ def test_limits_of_an_ensemble(monkeypatch):
         smidgen.ensemble(SPECS["pulsed"], points(4), h=0.1, steps=2, every=1, what="states")
 
 
+@functools.cache
+def files_of(name):
+    return generate(SPECS[name], amalgamate=True, features=("ensemble",))
+
+
 @pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("compiler, mode", MODES)
 @pytest.mark.parametrize("name", ["pulsed", "free_rigid_body"])
-def test_clean_c(tmp_path, name, compiler, lanes):
-    for file, text in generate(SPECS[name], amalgamate=True, features=("ensemble",)).items():
+def test_clean_c(tmp_path, name, compiler, mode, lanes):
+    for file, text in files_of(name).items():
         (tmp_path / file).write_text(text)
-    words = [compiler, *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", f"-DSMG_LANES={lanes}", *include_flags(), "-I.", "-O1"]
-    for file in (f"{name}.c", f"{name}_abi.c"):
-        subprocess.run([*words, "-c", file, "-o", "one.o"], cwd=tmp_path, check=True)
+    assert not compile_all(tmp_path, [f"{name}.c", f"{name}_abi.c"], compiler, "-Wno-psabi", f"-DSMG_LANES={lanes}", how=mode)
 
 
 def test_nobody_else_pays():

@@ -82,10 +82,14 @@ def test_the_steps_of_newton(name):
     assert np.abs(model.w - newton.w).max() <= 1e-11
 
 
-@pytest.mark.parametrize("name", ["5 vortices", "9 spins", "other spheres"])
-def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name):
+EVERY_WIDTH = (1, 2, 4, 8)
+
+
+@pytest.mark.parametrize("name, widths", [("5 vortices", (1, 4)), ("9 spins", EVERY_WIDTH), ("other spheres", (1, 8)),
+                                          *(pytest.param(n, EVERY_WIDTH, marks=pytest.mark.long) for n in ("5 vortices", "other spheres"))])
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
     found = []
-    for lanes in (1, 2, 4, 8):
+    for lanes in widths:
         monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
         found.append(started(SPECS[name], 0.01).steps(12).save())
     assert all(np.array_equal(found[0], one) for one in found[1:])
@@ -102,6 +106,7 @@ def test_what_lanes_serve(effects, lanes):
     assert files.notes["reason"].endswith("dense Newton")
 
 
+@pytest.mark.usefixtures("optimised_here")
 def test_lengths_do_not_drift():
     """|w|^2 of sixteen spins after 2e5 steps: round-off, of both signs."""
     spec = few(SPINS.replace("0.2*", "0*"), 16)

@@ -26,7 +26,7 @@ from smidgen.run.settings import settle
 FEW = (5, 22, 1160)
 
 
-@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.long if seed == 5 else ()) for seed in FEW])
 def test_a_random_spec_goes_through(seed):
     assert through(spec_text(random.Random(seed)))["verdict"] in ("fine", "refused")
 

@@ -1,5 +1,4 @@
 """Gauss collocation on lattices, sites in lanes (runtime/method/smg_gauss_rows.h): the step that the equation has, with the same bits."""
-import subprocess
 
 import numpy as np
 import pytest
@@ -7,9 +6,8 @@ import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
-from smidgen.resources import include_flags
-from support.strict import COMPILERS, WARNINGS
-from test_rows import DM, EXCHANGE, FIELD, SPECS as QUADRATIC, lattice
+from support.strict import COMPILERS, MODES, compile_all
+from test_rows import DM, EXCHANGE, FIELD, SPECS as QUADRATIC, WIDTHS, lattice
 
 IN_TIME = """[effects.field]
 over = "site(i) of w"
@@ -58,10 +56,10 @@ def test_order_in_extended_precision(monkeypatch, order):
     assert abs(np.log2(ratio) - order) < 0.1
 
 
-@pytest.mark.parametrize("name", [*SOME, *(pytest.param(n, marks=pytest.mark.long) for n in SPECS)])
-def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name):
+@pytest.mark.parametrize("name, widths", [*((n, WIDTHS.get(n, (4,))) for n in SOME), *(pytest.param(n, (2, 4, 8), marks=pytest.mark.long) for n in SPECS)])
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
     wanted = bits(built(monkeypatch, SPECS[name], lanes=1))
-    for lanes in (2, 4, 8):
+    for lanes in widths:
         assert np.array_equal(bits(built(monkeypatch, SPECS[name], lanes=lanes)), wanted)
 
 
@@ -132,10 +130,9 @@ def test_what_rows_are_not_for():
 
 
 @pytest.mark.parametrize("lanes", [1, 8])
-@pytest.mark.parametrize("compiler", COMPILERS)
-def test_clean_c(tmp_path, compiler, lanes):
+@pytest.mark.parametrize("compiler, mode", MODES)
+def test_clean_c(tmp_path, compiler, mode, lanes):
     spec = lattice("skew", "square(n, 5, open)", 9, "5*n", EXCHANGE + DM)
     for file, text in generate(spec, amalgamate=True, method="gauss-6").items():
         (tmp_path / file).write_text(text)
-    words = [compiler, *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", f"-DSMG_LANES={lanes}", *include_flags(), "-I.", "-O1"]
-    subprocess.run([*words, "-c", f"{spec.name}.c", "-o", "model.o"], cwd=tmp_path, check=True)
+    assert not compile_all(tmp_path, [f"{spec.name}.c"], compiler, "-Wno-psabi", f"-DSMG_LANES={lanes}", how=mode)

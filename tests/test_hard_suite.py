@@ -10,6 +10,8 @@ SLOW = ("a rough chain, from small steps to where they end", "two vortex pairs o
         "close vortex pair, up to the fold", "close vortex pair, beyond the fold", "plain iteration where it does not contract",
         "chaos of the forced body: two Lyapunov exponents")    # seconds, even if of the quick tier
 
+MANY_STEPS = ("round-off over a million steps of the free body",)      # to run takes longer than to compile: compiled with -O1
+
 
 @pytest.mark.parametrize("one", [pytest.param(c, id=c.name, marks=pytest.mark.long if c.tier == "long" or c.name in SLOW else ())
                                  for c in CASES])
@@ -17,6 +19,8 @@ def test_hard_case(one, request):
     """Every row holds, and the page in docs has these rows."""
     if one.tier == "long":
         request.getfixturevalue("as_shipped")
+    elif one.name in MANY_STEPS:
+        request.getfixturevalue("optimised_here")
     rows = one.run()
     failed = [f"{r.what}: must be {r.criterion}, is {r.measured}" for r in rows if not r.holds]
     assert not failed, "\n".join([one.about, *failed])

@@ -1,16 +1,14 @@
 """Kernels in lanes (runtime/core/smg_lanes.h): however many states a vector holds, the same bits; clean C for every compiler."""
 import random
-import subprocess
 
 import numpy as np
 import pytest
 import smidgen
 from smidgen.run.start import parameter_values
 from smidgen.compile.emit.emit import generate
-from smidgen.resources import include_flags
 from fuzz.differential import random_state, read
 from support.random_specs import random_spec
-from support.strict import COMPILERS, WARNINGS
+from support.strict import COMPILERS, MODES, compile_all
 
 FUNCTIONS = """
 [model]
@@ -96,9 +94,8 @@ def taken(model, w):
 
 
 @pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])
-@pytest.mark.parametrize("compiler", COMPILERS)
-def test_clean_c(tmp_path, compiler, lanes):
+@pytest.mark.parametrize("compiler, mode", MODES)
+def test_clean_c(tmp_path, compiler, mode, lanes):
     for name, text in generate(SPECS["functions"][0], method="gauss-12", amalgamate=True).items():
         (tmp_path / name).write_text(text)
-    words = [compiler, *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", f"-DSMG_LANES={lanes}", *include_flags(), "-I.", "-O1"]
-    subprocess.run([*words, "-c", "functions.c", "-o", "functions.o"], cwd=tmp_path, check=True)
+    assert not compile_all(tmp_path, ["functions.c"], compiler, "-Wno-psabi", f"-DSMG_LANES={lanes}", how=mode)

@@ -105,6 +105,7 @@ def test_both_methods_measure_the_same_growth_block_by_block():
     assert a.growth.sum() > 5
 
 
+@pytest.mark.usefixtures("optimised_here")
 def test_both_methods_agree_in_the_chaotic_band():
     """Independent starts for each method: the means of 24 estimates agree within four standard errors.
 

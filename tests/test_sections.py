@@ -237,6 +237,7 @@ def test_a_frozen_or_a_late_clock_is_seen(exact_curve, forced, tmp_path):
 
 # -- chaotic fractions --------------------------------------------------------------------------
 
+@pytest.mark.usefixtures("optimised_here")
 def test_chaos_of_generated_code(forced):
     found = {eps: census(bench.generated(forced, eps=eps), spiral(60), 400)
              for eps in (0.0, WEAK, STRONG)}

@@ -16,6 +16,7 @@ from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 from smidgen.compile.select import select
+from support.strict import CALLS
 
 from .bad_models import MODELS
 
@@ -145,7 +146,7 @@ def build(name, where, sanitize=False, change=None, level="-O2"):
     write_files(files | {k: exact[k] for k in ("exact.c", "exact.h")}, where)
     (where / "glue.h").write_text(glue(model, spec))
     (where / "reference.c").write_text(REFERENCE)
-    return compiled(name, where, SANITIZE if sanitize else (level,))
+    return compiled(name, where, SANITIZE if sanitize else (level, CALLS) if level == "-O0" else (level,))
 
 
 def compiled(name, where, flags):

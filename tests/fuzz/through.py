@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from support.strict import COMPILERS, WARNINGS, compile_all
+from support.strict import CALLS, COMPILERS, WARNINGS, compile_all
 
 import smidgen
 from smidgen.build.binary import build_library, find_compiler, write_files
@@ -35,7 +35,7 @@ from .invent import features_of, files_of
 from .program import COUNT, numbers_of, program
 
 SECONDS = 20        # of processor time, for each stage and each program that it starts
-SANITIZE = ("-O0", "-g", "-ffp-contract=off", "-fsanitize=address,undefined", "-fsanitize=float-cast-overflow",
+SANITIZE = ("-O0", CALLS, "-g", "-ffp-contract=off", "-fsanitize=address,undefined", "-fsanitize=float-cast-overflow",
             "-fno-sanitize-recover=all")
 STRICT = ("-std=c11", "-O1", "-ffp-contract=off", *WARNINGS)
 

@@ -16,6 +16,7 @@ STRICT = ("-O2 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion 
           "-Wdouble-promotion -Wvla -Werror").split()
 COMPILERS = [("gcc", "g++"), pytest.param(("clang", "clang++"), marks=pytest.mark.long)]
 MODELS = ("heisenberg_chain", "free_rigid_body")
+OBJECTS = {}        # C compiler -> folder; test_stop.py has a fixture of its own of the same name, and the same objects
 
 
 @pytest.fixture
@@ -33,6 +34,19 @@ def amalgamated(tmp_path_factory):
     for name in MODELS:
         assert main(["gen", name, "--amalgamate", "--out", str(place)]) == 0
     return place
+
+
+@pytest.fixture(scope="session")
+def objects(tmp_path_factory, amalgamated):
+    """objects(C compiler): the folder of NAME.o for both models, compiled once, every warning of the optimiser an error."""
+    def of(compiler):
+        if compiler not in OBJECTS:
+            place = tmp_path_factory.mktemp("objects")
+            for name in MODELS:
+                sh(f"{compiler} -std=c11 {' '.join(STRICT)} -c {amalgamated}/{name}.c -o {name}.o", place)
+            OBJECTS[compiler] = place
+        return OBJECTS[compiler]
+    return of
 
 
 @pytest.fixture
@@ -96,15 +110,14 @@ def test_pkg_config_knows_the_version(folder, library):
     sh("pkg-config --validate free_rigid_body", folder, **env)
 
 
-def test_both_programs_with_the_amalgamated_files(both, compilers):
+def test_both_programs_with_the_amalgamated_files(both, compilers, objects):
     c, cpp = compilers
     folder = both
     assert sorted(p.name for p in folder.iterdir()) == sorted(
         ["chain.c", "tops.cpp", *(f"{m}.{e}" for m in MODELS for e in "ch")])
-    flags = " ".join(STRICT)
-    sh(f"{c} -std=c11 {flags} chain.c heisenberg_chain.c -lm -o chain; ./chain", folder)
-    sh(f"{c} -std=c11 {flags} -c free_rigid_body.c; "
-       f"{cpp} -std=c++17 {flags} tops.cpp free_rigid_body.o -lm -o tops", folder)
+    flags, made = " ".join(STRICT), objects(c)
+    sh(f"{c} -std=c11 {flags} chain.c {made}/heisenberg_chain.o -lm -o chain; ./chain", folder)
+    sh(f"{cpp} -std=c++17 {flags} tops.cpp {made}/free_rigid_body.o -lm -o tops", folder)
     assert sh("./tops", folder) == blocks(PAGE, "output")[0]
 
 
@@ -127,14 +140,14 @@ def test_two_models_in_one_program(both):
     sh(f"gcc -std=c11 {flags} both.c heisenberg_chain.c free_rigid_body.c -lm -o both; ./both", both)
 
 
-def test_what_is_linked_is_no_driver(both):
+def test_what_is_linked_is_no_driver(objects):
     """No allocation, no output, no exit: the object needs nothing but the C library's mathematics."""
-    sh("gcc -std=c11 -O2 -c heisenberg_chain.c", both)
-    wanted = {line.split()[-1] for line in sh("nm -u heisenberg_chain.o", both).splitlines()}
+    made = objects("gcc")
+    wanted = {line.split()[-1] for line in sh("nm -u heisenberg_chain.o", made).splitlines()}
     allowed = {"sqrt", "fabs", "memcpy", "memset", "memmove", "_GLOBAL_OFFSET_TABLE_",
                "__stack_chk_fail", "fmax", "fmin", "copysign"}
     assert wanted <= allowed, wanted - allowed
-    writable = [line for line in sh("nm heisenberg_chain.o", both).splitlines()
+    writable = [line for line in sh("nm heisenberg_chain.o", made).splitlines()
                 if re.search(r" [bBdD] ", line)]
     assert writable == []
 

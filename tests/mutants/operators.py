@@ -3,6 +3,7 @@
 An operator is (kind, pattern, change): wherever the pattern matches in a line of code, `change`
 of the match gives the text that takes its place; None means no mutant there.
 """
+import functools
 import hashlib
 import re
 from dataclasses import dataclass
@@ -97,10 +98,16 @@ def places(root: Path, patterns=(*STEP, *GENERATOR)) -> list[Path]:
     return sorted({p for pattern in patterns for p in root.glob(pattern) if p.name != "__init__.py"})
 
 
+@functools.cache
+def fits(file: str, pattern: str) -> bool:
+    """Asked anew for every line of a file."""
+    return Path(file).match(pattern)
+
+
 def spared(file: str, line: str):
     """The reason why this line is left alone, or None."""
     for pattern, text, reason in SPARED:
-        if Path(file).match(pattern) and re.search(text, line):
+        if fits(file, pattern) and re.search(text, line):
             return reason
     return None
 
@@ -120,7 +127,7 @@ def changes(file: str, shown: str):
             if new is not None and (c or kind != "statement"):
                 yield "index" if c and kind in ARITHMETIC and in_index(shown, m.start()) else kind, m.start(), m.end(), new
     for kind, where, pattern, new in RULES:
-        if Path(file).match(where):
+        if fits(file, where):
             for m in re.finditer(pattern, shown):
                 yield kind, m.start(), m.end(), m.expand(new)
 

@@ -9,6 +9,7 @@ from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 
 from .filters import HERE
+from .strict import CALLS
 from .triples import FOUR, ask, on_sphere, vectors
 
 sys.path.insert(0, str(HERE / "coefficients"))
@@ -37,7 +38,7 @@ def compile_model(to, spec, method, build="quad", half=None):
         (to / name).write_text(text)
     if half is not None:
         (to / HOST[1]).write_text(coefficients.header_of("trial", 2, "of a test", [mpf(x) for x in half], "ss11"))
-    words = ["gcc", "-std=c11", "-O0", "-ffp-contract=off", *BUILDS[build], "-I.", *include_flags(), f"-I{HERE / 'runtime'}", f"-DMODEL={spec.name}",
+    words = ["gcc", "-std=c11", "-O0", CALLS, "-ffp-contract=off", *BUILDS[build], "-I.", *include_flags(), f"-I{HERE / 'runtime'}", f"-DMODEL={spec.name}",
              f'-DHEADER="{spec.name}.h"', f"{spec.name}.c", str(HERE / "runtime" / "composed.c"), "-o", str(program), "-lquadmath", "-lm"]
     subprocess.run(words, cwd=to, check=True)
     return program

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from smidgen.resources import folder, include_flags
 
+from .strict import CALLS
+
 HERE = Path(__file__).parent.parent
 WARNINGS = ("-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Werror "
             "-ffp-contract=off").split()
 BUILDS = {
     "gcc": ["gcc", "-std=c11", "-O1"],
     "gcc-long-double": ["gcc", "-std=c11", "-O1", "-DSMG_LONG_DOUBLE"],
-    "gcc-sanitized": ["gcc", "-std=c11", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"],
+    "gcc-sanitized": ["gcc", "-std=c11", "-O0", CALLS, "-fsanitize=address,undefined", "-fno-sanitize-recover=all"],
     "clang": ["clang", "-std=c11", "-O3"],
     "g++": ["g++", "-x", "c++", "-std=c++11", "-O1"],
     "clang++": ["clang++", "-x", "c++", "-std=c++11", "-O2"],

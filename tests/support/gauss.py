@@ -6,6 +6,7 @@ from mpmath import mpf
 from smidgen.resources import include_flags
 
 from .filters import HERE, WARNINGS
+from .strict import CALLS
 from .triples import FOUR, ask, on_sphere, vectors
 
 FREE, BODY, VORTICES, TIMED, UNREAL = 0, 1, 2, 3, 5
@@ -16,7 +17,7 @@ COMMANDS = {
     "clang": ("clang", "-std=c11", "-O2"), "g++": ("g++", "-x", "c++", "-std=c++17", "-O1"),
     "clang++": ("clang++", "-x", "c++", "-std=c++17", "-O1"), "g++ quad": ("g++", "-x", "c++", "-std=c++17", "-DSMG_QUAD"),
     "to 1e-6": ("gcc", "-std=c11", "-O0", "-DSMG_TOLERANCE=1e-6"), "to 1e-11": ("gcc", "-std=c11", "-O0", "-DSMG_TOLERANCE=1e-11"),
-    "sanitized": ("gcc", "-std=c11", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")}
+    "sanitized": ("gcc", "-std=c11", "-O0", CALLS, "-fsanitize=address,undefined", "-fno-sanitize-recover=all")}
 
 
 def compile_gauss(to, stages, field, build):
