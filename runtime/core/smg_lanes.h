@@ -202,4 +202,19 @@ SMG_INLINE smg_real smg_lane_largest(smg_lanes a) {
   return x[0];
 }
 
+/* The largest lane where none is negative, by their bits, which are in their order, infinity and NaN last: without a branch. */
+#if SMG_LANES == 1
+SMG_INLINE smg_real smg_lane_largest_size(smg_lanes a) { return a; }
+#else
+SMG_INLINE smg_real smg_lane_largest_size(smg_lanes a) {
+  const smg_lane_mask bits = (smg_lane_mask)smg_lane_abs(a);
+  union {
+    int64_t bits;
+    smg_real number;
+  } most = {bits[0]};
+  for (int l = 1; l < SMG_LANES; ++l) most.bits = bits[l] > most.bits ? bits[l] : most.bits;
+  return most.number;
+}
+#endif
+
 #endif

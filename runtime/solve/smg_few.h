@@ -26,6 +26,13 @@ SMG_INLINE void smg_few_put(smg_real *all, int64_t pitch, int64_t i, const smg_l
   for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + i, v[k]);
 }
 
+/* One component of n sites in lanes, from the three numbers of each; `beyond` in the other lanes. */
+SMG_INLINE smg_lanes smg_few_gather(const smg_real *v, int64_t n, int beyond) {
+  smg_lanes x = smg_lane_of((smg_real)beyond);
+  for (int64_t l = 0; l < n; ++l) smg_lane_set(&x, (int)l, v[3 * l]);
+  return x;
+}
+
 /* That of one site in all lanes. */
 SMG_INLINE void smg_few_spread(const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
   for (int k = 0; k < 3; ++k) v[k] = smg_lane_of(all[k * pitch + j]);

@@ -1,12 +1,13 @@
 /* smidgen runtime: the step of few sites that all feel each other by fixed-point iteration in lanes, u <- h X(P(w + compensation + u/2))
  * for all sites at once, tried before Newton.
  *
- * It ends where one more evaluation would move a small part of an ulp of u, by the rate at which changes shrink. That evaluation also sums bounds on
- * the norms of the Hessian in each row: the rows of J - I are at most
+ * The iteration ends where one more evaluation would move u by a small part of an ulp, as the rate at which changes shrink tells. That evaluation is
+ * still made, and with it sums of bounds on the norms of the Hessian in each row: the rows of J - I are at most
  *
  *     (h/2)(1/kappa) s (r sum of norms + abs(m.g)/r),
  *
- * (smg_end_site of smg_sweep.h), and where they are above SMG_SLOWED, so that changes that shrink by less need not be round-off, or the field is strong, Newton decides. */
+ * (smg_end_site of smg_sweep.h). Newton takes the step instead where such a bound is above SMG_SLOWED, since true changes might then shrink
+ * as slowly as those that smg_rest.h takes for round-off, and where the increments are longer than the largest component of the state. */
 #ifndef SMG_FEW_STEP_H
 #define SMG_FEW_STEP_H
 
@@ -26,44 +27,49 @@ typedef struct smg_few_motion {
   smg_lanes square, part, size;
 } smg_few_motion;
 
-/* s->u = u extrapolated, component after component. */
+/* s->u = u extrapolated, the newest increments last: they are ready last. */
 static void smg_few_predict(const smg_state *s) {
-  const int64_t n = 3 * smg_sites(&s->c);
-  smg_real *u = s->u;
-  for (int64_t k = 0; k < n; ++k) u[k] = 0;
-  for (int j = 0; j <= s->degree; ++j) {
-    const smg_real weight = smg_weight(s->degree, j), *past = s->past[j];
-    for (int64_t k = 0; k < n; ++k) u[k] += weight * past[k];
+  const int64_t n = 3 * smg_sites(&s->c), whole = n - n % SMG_LANES;
+  for (int64_t k = 0; k < whole; k += SMG_LANES) {
+    smg_lanes sum = {0};
+    for (int j = s->degree; j >= 0; --j) sum += smg_weight(s->degree, j) * smg_lane_take(s->past[j] + k);
+    smg_lane_put(s->u + k, sum);
+  }
+  for (int64_t k = whole; k < n; ++k) {
+    s->u[k] = 0;
+    for (int j = s->degree; j >= 0; --j) s->u[k] += smg_weight(s->degree, j) * s->past[j][k];
   }
 }
 
-/* Lanes beyond the last site hold a vector that nothing turns. */
-static void smg_few_fill(smg_real *a, int64_t sites, int64_t pitch) {
-  for (int64_t k = sites; k < sites + SMG_LANES - 1 && k < pitch; ++k) {
-    for (int q = 0; q < SMG_FEW_ARRAYS; ++q) a[q * pitch + k] = q == SMG_FEW_W + 2 || q == SMG_FEW_RADIUS;
+/* The arrays of a step for the sites of one vector, `in` of them sites of the state: lanes beyond hold a vector that nothing turns. */
+SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, int64_t pitch, int64_t i, int64_t in) {
+  smg_real *a = s->few + i;
+  smg_lanes rate = {0}, radius = smg_lane_of(1);
+  smg_lane_mask small = smg_lane_all(0);
+  for (int64_t l = 0; l < in; ++l) {
+    smg_lane_set(&rate, (int)l, (smg_real)0.5 * smg_h_over_kappa(&s->c, i + l, h));
+    smg_lane_set(&radius, (int)l, smg_radius(&s->c, i + l));
   }
+  for (int q = 0; q < 3; ++q) {
+    const smg_lanes w = smg_few_gather(s->w + 3 * i + q, in, q == 2);
+    small |= (smg_lane_mask)(smg_lane_abs(w) < SMG_FEW_SMALL * radius);
+    smg_lane_put(a + (SMG_FEW_W + q) * pitch, w);
+    smg_lane_put(a + (SMG_FEW_LOST + q) * pitch, smg_few_gather(s->compensation + 3 * i + q, in, 0));
+    smg_lane_put(a + (SMG_FEW_U + q) * pitch, smg_few_gather(s->u + 3 * i + q, in, 0));
+  }
+  smg_lane_put(a + SMG_FEW_HALF * pitch, rate);
+  smg_lane_put(a + SMG_FEW_RADIUS * pitch, radius);
+  return small & smg_lane_below(in);
 }
 
 /* The arrays of a step from the state, u extrapolated; is a component so small that it is watched on its own? */
 static int smg_few_enter(const smg_state *s, smg_real h) {
-  const smg_coefficients *c = &s->c;
-  const int64_t sites = smg_sites(c), pitch = smg_few_pitch(sites);
-  smg_real *a = s->few;
-  int small = 0;
+  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites), whole = sites - sites % SMG_LANES;
+  smg_lane_mask small = smg_lane_all(0);
   smg_few_predict(s);
-  smg_few_fill(a, sites, pitch);
-  for (int64_t k = 0; k < sites; ++k) {
-    const smg_real radius = smg_radius(c, k);
-    for (int q = 0; q < 3; ++q) {
-      a[(SMG_FEW_W + q) * pitch + k] = s->w[3 * k + q];
-      a[(SMG_FEW_LOST + q) * pitch + k] = s->compensation[3 * k + q];
-      a[(SMG_FEW_U + q) * pitch + k] = s->u[3 * k + q];
-      small |= smg_abs(s->w[3 * k + q]) < SMG_FEW_SMALL * radius;
-    }
-    a[SMG_FEW_HALF * pitch + k] = (smg_real)0.5 * smg_h_over_kappa(c, k, h);
-    a[SMG_FEW_RADIUS * pitch + k] = radius;
-  }
-  return small;
+  for (int64_t i = 0; i < whole; i += SMG_LANES) small |= smg_few_fill(s, h, pitch, i, SMG_LANES);
+  if (whole < sites) small |= smg_few_fill(s, h, pitch, whole, sites - whole);
+  return smg_lane_any(small);
 }
 
 static void smg_few_leave(const smg_state *s) {
@@ -72,8 +78,9 @@ static void smg_few_leave(const smg_state *s) {
     for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
 }
 
-/* m = (w + compensation + u/2)/|..|, as long as the radius. The inverse from the evaluation before, with a correction, would spare a few
- * products, but creep by ulps of one sign: |w| of sixteen spins then drifted by 2e-20 a step. */
+/* m = (w + compensation + u/2)/|..|, as long as the radius. A root and a division, both rounded correctly, take less time than an inverse root by
+ * products, of which each waits for the one before. The inverse from the evaluation before, with a correction, would take less again, but creep
+ * by ulps of one sign: |w| of sixteen spins then drifted by 2e-20 a step. */
 static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes m[3], lost[3], u[3];
@@ -81,7 +88,7 @@ static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
     smg_few_take(a + SMG_FEW_LOST * pitch, pitch, i, lost);
     smg_few_take(a + SMG_FEW_U * pitch, pitch, i, u);
     for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
-    const smg_lanes inverse = smg_lane_inverse_root(smg_lane_dot(m, m));
+    const smg_lanes inverse = 1 / smg_lane_sqrt(smg_lane_dot(m, m));
     const smg_lanes s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) * inverse;
     for (int k = 0; k < 3; ++k) m[k] *= s;
     smg_few_put(a + SMG_FEW_M * pitch, pitch, i, m);
@@ -144,13 +151,13 @@ static int smg_few_settle(smg_state *s, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
     const smg_few_motion moved = smg_few_evaluate(s, small);
-    const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
+    const smg_real change = SMG_MATH(sqrt)(smg_lane_largest_size(moved.square));
     const int still = change <= SMG_STILL * SMG_EPS * s->scale;
     if (n > 3 && !still && !(change <= SMG_CONTRACTS * whole.now)) return 0;
     smg_rest_take(&whole, change, still);
-    smg_rest_take(&part, smg_lane_largest(moved.part), still);
+    smg_rest_take(&part, smg_lane_largest_size(moved.part), still);
     s->report.iterations = n;
-    if (smg_few_settled(s, &whole, &part, SMG_MATH(sqrt)(smg_lane_largest(moved.size)))) return 1;
+    if (smg_few_settled(s, &whole, &part, SMG_MATH(sqrt)(smg_lane_largest_size(moved.size)))) return 1;
   }
   return 0;
 }
@@ -179,9 +186,9 @@ static int smg_few_solved(smg_state *s) {
     smg_few_rows(s->few, pitch, i, sites - i, g, g[3], &row, &products);
     smg_few_turn(s->few, pitch, i, sites - i, 0, g, &moved);
   }
-  s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
+  s->report.residual = SMG_MATH(sqrt)(smg_lane_largest_size(moved.square));
   const int solved = s->report.residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale || smg_tolerated(s, s->report.residual);
-  return solved && smg_lane_largest(row) <= SMG_SLOWED && smg_lane_largest(products) <= s->scale * s->scale;
+  return solved && smg_lane_largest_size(row) <= SMG_SLOWED && smg_lane_largest_size(products) <= s->scale * s->scale;
 }
 
 /* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it. */

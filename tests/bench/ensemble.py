@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 import smidgen
-from smidgen.build.binary import FLAGS, LANES, NATIVE, write_files
+from smidgen.build.binary import FLAGS, NATIVE, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 from machine import machine
@@ -25,7 +25,7 @@ def measured(name: str, folder: Path) -> list:
     """Rows (h, in lanes, one by one, by hand or nothing, lanes of a register) of one body."""
     files = generate(smidgen.load(name), features=("ensemble",))
     write_files({file: text for file, text in files.items() if not file.endswith("_abi.c")}, folder)
-    words = ["cc", *(f.replace("c11", "gnu11") for f in FLAGS), *NATIVE, *LANES, "-Wno-psabi", "-I", str(folder), *include_flags(),
+    words = ["cc", *(f.replace("c11", "gnu11") for f in FLAGS), *NATIVE, "-Wno-psabi", "-I", str(folder), *include_flags(),
              f"-DMODEL={name}", f'-DSOURCE="{folder}/{name}.c"', f"-DBY_HAND={int(name == BODIES[0])}", str(HERE / "ensemble.c"), "-lm", "-o", str(folder / name)]
     subprocess.run(words, check=True)
     said = [subprocess.run([folder / name, str(h)], check=True, capture_output=True, text=True).stdout.split() for h in STEPS]
@@ -36,7 +36,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         rows = [[name, *row] for name in BODIES for row in measured(name, Path(folder))]
     with open(sys.argv[1], "w", newline="") if len(sys.argv) > 1 else sys.stdout as out:
-        print(f"# ns a body and step, 1000 members, 1000 steps; {machine()} {' '.join((*NATIVE, *LANES))}", file=out)
+        print(f"# ns a body and step, 1000 members, 1000 steps; {machine()} {' '.join(NATIVE)}", file=out)
         table = csv.writer(out, lineterminator="\n")
         table.writerow(["body", "h", "lanes_ns", "one_by_one_ns", "by_hand_ns", "lanes_in_a_register", "differing_states"])
         table.writerows(rows)

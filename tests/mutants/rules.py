@@ -178,6 +178,23 @@ IN_ROWS = (
     (BY_ROWS, r" and not set\(t\.over\.bound\) & mentions\(\*gradient\.body\)", r""),
 )
 
+# Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
+FEW, FEW_STEP, LANE_SPHERE = "runtime/solve/smg_few.h", "runtime/solve/smg_few_step.h", "runtime/method/smg_lane_sphere.h"
+IN_LANES = (
+    (FEW, r"smg_lane_select\(own, none, more\[k\]\)", r"more[k]"),
+    (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
+    (FEW_STEP, r"\(smg_real\)0\.5 \* smg_h_over_kappa", r"smg_h_over_kappa"),
+    (FEW_STEP, r"rate = 2 \* smg_lane_take", r"rate = smg_lane_take"),
+    (FEW_STEP, r"smg_lane_take\(a \+ SMG_FEW_RADIUS \* pitch \+ i\) \* inverse", r"inverse"),
+    (FEW_STEP, r"smg_lane_cross\(u, m, g\)", r"smg_lane_cross(u, g, m)"),
+    (FEW_STEP, r"s->few\[\(SMG_FEW_U \+ q\) \* pitch \+ k\]", r"s->few[SMG_FEW_U * pitch + k]"),
+    ("gen/compile/assemble/few.py", r'For\("j", i \+ Index\("SMG_LANES"\), n', r'For("j", i, n'),
+    (LANE_SPHERE, r"l, s->compensation\[b\]\)", r"l, 0)"),
+    (LANE_SPHERE, r"l, s->rows\[4 \* s->row \+ k\]\)", r"l, s->rows[k])"),
+    (LANE_SPHERE, r"s->count = g->began\[l\] \+ g->taken", r"s->count = g->taken"),
+    (LANE_SPHERE, r"if \(s->report\.status != SMG_OK\) g->live\[l\] = 0;", r""),
+)
+
 # Comparators, splittings and compositions: the order of their parts, the part of h that each has, the length that they keep; and the outputs.
 AXES, CF4, LENGTHS = (f"runtime/method/smg_{name}.h" for name in ("axis_splitting", "cf4", "lengths"))
 IN_METHODS = (
@@ -206,5 +223,5 @@ IN_METHODS = (
     ("runtime/method/smg_gauss_slots.h", r"\(r \+ smg_lane_abs", r"(0 * r + smg_lane_sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + smg_lane_abs"),
 )
 
-KINDS = {"time": TIME, "jacobian": JACOBIAN, "branch": BRANCH, "tolerance": TOLERANCE, "wrap": WRAP, "rows": IN_ROWS, "method": IN_METHODS}
+KINDS = {"time": TIME, "jacobian": JACOBIAN, "branch": BRANCH, "tolerance": TOLERANCE, "wrap": WRAP, "rows": IN_ROWS, "method": (*IN_METHODS, *IN_LANES)}
 RULES = tuple((kind, *rule) for kind, rules in KINDS.items() for rule in rules)

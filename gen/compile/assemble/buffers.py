@@ -8,6 +8,7 @@ from ..lower.integers import ZERO, Computed, Index, Int, times, whole
 from .sums import held
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
+FEW = 12        # of few sites in lanes: four vortices at h = 0.1 need 6.0 evaluations a step with 7, 4.8 with 10, 4.2 with 12
 SOLO = 10       # the same of a single sphere, where another row costs less than another iteration
 SOLO_STAGES = 8     # of its compositions: stages
 ROWS = 64       # rows of history of a single sphere before they are moved back
@@ -29,6 +30,8 @@ def history(model) -> int:
     """Steps that are remembered."""
     if model.solo:
         return SOLO if model.method.stages == 1 else SOLO_STAGES
+    if model.few is not None:
+        return FEW
     return HISTORY if model.method.midpoint else model.method.history
 
 

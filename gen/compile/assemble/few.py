@@ -50,7 +50,7 @@ def serves(low, t) -> bool:
         return False
     if not all(plain(node) for node in d.leaves.values()) or len(t.slots) != len(t.over.bound):
         return False
-    return symmetric(d, t.over) and norm(low, t) is not None
+    return symmetric(d, t.over) and formulas(low, t) is not None
 
 
 def plain(node) -> bool:
@@ -79,9 +79,9 @@ def symmetric(d, over) -> bool:
 
 def pull(low, t, unit: bool) -> Pull:
     own = own_entries(t)
-    gradient, bound = list(t.derived.gradient[0]), norm(low, t, unit)
+    gradient, bound, parts = formulas(low, t, unit)
     held = tuple((name, array_of(low, t.derived.leaves[symbol])) for symbol, name in own.items())
-    return Pull(t, kernel(low, t, "pull", gradient, own), kernel(low, t, "pull_and_norm", [*gradient, bound], own), held)
+    return Pull(t, kernel(low, t, "pull", gradient, own, parts), kernel(low, t, "pull_and_norm", *one_division([*gradient, bound], own, parts)), held)
 
 
 def own_entries(t) -> dict:
@@ -95,17 +95,17 @@ def array_of(low, node):
     return Member("c", f"p.{node.name}") if p is not None and not p.fixed else Name(f"table_{node.name}")
 
 
-def kernel(low, t, what: str, expressions, own: dict) -> Function:
+def kernel(low, t, what: str, expressions, own: dict, parts: dict) -> Function:
     """g += the gradient by the first slot, and, as the fourth number, the bound."""
-    made = low.kernel(expressions, t.derived.leaves, own={symbol: Local(name) for symbol, name in own.items()})
+    made = low.kernel(expressions, t.derived.leaves, parts, own={symbol: Local(name) for symbol, name in own.items()})
     arguments = (COEFFICIENTS, *(Argument("int64_t", i) for i in t.over.bound[1:]), *(Argument("smg_lanes", name) for name in own.values()),
                  *(Argument(VECTOR, f"v{k}") for k in range(len(t.slots))), Argument(OUT, "g"))
     targets = [Component("g", a) for a in range(len(expressions))]
     return Function("void", f"lane_{t.prefix}_{what}", arguments, (*made.values, *additions(targets, made.results)), target="lanes")
 
 
-def norm(low, t, unit: bool = False):
-    """A bound on the norms of the Hessian blocks in the row of the first slot; None where none is at hand.
+def formulas(low, t, unit: bool = False):
+    """(gradient by the first slot, a bound on the norms of the Hessian blocks in its row, symbol -> what they share); None where no bound is at hand.
 
     Of f(a.b) the block on the diagonal is f'' b b^T, that beside it f' I + f'' b a^T. On vectors across a, and across b on the right, they are at most
     |f''| c/|a|^2 and |f'| + |f''| c/(|a||b|), c = |a x b|^2; 1/(|a||b|) is at most (1/|a|^2 + 1/|b|^2)/2. unit: |a| = |b| = 1.
@@ -113,7 +113,7 @@ def norm(low, t, unit: bool = False):
     blocks = [sp.Matrix(3, 3, [low.number_values(x) for x in block]) for (k, _), block in t.derived.hessian.items() if k == 0]
     vectors = {v for vector in t.derived.vectors for v in vector}
     if not any(vectors & block.free_symbols for block in blocks):
-        return sum(map(spectral_bound, blocks), sp.S.Zero)
+        return list(t.derived.gradient[0]), sum(map(spectral_bound, blocks), sp.S.Zero), {}
     u = sp.Symbol("product", real=True)
     f = of_the_product(t.derived, u)
     if f is None:
@@ -121,8 +121,19 @@ def norm(low, t, unit: bool = False):
     a, b = t.derived.vectors
     dot, aa, bb = (sum(x * y for x, y in zip(p, q)) for p, q in ((a, b), (a, a), (b, b)))
     aa, bb = (sp.S.One, sp.S.One) if unit else (aa, bb)
-    first, second = (sp.Abs(sp.diff(f, u, n).xreplace({u: dot})) for n in (1, 2))
-    return first + second * (aa * bb - dot ** 2) * (sp.Rational(3, 2) / aa + sp.Rational(1, 2) / bb)
+    first, second = (sp.factor(sp.diff(f, u, n)) for n in (1, 2))
+    slope = sp.Symbol("slope", real=True)
+    bound = sp.Abs(slope) + sp.Abs(second) * (aa * bb - u ** 2) * (sp.Rational(3, 2) / aa + sp.Rational(1, 2) / bb)
+    return [slope * x for x in b], bound, {u: dot, slope: first}
+
+
+def one_division(expressions, own: dict, parts: dict) -> tuple:
+    """The same with each inverse computed once: 1/x, 1/x^2 of what the parts make up are powers of one more part."""
+    powers = {p for e in (*expressions, *parts.values()) for p in e.atoms(sp.Pow) if p.exp.is_Integer and p.exp < 0 and p.free_symbols & set(parts)}
+    inverse = {base: sp.Symbol(f"inverse{k}", real=True) for k, base in enumerate(sorted({p.base for p in powers}, key=sp.default_sort_key))}
+    replaced = {p: inverse[p.base] ** -p.exp for p in powers}
+    shared = {**{symbol: 1 / base for base, symbol in inverse.items()}, **{symbol: e.xreplace(replaced) for symbol, e in parts.items()}}
+    return [e.xreplace(replaced) for e in expressions], own, shared
 
 
 # What runtime/solve/smg_few_step.h asks of a model
