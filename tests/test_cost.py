@@ -2,6 +2,7 @@
 import dataclasses
 import math
 import re
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -16,7 +17,8 @@ from smidgen.cost.case import Case
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
 from smidgen.cost.peers import PEERS, compiled, of_case
 from smidgen.cost.peers.rows import one as one_of_peers
-from smidgen.cost import sweep, versus
+from smidgen.cost import case as measured_case, sweep, versus
+from smidgen.cost.clock import processor_seconds
 from smidgen.cost.reference import Reference, reference
 from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.sweep import Row, parts, slope
@@ -78,6 +80,23 @@ def test_a_slope_comes_with_its_error():
 @pytest.mark.parametrize("steps", [1, 5, 48, 49, 1000])
 def test_samples_add_up_to_the_run(steps):
     assert sum(parts(steps)) == steps and min(parts(steps)) > 0
+
+
+@pytest.mark.quick
+def test_time_of_the_processor_is_that_of_children_too_and_not_of_waiting():
+    before = processor_seconds()
+    subprocess.run([sys.executable, "-c", "import time\nwhile time.process_time() < 0.4: pass"], check=True)
+    worked = processor_seconds()
+    time.sleep(0.4)
+    assert 0.35 < worked - before < 4 and processor_seconds() - worked < 0.1
+
+
+@pytest.mark.quick
+def test_compiling_is_counted_in_time_of_the_processor(monkeypatch):
+    ticks = iter(range(0, 1000, 3))
+    monkeypatch.setattr(measured_case, "processor_seconds", lambda: next(ticks))
+    spec = smidgen.load("free_rigid_body")
+    assert Case(spec, settle(spec), 1.0).compiled == {("spherical-midpoint", "double"): 3}
 
 
 def test_the_reference_is_the_flow_to_the_error_it_states():
