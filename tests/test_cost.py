@@ -14,6 +14,7 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.cost.case import Case
+from smidgen.cost.even import GENERAL, steps_until_even
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
 from smidgen.cost.peers import PEERS, compiled, of_case
 from smidgen.cost.peers.rows import one as one_of_peers
@@ -355,3 +356,22 @@ def test_a_fast_run_says_so_and_can_be_repeated(tmp_path):
     assert not plain.meta["fast"] and np.abs(plain.final - result.final).max() < 1e-13
     with pytest.raises(UsageError, match="extended"):
         smidgen.build(spec, features=("extended",), fast=True)
+
+
+# When the compiler has been paid for
+
+@pytest.mark.quick
+def test_steps_until_the_compiler_is_paid_for():
+    """2 s for a run of 100 steps that takes 1 ms where another takes 5 ms: 500 runs."""
+    row, other = (Row("gauss-4", 0.1, 100, seconds=s, compiled=c) for s, c in ((1e-3, 2.0), (5e-3, 0.5)))
+    assert steps_until_even(row, other, True) == 50000 and steps_until_even(row, other, False) == 37500
+    assert steps_until_even(other, row, True) == math.inf and steps_until_even(dataclasses.replace(row, compiled=0.0), other, True) == 0
+
+
+def test_a_choice_tells_when_it_is_ahead_of_a_general_integrator():
+    spec = smidgen.load("free_rigid_body")
+    pick = smidgen.choose(spec, error=1e-6, time=10, methods=("gauss-4", "gauss-6"))
+    assert pick.general.method in GENERAL and pick.general.end_error <= 1e-6
+    slow = dataclasses.replace(pick, row=dataclasses.replace(pick.row, compiled=1.0))
+    assert f"beside {PEERS[pick.general.method].label} it has paid after {slow.even:.2g} steps" in str(slow)
+    assert "compiled already: from the first step on it is ahead of" in str(dataclasses.replace(pick, row=dataclasses.replace(pick.row, compiled=0.0)))

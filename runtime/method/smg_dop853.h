@@ -103,7 +103,18 @@ static inline void smg_set_time_at(smg_coefficients *c, const smg_state *s, smg_
 #endif
 }
 
-/* k = (1/kappa) grad C(w) x dH/dw of every site. Sums begin at -0, to which compilers know better than to add. */
+/* k = f of every site; one that is alone has h f in fewer operations, and then k = h f. */
+#if SMG_HAS_MOTION
+static inline smg_real smg_unit_of_k(const smg_state *s) {
+  (void)s;
+  return 1;
+}
+
+static inline void smg_right_side(const smg_coefficients *c, const smg_real *w, smg_real *k) { smg_vec_store(k, smg_motion(c, smg_vec_load(w))); }
+#else
+static inline smg_real smg_unit_of_k(const smg_state *s) { return smg_signed_h(s->h); }
+
+/* (1/kappa) grad C(w) x dH/dw; sums begin at -0, to which compilers know better than to add. */
 static inline void smg_right_side(const smg_coefficients *c, const smg_real *SMG_RESTRICT w, smg_real *SMG_RESTRICT k) {
   const int64_t sites = smg_sites(c);
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] = -(smg_real)0;
@@ -116,6 +127,7 @@ static inline void smg_right_side(const smg_coefficients *c, const smg_real *SMG
     for (int b = 0; b < 3; ++b) k[3 * i + b] = over_kappa * f[b];
   }
 }
+#endif
 
 /* sum_j a_j k_j at one component, j < count, n components to a stage. The compiler knows `a` and `count`: weights that are 0 are not there. */
 SMG_INLINE smg_real smg_weighted(const smg_real *a, int count, const smg_real *k, int64_t n) {
@@ -142,9 +154,9 @@ SMG_INLINE void smg_stage(smg_state *s, int i, smg_real from, smg_real size, smg
   smg_right_side(&s->c, s->u, smg_vector(s, i));
 }
 
-/* k_2 .. k_12; h with the sign of the bracket. */
+/* k_2 .. k_12. */
 static inline void smg_later_stages(smg_state *s, smg_real from, smg_real size) {
-  const smg_real p = smg_signed_h(s->h) * size;
+  const smg_real p = smg_unit_of_k(s) * size;
   smg_stage(s, 1, from, size, p);
   smg_stage(s, 2, from, size, p);
   smg_stage(s, 3, from, size, p);
@@ -185,7 +197,7 @@ typedef struct smg_pace {
  *     |p| e5^2/sqrt(e5^2 + e3^2/100), e5 = |sum_i (b_i - b5_i) k_i|, e3 alike. */
 static inline void smg_estimate(smg_state *s, smg_pace *pace) {
   const int64_t sites = smg_sites(&s->c);
-  const smg_real p = smg_signed_h(s->h) * pace->size, allowed = s->tolerance * s->scale;
+  const smg_real p = smg_unit_of_k(s) * pace->size, allowed = s->tolerance * s->scale;
   const smg_real r = allowed > 0 ? p / allowed : 0; /* all w are 0: nothing moves */
   smg_real most = 0;
   smg_combine(smg_dop853_b, p, s->stages, 3 * sites, s->u);
@@ -266,7 +278,7 @@ static inline smg_real smg_first_size(const smg_state *s) {
   const smg_real *k = smg_vector(s, 0);
   smg_real most = 0;
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) most = smg_max(most, smg_abs(k[q]));
-  const smg_real moves = most * smg_abs((smg_real)s->h), may = smg_eighth_root(s->tolerance) * s->scale;
+  const smg_real moves = most * smg_abs(smg_unit_of_k(s)), may = smg_eighth_root(s->tolerance) * s->scale;
   return moves > may ? may / moves : 1;
 }
 
@@ -361,7 +373,7 @@ static inline smg_real smg_dense_part(const smg_state *s) { return smg_kept(s)[S
 
 /* k_13 = f at the end, k_14 .. k_16, in the places of k_2 .. k_5. The step is counted already: its parts of h are less 1. */
 static inline void smg_extra_stages(const smg_state *s) {
-  const smg_real *before = smg_vector(s, SMG_Y_BEFORE), *kept = smg_kept(s), p = smg_signed_h(s->h) * kept[SMG_LAST_SIZE];
+  const smg_real *before = smg_vector(s, SMG_Y_BEFORE), *kept = smg_kept(s), p = smg_unit_of_k(s) * kept[SMG_LAST_SIZE];
   smg_coefficients c = s->c;
   smg_set_time_at(&c, s, 0);
   smg_right_side(&c, s->w, smg_vector(s, 1));
@@ -378,7 +390,7 @@ static inline void smg_extra_stages(const smg_state *s) {
  * and p (theta r)^2 sum_i (d_1i + theta d_2i + theta r d_3i + theta^2 r d_4i) k_i. Where there is no such step it is w itself. */
 static inline void smg_dense(const smg_state *s, smg_real theta, smg_real *w) {
   const int64_t n = 3 * smg_sites(&s->c);
-  const smg_real *y = smg_vector(s, SMG_Y_BEFORE), r = 1 - theta, p = smg_signed_h(s->h) * smg_dense_part(s);
+  const smg_real *y = smg_vector(s, SMG_Y_BEFORE), r = 1 - theta, p = smg_unit_of_k(s) * smg_dense_part(s);
   const smg_real end = theta * theta * (3 - 2 * theta), bump = theta * r * (theta * r);
   smg_real a[SMG_STAGES_USED];
   if (!(smg_dense_part(s) > 0)) {
