@@ -149,7 +149,7 @@ METHODS = {m.name: m for m in (
       for s in range(1, 9)),
     *(Method(f"dop853{kind}", f"Dormand-Prince 8(5,3){said}", f"DOP853{said}",
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",
-             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, symmetric=False, solvers=("auto",), features=(), needs=(), asks=(GRADIENT,), midpoint=False,
+             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
              arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),

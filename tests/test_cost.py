@@ -2,6 +2,7 @@
 import dataclasses
 import math
 import re
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -13,10 +14,12 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.cost.case import Case
+from smidgen.cost.even import GENERAL, steps_until_even
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
 from smidgen.cost.peers import PEERS, compiled, of_case
 from smidgen.cost.peers.rows import one as one_of_peers
-from smidgen.cost import sweep, versus
+from smidgen.cost import case as measured_case, sweep, versus
+from smidgen.cost.clock import processor_seconds
 from smidgen.cost.reference import Reference, reference
 from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.sweep import Row, parts, slope
@@ -78,6 +81,23 @@ def test_a_slope_comes_with_its_error():
 @pytest.mark.parametrize("steps", [1, 5, 48, 49, 1000])
 def test_samples_add_up_to_the_run(steps):
     assert sum(parts(steps)) == steps and min(parts(steps)) > 0
+
+
+@pytest.mark.quick
+def test_time_of_the_processor_is_that_of_children_too_and_not_of_waiting():
+    before = processor_seconds()
+    subprocess.run([sys.executable, "-c", "import time\nwhile time.process_time() < 0.4: pass"], check=True)
+    worked = processor_seconds()
+    time.sleep(0.4)
+    assert 0.35 < worked - before < 4 and processor_seconds() - worked < 0.1
+
+
+@pytest.mark.quick
+def test_compiling_is_counted_in_time_of_the_processor(monkeypatch):
+    ticks = iter(range(0, 1000, 3))
+    monkeypatch.setattr(measured_case, "processor_seconds", lambda: next(ticks))
+    spec = smidgen.load("free_rigid_body")
+    assert Case(spec, settle(spec), 1.0).compiled == {("spherical-midpoint", "double"): 3}
 
 
 def test_the_reference_is_the_flow_to_the_error_it_states():
@@ -337,3 +357,22 @@ def test_a_fast_run_says_so_and_can_be_repeated(tmp_path):
     assert not plain.meta["fast"] and np.abs(plain.final - result.final).max() < 1e-13
     with pytest.raises(UsageError, match="extended"):
         smidgen.build(spec, features=("extended",), fast=True)
+
+
+# When the compiler has been paid for
+
+@pytest.mark.quick
+def test_steps_until_the_compiler_is_paid_for():
+    """2 s for a run of 100 steps that takes 1 ms where another takes 5 ms: 500 runs."""
+    row, other = (Row("gauss-4", 0.1, 100, seconds=s, compiled=c) for s, c in ((1e-3, 2.0), (5e-3, 0.5)))
+    assert steps_until_even(row, other, True) == 50000 and steps_until_even(row, other, False) == 37500
+    assert steps_until_even(other, row, True) == math.inf and steps_until_even(dataclasses.replace(row, compiled=0.0), other, True) == 0
+
+
+def test_a_choice_tells_when_it_is_ahead_of_a_general_integrator():
+    spec = smidgen.load("free_rigid_body")
+    pick = smidgen.choose(spec, error=1e-6, time=10, methods=("gauss-4", "gauss-6"))
+    assert pick.general.method in GENERAL and pick.general.end_error <= 1e-6
+    slow = dataclasses.replace(pick, row=dataclasses.replace(pick.row, compiled=1.0))
+    assert f"beside {PEERS[pick.general.method].label} it has paid after {slow.even:.2g} steps" in str(slow)
+    assert "compiled already: from the first step on it is ahead of" in str(dataclasses.replace(pick, row=dataclasses.replace(pick.row, compiled=0.0)))

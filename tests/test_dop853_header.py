@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).parent.parent
-HEADER = ROOT / "runtime" / "method" / "smg_dop853.h"
+TABLE = ROOT / "runtime" / "method" / "smg_dop853_table.h"
 SOURCE = ROOT / "tests" / "runtime" / "dop853.c"
 PATHS = [f"-I{ROOT / 'runtime' / part}" for part in ("core", "method", "solve")]
 WARNINGS = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Werror".split()
@@ -81,7 +81,7 @@ def run(program, what, h, steps, **more):
 
 def table(name):
     """A table of the header, both parts of its numbers added, as rows."""
-    text = re.search(rf"smg_dop853_{name}\[.*?= \{{(.*?)\}};", HEADER.read_text(), re.S).group(1)
+    text = re.search(rf"smg_dop853_{name}\[.*?= \{{(.*?)\}};", TABLE.read_text(), re.S).group(1)
     number = r"SMG_PAIR\(([^,]+), ([^)]+)\)|(-?[\d.]+)"
     rows = re.findall(r"\{(.*?)\}", text, re.S) or [text]
     found = [[mp.mpf(float(high or alone)) + mp.mpf(float(low or 0)) for high, low, alone in re.findall(number, row)] for row in rows]

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import functools
-import time as clock
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from ..run.conserved import with_tracers
 from ..run.integrator import Integrator, build
 from ..run.settings import Settings, number
 from ..run.start import initial_state, parameter_values
+from .clock import processor_seconds
 
 
 class Case:
@@ -47,14 +47,14 @@ class Case:
         """The compiled model, from memory; None where the method refuses the spec: `refused` says why."""
         key = method, real
         if key not in self.models:
-            s, began = self.settings, clock.perf_counter()
+            s, began = self.settings, processor_seconds()
             try:
                 self.models[key] = build(self.spec, method, s.effects, s.values, s.solver if method == s.method else "auto", real, s.native)
             except BuildError:
                 raise
             except SmidgenError as error:
                 self.models[key], self.refused[key] = None, str(error)
-            self.compiled[key] = clock.perf_counter() - began
+            self.compiled[key] = processor_seconds() - began
         return self.models[key]
 
     @functools.cache

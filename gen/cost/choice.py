@@ -19,6 +19,7 @@ from ..public import public
 from ..run.integrator import choose as one_of
 from ..run.settings import settle
 from .case import Case, asked_time, candidates
+from .even import general, steps_until_even
 from .reference import Reference, reference
 from .report import duration, label
 from .sweep import LOOSEST, PART, TOLERANCES, TURN, WITHIN, Row, one, ratio
@@ -29,17 +30,19 @@ SLOWER = 4.0        # times the best so far: a method that needs more is left
 ROUNDS = 40         # runs of a method at most while its step is looked for
 TRIES = 3           # runs that bring the step closer to the largest one that is good enough
 SECONDS = 10.0      # a run that takes longer is too long to choose by
+COMPILED = 0.05     # seconds of the processor: what takes less was in the cache
 
 
 @dataclass(frozen=True)
 class Choice:
     """row: the pick (`sweep.Row`); others: rows of the other methods that are accurate enough, by time; short: methods that are
-    not, and why; asked: what was asked for; known: the reference."""
+    not, and why; asked: what was asked for; known: the reference; general: a run of a general integrator that is good enough, or None."""
     row: Row
     others: list
     short: dict
     asked: dict
     known: Reference
+    general: Row | None = None
 
     @property
     def settings(self) -> dict:
@@ -47,9 +50,15 @@ class Choice:
         found = {"method": self.row.method, "h": self.row.h, "steps": self.row.steps, "tolerance": asked_tolerance(self.row)}
         return {word: value for word, value in found.items() if value is not None}
 
+    @property
+    def even(self) -> float | None:
+        """Steps after which the pick has paid for its compiler beside the general integrator; infinite: never; None: there is none."""
+        return None if self.general is None else steps_until_even(self.row, self.general, True)
+
     def as_dict(self) -> dict:
         """For JSON."""
-        return {**self.settings, "asked": self.asked, "row": vars(self.row), "others": [vars(r) for r in self.others], "short": self.short}
+        return {**self.settings, "asked": self.asked, "row": vars(self.row), "others": [vars(r) for r in self.others], "short": self.short,
+                "general": vars(self.general) if self.general is not None else None, "even": self.even}
 
     def __str__(self) -> str:
         return "\n".join(words(self))
@@ -82,7 +91,8 @@ def choose(spec: Spec, name: str | None = None, *, error: float | None = None, e
         raise UsageError("no method gets there: " + "; ".join(f"{label(n)}: {why}" for n, why in short.items()))
     take_times(case, good, 2.0)
     good.sort(key=lambda row: row.seconds)
-    return Choice(good[0], good[1:], short, asked, known)
+    progress("a general integrator", 0.95)
+    return Choice(good[0], good[1:], short, asked, known, general(case, asked, known))
 
 
 def known_methods(methods) -> list | None:
@@ -204,13 +214,12 @@ def words(choice: Choice) -> list[str]:
 
 
 def broken_even(choice: Choice) -> list[str]:
-    """After how many steps the pick has paid for its compiler, beside the next one."""
-    row = choice.row
-    if not choice.others or not row.compiled > 0.05:
-        return []
-    other = choice.others[0]
-    gained = other.seconds - row.seconds
-    if gained <= 0:
-        return []
-    runs = max(1, math.ceil(row.compiled / gained))
-    return [f"  compiling it took {duration(row.compiled)}: beside {label(other.method)}, compiled already, it has paid after {runs * row.steps:.2g} steps"]
+    """After how many steps the pick has paid for its compiler: beside a general integrator, and the next one."""
+    row, beside = choice.row, choice.general
+    if not row.compiled >= COMPILED:
+        said = "  compiled already: from the first step on it is ahead of {}, which takes {} times as long for this error"
+        return [said.format(label(beside.method), f"{beside.seconds / row.seconds:.3g}")] if beside is not None and beside.seconds > row.seconds else []
+    found = [(label(beside.method), steps_until_even(row, beside, True))] if beside is not None else []
+    found += [(f"{label(choice.others[0].method)}, compiled already,", steps_until_even(row, choice.others[0], True))] if choice.others else []
+    said = [f"beside {name} it has paid after {steps:.2g} steps" for name, steps in found if steps < math.inf]
+    return [f"  compiling it took {duration(row.compiled)} of the processor: {'; '.join(said)}"] if said else []

@@ -13,6 +13,7 @@
  *              smg_radius(c, k)                   of a sphere
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
+ *              smg_motion(c, m)                   h (1/kappa) m x dH/dw of one unit sphere alone, by value, where SMG_HAS_MOTION says so
  *              smg_lane_gradient(c, w, g)         the same of SMG_LANES states at once (smg_lanes.h), where SMG_HAS_LANES says so
  *              smg_coupled_gradient(c, w, g)      g += dH/dw of the coupled sites, by the terms that couple them
  *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`; this and the next are
@@ -59,7 +60,7 @@
  * lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a
  * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no
  * term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED,
- * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone; SMG_FEW: the coupled sites are a few, and their number is known. */
+ * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of which a method asks the field alone; SMG_FEW: the coupled sites are a few, and their number is known. */
 
 /* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are known. */
 #if SMG_FEW

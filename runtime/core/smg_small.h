@@ -29,6 +29,13 @@
 #define SMG_UNROLL
 #endif
 
+/* Of a pointer: what it points to is written through no other. */
+#if defined(__GNUC__)
+#define SMG_RESTRICT __restrict
+#else
+#define SMG_RESTRICT
+#endif
+
 /* A determinant below this fraction of its own terms is round-off: of its own dozen of operations, and of its entries'. */
 #define SMG_ROUNDOFF (64 * SMG_EPS)
 

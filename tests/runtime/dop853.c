@@ -65,6 +65,8 @@ static inline int smg_kind(const smg_coefficients *c, int64_t k) {
 
 static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) { return c->p.what == 2 ? (smg_real)(k + 2) / 2 : 1; }
 
+static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, smg_real h) { return h / smg_kappa(c, k); }
+
 static inline smg_real smg_radius(const smg_coefficients *c, int64_t k) {
   (void)c;
   (void)k;

@@ -23,14 +23,14 @@ from .lane_sphere import lane_sphere
 from .norms import edge_norms, reach
 from .pairs import pair_kernels
 from .rows import BY_ROWS, BY_STAGE_ROWS, one_lattice, rows
-from .solo import solo_kernels
+from .solo import lone_motion, solo_kernels
 from .wide import wide_kernels
 
 
 class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
-    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None; lane_sphere: the same in lanes, where an ensemble has them, or None;
+    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None; motion: its field alone, or None; lane_sphere: the same in lanes, where an ensemble has them, or None;
     wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None; few: of few sites in lanes, or None.
     """
 
@@ -53,6 +53,7 @@ class Model:
         if self.few is not None:
             self.plan = replace(self.plan, reason=BY_LANES)
         self.solo = solo_kernels(self, low)
+        self.motion = lone_motion(self, low)
         self.lane_sphere = lane_sphere(self) if "ensemble" in self.features else None
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None

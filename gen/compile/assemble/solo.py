@@ -41,10 +41,29 @@ def solo_kernels(model, low: Lowering):
             derivative(low, field), slope_times(field.entries), slope_minors(field.entries))
 
 
+def lone_motion(model, low: Lowering) -> Function | None:
+    """h X of one unit sphere, for a method that asks for nothing else of it and leaves the sphere anyway; None where the model is
+    another one."""
+    if not model.method.controlled or not is_lone(model, low):
+        return None
+    field = solo_field(model, low)
+    return products(low, field) if all(is_monomial(x, field.m) for x in field.X) else motion(low, field)
+
+
+def is_monomial(e, m) -> bool:
+    """A product of powers of m and of what is free of it?"""
+    return is_short(e) and e.is_polynomial(*m) and len(sp.Poly(e, *m).terms()) == 1
+
+
 def may_be_solo(model, low: Lowering) -> bool:
+    """One unit sphere, by a midpoint method onto it."""
+    return model.method.of_midpoints and model.method.onto_leaf and is_lone(model, low)
+
+
+def is_lone(model, low: Lowering) -> bool:
     """One unit sphere whose field depends on itself."""
     f = model.families[0]
-    return (model.method.of_midpoints and model.method.onto_leaf and len(model.families) == 1 and f.count == ONE and f.unit
+    return (len(model.families) == 1 and f.count == ONE and f.unit
             and not model.closed_form(f) and not any(t.derived.parts for t in model.effects)
             and all(low.level(s.name) < SITE for t in model.effects for b in t.derived.hessian.values()
                     for s in b.free_symbols if s.name[0] != "v"))
@@ -72,10 +91,15 @@ def motion(low: Lowering, field: SoloField) -> Function:
     """h X(m). As m x b it stays tangent whatever the coefficients are rounded to; three single
     products, a free body's, need less work and what rounding leaves, d mx my mz, averages out."""
     if all(is_short(x) and len(sp.Add.make_args(expanded(x))) == 1 for x in field.X):
-        kernel = low.kernel(list(field.X), {}, own=OWN)
-        return solo_function("smg_vec", "smg_motion", (M,), (*kernel.values, Return(vector(kernel))))
+        return products(low, field)
     kernel = low.kernel(list(field.b), {}, own=OWN)
     return solo_function("smg_vec", "smg_motion", (M,), (*kernel.values, Return(Call("smg_vec_cross", (Name("m"), vector(kernel))))))
+
+
+def products(low: Lowering, field: SoloField) -> Function:
+    """h X(m) as its formulas are."""
+    kernel = low.kernel(list(field.X), {}, own=OWN)
+    return solo_function("smg_vec", "smg_motion", (M,), (*kernel.values, Return(vector(kernel))))
 
 
 def radial(low: Lowering, field: SoloField) -> Function:

@@ -22,7 +22,7 @@ def settings(model: Model) -> list:
     found = {
         "SMG_BS": plan.block, "SMG_HISTORY": history(model), "SMG_FAMILIES": len(model.families),
         "SMG_ORIENTATION": 1 if model.spec.orientation > 0 else -1, "SMG_TIMED": model.coefficients.timed,
-        "SMG_SINGLE_SPHERE": bool(model.solo), "SMG_HAS_COUPLED": bool(coupled), "SMG_HAS_ALONE": bool(alone),
+        "SMG_SINGLE_SPHERE": bool(model.solo), "SMG_HAS_MOTION": bool(model.motion), "SMG_HAS_COUPLED": bool(coupled), "SMG_HAS_ALONE": bool(alone),
         "SMG_LEAVES": model.method.of_midpoints and any(f.kind != "sphere" for f in model.families),
         "SMG_ALONE_LINEAR": any(model.closed_form(f) for f in alone),
         "SMG_ALONE_NEWTON": any(not model.closed_form(f) for f in alone),
@@ -48,7 +48,7 @@ def settings(model: Model) -> list:
 
 def headers(model: Model) -> list:
     """What the functions of the model are written with."""
-    return ["smg_model.h", *(["smg_vec.h"] if model.solo else []), *(["smg_wide_math.h"] if takes_wide_functions(model) else []),
+    return ["smg_model.h", *(["smg_vec.h"] if model.solo or model.motion else []), *(["smg_wide_math.h"] if takes_wide_functions(model) else []),
             *(["smg_lanes.h"] if has_lanes(model) else []), *(["smg_lane_vec.h"] if model.lane_sphere else []), *(["smg_rows.h"] if model.in_rows else []), *(["smg_few.h"] if model.few is not None else [])]
 
 

@@ -1,5 +1,5 @@
 /* w' = f(t, w) for integrators that ask for it: the generated right-hand side, inlined where they call it. The model is that of an
- * explicit method; its text is included here, so that nothing stands between the integrator and the field.
+ * explicit method, with h = 1; its text is included here, so that nothing stands between the integrator and the field.
  *
  * MODEL_SOURCE, ABI_SOURCE: files of the model; MODEL: the type of <name>_abi.
  * Every integrator here offers the same three functions:
@@ -11,6 +11,9 @@
 #define RATE_H
 #define _POSIX_C_SOURCE 199309L
 #include MODEL_SOURCE
+#ifndef SMG_HAS_MOTION
+#define SMG_HAS_MOTION 0
+#endif
 #include ABI_SOURCE
 
 #include <string.h>
@@ -24,7 +27,7 @@ static inline int rate(void *model, double t, const double *y, double *out) {
   (void)t;
 #endif
   smg_right_side(c, y, out);
-  if (SMG_ORIENTATION < 0)
+  if (SMG_ORIENTATION < 0 && !SMG_HAS_MOTION) /* which is h f, with the sign of the bracket in h: the model is one of h = 1 */
     for (int64_t q = 0; q < 3 * smg_sites(c); ++q) out[q] = -out[q];
   return out[0] - out[0] == 0;
 }

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...run.start import casimir_matrices, kappas
 from ..case import Case
+from ..clock import processor_seconds
 from ..reference import Reference
 from ..sweep import FLOOR, SAMPLES, Row, kept
 
@@ -29,13 +30,13 @@ def rows_of(case: Case, name: str, known: Reference | None, limit: float) -> lis
 
 def one(case: Case, name: str, known: Reference | None, tolerance: float, limit: float) -> Row:
     """A run to a tolerance; h is the mean of its steps."""
-    peer, row, began = case.peers[name], Row(name, math.nan, 0, tolerance), clock.perf_counter()
+    peer, row, began = case.peers[name], Row(name, math.nan, 0, tolerance), processor_seconds()
     try:
         peer.prepare(tolerance)
     except MemoryError as problem:
         row.status = str(problem)
         return row
-    row.compiled = clock.perf_counter() - began
+    row.compiled = processor_seconds() - began
     if expected(peer, tolerance, case.time) > limit:
         row.status = f"a run would take more than {limit:.3g} s"
         return row
