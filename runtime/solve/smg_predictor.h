@@ -12,7 +12,7 @@
 static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 0; }
 
 #define SMG_MOST_HISTORY 12 /* increments that the weights below serve */
-#define SMG_SAMPLE 8       /* components that are looked at together, for the compiler to take them in lanes */
+#define SMG_LOOKED 8 /* components that are looked at together, for the compiler to take them in lanes */
 
 /* The polynomial of degree d through the last d + 1 increments, one step on: weights (-1)^j C(d+1, j+1). */
 static inline smg_real smg_weight(int degree, int j) {
@@ -31,26 +31,26 @@ static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree
 
 /* The error that every degree would have made in the components k, k + stride, .. of the step just solved, squared: the backward difference of
  * order d + 1. */
-static inline void smg_predictor_misses(const smg_state *s, int64_t k, int64_t stride, int64_t size, smg_real (*miss)[SMG_SAMPLE]) {
-  smg_real row[SMG_HISTORY + 1][SMG_SAMPLE] = {{0}};
-  for (int l = 0; l < SMG_SAMPLE && k + l * stride < size; ++l) {
+static inline void smg_predictor_misses(const smg_state *s, int64_t k, int64_t stride, int64_t size, smg_real (*miss)[SMG_LOOKED]) {
+  smg_real row[SMG_HISTORY + 1][SMG_LOOKED] = {{0}};
+  for (int l = 0; l < SMG_LOOKED && k + l * stride < size; ++l) {
     row[0][l] = s->u[k + l * stride];
     for (int j = 0; j < s->history; ++j) row[j + 1][l] = s->past[j][k + l * stride];
   }
   for (int d = 0; d < s->history; ++d) {
     for (int j = 0; j < s->history - d; ++j)
-      for (int l = 0; l < SMG_SAMPLE; ++l) row[j][l] -= row[j + 1][l];
-    for (int l = 0; l < SMG_SAMPLE; ++l) miss[d][l] += row[0][l] * row[0][l];
+      for (int l = 0; l < SMG_LOOKED; ++l) row[j][l] -= row[j + 1][l];
+    for (int l = 0; l < SMG_LOOKED; ++l) miss[d][l] += row[0][l] * row[0][l];
   }
 }
 
 /* Which degree would have served best? A sample of the components decides, now and then. */
 static void smg_choose_degree(smg_state *s) {
   const int64_t size = 3 * smg_sites(&s->c), stride = 1 + size / 256;
-  smg_real miss[SMG_HISTORY][SMG_SAMPLE] = {{0}};
-  for (int64_t k = 0; k < size; k += SMG_SAMPLE * stride) smg_predictor_misses(s, k, stride, size, miss);
+  smg_real miss[SMG_HISTORY][SMG_LOOKED] = {{0}};
+  for (int64_t k = 0; k < size; k += SMG_LOOKED * stride) smg_predictor_misses(s, k, stride, size, miss);
   for (int d = 0; d < s->history; ++d)
-    for (int l = 1; l < SMG_SAMPLE; ++l) miss[d][0] += miss[d][l];
+    for (int l = 1; l < SMG_LOOKED; ++l) miss[d][0] += miss[d][l];
   s->degree = s->history > 0 ? 0 : SMG_NO_DEGREE;
   for (int d = 1; d < s->history; ++d)
     if (miss[d][0] < miss[s->degree][0]) s->degree = d;
