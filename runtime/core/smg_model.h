@@ -37,7 +37,7 @@
  *                                                 scalar product of its ends
  *   rows       smg_cells(c, d), smg_shift(sub), smg_rank(sub), smg_place(colour, rank)  where sites stand: smg_rows.h, where SMG_BY_ROWS says so
  *              smg_all_beside(c, at, b)           what stands beside a row
- *              smg_row_gradient(c, at, b, all, from, to, g)  g = dH/dw of the sites from <= j < to of a row, in lanes
+ *              smg_slot_gradient(c, run, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in lanes
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k where all w are 0
  *   few        smg_few_field(c, all, pitch, i, g), smg_few_norms  dH/dw of the sites in the lanes from i on: smg_few.h, where SMG_FEW_IN_LANES says so
  *   bound      smg_hessian_row_norm(c, k)                    sum of bounds on the norms of the Hessian blocks in the row of site k, on a graph in a norm that fits it, where SMG_CONSTANT_HESSIAN says

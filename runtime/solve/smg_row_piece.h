@@ -1,15 +1,15 @@
-/* smidgen runtime: the sites of one colour of a lattice in pieces, with the gradient at their places by smg_row_gradient of the model.
- * Pieces are cut alike for all SMG_LANES, so short that what a sweep works on stays in the nearest cache. */
+/* smidgen runtime: the sites of one colour of a lattice in pieces, with the gradient at their places by smg_slot_gradient of the model.
+ * Pieces, and the runs of rows in them, are cut alike for all SMG_LANES, so short that what a sweep works on stays in the nearest cache. */
 #ifndef SMG_ROW_PIECE_H
 #define SMG_ROW_PIECE_H
 
 #include "smg_row_team.h"
 
-/* The next sites of a colour, or of a share of it: the slots start .. start + size - 1, with the gradient at their places; at, from: where
- * the one after begins; end: the slot where they all end. */
+/* The next sites of a colour, or of a share of it: the slots start .. start + size - 1; done: of those, how many have been gone through as
+ * runs; at, from: where the next run begins; end: the slot where they all end; g: what there is to keep of each, first of all its gradient. */
 typedef struct smg_piece {
   smg_lattice_row at;
-  int64_t from, start, size, room, end;
+  int64_t from, start, size, done, room, end;
   smg_besides *known;
   smg_real *g; /* 3 SMG_PIECE_ROOM numbers */
 #if SMG_BY_ROWS
@@ -48,30 +48,48 @@ static inline void smg_begin_share(const smg_coefficients *c, int64_t colour, sm
   piece->end = share.to < first + rows ? share.to : first + rows;
 }
 
-/* The gradient of the sites from <= j < to of the row; of empty slots at its end it is 0. */
-static inline void smg_piece_gradient(const smg_coefficients *c, const smg_real *m, smg_piece *piece, int64_t to) {
-  smg_real *g = piece->g + piece->size;
-  smg_row_gradient(c, &piece->at, smg_besides_of(c, &piece->at, piece->known), m, piece->from, to < piece->at.sites ? to : piece->at.sites, g);
-  for (int64_t j = piece->at.sites > piece->from ? piece->at.sites : piece->from; j < to; ++j)
-    for (int k = 0; k < 3; ++k) g[k * SMG_PIECE_ROOM + j - piece->from] = 0;
-  piece->size += to - piece->from;
+/* The next piece; 0 where they end. */
+SMG_INLINE int smg_open_piece(smg_piece *piece) {
+  piece->start = piece->at.start + piece->from;
+  piece->size = piece->end - piece->start < piece->room ? piece->end - piece->start : piece->room;
+  piece->done = 0;
+  return piece->size > 0;
 }
 
-/* The next piece; 0 where they end. */
+/* Its next run of rows, or what there is of it in the piece; 0 where it ends. */
+static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
+  const int64_t room = piece->size - piece->done, length = smg_row_length(c), end = smg_run_of_rows(c, &piece->at) * length;
+  if (room <= 0) return 0;
+  run->at = piece->at;
+  run->b = smg_besides_of(c, &piece->at, piece->known);
+  run->length = length;
+  run->from = piece->from;
+  run->to = end - piece->from > room ? piece->from + room : end;
+  piece->done += run->to - run->from;
+  piece->from = run->to % length;
+  if (run->to >= length) smg_after_rows(c, length, run->to / length, &piece->at);
+  return 1;
+}
+
+/* The gradient of one vector of a run; of empty slots at the ends of rows it is 0. */
+SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, const smg_real *m, int64_t pitch, int64_t j, int64_t p, smg_lanes *g) {
+  for (int k = 0; k < 3; ++k) g[k] = smg_lane_of(0);
+  smg_slot_gradient(c, run, m, pitch, j, p, g);
+  smg_only_sites(run, p, g);
+}
+
+/* The next piece, with the gradient at its places; 0 where they end. */
 static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, smg_piece *piece) {
-  const int64_t length = smg_row_length(c);
-  piece->size = 0;
-  piece->start = piece->at.start + piece->from;
-  const int64_t whole = piece->end - piece->start < piece->room ? piece->end - piece->start : piece->room;
-  while (piece->size < whole) {
-    const int64_t room = whole - piece->size, to = length - piece->from > room ? piece->from + room : length;
-    smg_piece_gradient(c, m, piece, to);
-    piece->from = to;
-    if (to < length) break;
-    piece->from = 0;
-    smg_next_row(c, length, &piece->at);
-  }
-  return piece->size > 0;
+  const int64_t pitch = smg_pitch(c);
+  smg_run run;
+  if (!smg_open_piece(piece)) return 0;
+  for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from)
+    for (int64_t j = run.from, p = j; j < run.to; j += SMG_LANES, p = smg_next_place(p, run.length)) {
+      smg_lanes sum[3];
+      smg_run_gradient(c, &run, m, pitch, j, p, sum);
+      smg_put_slots(g, SMG_PIECE_ROOM, j - run.from, sum);
+    }
+  return 1;
 }
 
 #endif

@@ -21,7 +21,7 @@ static void smg_begin_first_colour(smg_state *s) {
 static void smg_predict_slots(const smg_state *s, smg_share part) {
   const int64_t pitch = smg_pitch(&s->c), first = smg_colour_slots(&s->c), late = SMG_LATE_PITCH(&s->c);
   const int degree = s->degree;
-  const smg_real r = smg_radius(&s->c, 0), *w = s->row_w, *past[SMG_ROW_HISTORY];
+  const smg_real r = smg_radius(&s->c, 0), inverse = 1 / (r * r), *w = s->row_w, *past[SMG_ROW_HISTORY];
   smg_real weights[SMG_ROW_HISTORY], *midpoints = s->row_m;
   for (int j = 0; j <= degree; ++j) {
     weights[j] = smg_weight(degree, j);
@@ -34,7 +34,7 @@ static void smg_predict_slots(const smg_state *s, smg_share part) {
       for (int j = 0; j <= degree; ++j) u += weights[j] * smg_lane_take(past[j] + k * late + slot);
       m[k] = smg_lane_take(w + k * pitch + slot) + (smg_real)0.5 * u;
     }
-    smg_lane_stretch_to(r, m);
+    smg_lane_stretch_to(inverse, 0, m);
     smg_put_slots(midpoints, pitch, slot, m);
   }
 }

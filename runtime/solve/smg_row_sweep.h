@@ -1,8 +1,8 @@
 /* smidgen runtime: sweeps over the colours of a lattice in lanes: every spin solves its own step in the field of its neighbours.
  *
- * A piece of a colour goes through three loops, so that each is short enough for a processor to overlap its turns and what they share
- * stays in the nearest cache: the fields of the sites, by smg_row_gradient of the model; the directions of their midpoints; and the
- * midpoints. Pieces are cut alike for all SMG_LANES. */
+ * A piece of a colour goes through two loops, so that each is short enough for a processor to overlap its turns and what they share
+ * stays in the nearest cache: along its runs of rows the fields of the sites, by smg_slot_gradient of the model, with the directions of their
+ * midpoints, since the one waits for memory and the other for products; then the midpoints. Pieces are cut alike for all SMG_LANES. */
 #ifndef SMG_ROW_SWEEP_H
 #define SMG_ROW_SWEEP_H
 
@@ -18,19 +18,20 @@ typedef struct smg_motion {
   smg_lanes square, part;
 } smg_motion;
 
-/* What a sweep works with, at hand in registers: spins, midpoints and increments by slots; h/(2 kappa), the radius, 1/radius^2, and the
+/* What a sweep works with, at hand in registers: spins, midpoints and increments by slots; h/(2 kappa), 1/radius^2, and the
  * size below which a component is small. */
 typedef struct smg_turning {
   const smg_real *w, *compensation;
   smg_real *m, *u;
   int64_t pitch;
-  smg_real half, radius, inverse, small;
+  smg_real half, inverse, small;
+  int weak; /* are fields so weak that midpoints are near spins? */
 } smg_turning;
 
 static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
   const smg_real radius = smg_radius(&s->c, 0);
   const smg_turning turn = {s->row_w, s->row_compensation, s->row_m, s->row_u, smg_pitch(&s->c), (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h),
-                            radius, 1 / (radius * radius), SMG_SMALL * radius};
+                            1 / (radius * radius), SMG_SMALL * radius, s->row_weak};
   return turn;
 }
 
@@ -48,17 +49,26 @@ SMG_INLINE smg_lanes smg_part_moved(smg_real small, smg_lanes d, smg_lanes made)
   return smg_lane_select((smg_lane_mask)(made < small), smg_lane_abs(d) * smg_lane_rough_inverse(made), none);
 }
 
-/* v, along the midpoints of the slots of one vector, in place of their gradient g. made: what they are made of, where asked for. */
-SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, int exact, smg_lanes *g, smg_lanes *made) {
-  smg_lanes w[3], m[3], v[3], rho;
-  smg_take_slots(turn.w, turn.pitch, slot, w);
-  for (int k = 0; k < 3; ++k) g[k] *= turn.half;
-  if (exact) rho = smg_lane_rho(w, g, turn.inverse);
+/* How rho is found: from w.m of the sweep before; where there was none, from k and d; or by its root. */
+enum smg_row_way { SMG_FROM_BEFORE, SMG_FROM_FIELD, SMG_BY_ROOT };
+
+SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_row_way way, const smg_lanes *w, const smg_lanes *g) {
+  smg_lanes m[3], rho;
+  if (way == SMG_BY_ROOT) return smg_lane_rho(w, g, turn.inverse);
+  if (way == SMG_FROM_FIELD) rho = smg_lane_first_rho(w, g, turn.inverse);
   else {
     smg_take_slots(turn.m, turn.pitch, slot, m);
-    rho = smg_lane_corrected_rho(w, g, turn.inverse * smg_lane_dot(w, m), turn.inverse);
+    rho = turn.inverse * smg_lane_dot(w, m);
   }
-  smg_lane_along_spin(w, g, rho, v);
+  return smg_lane_corrected_rho(w, g, rho, turn.inverse, turn.weak);
+}
+
+/* v, along the midpoints of the slots of one vector, in place of their gradient g. made: what they are made of, where asked for. */
+SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row_way way, smg_lanes *g, smg_lanes *made) {
+  smg_lanes w[3], v[3];
+  smg_take_slots(turn.w, turn.pitch, slot, w);
+  for (int k = 0; k < 3; ++k) g[k] *= turn.half;
+  smg_lane_along_spin(w, g, smg_rho_of(turn, slot, way, w, g), v);
   if (made) smg_made_of(w, g, made);
   for (int k = 0; k < 3; ++k) g[k] = v[k];
 }
@@ -67,7 +77,7 @@ SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, int exact, s
 SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *made, smg_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
-  smg_lane_stretch_to(turn.radius, v);
+  smg_lane_stretch_to(turn.inverse, turn.weak, v);
   if (in < SMG_LANES)
     for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(smg_lane_below(in), v[k], m[k]);
   for (int k = 0; k < 3; ++k) d[k] = v[k] - m[k];
@@ -77,17 +87,23 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
     for (int k = 0; k < 3; ++k) moved->part = smg_lane_larger(moved->part, smg_part_moved(turn.small, d[k], made[k]));
 }
 
+/* Along the midpoints of a run, kept from k on. */
+SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, enum smg_row_way way, int small, smg_piece *piece, int64_t k) {
+  for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
+    smg_lanes v[3], made[3];
+    smg_run_gradient(c, run, turn.m, turn.pitch, j, p, v);
+    smg_aim_slots(turn, run->at.start + j, way, v, small ? made : NULL);
+    smg_put_slots(piece->g, SMG_PIECE_ROOM, k + j - run->from, v);
+    if (small) smg_put_slots(piece->made, SMG_PIECE_ROOM, k + j - run->from, made);
+  }
+}
+
 /* The spins of a piece. */
-SMG_INLINE void smg_turn_piece(const smg_turning turn, smg_piece *piece, int exact, int small, smg_motion *moved) {
+SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece, enum smg_row_way way, int small, smg_motion *moved) {
   const int64_t size = piece->size, start = piece->start;
   smg_motion most = *moved;
-  for (int64_t k = 0; k < size; k += SMG_LANES) {
-    smg_lanes v[3], made[3];
-    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
-    smg_aim_slots(turn, start + k, exact, v, small ? made : NULL);
-    smg_put_slots(piece->g, SMG_PIECE_ROOM, k, v);
-    if (small) smg_put_slots(piece->made, SMG_PIECE_ROOM, k, made);
-  }
+  smg_run run;
+  for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) smg_aim_run(c, turn, &run, way, small, piece, k);
   for (int64_t k = 0; k < size; k += SMG_LANES) {
     smg_lanes v[3], made[3];
     smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
@@ -103,27 +119,29 @@ typedef struct smg_moved {
 } smg_moved;
 
 /* A thread's share of a colour. */
-SMG_INLINE smg_motion smg_turn_share(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, int exact, int small) {
+SMG_INLINE smg_motion smg_turn_share(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, enum smg_row_way way, int small) {
   const smg_lanes none = {0};
   smg_motion motion = {none, none};
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_share(&s->c, colour, &piece);
-  while (smg_next_piece(&s->c, s->row_m, &piece)) smg_turn_piece(*turn, &piece, exact, small, &motion);
+  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, *turn, &piece, way, small, &motion);
   return motion;
 }
 
-/* The three ways: rho by its root; from the sweep before; and with a look at small components. */
-static smg_motion smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, 1, 1); }
-static smg_motion smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, 0, 0); }
-static smg_motion smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, 0, 1); }
+/* The four ways: the first sweep; those that follow it; with a look at small components; and with rho by its root. */
+static smg_motion smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_FROM_FIELD, 0); }
+static smg_motion smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_FROM_BEFORE, 0); }
+static smg_motion smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_FROM_BEFORE, 1); }
+static smg_motion smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_BY_ROOT, 1); }
 
-/* A colour by all threads. */
-static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, int exact, int small) {
-  smg_moved moved = {0, exact || small ? 0 : SMG_MAX};
+/* A colour by all threads. small: are small components looked at? */
+static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, enum smg_row_way way, int small) {
+  smg_moved moved = {0, small ? 0 : SMG_MAX};
   SMG_TEAM(s->row_team) {
-    const smg_motion motion = exact ? smg_turn_exactly(s, known, turn, colour) : small ? smg_turn_late(s, known, turn, colour) : smg_turn_usual(s, known, turn, colour);
+    const smg_motion motion = way == SMG_BY_ROOT ? smg_turn_exactly(s, known, turn, colour) : way == SMG_FROM_FIELD ? smg_turn_first(s, known, turn, colour)
+                              : small ? smg_turn_late(s, known, turn, colour) : smg_turn_usual(s, known, turn, colour);
     SMG_ONE_BY_ONE {
       moved.whole = smg_max(moved.whole, smg_lane_largest(motion.square));
       moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
@@ -154,12 +172,14 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
   return most;
 }
 
-/* The next colour: rho by its root in the first sweep of those that were not predicted, and where fields are strong; small components are looked at once the others
- * have nearly settled. */
+/* The next colour: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
+ * once the others have nearly settled. */
 static void smg_next_colour(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
   const int64_t colour = sweep->passes % SMG_COLOURS, next = (colour + 1) % SMG_COLOURS;
-  const int exact = s->row_strong || sweep->passes < SMG_COLOURS - 1, late = sweep->whole.now <= SMG_LOOK * s->scale;
-  const smg_moved moved = smg_turn_colour(s, known, turn, colour, exact, late);
+  const int64_t unknown = s->row_weak ? SMG_COLOURS : 1; /* an extrapolation may be far off, and midpoints then not near spins */
+  const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
+  const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
+  const smg_moved moved = smg_turn_colour(s, known, turn, colour, way, late);
   sweep->recent[colour] = moved.whole;
   sweep->parts[colour] = moved.part;
   if (++sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */

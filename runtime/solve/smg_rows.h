@@ -5,7 +5,11 @@
  * SMG_COLOURS-th, or all of them where the place in the cell alone decides. An array
  * holds three times smg_pitch numbers, all x, all y, all z, each in slots: colour after colour, row after row, j after j. Rows have one
  * length; where one has a site less, or is rounded up, its last slots stay empty. So the neighbours of a row of sites lie in a row of slots, and lanes
- * are loaded as they stand; at the ends of the row single lanes are put right. The order of the slots is the same for all SMG_LANES. */
+ * are loaded as they stand; at the ends of the row single lanes are put right.
+ *
+ * In a plane, rows that begin alike follow each other: s1 = 0, SMG_ROW_STEP, .., then 1, SMG_ROW_STEP + 1, .. Their neighbours do so too, at the
+ * same distance in slots but for s1 near an end. So such rows are one run of slots, and vectors go across from one to the next: rows need not be
+ * longer than a vector. The order of the slots is the same for all SMG_LANES. */
 #ifndef SMG_ROWS_H
 #define SMG_ROWS_H
 
@@ -61,15 +65,22 @@ static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS 
 static inline int64_t smg_pitch(const smg_coefficients *c) { return smg_slots(c) + SMG_BEFORE + SMG_AFTER; }
 static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg_pitch(c); }
 
+/* Rows of a plane that begin as the q-th does, and the place of a row among all of its plane. */
+SMG_INLINE int64_t smg_rows_like(const smg_coefficients *c, int64_t q) { return (smg_cells(c, 1) - q + SMG_ROW_STEP - 1) / SMG_ROW_STEP; }
+static inline int64_t smg_place_in_plane(const smg_coefficients *c, int64_t s1) {
+  const int64_t q = s1 % SMG_ROW_STEP, longer = smg_cells(c, 1) % SMG_ROW_STEP;
+  return q * (smg_cells(c, 1) / SMG_ROW_STEP) + (q < longer ? q : longer) + s1 / SMG_ROW_STEP;
+}
+
 static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, int64_t sub, int64_t s1, int64_t s2, int64_t s3) {
-  const int64_t row = ((smg_rank(sub) * smg_cells(c, 3) + s3) * smg_cells(c, 2) + s2) * smg_cells(c, 1) + s1;
+  const int64_t row = ((smg_rank(sub) * smg_cells(c, 3) + s3) * smg_cells(c, 2) + s2) * smg_cells(c, 1) + smg_place_in_plane(c, s1);
   return colour * smg_colour_slots(c) + row * smg_row_length(c);
 }
 
 /* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d of an end, and
- * else not. */
+ * else not; and on how it begins, and among which rows of its plane it stands. */
 #define SMG_KINDS(reach) (2 * (reach) + 1)
-#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_KINDS(SMG_REACH_1) * SMG_ROW_STEP)
+#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_KINDS(SMG_REACH_1) * SMG_ROW_STEP * SMG_ROW_STEP)
 SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) { return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach); }
 
 SMG_INLINE int64_t smg_sites_from(const smg_coefficients *c, int64_t first) { return smg_down(smg_cells(c, 0) - first + SMG_ROW_STEP - 1, SMG_ROW_STEP); }
@@ -95,7 +106,9 @@ static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t c
 static inline smg_lattice_row smg_row_of(const smg_coefficients *c, int64_t colour, int64_t row) {
   smg_lattice_row at = smg_first_row(c, colour);
   const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2);
-  at.s1 = row - above * smg_cells(c, 1);
+  int64_t among = row - above * smg_cells(c, 1);
+  while (among >= smg_rows_like(c, at.s1)) among -= smg_rows_like(c, at.s1++);
+  at.s1 += SMG_ROW_STEP * among;
   at.s2 = above - over * smg_cells(c, 2);
   at.rank = over / smg_cells(c, 3);
   at.s3 = over - at.rank * smg_cells(c, 3);
@@ -104,7 +117,7 @@ static inline smg_lattice_row smg_row_of(const smg_coefficients *c, int64_t colo
   return at;
 }
 
-/* The cells after the last of direction 1; then the place. */
+/* The cells after all of direction 1; then the place. */
 static inline void smg_next_plane(const smg_coefficients *c, smg_lattice_row *at) {
   at->s1 = 0;
   if (++at->s2 == smg_cells(c, 2)) {
@@ -120,7 +133,10 @@ static inline void smg_next_plane(const smg_coefficients *c, smg_lattice_row *at
 /* The next row of the colour, which begins where this one ends; after the last one, that has the rank SMG_RANKS. */
 SMG_INLINE void smg_next_row(const smg_coefficients *c, int64_t length, smg_lattice_row *at) {
   at->start += length;
-  if (++at->s1 == smg_cells(c, 1)) {
+  at->s1 += SMG_ROW_STEP;
+  if (at->s1 < smg_cells(c, 1)) return;
+  at->s1 = at->s1 % SMG_ROW_STEP + 1;
+  if (at->s1 >= SMG_ROW_STEP || at->s1 >= smg_cells(c, 1)) {
     smg_next_plane(c, at);
     return;
   }
@@ -128,12 +144,34 @@ SMG_INLINE void smg_next_row(const smg_coefficients *c, int64_t length, smg_latt
   at->sites = smg_sites_from(c, at->first);
 }
 
+/* How many rows from this one on are one run: begin alike, with all that is beside them at the same distances. */
+SMG_INLINE int64_t smg_run_of_rows(const smg_coefficients *c, const smg_lattice_row *at) {
+  const int64_t end = smg_cells(c, 1) - SMG_REACH_1;
+  return at->s1 >= SMG_REACH_1 && at->s1 < end ? (end - at->s1 + SMG_ROW_STEP - 1) / SMG_ROW_STEP : 1;
+}
+
+/* The row after some of a run. */
+SMG_INLINE void smg_after_rows(const smg_coefficients *c, int64_t length, int64_t rows, smg_lattice_row *at) {
+  at->s1 += SMG_ROW_STEP * (rows - 1);
+  at->start += length * (rows - 1);
+  smg_next_row(c, length, at);
+}
+
 /* The sites beside those of a row, at one distance: that beside the j-th stands `start` slots after its first, and j more, for
- * from <= j < to; the others, beyond the ends of the row, stand `around`, and j more, after it where direction 0 is a ring. there: do the other
- * directions not end before? */
+ * from <= j < to, SMG_EVERYWHERE where that is all of them; the others, beyond the ends of the row, stand `around`, and j more, after it where
+ * direction 0 is a ring. there: do the other directions not end before? */
 typedef struct smg_beside {
   int64_t start, around, from, to, there;
 } smg_beside;
+
+#define SMG_EVERYWHERE INT64_MAX
+
+/* Some slots of a run of rows: those from <= j < to, from the first of the row `at` on; what stands beside all of them; slots of a row. */
+typedef struct smg_run {
+  smg_lattice_row at;
+  const smg_beside *b;
+  int64_t length, from, to;
+} smg_run;
 
 /* The cell s + offset, on a ring around it; 0 where there is none. */
 static inline int smg_step_to(int64_t *s, int64_t offset, int64_t n, int ring) {
@@ -151,7 +189,7 @@ static inline int64_t smg_slot_beyond(const smg_coefficients *c, int64_t sub, in
 static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lattice_row *at, int ring, int64_t sub, int64_t o0, int64_t o1, int64_t o2, int64_t o3) {
   const int64_t x = at->first + o0, n = smg_cells(c, 0), before = -smg_down(x, SMG_ROW_STEP), inside = -smg_down(x - n, SMG_ROW_STEP);
   int64_t s[3] = {at->s1, at->s2, at->s3};
-  smg_beside b = {0, 0, 0, at->sites, 1};
+  smg_beside b = {0, 0, 0, before > 0 ? smg_row_length(c) : SMG_EVERYWHERE, 1};
   b.there = smg_step_to(s, o1, smg_cells(c, 1), ring >> 1 & 1) & smg_step_to(s + 1, o2, smg_cells(c, 2), ring >> 2 & 1) & smg_step_to(s + 2, o3, smg_cells(c, 3), ring >> 3 & 1);
   if (!b.there) return b;
   b.start = smg_slot_beyond(c, sub, x, s) - at->start;
@@ -169,27 +207,47 @@ SMG_INLINE void smg_put_slots(smg_real *all, int64_t pitch, int64_t slot, const 
   for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
 }
 
-/* One lane of v from another slot. */
-SMG_INLINE void smg_take_one(const smg_real *all, int64_t pitch, int64_t slot, int64_t lane, smg_lanes *v) {
-  const smg_lane_mask others = smg_lane_below(lane), both = smg_lane_below(lane + 1);
-  for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(others, v[k], smg_lane_select(both, smg_lane_of(all[k * pitch + slot]), v[k]));
+/* The places of lanes in their rows, of which the first is the p-th. */
+SMG_INLINE smg_lanes smg_lane_places(int64_t p, int64_t length) {
+  static const smg_real number[SMG_WIDEST] = {0, 1, 2, 3, 4, 5, 6, 7};
+  smg_lanes at = (smg_real)p + smg_lane_take(number);
+  for (int64_t k = SMG_LANES; k > 0; k -= length) at = smg_lane_select((smg_lane_mask)(at >= (smg_real)length), at - (smg_real)length, at);
+  return at;
+}
+SMG_INLINE int64_t smg_next_place(int64_t p, int64_t length) {
+  for (p += SMG_LANES; p >= length;) p -= length;
+  return p;
 }
 
-/* The vectors beside the sites j, j + 1, .. < sites of a row that is a ring, whose first is in the slot `first`, and what is beside it at `start`: behind them, and ahead. */
-SMG_INLINE void smg_take_behind(const smg_beside *b, int64_t first, int64_t start, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
-  smg_take_slots(all, pitch, start + j, v);
-  for (int64_t k = j; k < b->from && k < j + SMG_LANES; ++k) smg_take_one(all, pitch, first + b->around + k, k - j, v);
+/* Do the neighbours of all lanes stand within the row? Those of which do? */
+SMG_INLINE int smg_all_within(const smg_beside *b, int64_t p) { return b->to == SMG_EVERYWHERE || (p >= b->from && p + SMG_LANES <= b->to); }
+SMG_INLINE smg_lane_mask smg_lanes_within(const smg_beside *b, int64_t p, int64_t length) {
+  const smg_lanes at = smg_lane_places(p, length);
+  return (smg_lane_mask)(at >= (smg_real)b->from) & (smg_lane_mask)(at < (smg_real)b->to);
 }
-SMG_INLINE void smg_take_ahead(const smg_beside *b, int64_t first, int64_t start, int64_t sites, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
-  smg_take_slots(all, pitch, start + j, v);
-  for (int64_t k = j < b->to ? b->to : j; k < sites && k < j + SMG_LANES; ++k) smg_take_one(all, pitch, first + b->around + k, k - j, v);
+
+/* The vectors beside the sites from the j-th on of a run of rings, the p-th of its row. */
+SMG_INLINE void smg_take_beside(const smg_beside *b, const smg_run *run, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+  smg_take_slots(all, pitch, run->at.start + b->start + j, v);
+  if (smg_all_within(b, p)) return;
+  const smg_lane_mask within = smg_lanes_within(b, p, run->length);
+  smg_lanes around[3];
+  smg_take_slots(all, pitch, run->at.start + b->around + j, around);
+  for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(within, v[k], around[k]);
 }
 
 /* Of open ends: g as it was, in the lanes whose neighbour is beyond. */
-SMG_INLINE void smg_only_within(const smg_beside *b, int64_t j, const smg_lanes *before, smg_lanes *g) {
-  if (j >= b->from && j + SMG_LANES <= b->to) return;
-  const smg_lane_mask early = smg_lane_below(b->from - j), early_or_in = smg_lane_below(b->to - j);
-  for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(early, before[k], smg_lane_select(early_or_in, g[k], before[k]));
+SMG_INLINE void smg_only_within(const smg_beside *b, const smg_run *run, int64_t p, const smg_lanes *before, smg_lanes *g) {
+  if (smg_all_within(b, p)) return;
+  const smg_lane_mask within = smg_lanes_within(b, p, run->length);
+  for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(within, g[k], before[k]);
+}
+
+/* Of rows that are not full: g = 0 in the lanes of empty slots. */
+SMG_INLINE void smg_only_sites(const smg_run *run, int64_t p, smg_lanes *g) {
+  if (p + SMG_LANES <= run->at.sites || run->at.sites == run->length) return;
+  const smg_lane_mask sites = (smg_lane_mask)(smg_lane_places(p, run->length) < (smg_real)run->at.sites);
+  for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(sites, g[k], smg_lane_of(0));
 }
 
 /* What stands beside a row, by all terms: as the model says. */
@@ -206,7 +264,8 @@ static inline void smg_forget_besides(smg_besides *all) {
 }
 
 SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {
-  const int64_t kind = (at->kind * SMG_KINDS(SMG_REACH_1) + smg_kind_of_cell(at->s1, smg_cells(c, 1), SMG_REACH_1)) * SMG_ROW_STEP + at->first;
+  const int64_t cell = at->kind * SMG_KINDS(SMG_REACH_1) + smg_kind_of_cell(at->s1, smg_cells(c, 1), SMG_REACH_1);
+  const int64_t kind = (cell * SMG_ROW_STEP + at->first) * SMG_ROW_STEP + at->s1 % SMG_ROW_STEP;
   if (!all->known[kind]) {
     smg_all_beside(c, at, all->rows[kind]);
     all->known[kind] = 1;

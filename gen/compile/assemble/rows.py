@@ -1,4 +1,4 @@
-"""Rows of a lattice for vectors of lanes: where sites stand, and the gradient of a part of a row (runtime/solve/smg_rows.h).
+"""Rows of a lattice for vectors of lanes: where sites stand, and the gradient of some slots (runtime/solve/smg_rows.h).
 
 They serve one family of spheres, alone on a lattice of several colours, all alike: a constant strength and radius, and a quadratic
 energy whose terms are the same in every cell.
@@ -20,7 +20,7 @@ from ..plan.colouring import Colouring, colouring
 from .lanes import in_lanes, named
 from .norms import row_sums
 
-KNOWN = 100     # kinds of rows whose neighbours are kept at hand: with six of them 24 KB
+KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 BY_STAGE_ROWS = "sites of a row in lanes"
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
@@ -97,7 +97,7 @@ def fits(found: Rows, lattices) -> bool:
 def known_rows(found: Rows, lattices) -> int:
     """SMG_KNOWN of smg_rows.h."""
     reach = [max(abs(a[1][d] - b[1][d]) for over in lattices for bond in over.bonds for a in bond for b in bond) for d in range(1, len(found.over.size))]
-    return found.colours.colours * found.ranks * found.step * prod(2 * r + 1 for r in reach)
+    return found.colours.colours * found.ranks * found.step ** 2 * prod(2 * r + 1 for r in reach)
 
 
 def rest_field(model, low, f):
@@ -159,10 +159,10 @@ def row_settings(model) -> dict:
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
 
-# The gradient of a part of a row
+# The gradient of some slots
 
 ROW = (COEFFICIENTS, Argument("const smg_lattice_row *", "at"))
-PART = (*ROW, Argument("const smg_beside *", "b"), Argument("const smg_real *", "all"), Argument("int64_t", "from"), Argument("int64_t", "to"), Argument("smg_real *", "g"))
+SLOTS = (COEFFICIENTS, Argument("const smg_run *", "run"), Argument("const smg_real *", "all"), Argument("int64_t", "pitch"), Argument("int64_t", "j"), Argument("int64_t", "p"), Argument("smg_lanes *", "sum"))
 
 
 @dataclass(frozen=True)
@@ -188,33 +188,26 @@ def all_beside(model) -> Function:
     return Function("void", "smg_all_beside", (*ROW, Argument("smg_beside *", "b")), by_place(model, body), wanted=True)
 
 
-def by_place(model, body_of) -> tuple:
+def by_place(model, body_of, place=Pointed("at", "sub")) -> tuple:
     """What is done in the rows of each place."""
     bodies = [body_of(sub) for sub in range(model.in_rows.over.sites)]
-    return bodies[0] if len(bodies) == 1 else tuple(If((compare(Pointed("at", "sub"), "==", total(sub)),), body) for sub, body in enumerate(bodies))
+    return bodies[0] if len(bodies) == 1 else tuple(If((compare(place, "==", total(sub)),), body) for sub, body in enumerate(bodies))
 
 
 def row_gradient(model) -> Function:
-    """g = dH/dw of the sites from <= j < to of a row, SMG_LANES at once; x, y and z are SMG_PIECE_ROOM apart."""
-    return Function("void", "smg_row_gradient", PART, by_place(model, lambda sub: row_part(model, sub)), target="lanes", wanted=True)
-
-
-START = Pointed("at", "start")
+    """sum += dH/dw of the slots of one vector of a run of rows: those from the j-th on, which is the p-th of its row."""
+    return Function("void", "smg_slot_gradient", SLOTS, by_place(model, lambda sub: row_part(model, sub), Pointed("run", "at.sub")), target="lanes", wanted=True, inlined="always")
 
 
 def row_part(model, sub: int) -> tuple:
-    """The loop over the sites of a place."""
+    """The terms of the sites of a place."""
     beside = neighbours(model, sub)
-    terms = [line for t, k in model.roles(model.families[0].name) for bond in bonds_of(t, k, sub) for line in term_of_row(t, k, bond, beside)]
-    own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Index("first") + Index("j"), Name("own"))))
-    body = (Zeros("sum", 3), *own, *terms, Call("smg_put_slots", (Name("g"), Name("SMG_PIECE_ROOM"), Index("j") - Index("from"), Name("sum"))))
-    starts = [Let(f"start{n}", START + Index(f"b[{n}].start")) for n in range(len(beside))]
-    ahead = (Let("sites", Pointed("at", "sites")),) if "sites" in mentions(*body) else ()
-    return (Let("pitch", Call("smg_pitch", (Name("c"),))), Let("first", START), *ahead, *starts,
-            For("j", Index("from"), Index("to"), body, step=Index("SMG_LANES")))
+    own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Pointed("run", "at.start") + Index("j"), Name("own"))))
+    return (*own, *(line for t, k in model.roles(model.families[0].name) for bond in bonds_of(t, k, sub) for line in term_of_row(t, k, bond, beside)))
 
 
 ALL = (Name("all"), Index("pitch"))
+IN_ROW = (Name("run"), Index("p"))
 
 
 def bonds_of(t, k: int, sub: int) -> list:
@@ -233,7 +226,7 @@ def term_of_row(t, k: int, bond, known: list) -> list:
     outputs = [Name("sum" if q == k else f"o{q}") for q in range(len(t.slots))]
     lines = [line for q, one in found for line in (Variable("smg_lanes", f"v{q}[3]"), Zeros(f"o{q}", 3), taken(one, known.index(one), f"v{q}"))]
     lines.append(Call(named(f"{t.prefix}_gradient"), (Name("c"), *[ZERO] * len(t.over.bound), *points, *outputs)))
-    there = tuple(Index(f"b[{known.index(one)}].there") for _, one in found if any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset) if d))
+    there = tuple(Pointed("run", f"b[{known.index(one)}].there") for _, one in found if any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset) if d))
     return [where(there, (*kept_beyond(found, known, lines),))] if found else lines
 
 
@@ -241,16 +234,14 @@ def kept_beyond(found, known: list, lines) -> list:
     """The same, but for sites whose neighbour is beyond an open end of the row."""
     ends = [known.index(one) for _, one in found if one.offset[0] and not one.ring & 1]
     before = Let("before[3]", Braces(tuple(Name(f"sum[{a}]") for a in range(3))), "const smg_lanes")
-    return [before, *lines, *(Call("smg_only_within", (Name(f"b + {n}"), Index("j"), Name("before"), Name("sum"))) for n in ends)] if ends else lines
+    return [before, *lines, *(Call("smg_only_within", (Name(f"run->b + {n}"), *IN_ROW, Name("before"), Name("sum"))) for n in ends)] if ends else lines
 
 
 def taken(one: Beside, n: int, v: str) -> Call:
     """v = the vectors there."""
     if not one.offset[0] or not one.ring & 1:
-        return Call("smg_take_slots", (*ALL, Index(f"start{n}") + Index("j"), Name(v)))
-    if one.offset[0] < 0:
-        return Call("smg_take_behind", (Name(f"b + {n}"), Index("first"), Index(f"start{n}"), *ALL, Index("j"), Name(v)))
-    return Call("smg_take_ahead", (Name(f"b + {n}"), Index("first"), Index(f"start{n}"), Index("sites"), *ALL, Index("j"), Name(v)))
+        return Call("smg_take_slots", (*ALL, Pointed("run", "at.start") + Pointed("run", f"b[{n}].start") + Index("j"), Name(v)))
+    return Call("smg_take_beside", (Name(f"run->b + {n}"), *IN_ROW, *ALL, Index("j"), Name(v)))
 
 
 def member(t, bond, q: int) -> tuple:
