@@ -49,3 +49,12 @@ def test_a_planted_fault_is_healed(found, tmp_path):
 
 def test_what_is_explained_has_a_reason():
     assert all(entry["reason"].strip() for entry in explanations().values())
+
+
+@pytest.mark.long
+def test_the_unchanged_tree_compiles():
+    """What the tool compiles to see whether a fault does: without one all of it does, and every method is there."""
+    from mutants.compiles import digests
+    from mutants.trial import MODELS
+    found = digests("few", "syntax", ["headers", *MODELS])
+    assert set(MODELS) <= found.keys() and len(found) > len(MODELS) + 40

@@ -23,11 +23,11 @@ import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.compile.features import FEATURES
-from smidgen.methods import MIDPOINTS as METHODS, SOLVERS
+from smidgen.methods import METHODS, MIDPOINTS, SOLVERS
 from smidgen.run.integrator import scene_of
 from smidgen.resources import folder, include_flags
 
-SPHERICAL, CLASSICAL, VESELOV = METHODS
+SPHERICAL, CLASSICAL, VESELOV = MIDPOINTS
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 FEW = (("free_rigid_body", SPHERICAL, "auto"), ("free_rigid_body", VESELOV, "auto"),
        ("forced_rigid_body", SPHERICAL, "auto"), ("forced_rigid_body", CLASSICAL, "auto"),
@@ -38,7 +38,11 @@ FEW = (("free_rigid_body", SPHERICAL, "auto"), ("free_rigid_body", VESELOV, "aut
        ("open", SPHERICAL, "plain"), ("glass", SPHERICAL, "newton"), ("corners", SPHERICAL, "auto"))
 TEXTS = {"field": texts.FIELD, "mixed": texts.MIXED, "glass": texts.GLASS, "pulse": texts.PULSE,
          "open": texts.OPEN_CHAIN, "corners": texts.CORNERS}
-FILTERS = [(name, bs) for name in sorted(p.stem for p in (HERE / "runtime").glob("*.c")) for bs in (2, 3)]
+OTHERS = tuple((name, method, "auto") for method in METHODS if method not in MIDPOINTS
+               for name in ("free_rigid_body", "heisenberg_chain", "point_vortices"))
+OF_MODELS = ("composed",)       # test programs that need a model: `wanted` has them
+MORE = {"gauss": ("-DSMG_STAGES=3", "-DFIELD=0")}
+FILTERS = [(name, bs) for name in sorted(p.stem for p in (HERE / "runtime").glob("*.c")) if name not in OF_MODELS for bs in (2, 3)]
 
 
 def spec_of(name: str, place: Path):
@@ -54,6 +58,7 @@ def wanted(which: str):
     if which == "few":
         yield from ((*one, ()) for one in FEW)
         yield "heisenberg_chain", SPHERICAL, "auto", tuple(FEATURES)
+        yield from ((*one, ()) for one in OTHERS if not METHODS[one[1]].variant)
         return
     names = [*(p.stem for p in sorted(folder("specs").glob("*.toml"))), *TEXTS,
              *(f"user/{p.stem}" for p in sorted((HERE / "user").glob("*.toml")))]
@@ -62,6 +67,7 @@ def wanted(which: str):
         yield name, method, solver, ()
     for name, feature in itertools.product(names, FEATURES):
         yield name, SPHERICAL, "auto", (feature,)
+    yield from ((*one, ()) for one in OTHERS)
 
 
 def compiled(words, where: Path, source: str, objects: bool) -> bytes:
@@ -89,7 +95,7 @@ def model_digest(which, place: Path, how: str):
 
 def filter_digest(name: str, bs: int, place: Path, how: str) -> str:
     """Of one test program, compiled with all the warnings that its test asks for."""
-    words = [*WARNINGS, f"-DSMG_BS={bs}", *include_flags(), f"-I{HERE / 'runtime'}"]
+    words = [*WARNINGS, f"-DSMG_BS={bs}", *MORE.get(name, ()), *include_flags(), f"-I{HERE / 'runtime'}"]
     (place / f"{name}.c").write_text((HERE / "runtime" / f"{name}.c").read_text())
     return digest([compiled(words, place, f"{name}.c", how == "objects")])
 
