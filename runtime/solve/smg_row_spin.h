@@ -49,7 +49,7 @@ SMG_INLINE void smg_lane_along_spin(const smg_lanes *w, const smg_lanes *g, smg_
   for (int k = 0; k < 3; ++k) v[k] = rho * (rho * w[k] + v[k]) + along * g[k];
 }
 
-/* 1/sqrt(1 - e) to two ulps for |e| <= 0.0215: y = 1 + e/2 + 3/8 e^2 leaves 1 - (1 - e) y^2 = 5/8 e^3, and that to the second power 0.08 e^9. */
+/* 1/sqrt(1 - e) to two ulps of double for |e| <= 0.0215: y = 1 + e/2 + 3/8 e^2 leaves 1 - (1 - e) y^2 = 5/8 e^3, and that to the second power 0.08 e^9. */
 SMG_INLINE smg_lanes smg_lane_inverse_root_near_1(smg_lanes x) {
   const smg_lanes e = 1 - x, y = 1 + e * ((smg_real)0.5 + (smg_real)0.375 * e), r = 1 - x * y * y;
   return y + y * r * ((smg_real)0.5 + (smg_real)0.375 * r);

@@ -15,7 +15,8 @@
 
 #define SMG_ROW_BOUND (smg_real)0.9 /* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
 #define SMG_ROW_STRONG (smg_real)0.1 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
-#define SMG_ROW_WEAK (smg_real)0.0104 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1 */
+/* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to the digits of double. */
+#define SMG_ROW_WEAK (SMG_EPS < (smg_real)1e-16 ? 0 : (smg_real)0.0104)
 #define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4) /* increments kept, of all colours but the first: with them a spin has at most 160 bytes */
 #define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
 

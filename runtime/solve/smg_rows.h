@@ -227,7 +227,8 @@ SMG_INLINE smg_lane_mask smg_lanes_within(const smg_beside *b, int64_t p, int64_
 }
 
 /* The vectors beside the sites from the j-th on of a run of rings, the p-th of its row. */
-SMG_INLINE void smg_take_beside(const smg_beside *b, const smg_run *run, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+SMG_INLINE void smg_take_beside(const smg_run *run, int n, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+  const smg_beside *b = run->b + n;
   smg_take_slots(all, pitch, run->at.start + b->start + j, v);
   if (smg_all_within(b, p)) return;
   const smg_lane_mask within = smg_lanes_within(b, p, run->length);
@@ -237,7 +238,8 @@ SMG_INLINE void smg_take_beside(const smg_beside *b, const smg_run *run, int64_t
 }
 
 /* Of open ends: g as it was, in the lanes whose neighbour is beyond. */
-SMG_INLINE void smg_only_within(const smg_beside *b, const smg_run *run, int64_t p, const smg_lanes *before, smg_lanes *g) {
+SMG_INLINE void smg_only_within(const smg_run *run, int n, int64_t p, const smg_lanes *before, smg_lanes *g) {
+  const smg_beside *b = run->b + n;
   if (smg_all_within(b, p)) return;
   const smg_lane_mask within = smg_lanes_within(b, p, run->length);
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(within, g[k], before[k]);

@@ -207,7 +207,6 @@ def row_part(model, sub: int) -> tuple:
 
 
 ALL = (Name("all"), Index("pitch"))
-IN_ROW = (Name("run"), Index("p"))
 
 
 def bonds_of(t, k: int, sub: int) -> list:
@@ -234,14 +233,14 @@ def kept_beyond(found, known: list, lines) -> list:
     """The same, but for sites whose neighbour is beyond an open end of the row."""
     ends = [known.index(one) for _, one in found if one.offset[0] and not one.ring & 1]
     before = Let("before[3]", Braces(tuple(Name(f"sum[{a}]") for a in range(3))), "const smg_lanes")
-    return [before, *lines, *(Call("smg_only_within", (Name(f"run->b + {n}"), *IN_ROW, Name("before"), Name("sum"))) for n in ends)] if ends else lines
+    return [before, *lines, *(Call("smg_only_within", (Name("run"), whole(n), Index("p"), Name("before"), Name("sum"))) for n in ends)] if ends else lines
 
 
 def taken(one: Beside, n: int, v: str) -> Call:
     """v = the vectors there."""
     if not one.offset[0] or not one.ring & 1:
         return Call("smg_take_slots", (*ALL, Pointed("run", "at.start") + Pointed("run", f"b[{n}].start") + Index("j"), Name(v)))
-    return Call("smg_take_beside", (Name(f"run->b + {n}"), *IN_ROW, *ALL, Index("j"), Name(v)))
+    return Call("smg_take_beside", (Name("run"), whole(n), Index("p"), *ALL, Index("j"), Name(v)))
 
 
 def member(t, bond, q: int) -> tuple:
