@@ -25,16 +25,10 @@ PATIENCE = 20       # times as long in C: w is gathered after each call
 class World:
     """The ranks, as one of them sees them."""
 
-    def __init__(self, mpi):
+    def __init__(self, mpi, said):
         self.mpi, self.comm = mpi, mpi.COMM_WORLD.Dup()     # messages of C have the first to themselves
         self.rank, self.size = self.comm.rank, self.comm.size
-        self.said, self.done = None, False
-
-    def hush(self) -> None:
-        """What ranks but the first say is kept."""
-        if self.rank:
-            sys.stdout, sys.stderr = io.StringIO(), io.StringIO()
-            self.said = sys.stderr
+        self.said, self.done = said, False
 
     def codes(self, code: int, patience: float) -> list[int] | None:
         """The exit codes of all; None where not all come to their end in time."""
@@ -68,16 +62,20 @@ def join() -> None:
     size = variable(SIZE) or 1
     if size == 1 or world is not None:
         return
-    if variable(RANK):
-        sys.stdout, sys.stderr = io.StringIO(), io.StringIO()
+    said = hushed() if variable(RANK) else None
     try:
         from mpi4py import MPI
     except (ImportError, RuntimeError) as problem:
         raise UsageError(f"{NEEDED} ({problem})") from None
     if MPI.COMM_WORLD.size != size:
         raise UsageError(f"mpirun began {size} processes, mpi4py sees {MPI.COMM_WORLD.size}: it belongs to another MPI than mpirun does")
-    world = World(MPI)
-    world.hush()
+    world = World(MPI, said)
+
+
+def hushed() -> io.StringIO:
+    """Rank 0 speaks for all: what another one says is kept, until it is the one that failed."""
+    sys.stdout, sys.stderr = io.StringIO(), io.StringIO()
+    return sys.stderr
 
 
 def finished() -> None:

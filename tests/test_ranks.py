@@ -20,7 +20,7 @@ MISSING = [name for name in ("mpicc", "mpirun") if not shutil.which(name)]
 needs_mpi = pytest.mark.skipif(bool(MISSING), reason=f"no {', '.join(MISSING)}: apt-get install libopenmpi-dev openmpi-bin")
 needs_mpi4py = pytest.mark.skipif(bool(MISSING) or not importlib.util.find_spec("mpi4py"), reason="no MPI, or no mpi4py: pip install mpi4py")
 LIMIT = 600         # seconds: ranks wait for each other, on a busy machine for long
-MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
+MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 SMALL = "-DSMG_MPI_SHARE=8"     # parts so small that each rank has some of few sites
 
 MAIN = """
