@@ -29,6 +29,7 @@ from ..errors import BuildError, MissingTool, UsageError
 from ..language.spec import Spec
 from ..resources import HERE, folder, include_flags
 from .cache import cache_folder, entry
+from .mpi import mpi_compiler
 
 FLAGS = ("-std=c11", "-O3", "-ffp-contract=off", "-fno-math-errno")    # the same bits on every machine; roots in lanes, since they set no errno
 SHARED = ("-fPIC", "-shared")
@@ -55,24 +56,26 @@ class Built:
 
 def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   real: str = "double", native: bool | None = None, features=(), generate=None, fast: bool = False,
-                  threads: bool = False) -> Built:
+                  threads: bool = False, ranks: bool = False) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
     real: "double" or "long double"; native: -march=native or not; None: for models with vectors of lanes; fast: products and sums
     in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`; threads:
-    with OpenMP. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
-    or without OpenMP, and BuildError when it refuses.
+    with OpenMP; ranks: with MPI, which no result tells: it decides no bit. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
+    without OpenMP or mpicc, and BuildError when it refuses.
     """
     features, compiler = chosen_features(features), find_compiler()
     if fast and "extended" in features:
         raise UsageError("no extended precision in a fast build: leave one of them out")
     flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(threads_of(compiler) if threads else ()))
     wide = native is None and not fast
+    caller = mpi_compiler(compiler) if ranks else compiler
+    linked = (caller, ran([*caller, "-show"]).stdout) if ranks else ()
     key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
-                 compiler_version(compiler), flags, wide, processor())
+                 compiler_version(compiler), flags, wide, processor(), *linked)
     wanted = (spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
-                  lambda work: _build_into(work, generate or _generate, wanted, compiler, flags, wide))
+                  lambda work: _build_into(work, generate or _generate, wanted, caller, flags, wide))
     facts = json.loads((place / "built.json").read_text())
     if threads and not facts["notes"].get("threads"):
         raise UsageError(f"steps of {spec.name} by {method} have one thread: only those of lattices by rows have several")

@@ -6,6 +6,7 @@ import sys
 import tempfile
 import traceback
 
+from .. import ranks
 from ..errors import Exit, SmidgenError, SpecError
 from .parser import make_parser
 from .say import printed
@@ -17,17 +18,22 @@ UNEXPECTED = 1      # a defect of smidgen itself
 def main(argv=None) -> int:
     """Run the command; returns its exit code, never raises for what a user wrote."""
     with streams():
-        try:
-            code = guarded(parsed(argv))
-            sys.stdout.flush()
-            return code
-        except SmidgenError as error:       # of stdout itself
-            return told(error)
-        except BrokenPipeError:             # the reader of a pipe has gone: nothing is left to say
-            silence(sys.stdout)
-            return int(Exit.PIPE)
-        except Exception:
-            return unexpected()
+        return ranks.leave(done(argv))
+
+
+def done(argv) -> int:
+    """The same of one rank."""
+    try:
+        code = guarded(parsed(argv))
+        sys.stdout.flush()
+        return code
+    except SmidgenError as error:       # of stdout itself
+        return told(error)
+    except BrokenPipeError:             # the reader of a pipe has gone: nothing is left to say
+        silence(sys.stdout)
+        return int(Exit.PIPE)
+    except Exception:
+        return unexpected()
 
 
 def parsed(argv):

@@ -5,6 +5,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from .. import ranks
 from ..errors import Exit, RunError, UsageError
 from ..run.checkpoint import folder_of
 from .options import json_option, model_options, names, number, processor_options, spec_argument, start_of, whole
@@ -59,6 +60,7 @@ def add(commands):
 def command(args):
     """Run, then print the summary; what was computed before a failure is kept."""
     from ..run.run import Interrupted
+    ranks.join()
     with output_file(args) as out:
         try:
             result, code = go(args, out), Exit.OK
@@ -70,6 +72,7 @@ def command(args):
             say(f"smidgen: {error}")
             result, code = error.result, error.exit_code
         report(args, result, int(code))
+    ranks.finished()
     return code
 
 
@@ -122,7 +125,7 @@ def go_on(args):
     if args.spec is not None or args.repeat is not None or args.out is not None:
         raise UsageError("--resume takes all from the file: leave SPEC, --out and --repeat out")
     refuse_choices(args, "--resume goes on with a run as it was: only --json goes with it")
-    meta = saved_run(args.resume)
+    meta = ranks.on_first(lambda: saved_run(args.resume))
     args.out = args.resume
     with progress(meta["steps"], meta["spec"]) as tick:
         return resume(args.resume, progress=tick, tell=lambda text: say(f"note: {text}"))
@@ -169,9 +172,11 @@ def refuse_choices(args, said="--repeat repeats a run as it was: only --out and 
 
 def report(args, result, code: int):
     """The summary: on stdout, unless the table goes there."""
+    if ranks.count() > 1 and not result.meta["chosen"].get("threads"):
+        say(f"note: each of the {ranks.count()} ranks took all steps: only those of lattices by rows are shared")
+    tell = say if args.out == "-" else print
     if args.json:
         return printed(facts(args, result, code))
-    tell = say if args.out == "-" else print
     for line in lines(args, result):
         tell(line)
 

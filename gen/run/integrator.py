@@ -18,6 +18,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from ..methods import DEFAULT, METHODS as METHODS_BY_NAME, NAMES as METHODS, SOLVERS
+from .. import ranks
 from ..build.binary import Built, build_library
 from ..errors import BuildError, RunError, UsageError
 from ..language import limits
@@ -63,8 +64,11 @@ def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = Non
     scene = scene_of(spec, effects, values)
     known = parameter_values(spec, values)
     threads = checked_threads(threads)
-    built = build_library(scene, method, solver, real, native, features, fast=fast, threads=threads is not None)
-    return Integrator(spec, scene, built, known, method, solver, threads)
+    with ranks.first_first():
+        built = build_library(scene, method, solver, real, native, features, fast=fast, threads=threads is not None, ranks=ranks.count() > 1)
+    model = Integrator(spec, scene, built, known, method, solver, threads)
+    ranks.check(model._library)
+    return model
 
 
 def checked_threads(threads) -> int | None:

@@ -3,23 +3,26 @@ from __future__ import annotations
 
 import time
 
+from .. import ranks
+
 PATIENCE = 0.05         # seconds in C at most
 
 
 class Pace:
-    """How many steps fit in PATIENCE seconds, from those before."""
+    """How many steps fit in PATIENCE seconds, from those before; the same on all ranks."""
 
     def __init__(self):
         self.size, self.seconds = 1, 0.0
+        self.patience = PATIENCE * (ranks.PATIENCE if ranks.count() > 1 else 1)
 
     def timed(self, advance, asked: int) -> int:
         """Call advance(asked); returns its value and learns from its time."""
         begin = time.perf_counter()
         done = advance(asked)
-        taken = time.perf_counter() - begin
+        taken = ranks.same(time.perf_counter() - begin)
         self.seconds += taken
-        if taken > PATIENCE:
+        if taken > self.patience:
             self.size = max(1, self.size // 2)
-        elif 2 * asked > self.size and taken < PATIENCE / 4:
+        elif 2 * asked > self.size and taken < self.patience / 4:
             self.size *= 2
         return done

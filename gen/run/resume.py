@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
+from .. import ranks
 from ..build.binary import generator_name
 from ..errors import UsageError
 from ..public import public
@@ -31,21 +32,27 @@ def resume(path: str | os.PathLike, *, keep: bool = False, progress: Callable[[i
     another version of smidgen or of the compiler, or while another run writes; what was saved
     is then as it was.
     """
-    if not folder_of(path).is_dir():
-        return _complete(path)
-    folder = Folder.open(path)
+    if ranks.on_first(lambda: not folder_of(path).is_dir()):
+        return ranks.on_first(lambda: _complete(path))
+    folder = ranks.on_first(lambda: Folder.open(path), send=False)     # None on other ranks
     try:
-        if not folder.parts("run"):
-            result = _complete(path)
-            folder.finish()
-            return result
-        meta = folder.run()
+        meta = ranks.on_first(lambda: folder.run() if folder.parts("run") else None)
+        if meta is None:
+            return ranks.on_first(lambda: _put_together(path, folder))
         model, settings = begun(meta, path)
-        return execute(model, settings, path, keep, progress, (folder, folder.newest(tell)))
+        return execute(model, settings, path, keep, progress, (folder, ranks.on_first(lambda: folder.newest(tell))))
     except OSError as problem:
-        raise CheckpointError(f"cannot use {folder.path}: {problem.strerror or problem}") from None
+        raise CheckpointError(f"cannot use {folder_of(path)}: {problem.strerror or problem}") from None
     finally:
-        folder.release()
+        if folder:
+            folder.release()
+
+
+def _put_together(path, folder):
+    """The result that was complete when its run was killed."""
+    result = _complete(path)
+    folder.finish()
+    return result
 
 
 def saved_run(path) -> dict:

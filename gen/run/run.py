@@ -15,11 +15,12 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from .. import __version__
+from .. import __version__, ranks
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
 from .checkpoint import refuse_unfinished
+from .elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
 from .integrator import Integrator, build
 from .output import MemorySink, Result, load_result, open_sink, result_of
@@ -105,7 +106,8 @@ def execute(model: Integrator, settings: Settings, out, keep: bool, progress=Non
     _affordable(layout, settings, keep)
     sinks = [MemorySink(layout)] if keep else []
     if out is not None:
-        sinks.append(_file_sink(out, model, settings, layout, place))
+        sinks.append(ranks.on_first(lambda: _file_sink(out, model, settings, layout, place), send=False)
+                     or (ElsewhereSafe() if place or settings.checkpoint else Elsewhere()))
     recorder = Recorder(model, layout, sinks, settings.steps * settings.h)
     began = clock.perf_counter()
     try:
@@ -271,10 +273,10 @@ def _outcome(result, status, error):
 
 @contextlib.contextmanager
 def on_interrupt():
-    """Yields a function that says whether Ctrl-C came; a second one stops at once."""
+    """Yields a function that says whether Ctrl-C came, to any rank; a second one stops at once."""
     seen = threading.Event()
     if threading.current_thread() is not threading.main_thread():
-        yield seen.is_set
+        yield ranks.anywhere(seen.is_set)
         return
 
     def first(number_, frame):
@@ -284,6 +286,6 @@ def on_interrupt():
     before = signal.getsignal(signal.SIGINT)
     signal.signal(signal.SIGINT, first)
     try:
-        yield seen.is_set
+        yield ranks.anywhere(seen.is_set)
     finally:
         signal.signal(signal.SIGINT, before)

@@ -11,6 +11,7 @@
 #ifndef SMG_ROW_STATE_H
 #define SMG_ROW_STATE_H
 
+#include "smg_row_ranks.h"
 #include "smg_row_slots.h"
 
 #define SMG_ROW_BOUND (smg_real)0.9 /* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
@@ -90,6 +91,7 @@ static void smg_leave_rows(smg_state *s) { smg_to_sites(s, s->row_w, s->w); }
 /* The same for a saved state; of the increments those of the first colour are 0. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   const int64_t n3 = 3 * smg_sites(&s->c);
+  smg_gather_saved(s, SMG_ROW_HISTORY, SMG_LATE_PITCH(&s->c));
   smg_to_sites(s, s->row_compensation, lost);
   for (int64_t k = 0; k < SMG_HISTORY * n3; ++k) past[k] = 0;
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {

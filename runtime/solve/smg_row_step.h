@@ -42,7 +42,10 @@ static void smg_predict_slots(const smg_state *s, smg_share part) {
 /* Those of all colours but the first. */
 static void smg_predict_rows(const smg_state *s) {
   const int64_t first = smg_colour_slots(&s->c);
-  SMG_TEAM(s->row_team) { smg_predict_slots(s, smg_share_of(first, smg_slots(&s->c) - first)); }
+  SMG_TEAM(s->row_team) {
+    SMG_COLOURS_AT_ONCE(k, n, 1) smg_predict_slots(s, smg_share_of(k * first, n * first));
+  }
+  smg_exchange_late();
 }
 
 /* Sweeps to stagnation, or to the tolerance. */
@@ -123,6 +126,7 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
     const smg_real square = smg_end_share(s, known, turn);
     SMG_ONE_BY_ONE smg_take(&most, square);
   }
+  smg_largest_of_ranks(&most, &most);
   return smg_row_solved(s, SMG_MATH(sqrt)(most));
 }
 
@@ -163,8 +167,10 @@ static void smg_row_misses(const smg_state *s, int64_t k, smg_real newest, smg_r
 static void smg_choose_row_degree(smg_state *s) {
   const int64_t first = smg_colour_slots(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
   smg_real miss[SMG_HISTORY] = {0};
-  for (int64_t k = 0; k < size; k += stride)
+  for (int64_t k = 0; k < size; k += stride) {
+    smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
     for (int b = 0; b < 3; ++b) smg_row_misses(s, b * SMG_LATE_PITCH(&s->c) + k, s->row_u[b * smg_pitch(&s->c) + first + k], miss);
+  }
   s->degree = s->history > 0 ? 0 : -1;
   for (int d = 1; d < s->history; ++d)
     if (miss[d] < miss[s->degree]) s->degree = d;
@@ -177,8 +183,10 @@ static void smg_commit_rows(smg_state *s) {
   for (int j = SMG_ROW_HISTORY - 1; j > 0; --j) s->past[j] = s->past[j - 1];
   s->past[0] = oldest;
   SMG_TEAM(s->row_team) {
-    const smg_share part = smg_share_of(0, smg_slots(&s->c));
-    for (int k = 0; k < 3; ++k) smg_commit_slots(s, part, k, oldest + k * SMG_LATE_PITCH(&s->c));
+    SMG_COLOURS_AT_ONCE(colour, n, 0) {
+      const smg_share part = smg_share_of(colour * smg_colour_slots(&s->c), n * smg_colour_slots(&s->c));
+      for (int k = 0; k < 3; ++k) smg_commit_slots(s, part, k, oldest + k * SMG_LATE_PITCH(&s->c));
+    }
   }
   if (s->history < SMG_ROW_HISTORY) ++s->history;
   if (s->degree < 0) s->degree = 0;
@@ -207,6 +215,7 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   smg_besides known;
   smg_forget_besides(&known);
+  smg_begin_ranks(s, &known);
   s->row_team = smg_row_team(&s->c);
   if (s->row_team > 1) smg_know_besides(&s->c, &known);
   smg_enter_rows(s);
@@ -216,6 +225,7 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
 #endif
     status = smg_row_step(s, &known);
   }
+  smg_end_ranks(s);
   smg_leave_rows(s);
   return status;
 }

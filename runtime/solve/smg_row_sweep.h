@@ -147,6 +147,8 @@ static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const s
       moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
     }
   }
+  smg_largest_of_ranks(&moved.whole, &moved.part);
+  smg_exchange_colour(colour);
   moved.whole = SMG_MATH(sqrt)(moved.whole);
   return moved;
 }

@@ -6,7 +6,7 @@
 #ifndef SMG_ROW_TEAM_H
 #define SMG_ROW_TEAM_H
 
-#include "smg_rows.h"
+#include "smg_row_ranks.h"
 
 #if defined(_OPENMP)
 #include <omp.h>
@@ -33,9 +33,10 @@ typedef struct smg_share {
   int64_t from, to;
 } smg_share;
 
-/* The part of this thread in `slots` of them from `first` on. */
+/* The part of this thread of this rank in `slots` of them from `first` on. */
 SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) {
-  const int64_t vectors = (slots + SMG_WIDEST - 1) / SMG_WIDEST, k = smg_thread(), n = smg_threads();
+  const int64_t threads = smg_threads(), k = smg_thread() + threads * smg_rank_part(), n = threads * smg_rank_parts();
+  const int64_t vectors = (slots + SMG_WIDEST - 1) / SMG_WIDEST;
   const smg_share part = {first + vectors * k / n * SMG_WIDEST, first + vectors * (k + 1) / n * SMG_WIDEST};
   return part;
 }
@@ -50,7 +51,7 @@ static inline int smg_meet_at_seam(const smg_coefficients *c) {
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {
-  const int64_t worth = smg_colour_slots(c) / SMG_SHARE;
+  const int64_t worth = smg_colour_slots(c) / SMG_SHARE / smg_rank_parts();
   const int most = smg_most_threads();
   return worth <= 1 || smg_meet_at_seam(c) ? 1 : most < worth ? most : (int)worth;
 }

@@ -30,6 +30,8 @@ SPARED = (
     ("runtime/solve/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
     ("templates/abi.c.j2", r"free\(", "memory that is given back late; nobody links this file"),
     ("gen/compile/assemble/buffers.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/test_generated_c.py"),
+    ("runtime/solve/smg_row_ranks.h", r".", "ranks of MPI: nothing else compiles it; tests/test_ranks.py compares all their bits"),
+    ("runtime/solve/smg_row_halo.h", r".", "the same"),
     ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
 )
 

@@ -1,0 +1,164 @@
+/* smidgen runtime: lattices by rows on several ranks of MPI, with -DSMG_MPI: which slots are the part of a rank, and what all ranks come
+ * to know. Without it nothing is left of this file.
+ *
+ * The state is replicated, the step distributed: every rank has all arrays, and works on its part of the slots of each colour; within it
+ * threads have their shares. What ranks find together is a largest number, so the bits are those of one rank. Between calls every rank
+ * has the whole of w; the other arrays are gathered when a state is saved. All ranks make the same calls. */
+#ifndef SMG_ROW_RANKS_H
+#define SMG_ROW_RANKS_H
+
+#include "smg_rows.h"
+
+#if defined(SMG_MPI) && SMG_BY_ROWS
+#include <mpi.h>
+
+#ifdef SMG_QUAD
+#error "MPI has no numbers of quadruple precision"
+#endif
+#ifdef SMG_LONG_DOUBLE
+#define SMG_MPI_REAL MPI_LONG_DOUBLE
+#else
+#define SMG_MPI_REAL MPI_DOUBLE
+#endif
+#ifndef SMG_MPI_COMM
+#define SMG_MPI_COMM MPI_COMM_WORLD
+#endif
+#ifndef SMG_MPI_SHARE /* slots of a colour that are worth a rank: some 30 microseconds of work, where an exchange and a largest number take 5 to 20 */
+#define SMG_MPI_SHARE 4096
+#endif
+#define SMG_MPI_NONE ((int64_t)1 << 40) /* the first of so many parts is empty */
+
+/* Ranks of this call: this one, all, and those that have parts; which part of how many is this one's. MPI is called by one thread of a
+ * process at a time, and each call begins by setting them. */
+static int smg_mpi_me = 0, smg_mpi_size = 1, smg_mpi_parts = 1;
+static int64_t smg_mpi_part = 0, smg_mpi_of = 1;
+
+SMG_INLINE int64_t smg_rank_part(void) { return smg_mpi_part; }
+SMG_INLINE int64_t smg_rank_parts(void) { return smg_mpi_of; }
+/* Colours are shared one by one: n of them from the k-th on, up to the last. */
+#define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = 1; k < SMG_COLOURS; k += n)
+
+static inline int smg_meet_at_seam(const smg_coefficients *c);
+
+/* The farthest that a site feels, in slots of its colour, and a vector more: some layers of the slowest direction. */
+static inline int64_t smg_mpi_reach(const smg_coefficients *c) {
+  const int64_t reach[3] = {SMG_REACH_1, SMG_REACH_2, SMG_REACH_3};
+  int64_t layer = smg_row_length(c), slots = SMG_BEFORE;
+  for (int d = 0; d < 3; ++d) {
+    if (smg_cells(c, d + 1) > 1) slots = (reach[d] + 1) * layer;
+    layer *= smg_cells(c, d + 1);
+  }
+  return slots + SMG_WIDEST;
+}
+
+/* Ranks that have parts: each no shorter than that, and worth its messages; one where sites of a colour feel each other. */
+static inline int64_t smg_mpi_fit(const smg_coefficients *c, int64_t ranks) {
+  const int64_t slots = smg_colour_slots(c), worth = slots / SMG_MPI_SHARE, far = slots / smg_mpi_reach(c), most = worth < far ? worth : far;
+  return most <= 1 || smg_meet_at_seam(c) ? 1 : most < ranks ? most : ranks;
+}
+
+/* Who shares the steps of this lattice? */
+static void smg_choose_ranks(const smg_coefficients *c) {
+  int ready = 0, ended = 0;
+  MPI_Initialized(&ready);
+  MPI_Finalized(&ended);
+  smg_mpi_me = 0;
+  smg_mpi_size = 1;
+  if (ready && !ended) {
+    MPI_Comm_rank(SMG_MPI_COMM, &smg_mpi_me);
+    MPI_Comm_size(SMG_MPI_COMM, &smg_mpi_size);
+  }
+  smg_mpi_parts = (int)smg_mpi_fit(c, smg_mpi_size);
+  smg_mpi_part = smg_mpi_parts > 1 && smg_mpi_me < smg_mpi_parts ? smg_mpi_me : 0;
+  smg_mpi_of = smg_mpi_me < smg_mpi_parts || smg_mpi_parts == 1 ? smg_mpi_parts : SMG_MPI_NONE;
+}
+
+/* Where the slots of a rank begin in a colour, as smg_share_of cuts them; of ranks without a part, at its end. */
+SMG_INLINE int64_t smg_mpi_from(const smg_coefficients *c, int64_t rank) {
+  return smg_colour_slots(c) / SMG_WIDEST * (rank < smg_mpi_parts ? rank : smg_mpi_parts) / smg_mpi_parts * SMG_WIDEST;
+}
+
+/* The rank that has a slot: the last q with V q/n <= slot/8 for V vectors and n parts. */
+SMG_INLINE int smg_mpi_owner(const smg_coefficients *c, int64_t slot) {
+  const int64_t vectors = smg_colour_slots(c) / SMG_WIDEST, at = slot % smg_colour_slots(c) / SMG_WIDEST;
+  return (int)((smg_mpi_parts * (at + 1) + vectors - 1) / vectors - 1);
+}
+
+/* The larger of two numbers of all ranks; what is not a number counts as infinite, so that all come to the same. */
+static void smg_largest_of_ranks(smg_real *a, smg_real *b) {
+  if (smg_mpi_parts == 1) return;
+  smg_real most[2] = {*a == *a ? *a : (smg_real)INFINITY, *b == *b ? *b : (smg_real)INFINITY};
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, SMG_MPI_REAL, MPI_MAX, SMG_MPI_COMM);
+  *a = most[0];
+  *b = most[1];
+}
+
+/* What one rank has of an array of some colours, x, y and z a pitch apart, as one thing to send. */
+static MPI_Datatype smg_mpi_block(const smg_coefficients *c, int rank, int64_t pitch, int64_t colours) {
+  const int64_t slots = smg_mpi_from(c, rank + 1) - smg_mpi_from(c, rank);
+  MPI_Datatype one, all;
+  MPI_Type_create_hvector((int)colours, (int)slots, (MPI_Aint)(smg_colour_slots(c) * (int64_t)sizeof(smg_real)), SMG_MPI_REAL, &one);
+  MPI_Type_create_hvector(3, 1, (MPI_Aint)(pitch * (int64_t)sizeof(smg_real)), one, &all);
+  MPI_Type_commit(&all);
+  MPI_Type_free(&one);
+  return all;
+}
+
+/* All ranks get all parts, from hand to hand around a ring. */
+static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t pitch, int64_t colours) {
+  const int n = smg_mpi_size, next = (smg_mpi_me + 1) % n, before = (smg_mpi_me + n - 1) % n;
+  for (int k = 0; k < n - 1; ++k) {
+    const int mine = (smg_mpi_me + n - k) % n, other = (before + n - k) % n;
+    MPI_Datatype sent = smg_mpi_block(c, mine, pitch, colours), received = smg_mpi_block(c, other, pitch, colours);
+    MPI_Sendrecv(array + smg_mpi_from(c, mine), 1, sent, next, 0, array + smg_mpi_from(c, other), 1, received, before, 0, SMG_MPI_COMM, MPI_STATUS_IGNORE);
+    MPI_Type_free(&sent);
+    MPI_Type_free(&received);
+  }
+}
+
+/* w of all ranks. */
+static void smg_gather_rows(const smg_state *s) {
+  if (smg_mpi_parts > 1) smg_mpi_gather(&s->c, s->row_w, smg_pitch(&s->c), SMG_COLOURS);
+}
+
+/* What else a saved state has: of `history` increments, late numbers apart, there are all colours but the first. */
+static void smg_gather_saved(const smg_state *s, int history, int64_t late) {
+  smg_choose_ranks(&s->c);
+  if (smg_mpi_parts == 1) return;
+  smg_mpi_gather(&s->c, s->row_compensation, smg_pitch(&s->c), SMG_COLOURS);
+  for (int j = 0; j < history; ++j) smg_mpi_gather(&s->c, s->past[j], late, SMG_COLOURS - 1);
+}
+
+/* The increments of the k-th late slot, the newest and those before, from the rank that has them. */
+static void smg_share_sample(const smg_state *s, int64_t k, int64_t late) {
+  if (smg_mpi_parts == 1) return;
+  const int64_t first = smg_colour_slots(&s->c);
+  smg_real all[3 * (SMG_HISTORY + 1)] = {0};
+  const int owner = smg_mpi_owner(&s->c, k), n = s->history + 1;
+  for (int b = 0; b < 3; ++b) {
+    all[b * n] = s->row_u[b * smg_pitch(&s->c) + first + k];
+    for (int j = 0; j < s->history; ++j) all[b * n + 1 + j] = s->past[j][b * late + k];
+  }
+  MPI_Bcast(all, 3 * n, SMG_MPI_REAL, owner, SMG_MPI_COMM);
+  for (int b = 0; b < 3; ++b) {
+    s->row_u[b * smg_pitch(&s->c) + first + k] = all[b * n];
+    for (int j = 0; j < s->history; ++j) s->past[j][b * late + k] = all[b * n + 1 + j];
+  }
+}
+
+#include "smg_row_halo.h"
+
+#else
+SMG_INLINE int64_t smg_rank_part(void) { return 0; }
+SMG_INLINE int64_t smg_rank_parts(void) { return 1; }
+#define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = SMG_COLOURS - k; k < SMG_COLOURS; k += n)
+#define smg_begin_ranks(s, known) (void)0
+#define smg_end_ranks(s) (void)0
+#define smg_largest_of_ranks(a, b) (void)0
+#define smg_exchange_colour(colour) (void)0
+#define smg_exchange_late() (void)0
+#define smg_share_sample(s, k, late) (void)0
+#define smg_gather_saved(s, history, late) (void)0
+#endif
+
+#endif
