@@ -62,7 +62,7 @@ static void smg_mpi_row_reads(const smg_coefficients *c, const smg_lattice_row *
     smg_mpi_reads(c, start + (from > b->from ? from : b->from), start + (to < b->to ? to : b->to));
     if (!(SMG_RINGS & 1)) continue;
     smg_mpi_reads(c, around + from, around + (to < b->from ? to : b->from));
-    smg_mpi_reads(c, around + (from > b->to ? from : b->to), around + to);
+    if (b->to < to) smg_mpi_reads(c, around + (from > b->to ? from : b->to), around + to);
   }
 }
 
