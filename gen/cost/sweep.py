@@ -16,6 +16,7 @@ from .case import Case
 from .reference import Reference
 
 TURN = 4.0          # angle of the fastest site in the largest steps
+LARGE = 4           # while steps are no smaller than a part of that, smaller ones may be so much cheaper that the run is shorter
 RATIO = {2: 2.0, 4: 2 ** 0.5}       # order -> ratio of the steps of neighbours; others:
 FINE = 2 ** 0.25
 FLOOR = 4           # times the error of the reference: nothing smaller is resolved
@@ -65,7 +66,8 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
         rows += [row, *with_tolerance(case, row, known)]
         errors += [row.energy if known.chaotic else row.end_error] if row.status == "" else []
         floor = 0.0 if known.chaotic else FLOOR * known.error
-        if at_round_off(errors) or (errors and errors[-1] <= floor) or next_seconds(case, name, row) > limit:
+        too_long = steps > case.fewest(TURN / LARGE) and next_seconds(case, name, row) > limit
+        if at_round_off(errors) or (errors and errors[-1] <= floor) or too_long:
             return rows
         steps = max(steps + 1, round(steps * ratio(name)))
 
