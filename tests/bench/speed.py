@@ -29,7 +29,10 @@ its last place), without status, branch check or carry; and the generated step, 
 
 The designs are in `tests/bench/free_body/hand.c`. The generated step solves u = W - w and q = 1/|w + W| jointly by
 Newton from an extrapolation of degree 6; because the field is divergence-free on the tangent plane the inverse of its
-2x2 matrix is two products with DX (Cayley and Hamilton), and the determinant is the branch check.
+2x2 matrix is two products with DX (Cayley and Hamilton), and the determinant is the branch check. Designs by hand keep no carry; what the carry
+and the check cost, each alone, is in [costs.md](costs.md#what-each-promise-costs). The ratio depends on the processor:
+
+{processors}
 
 ## Lattices and chains, by rows in lanes
 
@@ -80,6 +83,13 @@ def table(name: str, columns):
     return text[0].removeprefix("# "), "\n".join(lines)
 
 
+def processors(*names: str) -> str:
+    """The ratio of the generated step on each machine that a table is of."""
+    tables = [(DOCS / name).read_text().splitlines() for name in names]
+    ratios = [next(row["ratio of medians"] for row in csv.DictReader(lines[1:]) if row["design"] == "generated") for lines in tables]
+    return "\n".join(f"- {lines[0].removeprefix('# ').partition(';')[0]}: {ratio} ([{name}]({name}))" for name, lines, ratio in zip(names, tables, ratios))
+
+
 def main():
     body_machine, body = table("free_body.csv", {"design": "design", "median ns": "median ns", "min ns": "least ns",
                                                  "ratio of medians": "ratio to the fastest by hand",
@@ -91,7 +101,7 @@ def main():
         "system": "system", "spins": "spins", "solver": "solver", "generate s": "generate, s",
         "compile s": "compile, s", "bytes of C": "bytes of C", "ns per spin and step": "ns per spin and step",
         "ratio to small": "ratio", "iterations": "iterations"})
-    (DOCS / "speed.md").write_text(PAGE.format(body_machine=body_machine, body=body, lattice_machine=lattice_machine, lattices=lattices,
+    (DOCS / "speed.md").write_text(PAGE.format(body_machine=body_machine, body=body, processors=processors("free_body.csv", "free_body_xeon.csv"), lattice_machine=lattice_machine, lattices=lattices,
                                                threads_machine=threads_machine, threads=threads, few_machine=few_machine, few=few,
                                                scaling_machine=scaling_machine, scaling=scaling))
 
