@@ -67,7 +67,7 @@ def wanted(which: str):
         yield name, method, solver, ()
     for name, feature in itertools.product(names, FEATURES):
         yield name, SPHERICAL, "auto", (feature,)
-    yield from ((*one, ()) for one in OTHERS)
+    yield from ((*one, ()) for one in OTHERS if one[0] == OTHERS[0][0])      # variants too: of one model
 
 
 def compiled(words, where: Path, source: str, objects: bool) -> bytes:
