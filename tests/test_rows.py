@@ -56,6 +56,11 @@ size = ["n"]
 boundary = "periodic"
 bonds.all = [{ from = 0, to = 0, offset = [1] }, { from = 0, to = 0, offset = [5] }]
 """
+FIVE = """[lattices.five]
+size = ["n", 7]
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset = [2, 0] }, { from = 0, to = 0, offset = [3, 0] }, { from = 0, to = 0, offset = [4, 0] }, { from = 0, to = 0, offset = [0, 1] }]
+"""
 FOUR = """[lattices.four]
 size = ["n", 3, 4, 2]
 boundary = ["periodic", "open", "periodic", "open"]
@@ -82,6 +87,7 @@ SPECS = {
     "three colours": lattice("skew", "skew.near", 13, "4*n", EXCHANGE + DM, SKEW),
     "ladder": lattice("ladder", "rungs.all", 7, "2*n", lattice=LADDER),
     "far": lattice("far", "reach.all", 14, "n", lattice=FAR),
+    "five colours": lattice("five", "five.all", 15, "7*n", EXCHANGE.replace("0.7", "0.3"), FIVE),
     "four dimensions": lattice("four", "four.near", 4, "24*n", EXCHANGE + DM, FOUR),
     "pieces": lattice("pieces", "square(n, 30, periodic)", 20, "30*n"),
     "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", more=", radius = 1.7, kappa = -0.6"),

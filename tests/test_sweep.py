@@ -180,7 +180,7 @@ def test_ctrl_c_says_how_to_go_on(monkeypatch, capsys, tmp_path):
         raise KeyboardInterrupt
     monkeypatch.setattr(module, "sweep", stopped)
     assert main(["sweep", "free_rigid_body", "--set", "I3=3:4:2", "--out", str(tmp_path / "bodies")]) == 130
-    assert "1 more cells have ended" in capsys.readouterr().err
+    assert "cells that have ended since it began: 1;" in capsys.readouterr().err
 
 
 @pytest.mark.long
@@ -197,8 +197,35 @@ def test_a_cluster_computes_the_same_cells(path, tmp_path):
         assert np.array_equal(one.final, other.final)
 
 
-def test_no_cluster_is_a_clear_error(command, path, monkeypatch):
-    from smidgen.run import cluster
-    monkeypatch.setattr(cluster, "CONNECT", "1s")
-    said = command("sweep", path, "--set", "a=0:0.6:3", "--out", path.parent / "cells", "--cluster", "tcp://127.0.0.1:9")
-    assert said.returncode == 2 and "no Dask scheduler answers at tcp://127.0.0.1:9" in said.stderr
+@pytest.mark.parametrize("address, said", [("tcp://127.0.0.1:9", "no Dask scheduler answers"), ("", "is no address"), ("nohost", "is no address"),
+                                           ("foo://bar:1", "is no address"), ("tcp://127.0.0.1:99999", "no Dask scheduler answers")])
+def test_no_cluster_is_a_clear_error(command, path, address, said):
+    found = command("sweep", path, "--set", "a=0:0.6:3", "--out", path.parent / "cells", "--cluster", address)
+    assert found.returncode == 2 and said in found.stderr and not (path.parent / "cells").exists()
+
+
+@pytest.mark.long
+def test_a_cluster_that_ends_is_a_clear_error(path, tmp_path):
+    """The scheduler goes after the first cell: what has ended stays, and the same call goes on."""
+    from distributed import LocalCluster
+    given, spec = dict(axes={"a": [k / 8 for k in range(6)]}, steps=20_000), smidgen.load(str(path))
+    with LocalCluster(n_workers=1, threads_per_worker=4, dashboard_address=None) as several:
+        with pytest.raises(smidgen.RunError, match="was killed"):
+            sweep(spec, "demo", folder=tmp_path / "cells", cluster=several.scheduler_address, tell=lambda outcome: several.close(), **given)
+    assert 1 <= len(lines(tmp_path / "cells")) < 6
+    assert len(sweep(spec, "demo", folder=tmp_path / "cells", processes=1, **given)) == 6
+
+
+def test_a_result_that_went_elsewhere_is_no_cell(path, tmp_path):
+    with pytest.raises(smidgen.OutputError, match="the same one for all workers"):
+        module.there({"file": "cell-0.npz"}, tmp_path)
+
+
+def test_a_worker_of_another_version_is_refused(path):
+    with pytest.raises(smidgen.UsageError, match="another smidgen"):
+        module.one(smidgen.load(str(path)), "demo", module.Cell(0, {}, None), path.parent, {}, "smidgen 0")
+
+
+def test_processes_or_a_cluster(path, tmp_path):
+    with pytest.raises(smidgen.UsageError, match="not to both"):
+        sweep(smidgen.load(str(path)), "demo", {"a": [0.0]}, tmp_path / "cells", processes=1, cluster="tcp://127.0.0.1:9")

@@ -81,7 +81,7 @@ def command(args):
         found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
                       tell=lambda outcome: (ended.append(outcome), said(outcome)), **given)
     except KeyboardInterrupt:
-        say(f"smidgen: interrupted; {len(ended)} more cells have ended in {Path(args.out)}, the same command goes on with the others")
+        say(f"smidgen: interrupted; cells that have ended since it began: {len(ended)}; the same command goes on with the others in {Path(args.out)}")
         return Exit.INTERRUPTED
     failed = [outcome for outcome in found if outcome["status"] != "complete"]
     if args.json:

@@ -15,11 +15,12 @@ from .case import Case
 
 REAL = "long double"
 TURN = 1.0          # angle of the first steps
+PROBE = 4           # so many smaller ones show how fast round-off grows: the flow's growth, not that of steps of a radian
 GOOD = 1e-15        # an error that no run in double resolves
 HALVINGS = 14
 WORK = 4_000_000    # sites times steps that a halving may take
 CHAOS = 1e-5        # a reference no better than this: no end errors are given
-FINER = 2.0**11     # units of double in the last place of 1 are so many of extended precision
+FINER = float(np.finfo(float).eps / np.finfo(np.longdouble).eps)       # units in the last place of extended precision to one of double
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,8 @@ def reference(case: Case, good: float = GOOD) -> Reference:
 def lost_to_round_off(case: Case) -> bool:
     """Does round-off of extended precision grow beyond CHAOS? As that of double does, by the first method, in the same steps: no
     smaller step helps."""
-    name, steps = next((name for name in by_kind() if case.model(name, REAL) is not None), None), 4 * case.fewest(TURN)
+    fixed = (name for name in by_kind() if not METHODS[name].controlled and case.model(name, REAL) is not None)
+    name, steps = next(fixed, None), PROBE * case.fewest(TURN)
     if name is None:
         return False
     coarse, fine = (case.end(name, steps, real) for real in ("double", REAL))

@@ -17,7 +17,7 @@ from ..build.binary import generator_name
 from ..errors import OutputError, RunError, UsageError
 from ..language import limits
 from ..language.spec import Spec
-from .cluster import executor, lost
+from .cluster import answers, executor, lost
 from .durable import write_new
 from .integrator import build
 from .run import Interrupted, run
@@ -65,11 +65,15 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     not fit (a folder of another sweep), RunError where a process was killed, OutputError for a folder that cannot be written; KeyboardInterrupt
     when interrupted. What has ended is safe in every case.
     """
+    if cluster is not None and processes is not None:
+        raise UsageError("a sweep goes to processes here or to a cluster, not to both")
     cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder).absolute()
     for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
         settled = settle(spec, name, **{**given, "values": {**given.get("values", {}), **values}})
     if starts is not None:
         initial_state(spec, find_start(spec, settled.start), parameter_values(spec, settled.values), seed)       # is anything random?
+    if cluster is not None:
+        answers(cluster)
     ended = opened(folder, manifest(spec, name, axes, starts, seed, given))
     build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
     left = [cell for cell in cells if cell.number not in ended]
@@ -119,27 +123,39 @@ def parsed(text: str):
 
 def computed(pool, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
     """The outcomes of `cells` into `ended`, and a line each into the folder as they come."""
-    waiting = [pool.submit(one, spec, name, cell, folder, given) for cell in cells]
-    with open(folder / CELLS, "a", encoding="utf-8") as lines:
-        if lines.tell():
-            lines.write("\n")       # after a line that was cut
-        try:
+    waiting = []
+    try:
+        with open(folder / CELLS, "a", encoding="utf-8") as lines:
+            if lines.tell():
+                lines.write("\n")       # after a line that was cut
+            waiting += [pool.submit(one, spec, name, cell, folder, given, generator_name()) for cell in cells]
             for done in as_completed(waiting):
-                outcome = done.result()
+                outcome = there(done.result(), folder)
                 lines.write(json.dumps(outcome) + "\n")
                 lines.flush()
                 os.fsync(lines.fileno())
                 ended[outcome["cell"]] = outcome
                 tell(outcome)
-        except lost():
-            raise RunError(f"a process of the sweep {folder} was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
-        finally:
-            for cell in waiting:
-                cell.cancel()
+    except lost():
+        raise RunError(f"a process of the sweep {folder}, or its cluster, was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
+    except OSError as problem:
+        raise OutputError(f"cannot write the sweep {folder}: {problem.strerror or problem}") from None
+    finally:
+        for cell in waiting:
+            cell.cancel()
 
 
-def one(spec, name, cell: Cell, folder: Path, given) -> dict:
-    """One cell, in a process of its own. What it cannot do is its outcome; what nobody could do is raised."""
+def there(outcome: dict, folder: Path) -> dict:
+    """The outcome, if its file is there. Raises OutputError: a worker of a cluster has another folder by the same name."""
+    if outcome["file"] is not None and not (folder / outcome["file"]).exists():
+        raise OutputError(f"{folder / outcome['file']} was written elsewhere: the folder of a sweep must be the same one for all workers of the cluster")
+    return outcome
+
+
+def one(spec, name, cell: Cell, folder: Path, given, generator: str) -> dict:
+    """One cell, in a process of its own. What it cannot do is its outcome; what nobody could do is raised, and where smidgen is another one."""
+    if generator_name() != generator:
+        raise UsageError(f"a worker of the cluster has another smidgen: {generator_name()} in place of {generator}")
     outcome = {"cell": cell.number, "values": cell.values, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
     try:
         run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "values": {**given.get("values", {}), **cell.values}})

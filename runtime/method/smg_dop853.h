@@ -182,6 +182,7 @@ static inline smg_real smg_site_error(const smg_state *s, int64_t k) {
   const smg_real *e5 = smg_vector(s, SMG_E5) + 3 * k, *e3 = smg_vector(s, SMG_E3) + 3 * k;
   const smg_real end[3] = {y[0] + u[0], y[1] + u[1], y[2] + u[2]}, first = smg_dot(e5, e5), both = first + smg_dot(e3, e3) / 100;
   if (!(smg_largest(end) <= SMG_MAX)) return (smg_real)NAN;
+  if (!(both <= SMG_MAX)) return SMG_MAX; /* of e5 that does not show beside it, too */
   return first > 0 ? first * (first / both) : first;
 }
 

@@ -171,7 +171,7 @@ static void smg_choose_row_degree(smg_state *s) {
     smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
     for (int b = 0; b < 3; ++b) smg_row_misses(s, b * SMG_LATE_PITCH(&s->c) + k, s->row_u[b * smg_pitch(&s->c) + first + k], miss);
   }
-  s->degree = s->history > 0 ? 0 : -1;
+  s->degree = s->history > 0 ? 0 : SMG_NO_DEGREE;
   for (int d = 1; d < s->history; ++d)
     if (miss[d] < miss[s->degree]) s->degree = d;
 }

@@ -5,7 +5,7 @@
  * SMG_COLOURS-th, or all of them where the place in the cell alone decides. An array
  * holds three times smg_pitch numbers, all x, all y, all z, each in slots: colour after colour, row after row, j after j. Rows have one
  * length; where one has a site less, or is rounded up, its last slots stay empty. So the neighbours of a row of sites lie in a row of slots, and lanes
- * are loaded as they stand; at the ends of the row single lanes are put right.
+ * are loaded as they stand, and at the ends of a row from two places.
  *
  * In a plane, rows that begin alike follow each other: s1 = 0, SMG_ROW_STEP, .., then 1, SMG_ROW_STEP + 1, .. Their neighbours do so too, at the
  * same distance in slots but for s1 near an end. So such rows are one run of slots, and vectors go across from one to the next: rows need not be
@@ -80,8 +80,13 @@ static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, i
 /* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d of an end, and
  * else not; and on how it begins, and among which rows of its plane it stands. */
 #define SMG_KINDS(reach) (2 * (reach) + 1)
-#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_KINDS(SMG_REACH_1) * SMG_ROW_STEP * SMG_ROW_STEP)
+#define SMG_ROW_KINDS (2 * SMG_REACH_1 + SMG_ROW_STEP) /* of rows in their plane: near its ends each, the others by s1 mod SMG_ROW_STEP */
+#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_ROW_KINDS * SMG_ROW_STEP)
 SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) { return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach); }
+
+SMG_INLINE int64_t smg_kind_of_row(int64_t s1, int64_t n) {
+  return s1 < SMG_REACH_1 ? s1 : s1 < n - SMG_REACH_1 ? SMG_REACH_1 + s1 % SMG_ROW_STEP : s1 - n + SMG_ROW_KINDS;
+}
 
 SMG_INLINE int64_t smg_sites_from(const smg_coefficients *c, int64_t first) { return smg_down(smg_cells(c, 0) - first + SMG_ROW_STEP - 1, SMG_ROW_STEP); }
 
@@ -219,18 +224,19 @@ SMG_INLINE int64_t smg_next_place(int64_t p, int64_t length) {
   return p;
 }
 
-/* Do the neighbours of all lanes stand within the row? Those of which do? */
-SMG_INLINE int smg_all_within(const smg_beside *b, int64_t p) { return b->to == SMG_EVERYWHERE || (p >= b->from && p + SMG_LANES <= b->to); }
+/* Do the neighbours of all `in` lanes stand within the row? Those of which do? */
+SMG_INLINE int smg_all_within(const smg_beside *b, int64_t p, int64_t in) { return b->to == SMG_EVERYWHERE || (p >= b->from && p + in <= b->to); }
 SMG_INLINE smg_lane_mask smg_lanes_within(const smg_beside *b, int64_t p, int64_t length) {
   const smg_lanes at = smg_lane_places(p, length);
   return (smg_lane_mask)(at >= (smg_real)b->from) & (smg_lane_mask)(at < (smg_real)b->to);
 }
 
-/* The vectors beside the sites from the j-th on of a run of rings, the p-th of its row. */
+/* The vectors beside the sites from the j-th on of a run of rings, the p-th of its row. Around the ring is read for sites of the run alone: that far beyond it
+ * there may be no memory. */
 SMG_INLINE void smg_take_beside(const smg_run *run, int n, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
   const smg_beside *b = run->b + n;
   smg_take_slots(all, pitch, run->at.start + b->start + j, v);
-  if (smg_all_within(b, p)) return;
+  if (smg_all_within(b, p, run->to - j < SMG_LANES ? run->to - j : SMG_LANES)) return;
   const smg_lane_mask within = smg_lanes_within(b, p, run->length);
   smg_lanes around[3];
   smg_take_slots(all, pitch, run->at.start + b->around + j, around);
@@ -240,7 +246,7 @@ SMG_INLINE void smg_take_beside(const smg_run *run, int n, int64_t p, const smg_
 /* Of open ends: g as it was, in the lanes whose neighbour is beyond. */
 SMG_INLINE void smg_only_within(const smg_run *run, int n, int64_t p, const smg_lanes *before, smg_lanes *g) {
   const smg_beside *b = run->b + n;
-  if (smg_all_within(b, p)) return;
+  if (smg_all_within(b, p, SMG_LANES)) return;
   const smg_lane_mask within = smg_lanes_within(b, p, run->length);
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(within, g[k], before[k]);
 }
@@ -266,8 +272,7 @@ static inline void smg_forget_besides(smg_besides *all) {
 }
 
 SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {
-  const int64_t cell = at->kind * SMG_KINDS(SMG_REACH_1) + smg_kind_of_cell(at->s1, smg_cells(c, 1), SMG_REACH_1);
-  const int64_t kind = (cell * SMG_ROW_STEP + at->first) * SMG_ROW_STEP + at->s1 % SMG_ROW_STEP;
+  const int64_t kind = (at->kind * SMG_ROW_KINDS + smg_kind_of_row(at->s1, smg_cells(c, 1))) * SMG_ROW_STEP + at->first;
   if (!all->known[kind]) {
     smg_all_beside(c, at, all->rows[kind]);
     all->known[kind] = 1;

@@ -162,7 +162,7 @@ IN_ROWS = (
     (ROWS, r"smg_lane_select\(within, v\[k\], around\[k\]\)", r"v[k]"),
     (ROWS, r"\(at < \(smg_real\)b->to\)", r"(at <= (smg_real)b->to)"),
     (ROWS, r"end = smg_cells\(c, 1\) - SMG_REACH_1", r"end = smg_cells(c, 1)"),
-    (ROWS, r"\* SMG_ROW_STEP \+ at->s1 % SMG_ROW_STEP", r"* SMG_ROW_STEP"),
+    (ROWS, r"SMG_REACH_1 \+ s1 % SMG_ROW_STEP", "SMG_REACH_1"),
     (ROWS, r"run->at\.sites == run->length", r"1"),
     (ROW_STATE, r"s->rows = s->row_bound <= SMG_ROW_BOUND", r"s->rows = 1"),
     (ROW_SLOTS, r"cell \* SMG_PLACES \+ at\.sub", r"cell * SMG_PLACES"),

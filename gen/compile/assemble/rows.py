@@ -97,7 +97,7 @@ def fits(found: Rows, lattices) -> bool:
 def known_rows(found: Rows, lattices) -> int:
     """SMG_KNOWN of smg_rows.h."""
     reach = [max(abs(a[1][d] - b[1][d]) for over in lattices for bond in over.bonds for a in bond for b in bond) for d in range(1, len(found.over.size))]
-    return found.colours.colours * found.ranks * found.step ** 2 * prod(2 * r + 1 for r in reach)
+    return found.colours.colours * found.ranks * found.step * (2 * (reach or [0])[0] + found.step) * prod(2 * r + 1 for r in reach[1:])
 
 
 def rest_field(model, low, f):
