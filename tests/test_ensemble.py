@@ -160,6 +160,15 @@ def test_other_models_and_methods(name, method, h):
     assert agree(smidgen.ensemble(spec, w, h=h, steps=12, method=method), alone(spec, w, h, 12, method=method))
 
 
+def test_a_member_of_another_model_that_cannot_begin_stays():
+    spec = smidgen.load("point_vortices")
+    start = initial_state(spec, spec.runs[0].start)
+    w = np.array([start, 1.1 * start, start[:, [1, 2, 0]]])
+    found = smidgen.ensemble(spec, w, h=0.1, steps=6, every=3)
+    assert [*found.failures] == [1] and list(found.steps) == [6, 0, 6] and found.w[1].tobytes() == w[1].tobytes()
+    assert found.w[[0, 2]].tobytes() == alone(spec, w[[0, 2]], 0.1, 6)[0].tobytes()
+
+
 def test_a_start_by_name_and_by_the_values():
     spec, own = SPECS["pulsed"], {"a": np.array([0.1, 0.3, 0.9])}
     found = smidgen.ensemble(spec, "a", values=own, h=0.1, steps=10)

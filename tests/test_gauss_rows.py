@@ -76,6 +76,18 @@ def test_restored_it_goes_on_with_the_same_bits(monkeypatch, name):
     assert np.array_equal(model.start("random", h=0.03).restore(saved).steps(9).save(), whole)
 
 
+@pytest.mark.parametrize("field", [40.0, -40.0])
+def test_turns_of_more_than_half_a_circle_are_refused_and_leave_the_state(monkeypatch, field):
+    """h times the field is 8, of either sign: no start is near, and the steps after the one that failed are not taken."""
+    strong = f'[effects.field]\nover = "site(i) of w"\nenergy = "{field}*w[i].z"\n'
+    model = built(monkeypatch, lattice("strong", "chain(n, periodic)", 17, "n", EXCHANGE + strong))
+    w = np.array([0.0, 0.0, 1.0]) + 0.2 * np.random.default_rng(1).normal(size=(17, 3))
+    before = model.start(w / np.linalg.norm(w, axis=1)[:, None], h=0.2).save()
+    with pytest.raises(RunError, match="did not converge"):
+        model.steps(3)
+    assert np.array_equal(model.save(), before)
+
+
 def test_one_by_one_or_at_once(monkeypatch):
     model = built(monkeypatch, SPECS["odd cubic"])
     whole = bits(model)
