@@ -337,6 +337,7 @@ def test_the_page(tmp_path):
         python(program, tmp_path)
 
 
+@pytest.mark.long
 def test_the_page_on_lattices(tmp_path):
     (tmp_path / "film.toml").write_text(blocks("lattices.md", "toml")[0])
     for script in blocks("lattices.md", "sh"):

@@ -89,7 +89,7 @@ CLAIMED = {"cf4": ({"symplectic", "reversible"}, {"order", "equivariant", "casim
 
 
 @pytest.mark.parametrize("method", COMPARED)
-@pytest.mark.parametrize("name", ["body", "vortices"])
+@pytest.mark.parametrize("name", ["vortices", pytest.param("body", marks=pytest.mark.long)])
 @pytest.mark.usefixtures("few_states", "optimised_here")
 def test_the_certificate_measures_what_is_kept_and_what_is_given_up(name, method):
     rows = {row.name: row for row in smidgen.verify(MODELS[name], method=method, h=STEPS[name], tier="quick").rows}

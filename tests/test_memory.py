@@ -34,7 +34,8 @@ def holds(found: dict) -> None:
     assert found["energy"] < 2e-5 and found["length"] < 1e-15
 
 
-@pytest.mark.parametrize("name, values, sites", [("cubic_lattice", {"nx": 50, "ny": 80, "nz": 100}, 400_000), ("heisenberg_chain", {"n": 400_000}, 400_000)])
+@pytest.mark.parametrize("name, values, sites", [("cubic_lattice", {"nx": 50, "ny": 80, "nz": 100}, 400_000),
+                                                 pytest.param("heisenberg_chain", {"n": 400_000}, 400_000, marks=pytest.mark.long)])
 def test_bytes_of_a_spin(name, values, sites):
     holds(probe(name, values, sites))
 

@@ -106,7 +106,8 @@ def bits(model, steps=12):
     return model.start("random", h=0.1).steps(steps).save()
 
 
-MORE_OF_A_SHAPE = ("ring of 16", "ring of 33", "ring of 66", "open chain of 16", "further neighbours of 12", "further neighbours of 50")
+MORE_OF_A_SHAPE = ("ring of 4", "ring of 16", "ring of 33", "ring of 66", "open chain of 5", "open chain of 16", "open chain of 35", "further neighbours of 7",
+                   "further neighbours of 12", "further neighbours of 50", "square", "cubic", "plain cubic", "pieces")
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long if n in MORE_OF_A_SHAPE else ()) for n in SPECS])
@@ -261,7 +262,7 @@ def quiet_threads(monkeypatch):
     monkeypatch.setenv("OMP_WAIT_POLICY", "passive")
 
 
-@pytest.mark.parametrize("threads", [2, 3])
+@pytest.mark.parametrize("threads", [2, pytest.param(3, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["odd cubic", "plain cubic", "honeycomb", "three colours", "ring of 601"])
 def test_threads_have_the_same_bits(monkeypatch, quiet_threads, name, threads):
     """Shares so small that each thread has some of these few sites."""
