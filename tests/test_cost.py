@@ -20,7 +20,7 @@ from smidgen.cost.peers import PEERS, compiled, of_case
 from smidgen.cost.peers.rows import one as one_of_peers
 from smidgen.cost import case as measured_case, sweep, versus
 from smidgen.cost.clock import processor_seconds
-from smidgen.cost.reference import Reference, reference
+from smidgen.cost.reference import Reference, lost_to_round_off, reference
 from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
@@ -107,6 +107,13 @@ def test_the_reference_is_the_flow_to_the_error_it_states():
     flow = Witness(spec).flow(case.w, 0.0, [5.0])[0]
     assert known.error < 1e-13 and case.distance(known.end, flow) < 1e-11
     assert len({METHODS[name].header for name in known.methods}) == 2
+
+
+@pytest.mark.parametrize("name, time", [("nambu_a31", 10.0), ("free_rigid_body", 100.0), ("two_bodies", 5.0)])
+def test_an_end_that_can_be_known_is_not_lost(name, time):
+    """Also where the first methods that serve take steps of their own: those of two precisions differ by their tolerance."""
+    spec = smidgen.load(name)
+    assert not lost_to_round_off(Case(spec, settle(spec), time))
 
 
 @pytest.mark.long

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import multiprocessing
 import socket
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ CONNECT = 10.0      # seconds for an answer: schedulers on a network take one at
 def executor(processes: int, cluster: str | None) -> Iterator[Executor]:
     """An executor of that many processes, or that of the Dask scheduler at the address `cluster`.
 
-    Raises UsageError where Dask is not installed, or no scheduler answers.
+    Raises UsageError where no scheduler answers; `check` tells before.
     """
     if cluster is None:
         with ProcessPoolExecutor(processes, multiprocessing.get_context("fork")) as pool:
@@ -29,19 +30,18 @@ def executor(processes: int, cluster: str | None) -> Iterator[Executor]:
 
 def client(cluster: str):
     """A Dask client connected to the scheduler."""
-    try:
-        from distributed import Client
-    except ImportError:
-        raise UsageError("a cluster needs the package `distributed`: pip install 'smidgen[cluster]', here and where the workers run") from None
-    answers(cluster)
+    from distributed import Client
     try:
         return Client(cluster, timeout=CONNECT)
     except (OSError, ValueError, TypeError) as problem:
         raise UsageError(f"no Dask scheduler answers at {cluster}: {problem}") from None
 
 
-def answers(cluster: str) -> None:
-    """Does anything listen there? Asked before Dask, whose clients try again for a while after they have failed. Raises UsageError."""
+def check(cluster: str) -> None:
+    """Is Dask here, and does anything listen there? Asked before a client is made, which would try again for a while after it has failed.
+    Raises UsageError."""
+    if importlib.util.find_spec("distributed") is None:
+        raise UsageError("a cluster needs the package `distributed`: pip install 'smidgen[cluster]', here and where the workers run")
     scheme, _, place = cluster.rpartition("://")
     host, _, port = place.rpartition(":")
     if scheme not in ("", "tcp", "tls") or not host or not port.isdecimal():

@@ -17,7 +17,7 @@ from ..build.binary import generator_name
 from ..errors import OutputError, RunError, UsageError
 from ..language import limits
 from ..language.spec import Spec
-from .cluster import answers, executor, lost
+from .cluster import check, executor, lost
 from .durable import write_new
 from .integrator import build
 from .run import Interrupted, run
@@ -73,7 +73,7 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     if starts is not None:
         initial_state(spec, find_start(spec, settled.start), parameter_values(spec, settled.values), seed)       # is anything random?
     if cluster is not None:
-        answers(cluster)
+        check(cluster)
     ended = opened(folder, manifest(spec, name, axes, starts, seed, given))
     build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
     left = [cell for cell in cells if cell.number not in ended]

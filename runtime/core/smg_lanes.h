@@ -193,20 +193,11 @@ SMG_LANE_FUNCTION_2(pow)
 #undef SMG_LANE_FUNCTION
 #undef SMG_LANE_FUNCTION_2
 
-/* The largest lane; what is not a number stays so. */
-SMG_INLINE smg_real smg_lane_largest(smg_lanes a) {
-  smg_real x[SMG_LANES];
-  for (int l = 0; l < SMG_LANES; ++l) x[l] = ((const smg_real *)&a)[l];
-  for (int n = SMG_LANES / 2; n > 0; n /= 2)
-    for (int l = 0; l < n; ++l) x[l] = smg_max(x[l], x[l + n]);
-  return x[0];
-}
-
 /* The largest lane where none is negative, by their bits, which are in their order, infinity and NaN last: without a branch. */
 #if SMG_LANES == 1
-SMG_INLINE smg_real smg_lane_largest_size(smg_lanes a) { return a; }
+SMG_INLINE smg_real smg_lane_largest(smg_lanes a) { return a; }
 #else
-SMG_INLINE smg_real smg_lane_largest_size(smg_lanes a) {
+SMG_INLINE smg_real smg_lane_largest(smg_lanes a) {
   const smg_lane_mask bits = (smg_lane_mask)smg_lane_abs(a);
   union {
     int64_t bits;

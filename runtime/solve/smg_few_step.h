@@ -151,13 +151,13 @@ static int smg_few_settle(smg_state *s, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
     const smg_few_motion moved = smg_few_evaluate(s, small);
-    const smg_real change = SMG_MATH(sqrt)(smg_lane_largest_size(moved.square));
+    const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
     const int still = change <= SMG_STILL * SMG_EPS * s->scale;
     if (n > 3 && !still && !(change <= SMG_CONTRACTS * whole.now)) return 0;
     smg_rest_take(&whole, change, still);
-    smg_rest_take(&part, smg_lane_largest_size(moved.part), still);
+    smg_rest_take(&part, smg_lane_largest(moved.part), still);
     s->report.iterations = n;
-    if (smg_few_settled(s, &whole, &part, SMG_MATH(sqrt)(smg_lane_largest_size(moved.size)))) return 1;
+    if (smg_few_settled(s, &whole, &part, SMG_MATH(sqrt)(smg_lane_largest(moved.size)))) return 1;
   }
   return 0;
 }
@@ -186,9 +186,9 @@ static int smg_few_solved(smg_state *s) {
     smg_few_rows(s->few, pitch, i, sites - i, g, g[3], &row, &products);
     smg_few_turn(s->few, pitch, i, sites - i, 0, g, &moved);
   }
-  s->report.residual = SMG_MATH(sqrt)(smg_lane_largest_size(moved.square));
+  s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
   const int solved = s->report.residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale || smg_tolerated(s, s->report.residual);
-  return solved && smg_lane_largest_size(row) <= SMG_SLOWED && smg_lane_largest_size(products) <= s->scale * s->scale;
+  return solved && smg_lane_largest(row) <= SMG_SLOWED && smg_lane_largest(products) <= s->scale * s->scale;
 }
 
 /* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it. */

@@ -11,9 +11,7 @@ median and its quartiles.
 from __future__ import annotations
 
 import argparse
-import csv
 import dataclasses
-import os
 import re
 import subprocess
 import sys
@@ -23,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import smidgen
-from machine import machine
+from machine import write_table
 from smidgen.build.binary import FLAGS, NATIVE, find_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
@@ -118,11 +116,7 @@ def main() -> None:
     parser.add_argument("--native", action="store_true")
     args = parser.parse_args()
     rows = [r for name in args.names for r in rows_of(name, args.repeats, args.instructions, NATIVE if args.native else ())]
-    with open(args.out, "w", newline="") as out:
-        out.write(f"# {machine()}{' -march=native' * args.native}; load {os.getloadavg()[0]:.1f}\n")
-        table = csv.DictWriter(out, COLUMNS, lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
+    write_table(args.out, rows, COLUMNS, " -march=native" * args.native)
     print(words(rows))
 
 

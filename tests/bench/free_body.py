@@ -10,13 +10,12 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-import os
 import subprocess
 import tempfile
 from pathlib import Path
 
 import smidgen
-from machine import machine
+from machine import write_table
 from smidgen.build.binary import FLAGS, find_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import folder, include_flags
@@ -58,14 +57,7 @@ def main():
     for r in rows:
         r["ratio of medians"] = f"{float(r['median ns']) / best['median ns']:.2f}"
         r["ratio of minima"] = f"{float(r['min ns']) / best['min ns']:.2f}"
-    with open(options.out, "w", newline="") as file:
-        file.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
-    for r in rows:
-        print(f"{r['design']:16s} min {r['min ns']:>7s}  median {r['median ns']:>7s}  "
-              f"ratio {r['ratio of minima']} / {r['ratio of medians']}")
+    write_table(options.out, rows)
 
 
 if __name__ == "__main__":

@@ -21,10 +21,10 @@ def machine() -> str:
     return f"{processor()}, {os.cpu_count()} cores; {compiler}; {' '.join(FLAGS)}"
 
 
-def write_table(path, lines: list, columns=None) -> None:
-    """A CSV of dicts below a line that names the machine and its load; printed too."""
+def write_table(path, lines: list, columns=None, flags: str = "") -> None:
+    """A CSV of dicts below a line that names the machine, more flags of the compiler and the load; printed too."""
     with open(path, "w", newline="") as f:
-        f.write(f"# {machine()}; load {os.getloadavg()[0]:.1f}\n")
+        f.write(f"# {machine()}{flags}; load {os.getloadavg()[0]:.1f}\n")
         writer = csv.DictWriter(f, columns or list(lines[0]))
         writer.writeheader()
         writer.writerows(lines)

@@ -87,7 +87,7 @@ def driver(model, h, w, scalars, arrays, count=50):
 
 def run_sanitized(where, sources, compiler="gcc", real="double"):
     """(exit status, output) of the program made of `sources` under ASan and UBSan."""
-    words = [compiler, "-std=c11", "-O0", CALLS, "-ffp-contract=off", "-fsanitize=address,undefined",
+    words = [compiler, "-std=c11", "-O0", *((CALLS,) if compiler == "gcc" else ()), "-ffp-contract=off", "-fsanitize=address,undefined",
              "-fno-sanitize-recover=all", *REALS[real], "-I.", *include_flags(), *sources,
              "-o", "program", "-lm"]
     subprocess.run(words, cwd=where, check=True, capture_output=True, text=True)
