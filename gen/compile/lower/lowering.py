@@ -66,6 +66,7 @@ class Lowering:
         self.kept: dict = {}            # name of the symbol of a hoisted value -> (what it stands for, its level)
         self.sizes = self.named_sizes()         # size -> member of the coefficients
         self.leaves: dict = {}
+        self.levels: dict = {}          # expression of the kernel that is made -> its level
         self.reads_time = False
 
     # -- leaves -----------------------------------------------------------------------------
@@ -160,7 +161,10 @@ class Lowering:
 
     # -- expressions ------------------------------------------------------------------------
     def when(self, e) -> int:
-        return max((self.level(s.name) for s in e.free_symbols), default=NUMBER)
+        """The level of an expression: the latest of what it is made of."""
+        if e not in self.levels:
+            self.levels[e] = self.level(e.name) if e.is_Symbol else max(map(self.when, e.args), default=NUMBER)
+        return self.levels[e]
 
     def hoist(self, e):
         """Replace what is known before the site loop by names computed once."""
@@ -210,6 +214,7 @@ class Lowering:
         parts: of large formulas, symbol -> expression, as `derive` gives them; own: as in `real`.
         """
         self.leaves.update(leaves)
+        self.levels.clear()
         work = [sp.sympify(e) for e in expressions]
         known, late = self.placed(needed(work, parts or {}))
         work = [self.hoist(self.number_values(e.xreplace(known))) for e in work]
