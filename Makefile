@@ -11,7 +11,7 @@ demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
 
 test: $(VENV)/ready-test
-	$(PYTEST) -m "not long"
+	$(PYTEST) -m "not long and not slow"
 
 quick: $(VENV)/ready-test
 	$(PYTEST) -m quick

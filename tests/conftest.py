@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from support.strict import CALLS     # noqa: E402
 
 ROOT = Path(__file__).parent.parent
+SLOW = frozenset(line for line in (ROOT / "tests/slow.txt").read_text().splitlines() if not line.startswith("#"))
 FLAGS = binary.FLAGS
 
 
@@ -30,6 +31,14 @@ def pytest_configure(config):
     """What is marked long is not quick, in a quick file either."""
     if config.option.markexpr == "quick":
         config.option.markexpr = "quick and not long"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Tests by the names of slow.txt are slow."""
+    for item in items:
+        if item.nodeid in SLOW:
+            item.add_marker("slow")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -81,3 +81,12 @@ def test_no_header_defines_a_function_that_other_files_see():
 
 def test_templates_are_shells():
     assert sum(len(p.read_text().splitlines()) for p in (ROOT / "templates").glob("*")) < 700
+
+
+def test_slow_tests_are_tests():
+    """A name that no longer is one would leave its test in `make test` unseen."""
+    names = [line for line in (ROOT / "tests/slow.txt").read_text().splitlines() if not line.startswith("#")]
+    assert names == sorted(set(names)) and len(names) > 100
+    for name in names:
+        file, _, test = name.partition("::")
+        assert f"def {test.partition('[')[0]}(" in (ROOT / file).read_text(), name
