@@ -159,8 +159,8 @@ class Resolver:
         if owner != node.name:
             over = f"sites of `{owner}`" if owner else "something else"
             self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "
-                      f"not over the sites of `{node.name}`", "write `each(i of "
-                      f"{owner or 'p'}, k of {node.name})` or use a vector of its own family")
+                      f"not over the sites of `{node.name}`", f"all with all: `each(i of {owner or 'p'}, k of {node.name})`; "
+                      "each with the one of its number: one family on a lattice with `sites = 2`")
         return self.placed(Typed(Spin(node.name, slot), "v"), node)
 
     def placed(self, result: Typed, node: Syntax) -> Typed:
