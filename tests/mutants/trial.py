@@ -84,11 +84,10 @@ class Trial:
         sharp, quick = order_of(self.tests, mutant)
         if tree.digests("few", "syntax", *MODELS, *(["headers"] if mutant.file.startswith("runtime/") else [])) is None:
             return "does not compile", ""
-        found = judge(tree, self.tests, sharp)
-        if not found and self.same(tree, mutant):
-            return "changes nothing", ""
-        found = found or judge(tree, self.tests, quick)
-        return ("caught", found) if found else ("survived", "")
+        found = judge(tree, self.tests, sharp) or judge(tree, self.tests, quick)
+        if found:
+            return "caught", found
+        return ("changes nothing" if self.same(tree, mutant) else "survived"), ""
 
     def unsound(self, outcomes) -> list[str]:
         """The tests that noticed a fault and fail without one as well: they are not asked again, nor believed."""
