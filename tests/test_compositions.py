@@ -18,7 +18,6 @@ from support.strict import WARNINGS
 from support.triples import apart
 
 PLAIN = ("4", "6", "8", "10")
-ALL = [name if name in PLAIN else pytest.param(name, marks=pytest.mark.long) for name in SCHEMES]
 END = 2
 FREE = smidgen.load("free_rigid_body")
 FREE_AT_10 = (-0.4503635330766926960600452, -0.09362899305780025785077625, 0.8879224626810953221192839)     # by elliptic functions
@@ -32,12 +31,12 @@ def table(scheme):
 
 # ---- coefficients -----------------------------------------------------------------------------
 
-@pytest.mark.parametrize("scheme", ALL)
+@pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_header_is_what_the_script_writes(scheme):
     assert (folder("runtime") / "method" / SCHEMES[scheme][2]).read_text() == coefficients.header(table(scheme))
 
 
-@pytest.mark.parametrize("scheme", ALL)
+@pytest.mark.parametrize("scheme", SCHEMES)
 def test_coefficients_satisfy_the_order_conditions(scheme):
     """To 40 digits; those of the next order they do not; and the registry says the order and the stages that they have."""
     half = list(coefficients.coefficients(table(scheme)))

@@ -172,7 +172,7 @@ def refuse_choices(args, said="--repeat repeats a run as it was: only --out and 
 
 def report(args, result, code: int):
     """The summary: on stdout, unless the table goes there."""
-    if ranks.count() > 1 and not result.meta["chosen"].get("threads"):
+    if ranks.count() > 1 and not result.meta["chosen"].get("ranks"):
         say(f"note: each of the {ranks.count()} ranks took all steps: only those of lattices by rows are shared")
     tell = say if args.out == "-" else print
     if args.json:

@@ -56,7 +56,7 @@
  * SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not depend on themselves, and
  * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
- * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h asks for; SMG_FEW_IN_LANES: few sites, all at once in
+ * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h asks for, SMG_ROW_TURNS: by an explicit method; SMG_FEW_IN_LANES: few sites, all at once in
  * lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a
  * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no
  * term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED,

@@ -1,7 +1,8 @@
 /* smidgen method: what explicit methods share: where a site is on the way, and what is remembered of it from step to step.
  *
  * A step is a row of rotations. It moves no w before all of them are done: s->points is where each site is, s->u by how much it
- * has moved, which is added to w in the end, and what w loses to rounding is kept. */
+ * has moved, which is added to w in the end, and what w loses to rounding is kept. With SMG_TURNS_ADDED turns are added one by one, and
+ * s->u is what s->points has lost. */
 #ifndef SMG_EXPLICIT_H
 #define SMG_EXPLICIT_H
 
@@ -12,6 +13,9 @@
 #endif
 
 #define SMG_NO_DEGREE 0
+#ifndef SMG_TURNS_ADDED
+#define SMG_TURNS_ADDED 0
+#endif
 
 /* The history: 1/|w|^2 of every site, s->history = 1 once it is known. */
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }

@@ -42,8 +42,20 @@ static inline int64_t smg_move(smg_state *s) {
 static inline void smg_begin_step(smg_state *s) {
   for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) {
     s->points[k] = s->w[k];
-    s->u[k] = 0;
+    s->u[k] = SMG_TURNS_ADDED ? s->compensation[k] : 0;
   }
+}
+
+/* The new state of a site. */
+static inline void smg_end_site(smg_state *s, int64_t k) {
+#if SMG_TURNS_ADDED
+  for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
+    s->w[q] = s->points[q];
+    s->compensation[q] = s->u[q];
+  }
+#else
+  smg_commit_site(s, k, s->points + 3 * k, s->u + 3 * k);
+#endif
 }
 
 /* All stages, and if all are numbers the new state; the first site that is none, or -1. */
@@ -58,14 +70,21 @@ static inline int64_t smg_move(smg_state *s) {
   }
   for (int64_t k = 0; k < sites; ++k)
     if (!smg_is_finite(s->u + 3 * k)) return k;
-  for (int64_t k = 0; k < sites; ++k) smg_commit_site(s, k, s->points + 3 * k, s->u + 3 * k);
+  for (int64_t k = 0; k < sites; ++k) smg_end_site(s, k);
   return -1;
 }
+#endif
+
+#if SMG_ROW_TURNS
+#include "smg_sublattice_rows.h"
 #endif
 
 static smg_status smg_step(smg_state *s) {
 #if SMG_COMPOSED
   (void)smg_stage_weights;
+#endif
+#if SMG_BY_ROWS
+  if (s->rows) return smg_row_steps(s, 1);
 #endif
   if (s->history == 0) smg_begin_lengths(s);
   s->report.partner = -1;

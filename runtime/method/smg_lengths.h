@@ -1,7 +1,7 @@
 /* smidgen method: the lengths of w, for methods whose step is made of rotations.
  *
  * A rotation keeps |w|; its rounded sine and cosine do not quite, and where the angle is the same in every step what they change |w| by
- * is of one sign: 5e-13 after 1e6 steps of a spin in a constant field. So s->inverse remembers 1/|w|^2 of the start, and every step
+ * is of one sign: 5e-13 after 1e6 steps of a spin in a constant field. So s->inverse remembers 1/|w|^2, and every step
  * takes a part of what has come up since out again: 2e-16. */
 #ifndef SMG_LENGTHS_H
 #define SMG_LENGTHS_H
@@ -12,10 +12,11 @@
  * about one: so a sixteenth leaves less than an ulp of either. */
 #define SMG_RESTORED (smg_real)0.0625
 
-/* 1/|w|^2 where the trajectory begins. A site of R^3 that is 0 stays so. */
+/* 1/|w|^2 where the trajectory begins, on a sphere by its radius. A site of R^3 that is 0 stays so. */
 SMG_COLD static void smg_begin_lengths(smg_state *s) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    const smg_real square = smg_dot(s->w + 3 * k, s->w + 3 * k);
+    const smg_real radius = smg_kind(&s->c, k) == SMG_SPHERE ? smg_radius(&s->c, k) : 0;
+    const smg_real square = radius > 0 ? radius * radius : smg_dot(s->w + 3 * k, s->w + 3 * k);
     s->inverse[k] = square > 0 ? 1 / square : 0;
   }
 }

@@ -8,49 +8,65 @@
  *
  *     W = w + 2/(1 + |g|^2) (w x g + (w x g) x g),   g = (h/2) b_k.
  *
+ * Every turn is added to w with its rounding error carried along; with the last one of a stage the length comes some of the way back to what
+ * it was (smg_lengths.h).
+ *
  * Sites of one colour do not feel each other, so that their order is of no account. A step is the symmetric splitting: the colours
  * one after the other for h/2, the last for h, and back. With SMG_COMPOSED it is so many of these (smg_explicit_step.h).
  *
+ * On a lattice whose sites are alike it goes by rows, sites in lanes (smg_sublattice_rows.h), where SMG_ROW_TURNS says so.
+ *
  * Of the model it needs smg_colours(c), smg_each_of_colour(c, colour, context, visit), smg_pull(c, at, all, g): g += dH/dw of the
- * site `at`; and beside w, compensation and u the arrays s->points, 3 numbers a site, and s->inverse, 1. */
+ * site `at`; and beside w, compensation and u the arrays
+ * s->points, 3 numbers a site, and s->inverse, 1. */
 #ifndef SMG_SUBLATTICE_ROTATIONS_H
 #define SMG_SUBLATTICE_ROTATIONS_H
 
 #define SMG_ONTO_LEAF 0
+#define SMG_TURNS_ADDED 1
 
 #include "smg_model.h"
 #include "smg_explicit.h"
 
-/* What a visit works on: the state, and h. */
+/* What a visit works on: the state, and h; last: of the turns of a stage, which brings lengths back as well. */
 typedef struct smg_turning {
   smg_state *s;
   smg_real h;
+  int last;
 } smg_turning;
 
 /* One site about the field of the others. */
 static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
   const smg_turning *turning = (const smg_turning *)context;
   const smg_state *s = turning->s;
-  smg_real g[3] = {0, 0, 0}, *v = s->points + 3 * at.k, *u = s->u + 3 * at.k;
+  smg_real g[3] = {0, 0, 0}, x[3], xx[3], *v = s->points + 3 * at.k, *lost = s->u + 3 * at.k;
   smg_pull(&s->c, at, s->points, g);
   const smg_real half = 0.5 * smg_h_over_kappa(&s->c, at.k, turning->h);
   for (int b = 0; b < 3; ++b) g[b] *= half;
-  smg_turn_about(g, 2 / (1 + smg_dot(g, g)), v, u);
+  const smg_real scale = 2 / (1 + smg_dot(g, g)), back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[at.k] * smg_dot(v, v));
+  smg_cross(x, v, g);
+  smg_cross(xx, x, g);
+  for (int b = 0; b < 3; ++b) {
+    smg_real moved = scale * (x[b] + xx[b]);
+    if (turning->last) moved += back * (v[b] + moved);
+    smg_add_compensated(v + b, lost + b, moved);
+  }
 }
 
-/* All sites of a colour, for the part h of the step. */
-static inline void smg_turn_colour(smg_state *s, int64_t colour, smg_real h) {
+/* All sites of a colour, for the part h of the step; last: in this stage. */
+static inline void smg_turn_colour(smg_state *s, int64_t colour, smg_real h, int last) {
   smg_turning turning;
   turning.s = s;
   turning.h = h;
+  turning.last = last;
   smg_each_of_colour(&s->c, colour, &turning, smg_turn_in_field);
 }
 
 static inline void smg_stage(smg_state *s, smg_real h) {
   const int64_t last = smg_colours(&s->c) - 1;
-  for (int64_t colour = 0; colour < last; ++colour) smg_turn_colour(s, colour, 0.5 * h);
-  smg_turn_colour(s, last, h);
-  for (int64_t colour = last - 1; colour >= 0; --colour) smg_turn_colour(s, colour, 0.5 * h);
+  for (int64_t colour = 0; colour < last; ++colour) smg_turn_colour(s, colour, 0.5 * h, 0);
+  smg_turn_colour(s, last, h, 1);
+  for (int64_t colour = last - 1; colour >= 0; --colour) smg_turn_colour(s, colour, 0.5 * h, 1);
 }
 
 #include "smg_explicit_step.h"

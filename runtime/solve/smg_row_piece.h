@@ -12,7 +12,7 @@ typedef struct smg_piece {
   int64_t from, start, size, done, room, end;
   smg_besides *known;
   smg_real *g; /* 3 SMG_PIECE_ROOM numbers */
-#if SMG_BY_ROWS
+#if SMG_BY_ROWS && !SMG_ROW_TURNS
   SMG_LINES smg_real made[3 * SMG_PIECE_ROOM];
 #endif
 } smg_piece;

@@ -9,7 +9,7 @@
 
 #include "smg_rows.h"
 
-#if defined(SMG_MPI) && SMG_BY_ROWS
+#if defined(SMG_MPI) && SMG_BY_ROWS && !SMG_ROW_TURNS
 #include <mpi.h>
 
 #ifdef SMG_QUAD

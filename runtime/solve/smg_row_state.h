@@ -11,8 +11,8 @@
 #ifndef SMG_ROW_STATE_H
 #define SMG_ROW_STATE_H
 
+#include "smg_row_arrays.h"
 #include "smg_row_ranks.h"
-#include "smg_row_slots.h"
 
 #define SMG_ROW_BOUND (smg_real)0.9 /* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
 #define SMG_ROW_STRONG (smg_real)0.1 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
@@ -20,12 +20,6 @@
 #define SMG_ROW_WEAK (SMG_EPS < (smg_real)1e-16 ? 0 : (smg_real)0.0104)
 #define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4) /* increments kept, of all colours but the first: with them a spin has at most 160 bytes */
 #define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
-
-/* x^2 (B r + F0)^2, a bound on |g|^2. */
-static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
-  const smg_real g = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) * (smg_hessian_row_norm(c, 0) * smg_radius(c, 0) + smg_rest_field_norm(c, 0));
-  return g * g;
-}
 
 /* That factor, or SMG_MAX. */
 static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
@@ -47,13 +41,6 @@ static inline void smg_choose_rows(smg_state *s) {
   s->row_stretched = 36 * field > 1; /* |h b| > 1/3 may be, as in smg_end_site */
 }
 
-/* An array by slots, from *next on. */
-static inline smg_real *smg_place_slots(smg_real **next, size_t size) {
-  smg_real *first = *next + SMG_BEFORE;
-  *next += size;
-  return first;
-}
-
 /* Their arrays. The increments of a step stand where w is between calls. */
 static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c), late = (size_t)(3 * SMG_LATE_PITCH(&s->c));
@@ -69,26 +56,7 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   return SMG_WIDEST + 4 * size + SMG_ROW_HISTORY * late;
 }
 
-/* Empty slots at the ends of rows hold a spin that nothing turns; those at the end of a colour have increments 0. */
-static void smg_fill_empty_slots(const smg_state *s) {
-  const smg_coefficients *c = &s->c;
-  const int64_t length = smg_row_length(c), pitch = smg_pitch(c);
-  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
-      for (int64_t k = at.sites; k < length; ++k) s->row_w[2 * pitch + at.start + k] = smg_radius(c, 0);
-    for (int64_t k = smg_rows(c) * length; k < smg_colour_slots(c); ++k)
-      for (int b = 0; b < 3; ++b) s->row_u[b * pitch + colour * smg_colour_slots(c) + k] = 0;
-  }
-}
-
-/* w into slots, and back. */
-static void smg_enter_rows(smg_state *s) {
-  smg_to_slots(s, s->w, s->row_w);
-  smg_fill_empty_slots(s);
-}
-static void smg_leave_rows(smg_state *s) { smg_to_sites(s, s->row_w, s->w); }
-
-/* The same for a saved state; of the increments those of the first colour are 0. */
+/* What a saved state has; of the increments those of the first colour are 0. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   smg_gather_saved(s, SMG_ROW_HISTORY, SMG_LATE_PITCH(&s->c));

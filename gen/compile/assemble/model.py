@@ -48,7 +48,7 @@ class Model:
         self.edge_norms = edge_norms(self, low) if self.reach is not None else {}
         self.in_rows = rows(self, low)
         if self.in_rows:
-            self.plan = self.plan.also(BY_STAGE_ROWS if self.method.stage_rows else BY_ROWS)
+            self.plan = self.plan.also(BY_ROWS if self.method.of_midpoints else BY_STAGE_ROWS)
         self.few = few(self, low)
         if self.few is not None:
             self.plan = replace(self.plan, reason=BY_LANES)

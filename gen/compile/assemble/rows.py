@@ -18,7 +18,7 @@ from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import PREPARE, index_names
 from ..plan.colouring import Colouring, colouring
 from .lanes import in_lanes, named
-from .norms import row_sums
+from .norms import block_norm, row_sums
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
@@ -28,10 +28,11 @@ REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 @dataclass(frozen=True)
 class Rows:
-    """The lattice, its colouring, and bounds of a row: of the field of no spins."""
+    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, where no solver has it."""
     over: Lattice
     colours: Colouring
     rest: object
+    norm: object = None
 
     @property
     def step(self) -> int:
@@ -53,21 +54,28 @@ class Rows:
 def rows(model, low):
     """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
     f = model.families[0]
-    if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or midpoint_rows(model, f)):
+    if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or turned(model) or midpoint_rows(model, f)):
         return None
     if index_names(f.family.kappa) or f.radius.values or index_names(f.family.radius) or f.kappa.values:
         return None
     over = one_lattice(model.lattices(f.name))
     if over is None or not all(alike(low, t) for t in model.effects):
         return None
-    found = Rows(over, colouring(model.lattices(f.name)), None if model.method.stage_rows else rest_field(model, low, f))
-    bounded = model.method.stage_rows or found.rest is not None
+    rest = None if model.method.stage_rows else rest_field(model, low, f)
+    norm = row_sums(model, low, f, lambda t, k: block_norm(low, t, k)) if turned(model) else None
+    found = Rows(over, colouring(model.lattices(f.name)), rest, norm)
+    bounded = model.method.stage_rows or (rest is not None and (norm is not None or not turned(model)))
     return found if bounded and fits(found, model.lattices(f.name)) else None
 
 
 def one_lattice(overs):
     """The lattice that all bonds agree on, or None."""
     return overs[0] if len({(o.size, o.sites) for o in overs}) == 1 else None
+
+
+def turned(model) -> bool:
+    """Does an explicit method turn the sites of a colour in the field of the others?"""
+    return model.method.splitting == "sublattices" and not model.features
 
 
 def midpoint_rows(model, f) -> bool:
@@ -126,8 +134,9 @@ def row_functions(model) -> list:
 
 
 def rest_function(found: Rows) -> list:
-    """The bound that midpoints ask for."""
-    return [] if found.rest is None else [Function("smg_real", "smg_rest_field_norm", (COEFFICIENTS, Argument("int64_t", "k")), (Return(found.rest),), wanted=True)]
+    """The bounds that midpoints and turns ask for."""
+    return [Function("smg_real", name, (COEFFICIENTS, Argument("int64_t", "k")), (Return(bound),), wanted=True)
+            for name, bound in (("smg_rest_field_norm", found.rest), ("smg_hessian_row_norm", found.norm)) if bound is not None]
 
 
 def looked_up(name: str, arguments, index: str, values, beyond=None) -> Function:
@@ -154,7 +163,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 

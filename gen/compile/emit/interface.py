@@ -47,7 +47,7 @@ def header_slots(model: Model) -> dict:
         params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=history(model), solo=bool(model.solo), midpoint=model.method.of_midpoints, composed=model.method.of_midpoints and model.method.stages > 1,
         integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.effects],
         hoisted_names=model.coefficients.names, observables=[o.name for o in model.spec.observables],
-        rows=model.in_rows is not None and not model.method.stage_rows, wide_names=model.wide.coefficients.names if model.wide else [])
+        rows=model.in_rows is not None and not model.method.stage_rows, swept_rows=model.in_rows is not None and model.method.of_midpoints, wide_names=model.wide.coefficients.names if model.wide else [])
 
 
 def declare(p) -> dict:

@@ -1,0 +1,128 @@
+"""Sublattice rotations on lattices, sites in lanes (runtime/method/smg_sublattice_rows.h): the bits of the steps from site to site."""
+import numpy as np
+import pytest
+import smidgen
+from smidgen.check.witness import Witness
+from smidgen.compile.emit.emit import generate
+from smidgen.errors import RunError
+from support.strict import COMPILERS, MODES, compile_all
+from test_rows import DM, EXCHANGE, FOUR, HONEY, LADDER, SKEW, lattice
+
+METHOD = "sublattice-rotations"
+LINEAR = """[effects.field]
+over = "site(i) of w"
+energy = "0.3*w[i].x - 0.2*w[i].z"
+"""
+BOTH = EXCHANGE + LINEAR
+SPECS = {
+    **{f"ring of {n}": lattice("ring", "chain(n, periodic)", n, "n", BOTH + DM) for n in (4, 18, 602)},
+    **{f"open chain of {n}": lattice("open_chain", "chain(n, open)", n, "n", BOTH) for n in (3, 35)},
+    "square": lattice("square", "square(n, 8, periodic)", 6, "8*n", BOTH),
+    "odd square": lattice("odd_square", "square(n, 5, open)", 9, "5*n", EXCHANGE + DM),
+    "cubic": lattice("cubic", "cubic(n, n, 4, periodic)", 6, "4*n*n", BOTH),
+    "open cubic": lattice("open_cubic", "cubic(n, 4, 3, open)", 18, "12*n", BOTH),
+    "honeycomb": lattice("honeycomb", "honey.all", 5, "6*n", BOTH, lattice=HONEY),
+    "three colours": lattice("skew", "skew.near", 13, "4*n", EXCHANGE + DM, SKEW),
+    "ladder": lattice("ladder", "rungs.all", 7, "2*n", BOTH, lattice=LADDER),
+    "four dimensions": lattice("four", "four.near", 4, "24*n", EXCHANGE + DM, FOUR),
+    "pieces": lattice("pieces", "square(n, 30, periodic)", 20, "30*n", EXCHANGE),
+    "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", BOTH, more=", radius = 1.7, kappa = -0.6"),
+}
+SOME = ("ring of 18", "odd square", "honeycomb", "three colours", "other spheres")
+
+
+def built(monkeypatch, spec, lanes=4, compiler="gcc", method=METHOD, **more):
+    monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
+    return smidgen.build(spec, method, **more)
+
+
+def bits(model, steps=8):
+    return model.start("random", h=0.2).steps(steps).save()
+
+
+def in_rows(spec, **how) -> bool:
+    return "SMG_ROW_TURNS" in generate(spec, method=METHOD, **how)[f"{spec.name}.c"]
+
+
+@pytest.mark.parametrize("method", [METHOD, pytest.param(f"{METHOD}-4", marks=pytest.mark.long)])
+@pytest.mark.parametrize("name", [n if n in SOME else pytest.param(n, marks=pytest.mark.long) for n in SPECS])
+def test_the_bits_are_those_from_site_to_site(monkeypatch, name, method):
+    """A build for ensembles goes from site to site; and the witness knows no rows."""
+    spec = SPECS[name]
+    assert in_rows(spec) and not in_rows(spec, features=("ensemble",))
+    model = built(monkeypatch, spec, method=method).start("random", h=0.2)
+    w = model.w.copy()
+    assert np.array_equal(model.steps(8).save(), bits(built(monkeypatch, spec, method=method, features=("ensemble",))))
+    wanted = Witness(spec).steps(w, 0.0, 0.2, 8, method)
+    assert np.abs(model.w - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14 * np.abs(w).max()
+
+
+@pytest.mark.parametrize("name, widths", [("ring of 18", (2, 4, 8)), ("honeycomb", (2,)), *(pytest.param(n, (2, 4, 8), marks=pytest.mark.long) for n in SPECS)])
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
+    wanted = bits(built(monkeypatch, SPECS[name], lanes=1))
+    for lanes in widths:
+        assert np.array_equal(bits(built(monkeypatch, SPECS[name], lanes=lanes)), wanted)
+
+
+@pytest.mark.skipif("clang" not in COMPILERS, reason="no clang")
+def test_another_compiler_has_them_too(monkeypatch):
+    found, wanted = (bits(built(monkeypatch, SPECS["three colours"], lanes=n, compiler=c)) for n, c in ((2, "clang"), (4, "gcc")))
+    assert np.array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("n", [5, 17])
+def test_a_colour_that_meets_itself_goes_from_site_to_site(monkeypatch, n):
+    """A ring of an odd number: every site is a colour of its own, as the witness has it."""
+    spec = lattice("ring", "chain(n, periodic)", n, "n", BOTH)
+    model = built(monkeypatch, spec).start("random", h=0.2)
+    w = model.w.copy()
+    wanted = Witness(spec).steps(w, 0.0, 0.2, 6, METHOD)
+    assert np.abs(model.steps(6).w - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14
+
+
+def test_restored_it_goes_on_with_the_same_bits(monkeypatch):
+    model = built(monkeypatch, SPECS["cubic"])
+    saved, whole = model.start("random", h=0.1).steps(7).save(), model.steps(9).save()
+    assert np.array_equal(model.start("random", h=0.03).restore(saved).steps(9).save(), whole)
+    model.start("random", h=0.1)
+    for _ in range(16):
+        model.steps(1)
+    assert np.array_equal(model.save(), whole)
+
+
+def test_threads_have_the_same_bits(monkeypatch):
+    monkeypatch.setenv("OMP_WAIT_POLICY", "passive")
+    monkeypatch.setenv("GOMP_SPINCOUNT", "0")
+    spec = SPECS["pieces"]
+    wanted = bits(built(monkeypatch, spec))
+    monkeypatch.setenv("CC", "gcc -Wno-psabi -DSMG_LANES=4 -DSMG_SHARE=32")
+    assert np.array_equal(bits(smidgen.build(spec, METHOD, threads=2)), wanted)
+
+
+@pytest.mark.usefixtures("optimised")
+def test_energy_and_lengths_are_kept(monkeypatch):
+    """To round-off, over 1e5 steps: nothing drifts."""
+    model = built(monkeypatch, SPECS["cubic"]).start("random", h=0.2)
+    first, w = dict(zip(model.columns, model.values())), model.w.copy()
+    last = dict(zip(model.steps(100_000).columns, model.values()))
+    assert np.abs(np.linalg.norm(model.w, axis=1) / np.linalg.norm(w, axis=1) - 1).max() < 4 * 2**-52
+    assert abs(last["energy"] - first["energy"]) < 1e-12 * len(w)
+
+
+def test_fields_beyond_all_numbers_are_refused(monkeypatch):
+    """They go from site to site, where the step that has no numbers is refused, and the state stays."""
+    strong = lattice("strong", "chain(n, periodic)", 18, "n", EXCHANGE + '[effects.field]\nover = "site(i) of w"\nenergy = "1e150*w[i].z"\n', more=", kappa = 1e-20")
+    model = built(monkeypatch, strong).start("random", h=0.2)
+    before = model.w.copy()
+    with pytest.raises(RunError, match="finite|number"):
+        model.steps(3)
+    assert np.array_equal(model.w, before) and model.count == 0
+
+
+@pytest.mark.parametrize("compiler, mode", MODES)
+@pytest.mark.parametrize("lanes", [1, 2])
+def test_clean_c(tmp_path, compiler, mode, lanes):
+    files = generate(SPECS["three colours"], method=METHOD)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    assert not compile_all(tmp_path, ["skew.c"], compiler, "-Wno-psabi", f"-DSMG_LANES={lanes}", how=mode)
