@@ -12,6 +12,7 @@ from smidgen.check.witness.compositions import HALVES
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.methods import METHODS, SCHEMES
+from smidgen.run.saved import DEGREE
 from smidgen.resources import folder, include_flags
 from support.compositions import HOST, SPECS, STARTS, coefficients, compile_model, run
 from support.strict import WARNINGS
@@ -204,6 +205,15 @@ def test_the_predictor_cuts_the_iterations(system, h):
     warm = model.step().report()["iterations"] / 21
     cold = smidgen.build(SPECS[system], "spherical-midpoint").start(model.w.copy(), h=0.12 * h).step().report()["iterations"]
     assert warm <= cold - 0.9
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name, start, fine, rough", [("heisenberg_chain", "random", 0.3, 1.5), ("irreversible_rigid_body", None, 0.3, 3.0)])
+def test_the_level_of_the_predictor_follows_the_orbit(name, start, fine, rough):
+    """Steps that are small beside it look far back, large ones do not."""
+    model = smidgen.build(smidgen.load(name), "spherical-midpoint-4")
+    found = [model.start(start, h=h).steps(60).save()[DEGREE] for h in (fine, rough)]
+    assert found[0] == 3 and found[1] <= 1
 
 
 # ---- through everything -------------------------------------------------------------------------
