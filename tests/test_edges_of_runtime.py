@@ -1,5 +1,7 @@
 """Edges of the C runtime that no step comes to by itself: fills that decay on one side, matrices at the edge of
 what is coercive, curves that cannot be followed, numbers beyond the numbers."""
+import itertools
+
 import numpy as np
 import pytest
 from support.filters import feed, make, random  # noqa: F401
@@ -224,3 +226,21 @@ def test_no_length_no_direction(make):
 def test_how_much_smaller_a_site_is(make):
     program = make("gcc-sanitized", "norm")
     assert vectors(program, [0, -0.5, 0.25], 8.0)[0, 4] == 16 and vectors(program, [0, 1e-300, 0], 1e10)[0, 4] == 1e290
+
+
+# -- small matrices ------------------------------------------------------------------------------
+
+def permanents(A):
+    """Of |A|: the sum of the terms of the determinant, all taken as positive."""
+    n = A.shape[-1]
+    return sum(np.prod([np.abs(A[:, i, p[i]]) for i in range(n)], axis=0) for p in itertools.permutations(range(n)))
+
+
+@pytest.mark.quick
+def test_the_terms_of_a_determinant_are_measured(make):
+    """Entries of both signs, and matrices of which half is 0."""
+    A = random(5).normal(size=(80, 3, 3))
+    A[40:] *= random(6).integers(0, 2, (40, 3, 3))
+    small = A.reshape(-1, 9)[:, :4].reshape(-1, 2, 2)
+    wanted = np.column_stack([np.linalg.det(A), permanents(A), np.linalg.det(small), permanents(small)])
+    assert np.abs(feed(make("gcc-sanitized", "small"), [len(A)], A).reshape(-1, 4) - wanted).max() < 1e-13
