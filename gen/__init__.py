@@ -16,6 +16,7 @@ __version__ = "0.1.0"
 
 from .analyse import lyapunov  # noqa: E402
 from .analyse.spectrum import Spectrum, spectrum  # noqa: E402
+from .analyse.spectrum_file import load_spectrum  # noqa: E402
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,     # noqa: E402
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
 from .run.integrator import Integrator, build  # noqa: E402
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "UsageError", "ValidationError",
-           "advise", "build", "choose", "cost", "ensemble", "explain", "lattice", "load", "load_cost", "load_field", "load_result", "load_text",
+           "advise", "build", "choose", "cost", "ensemble", "explain", "lattice", "load", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
            "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "validate", "verify"]
 
 

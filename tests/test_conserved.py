@@ -76,6 +76,16 @@ def test_momentum_is_an_error_where_it_is_conserved_and_a_change_elsewhere(case)
     assert errors.get("momentum", 0) < 1e-13 and changes.get("momentum", 1) > 1e-3 and errors["casimirs"] < 1e-14
 
 
+def test_no_digits_below_the_round_off_of_the_momentum(capsys, tmp_path):
+    """Spins 1e-10 off the axis that they turn about: the direction that is kept is known to 1e-16, and the change along it would read 1e-25."""
+    text = TEXT.format(inner="0.7*(w[i].z + w[j].z) - dot(w[i], w[j])/3", outer="0")
+    text = text.replace("[starts.a.w]\nrandom = 1", '[starts.a.w]\ntheta = "1e-10*(i + 1)"\nphi = "0.2"')
+    result = smidgen.run(smidgen.load_text(text))
+    assert result.summary["errors"]["momentum"] == 0 and 1e-11 < result.summary["changes"]["momentum"] < 1e-8
+    (tmp_path / "m.toml").write_text(text)
+    assert cli.main(["run", str(tmp_path / "m.toml"), "--no-estimate"]) == 0 and "momentum 0, " in capsys.readouterr().out
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", shipped())
 def test_what_the_field_says_is_what_the_formulas_prove(name):

@@ -226,3 +226,33 @@ def test_clean_c(tmp_path, name, compiler, mode, lanes):
 
 def test_nobody_else_pays():
     assert not any("ensemble" in text or "lane" in text for text in generate(SPECS["free_rigid_body"]).values())
+
+
+def test_a_member_that_cannot_begin_is_no_failed_step():
+    """Its site, and how far off its own sphere it is, before any step."""
+    spec = smidgen.load_text("""
+[model]
+name = "m"
+[space]
+w = { sphere = 3, radius = "r" }
+[parameters]
+r = 2.0
+[effects.exchange]
+over = "pair(i, j) of w"
+energy = "dot(w[i], w[j])"
+""")
+    w, r = np.tile(np.eye(3), (3, 1, 1)), np.array([1.0, 2.0, 1.0])
+    w[2, 1] *= 1 + 1e-9
+    found = smidgen.ensemble(spec, w, values={"r": r}, h=0.1, steps=2)
+    said = "cannot start: off manifold: the start is off its sphere or leaf (site {}: |w| = {}, its sphere has radius {})"
+    assert found.failures == {1: said.format(0, "1", "2"), 2: said.format(1, "1.000000001", "1")} and list(found.steps) == [2, 0, 0]
+
+
+def test_the_energy_of_a_member_whose_first_step_fails():
+    """It stays where it was, and so does its energy; one that cannot begin has none."""
+    spec, w = SPECS["irreversible_rigid_body"], points(40)
+    w[0] *= 1.1
+    found = smidgen.ensemble(spec, w, h=4, steps=4, every=2, what="energy")
+    first = (found.steps == 0) & (np.arange(40) > 0)
+    assert first.any() and np.isnan(found.energy[:, 0]).all() and np.isfinite(found.energy[:, 1:]).all()
+    assert (found.energy[:, first] == found.energy[0, first]).all()

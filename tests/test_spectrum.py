@@ -172,6 +172,11 @@ def test_files_and_pictures(random_run, tmp_path):
     assert (tmp_path / "a.npz").read_bytes() == found.save(tmp_path / "b.npz").read_bytes()
     rows = np.loadtxt(found.save(tmp_path / "a.csv"), delimiter=",", skiprows=2)
     assert rows.shape == (16 * 75, 5) and np.array_equal(rows[:, 2:].reshape(16, 75, 3), found.s)
+    for ending in ("npz", "csv"):
+        again, more = smidgen.load_spectrum(tmp_path / f"a.{ending}"), ("equal_time", "autocorrelation")
+        assert again.meta == found.meta and all(np.array_equal(getattr(again, name), getattr(found, name)) for name in ("q", "omega", "s", "tau"))
+        assert all(np.array_equal(getattr(again, name), getattr(found, name)) if ending == "npz" else getattr(again, name) is None for name in more)
+        assert again.save(tmp_path / f"again.{ending}").read_bytes() == (tmp_path / f"a.{ending}").read_bytes()
     for ending in ("png", "svg", "pdf"):
         assert draw_spectrum(found, tmp_path / f"a.{ending}").stat().st_size > 1000
     with pytest.raises(smidgen.UsageError, match="ends in .npz or .csv"):
@@ -185,10 +190,34 @@ def test_files_and_pictures(random_run, tmp_path):
     assert "16 waves, 75 frequencies" in repr(found)
 
 
+def test_files_that_are_no_spectrum(random_run, tmp_path):
+    found = random_run[0]
+    text = found.save(tmp_path / "a.csv").read_text()
+    head, lines = text.splitlines()[0], text.splitlines()[1:]
+    wrong = {"cut.csv": "\n".join([head, *lines[:-1]]), "turned.csv": "\n".join([head, lines[0], *lines[:0:-1]]).replace("# meta", "# else"),
+             "mixed.csv": "\n".join([head, lines[0], lines[2], lines[1], *lines[3:-1], lines[1]]), "other.csv": text.replace("zz", "xy"),
+             "asked.csv": text.replace('"window"', '"wind"'), "a.csv.npz": text}
+    for name, content in wrong.items():
+        (tmp_path / name).write_text(content)
+        with pytest.raises(smidgen.UsageError, match="is no file of a smidgen run"):
+            smidgen.load_spectrum(tmp_path / name)
+    data = dict(np.load(found.save(tmp_path / "a.npz")))
+    for broken in ({"s": data["s"][1:]}, {"omega": data["omega"][:, None]}, {"q": data["q"].astype(int)}, {"tau": data["tau"][1:]}):
+        np.savez(tmp_path / "b.npz", **{**data, **broken})
+        with pytest.raises(smidgen.UsageError, match="is no file of a smidgen run"):
+            smidgen.load_spectrum(tmp_path / "b.npz")
+    for name, said in (("a.txt", "ends in .npz or .csv"), ("none.csv", "cannot read")):
+        with pytest.raises(smidgen.UsageError, match=said):
+            smidgen.load_spectrum(tmp_path / name)
+
+
 def test_the_command(command, tmp_path):
     (tmp_path / "m.toml").write_text(MAGNET.format(orientation=1, count="n", lattice="chain(n, periodic)"))
     said = command("spectrum", "m.toml", "--q", "0 1/2", "--window", "hann", "--out", "a.npz", "--plot", "a.png")
     assert said.returncode == 0 and "9 waves of w, 150 frequencies" in said.stdout and (tmp_path / "a.png").exists(), said.stderr
+    assert "more wave" not in said.stdout and len(said.stdout.splitlines()) == 11
+    many = command("spectrum", "m.toml", "--set", "n=24", "--time", "4").stdout.splitlines()
+    assert len(many) == 23 and many[-1].startswith(".. and 4 more waves, which --out FILE")
     facts = json.loads(command("spectrum", "m.toml", "--q", "1/4", "--json").stdout)
     assert facts["q"] == [[0.25]] and len(facts["peak"]) == 1
     table = command("spectrum", "m.toml", "--q", "1/4", "--time", "4", "--out", "-").stdout.splitlines()

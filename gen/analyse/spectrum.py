@@ -37,6 +37,7 @@ from ..run.settings import settle, whole
 from .waves import Components, waves
 
 WINDOWS = ("none", "hann")
+COMPONENTS = ("xx", "yy", "zz")
 BLOCK = 2 ** 18         # complex numbers that are transformed at a time: 4 MiB
 
 
@@ -47,14 +48,14 @@ class Spectrum(ReadOnly):
     meta: everything about the run. q: (waves, directions), in units of the reciprocal lattice; omega: (frequencies,), rising, in
     radians per unit of time; s: (waves, frequencies, 3), for each component; equal_time: (waves, 3), the mean of |S_q|^2
     over time; tau: (frequencies,) and autocorrelation: (waves, frequencies, 3), the mean of conj(S_q(t)) S_q(t + tau)
-    over t; None when it was not asked for.
+    over t; None when it was not asked for, and equal_time where the spectrum was read from a .csv.
     """
     INSTEAD = {"": "smidgen.spectrum(spec, ...) makes another spectrum"}
     meta: dict
     q: np.ndarray
     omega: np.ndarray
     s: np.ndarray
-    equal_time: np.ndarray
+    equal_time: np.ndarray | None
     tau: np.ndarray
     autocorrelation: np.ndarray | None = None
 
@@ -68,7 +69,7 @@ class Spectrum(ReadOnly):
         return self.s.mean(axis=-1)
 
     def save(self, path: str | os.PathLike) -> Path:
-        """Write it: .npz, all arrays by their names and `meta` as JSON; .csv, a row for each q and omega. Raises OutputError."""
+        """Write it: .npz, all arrays by their names and `meta` as JSON; .csv, a row for each q and omega; `smidgen.load_spectrum` reads both. Raises OutputError."""
         path = saved_as(path)
         data = self._npz() if path.suffix == ".npz" else self._csv()
         try:
@@ -87,7 +88,7 @@ class Spectrum(ReadOnly):
         return out.getvalue()
 
     def _csv(self) -> bytes:
-        names = [*(f"q{k}" for k in range(self.q.shape[1])), "omega", "xx", "yy", "zz"]
+        names = [*(f"q{k}" for k in range(self.q.shape[1])), "omega", *COMPONENTS]
         q = np.repeat(self.q, len(self.omega), axis=0)
         rows = np.hstack([q, np.tile(self.omega, len(self.q))[:, None], self.s.reshape(-1, 3)])
         out = io.BytesIO()

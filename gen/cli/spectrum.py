@@ -102,7 +102,8 @@ def lines(found):
     for q, omega, power in list(zip(found.q, peaks(found), found.equal_time.sum(axis=1)))[:TOLD]:
         yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {power:14.6g}"
     if len(found.q) > TOLD:
-        yield f".. ({len(found.q)})"
+        left = len(found.q) - TOLD
+        yield f".. and {left} more wave{'s' * (left > 1)}, which --out FILE, --out - or --json tells"
 
 
 def table(found) -> None:

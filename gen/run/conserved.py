@@ -70,6 +70,15 @@ def conserved_axes(model, span: float = 5.0) -> np.ndarray:
     return axes[size <= EPSILON]
 
 
+def round_off_of_momentum(model) -> float:
+    """Half an ulp of the largest kappa w there is: directions are known to round-off too, and the part of a change along one has digits below it."""
+    own = acting_sites(model)
+    if not own.size:
+        return 0.0
+    size = np.abs(kappas(model.scene, model.values_in)[own]) * np.linalg.norm(np.asarray(model.w, float)[own], axis=1)
+    return float(np.finfo(model.real).eps / 2 * size.max())
+
+
 def random_state(model, dice) -> np.ndarray:
     """Uniform on the spheres, and on the unit sphere for other factors; shape (sites, 3)."""
     w, radius = dice.standard_normal((model.sites, 3)), radii(model.scene, model.values_in)

@@ -22,7 +22,7 @@ from ..public import few, public
 from .integrator import NO_MEMORY, STATUS, _functions, _known_to, _loaded, _packed, checked_tolerance, scene_of
 from .pace import Pace
 from .settings import settle, whole
-from .start import find_start, initial_state, sizes
+from .start import find_start, initial_state, sizes, wrong_start
 
 BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least some registers full
 MEMORY = 2 ** 31            # bytes of outputs
@@ -100,6 +100,8 @@ class Stepped:
         self.at = self.c.ensemble_new(scalars.ctypes.data, pointers, bool(own), self.members, w.ctypes.data, t0, h, tolerance)
         if not self.at:
             raise RunError(f"an ensemble of {self.members} members: {NO_MEMORY[1]}", -1)
+        self.scene, self.own, self.first = scene, own, first
+        self.began = (self.reports()[1] == 0).astype(np.uint8)
 
     def close(self):
         """Give the memory back."""
@@ -118,15 +120,25 @@ class Stepped:
             if states is not None:
                 states[k] = self.state()
             if energy is not None:
-                self.c.ensemble_energies(self.at, energy[k].ctypes.data)
+                self.c.ensemble_energies(self.at, self.began.ctypes.data, energy[k].ctypes.data)
         return self.result(np.array([self.t0 + row * self.h for row in rows]), states, energy)
 
     def result(self, t, states, energy) -> Ensemble:
-        count, status = np.empty(self.members, np.int64), np.empty(self.members, np.intc)
-        site, reached = np.empty(self.members, np.int64), np.empty(self.members)
-        self.c.ensemble_reports(self.at, count.ctypes.data, status.ctypes.data, site.ctypes.data, reached.ctypes.data)
-        failures = {int(k): self.why(int(status[k]), int(count[k]), int(site[k]), float(reached[k])) for k in np.flatnonzero(status)}
+        count, status, site, reached = self.reports()
+        failures = {int(k): self.why(int(status[k]), int(count[k]), int(site[k]), float(reached[k])) if self.began[k] else self.refused(int(k), int(status[k]))
+                    for k in np.flatnonzero(status)}
         return Ensemble(t, self.state(), status, count, states, energy, failures)
+
+    def reports(self) -> tuple:
+        """(steps, statuses, sites, reached) of all members."""
+        found = np.empty(self.members, np.int64), np.empty(self.members, np.intc), np.empty(self.members, np.int64), np.empty(self.members)
+        self.c.ensemble_reports(self.at, *(one.ctypes.data for one in found))
+        return found
+
+    def refused(self, k: int, status: int) -> str:
+        """Why member k cannot begin, and where."""
+        values = _known_to(self.scene, {**self.first, **{name: value[k] for name, value in self.own.items()}})
+        return f"cannot start: {': '.join(STATUS[status])}{wrong_start(self.scene, values, self.w[k])}"
 
     def why(self, status: int, count: int, site: int, reached: float) -> str:
         where = f" at site {site}" if site >= 0 and self.w.shape[1] > 1 else ""
@@ -136,7 +148,7 @@ class Stepped:
     def state(self) -> np.ndarray:
         """(members, sites, 3); of members that could not begin what was given."""
         found = self.w.copy()
-        self.c.ensemble_states(self.at, found.ctypes.data)
+        self.c.ensemble_states(self.at, self.began.ctypes.data, found.ctypes.data)
         return found
 
     def advance(self, count: int) -> None:

@@ -21,12 +21,11 @@ from ..methods import DEFAULT, METHODS as METHODS_BY_NAME, NAMES as METHODS, SOL
 from .. import ranks
 from ..build.binary import Built, build_library
 from ..errors import BuildError, RunError, UsageError
-from ..language import limits
 from ..language.spec import LOOSEST, Spec
 from ..public import ReadOnly, few, public
 from .block import Block
 from .saved import Saved
-from .start import find_start, initial_state, kappas, parameter_values, radii, sizes
+from .start import find_start, initial_state, parameter_values, sizes, wrong_start
 
 MOST_THREADS = 1024
 SPINS = "5000"
@@ -371,31 +370,8 @@ class Integrator(ReadOnly):
         self._status = status.value
         if not self._state:
             name, meaning = STATUS.get(status.value, NO_MEMORY)
-            raise RunError(f"{self.name} cannot start: {name}: {meaning}{self._off()}", status.value)
+            raise RunError(f"{self.name} cannot start: {name}: {meaning}{wrong_start(self.scene, self.values_in, self.w)}", status.value)
         self._c.set_tolerance(self._state, tolerance)
-
-    def _off(self) -> str:
-        """Which strength is wrong, or where a start lies farthest off its sphere."""
-        try:
-            kappas(self.scene, self.values_in)
-        except UsageError as refusal:
-            return f" ({refusal})"
-        largest, radius = np.abs(self.w).max(axis=1), radii(self.scene, self.values_in)
-        wild = ~np.isfinite(largest)
-        if np.any(wild):
-            return f" (site {int(np.argmax(wild))} of the start)"
-        wide = np.isnan(radius) & (largest > 0) & ~((largest >= limits.SHORTEST) & (largest <= limits.LARGEST))
-        if np.any(wide):
-            site = int(np.argmax(wide))
-            return (f" (site {site} of the start: its largest component is {largest[site]:.3g}; a vector is 0 or has "
-                    f"one between {limits.SHORTEST:g} and {limits.LARGEST:g})")
-        with np.errstate(over="ignore"):
-            length = np.linalg.norm(self.w, axis=1)
-        off = np.abs(length - radius) / radius
-        if not np.any(off > limits.SPHERE):
-            return ""
-        site = int(np.nanargmax(off))
-        return f" (site {site}: |w| = {length[site]:.15g}, its sphere has radius {radius[site]:.15g})"
 
     def _fail(self, status):
         if status == 0:
@@ -515,7 +491,7 @@ def _functions(library, name):
     if hasattr(library, f"{name}_abi_ensemble_new"):
         types |= {"ensemble_new": (pointer, [pointer, pointer, ctypes.c_int, integer, pointer, real, real, real]),
                   "ensemble_steps": (integer, [pointer, integer, integer, integer]), "ensemble_reports": (None, [pointer] * 5),
-                  "ensemble_states": (None, [pointer, pointer]), "ensemble_energies": (None, [pointer, pointer]), "ensemble_free": (None, [pointer])}
+                  "ensemble_states": (None, [pointer] * 3), "ensemble_energies": (None, [pointer] * 3), "ensemble_free": (None, [pointer])}
     found = SimpleNamespace()
     for word, (result, arguments) in types.items():
         function = getattr(library, f"{name}_abi_{word}", None)

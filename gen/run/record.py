@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from ..errors import UsageError
-from .conserved import conserved_axes, driven, energy_of, momentum_of, with_tracers
+from .conserved import conserved_axes, driven, energy_of, momentum_of, round_off_of_momentum, with_tracers
 from .integrator import Integrator
 from .output import RESERVED
 from .block import Block, clean
@@ -91,6 +91,7 @@ class Deviations:
         self.scene, self.columns, self.c0, self.outputs = model.scene, model.columns, casimirs.copy(), 0
         self.without, self.driven = with_tracers(model.scene), driven(model.scene)
         self.axes, self.largest = conserved_axes(model, span), {}
+        self.grain = round_off_of_momentum(model)
         self.energy, self.momentum = self._of(values[None])
 
     def _of(self, values):
@@ -113,9 +114,13 @@ class Deviations:
         """Its part in the conserved directions, and the rest."""
         along = change @ self.axes.T
         if len(self.axes):
-            self._raise("errors", "momentum", along)
+            self._raise("errors", "momentum", self._above_round_off(along))
         if len(self.axes) < 3:
-            self._raise("changes", "momentum", change - along @ self.axes)
+            self._raise("changes", "momentum", self._above_round_off(change - along @ self.axes))
+
+    def _above_round_off(self, change):
+        """0 for less than the momentum can tell; NaN stays."""
+        return np.where(np.abs(change) < self.grain, 0, change)
 
     def _raise(self, kind, name, change):
         value, found = float(abs(change).max()), self.largest.setdefault(kind, {})

@@ -113,6 +113,35 @@ def initial_state(spec: Spec, start: str | Start | None = None, values: dict | N
     return np.concatenate(parts)
 
 
+def wrong_start(spec: Spec, values: dict, w: np.ndarray) -> str:
+    """In brackets, which strength is wrong, or which site of the state `w` cannot be where it is, and by how much; "" where none is seen."""
+    try:
+        kappas(spec, values)
+    except UsageError as refusal:
+        return f" ({refusal})"
+    said = wrong_site(w, radii(spec, values))
+    return f" ({said})" if said else ""
+
+
+def wrong_site(w, radius) -> str:
+    """The site that is not finite, that has a size that cannot be squared, or that lies farthest off its sphere, and what it is."""
+    largest = np.abs(w).max(axis=1)
+    wild, wide = ~np.isfinite(largest), np.isnan(radius) & (largest > 0) & ~((largest >= limits.SHORTEST) & (largest <= limits.LARGEST))
+    if np.any(wild):
+        return f"site {int(np.argmax(wild))} of the start"
+    if np.any(wide):
+        site = int(np.argmax(wide))
+        return (f"site {site} of the start: its largest component is {largest[site]:.3g}; a vector is 0 or has "
+                f"one between {limits.SHORTEST:g} and {limits.LARGEST:g}")
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(w, axis=1)
+    off = np.abs(length - radius) / radius
+    if not np.any(off > limits.SPHERE):
+        return ""
+    site = int(np.nanargmax(off))
+    return f"site {site}: |w| = {length[site]:.15g}, its sphere has radius {radius[site]:.15g}"
+
+
 def _nearest(name, known):
     close = difflib.get_close_matches(name, sorted(known), 1)
     return f"; did you mean '{close[0]}'?" if close else ""

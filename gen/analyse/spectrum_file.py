@@ -1,0 +1,63 @@
+"""A spectrum from the file that `Spectrum.save` wrote; what the file says is checked before anything is made of it."""
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from ..public import public
+from ..run.received import Wrong, checked, count, from_npz, head_of, opened, parsed, refusing, rows_of, text
+from .spectrum import COMPONENTS, Spectrum, saved_as
+
+ASKED = {"family": text, "waves": text, "window": text, "parts": count, "in_parts": count}     # beside what a run says of itself
+
+
+@public
+def load_spectrum(path: str | os.PathLike) -> Spectrum:
+    """The spectrum that `Spectrum.save`, or `smidgen spectrum --out`, wrote.
+
+    A .npz holds all of it, a .csv q, omega and s: equal_time and autocorrelation are None then. Raises UsageError for what is no such file.
+    """
+    read = from_npz if saved_as(path).suffix == ".npz" else from_csv
+    with refusing(path), opened(path) as file:
+        given, arrays = read(file, os.fstat(file.fileno()).st_size)
+        meta = known(given)
+        arrays.setdefault("tau", abs(meta["h"]) * meta["every"] * np.arange(arrays["omega"].size))
+        fit(arrays)
+        return Spectrum(meta, *(arrays.get(name) for name in ("q", "omega", "s", "equal_time", "tau", "autocorrelation")))
+
+
+def from_csv(file, size) -> tuple:
+    """(text of the metadata, arrays): a row for each q and omega, all frequencies of one wave after the other."""
+    comments, header = head_of(file)
+    names = header.strip().split(",")
+    directions = len(names) - 1 - len(COMPONENTS)
+    if directions < 1 or names != [*(f"q{k}" for k in range(directions)), "omega", *COMPONENTS]:
+        raise Wrong("its columns are not those of a spectrum")
+    rows = rows_of(file)
+    omega = rows[:, directions]
+    waves = int(np.sum(omega == omega[0]))
+    cube = rows.reshape(waves, -1, len(names))
+    if np.any(cube[:, :, :directions] != cube[:, :1, :directions]) or np.any(cube[:, :, directions] != cube[0, :, directions]):
+        raise Wrong("its rows are not in the order of a spectrum")
+    return comments.get("meta", ""), {"q": cube[:, 0, :directions], "omega": cube[0, :, directions], "s": cube[:, :, directions + 1:]}
+
+
+def known(given: str) -> dict:
+    """The metadata, in their order, with every key that a spectrum has and no other."""
+    meta = parsed(given, lambda value: isinstance(value, dict))
+    of_run = checked(meta)
+    wrong = [key for key, kind in ASKED.items() if key not in meta or not kind(meta[key])]
+    if wrong:
+        raise Wrong(f"its metadata lacks '{wrong[0]}', or that is not what it should be")
+    return {**{key: meta[key] for key in meta if key in of_run or key in ASKED}, **{key: of_run[key] for key in of_run if key not in meta}}
+
+
+def fit(arrays: dict) -> None:
+    """Do all shapes fit? Raises Wrong."""
+    if any(name not in arrays or arrays[name].dtype.kind != "f" for name in ("q", "omega", "s", "tau")):
+        raise Wrong("it lacks the arrays of a spectrum")
+    waves, m = len(arrays["q"]), arrays["omega"].shape
+    wanted = {"s": (waves, *m, 3), "tau": m, "equal_time": (waves, 3), "autocorrelation": (waves, *m, 3)}
+    if arrays["q"].ndim != 2 or len(m) != 1 or any(name in arrays and arrays[name].shape != shape for name, shape in wanted.items()):
+        raise Wrong("its arrays do not fit each other")
