@@ -43,14 +43,18 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
   return smg_row_solved(s, SMG_MATH(sqrt)(most));
 }
 
-/* The error, squared, that every degree would have made in one component of the step just solved. */
-static void smg_row_misses(const smg_state *s, int64_t k, smg_real newest, smg_real *miss) {
-  smg_real row[SMG_HISTORY + 1];
-  row[0] = newest;
-  for (int j = 0; j < s->history; ++j) row[j + 1] = s->past[j][k];
+/* The error, squared, that every degree would have made in one slot, the k-th of all colours but the first, of the step just solved: the backward
+ * difference of order d + 1. */
+static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
+  const int64_t late = SMG_LATE_PITCH(&s->c), pitch = smg_pitch(&s->c), slot = smg_colour_slots(&s->c) + k;
+  smg_real row[SMG_HISTORY + 1][3];
+  for (int b = 0; b < 3; ++b) row[0][b] = s->row_u[b * pitch + slot];
+  for (int j = 0; j < s->history; ++j)
+    for (int b = 0; b < 3; ++b) row[j + 1][b] = s->past[j][b * late + k];
   for (int d = 0; d < s->history; ++d) {
-    for (int j = 0; j < s->history - d; ++j) row[j] -= row[j + 1];
-    miss[d] += row[0] * row[0];
+    for (int j = 0; j < s->history - d; ++j)
+      for (int b = 0; b < 3; ++b) row[j][b] -= row[j + 1][b];
+    for (int b = 0; b < 3; ++b) miss[d] += row[0][b] * row[0][b];
   }
 }
 
@@ -62,7 +66,7 @@ static void smg_choose_row_degree(smg_state *s) {
   smg_real miss[SMG_HISTORY] = {0};
   for (int64_t k = 0; k < size; k += stride) {
     smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
-    for (int b = 0; b < 3; ++b) smg_row_misses(s, b * SMG_LATE_PITCH(&s->c) + k, s->row_u[b * smg_pitch(&s->c) + first + k], miss);
+    smg_row_misses(s, k, miss);
   }
   s->degree = s->history > 0 ? 0 : SMG_NO_DEGREE;
   for (int d = 1; d < s->history; ++d)

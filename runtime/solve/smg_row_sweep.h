@@ -145,8 +145,8 @@ static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const s
                               : pass.small ? smg_turn_late(s, known, turn, pass) : smg_turn_usual(s, known, turn, pass);
     SMG_ONE_BY_ONE {
       moved.whole = smg_max(moved.whole, smg_lane_largest(motion.square));
-      moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
-      smg_take(&moved.residual, smg_most_of(motion.residual));
+      if (pass.small) moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
+      if (pass.last) smg_take(&moved.residual, smg_most_of(motion.residual));
     }
   }
   smg_largest_of_ranks(&moved.whole, &moved.part);
