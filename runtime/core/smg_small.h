@@ -29,6 +29,13 @@
 #define SMG_UNROLL
 #endif
 
+/* A pointer that a loop finds anew each time: else gcc keeps it, and those at distances from it, in more registers than there are. */
+#if defined(__GNUC__)
+#define SMG_ANEW(pointer) __asm__("" : "+r"(pointer))
+#else
+#define SMG_ANEW(pointer) (void)0
+#endif
+
 /* Of a pointer: what it points to is written through no other. */
 #if defined(__GNUC__)
 #define SMG_RESTRICT __restrict

@@ -85,7 +85,7 @@ static void smg_begin_sweep(const smg_state *s, smg_slot_sweep *a) {
   a->half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, smg_signed_h(s->h));
   a->marks = NULL;
   a->shift.theta = 0;
-  smg_forget_besides(&a->known);
+  smg_forget_besides(&s->c, &a->known);
   smg_begin_piece(&s->c, &a->known, a->gradient, &a->piece);
 }
 

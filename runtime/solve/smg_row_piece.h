@@ -6,14 +6,14 @@
 #include "smg_row_team.h"
 
 /* The next sites of a colour, or of a share of it: the slots start .. start + size - 1; done: of those, how many have been gone through as
- * runs; at, from: where the next run begins; end: the slot where they all end; g: what there is to keep of each, first of all its gradient. */
+ * runs; at, from: where the next run begins; end: the slot where they all end; length: slots of a row; g: what there is to keep of each, first of all its gradient. */
 typedef struct smg_piece {
   smg_lattice_row at;
-  int64_t from, start, size, done, room, end;
+  int64_t from, start, size, done, room, end, length;
   smg_besides *known;
   smg_real *g; /* 3 SMG_PIECE_ROOM numbers */
 #if SMG_BY_ROWS && !SMG_ROW_TURNS
-  SMG_LINES smg_real made[3 * SMG_PIECE_ROOM];
+  SMG_LINES smg_real made[3 * SMG_PIECE_ROOM], field[3 * SMG_PIECE_ROOM];
 #endif
 } smg_piece;
 
@@ -29,6 +29,7 @@ static inline void smg_begin_piece(const smg_coefficients *c, smg_besides *known
   piece->g = g;
   piece->known = known;
   piece->room = smg_piece_room(c);
+  piece->length = smg_row_length(c);
 }
 
 /* All of a colour. */
@@ -58,16 +59,19 @@ SMG_INLINE int smg_open_piece(smg_piece *piece) {
 
 /* Its next run of rows, or what there is of it in the piece; 0 where it ends. */
 static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
-  const int64_t room = piece->size - piece->done, length = smg_row_length(c), end = smg_run_of_rows(c, &piece->at) * length;
+  const int64_t room = piece->size - piece->done, length = piece->length;
   if (room <= 0) return 0;
+  const int64_t rows = smg_run_of_rows(c, &piece->at), end = rows * length;
   run->at = piece->at;
   run->b = smg_besides_of(c, &piece->at, piece->known);
   run->length = length;
   run->from = piece->from;
   run->to = end - piece->from > room ? piece->from + room : end;
+  run->place = piece->known->place;
   piece->done += run->to - run->from;
-  piece->from = run->to % length;
-  if (run->to >= length) smg_after_rows(c, length, run->to / length, &piece->at);
+  const int64_t gone = run->to == end ? rows : run->to / length;
+  piece->from = run->to - gone * length;
+  if (gone > 0) smg_after_rows(c, length, gone, &piece->at);
   return 1;
 }
 

@@ -7,33 +7,15 @@
 #define SMG_ROW_SWEEP_H
 
 #include "smg_rest.h"
-#include "smg_row_piece.h"
-#include "smg_row_spin.h"
+#include "smg_row_end.h"
 
-#define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
 #define SMG_LOOK (smg_real)1e-12 /* part of the state by which midpoints move when that begins */
 
-/* How far midpoints moved: the largest square, and the largest part of what a small component is made of. */
+/* How far midpoints moved: the largest square, and the largest part of what a small component is made of; where the pass may be the last one,
+ * the largest square of the residual too. */
 typedef struct smg_motion {
-  smg_lanes square, part;
+  smg_lanes square, part, residual;
 } smg_motion;
-
-/* What a sweep works with, at hand in registers: spins, midpoints and increments by slots; h/(2 kappa), 1/radius^2, and the
- * size below which a component is small. */
-typedef struct smg_turning {
-  const smg_real *w, *compensation;
-  smg_real *m, *u;
-  int64_t pitch;
-  smg_real half, inverse, small;
-  int weak; /* are fields so weak that midpoints are near spins? */
-} smg_turning;
-
-static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
-  const smg_real radius = smg_radius(&s->c, 0);
-  const smg_turning turn = {s->row_w, s->row_compensation, s->row_m, s->row_u, smg_pitch(&s->c), (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h),
-                            1 / (radius * radius), SMG_SMALL * radius, s->row_weak};
-  return turn;
-}
 
 /* |w_k| + |g_k| + |w_i g_j| + |w_j g_i|, what component k of a midpoint is made of. */
 SMG_INLINE void smg_made_of(const smg_lanes *w, const smg_lanes *g, smg_lanes *made) {
@@ -73,8 +55,8 @@ SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row
   for (int k = 0; k < 3; ++k) g[k] = v[k];
 }
 
-/* m = r v/|v| of those slots, `in` of them sites of the piece. */
-SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *made, smg_motion *moved) {
+/* m = r v/|v| of those slots, `in` of them sites of the piece. field: their gradient, where increments are asked for. */
+SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *made, const smg_lanes *field, smg_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
   smg_lane_stretch_to(turn.inverse, turn.weak, v);
@@ -85,13 +67,15 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
   moved->square = smg_lane_larger(moved->square, smg_lane_dot(d, d));
   if (made)
     for (int k = 0; k < 3; ++k) moved->part = smg_lane_larger(moved->part, smg_part_moved(turn.small, d[k], made[k]));
+  if (field) smg_end_slots(turn, slot, in, v, field, &moved->residual);
 }
 
 /* Along the midpoints of a run, kept from k on. */
-SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, enum smg_row_way way, int small, smg_piece *piece, int64_t k) {
+SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, enum smg_row_way way, int small, int last, smg_piece *piece, int64_t k) {
   for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
     smg_lanes v[3], made[3];
     smg_run_gradient(c, run, turn.m, turn.pitch, j, p, v);
+    if (last) smg_put_slots(piece->field, SMG_PIECE_ROOM, k + j - run->from, v);
     smg_aim_slots(turn, run->at.start + j, way, v, small ? made : NULL);
     smg_put_slots(piece->g, SMG_PIECE_ROOM, k + j - run->from, v);
     if (small) smg_put_slots(piece->made, SMG_PIECE_ROOM, k + j - run->from, made);
@@ -99,69 +83,89 @@ SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, c
 }
 
 /* The spins of a piece. */
-SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece, enum smg_row_way way, int small, smg_motion *moved) {
+SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece, enum smg_row_way way, int small, int last, smg_motion *moved) {
   const int64_t size = piece->size, start = piece->start;
   smg_motion most = *moved;
   smg_run run;
-  for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) smg_aim_run(c, turn, &run, way, small, piece, k);
+  for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) smg_aim_run(c, turn, &run, way, small, last, piece, k);
   for (int64_t k = 0; k < size; k += SMG_LANES) {
-    smg_lanes v[3], made[3];
+    smg_lanes v[3], made[3], field[3];
     smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
     if (small) smg_take_slots(piece->made, SMG_PIECE_ROOM, k, made);
-    smg_turn_slots(turn, start + k, size - k, v, small ? made : NULL, &most);
+    if (last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
+    smg_turn_slots(turn, start + k, size - k, v, small ? made : NULL, last ? field : NULL, &most);
   }
   *moved = most;
 }
 
-/* What a colour's pass shows: the largest change, and the largest part of a small component (SMG_MAX: not looked at). */
+/* What a colour's pass shows: the largest change, the largest part of a small component (SMG_MAX: not looked at), and the largest square of
+ * the residual on this rank. */
 typedef struct smg_moved {
-  smg_real whole, part;
+  smg_real whole, part, residual;
 } smg_moved;
 
+/* How a colour is passed: small: are small components looked at? last: may it be the last pass, and increments are found too? */
+typedef struct smg_row_pass {
+  int64_t colour;
+  enum smg_row_way way;
+  int small, last;
+} smg_row_pass;
+
 /* A thread's share of a colour. */
-SMG_INLINE smg_motion smg_turn_share(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, enum smg_row_way way, int small) {
+SMG_INLINE smg_motion smg_turn_share(const smg_state *s, smg_besides *known, smg_turning turn, const smg_row_pass pass, enum smg_row_way way, int small) {
   const smg_lanes none = {0};
-  smg_motion motion = {none, none};
+  smg_motion motion = {none, none, none};
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
+  turn.inverse = smg_inverse_square(&s->c);
   smg_begin_piece(&s->c, known, gradient, &piece);
-  smg_begin_share(&s->c, colour, &piece);
-  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, *turn, &piece, way, small, &motion);
+  smg_begin_share(&s->c, pass.colour, &piece);
+  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, small, pass.last, &motion);
   return motion;
 }
 
 /* The four ways: the first sweep; those that follow it; with a look at small components; and with rho by its root. */
-static smg_motion smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_FROM_FIELD, 0); }
-static smg_motion smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_FROM_BEFORE, 0); }
-static smg_motion smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_FROM_BEFORE, 1); }
-static smg_motion smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour) { return smg_turn_share(s, known, turn, colour, SMG_BY_ROOT, 1); }
+static smg_motion smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_FROM_FIELD, 0); }
+static smg_motion smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_FROM_BEFORE, 0); }
+static smg_motion smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_FROM_BEFORE, 1); }
+static smg_motion smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_BY_ROOT, 1); }
 
-/* A colour by all threads. small: are small components looked at? */
-static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t colour, enum smg_row_way way, int small) {
-  smg_moved moved = {0, small ? 0 : SMG_MAX};
+/* The largest lane, or what is not a number. */
+static inline smg_real smg_most_of(smg_lanes a) {
+  smg_real most = 0;
+  for (int l = 0; l < SMG_LANES; ++l) smg_take(&most, smg_lane_get(&a, l));
+  return most;
+}
+
+/* A colour by all threads. */
+static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass) {
+  smg_moved moved = {0, pass.small ? 0 : SMG_MAX, 0};
   SMG_TEAM(s->row_team) {
-    const smg_motion motion = way == SMG_BY_ROOT ? smg_turn_exactly(s, known, turn, colour) : way == SMG_FROM_FIELD ? smg_turn_first(s, known, turn, colour)
-                              : small ? smg_turn_late(s, known, turn, colour) : smg_turn_usual(s, known, turn, colour);
+    const smg_motion motion = pass.way == SMG_BY_ROOT ? smg_turn_exactly(s, known, turn, pass) : pass.way == SMG_FROM_FIELD ? smg_turn_first(s, known, turn, pass)
+                              : pass.small ? smg_turn_late(s, known, turn, pass) : smg_turn_usual(s, known, turn, pass);
     SMG_ONE_BY_ONE {
       moved.whole = smg_max(moved.whole, smg_lane_largest(motion.square));
-      moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
+      if (pass.small) moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
+      if (pass.last) smg_take(&moved.residual, smg_most_of(motion.residual));
     }
   }
   smg_largest_of_ranks(&moved.whole, &moved.part);
-  smg_exchange_colour(colour);
+  smg_exchange_colour(pass.colour);
   moved.whole = SMG_MATH(sqrt)(moved.whole);
   return moved;
 }
 
-/* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them. */
+/* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them; the colour whose increments are known already
+ * (-1: none), and the largest square of their residual. */
 typedef struct smg_row_sweeping {
-  int64_t passes;
-  smg_real recent[SMG_COLOURS], parts[SMG_COLOURS];
+  int64_t passes, ended;
+  smg_real residual, recent[SMG_COLOURS], parts[SMG_COLOURS];
   smg_rest whole, part;
 } smg_row_sweeping;
 
 static inline void smg_begin_sweeping(smg_row_sweeping *sweep) {
   sweep->passes = 0;
+  sweep->ended = -1;
   for (int k = 0; k < SMG_COLOURS; ++k) sweep->recent[k] = sweep->parts[k] = SMG_MAX;
   sweep->whole = sweep->part = smg_unknown_rest;
 }
@@ -175,13 +179,18 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
 }
 
 /* The next colour: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
- * once the others have nearly settled. */
+ * once the others have nearly settled. Of sites that do not feel their own colour the gradient stays what it is in the last pass, and
+ * gives their increments at once: that is expected to be the pass that was the last one of the step before. */
 static void smg_next_colour(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
   const int64_t colour = sweep->passes % SMG_COLOURS, next = (colour + 1) % SMG_COLOURS;
   const int64_t unknown = s->row_weak ? SMG_COLOURS : 1; /* an extrapolation may be far off, and midpoints then not near spins */
   const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
   const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
-  const smg_moved moved = smg_turn_colour(s, known, turn, colour, way, late);
+  const int last = s->row_alone && sweep->passes + 1 >= s->row_passes && sweep->passes >= SMG_COLOURS;
+  const smg_row_pass pass = {colour, way, late, last};
+  const smg_moved moved = smg_turn_colour(s, known, turn, pass);
+  sweep->ended = last ? colour : -1;
+  sweep->residual = moved.residual;
   sweep->recent[colour] = moved.whole;
   sweep->parts[colour] = moved.part;
   if (++sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */

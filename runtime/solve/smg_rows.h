@@ -171,11 +171,13 @@ typedef struct smg_beside {
 
 #define SMG_EVERYWHERE INT64_MAX
 
-/* Some slots of a run of rows: those from <= j < to, from the first of the row `at` on; what stands beside all of them; slots of a row. */
+/* Some slots of a run of rows: those from <= j < to, from the first of the row `at` on; what stands beside all of them; slots of a row; of
+ * short rows, the places of slots in their rows. */
 typedef struct smg_run {
   smg_lattice_row at;
   const smg_beside *b;
   int64_t length, from, to;
+  const smg_real *place;
 } smg_run;
 
 /* The cell s + offset, on a ring around it; 0 where there is none. */
@@ -206,18 +208,19 @@ static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lat
 
 /* The vectors of an array in some slots. Its x, y and z are `pitch` apart. */
 SMG_INLINE void smg_take_slots(const smg_real *all, int64_t pitch, int64_t slot, smg_lanes *v) {
-  for (int k = 0; k < 3; ++k) v[k] = smg_lane_take(all + k * pitch + slot);
+  const smg_real *at = all + slot;
+  SMG_ANEW(at);
+  for (int k = 0; k < 3; ++k) v[k] = smg_lane_take(at + k * pitch);
 }
 SMG_INLINE void smg_put_slots(smg_real *all, int64_t pitch, int64_t slot, const smg_lanes *v) {
   for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
 }
 
-/* The places of lanes in their rows, of which the first is the p-th. */
-SMG_INLINE smg_lanes smg_lane_places(int64_t p, int64_t length) {
+/* The places of lanes in their rows, of which the first is the p-th: from memory, or of long rows, where vectors stay within one. */
+SMG_INLINE smg_lanes smg_lane_places(const smg_run *run, int64_t p) {
   static const smg_real number[SMG_WIDEST] = {0, 1, 2, 3, 4, 5, 6, 7};
-  smg_lanes at = (smg_real)p + smg_lane_take(number);
-  for (int64_t k = SMG_LANES; k > 0; k -= length) at = smg_lane_select((smg_lane_mask)(at >= (smg_real)length), at - (smg_real)length, at);
-  return at;
+  if (run->length < SMG_LONG_ROW) return smg_lane_take(run->place + p);
+  return (smg_real)p + smg_lane_take(number);
 }
 SMG_INLINE int64_t smg_next_place(int64_t p, int64_t length) {
   for (p += SMG_LANES; p >= length;) p -= length;
@@ -226,8 +229,8 @@ SMG_INLINE int64_t smg_next_place(int64_t p, int64_t length) {
 
 /* Do the neighbours of all `in` lanes stand within the row? Those of which do? */
 SMG_INLINE int smg_all_within(const smg_beside *b, int64_t p, int64_t in) { return b->to == SMG_EVERYWHERE || (p >= b->from && p + in <= b->to); }
-SMG_INLINE smg_lane_mask smg_lanes_within(const smg_beside *b, int64_t p, int64_t length) {
-  const smg_lanes at = smg_lane_places(p, length);
+SMG_INLINE smg_lane_mask smg_lanes_within(const smg_run *run, const smg_beside *b, int64_t p) {
+  const smg_lanes at = smg_lane_places(run, p);
   return (smg_lane_mask)(at >= (smg_real)b->from) & (smg_lane_mask)(at < (smg_real)b->to);
 }
 
@@ -237,7 +240,7 @@ SMG_INLINE void smg_take_beside(const smg_run *run, int n, int64_t p, const smg_
   const smg_beside *b = run->b + n;
   smg_take_slots(all, pitch, run->at.start + b->start + j, v);
   if (smg_all_within(b, p, run->to - j < SMG_LANES ? run->to - j : SMG_LANES)) return;
-  const smg_lane_mask within = smg_lanes_within(b, p, run->length);
+  const smg_lane_mask within = smg_lanes_within(run, b, p);
   smg_lanes around[3];
   smg_take_slots(all, pitch, run->at.start + b->around + j, around);
   for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(within, v[k], around[k]);
@@ -247,28 +250,31 @@ SMG_INLINE void smg_take_beside(const smg_run *run, int n, int64_t p, const smg_
 SMG_INLINE void smg_only_within(const smg_run *run, int n, int64_t p, const smg_lanes *before, smg_lanes *g) {
   const smg_beside *b = run->b + n;
   if (smg_all_within(b, p, SMG_LANES)) return;
-  const smg_lane_mask within = smg_lanes_within(b, p, run->length);
+  const smg_lane_mask within = smg_lanes_within(run, b, p);
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(within, g[k], before[k]);
 }
 
 /* Of rows that are not full: g = 0 in the lanes of empty slots. */
 SMG_INLINE void smg_only_sites(const smg_run *run, int64_t p, smg_lanes *g) {
   if (p + SMG_LANES <= run->at.sites || run->at.sites == run->length) return;
-  const smg_lane_mask sites = (smg_lane_mask)(smg_lane_places(p, run->length) < (smg_real)run->at.sites);
+  const smg_lane_mask sites = (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->at.sites);
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(sites, g[k], smg_lane_of(0));
 }
 
 /* What stands beside a row, by all terms: as the model says. */
 static inline void smg_all_beside(const smg_coefficients *c, const smg_lattice_row *at, smg_beside *b);
 
-/* The same from memory, for rows of every kind. */
+/* The same from memory, for rows of every kind; and the places of the slots of short rows, so many that vectors may begin at each of them. */
 typedef struct smg_besides {
   smg_beside rows[SMG_KNOWN][SMG_BESIDES];
   int known[SMG_KNOWN];
+  smg_real place[SMG_LONG_ROW + SMG_WIDEST];
 } smg_besides;
 
-static inline void smg_forget_besides(smg_besides *all) {
+static inline void smg_forget_besides(const smg_coefficients *c, smg_besides *all) {
+  const int64_t length = smg_row_length(c);
   for (int k = 0; k < SMG_KNOWN; ++k) all->known[k] = 0;
+  for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
 }
 
 SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {

@@ -147,8 +147,8 @@ WRAP = (
 )
 
 # Lattices by rows in lanes: which sites stand beside a row, where its ends are, what of it is kept, and when steps may go so.
-ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP = (
-    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step"))
+ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END = (
+    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end"))
 BY_ROWS = "gen/compile/assemble/rows.py"
 IN_ROWS = (
     (ROWS, r"s < n - reach \? reach :", r"s < n ? reach :"),
@@ -171,10 +171,11 @@ IN_ROWS = (
     (ROW_PIECE, r"piece->from = share\.from - first - row \* length", r"piece->from = 0"),
     (ROW_TEAM, r"worth <= 1 \|\| smg_meet_at_seam\(c\)", r"worth <= 1"),
     (ROW_SWEEP, r"smg_lane_select\(smg_lane_below\(in\), v\[k\], m\[k\]\)", r"v[k]"),
-    (ROW_SWEEP, r"1 / \(radius \* radius\)", r"1 / radius"),
+    (ROW_SWEEP, r"sweep->ended = last \? colour : -1", r"sweep->ended = colour"),
     (ROW_SWEEP, r"s->row_weak \? SMG_COLOURS : 1", r"1"),
     (ROW_SWEEP, r" && smg_rest_settled\(&sweep->part, SMG_EPS\)", r""),
-    (ROW_STEP, r"u\[k\] \*= 2 \* turn\.half", r"u[k] *= turn.half"),
+    (ROW_END, r"1 / \(smg_radius\(c, 0\) \* smg_radius\(c, 0\)\)", r"1 / smg_radius(c, 0)"),
+    (ROW_END, r"u\[k\] \*= 2 \* turn\.half", r"u[k] *= turn.half"),
     (ROW_STEP, r"sweep\.passes < SMG_ROW_PASSES \? SMG_OK : SMG_NO_CONVERGENCE", r"SMG_OK"),
     (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
     (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),

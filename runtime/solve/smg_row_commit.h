@@ -1,0 +1,109 @@
+/* smidgen runtime: the state of a lattice by rows after a step, and the midpoints to begin the next one with, in one go through memory. */
+#ifndef SMG_ROW_COMMIT_H
+#define SMG_ROW_COMMIT_H
+
+#include "smg_predictor.h"
+#include "smg_row_spin.h"
+#include "smg_row_state.h"
+#include "smg_row_team.h"
+
+/* What that works with: increments u of the step, and those of all colours but the first, from the slot `first` on, of the steps before, newest
+ * first; they extrapolate by a polynomial of some degree, with these weights. */
+typedef struct smg_row_going {
+  smg_real *w, *lost, *m, *past[SMG_ROW_HISTORY];
+  const smg_real *u;
+  int64_t pitch, late, first;
+  smg_real inverse, weights[SMG_ROW_HISTORY];
+  int degree;
+} smg_row_going;
+
+static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
+  const int64_t first = smg_colour_slots(&s->c);
+  smg_row_going go = {s->row_w, s->row_compensation, s->row_m, {NULL}, s->row_u, smg_pitch(&s->c), SMG_LATE_PITCH(&s->c), first, 1, {0}, degree};
+  go.inverse = 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0));
+  for (int j = 0; j < SMG_ROW_HISTORY; ++j) go.past[j] = s->past[j] - first;
+  for (int j = 0; j <= degree; ++j) go.weights[j] = smg_weight(degree, j);
+  return go;
+}
+
+/* m = P(w + u/2) of the slots of one vector, u extrapolated. */
+SMG_INLINE void smg_predict_slots(const smg_row_going go, int64_t slot, int degree, const smg_lanes *w) {
+  smg_lanes m[3];
+  for (int k = 0; k < 3; ++k) {
+    smg_lanes u = {0};
+    SMG_UNROLL
+    for (int j = 0; j <= degree; ++j) u += go.weights[j] * smg_lane_take(go.past[j] + k * go.late + slot);
+    m[k] = w[k] + (smg_real)0.5 * u;
+  }
+  smg_lane_stretch_to(go.inverse, 0, m);
+  smg_put_slots(go.m, go.pitch, slot, m);
+}
+
+static void smg_predict_share(const smg_row_going go, smg_share part) {
+  for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
+    smg_lanes w[3];
+    smg_take_slots(go.w, go.pitch, slot, w);
+    smg_predict_slots(go, slot, go.degree, w);
+  }
+}
+
+/* Those of all colours but the first. */
+static void smg_predict_rows(const smg_state *s) {
+  const int64_t first = smg_colour_slots(&s->c);
+  const smg_row_going go = smg_going_of(s, s->degree);
+  SMG_TEAM(s->row_team) {
+    SMG_COLOURS_AT_ONCE(k, n, 1) smg_predict_share(go, smg_share_of(k * first, n * first));
+  }
+}
+
+/* w + compensation + u of the slots of one vector (Kahan). */
+SMG_INLINE void smg_commit_slots(const smg_row_going go, int64_t slot, const smg_lanes *u, smg_lanes *sum) {
+  smg_take_slots(go.w, go.pitch, slot, sum);
+  for (int k = 0; k < 3; ++k) {
+#if SMG_PLAIN_SUMS
+    sum[k] += u[k];
+#else
+    smg_real *lost = go.lost + k * go.pitch + slot;
+    const smg_lanes w = sum[k], y = u[k] + smg_lane_take(lost);
+    sum[k] = w + y;
+    smg_lane_put(lost, y - (sum[k] - w));
+#endif
+  }
+  smg_put_slots(go.w, go.pitch, slot, sum);
+}
+
+/* The same of some slots; the increments of all colours but the first are remembered, and those of the next step extrapolated, by a
+ * degree that the compiler knows; none: SMG_NO_DEGREE. */
+SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int degree) {
+  for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
+    smg_lanes u[3], w[3];
+    smg_take_slots(go.u, go.pitch, slot, u);
+    smg_commit_slots(go, slot, u, w);
+    if (slot < go.first) continue;
+    smg_put_slots(go.past[0], go.late, slot, u);
+    if (degree >= 0) smg_predict_slots(go, slot, degree, w);
+  }
+}
+
+static void smg_go_on(const smg_row_going go, smg_share part) {
+  switch (go.degree) {
+  case 0: smg_go_on_by(go, part, 0); break;
+  case 1: smg_go_on_by(go, part, 1); break;
+  case 2: smg_go_on_by(go, part, 2); break;
+  case 3: smg_go_on_by(go, part, 3); break;
+#if SMG_COLOURS == 2
+  case 4: smg_go_on_by(go, part, 4); break;
+#endif
+  default: smg_go_on_by(go, part, SMG_NO_DEGREE);
+  }
+}
+
+/* The state after the step, of all threads; more: is another one to begin? */
+static void smg_go_on_rows(const smg_state *s, int more) {
+  const smg_row_going go = smg_going_of(s, more ? s->degree : SMG_NO_DEGREE);
+  SMG_TEAM(s->row_team) {
+    SMG_COLOURS_AT_ONCE(colour, n, 0) smg_go_on(go, smg_share_of(colour * go.first, n * go.first));
+  }
+}
+
+#endif

@@ -1,0 +1,81 @@
+/* smidgen runtime: the increments of a lattice by rows, from settled midpoints, and what the equation of the step leaves. */
+#ifndef SMG_ROW_END_H
+#define SMG_ROW_END_H
+
+#include "smg_row_piece.h"
+#include "smg_row_spin.h"
+
+#define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
+
+/* What a sweep works with, at hand in registers: spins, midpoints and increments by slots; h/(2 kappa), 1/radius^2, the size below which a
+ * component is small, and |g|^2 = 1/(36 half^2) from which an increment is made to keep the length of its spin. */
+typedef struct smg_turning {
+  const smg_real *w, *compensation;
+  smg_real *m, *u;
+  int64_t pitch;
+  smg_real half, inverse, small, weakest;
+  int weak, stretched; /* are fields so weak that midpoints are near spins? are there such increments? */
+} smg_turning;
+
+/* 1/radius^2: of a radius that the compiler knows, no number to multiply by where it is 1. */
+SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (smg_radius(c, 0) * smg_radius(c, 0)); }
+
+static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
+  const smg_real half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h);
+  const smg_turning turn = {s->row_w, s->row_compensation, s->row_m, s->row_u, smg_pitch(&s->c), half, smg_inverse_square(&s->c),
+                            SMG_SMALL * smg_radius(&s->c, 0), s->row_stretched ? 1 / (36 * half * half) : SMG_MAX, s->row_weak, s->row_stretched};
+  return turn;
+}
+
+/* u = h X(m) of the slots of one vector, `in` of them sites, whose gradient is g; the largest square of the residual w + u/2 - rho m. */
+SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, const smg_lanes *m, const smg_lanes *g, smg_lanes *most) {
+  const smg_lanes none = {0};
+  smg_lanes w[3], u[3], e[3];
+  smg_take_slots(turn.w, turn.pitch, slot, w);
+  smg_lane_cross(u, m, g); /* the rate last: pairs of spins turn each other by exactly opposite amounts */
+  for (int k = 0; k < 3; ++k) u[k] *= 2 * turn.half;
+  if (turn.stretched) {
+    smg_lanes lost[3];
+    smg_take_slots(turn.compensation, turn.pitch, slot, lost);
+    smg_lane_stretch(w, lost, turn.inverse, (smg_lane_mask)(smg_lane_dot(g, g) >= turn.weakest), u);
+  }
+  const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
+  for (int k = 0; k < 3; ++k) e[k] = w[k] + (smg_real)0.5 * u[k] - rho * m[k];
+  smg_lanes square = smg_lane_dot(e, e);
+  if (in < SMG_LANES) { /* what is no site of the piece: 0, in empty slots to stay */
+    square = smg_lane_select(smg_lane_below(in), square, none);
+    for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
+  }
+  *most = smg_lane_max(*most, square);
+  smg_put_slots(turn.u, turn.pitch, slot, u);
+}
+
+/* The same of a piece. */
+SMG_INLINE void smg_end_piece(const smg_turning turn, const smg_piece *piece, smg_lanes *most) {
+  const int64_t size = piece->size, start = piece->start;
+  smg_lanes all = *most;
+  for (int64_t k = 0; k < size; k += SMG_LANES) {
+    smg_lanes g[3], m[3];
+    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, g);
+    smg_take_slots(turn.m, turn.pitch, start + k, m);
+    smg_end_slots(turn, start + k, size - k, m, g, &all);
+  }
+  *most = all;
+}
+
+/* The increments of a thread's share of all colours but one that has them, and the largest square of their residual. */
+static smg_lanes smg_end_share(const smg_state *s, smg_besides *known, smg_turning turn, int64_t ended) {
+  smg_lanes most = {0};
+  smg_piece piece;
+  SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
+  turn.inverse = smg_inverse_square(&s->c);
+  smg_begin_piece(&s->c, known, gradient, &piece);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
+    if (colour == ended) continue;
+    smg_begin_share(&s->c, colour, &piece);
+    while (smg_next_piece(&s->c, s->row_m, &piece)) smg_end_piece(turn, &piece, &most);
+  }
+  return most;
+}
+
+#endif
