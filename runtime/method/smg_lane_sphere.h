@@ -194,17 +194,6 @@ static void smg_lane_put_back(const smg_group *g, int l) {
 
 /* ---- one step of a group ---------------------------------------------------------------------- */
 
-/* The degree of lane l by smg_sphere_degree(), where it looks farther than lanes do. */
-SMG_COLD static void smg_lane_degree_alone(smg_group *g, int l) {
-  smg_state *s = g->state[l];
-  smg_lane_put_back(g, l);
-  s->count = g->began[l] + g->taken;
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, (smg_real)-0.5)); /* of the step just taken */
-#endif
-  smg_sphere_degree(s);
-}
-
 /* smg_sphere_degree() in the lanes `due`. */
 SMG_COLD static void smg_lanes_degree(smg_group *g, smg_lane_mask due) {
   smg_lanes miss[SMG_HISTORY - 1] = {{0}};
@@ -223,8 +212,7 @@ SMG_COLD static void smg_lanes_degree(smg_group *g, smg_lane_mask due) {
       if (smg_lane_get(miss + d, l) < smg_lane_get(miss + best, l)) best = d;
     g->state[l]->history = SMG_HISTORY;
     g->state[l]->degree = best;
-    if (smg_lane_get(miss + best, l) >= SMG_POOR) smg_lane_degree_alone(g, l);
-    smg_lane_degree(g, l, g->state[l]->degree);
+    smg_lane_degree(g, l, best);
   }
 }
 

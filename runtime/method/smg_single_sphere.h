@@ -31,11 +31,6 @@
 #define SMG_MOST_IN_A_ROW 6
 /* The part of the square of a change that the next one may be: those that fall by less than 4 are not Newton's of one solution. */
 #define SMG_FALLS (smg_real)0.0625
-/* The part of the square of a polynomial's error that the explicit start's must be: it takes the time of an iteration, and one that begins
- * with a tenth of an error saves as much. */
-#define SMG_WORTH (smg_real)0.01
-/* The square of a polynomial's error below which nothing else is tried. */
-#define SMG_POOR (smg_real)1e-4
 
 /* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear of 0 by as much
  * as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
@@ -61,10 +56,8 @@ static const smg_real smg_sphere_weights[SMG_HISTORY][4 * SMG_HISTORY] = {
     {8, 8, 8, 8, -28, -28, -28, -28, 56, 56, 56, 56, -70, -70, -70, -70, 56, 56, 56, 56, -28, -28, -28, -28, 8, 8, 8, 8, -1, -1, -1, -1},
     {9, 9, 9, 9, -36, -36, -36, -36, 84, 84, 84, 84, -126, -126, -126, -126, 126, 126, 126, 126, -84, -84, -84, -84, 36, 36, 36, 36, -9, -9,
      -9, -9, 1, 1, 1, 1},
-    {0}};
-
-/* In place of a degree: steps begin with smg_sphere_explicit(). No weights, so q = 0, and the change is large. */
-#define SMG_NO_POLYNOMIAL (SMG_HISTORY - 1)
+    {10, 10, 10, 10, -45, -45, -45, -45, 120, 120, 120, 120, -210, -210, -210, -210, 252, 252, 252, 252, -210, -210, -210, -210, 120, 120, 120,
+     120, -45, -45, -45, -45, 10, 10, 10, 10, -1, -1, -1, -1}};
 
 /* Rows beyond these have weights in polynomials of high degree alone. */
 #define SMG_FEW_ROWS 7
@@ -116,7 +109,7 @@ SMG_INLINE smg_vec smg_image(const smg_coefficients *c, smg_vec S, smg_real q) {
 }
 
 /* h X at the midpoint of w and w + h X(w), and once more with that increment, off by O(h^4); its q by three terms of the roots of |S|^2 =
- * 4 + |h X|^2 and 4 - |u|^2, which Newton makes good. On a free body (h = 2) off by 0.004, on a polynomial 0.2. */
+ * 4 + |h X|^2 and 4 - |u|^2, which Newton makes good. On a free body (h = 2) off by 0.004, where polynomials are by 0.2. */
 SMG_INLINE smg_vec smg_sphere_explicit(const smg_coefficients *c, smg_vec w, smg_real *q) {
   smg_vec u = smg_motion(c, w);
   smg_real part = -smg_vec_dot(u, u) / 8;
@@ -189,14 +182,6 @@ SMG_INLINE void smg_sphere_commit(smg_state *s, smg_vec W, smg_vec y, smg_vec v,
 }
 
 #if !SMG_COMPOSED
-/* The error that the explicit start would have made in the newest row, squared. */
-SMG_COLD static smg_real smg_sphere_explicit_miss(const smg_state *s) {
-  const smg_vec u = smg_vec_load(s->rows + 4 * s->row);
-  smg_real q;
-  const smg_vec d = smg_vec_sub(smg_sphere_explicit(&s->c, smg_vec_sub(smg_vec_load(s->w), u), &q), u);
-  return smg_vec_dot(d, d);
-}
-
 /* Which degree would have predicted the newest row best? Its error is the backward difference of order d + 1. */
 static void smg_sphere_degree(smg_state *s) {
   s->history = s->count < SMG_HISTORY ? (int)s->count : SMG_HISTORY;
@@ -212,7 +197,6 @@ static void smg_sphere_degree(smg_state *s) {
   s->degree = 0;
   for (int d = 1; d + 1 < s->history; ++d)
     if (miss[d] < miss[s->degree]) s->degree = d;
-  if (miss[s->degree] >= SMG_POOR && smg_sphere_explicit_miss(s) <= SMG_WORTH * miss[s->degree]) s->degree = SMG_NO_POLYNOMIAL;
 }
 #endif
 
