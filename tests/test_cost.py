@@ -147,6 +147,16 @@ def test_every_row_is_whole(table):
     assert "fastest, symplectic" in str(table)
 
 
+@pytest.mark.usefixtures("as_shipped")
+def test_runs_without_a_known_end_go_to_a_tolerance_by_their_energy():
+    """Half the energy error, in fewer iterations; a single sphere's midpoints have none to end."""
+    found = smidgen.cost(smidgen.load("irreversible_rigid_body"), time=300, methods=("gauss-8", "spherical-midpoint"), seconds=1, ends=False, long=False)
+    exact = {row.steps: row for row in found.rows if row.method == "gauss-8" and row.tolerance != row.tolerance}
+    loose = [row for row in found.rows if row.tolerance == row.tolerance]
+    assert len(loose) > 5 and {row.method for row in loose} == {"gauss-8"}
+    assert all(row.energy < 2 * exact[row.steps].energy and row.iterations < 0.9 * exact[row.steps].iterations for row in loose)
+
+
 def test_the_file_holds_the_table_and_the_figure_is_made_of_it_alone(table, tmp_path):
     again = load_cost(table.save(tmp_path / "a.csv"))
     assert again.save(tmp_path / "b.csv").read_bytes() == (tmp_path / "a.csv").read_bytes()

@@ -4,6 +4,7 @@ import pytest
 from support import texts
 from support.systems import SPHERICAL, begin, model
 
+import smidgen
 from smidgen.check.witness import Witness
 
 pytestmark = pytest.mark.quick
@@ -43,6 +44,35 @@ def test_a_matrix_that_is_not_coercive_has_its_branch_followed(tmp_path):
     """Sites of a random graph: the step is accepted as it stands while x.J x >= x.x/4, and followed from h = 0 beyond."""
     seen = [followed(begin(texts.read(texts.GLASS, tmp_path)), h, solver="newton") for h in (0.8, 0.9, 1.1, 1.2)]
     assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
+
+
+@pytest.mark.parametrize("h", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("name", ["free_rigid_body", "irreversible_rigid_body", "forced_rigid_body"])
+def test_steps_of_one_sphere_find_what_first_steps_find(name, h):
+    """First steps are shown to be on the branch, by a contraction or by its whole curve; later ones are near what was foretold. They
+    end where first steps end, and of a free body most take a few iterations."""
+    spec, rng, iterations = smidgen.load(name), np.random.default_rng(5), []
+    on, first = smidgen.build(spec), smidgen.build(spec)
+    for w in rng.normal(size=(4, 1, 3)):
+        on.start(w / np.linalg.norm(w), h=h)
+        for _ in range(40):
+            first.start(on.w.copy(), h=h, t0=on.t)
+            found, wanted = went(on), went(first)
+            assert found == wanted
+            if not found:
+                break
+            assert np.abs(on.w - first.w).max() < 1e-10
+            iterations.append(on.report()["iterations"])
+    assert name != "free_rigid_body" or np.median(iterations) <= 5
+
+
+def went(model) -> bool:
+    """Did the step come off?"""
+    try:
+        model.step()
+    except smidgen.RunError:
+        return False
+    return True
 
 
 ANY = """

@@ -25,6 +25,8 @@ RESOLVED = 1e-3     # larger errors may still stand for a while
 TOLERANCES = tuple(10.0 ** (-2 - k / 2) for k in range(26))       # of methods that take steps of their own
 WITHIN = 16         # steps in which they give samples
 PART = 0.1          # of a row's error that all its steps together may leave to tolerances
+HALF = 0.5          # of a row's energy error: then neither the steps nor the iterations are better than they need be
+ROUND_OFF = 2.0 ** -52      # no tolerance below ends an iteration
 BRIEF = 5e-3        # seconds: a run in pieces that takes less is timed again in one
 SAMPLES = 48        # points of a run at which invariants are looked at
 
@@ -79,11 +81,18 @@ def at_round_off(errors: list[float]) -> bool:
 
 
 def with_tolerance(case: Case, row: Row, known: Reference) -> list[Row]:
-    """The same with iterations that end where what they leave is a tenth of the row's own error; a single sphere has none to end."""
-    one_sphere = METHODS[row.method].of_midpoints and len(case.w) == 1
-    if row.status or one_sphere or not row.end_error > 0:
+    """The same with iterations that end where what they leave is a tenth of the row's own error; a single sphere has none to end, and
+    none end before round-off."""
+    one_sphere, left = METHODS[row.method].of_midpoints and len(case.w) == 1, tolerable(row, known)
+    if row.status or one_sphere or not left > ROUND_OFF:
         return []
-    return [one(case, row.method, row.steps, known, min(LOOSEST, PART * row.end_error / row.steps))]
+    return [one(case, row.method, row.steps, known, min(LOOSEST, left))]
+
+
+def tolerable(row: Row, known: Reference) -> float:
+    """What a step may leave: of the end error a share; where no end is known, of the energy error, as if the steps walked at random. Where
+    they drift, the energy error of the run to the tolerance tells."""
+    return HALF * row.energy / math.sqrt(row.steps) if known.chaotic else PART * row.end_error / row.steps
 
 
 def ratio(name: str) -> float:

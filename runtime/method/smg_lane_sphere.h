@@ -6,7 +6,7 @@
  *
  * The model adds: smg_lane_coefficients, the numbers that its kernels read, in lanes; smg_lane_fill(to, l, c) puts those of one state into
  * lane l, smg_lane_spread(to, c) into all;
- * smg_lane_motion, smg_lane_radial, smg_lane_derivative, smg_lane_slope_times, smg_lane_slope_minors, as smg_single_sphere.h says. */
+ * smg_lane_motion, smg_lane_radial, smg_lane_derivative, smg_lane_slope_times, smg_lane_slope_minors, smg_lane_slope_sums, as smg_single_sphere.h says. */
 #ifndef SMG_LANE_SPHERE_H
 #define SMG_LANE_SPHERE_H
 
@@ -54,13 +54,7 @@ SMG_INLINE smg_lane_mask smg_lanes_clear(smg_lanes det) { return (smg_lane_mask)
 SMG_INLINE smg_lane_mask smg_lanes_small(smg_lanes size) { return (smg_lane_mask)(size < SMG_SMALL); }
 
 SMG_INLINE smg_lanes smg_lanes_bound(const smg_lane_coefficients *c, smg_lane_vec m, smg_lanes q) {
-  const smg_lane_slope D = smg_lane_derivative(c, m, q);
-  smg_lane_vec sum = smg_lane_vec_of(smg_lane_of(0), smg_lane_of(0), smg_lane_of(0));
-  for (int k = 0; k < 3; ++k) {
-    const smg_lane_vec y = smg_lane_slope_times(D, smg_lane_vec_of(smg_lane_of(k == 0), smg_lane_of(k == 1), smg_lane_of(k == 2)));
-    sum = smg_lane_vec_add(sum, smg_lane_vec_of(smg_lane_abs(y.x), smg_lane_abs(y.y), smg_lane_abs(y.z)));
-  }
-  return smg_lane_vec_largest(sum);
+  return smg_lane_vec_largest(smg_lane_slope_sums(smg_lane_derivative(c, m, q)));
 }
 
 SMG_INLINE smg_lanes smg_lanes_predicted(const smg_group *g, int i) {
@@ -389,6 +383,7 @@ static inline void smg_lanes_of_one(smg_lane_coefficients *to, const smg_coeffic
   smg_lane_spread(to, c);
   (void)smg_lane_radial(to, m, smg_lane_motion(to, smg_lane_slope_times(D, m)));
   (void)smg_lane_slope_minors(D);
+  (void)smg_lane_slope_sums(D);
 }
 
 #endif

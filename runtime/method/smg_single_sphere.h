@@ -11,7 +11,7 @@
  * 1; any other solution is checked by following its branch from h = 0.
  *
  * The model adds: smg_motion(c, m) = h X(m); smg_radial(c, m, g) = e; smg_derivative(c, m, q) = M, of type smg_slope with
- * smg_slope_times(M, v) and smg_slope_minors(M) = e2(M). */
+ * smg_slope_times(M, v), smg_slope_minors(M) = e2(M) and smg_slope_sums(M), the row sums of abs(M). */
 #ifndef SMG_SINGLE_SPHERE_H
 #define SMG_SINGLE_SPHERE_H
 
@@ -27,20 +27,18 @@
 #define SMG_SMALL (SMG_EPS / 64)
 /* The square of a change of a tenth: from a larger one a second iteration here would not settle; Newton with a matrix takes over. */
 #define SMG_SECOND (smg_real)0.01
+/* Newton iterations in a row: from a tenth the changes are 1e-1, 1e-2, 1e-4, 1e-8, 1e-16, and one more. */
+#define SMG_MOST_IN_A_ROW 6
+/* The part of the square of a change that the next one may be: those that fall by less than 4 are not Newton's of one solution. */
+#define SMG_FALLS (smg_real)0.0625
 
 /* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear of 0 by as much
  * as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
 SMG_INLINE int smg_clear_of_branches(smg_real det) { return (det > (smg_real)0.4375) & (det < 5); }
 
 /* The largest row sum of abs(M), which bounds E: det(1 - E) may be moderate where E is not. */
-SMG_COLD static smg_real smg_sphere_bound(const smg_coefficients *c, smg_vec m, smg_real q) {
-  const smg_slope D = smg_derivative(c, m, q);
-  smg_vec sum = smg_vec_of(0, 0, 0);
-  for (int k = 0; k < 3; ++k) {
-    const smg_vec y = smg_slope_times(D, smg_vec_of(k == 0, k == 1, k == 2));
-    sum = smg_vec_add(sum, smg_vec_of(smg_abs(y.x), smg_abs(y.y), smg_abs(y.z)));
-  }
-  return smg_vec_largest(sum);
+SMG_INLINE smg_real smg_sphere_bound(const smg_coefficients *c, smg_vec m, smg_real q) {
+  return smg_vec_largest(smg_slope_sums(smg_derivative(c, m, q)));
 }
 
 #if SMG_COMPOSED
@@ -108,6 +106,20 @@ SMG_INLINE smg_vec smg_sphere_newton(const smg_coefficients *c, smg_vec w, smg_v
 /* h X(m), m = q S */
 SMG_INLINE smg_vec smg_image(const smg_coefficients *c, smg_vec S, smg_real q) {
   return smg_motion(c, smg_vec_scale(q, S));
+}
+
+/* h X at the midpoint of w and w + h X(w), and once more with that increment, off by O(h^4); its q by three terms of the roots of |S|^2 =
+ * 4 + |h X|^2 and 4 - |u|^2, which Newton makes good. On a free body (h = 2) off by 0.004, where polynomials are by 0.2. */
+SMG_INLINE smg_vec smg_sphere_explicit(const smg_coefficients *c, smg_vec w, smg_real *q) {
+  smg_vec u = smg_motion(c, w);
+  smg_real part = -smg_vec_dot(u, u) / 8;
+  for (int k = 0; k < 2; ++k) {
+    *q = (smg_real)0.5 * (1 + part * (1 + (smg_real)1.5 * part));
+    u = smg_image(c, smg_twice_midpoint(w, u), *q);
+    part = smg_vec_dot(u, u) / 8;
+  }
+  *q = (smg_real)0.5 * (1 + part * (1 + (smg_real)1.5 * part));
+  return u;
 }
 #if SMG_EXTENDED
 /* The solution to the digits of smg_wide: (u, low) = V + e, V = h X(m) at m = P(w + compensation + v/2), e = E d/(1 - E)
@@ -259,31 +271,51 @@ SMG_INLINE int smg_sphere_settled(smg_vec v, smg_vec u, smg_vec W) {
          smg_abs(v.z - u.z) <= SMG_EPS * smg_abs(W.z);
 }
 
-/* The first iteration left more than a unit of W. Where that is round-off of u, near a zero of W, one more evaluation
- * must confirm it; else a second Newton iteration, from u. */
-SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_vec u, smg_vec v, smg_real q, smg_real det, smg_real size) {
+/* Newton iterations from u, as long as each leaves much less than the one before and something to the next. */
+SMG_INLINE smg_vec smg_sphere_converge(smg_state *s, smg_vec w, smg_vec u, smg_real *q, smg_real *det, smg_real *size) {
+  for (;;) {
+    const smg_real last = *size;
+    u = smg_sphere_newton(&s->c, w, u, q, det, size);
+    if (++s->report.iterations == SMG_MOST_IN_A_ROW || *size < SMG_SMALL || !(*size <= SMG_FALLS * last)) return u;
+  }
+}
+
+/* The first iteration, to u = (x, y, z), left more than a unit of W. Where that is round-off of u, near a zero of W, one more evaluation
+ * must confirm it; else more Newton iterations, from u. Numbers come in registers, a vector by way of memory: 8 % of a step. */
+SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_real x, smg_real y, smg_real z, smg_real q, smg_real det, smg_real size) {
   const smg_coefficients *c = &s->c;
   const smg_vec w = smg_vec_load(s->w), compensation = smg_vec_load(s->compensation);
-  int settled = 1;
+  smg_vec u = smg_vec_of(x, y, z), v;
+  int settled = 0;
   s->report.iterations = 1;
   if (!(size < SMG_SMALL)) {
-    u = smg_sphere_newton(c, w, u, &q, &det, &size);
+    u = smg_sphere_converge(s, w, u, &q, &det, &size);
     const smg_vec S = smg_twice_midpoint(w, u);
     q = 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S)); /* Newton's own q is biased by what it leaves: a drift */
     v = smg_image(c, S, q);
-    s->report.iterations = 2;
     settled = smg_sphere_settled(v, u, smg_vec_add(w, v));
-  }
-  const smg_vec z = smg_sphere_refine(s, v, q), y = smg_vec_add(z, compensation), W = smg_vec_add(w, y);
-  if (s->report.iterations == 1 || !settled) /* confirmed? */
-    settled = smg_within_ulp(z.x - v.x, W.x, z.x, 1) && smg_within_ulp(z.y - v.y, W.y, z.y, 1) && smg_within_ulp(z.z - v.z, W.z, z.z, 1);
-  if (!(settled && smg_clear_of_branches(det) && smg_sphere_bound(c, smg_vec_scale(q, smg_twice_midpoint(w, u)), q) <= SMG_DAMPS && size < SMG_SMALL && smg_vec_largest(z) <= SMG_MAX)) return smg_sphere_hard(s, z);
-  smg_sphere_commit(s, W, y, z, q);
+  } else v = smg_image(c, smg_twice_midpoint(w, u), q);
+  const smg_vec r = smg_sphere_refine(s, v, q), total = smg_vec_add(r, compensation), W = smg_vec_add(w, total);
+  if (!settled) /* confirmed? */
+    settled = smg_within_ulp(r.x - v.x, W.x, r.x, 1) && smg_within_ulp(r.y - v.y, W.y, r.y, 1) && smg_within_ulp(r.z - v.z, W.z, r.z, 1);
+  if (!(settled && smg_clear_of_branches(det) && smg_sphere_bound(c, smg_vec_scale(q, smg_twice_midpoint(w, u)), q) <= SMG_DAMPS && size < SMG_SMALL && smg_vec_largest(r) <= SMG_MAX)) return smg_sphere_hard(s, r);
+  smg_sphere_commit(s, W, total, r, q);
 #if !SMG_COMPOSED
   if (s->count % 16 == 0) smg_sphere_degree(s);
 #endif
-  s->report.residual = smg_vec_largest(smg_vec_sub(z, v));
+  s->report.residual = smg_vec_largest(smg_vec_sub(r, v));
   return SMG_OK;
+}
+
+/* The first iteration changed too much: where the history is too short or too coarse, the explicit start may be near enough. The first
+ * step has no solution before it to be near to: it is solved from rest. */
+SMG_COLD static smg_status smg_sphere_afresh(smg_state *s) {
+  const smg_coefficients *c = &s->c;
+  const smg_vec w = smg_vec_load(s->w);
+  smg_real q, det, size;
+  const smg_vec u = smg_sphere_newton(c, w, smg_sphere_explicit(c, w, &q), &q, &det, &size);
+  if (s->count == 0 || !(size < SMG_SECOND)) return smg_sphere_hard(s, smg_vec_of(0, 0, 0));
+  return smg_sphere_again(s, u.x, u.y, u.z, q, det, size);
 }
 
 /* One step of the size s->c.h, the time of its midpoint in s->c. */
@@ -295,7 +327,7 @@ SMG_INLINE smg_status smg_sphere_step(smg_state *s) {
   const smg_vec v = smg_image(c, smg_twice_midpoint(w, u), q), y = smg_vec_add(v, compensation), W = smg_vec_add(w, y);
   const smg_real change = smg_abs(v.x - u.x) + smg_abs(v.y - u.y) + smg_abs(v.z - u.z);
   if (!(smg_sphere_settled(v, u, W) && smg_clear_of_branches(det) && size < SMG_SMALL && change <= SMG_MAX)) {
-    s->report.status = size < SMG_SECOND ? smg_sphere_again(s, u, v, q, det, size) : smg_sphere_hard(s, smg_vec_of(0, 0, 0));
+    s->report.status = size < SMG_SECOND ? smg_sphere_again(s, u.x, u.y, u.z, q, det, size) : smg_sphere_afresh(s);
     return s->report.status;
   }
   smg_sphere_commit(s, W, y, v, q);

@@ -85,7 +85,7 @@ static void smg_row_step(smg_state *s, smg_besides *known) {
 /* count steps: none fails. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_besides known;
-  smg_forget_besides(&known);
+  smg_forget_besides(&s->c, &known);
   s->row_team = smg_row_team(&s->c);
   if (s->row_team > 1) smg_know_besides(&s->c, &known);
   smg_enter_rows(s);

@@ -38,7 +38,7 @@ def solo_kernels(model, low: Lowering):
     if not field.entries:
         return None
     return (motion(low, field), radial(low, field), Struct("smg_slope", tuple(f"e{a}{b}" for a, b in field.entries) or ("none",)),
-            derivative(low, field), slope_times(field.entries), slope_minors(field.entries))
+            derivative(low, field), slope_times(field.entries), slope_minors(field.entries), slope_sums(field.entries))
 
 
 def lone_motion(model, low: Lowering) -> Function | None:
@@ -152,6 +152,15 @@ def slope_minors(entries) -> Function:
         if (a, b) in entries and (b, a) in entries:
             terms.append(("-", entry(a, b), entry(b, a)))
     return Function("smg_real", "smg_slope_minors", (SLOPE,), (Return(added(terms)),), target="value", wanted=True)
+
+
+def slope_sums(entries) -> Function:
+    """The row sums of abs(D)."""
+    sums = [ZERO, ZERO, ZERO]
+    for a, b in entries:
+        size = Call("smg_abs", (entry(a, b),))
+        sums[a] = size if sums[a] is ZERO else Ordered("+", sums[a], size)
+    return Function("smg_vec", "smg_slope_sums", (SLOPE,), (Return(Call("smg_vec_of", tuple(sums))),), target="value", wanted=True)
 
 
 def shorter(e, m):
