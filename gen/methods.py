@@ -33,6 +33,7 @@ class Method:
     sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once; stage_rows: on
     lattices it goes by rows, sites in lanes.
     A composition takes `stages` steps of its base method, with the coefficients of the header `scheme`; the rest it has from that.
+    lane_header: the file that takes several members of an ensemble at once, those of a single unit sphere.
     variant: sweeps over all methods leave it out, since another one of its kind and order does better.
     symmetric: a step of -h undoes a step of h.
     splitting: what an explicit splitting of H takes apart (`compile.plan.splitting`, which looks at Hessians); keeps_linear: it keeps momentum and the
@@ -67,6 +68,7 @@ class Method:
     lanes: int = 1
     stages: int = 1
     scheme: str = ""
+    lane_header: str = ""
     variant: bool = False
     splitting: str = ""
     symmetric: bool = True
@@ -100,7 +102,7 @@ def composed(base: Method, scheme: str) -> Method:
 
 MIDPOINT_METHODS = (
     Method("spherical-midpoint", "the spherical midpoint", "spherical midpoint", "spherical midpoint (symplectic, order 2)", 2,
-           "smg_spherical_midpoint.h", onto_leaf=True, symplectic=True, unknowns=2, solvers=SOLVERS),
+           "smg_spherical_midpoint.h", onto_leaf=True, symplectic=True, unknowns=2, solvers=SOLVERS, lane_header="smg_lane_sphere.h"),
     Method("classical-midpoint", "the classical midpoint", "classical midpoint", "classical midpoint (comparator: not symplectic on spheres)", 2,
            "smg_classical_midpoint.h"),
     Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
@@ -151,7 +153,8 @@ METHODS = {m.name: m for m in (
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",
              keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
-             arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),))
+             arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),),
+             lane_header="smg_lane_dop853.h")
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),
     *SPLITTINGS,
     *(composed(base, scheme) for base in (*MIDPOINT_METHODS, *SPLITTINGS) for scheme in SCHEMES),

@@ -36,11 +36,27 @@ w = { sphere = 1 }
 [effects.only]
 energy = "w.x^2"
 """
-SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load_text(PULSED), "planar": smidgen.load_text(PLANAR)}
+EDGE = """
+[model]
+name = "edge"
+[space]
+w = { sphere = 1 }
+[parameters]
+B = 1.0
+[effects.only]
+energy = "w.x + B*sqrt(0.5 + w.z)"
+"""
+OWN_STEPS = ("dop853", "dop853-projected")
+SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load_text(PULSED), "planar": smidgen.load_text(PLANAR),
+         "edge": smidgen.load_text(EDGE), "mixed": smidgen.load_text(PULSED.replace("cos(2*t)*", "").replace("pulsed", "mixed"))}
 
 
 def test_these_go_in_lanes():
-    assert all("#define SMG_LANE_SPHERE 1" in generate(spec, features=("ensemble",))[f"{spec.name}.c"] for spec in SPECS.values())
+    timed = {"forced_rigid_body", "pulsed"}
+    for spec in SPECS.values():
+        for method in ("spherical-midpoint", *OWN_STEPS):
+            goes = "#define SMG_LANE_SPHERE 1" in generate(spec, method=method, features=("ensemble",))[f"{spec.name}.c"]
+            assert goes == (method not in OWN_STEPS or spec.name not in timed)
 
 
 def points(members: int, seed: int = 0) -> np.ndarray:
@@ -124,6 +140,67 @@ def test_the_same_bits_for_any_number_of_lanes(monkeypatch, lanes):
     assert agree(smidgen.ensemble(spec, w, h=0.05, steps=60), wanted)
 
 
+@pytest.mark.parametrize("method", OWN_STEPS)
+@pytest.mark.parametrize("name", BODIES)
+def test_steps_of_their_own_in_lanes(how, name, method):
+    """Many internal steps in one of h, or one; refused ones at a loose tolerance; the first sizes."""
+    w = points(13)
+    for h, steps, tolerance in ((20.0, 2, 1e-10), (0.1, 12, None), (3.0, 6, 0.01)):
+        found = smidgen.ensemble(SPECS[name], w, h=h, steps=steps, t0=0.7, method=method, tolerance=tolerance, threads=1, **how)
+        assert agree(found, alone(SPECS[name], w, h, steps, 0.7, method=method, tolerance=tolerance))
+        if name == "forced_rigid_body":
+            assert found.lanes == 1 and "one by one" in repr(found)
+        else:
+            assert found.lanes in (2, 4, 8) and f"{found.lanes} at a time" in repr(found)
+
+
+@pytest.mark.parametrize("method", OWN_STEPS)
+def test_members_that_take_more_steps_than_others(method):
+    """Bodies up to a hundred times as fast as others: a lane whose member is done is given to the next one."""
+    w, own = points(37, 4), {"I1": 10 ** np.random.default_rng(6).uniform(-2, 0, 37)}
+    found = smidgen.ensemble(SPECS["free_rigid_body"], w, values=own, h=0.6, steps=3, every=1, what="states", method=method, tolerance=1e-8)
+    assert agree(found, alone(SPECS["free_rigid_body"], w, 0.6, 3, own=own, method=method, tolerance=1e-8))
+    at_once = smidgen.ensemble(SPECS["free_rigid_body"], w, values=own, h=0.6, steps=3, method=method, tolerance=1e-8)
+    assert at_once.w.tobytes() == found.states[-1].tobytes() == found.w.tobytes()
+
+
+@pytest.mark.parametrize("members", [1, 7, 8, 9, 16, 17])
+def test_steps_of_their_own_of_any_number_of_members(members):
+    """Registers that are not full, and none at all: a start off its sphere is no member that steps."""
+    w = points(members, 3)
+    assert agree(smidgen.ensemble(SPECS["free_rigid_body"], w, h=5.0, steps=2, method=OWN_STEPS[1]),
+                 alone(SPECS["free_rigid_body"], w, 5.0, 2, method=OWN_STEPS[1]))
+    assert len(smidgen.ensemble(SPECS["free_rigid_body"], 1.1 * w, h=5.0, steps=2, method=OWN_STEPS[1]).failures) == members
+
+
+@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(3, 30))])
+def test_any_steps_of_their_own(seed):
+    rng = np.random.default_rng(seed)
+    members, method = int(rng.integers(1, 30)), str(rng.choice(OWN_STEPS))
+    w, h, steps, tolerance = points(members, seed), float(10 ** rng.uniform(-2, 1)), int(rng.integers(1, 9)), float(10 ** rng.uniform(-14, -2))
+    own = {"a": rng.uniform(-0.8, 0.8, members), "B": rng.uniform(-1, 1, (members, 3))}
+    found = smidgen.ensemble(SPECS["mixed"], w, values=own, h=h, steps=steps, method=method, tolerance=tolerance)
+    assert agree(found, alone(SPECS["mixed"], w, h, steps, own=own, method=method, tolerance=tolerance))
+
+
+@pytest.mark.parametrize("method", OWN_STEPS)
+def test_members_whose_own_steps_fail(method):
+    """Where the energy ends: below, there is no field at all; others come to its edge after some steps, others never."""
+    w, spec = points(41, 2), SPECS["edge"]
+    found, wanted = smidgen.ensemble(spec, w, h=0.5, steps=30, method=method), alone(spec, w, 0.5, 30, method=method)
+    assert agree(found, wanted) and 5 < len(found.failures) < 36 and len(set(found.steps)) > 4
+    for k, said in found.failures.items():
+        assert f"step {wanted[2][k] + 1} from" in said
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8])
+def test_steps_of_their_own_in_any_number_of_lanes(monkeypatch, lanes):
+    wanted = alone(SPECS["mixed"], points(9), 2.0, 5, method=OWN_STEPS[1])
+    monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+    found = smidgen.ensemble(SPECS["mixed"], points(9), h=2.0, steps=5, method=OWN_STEPS[1])
+    assert agree(found, wanted) and found.lanes == lanes and ("one by one" in repr(found)) == (lanes == 1)
+
+
 def test_energy_of_one_component():
     """Where many entries of the matrix are 0; and the plane x = 0, in which nothing moves."""
     w = np.concatenate([points(6), [[[0.0, 0.6, 0.8]], [[-0.0, -1.0, 0.0]], [[1.0, 0.0, -0.0]]]])
@@ -157,7 +234,8 @@ def test_other_models_and_methods(name, method, h):
     spec = smidgen.load(name)
     start = initial_state(spec, spec.runs[0].start)
     w = np.array([start, start[:, [1, 2, 0]] if name != "nambu_a31" else start, start])
-    assert agree(smidgen.ensemble(spec, w, h=h, steps=12, method=method), alone(spec, w, h, 12, method=method))
+    found = smidgen.ensemble(spec, w, h=h, steps=12, method=method)
+    assert agree(found, alone(spec, w, h, 12, method=method)) and found.lanes == 1 and "one by one" in repr(found)
 
 
 def test_a_member_of_another_model_that_cannot_begin_stays():
@@ -211,15 +289,15 @@ def test_limits_of_an_ensemble(monkeypatch):
 
 
 @functools.cache
-def files_of(name):
-    return generate(SPECS[name], amalgamate=True, features=("ensemble",))
+def files_of(name, method):
+    return generate(SPECS[name], method=method, amalgamate=True, features=("ensemble",))
 
 
 @pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])
 @pytest.mark.parametrize("compiler, mode", MODES)
-@pytest.mark.parametrize("name", ["pulsed", "free_rigid_body"])
-def test_clean_c(tmp_path, name, compiler, mode, lanes):
-    for file, text in files_of(name).items():
+@pytest.mark.parametrize("name, method", [("pulsed", "spherical-midpoint"), ("free_rigid_body", "spherical-midpoint"), ("mixed", OWN_STEPS[1])])
+def test_clean_c(tmp_path, name, method, compiler, mode, lanes):
+    for file, text in files_of(name, method).items():
         (tmp_path / file).write_text(text)
     assert not compile_all(tmp_path, [f"{name}.c", f"{name}_abi.c"], compiler, "-Wno-psabi", f"-DSMG_LANES={lanes}", how=mode)
 

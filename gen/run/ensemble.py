@@ -36,7 +36,8 @@ class Ensemble:
     t: the time of each output, shape (outputs,), the last one the end; w: the state at the end, or before the step that failed,
     (members, sites, 3); status: 0, or why a member stopped (`STATUS` of run.integrator), and steps: those it has taken, both (members,);
     states: (outputs, members, sites, 3) and energy: (outputs, members), where they were asked for, else None; a member that
-    stopped stays in them where it was. failures: member -> what happened.
+    stopped stays in them where it was. failures: member -> what happened. lanes: how many members stepped at once, in the lanes of vectors; 1: they
+    stepped one by one.
     """
     t: np.ndarray
     w: np.ndarray
@@ -45,10 +46,12 @@ class Ensemble:
     states: np.ndarray | None = None
     energy: np.ndarray | None = None
     failures: dict = field(default_factory=dict)
+    lanes: int = 1
 
     def __repr__(self) -> str:
+        how = f"{self.lanes} at a time" if self.lanes > 1 else "one by one"
         failed = f"; failed: {few(map(str, self.failures))}" if self.failures else ""
-        return f"<Ensemble of {len(self.w)} members, {self.w.shape[1]} sites each, to t = {self.t[-1]:.10g}{failed}>"
+        return f"<Ensemble of {len(self.w)} members, {self.w.shape[1]} sites each, to t = {self.t[-1]:.10g}, {how}{failed}>"
 
 
 @public
@@ -65,7 +68,7 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
     t0: the time of the start; what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is
     given; native: compile for this processor, whose registers hold more members at once (None: where members go in lanes); threads: how many, by default one a processor.
 
-    Each member has the bits that it has alone. A single sphere's members step in lanes, those of other models one by one. A member whose
+    Each member has the bits that it has alone. A single sphere's members step in lanes, those of other models one by one (`lanes`). A member whose
     step fails, or that cannot begin, stays where it is, and `failures` names it; the others go on. Raises UsageError for what does not
     fit, MissingTool and BuildError as `build` does, RunError without memory.
     """
@@ -127,7 +130,7 @@ class Stepped:
         count, status, site, reached = self.reports()
         failures = {int(k): self.why(int(status[k]), int(count[k]), int(site[k]), float(reached[k])) if self.began[k] else self.refused(int(k), int(status[k]))
                     for k in np.flatnonzero(status)}
-        return Ensemble(t, self.state(), status, count, states, energy, failures)
+        return Ensemble(t, self.state(), status, count, states, energy, failures, self.c.ensemble_lanes())
 
     def reports(self) -> tuple:
         """(steps, statuses, sites, reached) of all members."""

@@ -490,7 +490,7 @@ def _functions(library, name):
         types["tangent"] = (ctypes.c_int, [pointer, pointer, integer, integer, pointer])
     if hasattr(library, f"{name}_abi_ensemble_new"):
         types |= {"ensemble_new": (pointer, [pointer, pointer, ctypes.c_int, integer, pointer, real, real, real]),
-                  "ensemble_steps": (integer, [pointer, integer, integer, integer]), "ensemble_reports": (None, [pointer] * 5),
+                  "ensemble_steps": (integer, [pointer, integer, integer, integer]), "ensemble_lanes": (ctypes.c_int, []), "ensemble_reports": (None, [pointer] * 5),
                   "ensemble_states": (None, [pointer] * 3), "ensemble_energies": (None, [pointer] * 3), "ensemble_free": (None, [pointer])}
     found = SimpleNamespace()
     for word, (result, arguments) in types.items():

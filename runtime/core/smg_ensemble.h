@@ -1,16 +1,19 @@
 /* smidgen runtime: an ensemble, states of one model side by side, each with the bits that it has alone.
  *
  * Its memory holds the states, then the arrays of each. A member whose step fails stays where it is, as m_step() leaves it, and takes
- * no more; its report says why. Members of a single sphere step SMG_LANES at a time (smg_lane_sphere.h), all others one by one.
+ * no more; its report says why. Members of a single sphere step SMG_LANES at a time where the method has smg_lane_steps(), all others
+ * one by one.
  * Two threads may step different members at once. */
 #ifndef SMG_ENSEMBLE_H
 #define SMG_ENSEMBLE_H
 
 #include "smg_steps.h"
-#if SMG_LANE_SPHERE
-#include "smg_lane_sphere.h"
-#endif
 
+#if SMG_LANE_SPHERE && SMG_LANES > 1
+#define SMG_MEMBERS_AT_ONCE SMG_LANES
+#else
+#define SMG_MEMBERS_AT_ONCE 1
+#endif
 #define SMG_ENSEMBLE_LINE 64 /* bytes of a line of the cache: no two threads write to one */
 
 SMG_INLINE size_t smg_whole_lines(size_t bytes) { return (bytes + SMG_ENSEMBLE_LINE - 1) / SMG_ENSEMBLE_LINE * SMG_ENSEMBLE_LINE; }
@@ -58,7 +61,7 @@ static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own,
 
 /* count steps of the members first .. first + members - 1, where none failed before. Returns how many of them have failed. */
 static int64_t smg_ensemble_steps(smg_ensemble *e, int64_t first, int64_t members, int64_t count) {
-#if SMG_LANE_SPHERE && SMG_LANES > 1
+#if SMG_MEMBERS_AT_ONCE > 1
   smg_lane_steps(e->member + first, members, count, !e->own);
 #else
   for (int64_t k = first; k < first + members; ++k)

@@ -1,7 +1,7 @@
 /* smidgen method: Dormand and Prince of order 8, explicit, with error estimates of orders 5 and 3 and control of its own steps.
  *
  * w' = f(t, w) = (1/kappa) grad C(w) x dH/dw. Twelve stages give one internal step of the size p, with y = w at its start:
- *     k_i = f(t + c_i p, y + p sum_(j<i) a_ij k_j),   y + p sum_i b_i k_i,
+ *     k_i = p f(t + c_i p, y + sum_(j<i) a_ij k_j),   y + sum_i b_i k_i,
  * and two linear combinations of them estimate its error. smg_step takes one output step, t0 + n h to t0 + (n + 1) h, by as many
  * internal ones as the tolerance asks; the last ends exactly there. It is no symplectic method: energy and leaves drift.
  *
@@ -103,24 +103,19 @@ static inline void smg_set_time_at(smg_coefficients *c, const smg_state *s, smg_
 #endif
 }
 
-/* k = f of every site; one that is alone has h f in fewer operations, and then k = h f. */
+/* k = p f of every site, p the part `size` of h; one that is alone has it in fewer operations. */
 #if SMG_HAS_MOTION
-static inline smg_real smg_unit_of_k(const smg_state *s) {
-  (void)s;
-  return 1;
+static inline void smg_right_side(const smg_coefficients *c, smg_real size, const smg_real *w, smg_real *k) {
+  smg_vec_store(k, smg_motion(c, smg_vec_load(w), size));
 }
-
-static inline void smg_right_side(const smg_coefficients *c, const smg_real *w, smg_real *k) { smg_vec_store(k, smg_motion(c, smg_vec_load(w))); }
 #else
-static inline smg_real smg_unit_of_k(const smg_state *s) { return smg_signed_h(s->h); }
-
-/* (1/kappa) grad C(w) x dH/dw; sums begin at -0, to which compilers know better than to add. */
-static inline void smg_right_side(const smg_coefficients *c, const smg_real *SMG_RESTRICT w, smg_real *SMG_RESTRICT k) {
+/* (p/kappa) grad C(w) x dH/dw; sums begin at -0, to which compilers know better than to add. */
+static inline void smg_right_side(const smg_coefficients *c, smg_real size, const smg_real *SMG_RESTRICT w, smg_real *SMG_RESTRICT k) {
   const int64_t sites = smg_sites(c);
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] = -(smg_real)0;
   smg_gradient(c, w, k);
   for (int64_t i = 0; i < sites; ++i) {
-    const smg_real over_kappa = smg_h_over_kappa(c, i, 1);
+    const smg_real over_kappa = smg_h_over_kappa(c, i, c->h * size);
     smg_real n[3], f[3];
     smg_normal(c, i, w + 3 * i, n);
     smg_cross(f, n, k + 3 * i);
@@ -138,41 +133,39 @@ SMG_INLINE smg_real smg_weighted(const smg_real *a, int count, const smg_real *k
   return sum;
 }
 
-/* z = y + p sum_j a_ij k_j, j < i: only the last term waits for the stage before. What y has lost to rounding is less than what z loses. */
-SMG_INLINE void smg_stage_point(int i, smg_real p, const smg_real *y, const smg_real *k, int64_t n, smg_real *SMG_RESTRICT z) {
-  const smg_real last = p * smg_dop853_a[i][i - 1];
+/* z = y + sum_j a_ij k_j, j < i: only the last term waits for the stage before. What y has lost to rounding is less than what z loses. */
+SMG_INLINE void smg_stage_point(int i, const smg_real *y, const smg_real *k, int64_t n, smg_real *SMG_RESTRICT z) {
   for (int64_t q = 0; q < n; ++q) {
-    const smg_real older = i > 1 ? y[q] + p * smg_weighted(smg_dop853_a[i], i - 1, k + q, n) : y[q];
-    z[q] = older + last * k[(i - 1) * n + q];
+    const smg_real older = i > 1 ? y[q] + smg_weighted(smg_dop853_a[i], i - 1, k + q, n) : y[q];
+    z[q] = older + smg_dop853_a[i][i - 1] * k[(i - 1) * n + q];
   }
 }
 
-/* k_(i+1), i = 1 .. 11, of the internal step of the size p from the part `from` of h. */
-SMG_INLINE void smg_stage(smg_state *s, int i, smg_real from, smg_real size, smg_real p) {
-  smg_stage_point(i, p, smg_vector(s, SMG_Y), s->stages, 3 * smg_sites(&s->c), s->u);
+/* k_(i+1), i = 1 .. 11, of the internal step of the part `size` of h from the part `from` of it. */
+SMG_INLINE void smg_stage(smg_state *s, int i, smg_real from, smg_real size) {
+  smg_stage_point(i, smg_vector(s, SMG_Y), s->stages, 3 * smg_sites(&s->c), s->u);
   smg_set_time_at(&s->c, s, from + smg_dop853_c[i] * size);
-  smg_right_side(&s->c, s->u, smg_vector(s, i));
+  smg_right_side(&s->c, size, s->u, smg_vector(s, i));
 }
 
 /* k_2 .. k_12. */
 static inline void smg_later_stages(smg_state *s, smg_real from, smg_real size) {
-  const smg_real p = smg_unit_of_k(s) * size;
-  smg_stage(s, 1, from, size, p);
-  smg_stage(s, 2, from, size, p);
-  smg_stage(s, 3, from, size, p);
-  smg_stage(s, 4, from, size, p);
-  smg_stage(s, 5, from, size, p);
-  smg_stage(s, 6, from, size, p);
-  smg_stage(s, 7, from, size, p);
-  smg_stage(s, 8, from, size, p);
-  smg_stage(s, 9, from, size, p);
-  smg_stage(s, 10, from, size, p);
-  smg_stage(s, 11, from, size, p);
+  smg_stage(s, 1, from, size);
+  smg_stage(s, 2, from, size);
+  smg_stage(s, 3, from, size);
+  smg_stage(s, 4, from, size);
+  smg_stage(s, 5, from, size);
+  smg_stage(s, 6, from, size);
+  smg_stage(s, 7, from, size);
+  smg_stage(s, 8, from, size);
+  smg_stage(s, 9, from, size);
+  smg_stage(s, 10, from, size);
+  smg_stage(s, 11, from, size);
 }
 
-/* out = p sum_j a_j k_j of all stages. */
-SMG_INLINE void smg_combine(const smg_real *a, smg_real p, const smg_real *k, int64_t n, smg_real *SMG_RESTRICT out) {
-  for (int64_t q = 0; q < n; ++q) out[q] = p * smg_weighted(a, SMG_STAGES_USED, k + q, n);
+/* out = r sum_j a_j k_j of all stages. */
+SMG_INLINE void smg_combine(const smg_real *a, smg_real r, const smg_real *k, int64_t n, smg_real *SMG_RESTRICT out) {
+  for (int64_t q = 0; q < n; ++q) out[q] = r * smg_weighted(a, SMG_STAGES_USED, k + q, n);
 }
 
 /* The square of the error of site k, as part of what is allowed: e5^4/(e5^2 + e3^2/100) of the norms of both; squares that leave the
@@ -180,7 +173,7 @@ SMG_INLINE void smg_combine(const smg_real *a, smg_real p, const smg_real *k, in
 static inline smg_real smg_site_error(const smg_state *s, int64_t k) {
   const smg_real *y = smg_vector(s, SMG_Y) + 3 * k, *u = s->u + 3 * k;
   const smg_real *e5 = smg_vector(s, SMG_E5) + 3 * k, *e3 = smg_vector(s, SMG_E3) + 3 * k;
-  const smg_real end[3] = {y[0] + u[0], y[1] + u[1], y[2] + u[2]}, first = smg_dot(e5, e5), both = first + smg_dot(e3, e3) / 100;
+  const smg_real end[3] = {y[0] + u[0], y[1] + u[1], y[2] + u[2]}, first = smg_dot(e5, e5), both = first + smg_dot(e3, e3) * (smg_real)0.01;
   if (!(smg_largest(end) <= SMG_MAX)) return (smg_real)NAN;
   if (!(both <= SMG_MAX)) return SMG_MAX; /* of e5 that does not show beside it, too */
   return first > 0 ? first * (first / both) : first;
@@ -189,19 +182,19 @@ static inline smg_real smg_site_error(const smg_state *s, int64_t k) {
 /* An output step under way. Sizes are parts of h. */
 typedef struct smg_pace {
   smg_real done, size, natural; /* what is done; the internal step that is tried; the next one if nothing cuts it short */
-  smg_real error, largest;      /* of the try, as part of the tolerance; of all that were accepted, in units of w */
+  smg_real square, largest;     /* of the error of the try, as part of what is allowed; the largest of all that were accepted */
+  smg_real per_allowed;         /* 1/(tolerance scale); 0: all w are 0, and nothing moves */
   int64_t worst;                /* the site of that error */
   int tries, accepted, refused; /* refused: was the last try? */
 } smg_pace;
 
-/* u = p sum_i b_i k_i, and its error: the largest of all sites,
- *     |p| e5^2/sqrt(e5^2 + e3^2/100), e5 = |sum_i (b_i - b5_i) k_i|, e3 alike. */
+/* u = sum_i b_i k_i, and the square of its error: the largest of all sites,
+ *     e5^4/(e5^2 + e3^2/100), e5 = |sum_i (b_i - b5_i) k_i|, e3 alike. */
 static inline void smg_estimate(smg_state *s, smg_pace *pace) {
   const int64_t sites = smg_sites(&s->c);
-  const smg_real p = smg_unit_of_k(s) * pace->size, allowed = s->tolerance * s->scale;
-  const smg_real r = allowed > 0 ? p / allowed : 0; /* all w are 0: nothing moves */
+  const smg_real r = pace->per_allowed;
   smg_real most = 0;
-  smg_combine(smg_dop853_b, p, s->stages, 3 * sites, s->u);
+  smg_combine(smg_dop853_b, 1, s->stages, 3 * sites, s->u);
   smg_combine(smg_dop853_e5, r, s->stages, 3 * sites, smg_vector(s, SMG_E5)); /* where k_2 and k_3 were, which are in none of them */
   smg_combine(smg_dop853_e3, r, s->stages, 3 * sites, smg_vector(s, SMG_E3));
   for (int64_t k = 0; k < sites && most == most; ++k) {
@@ -210,7 +203,7 @@ static inline void smg_estimate(smg_state *s, smg_pace *pace) {
     most = error; /* NaN comes in and stays */
     pace->worst = k;
   }
-  pace->error = SMG_MATH(sqrt)(most);
+  pace->square = most;
 }
 
 #if SMG_PROJECT
@@ -227,7 +220,7 @@ static inline void smg_back_on_leaf(const smg_state *s, int64_t k, smg_real *y, 
   else leaf = smg_twice_casimir(&s->c, k, s->w + 3 * k, s->compensation + 3 * k, n);
   for (int round = 0; round < SMG_LEAF_ROUNDS; ++round) {
     const smg_real off = leaf - smg_twice_casimir(&s->c, k, y, compensation, n), square = smg_dot(n, n);
-    if (!(square > 0) || smg_abs(off) <= SMG_EPS * smg_norm(n) * smg_norm(y)) return;
+    if (!(square > 0) || smg_abs(off) <= SMG_EPS * (smg_abs(n[0] * y[0]) + smg_abs(n[1] * y[1]) + smg_abs(n[2] * y[2]))) return;
     for (int b = 0; b < 3; ++b) smg_add_compensated(&y[b], &compensation[b], off / (2 * square) * n[b]);
   }
 }
@@ -251,13 +244,29 @@ static inline void smg_take(smg_state *s) {
 }
 
 /* ---- control of the size ------------------------------------------------------------------------------------------------- */
-/* x^(1/8) */
-static inline smg_real smg_eighth_root(smg_real x) { return SMG_MATH(sqrt)(SMG_MATH(sqrt)(SMG_MATH(sqrt)(x))); }
+/* x^(-1/16), from the bits of x > 0: those of a number are nearly its logarithm (smg_lane_rough_inverse_root()), off by at most 3.3 %,
+ * which the part SMG_SAFETY makes up for; of numbers other than doubles by roots. */
+#if defined(SMG_LONG_DOUBLE) || defined(SMG_QUAD)
+static inline smg_real smg_sixteenth(smg_real x) { return 1 / SMG_MATH(sqrt)(SMG_MATH(sqrt)(SMG_MATH(sqrt)(SMG_MATH(sqrt)(x)))); }
+#else
+#define SMG_SIXTEENTH UINT64_C(0x43ee44d013a92c00) /* bits of 1, and a sixteenth of them, less half of what logarithms are off */
+typedef union smg_bits {
+  smg_real number;
+  uint64_t bits;
+} smg_bits;
+
+static inline smg_real smg_sixteenth(smg_real x) {
+  smg_bits both;
+  both.number = x;
+  both.bits = SMG_SIXTEENTH - (both.bits >> 4);
+  return both.number;
+}
+#endif
 
 /* The error of a step of size p goes as p^8: the factor at which it meets the tolerance, within its limits. */
-static inline smg_real smg_factor(smg_real error) {
-  if (!(error > 0)) return SMG_GROWTH;
-  return smg_min(SMG_GROWTH, smg_max(SMG_SHRINK, SMG_SAFETY / smg_eighth_root(error)));
+static inline smg_real smg_factor(smg_real square) {
+  if (!(square > 0)) return SMG_GROWTH;
+  return smg_min(SMG_GROWTH, smg_max(SMG_SHRINK, SMG_SAFETY * smg_sixteenth(square)));
 }
 
 /* k_1, at the start of an internal step. */
@@ -265,7 +274,7 @@ static inline smg_status smg_first_stage(smg_state *s, smg_pace *pace) {
   const smg_real *k = smg_vector(s, 0);
   const int64_t n = 3 * smg_sites(&s->c);
   smg_set_time_at(&s->c, s, pace->done);
-  smg_right_side(&s->c, smg_vector(s, SMG_Y), smg_vector(s, 0));
+  smg_right_side(&s->c, pace->size, smg_vector(s, SMG_Y), smg_vector(s, 0));
   for (int64_t q = 0; q < n; ++q) {
     if (smg_abs(k[q]) <= SMG_MAX) continue;
     pace->worst = q / 3;
@@ -275,12 +284,14 @@ static inline smg_status smg_first_stage(smg_state *s, smg_pace *pace) {
 }
 
 /* The very first size, where k_1 alone would move w by the eighth root of the tolerance; the control soon finds a better one. */
-static inline smg_real smg_first_size(const smg_state *s) {
+static inline smg_real smg_first_size(smg_state *s) {
   const smg_real *k = smg_vector(s, 0);
   smg_real most = 0;
+  smg_set_time_at(&s->c, s, 0);
+  smg_right_side(&s->c, 1, smg_vector(s, SMG_Y), smg_vector(s, 0));
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) most = smg_max(most, smg_abs(k[q]));
-  const smg_real moves = most * smg_abs(smg_unit_of_k(s)), may = smg_eighth_root(s->tolerance) * s->scale;
-  return moves > may ? may / moves : 1;
+  const smg_real may = SMG_MATH(sqrt)(SMG_MATH(sqrt)(SMG_MATH(sqrt)(s->tolerance))) * s->scale;
+  return most > may ? may / most : 1;
 }
 
 /* Where the next internal step ends: exactly at 1 when it comes near, and half way when two steps will do. Its size is the
@@ -296,9 +307,9 @@ static inline smg_real smg_next_end(smg_pace *pace) {
 
 /* The step is good. A size that the end of h cut short says little of the natural one when its error vanishes. */
 static inline void smg_accept(smg_state *s, smg_pace *pace, smg_real end) {
-  const smg_real factor = pace->refused ? smg_min(1, smg_factor(pace->error)) : smg_factor(pace->error);
+  const smg_real factor = pace->refused ? smg_min(1, smg_factor(pace->square)) : smg_factor(pace->square);
   smg_take(s);
-  pace->largest = smg_max(pace->largest, pace->error * s->tolerance * s->scale);
+  pace->largest = smg_max(pace->largest, pace->square);
   if (factor < SMG_GROWTH || pace->size * factor > pace->natural) pace->natural = pace->size * factor;
   smg_kept(s)[SMG_LAST_FROM] = pace->done;
   pace->done = end;
@@ -308,8 +319,8 @@ static inline void smg_accept(smg_state *s, smg_pace *pace, smg_real end) {
 
 /* It is not: again from the same place, with a smaller size, as long as that is one. */
 static inline smg_status smg_refuse(smg_pace *pace) {
-  const int finite = pace->error - pace->error == 0;
-  pace->natural = pace->size * (finite ? smg_factor(pace->error) : SMG_SHRINK);
+  const int finite = pace->square - pace->square == 0;
+  pace->natural = pace->size * (finite ? smg_factor(pace->square) : SMG_SHRINK);
   pace->refused = 1;
   if (!SMG_FIXED_STEP && pace->natural >= SMG_LEAST_PART) return SMG_OK;
   return finite ? SMG_NO_CONVERGENCE : SMG_NOT_FINITE;
@@ -318,17 +329,17 @@ static inline smg_status smg_refuse(smg_pace *pace) {
 /* ---- an output step ------------------------------------------------------------------------------------------------------ */
 /* All internal steps, in the scratch arrays. */
 static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
-  smg_status status = smg_first_stage(s, pace);
+  smg_status status = SMG_OK;
   pace->natural = smg_max(SMG_LEAST_PART, pace->natural > 0 ? pace->natural : smg_first_size(s));
   while (status == SMG_OK && pace->done < 1) {
     if (++pace->tries > SMG_MOST_TRIES) return SMG_NO_CONVERGENCE;
     const smg_real end = smg_next_end(pace);
+    status = smg_first_stage(s, pace);
+    if (status != SMG_OK) return status;
     smg_later_stages(s, pace->done, pace->size);
     smg_estimate(s, pace);
-    if (SMG_FIXED_STEP ? pace->error - pace->error == 0 : pace->error <= 1) {
-      smg_accept(s, pace, end);
-      if (end < 1) status = smg_first_stage(s, pace);
-    } else status = smg_refuse(pace);
+    if (SMG_FIXED_STEP ? pace->square - pace->square == 0 : pace->square <= 1) smg_accept(s, pace, end);
+    else status = smg_refuse(pace);
   }
   return status;
 }
@@ -350,7 +361,8 @@ static void smg_commit(smg_state *s, const smg_pace *pace) {
 
 static smg_status smg_step(smg_state *s) {
   smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION), *kept = smg_kept(s);
-  smg_pace pace = {0, 0, kept[SMG_NATURAL], 0, 0, -1, 0, 0, 0};
+  const smg_real allowed = s->tolerance * s->scale;
+  smg_pace pace = {0, 0, kept[SMG_NATURAL], 0, 0, allowed > 0 ? 1 / allowed : 0, -1, 0, 0, 0};
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) {
     y[q] = s->w[q];
     compensation[q] = s->compensation[q];
@@ -360,7 +372,7 @@ static smg_status smg_step(smg_state *s) {
   s->report.status = smg_integrate(s, &pace);
   s->report.site = s->report.status == SMG_OK ? -1 : pace.worst;
   s->report.iterations = pace.accepted;
-  s->report.residual = pace.largest;
+  s->report.residual = SMG_MATH(sqrt)(pace.largest) * allowed;
   s->report.reached = s->report.status == SMG_OK ? 0 : pace.done; /* where it could go no further */
   if (s->report.status == SMG_OK) smg_commit(s, &pace);
   return s->report.status;
@@ -374,24 +386,24 @@ static inline smg_real smg_dense_part(const smg_state *s) { return smg_kept(s)[S
 
 /* k_13 = f at the end, k_14 .. k_16, in the places of k_2 .. k_5. The step is counted already: its parts of h are less 1. */
 static inline void smg_extra_stages(const smg_state *s) {
-  const smg_real *before = smg_vector(s, SMG_Y_BEFORE), *kept = smg_kept(s), p = smg_unit_of_k(s) * kept[SMG_LAST_SIZE];
+  const smg_real *before = smg_vector(s, SMG_Y_BEFORE), *kept = smg_kept(s);
   smg_coefficients c = s->c;
   smg_set_time_at(&c, s, 0);
-  smg_right_side(&c, s->w, smg_vector(s, 1));
+  smg_right_side(&c, kept[SMG_LAST_SIZE], s->w, smg_vector(s, 1));
   for (int i = 0; i < 3; ++i) {
     smg_sum_stages(s, smg_dop853_extra[i], SMG_STAGES_USED, s->u);
-    for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) s->u[q] = before[q] + p * s->u[q];
+    for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) s->u[q] = before[q] + s->u[q];
     smg_set_time_at(&c, s, kept[SMG_LAST_FROM] + smg_dop853_c[13 + i] * kept[SMG_LAST_SIZE] - 1);
-    smg_right_side(&c, s->u, smg_vector(s, 2 + i));
+    smg_right_side(&c, kept[SMG_LAST_SIZE], s->u, smg_vector(s, 2 + i));
   }
 }
 
 /* w at the part theta of the last internal step, to order 7: with r = 1 - theta the cubic through both ends and their slopes,
- *     y + theta^2 (3 - 2 theta) (w - y) + p theta r (r k_1 - theta k_13),
- * and p (theta r)^2 sum_i (d_1i + theta d_2i + theta r d_3i + theta^2 r d_4i) k_i. Where there is no such step it is w itself. */
+ *     y + theta^2 (3 - 2 theta) (w - y) + theta r (r k_1 - theta k_13),
+ * and (theta r)^2 sum_i (d_1i + theta d_2i + theta r d_3i + theta^2 r d_4i) k_i. Where there is no such step it is w itself. */
 static inline void smg_dense(const smg_state *s, smg_real theta, smg_real *w) {
   const int64_t n = 3 * smg_sites(&s->c);
-  const smg_real *y = smg_vector(s, SMG_Y_BEFORE), r = 1 - theta, p = smg_unit_of_k(s) * smg_dense_part(s);
+  const smg_real *y = smg_vector(s, SMG_Y_BEFORE), r = 1 - theta;
   const smg_real end = theta * theta * (3 - 2 * theta), bump = theta * r * (theta * r);
   smg_real a[SMG_STAGES_USED];
   if (!(smg_dense_part(s) > 0)) {
@@ -405,7 +417,7 @@ static inline void smg_dense(const smg_state *s, smg_real theta, smg_real *w) {
   a[0] += theta * r * r;
   a[1] -= theta * theta * r;
   smg_sum_stages(s, a, SMG_STAGES_USED, w);
-  for (int64_t q = 0; q < n; ++q) w[q] = y[q] + (end * (s->w[q] - y[q]) + p * w[q]);
+  for (int64_t q = 0; q < n; ++q) w[q] = y[q] + (end * (s->w[q] - y[q]) + w[q]);
 }
 
 #endif

@@ -1,6 +1,10 @@
-"""Nanoseconds a body and step of an ensemble: in lanes, the same states one by one, and sweeps of a fixed point written by hand in lanes.
+"""Ensembles: members in lanes beside the same members one by one.
 
-    python tests/bench/ensemble.py [ensembles.csv]
+    python tests/bench/ensemble.py [ensembles.csv [trajectories.csv]]
+
+ensembles.csv: nanoseconds a body and step of the spherical midpoint, beside sweeps of a fixed point written by hand in lanes.
+trajectories.csv: microseconds a trajectory from t = 0 to 100 by a method that chooses its own steps, and how far 1000 random bodies then are from where
+Gauss of order 16 has them in extended precision (step 1/2).
 
 All are built with -march=native and take turns in one process; the least time of several rounds counts.
 """
@@ -10,6 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import smidgen
 from smidgen.build.binary import FLAGS, NATIVE, write_files
 from smidgen.compile.emit.emit import generate
@@ -19,28 +24,75 @@ from machine import machine
 HERE = Path(__file__).parent
 BODIES = ("free_rigid_body", "irreversible_rigid_body", "forced_rigid_body")
 STEPS = (0.025, 0.05, 0.1, 0.2)
+OWN_STEPS, END, MEMBERS = ("dop853", "dop853-projected"), 100, 1000
+TOLERANCES = (1e-9, 1e-11, 1e-12, 1e-13)
+
+
+def compiled(name: str, folder: Path, source: str, *more, method: str = "spherical-midpoint") -> Path:
+    """The program of a body."""
+    files = generate(smidgen.load(name), method=method, features=("ensemble",))
+    write_files({file: text for file, text in files.items() if not file.endswith("_abi.c")}, folder)
+    words = ["cc", *(f.replace("c11", "gnu11") for f in FLAGS), *NATIVE, "-Wno-psabi", "-I", str(folder), *include_flags(),
+             f"-DMODEL={name}", f'-DSOURCE="{folder}/{name}.c"', *more, str(HERE / source), "-lm", "-o", str(folder / name)]
+    subprocess.run(words, check=True)
+    return folder / name
+
+
+def said(*words) -> list:
+    return subprocess.run([*map(str, words)], check=True, capture_output=True, text=True).stdout.splitlines()
 
 
 def measured(name: str, folder: Path) -> list:
     """Rows (h, in lanes, one by one, by hand or nothing, lanes of a register) of one body."""
-    files = generate(smidgen.load(name), features=("ensemble",))
-    write_files({file: text for file, text in files.items() if not file.endswith("_abi.c")}, folder)
-    words = ["cc", *(f.replace("c11", "gnu11") for f in FLAGS), *NATIVE, "-Wno-psabi", "-I", str(folder), *include_flags(),
-             f"-DMODEL={name}", f'-DSOURCE="{folder}/{name}.c"', f"-DBY_HAND={int(name == BODIES[0])}", str(HERE / "ensemble.c"), "-lm", "-o", str(folder / name)]
-    subprocess.run(words, check=True)
-    said = [subprocess.run([folder / name, str(h)], check=True, capture_output=True, text=True).stdout.split() for h in STEPS]
-    return [[h, lanes, alone, hand if name == BODIES[0] else "", *rest] for h, (lanes, alone, hand, *rest) in zip(STEPS, said)]
+    program = compiled(name, folder, "ensemble.c", f"-DBY_HAND={int(name == BODIES[0])}")
+    found = [said(program, h)[0].split() for h in STEPS]
+    return [[h, lanes, alone, hand if name == BODIES[0] else "", *rest] for h, (lanes, alone, hand, *rest) in zip(STEPS, found)]
 
 
-def main():
-    with tempfile.TemporaryDirectory() as folder:
-        rows = [[name, *row] for name in BODIES for row in measured(name, Path(folder))]
-    with open(sys.argv[1], "w", newline="") if len(sys.argv) > 1 else sys.stdout as out:
-        print(f"# ns a body and step, 1000 members, 1000 steps; {machine()} {' '.join(NATIVE)}", file=out)
+def starts() -> np.ndarray:
+    w = np.random.default_rng(1).standard_normal((MEMBERS, 3))
+    return w / np.linalg.norm(w, axis=1)[:, None]
+
+
+def reference(name: str, w) -> np.ndarray:
+    model = smidgen.build(smidgen.load(name), "gauss-16", real="long double")
+    return np.array([model.start(one[None].astype(np.longdouble), 0, 0.5).steps(2 * END).w[0].astype(float) for one in w])
+
+
+def trajectories(name: str, folder: Path) -> list:
+    """Rows (method, tolerance, errors, in lanes, one by one, internal steps, lanes of a register, differing states) of one body."""
+    w, rows = starts(), []
+    np.savetxt(folder / "starts", w, fmt="%.17g")
+    exact = reference(name, w)
+    for method in OWN_STEPS:
+        program = compiled(name, folder, "ensemble_tolerance.c", method=method)
+        for tolerance in TOLERANCES:
+            times, *ends = said(program, END, tolerance, folder / "starts")
+            error = np.abs(np.array([line.split() for line in ends], float) - exact).max(axis=1)
+            lanes, alone, *rest = times.split()
+            rows.append([method, tolerance, *(f"{np.quantile(error, part):.2g}" for part in (0.5, 0.9, 1)), lanes, alone, *rest])
+    return rows
+
+
+def write(file, said: str, columns, rows):
+    with open(file, "w", newline="") if file else sys.stdout as out:
+        print(f"# {said}; {machine()} {' '.join(NATIVE)}", file=out)
         table = csv.writer(out, lineterminator="\n")
-        table.writerow(["body", "h", "lanes_ns", "one_by_one_ns", "by_hand_ns", "lanes_in_a_register", "differing_states"])
+        table.writerow(columns)
         table.writerows(rows)
 
 
+def main(steps=None, whole=None):
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [[name, *row] for name in BODIES for row in measured(name, Path(folder))]
+        write(steps, "ns a body and step, 1000 members, 1000 steps",
+              ["body", "h", "lanes_ns", "one_by_one_ns", "by_hand_ns", "lanes_in_a_register", "differing_states"], rows)
+        if whole:
+            rows = [[name, *row] for name in BODIES[:2] for row in trajectories(name, Path(folder))]
+            write(whole, "us a trajectory to t = 100, 1000 random starts; errors: of half of them at most, of nine in ten, of all",
+                  ["body", "method", "tolerance", "median_error", "error_of_90_percent", "largest_error", "lanes_us", "one_by_one_us", "internal_steps",
+                   "lanes_in_a_register", "differing_states"], rows)
+
+
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

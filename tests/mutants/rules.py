@@ -184,6 +184,7 @@ IN_ROWS = (
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
 FEW, FEW_STEP, LANE_SPHERE = "runtime/solve/smg_few.h", "runtime/solve/smg_few_step.h", "runtime/method/smg_lane_sphere.h"
+LANE_STEPS = "runtime/method/smg_lane_dop853.h"
 IN_LANES = (
     (FEW, r"smg_lane_select\(own, none, more\[k\]\)", r"more[k]"),
     (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
@@ -197,6 +198,11 @@ IN_LANES = (
     (LANE_SPHERE, r"l, s->rows\[4 \* s->row \+ k\]\)", r"l, s->rows[k])"),
     (LANE_SPHERE, r"s->count = g->began\[l\] \+ g->taken", r"s->count = g->taken"),
     (LANE_SPHERE, r"if \(s->report\.status != SMG_OK\) g->live\[l\] = 0;", r""),
+    (LANE_STEPS, r"= smg_lane_select\(good, f->end, f->done\)", r"= f->end"),
+    (LANE_STEPS, r"smg_lanes_add\(f, good, u\)", r"smg_lanes_add(f, smg_lane_all(1), u)"),
+    (LANE_STEPS, r"f->natural_before = smg_lane_select\(finished, f->natural, f->natural_before\);", r""),
+    (LANE_STEPS, r"smg_lane_set\(&f->natural_before, l, natural\);", r"smg_lane_set(&f->natural_before, l, 0);"),
+    (LANE_STEPS, r"smg_lane_select\(f->refused, smg_lane_min\(smg_lane_of\(1\), f->factor\), f->factor\)", r"f->factor"),
 )
 
 # Comparators, splittings and compositions: the order of their parts, the part of h that each has, the length that they keep; and the outputs.

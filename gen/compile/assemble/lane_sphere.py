@@ -13,16 +13,18 @@ TO = Argument("smg_lane_coefficients *", "to")
 ONE_STATE = Argument("const smg_coefficients *", "c")
 
 
-def lane_sphere(model):
-    """The definitions of smg_lane_sphere.h, or None where the members of an ensemble step one by one."""
-    if not model.solo or model.method.stages > 1 or "extended" in model.features:
+def lane_sphere(model, low):
+    """The definitions that the method's `lane_header` asks for, or None where the members of an ensemble step one by one: those at times of their
+    own too, where what depends on time takes longer than all else."""
+    kernels = model.solo or ((model.motion,) if model.motion and not low.is_timed() else ())
+    if not kernels or model.method.stages > 1 or "extended" in model.features:
         return None
-    read = coefficients_of(model.solo)
+    read = coefficients_of(kernels)
     if read is None:
         return None
     struct = Struct("smg_lane_coefficients", tuple(read) or ("none",), target=TARGET)
-    return (struct, taken(read, "smg_lane_fill", (TO, Argument("int", "l"), ONE_STATE), fill), taken(read, "smg_lane_spread", (TO, ONE_STATE), spread),
-            *map(in_lanes, model.solo))
+    spread_too = (taken(read, "smg_lane_spread", (TO, ONE_STATE), spread),) if model.solo else ()
+    return (struct, taken(read, "smg_lane_fill", (TO, Argument("int", "l"), ONE_STATE), fill), *spread_too, *map(in_lanes, kernels))
 
 
 TARGET = "lanes by value"

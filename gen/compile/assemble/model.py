@@ -54,7 +54,7 @@ class Model:
             self.plan = replace(self.plan, reason=BY_LANES)
         self.solo = solo_kernels(self, low)
         self.motion = lone_motion(self, low)
-        self.lane_sphere = lane_sphere(self) if "ensemble" in self.features else None
+        self.lane_sphere = lane_sphere(self, low) if "ensemble" in self.features else None
         self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
         self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None
         self.wide = wide_kernels(self) if "extended" in self.features else None

@@ -42,12 +42,26 @@ def solo_kernels(model, low: Lowering):
 
 
 def lone_motion(model, low: Lowering) -> Function | None:
-    """h X of one unit sphere, for a method that asks for nothing else of it and leaves the sphere anyway; None where the model is
-    another one."""
+    """q h X of one unit sphere, for a method that asks for nothing else of it, in steps of the part q of h, and leaves the sphere anyway;
+    None where the model is another one."""
     if not model.method.controlled or not is_lone(model, low):
         return None
     field = solo_field(model, low)
-    return products(low, field) if all(is_monomial(x, field.m) for x in field.X) else motion(low, field)
+    direct = all(is_monomial(x, field.m) for x in field.X)
+    known: dict = {}
+    parts = [part_of(e, field.m, known) for e in (field.X if direct else field.b)]
+    kernel = low.kernel(parts, {}, {name: e for e, name in known.items()}, OWN)
+    moved = vector(kernel) if direct else Call("smg_vec_cross", (Name("m"), vector(kernel)))
+    return solo_function("smg_vec", "smg_motion", (M, Argument("smg_real", "q")), (*kernel.values, Return(moved)))
+
+
+def part_of(e, m, known: dict):
+    """q e. Of a sum of monomials in m their coefficients times q are in `known`, by name: compilers compute them once for all stages of a step."""
+    q, terms = sp.Symbol("q", real=True), sp.Add.make_args(e)
+    if not all(is_monomial(term, m) for term in terms):
+        return q * e
+    split = [term.as_independent(*m, as_Add=False) for term in terms]
+    return sum(known.setdefault(q * c, sp.Symbol(f"u{len(known)}")) * monomial for c, monomial in split)
 
 
 def is_monomial(e, m) -> bool:

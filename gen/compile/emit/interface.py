@@ -107,6 +107,7 @@ def ensemble_prototypes(M: str) -> list:
     return [f"void *{M}_abi_ensemble_new(const double *scalars, const double *const *arrays, int own, int64_t members, const smg_real *w, "
             "double t0, double h, double tolerance)",
             f"int64_t {M}_abi_ensemble_steps(void *e, int64_t first, int64_t members, int64_t count)",
+            f"int {M}_abi_ensemble_lanes(void)",
             f"void {M}_abi_ensemble_reports(void *e, int64_t *count, int *status, int64_t *site, double *reached)",
             f"void {M}_abi_ensemble_states(void *e, const unsigned char *began, smg_real *w)",
             f"void {M}_abi_ensemble_energies(void *e, const unsigned char *began, smg_real *energy)",

@@ -72,7 +72,7 @@ def method_headers(model: Model) -> list:
     """The method, what its step is made of, and its features."""
     composed = model.method.stages > 1
     names = [*([model.method.scheme] if composed else []), model.method.header]
-    ensemble = ["smg_ensemble.h"] if "ensemble" in model.features else []
+    ensemble = [*([model.method.lane_header] if model.lane_sphere else []), "smg_ensemble.h"] if "ensemble" in model.features else []
     if not model.method.of_midpoints:
         return [*names, "smg_saved.h", *ensemble]
     if model.plan.coupled:

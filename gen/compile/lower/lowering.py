@@ -244,8 +244,11 @@ class Lowering:
         raises TypeError."""
         self.hoisted = MappingProxyType(self.hoisted)
         values = tuple((name, self.real(e), level) for e, (name, level) in self.hoisted.items())
-        return Coefficients(values, tuple((name, size) for size, name in self.sizes.items()),
-                            self.reads_time or any(level == CLOCK for _, _, level in values))
+        return Coefficients(values, tuple((name, size) for size, name in self.sizes.items()), self.is_timed())
+
+    def is_timed(self) -> bool:
+        """Does anything so far depend on time?"""
+        return self.reads_time or any(level == CLOCK for _, level in self.hoisted.values())
 
 
 def shared_parts(late: dict, work: list):
