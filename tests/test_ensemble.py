@@ -66,10 +66,10 @@ def points(members: int, seed: int = 0) -> np.ndarray:
 
 def alone(spec, w, h, steps, t0=0.0, **how):
     """(state, status, steps taken) of each member by itself."""
-    values, own = how.pop("values", {}), how.pop("own", {})
+    values, own, tolerance = how.pop("values", {}), how.pop("own", {}), how.pop("tolerance", None)
     found = []
     for k, one in enumerate(w):
-        model = smidgen.build(spec, values={**values, **{name: value[k] for name, value in own.items()}}, **how).start(one.copy(), t0, h)
+        model = smidgen.build(spec, values={**values, **{name: value[k] for name, value in own.items()}}, **how).start(one.copy(), t0, h, tolerance=tolerance)
         done = model.advance(steps)
         error = model.failure()
         found.append((model.state(), 0 if error is None else error.status, done))
