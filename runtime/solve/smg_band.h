@@ -229,7 +229,7 @@ static inline void smg_band_load_end(int64_t n, int k, int64_t m, int64_t i, con
   for (int d = -k; d <= k; d++) {
     const int64_t c = i + d;
     if (c >= 0 && c < m) continue;
-    if (m < n) smg_block_copy(q->E[c < 0 ? c + n - m : c - m], q->W[d + k]);
+    if (m < n) smg_block_copy(q->E[c < 0 ? c + k : c - m], q->W[d + k]);
     smg_block_zero(q->W[d + k]);
   }
 }

@@ -140,7 +140,7 @@ WRAP = (
     (BAND, r"smg_block_add\(q->F, border\);", r"(void)border;"),
     (BAND, r"if \(d > k\) d -= n;", r""),
     (BAND, r"if \(d < -k\) d \+= n;", r""),
-    (BAND, r"c < 0 \? c \+ n - m : c - m", r"c < 0 ? c + n - m : 0"),
+    (BAND, r"c < 0 \? c \+ k : c - m", r"c < 0 ? c + k : 0"),
     (BAND, r"t - s \+ k\) \* SMG_BB", r"s - t + k) * SMG_BB"),
     (BAND, r"next = i \+ 1 \+ k", r"next = i + k"),
     (BAND, r"next >= n - 2 \* k && next < n - k", r"next >= n - k && next < n - k"),
