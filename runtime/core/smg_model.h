@@ -35,10 +35,14 @@
  *              smg_pull(c, at, all, g)            g += dH/dw of the site `at`, in which it is linear itself
  *              smg_each_pair(c, all, context, visit), smg_each_pair_back  every bond, with the derivative of its energy by the
  *                                                 scalar product of its ends
+ *              smg_bond_classes(c), smg_each_of_class(c, which, all, context, visit)  the same of one class, of which no two meet; 0 classes
+ *                                                 where there are none
  *   rows       smg_cells(c, d), smg_shift(sub), smg_rank(sub), smg_place(colour, rank)  where sites stand: smg_rows.h, where SMG_BY_ROWS says so
  *              smg_all_beside(c, at, b)           what stands beside a row
  *              smg_slot_gradient(c, run, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in lanes
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k where all w are 0
+ *              smg_row_classes[], smg_lane_slope(c, term, products), smg_slope_bound(c, size)  bonds in classes (smg_pair_rows.h): which they
+ *                                                 are; in lanes the derivative of a bond's energy by the scalar product of its ends; a bound on it where that is at most `size`
  *   few        smg_few_field(c, all, pitch, i, g), smg_few_norms  dH/dw of the sites in the lanes from i on: smg_few.h, where SMG_FEW_IN_LANES says so
  *   bound      smg_hessian_row_norm(c, k)                    sum of bounds on the norms of the Hessian blocks in the row of site k, on a graph in a norm that fits it, where SMG_CONSTANT_HESSIAN says
  *                                                 that it is the same at all states
@@ -56,7 +60,7 @@
  * SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not depend on themselves, and
  * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
  * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
- * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h asks for, SMG_ROW_TURNS: by an explicit method; SMG_FEW_IN_LANES: few sites, all at once in
+ * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h asks for, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES: that takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once in
  * lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a
  * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no
  * term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED,

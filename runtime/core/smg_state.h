@@ -37,7 +37,9 @@ static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t use
   return used + size;
 }
 
-#if SMG_ROW_TURNS
+#if SMG_ROW_CLASSES
+#include "smg_pair_state.h"
+#elif SMG_ROW_TURNS
 #include "smg_sublattice_state.h"
 #elif SMG_BY_ROWS
 #include "smg_row_state.h"

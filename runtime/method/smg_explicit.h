@@ -2,7 +2,7 @@
  *
  * A step is a row of rotations. It moves no w before all of them are done: s->points is where each site is, s->u by how much it
  * has moved, which is added to w in the end, and what w loses to rounding is kept. With SMG_TURNS_ADDED turns are added one by one, and
- * s->u is what s->points has lost. */
+ * s->u is what s->points has lost; with SMG_LENGTHS_LAST the end of a step brings lengths back, which else the turns do. */
 #ifndef SMG_EXPLICIT_H
 #define SMG_EXPLICIT_H
 
@@ -15,6 +15,9 @@
 #define SMG_NO_DEGREE 0
 #ifndef SMG_TURNS_ADDED
 #define SMG_TURNS_ADDED 0
+#endif
+#ifndef SMG_LENGTHS_LAST
+#define SMG_LENGTHS_LAST 0
 #endif
 
 /* The history: 1/|w|^2 of every site, s->history = 1 once it is known. */

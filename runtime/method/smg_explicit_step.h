@@ -53,6 +53,9 @@ static inline void smg_end_site(smg_state *s, int64_t k) {
     s->w[q] = s->points[q];
     s->compensation[q] = s->u[q];
   }
+#if SMG_LENGTHS_LAST
+  smg_restore_length(s, k);
+#endif
 #else
   smg_commit_site(s, k, s->points + 3 * k, s->u + 3 * k);
 #endif
@@ -75,7 +78,9 @@ static inline int64_t smg_move(smg_state *s) {
 }
 #endif
 
-#if SMG_ROW_TURNS
+#if SMG_ROW_CLASSES
+#include "smg_pair_rows.h"
+#elif SMG_ROW_TURNS
 #include "smg_sublattice_rows.h"
 #endif
 

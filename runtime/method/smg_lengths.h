@@ -24,6 +24,13 @@ SMG_COLD static void smg_begin_lengths(smg_state *s) {
 /* Is an increment a number? An angle so large that tau^2 overflows leaves NaN. */
 SMG_INLINE int smg_is_finite(const smg_real *u) { return smg_abs(u[0]) + smg_abs(u[1]) + smg_abs(u[2]) <= SMG_MAX; }
 
+/* w of site k along itself back to the length that it had at the start, by the part SMG_RESTORED of the way: a part of an ulp, to be added with the next turn. */
+SMG_INLINE void smg_restore_length(smg_state *s, int64_t k) {
+  const smg_real *w = s->w + 3 * k;
+  const smg_real back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[k] * smg_dot(w, w));
+  for (int b = 0; b < 3; ++b) s->compensation[3 * k + b] += back * w[b];
+}
+
 /* w + u of site k, and along v = w + u back to the length that it had at the start, by the part SMG_RESTORED of the way. */
 SMG_INLINE void smg_commit_site(smg_state *s, int64_t k, const smg_real *v, const smg_real *u) {
   smg_real *w = s->w + 3 * k;

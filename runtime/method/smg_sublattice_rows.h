@@ -64,35 +64,14 @@ static void smg_turn_row_colour(const smg_state *s, smg_besides *known, int64_t 
 }
 
 /* smg_stage. */
-static void smg_row_stage(const smg_state *s, smg_besides *known, smg_real h) {
+static void smg_row_stage(const smg_state *s, smg_besides *known, smg_real h, int end) {
   const int64_t last = SMG_COLOURS - 1;
+  (void)end;
   for (int64_t colour = 0; colour < last; ++colour) smg_turn_row_colour(s, known, colour, 0.5 * h, 0);
   smg_turn_row_colour(s, known, last, h, 1);
   for (int64_t colour = last - 1; colour >= 0; --colour) smg_turn_row_colour(s, known, colour, 0.5 * h, 1);
 }
 
-static void smg_row_step(smg_state *s, smg_besides *known) {
-  smg_real done = 0;
-  for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_set_stage_time(s, i, done);
-    smg_row_stage(s, known, smg_gamma[i] * smg_signed_h(s->h));
-    done += smg_gamma[i];
-  }
-  s->history = 1;
-  ++s->count;
-}
-
-/* count steps: none fails. */
-static smg_status smg_row_steps(smg_state *s, int64_t count) {
-  smg_besides known;
-  smg_forget_besides(&s->c, &known);
-  s->row_team = smg_row_team(&s->c);
-  if (s->row_team > 1) smg_know_besides(&s->c, &known);
-  smg_enter_rows(s);
-  while (count-- > 0) smg_row_step(s, &known);
-  smg_leave_rows(s);
-  s->report.site = s->report.partner = -1;
-  return s->report.status = SMG_OK;
-}
+#include "smg_turn_steps.h"
 
 #endif

@@ -1,14 +1,8 @@
-/* smidgen runtime: the arrays by slots of a state whose steps go by rows, w between them and the sites, and how strong fields are. */
+/* smidgen runtime: the arrays by slots of a state whose steps go by rows, and w between them and the sites. */
 #ifndef SMG_ROW_ARRAYS_H
 #define SMG_ROW_ARRAYS_H
 
 #include "smg_row_slots.h"
-
-/* x^2 (B r + F0)^2, a bound on |g|^2, g = (h/2kappa) dH/dw: x = |h/2kappa|, B a bound on the norms of the Hessian in a row, F0 of the field of no spins. */
-static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
-  const smg_real g = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) * (smg_hessian_row_norm(c, 0) * smg_radius(c, 0) + smg_rest_field_norm(c, 0));
-  return g * g;
-}
 
 /* An array by slots, from *next on. */
 static inline smg_real *smg_place_slots(smg_real **next, size_t size) {

@@ -12,6 +12,7 @@
 #define SMG_ROW_STATE_H
 
 #include "smg_row_arrays.h"
+#include "smg_row_field.h"
 #include "smg_row_ranks.h"
 
 #define SMG_ROW_BOUND (smg_real)0.9 /* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */

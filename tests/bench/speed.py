@@ -53,7 +53,7 @@ the last step; every step is evaluated once more.
 
 Nanoseconds a spin and step, random starts, h = 0.0247. A step of sublattice rotations turns one and a half spins a spin (the energy is kept to round-off;
 not symplectic), by rows in lanes; `memory` is the time in which a copy of a large array moves the bytes that it reads and writes. Pair rotations
-(symplectic, total spin kept to round-off) turn six spins a spin, bond after bond.
+(symplectic, total spin kept to round-off) turn eleven spins a spin of the cubic lattice, by rows in lanes too.
 
 ## Lattices shared by threads
 

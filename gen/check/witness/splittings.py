@@ -4,11 +4,14 @@ those of all of H, of which each part takes what is its own.
 from __future__ import annotations
 
 import ctypes
+from dataclasses import replace
 
 import numpy as np
 
 from ...errors import RunError
 from ...language.evaluate import integer
+from ...language.expr import slots_of
+from ...language.instances import instances_of
 from . import native
 
 
@@ -30,23 +33,29 @@ def axes(witness, w, t: float, h: float):
 
 
 def colours(witness) -> np.ndarray:
-    """The colour of every site, by the definition of the method: on a lattice whose rings fit, (weights . cell + shift) modulo their
-    number; 0 where no term joins sites; else every site is its own."""
-    from ...compile.plan.splitting import sublattices as sublattices_of     # sympy is imported for this method alone
-    found = sublattices_of(witness.spec)
+    """The colour of every site, by the definition of the method: on a lattice whose rings fit that of its place; 0 where no term joins
+    sites; else every site is its own."""
     if all(one.site.shape[1] < 2 for one in witness.effects.values()):
         return np.zeros(witness.sites, int)
+    found, _ = lattice_colours(witness)
+    return np.arange(witness.sites) if found is None else found
+
+
+def lattice_colours(witness):
+    """((weights . cell + shift) modulo their number, of every site of a lattice whose rings fit; the rule); else None for both."""
+    from ...compile.plan.splitting import sublattices as sublattices_of     # sympy is imported for these methods alone
+    found = sublattices_of(witness.spec)
     if found is None:
-        return np.arange(witness.sites)
+        return None, None
     over, rule = found.over, found.colours
     size = [integer(e, witness.values, "the size of a lattice") for e in over.size]
     if any(ring and w * n % rule.colours for ring, w, n in zip(over.periodic, rule.weights, size)):
-        return np.arange(witness.sites)
+        return None, None
     sub, cell = np.arange(witness.sites) % over.sites, np.arange(witness.sites) // over.sites
     colour = np.array(rule.shift)[sub]
     for n, weight in zip(size, rule.weights):
         colour, cell = colour + weight * (cell % n), cell // n
-    return colour % rule.colours
+    return colour % rule.colours, rule
 
 
 def proper(witness, colour) -> np.ndarray:
@@ -82,18 +91,52 @@ def bonds(witness):
             yield i, j, (system, program, arrays)
 
 
+def classes(witness, found):
+    """[(bonds, part of the step)], the classes for half of it, the last for all, and back; None where bonds go one after the other: off
+    lattices, on rings that do not fit, and where a bond does not begin in its cell. A class has the bonds of one effect that are the same one of its
+    list, and whose first end has one colour."""
+    colour, rule = lattice_colours(witness)
+    if colour is None:
+        return None
+    members, left = {}, iter(found)
+    for e, term in enumerate(witness.spec.effects):
+        if term.name not in witness.effects or witness.effects[term.name].site.shape[1] != 2:
+            continue
+        over, first = term.over, min(term.over.indices.index(index) for _, index in slots_of(term.value))
+        if not all(any(not any(offset) for _, offset in bond) for bond in over.bonds):
+            return None
+        for k, bond in enumerate(over.bonds):
+            ends = instances_of(replace(over, bonds=(bond,)), witness.values, {})[0][over.indices[first]]
+            for which in range(rule.colours) if any(rule.weights) else (rule.shift[bond[first][0]],):
+                members[e, k, which] = []
+            for end in ends:
+                members[e, k, colour[end]].append(next(left))
+    groups = [apart(members[key]) for key in sorted(members)]
+    return [*((group, 0.5) for group in groups[:-1]), (groups[-1], 1.0), *((group, 0.5) for group in groups[-2::-1])]
+
+
+def apart(group) -> list:
+    """The bonds; RunError where two of them meet."""
+    ends = [k for i, j, _ in group for k in (i, j)]
+    if len(set(ends)) < len(ends):
+        raise RunError("two bonds of a class meet: the classes are not those of this model")
+    return group
+
+
 def pairs(witness, w, t: float, h: float):
-    """Bond after bond for half the step, and back: both ends about their momentum, by twice the arcus tangent of half the angle."""
+    """Bond after bond for half the step, and back, or so class after class: both ends about their momentum, by twice the arcus tangent of
+    half the angle."""
     w, found = np.array(w, float), list(bonds(witness))
+    order = classes(witness, found) or [(found, 0.5), (found[::-1], 0.5)]
     b = np.empty_like(w)
-    for i, j, (system, *_) in [*found, *reversed(found)]:
+    for (i, j, (system, *_)), part in ((one, part) for group, part in order for one in group):
         if witness._c.witness_field(ctypes.addressof(system), t + h / 2, w.ctypes.data, b.ctypes.data):
             return None
         one, other = witness.kappa[i], witness.kappa[j]
         momentum = one * w[i] + other * w[j]
         slope = one * (b[i] @ w[j]) / (w[j] @ w[j])         # f', for dH/dw_i = f' w_j
         size = np.linalg.norm(momentum)
-        angle = witness.spec.orientation * h / 2 * slope * size / (one * other)
+        angle = witness.spec.orientation * part * h * slope * size / (one * other)
         if size > 0:
             w[[i, j]] = turned(w[[i, j]], momentum / size, np.full(2, 2 * np.arctan(angle / 2)))
     return w if np.all(np.isfinite(w)) else None

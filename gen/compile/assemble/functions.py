@@ -6,6 +6,7 @@ from .families import number_functions, site_functions
 from .few import few_functions
 from .lanes import has_lanes, lane_functions
 from .parameters import parameter_functions
+from .pair_rows import pair_row_functions
 from .pairs import pair_functions
 from .rows import row_functions
 from .sublattices import sublattice_functions
@@ -26,7 +27,7 @@ def definitions(model) -> list:
     """Tables, types and functions; what nothing mentions is left out."""
     kernels = [f for t in (*model.effects, *model.observables) for f in t.functions]
     functions = [*parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *sum_functions(model),
-                 *site_sums(model), *visits(model), *(model.solo or ()), *((model.motion,) if model.motion else ()), *(model.lane_sphere or ()), *axis_functions(model), *sublattice_functions(model), *pair_functions(model), *row_functions(model), *few_functions(model),
+                 *site_sums(model), *visits(model), *(model.solo or ()), *((model.motion,) if model.motion else ()), *(model.lane_sphere or ()), *axis_functions(model), *sublattice_functions(model), *pair_functions(model), *row_functions(model), *pair_row_functions(model), *few_functions(model),
                  *(wide_functions(model) if model.wide else ()), *(lane_functions(model) if has_lanes(model) else ())]
     called = mentions(*(statement for _, _, body in value_sums(model) for statement in body))
     return needed([*tables(model), *functions], called)

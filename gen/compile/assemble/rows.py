@@ -17,8 +17,10 @@ from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import PREPARE, index_names
 from ..plan.colouring import Colouring, colouring
+from ..plan.splitting import bond_classes, sublattices
 from .lanes import in_lanes, named
 from .norms import block_norm, row_sums
+from .pairs import slope_bound
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
@@ -28,11 +30,12 @@ REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 @dataclass(frozen=True)
 class Rows:
-    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, where no solver has it."""
+    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, where no solver has it; of the slopes of bonds."""
     over: Lattice
     colours: Colouring
     rest: object
     norm: object = None
+    slopes: object = None
 
     @property
     def step(self) -> int:
@@ -54,11 +57,13 @@ class Rows:
 def rows(model, low):
     """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
     f = model.families[0]
-    if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or turned(model) or midpoint_rows(model, f)):
+    if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
         return None
     if index_names(f.family.kappa) or f.radius.values or index_names(f.family.radius) or f.kappa.values:
         return None
     over = one_lattice(model.lattices(f.name))
+    if over is not None and paired(model):
+        return pair_rows(model, low, over)
     if over is None or not all(alike(low, t) for t in model.effects):
         return None
     rest = None if model.method.stage_rows else rest_field(model, low, f)
@@ -76,6 +81,19 @@ def one_lattice(overs):
 def turned(model) -> bool:
     """Does an explicit method turn the sites of a colour in the field of the others?"""
     return model.method.splitting == "sublattices" and not model.features
+
+
+def paired(model) -> bool:
+    """Does an explicit method turn bonds, class after class of those of which no two meet?"""
+    return model.method.splitting == "pairs" and not model.features and bool(bond_classes(model.spec))
+
+
+def pair_rows(model, low, over):
+    """Where all bonds have two ends, and slopes f'(w_i.w_j) that are the same in every cell and have a bound."""
+    lattices = model.lattices(model.families[0].name)
+    found = Rows(over, colouring(lattices), None, slopes=slope_bound(model, low))
+    same = found.colours == sublattices(model.spec).colours and all(len(t.over.indices) == 2 for t in model.effects if t.slots)
+    return found if same and found.slopes is not None and fits(found, lattices) else None
 
 
 def midpoint_rows(model, f) -> bool:
@@ -127,10 +145,11 @@ def row_functions(model) -> list:
     places = range(found.over.sites)
     size = [model.low.size(n) for n in found.over.size]
     kernels = [in_lanes(f) for t in model.effects for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    gradient = [] if model.pairs else [*kernels, row_gradient(model)]
     return [looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
-            place_function(found), *rest_function(found), all_beside(model), *kernels, row_gradient(model)]
+            place_function(found), *rest_function(found), all_beside(model), *gradient]
 
 
 def rest_function(found: Rows) -> list:
@@ -163,7 +182,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 

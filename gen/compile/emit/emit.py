@@ -71,7 +71,7 @@ def emitted(spec: Spec, plan: Plan, features) -> Files:
                    f"{M}.c": render("model.c.j2", **source_slots(model), interface=render("interface.c.j2", **interface_slots(model, M)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
-                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": in_lanes(model), "threads": model.in_rows is not None and not model.method.stage_rows,
+                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": in_lanes(model), "threads": model.in_rows is not None and not model.method.stage_rows and not model.pairs,
                    "ranks": model.in_rows is not None and model.method.of_midpoints}
     return files
 

@@ -5,6 +5,7 @@ from ..assemble.axes import axes_in_use, is_separate
 from ..assemble.buffers import history, stages_kept
 from ..assemble.lanes import has_lanes
 from ..assemble.model import Model
+from ..assemble.pair_rows import pair_row_settings
 from ..assemble.rows import row_settings
 from ..lower.integers import Whole
 from .print_wide import elementary
@@ -40,8 +41,8 @@ def settings(model: Model) -> list:
         "SMG_AXES": axes_in_use(model) if model.axes else 0, "SMG_SEPARATE": model.axes is not None and is_separate(model),
         "SMG_ONE_SITE": model.axes is not None and is_separate(model) and model.total == Whole(1),
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
-    found |= row_settings(model)
-    read = {**dict.fromkeys(set(row_settings(model)) - {"SMG_TANGENT"}, True),
+    found |= (by_rows := {**row_settings(model), **pair_row_settings(model)})
+    read = {**dict.fromkeys(set(by_rows) - {"SMG_TANGENT"}, True),
             "SMG_AXES": model.axes is not None, "SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 

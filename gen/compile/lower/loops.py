@@ -153,9 +153,13 @@ class Loops:
         return (For("colour", ZERO, total(colours.colours), lines, over="colours"),) if colours.colours > 1 else lines
 
     def one_place(self, over: Lattice, colours, sub: int, body):
-        """The sites `sub` of the cells of a colour: those with (weights . cell + shift) mod colours = colour."""
+        """The sites `sub` of the cells of a colour."""
+        cells = [Index(f"s{d}") for d in range(len(over.size))]
+        return self.cells_of_colour(over, colours, sub, (self.site(over, "site", sub, (0,) * len(cells), cells, []), *body(sub)))
+
+    def cells_of_colour(self, over: Lattice, colours, sub: int, inner):
+        """The cells s0, s1, .. whose site `sub` has a colour: those with (weights . cell + shift) mod colours = colour."""
         cells, step, w = [Index(f"s{d}") for d in range(len(over.size))], colours.colours, colours.weights
-        inner = (self.site(over, "site", sub, (0,) * len(cells), cells, []), *body(sub))
         others = total(*(w[d] * cells[d] for d in range(1, len(cells))), colours.shift[sub])
         start, stride = (first_of_colour(others, w[0], step), step) if w[0] and step > 1 else (ZERO, 1)
         for d, size in enumerate(over.size):

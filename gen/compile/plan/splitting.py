@@ -132,6 +132,42 @@ def sublattices(spec: Spec) -> Sublattices | None:
 
 # Pairs
 
+@dataclass(frozen=True)
+class BondClass:
+    """Bonds of an effect of which no two meet: which one of its list, as seen from the first site, and the colour of that site."""
+    effect: str
+    number: int
+    bond: tuple
+    first: int
+    colour: int
+
+
+def bond_classes(spec: Spec) -> tuple:
+    """The classes in which the bonds of a lattice are taken, where its rings fit the colours; none where bonds go one after the other."""
+    found = sublattices(spec)
+    joint = [e for e in spec.effects if len(slots_of(e.value)) == 2]
+    bonds = [(e, n, bond) for e in joint if isinstance(e.over, Lattice) for n, bond in enumerate(e.over.bonds)]
+    if found is None or not all(any(not any(offset) for _, offset in bond) for _, _, bond in bonds):
+        return ()
+    return tuple(BondClass(e.name, n, from_member(bond, first_member(e)), first_member(e), colour)
+                 for e, n, bond in bonds for colour in colours_of(found.colours, bond[first_member(e)][0]))
+
+
+def first_member(e) -> int:
+    """Of a bond of two sites: the first that the effect feels."""
+    return min(e.over.indices.index(index) for _, index in slots_of(e.value))
+
+
+def from_member(bond, first: int) -> tuple:
+    """The bond, as its cells lie from that of a member."""
+    return tuple((sub, tuple(a - b for a, b in zip(offset, bond[first][1]))) for sub, offset in bond)
+
+
+def colours_of(rule: Colouring, sub: int) -> tuple:
+    """The colours of the sites of a place."""
+    return tuple(range(rule.colours)) if any(rule.weights) else (rule.shift[sub],)
+
+
 def of_the_product(d: Derived, u):
     """f(u) where the term is f(w_i.w_j), else None: its value at w_i = (u, 0, 0), w_j = (1, 0, 0), put back and compared."""
     if len(d.slots) != 2 or d.parts:
