@@ -46,11 +46,16 @@ ROWS = """static void planted_turn_slot(smg_real *w, int64_t pitch, int64_t coun
   planted_turn(first, count);
   for (int k = 0; k < 3; ++k) w[k * pitch] = first[k];
 }
-static void planted_cap_slots(const smg_turning turn, int64_t slot, smg_lanes *g) {
+static void planted_cap_lanes(const smg_lanes *m, smg_lanes *g) {
   for (int lane = 0; lane < SMG_LANES && planted == %(cap)d; ++lane) {
-    const smg_real *m = turn.m + slot + lane, part = planted_cap(m[0], m[turn.pitch], m[2 * turn.pitch]);
+    const smg_real part = planted_cap(smg_lane_get(m, lane), smg_lane_get(m + 1, lane), smg_lane_get(m + 2, lane));
     for (int k = 0; k < 3; ++k) ((smg_real *)(g + k))[lane] *= part;
   }
+}
+static void planted_cap_slots(const smg_turning turn, int64_t slot, smg_lanes *g) {
+  smg_lanes m[3];
+  smg_take_slots(turn.m, turn.pitch, slot, m);
+  planted_cap_lanes(m, g);
 }
 """
 # name -> (pattern, replacement) of the emitted text; @ is the number of the fault
@@ -58,16 +63,16 @@ FAULTS = {
     "no compensation": [(r"s->compensation\[(\d)\] = (y\..*);", r"s->compensation[\1] = planted == @ ? 0 : \2;"),
                  (r"smg_add_compensated\(&s->w\[k\], &s->compensation\[k\], s->u\[k\]\);",
                   r"if (planted == @) s->w[k] += s->u[k]; else smg_add_compensated(&s->w[k], &s->compensation[k], s->u[k]);"),
-                 (r"smg_lane_put\(lost \+ k, y - \(sum - w\)\);", r"if (planted != @) smg_lane_put(lost + k, y - (sum - w));")],
+                 (r"smg_lane_put\(lost, y - \(sum\[k\] - w\)\);", r"if (planted != @) smg_lane_put(lost, y - (sum[k] - w));")],
     "no branch check": [(r"if \((!smg_clear_of_branches\(det\) .*)\) return SMG_WRONG_BRANCH;", r"if (planted != @ && (\1)) return SMG_WRONG_BRANCH;"),
                         (r": certified \? SMG_OK : SMG_WRONG_BRANCH;", r": certified || planted == @ ? SMG_OK : SMG_WRONG_BRANCH;"),
                         (r"status == SMG_OK && sure\)", r"status == SMG_OK && (sure || planted == @))")],
     "turned": [(r"\+\+s->count;", r"++s->count; planted_turn(s->w, s->count);"),
-               (r"(smg_commit_rows\(s\);\n *\+\+s->count;) planted_turn\(s->w, s->count\);",
+               (r"(smg_commit_rows\(s, more\);\n *\+\+s->count;) planted_turn\(s->w, s->count\);",
                 r"\1 planted_turn_slot(s->row_w, smg_pitch(&s->c), s->count);")],
     "cap": [(r"u\[b\] \*= rate;", r"u[b] *= planted_cap(m[0], m[1], m[2]) * rate;"),
             (r"(g\[k\] \*= turn\.half;)", r"\1\n  planted_cap_slots(turn, slot, g);"),
-            (r"(u\[k\] \*= 2 \* turn\.half;)", r"\1\n  planted_cap_slots(turn, slot, u);"),
+            (r"(u\[k\] \*= 2 \* turn\.half;)", r"\1\n  planted_cap_lanes(m, u);"),
             (r"smg_vec smg_motion(\(const .*?smg_vec m\) \{.*?\n\}\n)",
              r"smg_vec smg_right_motion\1SMG_INLINE smg_vec smg_motion(const smg_coefficients *c, smg_vec m) { return "
              r"smg_vec_scale(planted_cap(m.x, m.y, m.z), smg_right_motion(c, m)); }\n")],
@@ -147,6 +152,6 @@ def planted(text):
         return f"{match[1]}return (planted == {number} ? -1 : 1) * (sum + lost);"
     text = re.sub(FUNCTION, reversed_one, text, flags=re.DOTALL)
     head = HEAD % {"turned": numbers["turned"], "cap": numbers["cap"], "TURN": TURN, "CAP": CAP, "EDGE": 1 - 2 * AREA}
-    text = re.sub(r"(?=SMG_INLINE void smg_made_of\()", ROWS % numbers, text)
+    text = re.sub(r"(?=SMG_INLINE void smg_end_slots\()", ROWS % numbers, text)
     place = text.index("\nstatic")         # after the includes
     return text[:place] + head + text[place:], numbers

@@ -26,9 +26,7 @@ static inline int rate(void *model, double t, const double *y, double *out) {
 #else
   (void)t;
 #endif
-  smg_right_side(c, y, out);
-  if (SMG_ORIENTATION < 0 && !SMG_HAS_MOTION) /* which is h f, with the sign of the bracket in h: the model is one of h = 1 */
-    for (int64_t q = 0; q < 3 * smg_sites(c); ++q) out[q] = -out[q];
+  smg_right_side(c, 1, y, out);
   return out[0] - out[0] == 0;
 }
 
