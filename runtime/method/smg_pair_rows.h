@@ -87,11 +87,11 @@ SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning
 static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *turn, const smg_row_class *all, const smg_run *run, int64_t j, int64_t p) {
   const smg_beside *b = run->b + all->beside;
   const int64_t slot = run->at.start + j, in = run->to - j;
-  const smg_lane_mask sites = smg_lane_below(in) & (smg_lane_mask)(smg_lane_places(p, run->length) < (smg_real)run->at.sites);
+  const smg_lane_mask sites = smg_lane_below(in) & (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->at.sites);
   const int inside = smg_all_within(b, p, in < SMG_LANES ? in : SMG_LANES), around = all->ring && !inside;
   smg_lane_mask within = sites;
   smg_lane_spins v, w, far, before;
-  if (!inside) within &= smg_lanes_within(b, p, run->length);
+  if (!inside) within &= smg_lanes_within(run, b, p);
   smg_take_spins(turn, slot, &v);
   smg_take_spins(turn, slot + b->start, &w);
   if (around) {
@@ -136,6 +136,7 @@ static void smg_turn_layer(const smg_coefficients *c, smg_besides *known, const 
   run.at = smg_row_of(c, all->colour, (all->rank * smg_layers(c) + layer) * rows);
   run.length = length;
   run.from = 0;
+  run.place = known->place;
   while (rows > 0) {
     const int64_t alike = smg_run_of_rows(c, &run.at);
     run.b = smg_besides_of(c, &run.at, known);
