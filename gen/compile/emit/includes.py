@@ -5,7 +5,7 @@ import re
 
 DEFINE = re.compile(r"^#define (SMG_\w+) (-?\d+)$", re.MULTILINE)
 INCLUDE = re.compile(r'[ \t]*#[ \t]*include[ \t]*"([A-Za-z0-9_.]+)"')
-TEST = re.compile(r"#if (!?)(SMG_\w+)$")
+TEST = re.compile(r"#(?:el)?if (!?)(SMG_\w+)$")
 
 
 def macros_of(source: str) -> dict:
@@ -13,19 +13,29 @@ def macros_of(source: str) -> dict:
     return {name: int(value) for name, value in DEFINE.findall(source)}
 
 
+def decided(line: str, macros: dict) -> bool | None:
+    """What a test of a single macro of the runtime comes to; None: another one."""
+    test = TEST.match(line)
+    return None if test is None else (macros.get(test[2], 0) == 0) == bool(test[1])
+
+
 def active_lines(text: str, macros: dict):
-    """(line, whether it is compiled): tests of a single macro of the runtime are decided, every other one counts as true."""
-    stack = [True]
+    """(line, whether it is compiled): tests that are not decided count as true, of the first branch and of those after it."""
+    stack, held, sure = [True], [True], [True]      # this branch; one of those so far; one that is decided
     for line in text.splitlines():
         word = line.split(None, 1)[0] if line.strip() else ""
         if word.startswith("#if"):
-            test = TEST.match(line)
-            holds = not test or (macros.get(test[2], 0) == 0) == bool(test[1])
-            stack.append(holds)
-        elif word in ("#else", "#elif"):
-            stack[-1] = not stack[-1] or word == "#elif"
+            for one in (stack, held, sure):
+                one.append(False)
         elif word == "#endif":
-            stack.pop()
+            for one in (stack, held, sure):
+                one.pop()
+        if word.startswith("#if") or word == "#elif":
+            holds = decided(line, macros)
+            stack[-1] = not sure[-1] and holds is not False
+            held[-1], sure[-1] = held[-1] or stack[-1], sure[-1] or holds is True
+        elif word == "#else":
+            stack[-1] = not held[-1]
         yield line, all(stack)
 
 
