@@ -43,7 +43,7 @@ and the check cost, each alone, is in [costs.md](costs.md#what-each-promise-cost
 
 Nanoseconds a spin and step. `portable` is compiled for any processor of the family (two lanes), `native`, as `smidgen.build` makes it, for this one (`-march=native`), with the same
 bits; `site to site` the steps that models without rows take (here the model with its tangent map), in turns with the others. `sweeps` are those of
-the last step; every step is evaluated once more.
+the last step; every step is evaluated once more. Ten steps or more go in a call: where every step is an output, w is carried into rows and back each time, some 10 ns a spin.
 
 ## Explicit steps on lattices
 
