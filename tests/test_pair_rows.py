@@ -5,6 +5,7 @@ import smidgen
 from smidgen.check.witness import Witness, splittings
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
+from support.going_on import one_by_one, restored
 from support.strict import COMPILERS, MODES, compile_all
 from test_rows import EXCHANGE, FOUR, HONEY, LADDER, SKEW, lattice
 
@@ -103,12 +104,7 @@ def test_the_witness_finds_classes_of_which_no_two_bonds_meet():
 
 def test_restored_it_goes_on_with_the_same_bits(monkeypatch):
     model = built(monkeypatch, SPECS["cubic"])
-    saved, whole = model.start("random", h=0.1).steps(7).save(), model.steps(9).save()
-    assert np.array_equal(model.start("random", h=0.03).restore(saved).steps(9).save(), whole)
-    model.start("random", h=0.1)
-    for _ in range(16):
-        model.steps(1)
-    assert np.array_equal(model.save(), whole)
+    assert restored(model) and one_by_one(model)
 
 
 @pytest.mark.usefixtures("optimised")

@@ -14,10 +14,10 @@
 
 #if SMG_LANES > 1
 
-#define SMG_FLIGHTS 2 /* registers full of states that step in turn: while one waits for its control, the processor works on the other; 3: the same */
+#define SMG_LANE_GROUPS 2 /* registers full of states that step in turn: while one waits for its control, the processor works on the other; 3: the same */
 
 /* SMG_LANES steps under way, each as smg_pace has it. */
-typedef struct smg_flight {
+typedef struct smg_lane_group {
   smg_lanes y[3], carry[3], k[3 * SMG_STAGES_USED];
   smg_lanes done, size, natural, largest;
   smg_lanes end, u[3], square, factor; /* of the internal step that is tried */
@@ -28,7 +28,7 @@ typedef struct smg_flight {
   smg_lane_mask lost, off_leaf; /* what lanes do not do has come up; not yet back on the leaf */
   smg_lane_mask tries, accepted, count, left; /* count: steps taken; left: those still to take */
   smg_state *state[SMG_LANES];
-} smg_flight;
+} smg_lane_group;
 
 /* The states that wait for a lane, and how many steps each is to take. */
 typedef struct smg_queue {
@@ -55,14 +55,14 @@ SMG_INLINE smg_lane_mask smg_lanes_finite(smg_lane_vec a) {
 }
 
 /* k_1 */
-SMG_INLINE void smg_lanes_first_stage(smg_flight *f) {
+SMG_INLINE void smg_lanes_first_stage(smg_lane_group *f) {
   const smg_lane_vec k = smg_lane_motion(&f->c, smg_lane_vec_load(f->y), f->size);
   smg_lane_vec_store(f->k, k);
   f->lost = ~smg_lanes_finite(k);
 }
 
 /* k_(i+1), i = 1 .. 11 */
-SMG_INLINE void smg_lanes_stage(smg_flight *f, int i) {
+SMG_INLINE void smg_lanes_stage(smg_lane_group *f, int i) {
   smg_lane_vec z = smg_lane_vec_load(f->y);
   if (i > 1) z = smg_lane_vec_add(z, smg_lanes_weighted(smg_dop853_a[i], i - 1, f->k));
   z = smg_lane_vec_add(z, smg_lane_vec_scale(smg_lane_of(smg_dop853_a[i][i - 1]), smg_lane_vec_load(f->k + 3 * (i - 1))));
@@ -70,7 +70,7 @@ SMG_INLINE void smg_lanes_stage(smg_flight *f, int i) {
 }
 
 /* k_2 .. k_12 */
-SMG_INLINE void smg_lanes_later_stages(smg_flight *f) {
+SMG_INLINE void smg_lanes_later_stages(smg_lane_group *f) {
   smg_lanes_stage(f, 1);
   smg_lanes_stage(f, 2);
   smg_lanes_stage(f, 3);
@@ -85,7 +85,7 @@ SMG_INLINE void smg_lanes_later_stages(smg_flight *f) {
 }
 
 /* u, e5 and e3, the three of smg_estimate(), at once, so that each k is loaded once. */
-SMG_INLINE void smg_lanes_combine(const smg_flight *f, smg_lane_vec *u, smg_lane_vec *e5, smg_lane_vec *e3) {
+SMG_INLINE void smg_lanes_combine(const smg_lane_group *f, smg_lane_vec *u, smg_lane_vec *e5, smg_lane_vec *e3) {
   const smg_lanes zero = smg_lane_of(-(smg_real)0);
   smg_lane_vec sum = smg_lane_vec_of(zero, zero, zero), fifth = sum, third = sum;
   SMG_UNROLL
@@ -101,7 +101,7 @@ SMG_INLINE void smg_lanes_combine(const smg_flight *f, smg_lane_vec *u, smg_lane
 }
 
 /* u and the square of its error, as smg_site_error() has it. */
-SMG_INLINE void smg_lanes_estimate(smg_flight *f) {
+SMG_INLINE void smg_lanes_estimate(smg_lane_group *f) {
   const smg_lanes none = smg_lane_of(0);
   smg_lane_vec u, e5, e3;
   smg_lanes_combine(f, &u, &e5, &e3);
@@ -113,14 +113,14 @@ SMG_INLINE void smg_lanes_estimate(smg_flight *f) {
 }
 
 /* y + carry := y + carry + u in the lanes `which`. */
-SMG_INLINE void smg_lanes_add(smg_flight *f, smg_lane_mask which, smg_lane_vec u) {
+SMG_INLINE void smg_lanes_add(smg_lane_group *f, smg_lane_mask which, smg_lane_vec u) {
   const smg_lane_vec y = smg_lane_vec_load(f->y), carry = smg_lane_vec_load(f->carry), more = smg_lane_vec_add(u, carry), sum = smg_lane_vec_add(y, more);
   smg_lane_vec_store(f->carry, smg_lane_vec_select(which, smg_lane_vec_sub(more, smg_lane_vec_sub(sum, y)), carry));
   smg_lane_vec_store(f->y, smg_lane_vec_select(which, sum, y));
 }
 
 /* The increment is taken in the lanes `good`. */
-SMG_INLINE void smg_lanes_take(smg_flight *f, smg_lane_mask good) {
+SMG_INLINE void smg_lanes_take(smg_lane_group *f, smg_lane_mask good) {
   const smg_lane_vec u = smg_lane_vec_load(f->u);
 #if SMG_PLAIN_SUMS
   const smg_lane_vec y = smg_lane_vec_load(f->y);
@@ -132,7 +132,7 @@ SMG_INLINE void smg_lanes_take(smg_flight *f, smg_lane_mask good) {
 }
 
 /* A round of smg_back_on_leaf() on the unit sphere, where grad C(y) = y, in the lanes that are off it; returns those that still are. */
-SMG_INLINE smg_lane_mask smg_lanes_back_on_leaf(smg_flight *f) {
+SMG_INLINE smg_lane_mask smg_lanes_back_on_leaf(smg_lane_group *f) {
   const smg_lane_vec n = smg_lane_vec_load(f->y);
   const smg_lanes square = smg_lane_vec_dot(n, n), off = 1 - (square + 2 * smg_lane_vec_dot(n, smg_lane_vec_load(f->carry)));
   f->off_leaf &= (smg_lane_mask)(square > 0) & ~(smg_lane_mask)(smg_lane_abs(off) <= SMG_EPS * square);
@@ -141,12 +141,12 @@ SMG_INLINE smg_lane_mask smg_lanes_back_on_leaf(smg_flight *f) {
 }
 
 /* ---- control of the size ---------------------------------------------------------------------------------------------------- */
-SMG_INLINE void smg_lanes_factor(smg_flight *f) {
+SMG_INLINE void smg_lanes_factor(smg_lane_group *f) {
   const smg_lanes most = smg_lane_of(SMG_GROWTH), factor = SMG_SAFETY * smg_lane_of_bits(SMG_SIXTEENTH, f->square, 4);
   f->factor = smg_lane_select((smg_lane_mask)(f->square > 0), smg_lane_min(most, smg_lane_max(smg_lane_of(SMG_SHRINK), factor)), most);
 }
 
-SMG_INLINE void smg_lanes_next_end(smg_flight *f) {
+SMG_INLINE void smg_lanes_next_end(smg_lane_group *f) {
   const smg_lanes left = 1 - f->done, near = f->done + smg_lane_min(f->natural, left / 2), far = f->done + f->natural;
   const smg_lane_mask whole = smg_lane_all(SMG_FIXED_STEP) | (smg_lane_mask)(left <= f->natural * (smg_real)1.01);
   f->end = smg_lane_select(whole, smg_lane_of(1), smg_lane_select((smg_lane_mask)(left > 2 * f->natural), far, near));
@@ -154,7 +154,7 @@ SMG_INLINE void smg_lanes_next_end(smg_flight *f) {
 }
 
 /* smg_accept() and smg_refuse() */
-SMG_INLINE void smg_lanes_judge(smg_flight *f) {
+SMG_INLINE void smg_lanes_judge(smg_lane_group *f) {
   const smg_lane_mask finite = (smg_lane_mask)(f->square - f->square == smg_lane_of(0)), good = SMG_FIXED_STEP ? finite : (smg_lane_mask)(f->square <= 1);
   const smg_lanes grown = smg_lane_select(f->refused, smg_lane_min(smg_lane_of(1), f->factor), f->factor), next = f->size * grown;
   const smg_lanes kept = smg_lane_select((smg_lane_mask)(grown < SMG_GROWTH) | (smg_lane_mask)(next > f->natural), next, f->natural);
@@ -176,7 +176,7 @@ static smg_real smg_first_natural(smg_state *s) {
 }
 
 /* Lane l is at the beginning of a step of the state s. */
-static void smg_lane_take_up(smg_flight *f, int l, smg_state *s) {
+static void smg_lane_take_up(smg_lane_group *f, int l, smg_state *s) {
   const smg_real natural = smg_kept(s)[SMG_NATURAL], allowed = s->tolerance * s->scale;
   for (int b = 0; b < 3; ++b) {
     smg_lane_set(f->y + b, l, s->w[b]);
@@ -196,7 +196,7 @@ static void smg_lane_take_up(smg_flight *f, int l, smg_state *s) {
 }
 
 /* The state of lane l, as it was before the step under way. */
-static void smg_lane_put_back(const smg_flight *f, int l) {
+static void smg_lane_put_back(const smg_lane_group *f, int l) {
   smg_state *s = f->state[l];
   for (int b = 0; b < 3; ++b) {
     s->w[b] = smg_lane_get(f->w + b, l);
@@ -208,7 +208,7 @@ static void smg_lane_put_back(const smg_flight *f, int l) {
 }
 
 /* Lane l takes up the next state that has not failed, if there is one. */
-static void smg_lane_next(smg_flight *f, int l, smg_queue *q) {
+static void smg_lane_next(smg_lane_group *f, int l, smg_queue *q) {
   while (q->next < q->end && q->next->report.status != SMG_OK) ++q->next;
   f->live[l] = q->next < q->end ? -1 : 0;
   if (q->next == q->end) return;
@@ -217,7 +217,7 @@ static void smg_lane_next(smg_flight *f, int l, smg_queue *q) {
 }
 
 /* Lane l has taken all its steps: what the last of them says. */
-static void smg_lane_report(const smg_flight *f, int l) {
+static void smg_lane_report(const smg_lane_group *f, int l) {
   const smg_state *s = f->state[l];
   smg_report *r = &f->state[l]->report;
   r->iterations = (int)f->accepted[l];
@@ -227,7 +227,7 @@ static void smg_lane_report(const smg_flight *f, int l) {
 }
 
 /* The lanes `finished` are at the end of their steps: the next one begins, or the next state. */
-SMG_COLD static void smg_lanes_land(smg_flight *f, smg_lane_mask finished, smg_queue *q) {
+SMG_COLD static void smg_lanes_end_steps(smg_lane_group *f, smg_lane_mask finished, smg_queue *q) {
   const smg_lanes none = smg_lane_of(0);
   smg_lane_vec_store(f->w, smg_lane_vec_select(finished, smg_lane_vec_load(f->y), smg_lane_vec_load(f->w)));
   smg_lane_vec_store(f->compensation, smg_lane_vec_select(finished, smg_lane_vec_load(f->carry), smg_lane_vec_load(f->compensation)));
@@ -250,7 +250,7 @@ SMG_COLD static void smg_lanes_land(smg_flight *f, smg_lane_mask finished, smg_q
 }
 
 /* The step of the lanes `alone` by smg_step(), from its beginning. */
-SMG_COLD static void smg_lanes_alone(smg_flight *f, smg_lane_mask alone, smg_queue *q) {
+SMG_COLD static void smg_lanes_alone(smg_lane_group *f, smg_lane_mask alone, smg_queue *q) {
   for (int l = 0; l < SMG_LANES; ++l) {
     smg_state *s = f->state[l];
     if (!smg_lane_holds(alone, l)) continue;
@@ -262,36 +262,36 @@ SMG_COLD static void smg_lanes_alone(smg_flight *f, smg_lane_mask alone, smg_que
 }
 
 /* Steps that are at their end, and those that are left to smg_step(). */
-SMG_INLINE void smg_flight_finish(smg_flight *f, smg_queue *q) {
+SMG_INLINE void smg_group_finish(smg_lane_group *f, smg_queue *q) {
   const smg_lane_mask end = ~(f->refused | f->lost | (smg_lane_mask)(f->done < 1)), finished = f->live & end;
   const smg_lane_mask alone = f->live & ~end & (f->lost | (smg_lane_mask)(f->tries >= SMG_MOST_TRIES));
   if (!smg_lane_any(finished | alone)) return;
-  smg_lanes_land(f, finished, q);
+  smg_lanes_end_steps(f, finished, q);
   if (smg_lane_any(alone)) smg_lanes_alone(f, alone, q);
 }
 
-/* One internal step of every lane, in parts short enough that a processor works on several flights at once. */
-static void smg_flights_try(smg_flight *f, int flights, smg_queue *q) {
-  for (int k = 0; k < flights; ++k) {
+/* One internal step of every lane, in parts short enough that a processor works on several groups at once. */
+static void smg_groups_try(smg_lane_group *f, int groups, smg_queue *q) {
+  for (int k = 0; k < groups; ++k) {
     smg_lanes_next_end(f + k);
     smg_lanes_first_stage(f + k);
     smg_lanes_later_stages(f + k);
   }
-  for (int k = 0; k < flights; ++k) smg_lanes_estimate(f + k);
-  for (int k = 0; k < flights; ++k) smg_lanes_factor(f + k);
-  for (int k = 0; k < flights; ++k) smg_lanes_judge(f + k);
+  for (int k = 0; k < groups; ++k) smg_lanes_estimate(f + k);
+  for (int k = 0; k < groups; ++k) smg_lanes_factor(f + k);
+  for (int k = 0; k < groups; ++k) smg_lanes_judge(f + k);
 #if SMG_PROJECT
   for (int round = 0, left = 1; left && round < SMG_LEAF_ROUNDS; ++round) {
     left = 0;
-    for (int k = 0; k < flights; ++k) left |= smg_lane_any(smg_lanes_back_on_leaf(f + k));
+    for (int k = 0; k < groups; ++k) left |= smg_lane_any(smg_lanes_back_on_leaf(f + k));
   }
 #endif
-  for (int k = 0; k < flights; ++k) smg_flight_finish(f + k, q);
+  for (int k = 0; k < groups; ++k) smg_group_finish(f + k, q);
 }
 
 /* ---- many states ------------------------------------------------------------------------------------------------------------ */
 /* Is a state left for the first lane? Other lanes that none is left for repeat it. */
-static int smg_flight_begin(smg_flight *f, smg_queue *q) {
+static int smg_group_begin(smg_lane_group *f, smg_queue *q) {
   for (int l = 0; l < SMG_LANES; ++l) {
     smg_lane_next(f, l, q);
     if (!smg_lane_holds(f->live, 0)) return 0;
@@ -302,18 +302,18 @@ static int smg_flight_begin(smg_flight *f, smg_queue *q) {
 
 /* count steps of those states that have not failed. */
 static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int alike) {
-  smg_flight f[SMG_FLIGHTS];
+  smg_lane_group f[SMG_LANE_GROUPS];
   smg_queue q = {s, s + members, count};
-  int flights = 0, busy = count > 0;
+  int groups = 0, busy = count > 0;
   (void)alike;
-  for (int k = 0; k < SMG_FLIGHTS && busy; ++k) {
-    busy = smg_flight_begin(f + k, &q);
-    flights += busy;
+  for (int k = 0; k < SMG_LANE_GROUPS && busy; ++k) {
+    busy = smg_group_begin(f + k, &q);
+    groups += busy;
   }
-  for (busy = flights > 0; busy;) {
-    smg_flights_try(f, flights, &q);
+  for (busy = groups > 0; busy;) {
+    smg_groups_try(f, groups, &q);
     busy = 0;
-    for (int k = 0; k < flights; ++k) busy |= smg_lane_any(f[k].live);
+    for (int k = 0; k < groups; ++k) busy |= smg_lane_any(f[k].live);
   }
 }
 

@@ -61,12 +61,6 @@ SMG_INLINE void smg_put_some_spins(const smg_pair_turning *turn, int64_t slot, s
   smg_put_spins(turn, slot, &those);
 }
 
-SMG_INLINE void smg_move_spins(smg_lane_spins *a, int k, smg_lanes moved) {
-  const smg_lanes y = moved + a->lost[k], sum = a->w[k] + y;
-  a->lost[k] = y - (sum - a->w[k]);
-  a->w[k] = sum;
-}
-
 /* smg_turn_pair. */
 SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning *turn, int64_t term, smg_lane_spins *v, smg_lane_spins *w) {
   const smg_real kappa = smg_kappa(c, 0);
@@ -78,8 +72,8 @@ SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning
   smg_lane_cross(pg, p, g);
   for (int b = 0; b < 3; ++b) {
     const smg_lanes moved = kappa * (scale * (p[b] + pg[b]));
-    smg_move_spins(v, b, moved);
-    smg_move_spins(w, b, -moved);
+    smg_lane_add_compensated(v->w + b, v->lost + b, moved);
+    smg_lane_add_compensated(w->w + b, w->lost + b, -moved);
   }
 }
 

@@ -28,9 +28,7 @@ SMG_INLINE void smg_turn_slots(const smg_row_turning turn, int last, int64_t slo
   for (int k = 0; k < 3; ++k) {
     smg_lanes moved = scale * (x[k] + xx[k]);
     if (last) moved += back * (w[k] + moved);
-    const smg_lanes y = moved + lost[k], sum = w[k] + y;
-    lost[k] = y - (sum - w[k]);
-    w[k] = sum;
+    smg_lane_add_compensated(w + k, lost + k, moved);
   }
   smg_put_slots(turn.w, turn.pitch, slot, w);
   smg_put_slots(turn.lost, turn.pitch, slot, lost);

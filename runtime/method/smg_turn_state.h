@@ -10,13 +10,7 @@
 /* The arrays by slots: w, and what it has lost to rounding. */
 static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c);
-  if (mem) {
-    smg_real *next = smg_line_from(mem);
-    s->w = mem;
-    s->row_u = smg_place_slots(&next, size);
-    s->row_w = smg_place_slots(&next, size);
-    s->row_compensation = smg_place_slots(&next, size);
-  }
+  if (mem) (void)smg_place_row_arrays(s, mem, size);
   return SMG_WIDEST + 3 * size;
 }
 

@@ -11,6 +11,16 @@ static inline smg_real *smg_place_slots(smg_real **next, size_t size) {
   return first;
 }
 
+/* Those that all such states have, from mem on; where the next one begins. */
+static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t size) {
+  smg_real *next = smg_line_from(mem);
+  s->w = mem;
+  s->row_u = smg_place_slots(&next, size);
+  s->row_w = smg_place_slots(&next, size);
+  s->row_compensation = smg_place_slots(&next, size);
+  return next;
+}
+
 /* Empty slots at the ends of rows hold a spin that nothing turns; those at the end of a colour have increments 0. */
 static void smg_fill_empty_slots(const smg_state *s) {
   const smg_coefficients *c = &s->c;

@@ -46,11 +46,7 @@ static inline void smg_choose_rows(smg_state *s) {
 static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c), late = (size_t)(3 * SMG_LATE_PITCH(&s->c));
   if (mem) {
-    smg_real *next = smg_line_from(mem);
-    s->w = mem;
-    s->row_u = smg_place_slots(&next, size);
-    s->row_w = smg_place_slots(&next, size);
-    s->row_compensation = smg_place_slots(&next, size);
+    smg_real *next = smg_place_row_arrays(s, mem, size);
     s->row_m = smg_place_slots(&next, size);
     for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
   }
