@@ -117,6 +117,46 @@ def test_a_singular_step_has_no_tangent_map(spec, solver):
         assert np.array_equal(model.save(), saved)
 
 
+def eight(over, energy, more=""):
+    """Eight spins, of which a[i] and ends[i] say which are coupled and when their field ends."""
+    return smidgen.load_text(f"""
+[model]
+name = "eight"
+[space]
+w = {{ sphere = 8 }}
+[parameters]
+a = {{ default = [0, 0, 0, 0, 0, 1, 1, 0], size = 8 }}
+ends = {{ default = [9, 9, 9, 9, 9, 9, 1, 9], size = 8 }}
+{more}
+[effects.coupling]
+over = "{over}"
+energy = "{energy}"
+""")
+
+
+SADDLES = "a[i]*a[j]*(w[i].x*w[j].x - w[i].y*w[j].y)"
+EIGHT = {"dense": eight("pair(i, j) of w", SADDLES), "band": eight("bond(i, j) of chain(8, periodic)", SADDLES)}
+
+
+@pytest.mark.parametrize("name", EIGHT)
+def test_a_singular_matrix_names_its_site(name):
+    """Sites 5 and 6 meet another branch at h = 2; elimination comes to its end with the second of them."""
+    model = smidgen.build(EIGHT[name], solver="newton", features=TANGENT)
+    saved = model.start(np.tile(POLE, (8, 1)), h=1.0).step().save()
+    saved[H] = 2.0
+    model.restore(saved)
+    with pytest.raises(RunError) as caught:
+        model.tangent(np.ones((2, 8, 3)))
+    assert caught.value.status == SINGULAR and caught.value.site == 6
+
+
+@pytest.mark.parametrize("solver", ["auto", "newton"])
+def test_a_field_that_is_no_number_names_its_site(solver):
+    spec = eight("pair(i, j) of w", "0.1*dot(w[i], w[j])", '[effects.field]\nover = "site(i)"\nenergy = "sqrt(ends[i] - t)*w[i].x"')
+    model = smidgen.build(spec, solver=solver).start(generic(8), h=0.1).steps(10)
+    assert refused(model, NOT_FINITE).site == 6
+
+
 @pytest.mark.parametrize("name", ["free_rigid_body", "point_vortices"])
 def test_a_composed_tangent_map_that_is_no_number(name):
     """What stages had moved goes back."""

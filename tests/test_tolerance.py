@@ -40,6 +40,20 @@ def test_step_control_aims_at_it():
     assert errors[0] < 1e-4 and errors[1] < errors[0] / 30 and errors[2] < errors[1] / 30, errors
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("h", [0.2, 0.5, 0.8])
+def test_every_step_by_rows_leaves_less_than_the_tolerance(tolerance, h):
+    """What the step itself says, and what W - w = h X(m) leaves: twice that of a midpoint, in another norm."""
+    spec = smidgen.load("heisenberg_chain")
+    model = smidgen.build(spec, values={"n": 64}).start("random", h=h, tolerance=tolerance)
+    for _ in range(40):
+        w = model.state()
+        W = model.step().state()
+        m = (w + W) / np.linalg.norm(w + W, axis=1)[:, None]
+        left = np.abs(W - w - h * spec.orientation * np.cross(m, np.roll(m, 1, 0) + np.roll(m, -1, 0))).max()
+        assert model.report()["residual"] <= tolerance and left <= 4 * tolerance
+
+
 @pytest.mark.quick
 @pytest.mark.parametrize("method", ["spherical-midpoint", "gauss-6", "dop853", "spherical-midpoint-6"])
 def test_a_saved_state_goes_on_with_its_tolerance(method):
