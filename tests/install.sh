@@ -52,5 +52,5 @@ fi
 pip() { "$venv/bin/python" -m pip --disable-pip-version-check "$@" >"$venv/install.log" 2>&1 ||
   { cat "$venv/install.log" >&2; exit 1; }; }
 echo "smidgen: installing Python packages into $venv" >&2
-pip install -r requirements.txt -r requirements-test.txt
-pip install --no-deps --no-build-isolation -e .
+pip install --no-compile -r requirements.txt -r requirements-test.txt  # what is imported is compiled then
+pip install --no-compile --no-deps --no-build-isolation -e .
