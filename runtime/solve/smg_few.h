@@ -12,8 +12,8 @@
 
 #define SMG_FEW_WIDEST 8 /* lanes of the widest registers there are */
 
-/* Arrays of a step: x, y and z of w, of what it has lost to rounding, of u and of m; h/(2 kappa), the radius, and 1/|mbar|. */
-enum { SMG_FEW_W = 0, SMG_FEW_LOST = 3, SMG_FEW_U = 6, SMG_FEW_M = 9, SMG_FEW_HALF = 12, SMG_FEW_RADIUS, SMG_FEW_INVERSE, SMG_FEW_ARRAYS };
+/* Arrays of a step: x, y and z of w, of what it has lost to rounding, of u and of m; h/(2 kappa), the radius, and the radius over |mbar|. */
+enum { SMG_FEW_W = 0, SMG_FEW_LOST = 3, SMG_FEW_U = 6, SMG_FEW_M = 9, SMG_FEW_HALF = 12, SMG_FEW_RADIUS, SMG_FEW_ONTO, SMG_FEW_ARRAYS };
 
 static inline int64_t smg_few_pitch(int64_t sites) { return (sites + SMG_FEW_WIDEST - 1) / SMG_FEW_WIDEST * SMG_FEW_WIDEST; }
 #define SMG_FEW_SIZE(sites) (SMG_FEW_ARRAYS * smg_few_pitch(sites))

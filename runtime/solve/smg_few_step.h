@@ -78,9 +78,9 @@ static void smg_few_leave(const smg_state *s) {
     for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
 }
 
-/* m = (w + compensation + u/2)/|..|, as long as the radius. A root and a division, both rounded correctly, take less time than an inverse root by
- * products, of which each waits for the one before. The inverse from the evaluation before, with a correction, would take less again, but creep
- * by ulps of one sign: |w| of sixteen spins then drifted by 2e-20 a step. */
+/* m = (w + compensation + u/2)/|..|, as long as the radius: times r/|..| = (r/|..|^2) |..|, so that the root and the division do not wait for each
+ * other. Both rounded correctly, they take less time than an inverse root by products, of which each waits for the one before. The inverse from the
+ * evaluation before, with a correction, would take less again, but creep by ulps of one sign: |w| of sixteen spins then drifted by 2e-20 a step. */
 static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes m[3], lost[3], u[3];
@@ -88,11 +88,10 @@ static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
     smg_few_take(a + SMG_FEW_LOST * pitch, pitch, i, lost);
     smg_few_take(a + SMG_FEW_U * pitch, pitch, i, u);
     for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
-    const smg_lanes inverse = 1 / smg_lane_sqrt(smg_lane_dot(m, m));
-    const smg_lanes s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) * inverse;
+    const smg_lanes square = smg_lane_dot(m, m), s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) / square * smg_lane_sqrt(square);
     for (int k = 0; k < 3; ++k) m[k] *= s;
     smg_few_put(a + SMG_FEW_M * pitch, pitch, i, m);
-    smg_lane_put(a + SMG_FEW_INVERSE * pitch + i, inverse);
+    smg_lane_put(a + SMG_FEW_ONTO * pitch + i, s);
   }
 }
 
@@ -140,10 +139,10 @@ static smg_few_motion smg_few_evaluate(const smg_state *s, int small) {
 
 /* Would one more evaluation move less than SMG_FEW_LEFT ulps of u, or than the user allows; or do changes shrink no more? That move, along u,
  * changes |w|, with one sign along many an orbit. */
-static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, const smg_rest *part, smg_real size) {
+static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, const smg_rest *part, smg_real square) {
   if (smg_tolerated(s, whole->rate * whole->now) && s->tolerance > 0) return 1;
-  const int one = whole->stays || whole->rate * whole->left <= SMG_FEW_LEFT * SMG_EPS * size;
-  return one && smg_rest_settled(part, SMG_EPS);
+  const smg_real next = whole->rate * whole->left / (SMG_FEW_LEFT * SMG_EPS);
+  return (whole->stays || next * next <= square) && smg_rest_settled(part, SMG_EPS);
 }
 
 /* Evaluations until then; 0 where they do not settle soon. */
@@ -157,7 +156,7 @@ static int smg_few_settle(smg_state *s, int small) {
     smg_rest_take(&whole, change, still);
     smg_rest_take(&part, smg_lane_largest(moved.part), still);
     s->report.iterations = n;
-    if (smg_few_settled(s, &whole, &part, SMG_MATH(sqrt)(smg_lane_largest(moved.size)))) return 1;
+    if (smg_few_settled(s, &whole, &part, smg_lane_largest(moved.size))) return 1;
   }
   return 0;
 }
@@ -167,7 +166,7 @@ SMG_INLINE void smg_few_rows(const smg_real *a, int64_t pitch, int64_t i, int64_
   const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i), r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
   smg_lanes m[3];
   smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
-  const smg_lanes own = smg_lane_abs(half) * (r * smg_lane_take(a + SMG_FEW_INVERSE * pitch + i)) * (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
+  const smg_lanes own = smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) * (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
   const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(g, g);
   *row = smg_lane_max(*row, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), own, none) : own);
   *products = smg_lane_max(*products, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), square, none) : square);

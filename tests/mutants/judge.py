@@ -17,7 +17,7 @@ BESIDE = re.compile(r"test_(plot|pictures_tell|player|demo|readme|package|cli|se
 RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|krylov|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
-          r"test_(effort|newton|second_solution)", r"test_(agreement|properties|branch|statuses|hard_cases)",
+          r"test_(effort|newton|second_solution|states)", r"test_(agreement|properties|branch|statuses|hard_cases)",
           r"test_(symplectic|tangent)", r"test_(hard|round_off|certificate|verify|unusual)",
           r"runs?_clean", r"test_(validate|user_specs|advice)", r"")
 SHARP = 3       # stages that are run before the quick tier
@@ -38,7 +38,7 @@ MADE_FOR = {"rows": r"test_rows|statuses", "method": r"test_(comparators|splitti
             "runtime/core/smg_saved.h": r"test_(checkpoint|resume|substeps)", "runtime/solve/smg_sweep.h": r"lattice|chain|sweep|glass|bad_steps.*cubic",
             "runtime/solve/smg_alone.h": r"product|tracers|local|decoupled", "runtime/method/smg_single_sphere.h": r"rigid_body|solo|top",
             "runtime/solve/smg_newton.h": r"chain|vortices|graph|newton", "runtime/core/smg_state.h": r"test_interface|energy|momentum",
-            "runtime/method/smg_midpoint.h": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable",
+            "runtime/method/smg_midpoint.h": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable", "templates/ensemble": r"test_ensemble",
             "runtime/core/smg_site.h": r"units|frame", "runtime/solve/smg_follow.h": r"follow|curve", "runtime/solve/smg_band.h": r"band|branch", "runtime/solve/smg_sparse.h": r"sparse|branch",
             "runtime/solve/smg_dense.h": r"dense|branch", "runtime/solve/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
 OTHER_BUILDS = re.compile(r"\[(.*-)?(clang|g\+\+|gcc-long-double)")      # the same again, by another compiler
