@@ -13,7 +13,7 @@ typedef struct smg_piece {
   smg_besides *known;
   smg_real *g; /* 3 SMG_PIECE_ROOM numbers */
 #if SMG_BY_ROWS && !SMG_ROW_TURNS
-  SMG_LINES smg_real made[3 * SMG_PIECE_ROOM], field[3 * SMG_PIECE_ROOM];
+  SMG_LINES smg_real field[3 * SMG_PIECE_ROOM];
 #endif
 } smg_piece;
 

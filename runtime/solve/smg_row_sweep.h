@@ -31,6 +31,21 @@ SMG_INLINE smg_lanes smg_part_moved(smg_real small, smg_lanes d, smg_lanes made)
   return smg_lane_select((smg_lane_mask)(made < small), smg_lane_abs(d) * smg_lane_rough_inverse(made), none);
 }
 
+/* Is a component of a spin small? What the others are made of is not. */
+SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
+  return smg_lane_any((smg_lane_mask)(smg_lane_abs(w[0]) < small) | (smg_lane_mask)(smg_lane_abs(w[1]) < small) | (smg_lane_mask)(smg_lane_abs(w[2]) < small));
+}
+
+/* The largest part by which small components of the slots of one vector moved, by d, in the gradient b. */
+SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_lanes *b, const smg_lanes *d, smg_lanes *part) {
+  smg_lanes w[3], g[3], made[3];
+  smg_take_slots(turn.w, turn.pitch, slot, w);
+  if (!smg_some_small(turn.small, w)) return;
+  for (int k = 0; k < 3; ++k) g[k] = turn.half * b[k];
+  smg_made_of(w, g, made);
+  for (int k = 0; k < 3; ++k) *part = smg_lane_larger(*part, smg_part_moved(turn.small, d[k], made[k]));
+}
+
 /* How rho is found: from w.m of the sweep before; where there was none, from k and d; or by its root. */
 enum smg_row_way { SMG_FROM_BEFORE, SMG_FROM_FIELD, SMG_BY_ROOT };
 
@@ -45,18 +60,18 @@ SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_r
   return smg_lane_corrected_rho(w, g, rho, turn.inverse, turn.weak);
 }
 
-/* v, along the midpoints of the slots of one vector, in place of their gradient g. made: what they are made of, where asked for. */
-SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row_way way, smg_lanes *g, smg_lanes *made) {
+/* v, along the midpoints of the slots of one vector, in place of their gradient g. */
+SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row_way way, smg_lanes *g) {
   smg_lanes w[3], v[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
   for (int k = 0; k < 3; ++k) g[k] *= turn.half;
   smg_lane_along_spin(w, g, smg_rho_of(turn, slot, way, w, g), v);
-  if (made) smg_made_of(w, g, made);
   for (int k = 0; k < 3; ++k) g[k] = v[k];
 }
 
-/* m = r v/|v| of those slots, `in` of them sites of the piece. field: their gradient, where increments are asked for. */
-SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *made, const smg_lanes *field, smg_motion *moved) {
+/* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. small: are small components looked at? last: are
+ * increments found too? */
+SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *b, int small, int last, smg_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
   smg_lane_stretch_to(turn.inverse, turn.weak, v);
@@ -65,20 +80,18 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
   for (int k = 0; k < 3; ++k) d[k] = v[k] - m[k];
   smg_put_slots(turn.m, turn.pitch, slot, v);
   moved->square = smg_lane_larger(moved->square, smg_lane_dot(d, d));
-  if (made)
-    for (int k = 0; k < 3; ++k) moved->part = smg_lane_larger(moved->part, smg_part_moved(turn.small, d[k], made[k]));
-  if (field) smg_end_slots(turn, slot, in, v, field, &moved->residual);
+  if (small) smg_watch_slots(turn, slot, b, d, &moved->part);
+  if (last) smg_end_slots(turn, slot, in, v, b, &moved->residual);
 }
 
 /* Along the midpoints of a run, kept from k on. */
 SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, enum smg_row_way way, int small, int last, smg_piece *piece, int64_t k) {
   for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
-    smg_lanes v[3], made[3];
+    smg_lanes v[3];
     smg_run_gradient(c, run, turn.m, turn.pitch, j, p, v);
-    if (last) smg_put_slots(piece->field, SMG_PIECE_ROOM, k + j - run->from, v);
-    smg_aim_slots(turn, run->at.start + j, way, v, small ? made : NULL);
+    if (small || last) smg_put_slots(piece->field, SMG_PIECE_ROOM, k + j - run->from, v);
+    smg_aim_slots(turn, run->at.start + j, way, v);
     smg_put_slots(piece->g, SMG_PIECE_ROOM, k + j - run->from, v);
-    if (small) smg_put_slots(piece->made, SMG_PIECE_ROOM, k + j - run->from, made);
   }
 }
 
@@ -89,11 +102,10 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   smg_run run;
   for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) smg_aim_run(c, turn, &run, way, small, last, piece, k);
   for (int64_t k = 0; k < size; k += SMG_LANES) {
-    smg_lanes v[3], made[3], field[3];
+    smg_lanes v[3], field[3];
     smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
-    if (small) smg_take_slots(piece->made, SMG_PIECE_ROOM, k, made);
-    if (last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
-    smg_turn_slots(turn, start + k, size - k, v, small ? made : NULL, last ? field : NULL, &most);
+    if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
+    smg_turn_slots(turn, start + k, size - k, v, field, small, last, &most);
   }
   *moved = most;
 }
