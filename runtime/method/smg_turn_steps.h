@@ -1,17 +1,12 @@
 /* smidgen method: steps whose turns go by rows of a lattice. The header that includes this one defines smg_row_stage(s, known, h, end), what smg_stage is
- * from site to site; end: the last of a step. */
+ * from site to site, of a field that does not depend on time; end: the last of a step. */
 #ifndef SMG_TURN_STEPS_H
 #define SMG_TURN_STEPS_H
 
 #include "smg_rows.h"
 
 static void smg_row_step(smg_state *s, smg_besides *known) {
-  smg_real done = 0;
-  for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_set_stage_time(s, i, done);
-    smg_row_stage(s, known, smg_gamma[i] * smg_signed_h(s->h), i == SMG_STAGES - 1);
-    done += smg_gamma[i];
-  }
+  for (int i = 0; i < SMG_STAGES; ++i) smg_row_stage(s, known, smg_gamma[i] * smg_signed_h(s->h), i == SMG_STAGES - 1);
   s->history = 1;
   ++s->count;
 }

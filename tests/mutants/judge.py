@@ -37,7 +37,7 @@ MADE_FOR = {"rows": r"test_rows|statuses", "method": r"test_(comparators|splitti
             "runtime/method/smg_tangent.h": r"test_tangent|test_lyapunov", "runtime/method/smg_extended.h": r"wide|round_off|extended",
             "runtime/core/smg_saved.h": r"test_(checkpoint|resume|substeps)", "runtime/solve/smg_sweep.h": r"lattice|chain|sweep|glass|bad_steps.*cubic",
             "runtime/solve/smg_alone.h": r"product|tracers|local|decoupled", "runtime/method/smg_single_sphere.h": r"rigid_body|solo|top",
-            "runtime/solve/smg_newton.h": r"chain|vortices|graph|newton", "runtime/core/smg_state.h": r"test_interface|energy|momentum",
+            "runtime/solve/smg_newton.h": r"chain|vortices|graph|newton", "runtime/solve/smg_coupled.h": r"edges_of_steps|test_agreement", "runtime/core/smg_state.h": r"test_interface|energy|momentum",
             "runtime/method/smg_midpoint.h": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable", "templates/ensemble": r"test_ensemble",
             "runtime/core/smg_site.h": r"units|frame", "runtime/solve/smg_follow.h": r"follow|curve", "runtime/solve/smg_band.h": r"band|branch", "runtime/solve/smg_sparse.h": r"sparse|branch",
             "runtime/solve/smg_dense.h": r"dense|branch", "runtime/solve/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
