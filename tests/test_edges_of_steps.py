@@ -280,6 +280,17 @@ def test_outputs_end_where_a_step_fails():
             assert np.array_equal(block.states[0], w)
 
 
+@pytest.mark.parametrize("kappa", ["1e-30", "1e-150"])
+def test_an_error_too_large_to_be_squared(kappa):
+    """Steps of it are refused until none is left to try."""
+    spec = system("strong", f"w = {{ r3 = 2, kappa = {kappa} }}", ("site(i)", "1e150*(w[i].x^2 + 2*w[i].y^2)"), ("pair(i, j) of w", "dot(w[i], w[j])"))
+    model = smidgen.build(spec, "dop853").start(generic(2), h=1.0)
+    before = model.state()
+    with pytest.raises(RunError):
+        model.step()
+    assert np.array_equal(model.state(), before) and model.count == 0
+
+
 def test_a_rotation_too_large_to_be_squared():
     """tau^2 overflows: the slope is a number, the increment none."""
     spec = system("fields", "w = { sphere = 2 }", ("site(i)", "0.3*w[i].z + 0.1*w[i].x"))

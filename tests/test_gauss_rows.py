@@ -47,6 +47,15 @@ def test_every_order_is_that_of_the_witness(monkeypatch, order):
     assert np.abs(model.steps(3).w - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14
 
 
+@pytest.mark.parametrize("radius", ["1e100", "1e140"])
+def test_fields_beyond_all_numbers_are_refused(monkeypatch, radius):
+    model = built(monkeypatch, lattice("strong", "chain(n, periodic)", 18, "n", EXCHANGE.replace("-0.7", "1e150"), more=f", radius = {radius}")).start("random", h=0.2)
+    before = model.w.copy()
+    with pytest.raises(RunError):
+        model.step()
+    assert np.array_equal(model.w, before) and model.count == 0
+
+
 @pytest.mark.parametrize("order", [4, 8])
 def test_order_in_extended_precision(monkeypatch, order):
     """Of steps against those half as long, and of these against half of them again."""
