@@ -23,7 +23,7 @@ STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|
 SHARP = 3       # stages that are run before the quick tier
 # Before these: the tests that were made for faults of a kind, or for what a file does.
 MADE_FOR = {"rows": r"test_rows|statuses", "method": r"test_(comparators|splittings|compositions|lengths)|edges_of_steps", "branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
-            "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
+            "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"test_tolerance|round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
             **{f"runtime/method/smg_{word}": made for words, made in (
                 ("one_stage cf4 isospectral geodesic explicit", r"test_comparators|edges_of_steps"), ("axis", r"test_splittings"), ("sublattice", r"test_(splittings|sublattice)"),
