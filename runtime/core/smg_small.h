@@ -36,6 +36,13 @@
 #define SMG_ANEW(pointer) (void)0
 #endif
 
+/* What stands there will soon be asked for. */
+#if defined(__GNUC__)
+#define SMG_FETCH(pointer) __builtin_prefetch(pointer)
+#else
+#define SMG_FETCH(pointer) (void)0
+#endif
+
 /* Of a pointer: what it points to is written through no other. */
 #if defined(__GNUC__)
 #define SMG_RESTRICT __restrict

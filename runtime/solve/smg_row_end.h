@@ -63,18 +63,21 @@ SMG_INLINE void smg_end_piece(const smg_turning turn, const smg_piece *piece, sm
   *most = all;
 }
 
-/* The increments of a thread's share of all colours but one that has them, and the largest square of their residual. */
-static smg_lanes smg_end_share(const smg_state *s, smg_besides *known, smg_turning turn, int64_t ended) {
-  smg_lanes most = {0};
+/* The increments of some slots of a colour, and the largest square of their residual. */
+static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning turn, int64_t colour, smg_share part, smg_lanes *most) {
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   turn.inverse = smg_inverse_square(&s->c);
   smg_begin_piece(&s->c, known, gradient, &piece);
-  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
-    if (colour == ended) continue;
-    smg_begin_share(&s->c, colour, &piece);
-    while (smg_next_piece(&s->c, s->row_m, &piece)) smg_end_piece(turn, &piece, &most);
-  }
+  smg_begin_part(&s->c, colour, part, &piece);
+  while (smg_next_piece(&s->c, s->row_m, &piece)) smg_end_piece(turn, &piece, most);
+}
+
+/* Those of a thread's share of all colours but one that has them. */
+static smg_lanes smg_end_share(const smg_state *s, smg_besides *known, const smg_turning *turn, int64_t ended) {
+  smg_lanes most = {0};
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
+    if (colour != ended) smg_end_part(s, known, *turn, colour, smg_share_of_colour(&s->c, colour), &most);
   return most;
 }
 

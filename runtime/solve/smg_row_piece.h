@@ -39,14 +39,18 @@ static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, s
   piece->end = piece->at.start + smg_rows(c) * smg_row_length(c);
 }
 
+/* Some slots of it, from one on where a vector begins. */
+static inline void smg_begin_part(const smg_coefficients *c, int64_t colour, smg_share part, smg_piece *piece) {
+  const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), end = first + smg_rows(c) * length;
+  const int64_t row = (part.from - first) / length;
+  piece->at = smg_row_of(c, colour, row);
+  piece->from = part.from - first - row * length;
+  piece->end = part.to < end ? part.to : end;
+}
+
 /* The share of this thread in it. */
 static inline void smg_begin_share(const smg_coefficients *c, int64_t colour, smg_piece *piece) {
-  const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), rows = smg_rows(c) * length;
-  const smg_share share = smg_share_of(first, rows);
-  const int64_t row = (share.from - first) / length;
-  piece->at = smg_row_of(c, colour, row);
-  piece->from = share.from - first - row * length;
-  piece->end = share.to < first + rows ? share.to : first + rows;
+  smg_begin_part(c, colour, smg_share_of_colour(c, colour), piece);
 }
 
 /* The next piece; 0 where they end. */

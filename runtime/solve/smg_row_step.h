@@ -2,26 +2,14 @@
 #ifndef SMG_ROW_STEP_H
 #define SMG_ROW_STEP_H
 
-#include "smg_row_commit.h"
-#include "smg_row_sweep.h"
-
-#ifndef SMG_ROW_PASSES
-#define SMG_ROW_PASSES 2000 /* of colours: 0.9^k is round-off after 350 sweeps */
-#endif
-
-/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other across the seam of a
- * ring that is no multiple of the colours. */
-static void smg_begin_first_colour(smg_state *s) {
-  const smg_coefficients *c = &s->c;
-  for (int k = 0; !s->row_alone && k < 3; ++k)
-    for (int64_t j = 0; j < smg_colour_slots(c); ++j) s->row_m[k * smg_pitch(c) + j] = s->row_w[k * smg_pitch(c) + j];
-}
+#include "smg_row_wave.h"
 
 /* Sweeps to stagnation, or to the tolerance. */
 static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
-  do smg_next_colour(s, known, turn, sweep);
-  while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
-  s->report.iterations = (int)((sweep->passes + SMG_COLOURS - 1) / SMG_COLOURS);
+  do {
+    const smg_row_pass pass = smg_next_pass(s, sweep);
+    smg_take_pass(s, pass, smg_turn_colour(s, known, turn, pass), sweep);
+  } while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
 }
 
 /* Is a residual of w + u/2 - rho m round-off? Or is what W leaves, smaller by the factor of a sweep, within the tolerance? */
@@ -36,7 +24,7 @@ static int smg_row_solved(smg_state *s, smg_real residual) {
 static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_sweeping *sweep) {
   smg_real most = sweep->ended < 0 ? 0 : sweep->residual;
   SMG_TEAM(s->row_team) {
-    const smg_lanes squares = smg_end_share(s, known, *turn, sweep->ended);
+    const smg_lanes squares = smg_end_share(s, known, turn, sweep->ended);
     SMG_ONE_BY_ONE smg_take(&most, smg_most_of(squares));
   }
   smg_largest_of_ranks(&most, &most);
@@ -73,7 +61,7 @@ static void smg_choose_row_degree(smg_state *s) {
     if (miss[d] < miss[s->degree]) s->degree = d;
 }
 
-/* The state after the step; more: is another one to begin? */
+/* The step is taken; more: does another one begin, and add its increments to w? */
 static void smg_commit_rows(smg_state *s, int more) {
   smg_real *oldest = s->past[SMG_ROW_HISTORY - 1];
   if (s->history < SMG_ROW_HISTORY || s->count % 16 == 0) smg_choose_row_degree(s);
@@ -81,22 +69,42 @@ static void smg_commit_rows(smg_state *s, int more) {
   s->past[0] = oldest;
   if (s->history < SMG_ROW_HISTORY) ++s->history;
   if (s->degree < 0) s->degree = 0;
-  smg_go_on_rows(s, more);
-  if (more) smg_exchange_late();
+  s->row_due = more;
+  if (!more) smg_go_on_rows(s, 0);
+}
+
+/* What the end of a step has left to do, and the midpoints to begin the next one with. */
+static void smg_begin_rows(smg_state *s) {
+  if (s->row_due) {
+    smg_go_on_rows(s, 1);
+    smg_exchange_late();
+  }
+  smg_begin_first_colour(s, smg_all_of_first(&s->c));
+  s->row_due = 0;
+}
+
+static void smg_report_sweeps(smg_state *s, const smg_row_sweeping *sweep) {
+  s->report.iterations = (int)((sweep->passes + SMG_COLOURS - 1) / SMG_COLOURS);
+  s->report.site = s->report.partner = -1;
+  s->report.reached = 0;
+  s->report.status = sweep->passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE;
 }
 
 /* One step, in slots, from predicted midpoints: what sweeps leave is put into the equation, and more of them follow where its residual is more than round-off. */
 static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
   const smg_turning turn = smg_turning_of(s, smg_signed_h(s->h));
   smg_row_sweeping sweep;
+  smg_row_wave wave;
+  int solved = 0;
   smg_begin_sweeping(&sweep);
-  smg_begin_first_colour(s);
-  do smg_settle_rows(s, known, &turn, &sweep);
-  while (!smg_end_rows(s, known, &turn, &sweep) && sweep.passes < SMG_ROW_PASSES);
-  s->row_passes = sweep.passes;
-  s->report.site = s->report.partner = -1;
-  s->report.reached = 0;
-  s->report.status = sweep.passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE;
+  if (!smg_wave_pays(s, &wave)) smg_begin_rows(s);
+  else solved = smg_sweep_in_wave(s, known, &turn, &wave, &sweep) && smg_row_solved(s, SMG_MATH(sqrt)(sweep.residual));
+  while (!solved && sweep.passes < SMG_ROW_PASSES) {
+    smg_settle_rows(s, known, &turn, &sweep);
+    solved = smg_end_rows(s, known, &turn, &sweep);
+  }
+  smg_expect_passes(s, known, &sweep);
+  smg_report_sweeps(s, &sweep);
   if (s->report.status != SMG_OK) return s->report.status;
   smg_commit_rows(s, more);
   ++s->count;
@@ -112,7 +120,6 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   s->row_team = smg_row_team(&s->c);
   if (s->row_team > 1) smg_know_besides(&s->c, &known);
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
-  s->row_passes = 0;
   smg_enter_rows(s);
   smg_predict_rows(s);
   smg_exchange_late();

@@ -10,6 +10,10 @@
 #include "smg_row_end.h"
 
 #define SMG_LOOK (smg_real)1e-12 /* part of the state by which midpoints move when that begins */
+#define SMG_NEAR_LOOK 10 /* times as far: changes shrink by about that in a pass, so that from step to step it hardly begins a pass earlier */
+#ifndef SMG_ROW_PASSES
+#define SMG_ROW_PASSES 2000 /* of colours: 0.9^k is round-off after 350 sweeps */
+#endif
 
 /* How far midpoints moved: the largest square, and the largest part of what a small component is made of; where the pass may be the last one,
  * the largest square of the residual too. */
@@ -123,24 +127,28 @@ typedef struct smg_row_pass {
   int small, last;
 } smg_row_pass;
 
-/* A thread's share of a colour. */
-SMG_INLINE smg_motion smg_turn_share(const smg_state *s, smg_besides *known, smg_turning turn, const smg_row_pass pass, enum smg_row_way way, int small) {
-  const smg_lanes none = {0};
-  smg_motion motion = {none, none, none};
+/* Some slots of a colour. */
+SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turning turn, const smg_row_pass pass, smg_share part, enum smg_row_way way, int small, smg_motion *motion) {
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   turn.inverse = smg_inverse_square(&s->c);
   smg_begin_piece(&s->c, known, gradient, &piece);
-  smg_begin_share(&s->c, pass.colour, &piece);
-  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, small, pass.last, &motion);
-  return motion;
+  smg_begin_part(&s->c, pass.colour, part, &piece);
+  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, small, pass.last, motion);
 }
 
 /* The four ways: the first sweep; those that follow it; with a look at small components; and with rho by its root. */
-static smg_motion smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_FROM_FIELD, 0); }
-static smg_motion smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_FROM_BEFORE, 0); }
-static smg_motion smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_FROM_BEFORE, 1); }
-static smg_motion smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass) { return smg_turn_share(s, known, *turn, pass, SMG_BY_ROOT, 1); }
+static void smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion); }
+static void smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion); }
+static void smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion); }
+static void smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion); }
+
+static void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share part, smg_motion *motion) {
+  if (pass.way == SMG_BY_ROOT) smg_turn_exactly(s, known, turn, pass, part, motion);
+  else if (pass.way == SMG_FROM_FIELD) smg_turn_first(s, known, turn, pass, part, motion);
+  else if (pass.small) smg_turn_late(s, known, turn, pass, part, motion);
+  else smg_turn_usual(s, known, turn, pass, part, motion);
+}
 
 /* The largest lane, or what is not a number. */
 static inline smg_real smg_most_of(smg_lanes a) {
@@ -149,34 +157,44 @@ static inline smg_real smg_most_of(smg_lanes a) {
   return most;
 }
 
+static inline smg_motion smg_at_rest(void) {
+  const smg_lanes none = {0};
+  const smg_motion motion = {none, none, none};
+  return motion;
+}
+static const smg_moved smg_not_moved = {0, 0, 0};
+
+/* What a pass shows, with what some of its slots do. */
+static void smg_take_motion(const smg_row_pass pass, const smg_motion *motion, smg_moved *moved) {
+  moved->whole = smg_max(moved->whole, smg_lane_largest(motion->square));
+  moved->part = pass.small ? smg_max(moved->part, smg_lane_largest(motion->part)) : SMG_MAX;
+  if (pass.last) smg_take(&moved->residual, smg_most_of(motion->residual));
+}
+
 /* A colour by all threads. */
 static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass) {
-  smg_moved moved = {0, pass.small ? 0 : SMG_MAX, 0};
+  smg_moved moved = smg_not_moved;
   SMG_TEAM(s->row_team) {
-    const smg_motion motion = pass.way == SMG_BY_ROOT ? smg_turn_exactly(s, known, turn, pass) : pass.way == SMG_FROM_FIELD ? smg_turn_first(s, known, turn, pass)
-                              : pass.small ? smg_turn_late(s, known, turn, pass) : smg_turn_usual(s, known, turn, pass);
-    SMG_ONE_BY_ONE {
-      moved.whole = smg_max(moved.whole, smg_lane_largest(motion.square));
-      if (pass.small) moved.part = smg_max(moved.part, smg_lane_largest(motion.part));
-      if (pass.last) smg_take(&moved.residual, smg_most_of(motion.residual));
-    }
+    smg_motion motion = smg_at_rest();
+    smg_turn_some_slots(s, known, turn, pass, smg_share_of_colour(&s->c, pass.colour), &motion);
+    SMG_ONE_BY_ONE smg_take_motion(pass, &motion, &moved);
   }
   smg_largest_of_ranks(&moved.whole, &moved.part);
   smg_exchange_colour(pass.colour);
-  moved.whole = SMG_MATH(sqrt)(moved.whole);
   return moved;
 }
 
-/* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them; the colour whose increments are known already
- * (-1: none), and the largest square of their residual. */
+/* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them; the pass from which small components are nearly
+ * looked at; the colour whose increments are known already (-1: none), and the largest square of their residual. */
 typedef struct smg_row_sweeping {
-  int64_t passes, ended;
+  int64_t passes, near, ended;
   smg_real residual, recent[SMG_COLOURS], parts[SMG_COLOURS];
   smg_rest whole, part;
 } smg_row_sweeping;
 
 static inline void smg_begin_sweeping(smg_row_sweeping *sweep) {
   sweep->passes = 0;
+  sweep->near = SMG_ROW_PASSES;
   sweep->ended = -1;
   for (int k = 0; k < SMG_COLOURS; ++k) sweep->recent[k] = sweep->parts[k] = SMG_MAX;
   sweep->whole = sweep->part = smg_unknown_rest;
@@ -190,28 +208,35 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
   return most;
 }
 
-/* The next colour: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
+/* The next pass: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
  * once the others have nearly settled. Of sites that do not feel their own colour the gradient stays what it is in the last pass, and
  * gives their increments at once: that is expected to be the pass that was the last one of the step before. */
-static void smg_next_colour(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
-  const int64_t colour = sweep->passes % SMG_COLOURS, next = (colour + 1) % SMG_COLOURS;
+static smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sweep) {
   const int64_t unknown = s->row_weak ? SMG_COLOURS : 1; /* an extrapolation may be far off, and midpoints then not near spins */
   const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
   const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
   const int last = s->row_alone && sweep->passes + 1 >= s->row_passes && sweep->passes >= SMG_COLOURS;
-  const smg_row_pass pass = {colour, way, late, last};
-  const smg_moved moved = smg_turn_colour(s, known, turn, pass);
-  sweep->ended = last ? colour : -1;
+  const smg_row_pass pass = {sweep->passes % SMG_COLOURS, way, late, last};
+  return pass;
+}
+
+/* What it has shown. */
+static void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_moved moved, smg_row_sweeping *sweep) {
+  const int64_t next = (pass.colour + 1) % SMG_COLOURS;
+  sweep->ended = pass.last ? pass.colour : -1;
   sweep->residual = moved.residual;
-  sweep->recent[colour] = moved.whole;
-  sweep->parts[colour] = moved.part;
+  sweep->recent[pass.colour] = SMG_MATH(sqrt)(moved.whole);
+  sweep->parts[pass.colour] = moved.part;
   if (++sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */
   const int still = smg_recent(sweep->recent, next) <= SMG_STILL * SMG_EPS * s->scale;
   smg_rest_take(&sweep->whole, smg_recent(sweep->recent, next), still);
   smg_rest_take(&sweep->part, smg_recent(sweep->parts, next), still);
+  if (sweep->passes < sweep->near && sweep->whole.now <= SMG_NEAR_LOOK * SMG_LOOK * s->scale) sweep->near = sweep->passes;
 }
 
+/* Have they come to rest, or within the tolerance? */
 static inline int smg_rows_settled(const smg_state *s, const smg_row_sweeping *sweep) {
+  if (sweep->passes < SMG_COLOURS) return 0;
   if (s->tolerance > 0 && s->row_bound * sweep->whole.rate * sweep->whole.now <= s->tolerance * s->scale) return 1;
   return smg_rest_settled(&sweep->whole, SMG_EPS * s->scale) && smg_rest_settled(&sweep->part, SMG_EPS);
 }

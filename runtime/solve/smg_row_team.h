@@ -41,6 +41,12 @@ SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) {
   return part;
 }
 
+/* That in the slots of a colour. */
+SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) {
+  const int64_t slots = smg_colour_slots(c);
+  return smg_share_of(colour * slots, slots);
+}
+
 /* Do sites of one colour meet across the seam of a ring that is no multiple of the colours? */
 static inline int smg_meet_at_seam(const smg_coefficients *c) {
   const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};

@@ -22,7 +22,7 @@ STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|
           r"runs?_clean", r"test_(validate|user_specs|advice)", r"")
 SHARP = 3       # stages that are run before the quick tier
 # Before these: the tests that were made for faults of a kind, or for what a file does.
-MADE_FOR = {"rows": r"test_rows|statuses", "method": r"test_(comparators|splittings|compositions|lengths)|edges_of_steps", "branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
+MADE_FOR = {"rows": r"test_row(s|_wave)|statuses", "method": r"test_(comparators|splittings|compositions|lengths)|edges_of_steps", "branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"test_tolerance|round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
             **{f"runtime/method/smg_{word}": made for words, made in (
@@ -30,7 +30,7 @@ MADE_FOR = {"rows": r"test_rows|statuses", "method": r"test_(comparators|splitti
                 ("pair_", r"test_(splittings|pair_rows)"), ("turn_", r"test_(sublattice|pair)_rows"),
                 ("compos stage_pred suzuki ss kl", r"test_compositions"), ("gauss", r"test_gauss"), ("dop853", r"test_dop853"),
                 ("lane_sphere lane_dop853", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
-            "runtime/solve/smg_row": r"test_rows", "runtime/solve/smg_few": r"test_few", "runtime/solve/smg_rest": r"test_(rows|few|gauss_rows)",
+            "runtime/solve/smg_row": r"test_row(s|_wave)", "runtime/solve/smg_few": r"test_few", "runtime/solve/smg_rest": r"test_(rows|few|gauss_rows)",
             "runtime/solve/smg_fixed": r"test_(comparators|gauss)", "runtime/solve/smg_matrix": r"band|sparse|dense|newton|krylov",
             "runtime/solve/smg_krylov": r"krylov", "runtime/solve/smg_predictor": r"effort|few|predict", "runtime/core/smg_ensemble": r"test_ensemble",
             "runtime/core/smg_lane": r"test_(lanes|rows|few|gauss)",

@@ -147,8 +147,8 @@ WRAP = (
 )
 
 # Lattices by rows in lanes: which sites stand beside a row, where its ends are, what of it is kept, and when steps may go so.
-ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END = (
-    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end"))
+ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END, ROW_WAVE = (
+    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end", "row_wave"))
 BY_ROWS = "gen/compile/assemble/rows.py"
 IN_ROWS = (
     (ROWS, r"s < n - reach \? reach :", r"s < n ? reach :"),
@@ -168,15 +168,18 @@ IN_ROWS = (
     (ROW_STATE, r"past \+ j \* n3", r"past"),
     (ROW_STATE, r"if \(s->history > SMG_ROW_HISTORY\) s->history = SMG_ROW_HISTORY;", r""),
     (ROW_PIECE, r"piece->at\.start \+ piece->from", r"piece->at.start"),
-    (ROW_PIECE, r"piece->from = share\.from - first - row \* length", r"piece->from = 0"),
+    (ROW_PIECE, r"piece->from = part\.from - first - row \* length", r"piece->from = 0"),
     (ROW_TEAM, r"worth <= 1 \|\| smg_meet_at_seam\(c\)", r"worth <= 1"),
     (ROW_SWEEP, r"smg_lane_select\(smg_lane_below\(in\), v\[k\], m\[k\]\)", r"v[k]"),
-    (ROW_SWEEP, r"sweep->ended = last \? colour : -1", r"sweep->ended = colour"),
+    (ROW_SWEEP, r"sweep->ended = pass\.last \? pass\.colour : -1", r"sweep->ended = pass.colour"),
     (ROW_SWEEP, r"s->row_weak \? SMG_COLOURS : 1", r"1"),
     (ROW_SWEEP, r" && smg_rest_settled\(&sweep->part, SMG_EPS\)", r""),
     (ROW_END, r"1 / \(smg_radius\(c, 0\) \* smg_radius\(c, 0\)\)", r"1 / smg_radius(c, 0)"),
     (ROW_END, r"u\[k\] \*= 2 \* turn\.half", r"u[k] *= turn.half"),
-    (ROW_STEP, r"sweep\.passes < SMG_ROW_PASSES \? SMG_OK : SMG_NO_CONVERGENCE", r"SMG_OK"),
+    (ROW_STEP, r"sweep->passes < SMG_ROW_PASSES \? SMG_OK : SMG_NO_CONVERGENCE", r"SMG_OK"),
+    (ROW_WAVE, r"s->row_reach \+ block - 1", r"s->row_reach - 1"),
+    (ROW_WAVE, r"smg_predict_rows\(s\);", r""),
+    (ROW_WAVE, r"at % wave->blocks", r"(at < wave->blocks ? at : wave->blocks - 1)"),
     (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
     (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),
     (BY_ROWS, r" and not set\(t\.over\.bound\) & mentions\(\*gradient\.body\)", r""),

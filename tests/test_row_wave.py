@@ -1,0 +1,111 @@
+"""Steps of a large lattice as a wavefront (runtime/solve/smg_row_wave.h): the bits of one colour after the other."""
+import subprocess
+
+import pytest
+from smidgen.compile.emit.emit import generate
+from test_rows import DM, EXCHANGE, FIELD, lattice
+
+LAYERS = """[lattices.layers]
+size = ["n", 6, 60]
+boundary = ["periodic", "periodic", "open"]
+bonds.near = [{ from = 0, to = 0, offset = [1, 0, 0] }, { from = 0, to = 0, offset = [0, 1, 0] }, { from = 0, to = 0, offset = [1, 1, 0] }, { from = 0, to = 0, offset = [0, 0, 1] }]
+"""
+SPECS = {
+    "ring": lattice("ring", "chain(n, periodic)", 1200, "n", EXCHANGE + DM),
+    "open chain": lattice("open_chain", "chain(n, open)", 1201, "n", EXCHANGE),
+    "cubic": lattice("cubic", "cubic(n, 4, 60, periodic)", 6, "240*n", EXCHANGE + DM),
+    "open cubic": lattice("open_cubic", "cubic(n, 5, 60, open)", 6, "300*n", EXCHANGE + DM),
+    "own field": lattice("own_field", "cubic(n, 4, 80, periodic)", 6, "320*n", EXCHANGE + FIELD),
+    "three colours": lattice("layers", "layers.near", 6, "360*n", EXCHANGE.replace("0.7", "0.4"), LAYERS),
+    "three colours, a ring": lattice("further", "chain(n, periodic, 2)", 1800, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")),
+}
+
+# Two states take the same calls of three steps, one of them without wavefronts, and are compared as a whole, with their reports. Before each
+# call the other is told to expect something else: what the steps before took, more passes, fewer, no small components, or any of them to be looked at.
+DRIVER = """
+#include <stdint.h>
+static int64_t least_bytes;
+#define SMG_WAVE_BLOCK 8
+#define SMG_WAVE_FROM least_bytes
+#include "{name}.c"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static {name}_state states[2];
+static double *saved[2];
+
+static void expect(smg_state *s, int what) {{
+  if (what == 1) s->row_passes = s->row_fewest += 3;
+  if (what == 2) s->row_passes = s->row_fewest -= 2;
+  if (what == 3) s->row_near = 100;
+  if (what == 4) s->row_near = 0;
+}}
+
+static int same(const smg_state *a, const smg_state *b, size_t size) {{
+  {name}_save(a, saved[0]);
+  {name}_save(b, saved[1]);
+  return memcmp(saved[0], saved[1], size * sizeof(double)) == 0 && memcmp(a->w, b->w, (size_t)(3 * smg_sites(&a->c)) * sizeof(double)) == 0
+         && a->report.iterations == b->report.iterations && a->report.residual == b->report.residual;
+}}
+
+int main(int count, char **words) {{
+  const double h = atof(words[1]), tolerance = atof(words[2]);
+  smg_params p;
+  smg_row_wave wave;
+  (void)count;
+  {name}_defaults(&p);
+  const size_t sites = (size_t){name}_sites(&p), size = {name}_savesize(&p);
+  double *w = malloc(3 * sites * sizeof(double));
+  for (size_t k = 0; k < sites; ++k) {{
+    const double z = 0.9 * sin(1.0 + 0.7 * (double)(k * k % 1009)), turn = 1.3 * (double)(k * 37 % 211);
+    w[3 * k] = sqrt(1 - z * z) * cos(turn);
+    w[3 * k + 1] = sqrt(1 - z * z) * sin(turn);
+    w[3 * k + 2] = z;
+  }}
+  for (int k = 0; k < 2; ++k) {{
+    saved[k] = malloc(size * sizeof(double));
+    if ({name}_init(states + k, &p, malloc({name}_memsize(&p)), w, 0, h) != SMG_OK || {name}_set_tolerance(states + k, tolerance) != SMG_OK) return 1;
+  }}
+  for (int call = 0; call < 15; ++call) {{
+    expect(states, call % 5);
+    least_bytes = INT64_MAX;
+    if ({name}_steps(states + 1, 3) != SMG_OK) return 2;
+    least_bytes = 0;
+    if ({name}_steps(states, 3) != SMG_OK) return 3;
+    if (!same(states, states + 1, size)) return 4;
+    if (!smg_wave_pays(states, &wave)) return 5;
+  }}
+  printf("%d passes, %d blocks, %d stages\\n", (int)wave.passes, (int)wave.blocks, (int)wave.stages);
+  return 0;
+}}
+"""
+
+
+def built(tmp_path, spec, right="", wrong=""):
+    """The driver, with some words of the runtime put wrong."""
+    for file, text in generate(spec, amalgamate=True).items():
+        assert right in text or not file.endswith(f"{spec.name}.c")
+        (tmp_path / file).write_text(text.replace(right, wrong) if right else text)
+    (tmp_path / "main.c").write_text(DRIVER.format(name=spec.name))
+    subprocess.run(["gcc", "-std=c11", "-O1", "-ffp-contract=off", "-Wno-psabi", "-I.", "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    return tmp_path / "main"
+
+
+@pytest.mark.parametrize("name", SPECS)
+def test_a_wavefront_has_the_same_bits(tmp_path, name):
+    main = built(tmp_path, SPECS[name])
+    for h, tolerance in ((0.05, 0), (0.1, 0), (0.02, 1e-9)):
+        found = subprocess.run([main, str(h), str(tolerance)], capture_output=True, text=True)
+        assert found.returncode == 0, (h, tolerance, found)
+
+
+WRONG = {"the lag": ("wave->lag = (s->row_reach + block - 1) / block;", "wave->lag = 1;"), "the beginning on a ring": ("wave->later = SMG_RINGS", "wave->later = 0 && SMG_RINGS"),
+         "passes that were too many": ("if (smg_rows_settled(s, sweep) || (pass.small", "if ((pass.small"), "small components": ("|| (pass.small && !wave->pass[k].small)", "")}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_the_bits_depend_on(tmp_path, name):
+    """The test above can fail: where a stage does not wait for the one before it, or what the passes show is not looked at."""
+    main = built(tmp_path, SPECS["cubic"], *WRONG[name])
+    assert any(subprocess.run([main, h, "0"]).returncode == 4 for h in ("0.05", "0.1"))
