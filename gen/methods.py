@@ -160,6 +160,10 @@ METHODS = {m.name: m for m in (
     *SPLITTINGS,
     *(composed(base, scheme) for base in (*MIDPOINT_METHODS, *SPLITTINGS) for scheme in SCHEMES),
     *COMPARATORS,
+    Method("extrapolation-12", "extrapolation of order 12", "extrapolation 12",
+           "Gragg-Bulirsch-Stoer extrapolation, explicit, order 12 (not symplectic)", 12, "smg_extrapolation.h",
+           keeps_quadratic=False, keeps_leaf=False, by_field=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
+           how=("explicit", "six rows of the explicit midpoint rule"), arrays=(("rows", 15, 0, "slopes, points and increments of a row"),)),
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]
