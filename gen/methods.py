@@ -26,8 +26,8 @@ class Method:
     keeps; keeps_quadratic: it keeps quadratic integrals of single sites (on the leaf), or all (at the midpoint as
     it is); keeps_leaf: it stays on spheres and leaves; spaces: factors of the phase space that it is for; features: of
     `compile.features` that it has; controlled: it takes steps of its own within h, to a tolerance; needs: functions of
-    a site in the contract that its header calls, beside those of every model; asks: what every contribution to the motion
-    must offer it (`OFFERS`), whatever the solver.
+    a site in the contract that its header calls, beside those of every model; by_field: it asks for the right-hand side alone, which a unit
+    sphere alone has in one formula; asks: what every contribution to the motion must offer it (`OFFERS`), whatever the solver.
     A method that is no midpoint brings a step of its own: midpoint False, `how` it is found, the steps that its
     `history` reaches back, `arrays` of its state as (name, numbers a site or the macro of its header that has them for so many
     sites, and how many more, meaning), and `defines` for its header; lanes: the most states whose gradient it takes at once; stage_rows: on
@@ -57,6 +57,7 @@ class Method:
     spaces: tuple = ("sphere", "r3", "nambu")
     features: tuple = ("tangent", "extended", "plain-sums")
     needs: tuple = ("smg_h_over_kappa",)
+    by_field: bool = False
     asks: tuple = (GRADIENT, HESSIAN)
     midpoint: bool = True
     controlled: bool = False
@@ -151,7 +152,7 @@ METHODS = {m.name: m for m in (
       for s in range(1, 9)),
     *(Method(f"dop853{kind}", f"Dormand-Prince 8(5,3){said}", f"DOP853{said}",
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",
-             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
+             keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, by_field=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
              arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),),
              lane_header="smg_lane_dop853.h")
@@ -159,6 +160,11 @@ METHODS = {m.name: m for m in (
     *SPLITTINGS,
     *(composed(base, scheme) for base in (*MIDPOINT_METHODS, *SPLITTINGS) for scheme in SCHEMES),
     *COMPARATORS,
+    Method("extrapolation-12", "extrapolation of order 12", "extrapolation 12",
+           "Gragg-Bulirsch-Stoer extrapolation, explicit, order 12 (not symplectic)", 12, "smg_extrapolation.h",
+           keeps_quadratic=False, keeps_leaf=False, by_field=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
+           how=("explicit", "six rows of the explicit midpoint rule"), arrays=(("rows", 15, 0, "slopes, points and increments of a row"),),
+           lane_header="smg_lane_extrapolation.h"),
 )}
 NAMES = tuple(METHODS)
 DEFAULT = NAMES[0]

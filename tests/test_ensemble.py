@@ -46,7 +46,7 @@ B = 1.0
 [effects.only]
 energy = "w.x + B*sqrt(0.5 + w.z)"
 """
-OWN_STEPS = ("dop853", "dop853-projected")
+OWN_STEPS, EXTRAPOLATION = ("dop853", "dop853-projected"), "extrapolation-12"
 SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load_text(PULSED), "planar": smidgen.load_text(PLANAR),
          "edge": smidgen.load_text(EDGE), "mixed": smidgen.load_text(PULSED.replace("cos(2*t)*", "").replace("pulsed", "mixed"))}
 
@@ -54,7 +54,7 @@ SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load
 def test_these_go_in_lanes():
     timed = {"forced_rigid_body", "pulsed"}
     for spec in SPECS.values():
-        for method in ("spherical-midpoint", *OWN_STEPS):
+        for method in ("spherical-midpoint", EXTRAPOLATION, *OWN_STEPS):
             goes = "#define SMG_LANE_SPHERE 1" in generate(spec, method=method, features=("ensemble",))[f"{spec.name}.c"]
             assert goes == (method not in OWN_STEPS or spec.name not in timed)
 
@@ -201,6 +201,51 @@ def test_steps_of_their_own_in_any_number_of_lanes(monkeypatch, lanes):
     assert agree(found, wanted) and found.lanes == lanes and ("one by one" in repr(found)) == (lanes == 1)
 
 
+@pytest.mark.parametrize("name", [*BODIES, "pulsed", "planar"])
+def test_extrapolation_in_lanes(how, name):
+    """Steps large and small; in fields that depend on time, which is the same for all, too."""
+    for h, steps in ((0.7, 9), (0.05, 3)):
+        found = smidgen.ensemble(SPECS[name], points(13), h=h, steps=steps, t0=0.7, method=EXTRAPOLATION, threads=1, **how)
+        assert agree(found, alone(SPECS[name], points(13), h, steps, 0.7, method=EXTRAPOLATION)) and found.lanes in (2, 4, 8)
+
+
+@pytest.mark.parametrize("name, own", [("free_rigid_body", {"I2": (1.5, 2.5), "I3": (3, 4)}), ("pulsed", {"a": (0.1, 0.8), "B": (0.1, 0.9)})])
+def test_extrapolation_with_parameters_of_each_member(name, own):
+    spec, w, rng = SPECS[name], points(70), np.random.default_rng(5)
+    own = {p: rng.uniform(*ends, (70, 3) if p == "B" else 70) for p, ends in own.items()}
+    found = smidgen.ensemble(spec, w, values=own, h=0.3, steps=5, method=EXTRAPOLATION)
+    assert agree(found, alone(spec, w, 0.3, 5, own=own, method=EXTRAPOLATION))
+
+
+@pytest.mark.parametrize("members", [1, 7, 8, 9, 64, 65, 133])
+def test_extrapolation_of_any_number_of_members(members):
+    """Registers and batches of them that are not full."""
+    spec, w = SPECS["forced_rigid_body"], points(members, 3)
+    found = smidgen.ensemble(spec, w, h=0.4, steps=7, every=2, method=EXTRAPOLATION, native=True)
+    assert agree(found, alone(spec, w, 0.4, 7, method=EXTRAPOLATION))
+
+
+@pytest.mark.parametrize("name", ["edge", "edge in time"])
+def test_members_whose_extrapolation_fails(name):
+    """Those beyond the edge have no field; of others a step comes to it, the first members of their registers too."""
+    spec = SPECS["edge"] if name == "edge" else smidgen.load_text(EDGE.replace("B*sqrt", "(B + 0.2*sin(t))*sqrt").replace('"edge"', '"timed_edge"'))
+    w = points(41, 2)
+    found, wanted = smidgen.ensemble(spec, w, h=0.5, steps=30, method=EXTRAPOLATION), alone(spec, w, 0.5, 30, method=EXTRAPOLATION)
+    assert agree(found, wanted) and 5 < len(found.failures) < 36 and len(set(found.steps)) > 4
+    parts = smidgen.ensemble(spec, w, h=0.5, steps=30, every=7, method=EXTRAPOLATION)
+    assert parts.w.tobytes() == found.w.tobytes() and np.array_equal(parts.steps, found.steps)
+    for k, said in found.failures.items():
+        assert f"step {wanted[2][k] + 1} from" in said
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8])
+def test_extrapolation_in_any_number_of_lanes(monkeypatch, lanes):
+    wanted = alone(SPECS["pulsed"], points(9), 0.4, 5, method=EXTRAPOLATION)
+    monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+    found = smidgen.ensemble(SPECS["pulsed"], points(9), h=0.4, steps=5, method=EXTRAPOLATION)
+    assert agree(found, wanted) and found.lanes == lanes
+
+
 def test_energy_of_one_component():
     """Where many entries of the matrix are 0; and the plane x = 0, in which nothing moves."""
     w = np.concatenate([points(6), [[[0.0, 0.6, 0.8]], [[-0.0, -1.0, 0.0]], [[1.0, 0.0, -0.0]]]])
@@ -295,7 +340,7 @@ def files_of(name, method):
 
 @pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])
 @pytest.mark.parametrize("compiler, mode", MODES)
-@pytest.mark.parametrize("name, method", [("pulsed", "spherical-midpoint"), ("free_rigid_body", "spherical-midpoint"), ("mixed", OWN_STEPS[1])])
+@pytest.mark.parametrize("name, method", [("pulsed", "spherical-midpoint"), ("free_rigid_body", "spherical-midpoint"), ("mixed", OWN_STEPS[1]), ("pulsed", EXTRAPOLATION)])
 def test_clean_c(tmp_path, name, method, compiler, mode, lanes):
     for file, text in files_of(name, method).items():
         (tmp_path / file).write_text(text)

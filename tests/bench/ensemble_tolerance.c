@@ -1,6 +1,6 @@
-/* Trajectories of MEMBERS bodies to an end time, by a method that chooses its own steps: in lanes and one by one, by turns, the least of
- * ROUNDS. argv: end time, tolerance, file of 3 MEMBERS starts. Prints microseconds a trajectory of both, internal steps a trajectory, lanes,
- * how many states differ, and then the ends. MODEL, SOURCE: of a body. */
+/* Trajectories of MEMBERS bodies to an end time in so many steps of h, within which a method may choose its own: in lanes and one by one, by
+ * turns, the least of ROUNDS. argv: end time, steps, tolerance, file of 3 MEMBERS starts. Prints microseconds a trajectory of both, steps a
+ * trajectory (those that the method chose, in the last step of h), lanes, how many states differ, and then the ends. MODEL, SOURCE: of a body. */
 #include SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +13,7 @@
 
 enum { MEMBERS = 1000, ROUNDS = 20 };
 static double start[3 * MEMBERS];
+static int64_t count;
 
 static double now(void) {
   struct timespec t;
@@ -22,19 +23,19 @@ static double now(void) {
 
 static double one_by_one(smg_state *s, const smg_params *p, char *mem, size_t size, double end, double tolerance) {
   for (int n = 0; n < MEMBERS; ++n) {
-    (void)smg_begin_state(s + n, p, mem + size * (size_t)n, start + 3 * n, 0, end);
+    (void)smg_begin_state(s + n, p, mem + size * (size_t)n, start + 3 * n, 0, end / (double)count);
     (void)smg_set_tolerance(s + n, tolerance);
   }
   const double t = now();
-  for (int n = 0; n < MEMBERS; ++n) (void)F(_step)(s + n);
+  for (int n = 0; n < MEMBERS; ++n) (void)F(_steps)(s + n, count);
   return now() - t;
 }
 
 static double in_lanes(smg_ensemble *e, const smg_params *p, void *mem, double end, double tolerance) {
-  (void)F(_ensemble_init)(e, p, 0, MEMBERS, mem, start, 0, end);
+  (void)F(_ensemble_init)(e, p, 0, MEMBERS, mem, start, 0, end / (double)count);
   for (int n = 0; n < MEMBERS; ++n) (void)smg_set_tolerance(e->member + n, tolerance);
   const double t = now();
-  (void)F(_ensemble_steps)(e, 0, MEMBERS, 1);
+  (void)F(_ensemble_steps)(e, 0, MEMBERS, count);
   return now() - t;
 }
 
@@ -48,12 +49,13 @@ static void read_starts(const char *name) {
 int main(int argc, char **argv) {
   smg_params p;
   smg_ensemble e;
-  if (argc != 4) return 1;
-  const double end = atof(argv[1]), tolerance = atof(argv[2]);
+  if (argc != 5) return 1;
+  const double end = atof(argv[1]), tolerance = atof(argv[3]);
   double least[2] = {1e9, 1e9}, steps = 0;
   int differing = 0;
+  count = atoll(argv[2]);
   F(_defaults)(&p);
-  read_starts(argv[3]);
+  read_starts(argv[4]);
   const size_t size = smg_whole_lines(F(_memsize)(&p));
   smg_state *s = malloc(sizeof *s * MEMBERS);
   char *mem = aligned_alloc(64, size * MEMBERS);
@@ -64,7 +66,7 @@ int main(int argc, char **argv) {
       if (t[k] < least[k]) least[k] = t[k];
   }
   for (int n = 0; n < MEMBERS; ++n) {
-    steps += (double)s[n].report.iterations / MEMBERS;
+    steps += (double)(s[n].report.iterations > 0 ? s[n].report.iterations : count) / MEMBERS;
     differing += memcmp(s[n].w, e.member[n].w, 3 * sizeof(double)) != 0 || s[n].report.status != SMG_OK;
   }
   printf("%.3f %.3f %.1f %d %d\n", least[0] / MEMBERS * 1e6, least[1] / MEMBERS * 1e6, steps, SMG_LANES, differing);

@@ -29,7 +29,7 @@ MADE_FOR = {"rows": r"test_row(s|_wave)|statuses", "method": r"test_(comparators
                 ("one_stage cf4 isospectral geodesic explicit", r"test_comparators|edges_of_steps"), ("axis", r"test_splittings"), ("sublattice", r"test_(splittings|sublattice)"),
                 ("pair_", r"test_(splittings|pair_rows)"), ("turn_", r"test_(sublattice|pair)_rows"),
                 ("compos stage_pred suzuki ss kl", r"test_compositions"), ("gauss", r"test_gauss"), ("dop853", r"test_dop853"),
-                ("lane_sphere lane_dop853", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
+                ("extrapolation right_side", r"test_(extrapolation|dop853)"), ("lane_sphere lane_dop853 lane_extrapolation", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
             "runtime/solve/smg_row": r"test_row(s|_wave)", "runtime/solve/smg_few": r"test_few", "runtime/solve/smg_rest": r"test_(rows|few|gauss_rows)",
             "runtime/solve/smg_fixed": r"test_(comparators|gauss)", "runtime/solve/smg_matrix": r"band|sparse|dense|newton|krylov",
             "runtime/solve/smg_krylov": r"krylov", "runtime/solve/smg_predictor": r"effort|few|predict", "runtime/core/smg_ensemble": r"test_ensemble",

@@ -187,7 +187,7 @@ IN_ROWS = (
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
 FEW, FEW_STEP, LANE_SPHERE = "runtime/solve/smg_few.h", "runtime/solve/smg_few_step.h", "runtime/method/smg_lane_sphere.h"
-LANE_STEPS = "runtime/method/smg_lane_dop853.h"
+LANE_STEPS, LANE_ROWS = "runtime/method/smg_lane_dop853.h", "runtime/method/smg_lane_extrapolation.h"
 IN_LANES = (
     (FEW, r"smg_lane_select\(own, none, more\[k\]\)", r"more[k]"),
     (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
@@ -205,6 +205,9 @@ IN_LANES = (
     (LANE_STEPS, r"smg_lanes_add\(f, good, u\)", r"smg_lanes_add(f, smg_lane_all(1), u)"),
     (LANE_STEPS, r"f->natural_before = smg_lane_select\(finished, f->natural, f->natural_before\);", r""),
     (LANE_STEPS, r"smg_lane_set\(&f->natural_before, l, natural\);", r"smg_lane_set(&f->natural_before, l, 0);"),
+    (LANE_ROWS, r"\(j - 1\) \* \(j - 1\) \+ m : 0", r"(j - 1) * (j - 1) + 1 : 0"),
+    (LANE_ROWS, r"g->live\[l\] = 0;", r""),
+    (LANE_ROWS, r"const int tables = b->alike \? 1 : b->groups", r"const int tables = 1"),
     (LANE_STEPS, r"smg_lane_select\(f->refused, smg_lane_min\(smg_lane_of\(1\), f->factor\), f->factor\)", r"f->factor"),
 )
 
@@ -214,6 +217,8 @@ IN_METHODS = (
     (AXES, r"smg_turn_all\(s, 2, h\)", r"smg_turn_all(s, 2, 0.5 * h)"),
     (AXES, r"smg_turn_site\(c, 2, k, whole, v, u\)", r"smg_turn_site(c, 2, k, part, v, u)"),
     (AXES, r"tau \* v\[d\] - square", r"tau * v[d] + square"),
+    ("runtime/method/smg_extrapolation.h", r"return \(smg_real\)m / \(smg_real\)\(2 \* j\)", r"return (smg_real)(m - 1) / (smg_real)(2 * j)"),
+    ("runtime/method/smg_extrapolation.h", r"-66, 84480", r"66, 84480"),
     (CF4, r"third\[4\] = \{-0\.5, 0, 1, 0\}", r"third[4] = {0, 0, 1, 0}"),
     (CF4, r"\{first\[3\], first\[1\], first\[2\], first\[0\]\}", r"{first[0], first[1], first[2], first[3]}"),
     (CF4, r"smg_take_turns\(s, 4, h, 1\)", r"smg_take_turns(s, 4, h, (smg_real)0.5)"),

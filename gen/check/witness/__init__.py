@@ -18,7 +18,7 @@ import numpy as np
 from ...errors import RunError, UsageError
 from ...language.spec import Spec
 from ...run.start import casimir_matrices, kappas, parameter_values, radii, sizes
-from . import collocation, compositions, lie, native, splittings
+from . import collocation, compositions, extrapolation, lie, native, splittings
 from .program import compile_term
 
 
@@ -31,7 +31,7 @@ EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 
 # methods by numpy: name -> function(witness, w, t, h), None where it fails
 STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)},
-            "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
+            "extrapolation-12": functools.partial(extrapolation.step, rows=6), "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
             "pair-rotations": splittings.pairs, "cf4": lie.cf4, "isospectral-midpoint": lie.isospectral, "geodesic-midpoint": lie.geodesic,
             **{f"{base}-{scheme}": functools.partial(compositions.step, base=base, scheme=scheme)
                for base in (*EQUATIONS, "axis-splitting", "sublattice-rotations", "pair-rotations") for scheme in compositions.HALVES}}

@@ -152,7 +152,7 @@ def site_functions(model) -> list:
                  ("smg_real", "smg_h_over_kappa", (*SITE, Argument("smg_real", "h")), lambda f: (Return(f.h_over_kappa),)),
                  ("smg_real", "smg_radius", SITE, lambda f: returned(f.radius) if f.radius else (Return(ZERO),)),
                  ("void", "smg_normal", (*SITE, *vector), lambda f: normal_body(f.normal))]
-    needs = () if model.motion and model.method.controlled else model.method.needs      # whose field alone has the strength in it
+    needs = () if model.motion else model.method.needs      # whose field alone has the strength in it
     return [by_family(*f, model.families, wanted=f[1] in ALWAYS or f[1] in needs) for f in functions]
 
 

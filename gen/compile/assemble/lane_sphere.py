@@ -16,14 +16,15 @@ ONE_STATE = Argument("const smg_coefficients *", "c")
 def lane_sphere(model, low):
     """The definitions that the method's `lane_header` asks for, or None where the members of an ensemble step one by one: those at times of their
     own too, where what depends on time takes longer than all else."""
-    kernels = model.solo or ((model.motion,) if model.motion and not low.is_timed() else ())
+    own_times = model.method.controlled
+    kernels = model.solo or ((model.motion,) if model.motion and not (own_times and low.is_timed()) else ())
     if not kernels or model.method.stages > 1 or "extended" in model.features:
         return None
     read = coefficients_of(kernels)
     if read is None:
         return None
     struct = Struct("smg_lane_coefficients", tuple(read) or ("none",), target=TARGET)
-    spread_too = (taken(read, "smg_lane_spread", (TO, ONE_STATE), spread),) if model.solo else ()
+    spread_too = () if own_times else (taken(read, "smg_lane_spread", (TO, ONE_STATE), spread),)
     return (struct, taken(read, "smg_lane_fill", (TO, Argument("int", "l"), ONE_STATE), fill), *spread_too, *map(in_lanes, kernels))
 
 

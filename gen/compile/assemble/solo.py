@@ -42,9 +42,8 @@ def solo_kernels(model, low: Lowering):
 
 
 def lone_motion(model, low: Lowering) -> Function | None:
-    """q h X of one unit sphere, for a method that asks for nothing else of it, in steps of the part q of h, and leaves the sphere anyway;
-    None where the model is another one."""
-    if not model.method.controlled or not is_lone(model, low):
+    """q h X of one unit sphere, for a method that asks for nothing else of it, in steps of the part q of h; None where the model is another one."""
+    if not model.method.by_field or not is_lone(model, low):
         return None
     field = solo_field(model, low)
     direct = all(is_monomial(x, field.m) for x in field.X)

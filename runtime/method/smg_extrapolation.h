@@ -1,0 +1,135 @@
+/* smidgen method: extrapolation of Gragg, Bulirsch and Stoer, explicit, of order 12. A step is h, whatever its error; it is no symplectic
+ * method: energy and leaves drift.
+ *
+ * w' = f(t, w) = (1/kappa) grad C(w) x dH/dw. Row j = 1 .. 6 goes from y_0 = w through h in n = 2j steps of the explicit midpoint rule,
+ *     y_1 = y_0 + (h/n) f(t, y_0),   y_(m+1) = y_(m-1) + (2h/n) f(t + m h/n, y_m).
+ * For even n the error of y_n is a series in powers of 1/n^2 (Gragg 1965), so that polynomials in 1/n^2 through all rows give at 0
+ *     W = sum_j W_j y_n,   W_j = prod_(i != j) j^2/(j^2 - i^2) = 2 (-1)^j j^12/((6 - j)! (6 + j)!),   sum_j W_j = 1,
+ * of order 12, without a smoothing step. Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.9.
+ *
+ * Weights of both signs, up to 12, would enlarge what is lost to rounding. So a row adds D_m = j (y_m - w), which takes no coefficient:
+ *     D_1 = k_0/2,   D_(m+1) = D_(m-1) + k_m,   k_m = h f(t + m h/n, w + D_m/j),
+ * and W_j/j is an integer over 19958400 = 12!/24: what is left is of random sign.
+ *
+ * Of the model it needs smg_gradient or smg_motion; and beside w, compensation and u the array s->rows, 15 numbers a site. Nothing is
+ * remembered from step to step. */
+#ifndef SMG_EXTRAPOLATION_H
+#define SMG_EXTRAPOLATION_H
+
+#include "smg_leaf.h"
+
+#define SMG_ONTO_LEAF 0
+#define SMG_NO_DEGREE -1 /* there is no predictor */
+
+#ifndef SMG_HISTORY
+#define SMG_HISTORY 0
+#endif
+
+#if SMG_COMPOSED || SMG_EXTENDED || SMG_PLAIN_SUMS
+#error "smg_extrapolation.h is not symmetric, so that symmetric compositions of it raise no order; and neither SMG_EXTENDED nor SMG_PLAIN_SUMS"
+#endif
+
+/* ---- the history: none ----------------------------------------------------------------------------------------------------- */
+static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
+static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 0; }
+static inline void smg_save_history(const smg_state *s, smg_real *out) { (void)s, (void)out; }
+static inline void smg_restore_history(smg_state *s, const smg_real *in) { (void)s, (void)in; }
+
+#include "smg_right_side.h"
+
+/* ---- the increment --------------------------------------------------------------------------------------------------------- */
+enum { SMG_ROWS_TAKEN = 6 };
+static const smg_real smg_row_weights[SMG_ROWS_TAKEN] = {-66, 84480, -3247695, 23068672, -48828125, 30233088}; /* of the rows 1 .. 6, */
+static const smg_real smg_row_unit = 19958400; /* in parts of 1/smg_row_unit */
+
+/* The part m/n of the step, n = 2j. */
+SMG_INLINE smg_real smg_row_part(int j, int m) { return (smg_real)m / (smg_real)(2 * j); }
+
+#if SMG_HAS_MOTION
+/* D_n of row j of the one site, in registers; sums begin at -0, to which compilers know better than to add. */
+SMG_INLINE smg_vec smg_row(smg_state *s, smg_vec w, smg_vec first, int j) {
+  const smg_real zero = -(smg_real)0, part = (smg_real)1 / (smg_real)j;
+  smg_vec older = smg_vec_of(zero, zero, zero), newer = smg_vec_scale((smg_real)0.5, first);
+  for (int m = 1; m < 2 * j; ++m) {
+    smg_set_time_at(&s->c, s, smg_row_part(j, m));
+    const smg_vec next = smg_vec_add(older, smg_motion(&s->c, smg_vec_add(w, smg_vec_scale(part, newer)), 1));
+    older = newer;
+    newer = next;
+  }
+  return newer;
+}
+
+/* u = sum_j W_j/j D_n */
+static inline void smg_increment(smg_state *s) {
+  const smg_vec w = smg_vec_load(s->w);
+  smg_set_time_at(&s->c, s, 0);
+  const smg_vec first = smg_motion(&s->c, w, 1);
+  smg_vec sum = smg_vec_scale(smg_row_weights[0], smg_row(s, w, first, 1));
+  SMG_UNROLL
+  for (int j = 2; j <= SMG_ROWS_TAKEN; ++j) sum = smg_vec_add(sum, smg_vec_scale(smg_row_weights[j - 1], smg_row(s, w, first, j)));
+  smg_vec_store(s->u, smg_vec_of(sum.x / smg_row_unit, sum.y / smg_row_unit, sum.z / smg_row_unit));
+}
+#else
+/* s->rows: five vectors of 3 numbers a site. D_m stands in SMG_D or, of odd m, in SMG_D_ODD. */
+enum { SMG_FIRST, SMG_SLOPE, SMG_POINT, SMG_D, SMG_D_ODD };
+
+static inline smg_real *smg_row_vector(const smg_state *s, int i) { return s->rows + i * (3 * smg_sites(&s->c)); }
+
+/* D_(m+1), where D_(m-1) is. */
+static void smg_row_step(smg_state *s, int j, int m, smg_real *D, const smg_real *newer) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  const smg_real part = (smg_real)1 / (smg_real)j;
+  smg_real *point = smg_row_vector(s, SMG_POINT), *k = smg_row_vector(s, SMG_SLOPE);
+  for (int64_t q = 0; q < n; ++q) point[q] = s->w[q] + part * newer[q];
+  smg_set_time_at(&s->c, s, smg_row_part(j, m));
+  smg_right_side(&s->c, 1, point, k);
+  for (int64_t q = 0; q < n; ++q) D[q] += k[q];
+}
+
+/* u += W_j/j D_n, times smg_row_unit. */
+static void smg_row(smg_state *s, int j) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  const smg_real *first = smg_row_vector(s, SMG_FIRST);
+  smg_real *even = smg_row_vector(s, SMG_D), *odd = smg_row_vector(s, SMG_D_ODD);
+  for (int64_t q = 0; q < n; ++q) {
+    even[q] = 0;
+    odd[q] = (smg_real)0.5 * first[q];
+  }
+  for (int m = 1; m < 2 * j; ++m) smg_row_step(s, j, m, m % 2 ? even : odd, m % 2 ? odd : even);
+  for (int64_t q = 0; q < n; ++q) s->u[q] += smg_row_weights[j - 1] * even[q];
+}
+
+static inline void smg_increment(smg_state *s) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  smg_set_time_at(&s->c, s, 0);
+  smg_right_side(&s->c, 1, s->w, smg_row_vector(s, SMG_FIRST));
+  for (int64_t q = 0; q < n; ++q) s->u[q] = 0;
+  for (int j = 1; j <= SMG_ROWS_TAKEN; ++j) smg_row(s, j);
+  for (int64_t q = 0; q < n; ++q) s->u[q] /= smg_row_unit;
+}
+#endif
+
+/* ---- the step -------------------------------------------------------------------------------------------------------------- */
+/* The first site whose new state is no number, or -1. */
+static inline int64_t smg_lost_site(const smg_state *s) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
+    const smg_real *w = s->w + 3 * k, *u = s->u + 3 * k, end[3] = {w[0] + u[0], w[1] + u[1], w[2] + u[2]};
+    if (!(smg_largest(end) <= SMG_MAX)) return k;
+  }
+  return -1;
+}
+
+static smg_status smg_step(smg_state *s) {
+  smg_increment(s);
+  s->report.partner = -1;
+  s->report.site = smg_lost_site(s);
+  s->report.status = s->report.site < 0 ? SMG_OK : SMG_NOT_FINITE;
+  if (s->report.status != SMG_OK) return s->report.status;
+  for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) smg_add_compensated(s->w + q, s->compensation + q, s->u[q]);
+  ++s->count;
+  return SMG_OK;
+}
+
+#include "smg_steps.h"
+
+#endif
