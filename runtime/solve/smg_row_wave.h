@@ -18,7 +18,7 @@
 #define SMG_WAVE_BLOCK 2048 /* slots of a block, at least: 1024 take as long on 100^3 spins, 256 and 4096 some 5 % longer */
 #endif
 #ifndef SMG_WAVE_FROM
-#define SMG_WAVE_FROM 40000000 /* bytes of all arrays: what a cache of 32 MiB holds, 40^3 spins, takes a tenth longer in wavefronts, 64^3 a tenth less */
+#define SMG_WAVE_FROM 60000000 /* bytes of all arrays: beside a cache of 32 MiB, 40^3 spins (10 MB) take a tenth longer in wavefronts, 64^3 (42 MB) gain nothing, 80^3 (82 MB) take a quarter less */
 #endif
 #ifndef SMG_WAVE_HELD
 #define SMG_WAVE_HELD 16000000 /* bytes that the stages of a wavefront need of each other, at most: half of such a cache; with 64 MB 160^3 spins take 1.4 times as long */
