@@ -127,14 +127,27 @@ typedef struct smg_row_pass {
   int small, last;
 } smg_row_pass;
 
+SMG_INLINE smg_motion smg_at_rest(void) {
+  const smg_lanes none = {0};
+  const smg_motion motion = {none, none, none};
+  return motion;
+}
+SMG_INLINE void smg_join_motion(smg_motion *motion, const smg_motion *more) {
+  motion->square = smg_lane_max(motion->square, more->square);
+  motion->part = smg_lane_max(motion->part, more->part);
+  motion->residual = smg_lane_max(motion->residual, more->residual);
+}
+
 /* Some slots of a colour. */
 SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turning turn, const smg_row_pass pass, smg_share part, enum smg_row_way way, int small, smg_motion *motion) {
+  smg_motion most = smg_at_rest();
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   turn.inverse = smg_inverse_square(&s->c);
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_part(&s->c, pass.colour, part, &piece);
-  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, small, pass.last, motion);
+  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, small, pass.last, &most);
+  smg_join_motion(motion, &most);
 }
 
 /* The four ways: the first sweep; those that follow it; with a look at small components; and with rho by its root. */
@@ -143,7 +156,7 @@ static void smg_turn_usual(const smg_state *s, smg_besides *known, const smg_tur
 static void smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion); }
 static void smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion); }
 
-static void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share part, smg_motion *motion) {
+SMG_INLINE void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share part, smg_motion *motion) {
   if (pass.way == SMG_BY_ROOT) smg_turn_exactly(s, known, turn, pass, part, motion);
   else if (pass.way == SMG_FROM_FIELD) smg_turn_first(s, known, turn, pass, part, motion);
   else if (pass.small) smg_turn_late(s, known, turn, pass, part, motion);
@@ -157,15 +170,10 @@ static inline smg_real smg_most_of(smg_lanes a) {
   return most;
 }
 
-static inline smg_motion smg_at_rest(void) {
-  const smg_lanes none = {0};
-  const smg_motion motion = {none, none, none};
-  return motion;
-}
 static const smg_moved smg_not_moved = {0, 0, 0};
 
 /* What a pass shows, with what some of its slots do. */
-static void smg_take_motion(const smg_row_pass pass, const smg_motion *motion, smg_moved *moved) {
+SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_motion *motion, smg_moved *moved) {
   moved->whole = smg_max(moved->whole, smg_lane_largest(motion->square));
   moved->part = pass.small ? smg_max(moved->part, smg_lane_largest(motion->part)) : SMG_MAX;
   if (pass.last) smg_take(&moved->residual, smg_most_of(motion->residual));
@@ -211,7 +219,7 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
 /* The next pass: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
  * once the others have nearly settled. Of sites that do not feel their own colour the gradient stays what it is in the last pass, and
  * gives their increments at once: that is expected to be the pass that was the last one of the step before. */
-static smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sweep) {
+SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sweep) {
   const int64_t unknown = s->row_weak ? SMG_COLOURS : 1; /* an extrapolation may be far off, and midpoints then not near spins */
   const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
   const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
@@ -221,7 +229,7 @@ static smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sw
 }
 
 /* What it has shown. */
-static void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_moved moved, smg_row_sweeping *sweep) {
+SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_moved moved, smg_row_sweeping *sweep) {
   const int64_t next = (pass.colour + 1) % SMG_COLOURS;
   sweep->ended = pass.last ? pass.colour : -1;
   sweep->residual = moved.residual;
