@@ -106,7 +106,8 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   smg_run run;
   for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) smg_aim_run(c, turn, &run, way, small, last, piece, k);
   for (int64_t k = 0; k < size; k += SMG_LANES) {
-    smg_lanes v[3], field[3];
+    const smg_lanes none = {0};
+    smg_lanes v[3], field[3] = {none, none, none};
     smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
     if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
     smg_turn_slots(turn, start + k, size - k, v, field, small, last, &most);
