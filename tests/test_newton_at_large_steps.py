@@ -1,6 +1,9 @@
 """Newton where the step is large: every kind of site at once, still the witness's solution in few iterations."""
+import math
+
 import numpy as np
 import pytest
+from hard.vortices import STRENGTHS, fold_of_collapse, inward, vortices
 from support import texts
 from support.systems import SPHERICAL, begin, model
 
@@ -143,3 +146,16 @@ def test_a_spin_in_a_field_of_any_strength(strength, tmp_path):
         assert abs(axis @ (W - w)) < 1e-15
         if strength >= 1e100:
             assert np.allclose(W, 2 * (w @ axis) * axis - w, rtol=0, atol=1e-15)
+
+
+# -- next to a fold -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("first", [0, 20, 40, 60])
+def test_a_collapse_is_followed_up_to_its_fold_at_any_h(first):
+    """The last steps before it have two vortices so near each other that the third's residual is the noise of their fields."""
+    w, law = inward(0.05)
+    model, last = vortices(STRENGTHS), fold_of_collapse(w, law.end)
+    for total in 30.3 + 2.35 * np.arange(first, first + 20):
+        if 0.03 < (total - last) % 1 < 0.97:
+            model.start(w.copy(), h=law.end / total)
+            assert model.advance(2 * int(total)) == math.ceil(total - last), total
