@@ -3,6 +3,7 @@ import subprocess
 
 import pytest
 from smidgen.compile.emit.emit import generate
+from smidgen.resources import include_flags
 from test_rows import DM, EXCHANGE, FIELD, lattice
 
 LAYERS = """[lattices.layers]
@@ -84,11 +85,11 @@ int main(int count, char **words) {{
 
 def built(tmp_path, spec, right="", wrong=""):
     """The driver, with some words of the runtime put wrong."""
-    for file, text in generate(spec, amalgamate=True).items():
+    for file, text in generate(spec, amalgamate=bool(right)).items():
         assert right in text or not file.endswith(f"{spec.name}.c")
         (tmp_path / file).write_text(text.replace(right, wrong) if right else text)
     (tmp_path / "main.c").write_text(DRIVER.format(name=spec.name))
-    subprocess.run(["gcc", "-std=c11", "-O1", "-ffp-contract=off", "-Wno-psabi", "-I.", "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    subprocess.run(["gcc", "-std=c11", "-O1", "-ffp-contract=off", "-Wno-psabi", "-I.", *include_flags(), "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
     return tmp_path / "main"
 
 

@@ -28,6 +28,11 @@ static inline smg_real smg_time_at(const smg_state *s, smg_real part) {
   return (smg_real)s->t0 + ((smg_real)s->count + part) * (smg_real)s->h;
 }
 
+/* Are two states at the same time, and will they be? */
+static inline int smg_same_times(const smg_state *a, const smg_state *b) {
+  return a->t0 <= b->t0 && a->t0 >= b->t0 && a->h <= b->h && a->h >= b->h && a->count == b->count;
+}
+
 /* The arrays of the state, one after the other in mem; returns how many numbers they take. */
 static size_t smg_layout(smg_state *s, smg_real *mem);
 

@@ -35,16 +35,4 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
 
 #include "smg_state.h"
 
-/* v turns about g by the angle whose half has the tangent |g|, scale = 2/(1 + |g|^2); u moves with it. */
-SMG_INLINE void smg_turn_about(const smg_real *g, smg_real scale, smg_real *v, smg_real *u) {
-  smg_real x[3], xx[3];
-  smg_cross(x, v, g);
-  smg_cross(xx, x, g);
-  for (int b = 0; b < 3; ++b) {
-    const smg_real moved = scale * (x[b] + xx[b]);
-    v[b] += moved;
-    u[b] += moved;
-  }
-}
-
 #endif

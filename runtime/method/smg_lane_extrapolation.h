@@ -169,12 +169,12 @@ static void smg_batch_steps(smg_state *const *s, int n, int64_t count, int alike
 }
 
 /* Are all those at the same time that have not failed, with the same h? */
-static int smg_same_times(const smg_state *s, int64_t members) {
+static int smg_all_at_once(const smg_state *s, int64_t members) {
   const smg_state *first = NULL;
   for (int64_t k = 0; k < members; ++k) {
     if (s[k].report.status != SMG_OK) continue;
     if (!first) first = s + k;
-    if (first->count != s[k].count || first->t0 < s[k].t0 || first->t0 > s[k].t0 || first->h < s[k].h || first->h > s[k].h) return 0;
+    if (!smg_same_times(first, s + k)) return 0;
   }
   return 1;
 }
@@ -182,7 +182,7 @@ static int smg_same_times(const smg_state *s, int64_t members) {
 /* count steps of those states that have not failed; alike: all have the same parameters. */
 static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int alike) {
   smg_state *some[SMG_GROUPS * SMG_LANES];
-  const int same = alike && smg_same_times(s, members), most = (same ? SMG_GROUPS : SMG_TABLES) * SMG_LANES;
+  const int same = alike && smg_all_at_once(s, members), most = (same ? SMG_GROUPS : SMG_TABLES) * SMG_LANES;
   int n = 0;
   for (int64_t k = 0; k < members; ++k) {
     if (s[k].report.status == SMG_OK) some[n++] = s + k;

@@ -327,10 +327,6 @@ static void smg_batch_time(smg_batch *b) {
 }
 #endif
 
-static int smg_same_times(const smg_state *a, const smg_state *b) {
-  return a->t0 <= b->t0 && a->t0 >= b->t0 && a->h <= b->h && a->h >= b->h && a->count == b->count;
-}
-
 /* count steps of n <= SMG_GROUPS*SMG_LANES states. */
 static void smg_batch_steps(smg_state *const *s, int n, int64_t count, int alike) {
   smg_batch b;
