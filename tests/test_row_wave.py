@@ -101,6 +101,13 @@ def test_a_wavefront_has_the_same_bits(tmp_path, name):
         assert found.returncode == 0, (words, found)
 
 
+@pytest.mark.parametrize("n", [40, 1201])
+def test_where_no_wavefront_pays(tmp_path, n):
+    """A short ring has too few blocks; on one that is no multiple of the colours sites of a colour meet."""
+    main = built(tmp_path, lattice("ring", "chain(n, periodic)", n, "n", EXCHANGE))
+    assert subprocess.run([main, "0.05", "0", "1"]).returncode == 5
+
+
 TINY = "0.1", "0", "1e-200"     # h, tolerance, size of x and y
 WRONG = {"the lag": ("wave->lag = (s->row_reach + block - 1) / block;", "wave->lag = 1;"), "the beginning on a ring": ("wave->later = SMG_RINGS", "wave->later = 0 && SMG_RINGS"),
          "passes that were too many": ("if (smg_rows_settled(s, sweep) || (pass.small", "if ((pass.small")}

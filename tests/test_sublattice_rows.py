@@ -1,10 +1,13 @@
 """Sublattice rotations on lattices, sites in lanes (runtime/method/smg_sublattice_rows.h): the bits of the steps from site to site."""
+import subprocess
+
 import numpy as np
 import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
+from smidgen.resources import include_flags
 from support.going_on import one_by_one, restored
 from support.strict import COMPILERS, MODES, compile_all
 from test_rows import DM, EXCHANGE, FOUR, HONEY, LADDER, SKEW, lattice
@@ -91,6 +94,35 @@ def test_a_start_is_saved_and_restored(monkeypatch):
     saved, wanted = model.save(), model.steps(4).save()
     model.restore(saved)
     assert np.array_equal(model.save(), saved) and np.array_equal(model.steps(4).save(), wanted)
+
+
+STEPS = """
+#include "ring.c"
+#include <stdlib.h>
+#include <string.h>
+int main(void) {
+  smg_params p;
+  ring_state s[2];
+  double w[54], *saved[2];
+  ring_defaults(&p);
+  for (int k = 0; k < 54; ++k) w[k] = k % 3 == 0 ? 0.6 : k % 3 == 1 + k / 3 % 2 ? 0.8 : 0;
+  for (int k = 0; k < 2; ++k) {
+    saved[k] = malloc(ring_savesize(&p) * sizeof(double));
+    if (ring_init(s + k, &p, malloc(ring_memsize(&p)), w, 0, 0.1) != SMG_OK) return 1;
+  }
+  if (ring_step(s) != SMG_OK || ring_step(s) != SMG_OK || ring_steps(s + 1, 2) != SMG_OK) return 2;
+  for (int k = 0; k < 2; ++k) ring_save(s + k, saved[k]);
+  return memcmp(saved[0], saved[1], ring_savesize(&p) * sizeof(double)) ? 3 : 0;
+}
+"""
+
+
+def test_one_step_at_a_time_in_c(tmp_path):
+    for file, text in generate(SPECS["ring of 18"], method=METHOD).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "main.c").write_text(STEPS)
+    subprocess.run(["gcc", "-std=c11", "-O1", "-ffp-contract=off", "-Wno-psabi", "-I.", *include_flags(), "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    assert subprocess.run([tmp_path / "main"]).returncode == 0
 
 
 def test_threads_have_the_same_bits(monkeypatch):

@@ -30,7 +30,7 @@ static inline smg_real smg_time_at(const smg_state *s, smg_real part) {
 
 /* Are two states at the same time, and will they be? */
 static inline int smg_same_times(const smg_state *a, const smg_state *b) {
-  return a->t0 <= b->t0 && a->t0 >= b->t0 && a->h <= b->h && a->h >= b->h && a->count == b->count;
+  return a->count == b->count && smg_abs((smg_real)(a->t0 - b->t0)) + smg_abs((smg_real)(a->h - b->h)) <= 0;
 }
 
 /* The arrays of the state, one after the other in mem; returns how many numbers they take. */
