@@ -163,7 +163,7 @@ METHODS = {m.name: m for m in (
     Method("extrapolation-12", "extrapolation of order 12", "extrapolation 12",
            "Gragg-Bulirsch-Stoer extrapolation, explicit, order 12 (not symplectic)", 12, "smg_extrapolation.h",
            keeps_quadratic=False, keeps_leaf=False, by_field=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
-           how=("explicit", "six rows of the explicit midpoint rule"), arrays=(("rows", 15, 0, "slopes, points and increments of a row"),),
+           how=("explicit", "six rows of the explicit midpoint rule"), arrays=(("tableau", 15, 0, "slopes, points and increments of a row of the tableau"),),
            lane_header="smg_lane_extrapolation.h"),
 )}
 NAMES = tuple(METHODS)

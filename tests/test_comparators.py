@@ -13,7 +13,7 @@ from smidgen.methods import METHODS
 from smidgen.resources import include_flags
 from support.compositions import SPECS, STARTS, compile_model, run
 from support.triples import apart
-from support.strict import WARNINGS
+from support.strict import COMMANDS, WARNINGS
 
 COMPARED = ("cf4", "isospectral-midpoint", "geodesic-midpoint")
 BODY, VORTICES, FREE = SPECS["irreversible body"], SPECS["vortices"], smidgen.load("free_rigid_body")
@@ -274,8 +274,7 @@ def files_of(name, method, amalgamate):
 
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("method", COMPARED)
-@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"], ["gcc", "-std=c11", "-DSMG_LONG_DOUBLE"]],
-                         ids=lambda c: "-".join(c[::2]))
+@pytest.mark.parametrize("compiler", COMMANDS[:4])
 @pytest.mark.parametrize("amalgamate", [pytest.param(False, marks=pytest.mark.long), True])
 def test_clean_c(tmp_path, name, method, compiler, amalgamate):
     spec = MODELS[name]

@@ -15,7 +15,7 @@ from smidgen.methods import METHODS, SCHEMES
 from smidgen.run.saved import DEGREE
 from smidgen.resources import folder, include_flags
 from support.compositions import HOST, SPECS, STARTS, coefficients, compile_model, run
-from support.strict import WARNINGS
+from support.strict import COMMANDS, WARNINGS
 from support.triples import apart
 
 PLAIN = ("4", "6", "8", "10")
@@ -282,8 +282,7 @@ def files_of(name, method, amalgamate, features):
 
 @pytest.mark.parametrize("name, method", [("vortex_tracers", "spherical-midpoint-4"), ("irreversible", "spherical-midpoint-10"),
                                           ("heisenberg_chain", "classical-midpoint-6"), ("nambu_a31", "spherical-midpoint-8")])
-@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["gcc", "-std=c11", "-DSMG_QUAD"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"]],
-                         ids=lambda c: "-".join(c[::2]))
+@pytest.mark.parametrize("compiler", COMMANDS)
 @pytest.mark.parametrize("amalgamate", [pytest.param(False, marks=pytest.mark.long), True])
 def test_clean_c(tmp_path, name, method, compiler, amalgamate):
     for features in ((), ("tangent",)):

@@ -7,7 +7,7 @@ import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.resources import include_flags
-from support.strict import WARNINGS
+from support.strict import COMMANDS, WARNINGS
 
 METHODS = ("dop853", "dop853-projected")
 FREE = smidgen.load("free_rigid_body")
@@ -69,7 +69,7 @@ def test_it_has_no_features():
         smidgen.build(FREE, "dop853", features=["tangent"])
 
 
-@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"]], ids=lambda c: c[0])
+@pytest.mark.parametrize("compiler", COMMANDS[:3])
 @pytest.mark.parametrize("name", ["vortex_tracers", "product"])
 @pytest.mark.parametrize("amalgamate", [False, True])
 def test_clean_c(tmp_path, name, compiler, amalgamate):

@@ -117,42 +117,44 @@ def test_a_singular_step_has_no_tangent_map(spec, solver):
         assert np.array_equal(model.save(), saved)
 
 
-def eight(over, energy, more=""):
-    """Eight spins, of which a[i] and ends[i] say which are coupled and when their field ends."""
+def coupled(sites, over, energy, more="", path=""):
+    """Spins of which a[i] and ends[i] say which two are coupled, sites 5 and 6, and that the field of site 6 ends before that of others."""
+    a, ends = [0] * sites, [9] * sites
+    a[5] = a[6] = ends[6] = 1
     return smidgen.load_text(f"""
 [model]
-name = "eight"
+name = "coupled"
 [space]
-w = {{ sphere = 8 }}
+w = {{ sphere = {sites} }}
 [parameters]
-a = {{ default = [0, 0, 0, 0, 0, 1, 1, 0], size = 8 }}
-ends = {{ default = [9, 9, 9, 9, 9, 9, 1, 9], size = 8 }}
+a = {{ default = {a}, size = {sites} }}
+ends = {{ default = {ends}, size = {sites} }}
 {more}
 [effects.coupling]
 over = "{over}"
 energy = "{energy}"
-""")
+""", str(path))
 
 
-SADDLES = "a[i]*a[j]*(w[i].x*w[j].x - w[i].y*w[j].y)"
-EIGHT = {"dense": eight("pair(i, j) of w", SADDLES), "band": eight("bond(i, j) of chain(8, periodic)", SADDLES)}
-
-
-@pytest.mark.parametrize("name", EIGHT)
-def test_a_singular_matrix_names_its_site(name):
-    """Sites 5 and 6 meet another branch at h = 2; elimination comes to its end with the second of them."""
-    model = smidgen.build(EIGHT[name], solver="newton", features=TANGENT)
-    saved = model.start(np.tile(POLE, (8, 1)), h=1.0).step().save()
+@pytest.mark.parametrize("name, sites, over, graph", [("dense", 8, "pair(i, j) of w", ""), ("band", 64, "bond(i, j) of chain(64, periodic)", ""),
+                                                      ("sparse", 64, "edge(i, j) of g", '[graphs.g]\nfile = "edges.csv"')])
+def test_a_singular_matrix_names_its_site(tmp_path, name, sites, over, graph):
+    """Sites 5 and 6 meet another branch at h = 2; elimination comes to its end with the second of them. The graph: a grid of 8 by 8."""
+    (tmp_path / "edges.csv").write_text("".join(f"{k},{k + d}\n" for k in range(64) for d in (1, 8) if k + d < 64 and (d == 8 or k % 8 < 7)))
+    spec = coupled(sites, over, "a[i]*a[j]*(w[i].x*w[j].x - w[i].y*w[j].y)", graph, tmp_path / "coupled.toml")
+    model = smidgen.build(spec, solver="newton", features=TANGENT)
+    assert model.notes["solver"] == name
+    saved = model.start(np.tile(POLE, (model.sites, 1)), h=1.0).step().save()
     saved[H] = 2.0
     model.restore(saved)
     with pytest.raises(RunError) as caught:
-        model.tangent(np.ones((2, 8, 3)))
+        model.tangent(np.ones((2, model.sites, 3)))
     assert caught.value.status == SINGULAR and caught.value.site == 6
 
 
 @pytest.mark.parametrize("solver", ["auto", "newton"])
 def test_a_field_that_is_no_number_names_its_site(solver):
-    spec = eight("pair(i, j) of w", "0.1*dot(w[i], w[j])", '[effects.field]\nover = "site(i)"\nenergy = "sqrt(ends[i] - t)*w[i].x"')
+    spec = coupled(8, "pair(i, j) of w", "0.1*dot(w[i], w[j])", '[effects.field]\nover = "site(i)"\nenergy = "sqrt(ends[i] - t)*w[i].x"')
     model = smidgen.build(spec, solver=solver).start(generic(8), h=0.1).steps(10)
     assert refused(model, NOT_FINITE).site == 6
 

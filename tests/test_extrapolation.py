@@ -27,8 +27,8 @@ FREE_AT_10 = (-0.4503635330766926960600452, -0.09362899305780025785077625, 0.887
 def test_the_weights_are_those_of_the_polynomials_at_0():
     """W_j/j = prod over i != j of j^2/(j^2 - i^2), over j: whole numbers over one for all."""
     text = HEADER.read_text()
-    numbers = [int(x) for x in re.search(r"smg_row_weights\[.*?\] = \{(.*?)\}", text)[1].split(",")]
-    unit = int(re.search(r"smg_row_unit = (\d+)", text)[1])
+    numbers = [int(x) for x in re.search(r"smg_tableau_weights\[.*?\] = \{(.*?)\}", text)[1].split(",")]
+    unit = int(re.search(r"smg_tableau_unit = (\d+)", text)[1])
     wanted = [Fraction(2 * (-1)**j * j**11, factorial(6 - j) * factorial(6 + j)) for j in range(1, ROWS + 1)]
     assert [Fraction(n, unit) for n in numbers] == wanted and sum(j * w for j, w in enumerate(wanted, 1)) == 1
     assert all(sum(w / Fraction(j)**(2 * k - 1) for j, w in enumerate(wanted, 1)) == 0 for k in range(1, ROWS))

@@ -8,7 +8,7 @@ import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import SpecError, UsageError
 from smidgen.resources import include_flags
-from support.strict import WARNINGS
+from support.strict import COMMANDS, WARNINGS
 
 ORDERS = tuple(range(2, 17, 2))
 FREE = smidgen.load("free_rigid_body")
@@ -102,7 +102,7 @@ def test_the_command(command):
 
 
 @pytest.mark.parametrize("order", [2, 8, *(pytest.param(p, marks=pytest.mark.long) for p in ORDERS if p not in (2, 8))])
-@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"]], ids=lambda c: c[0])
+@pytest.mark.parametrize("compiler", COMMANDS[:3])
 @pytest.mark.parametrize("amalgamate", [False, True])
 def test_clean_c(tmp_path, order, compiler, amalgamate):
     files = generate(smidgen.load("vortex_tracers"), method=f"gauss-{order}", amalgamate=amalgamate)

@@ -300,7 +300,8 @@ def test_accepted_steps_are_of_one_branch(make, s, field):
 
 # ---- compilers ----------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("build", [b for b in COMMANDS if b not in ("double", "quad") and "to " not in b])
+@pytest.mark.parametrize("build", [pytest.param(b, marks=pytest.mark.long if b in ("g++", "g++ quad", "clang") else ())
+                                   for b in COMMANDS if b not in ("double", "quad") and "to " not in b])
 @fields(TIMED)
 @pytest.mark.parametrize("s", [pytest.param(1, marks=pytest.mark.long), 3, pytest.param(8, marks=pytest.mark.long)])
 def test_every_compiler_takes_it_without_a_warning(make, s, field, build):

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import smidgen
-from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
 from support.going_on import restored
 from support.strict import COMPILERS, MODES, compile_all
+from support.widths import bits, by_witness, same_by_clang, same_in_lanes
+from support.widths import built as built_with
 from test_rows import DM, EXCHANGE, FIELD, SPECS as QUADRATIC, WIDTHS, lattice
 
 IN_TIME = """[effects.field]
@@ -18,13 +19,8 @@ SPECS = {**QUADRATIC, "in time": lattice("in_time", "square(n, 7, periodic)", 6,
 SOME = ("ring of 5", "ring of 17", "odd square", "honeycomb", "three colours", "in time")
 
 
-def built(monkeypatch, spec, order=6, lanes=4, compiler="gcc", **more):
-    monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
-    return smidgen.build(spec, f"gauss-{order}", **more)
-
-
-def bits(model, steps=8):
-    return model.start("random", h=0.2).steps(steps).save()
+def built(monkeypatch, spec, order=6, **how):
+    return built_with(monkeypatch, spec, f"gauss-{order}", **how)
 
 
 @pytest.mark.parametrize("name", [*SOME, "open chain of 3", "other spheres", *(pytest.param(n, marks=pytest.mark.long) for n in SPECS)])
@@ -34,8 +30,7 @@ def test_rows_solve_the_step(monkeypatch, name):
     assert "SMG_ROW_STAGES" in generate(spec, method="gauss-6")[f"{spec.name}.c"]
     model = built(monkeypatch, spec).start("random", h=0.2)
     w = model.w.copy()
-    found, wanted = model.steps(4).w, Witness(spec).steps(w, 0.0, 0.2, 4, "gauss-6")
-    assert np.abs(found - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14 * np.abs(w).max()
+    assert np.abs(model.steps(4).w - by_witness(spec, w, "gauss-6", 4)).max() <= 2e-14 * np.abs(w).max()
 
 
 @pytest.mark.parametrize("order", range(2, 17, 2))
@@ -43,8 +38,7 @@ def test_every_order_is_that_of_the_witness(monkeypatch, order):
     spec = SPECS["ring of 17"]
     model = built(monkeypatch, spec, order).start("random", h=0.25)
     w = model.w.copy()
-    wanted = Witness(spec).steps(w, 0.0, 0.25, 3, f"gauss-{order}")
-    assert np.abs(model.steps(3).w - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14
+    assert np.abs(model.steps(3).w - by_witness(spec, w, f"gauss-{order}", 3, h=0.25)).max() <= 2e-14
 
 
 @pytest.mark.parametrize("radius", ["1e100", "1e140"])
@@ -68,15 +62,12 @@ def test_order_in_extended_precision(monkeypatch, order):
 
 @pytest.mark.parametrize("name, widths", [*((n, WIDTHS.get(n, (4,))) for n in SOME), *(pytest.param(n, (2, 4, 8), marks=pytest.mark.long) for n in SPECS)])
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
-    wanted = bits(built(monkeypatch, SPECS[name], lanes=1))
-    for lanes in widths:
-        assert np.array_equal(bits(built(monkeypatch, SPECS[name], lanes=lanes)), wanted)
+    assert same_in_lanes(lambda lanes: built(monkeypatch, SPECS[name], lanes=lanes), widths)
 
 
 @pytest.mark.skipif("clang" not in COMPILERS, reason="no clang")
 def test_another_compiler_has_them_too(monkeypatch):
-    found, wanted = (bits(built(monkeypatch, SPECS["ring of 33"], lanes=n, compiler=c)) for n, c in ((2, "clang"), (4, "gcc")))
-    assert np.array_equal(found, wanted)
+    assert same_by_clang(lambda **how: built(monkeypatch, SPECS["ring of 33"], **how))
 
 
 @pytest.mark.parametrize("name", ["ring of 17", "honeycomb"])

@@ -7,6 +7,8 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
 from support.going_on import one_by_one, restored
 from support.strict import COMPILERS, MODES, compile_all
+from support.widths import bits, by_witness, same_by_clang, same_in_lanes
+from support.widths import built as built_with
 from test_rows import EXCHANGE, FOUR, HONEY, LADDER, SKEW, lattice
 
 METHOD = "pair-rotations"
@@ -38,22 +40,12 @@ SPECS = {
 SOME = ("ring of 18", "cubic", "odd square", "far layers", "honeycomb", "three colours", "other spheres")
 
 
-def built(monkeypatch, spec, lanes=4, compiler="gcc", method=METHOD, **more):
-    monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
-    return smidgen.build(spec, method, **more)
-
-
-def bits(model, steps=8):
-    return model.start("random", h=0.2).steps(steps).save()
+def built(monkeypatch, spec, method=METHOD, **how):
+    return built_with(monkeypatch, spec, method, **how)
 
 
 def in_rows(spec, **how) -> bool:
     return "SMG_ROW_CLASSES" in generate(spec, method=METHOD, **how)[f"{spec.name}.c"]
-
-
-def by_witness(spec, w, method=METHOD, steps=6):
-    found = Witness(spec).steps(w, 0.0, 0.2, steps, method)
-    return found if np.ndim(found) == 2 else found[-1]
 
 
 @pytest.mark.parametrize("name, method", [pytest.param(n, m, marks=[] if n in SOME and m == METHOD or n == "ring of 18" else pytest.mark.long)
@@ -65,20 +57,17 @@ def test_the_bits_are_those_from_bond_to_bond(monkeypatch, name, method):
     model = built(monkeypatch, spec, method=method).start("random", h=0.2)
     w = model.w.copy()
     assert np.array_equal(model.steps(6).save(), bits(built(monkeypatch, spec, method=method, features=("ensemble",)), 6))
-    assert np.abs(model.w - by_witness(spec, w, method)).max() <= 2e-14 * np.abs(w).max()
+    assert np.abs(model.w - by_witness(spec, w, method, 6)).max() <= 2e-14 * np.abs(w).max()
 
 
 @pytest.mark.parametrize("name, widths", [("ring of 18", (2, 8)), ("honeycomb", (2,)), *(pytest.param(n, (2, 4, 8), marks=pytest.mark.long) for n in SPECS)])
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
-    wanted = bits(built(monkeypatch, SPECS[name], lanes=1))
-    for lanes in widths:
-        assert np.array_equal(bits(built(monkeypatch, SPECS[name], lanes=lanes)), wanted)
+    assert same_in_lanes(lambda lanes: built(monkeypatch, SPECS[name], lanes=lanes), widths)
 
 
 @pytest.mark.skipif("clang" not in COMPILERS, reason="no clang")
 def test_another_compiler_has_them_too(monkeypatch):
-    found, wanted = (bits(built(monkeypatch, SPECS["three colours"], lanes=n, compiler=c)) for n, c in ((2, "clang"), (4, "gcc")))
-    assert np.array_equal(found, wanted)
+    assert same_by_clang(lambda **how: built(monkeypatch, SPECS["three colours"], **how))
 
 
 @pytest.mark.parametrize("n", [5, 17])
@@ -88,7 +77,7 @@ def test_a_class_that_meets_itself_goes_bond_after_bond(monkeypatch, n):
     model = built(monkeypatch, spec).start("random", h=0.2)
     w = model.w.copy()
     assert splittings.classes(Witness(spec), list(splittings.bonds(Witness(spec)))) is None
-    assert np.abs(model.steps(6).w - by_witness(spec, w)).max() <= 2e-14
+    assert np.abs(model.steps(6).w - by_witness(spec, w, METHOD, 6)).max() <= 2e-14
 
 
 def test_the_witness_finds_classes_of_which_no_two_bonds_meet():

@@ -13,7 +13,7 @@ from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS, SCHEMES
 from smidgen.resources import include_flags
 from support.compositions import SPECS, STARTS, compile_model, run
-from support.strict import WARNINGS
+from support.strict import COMMANDS, WARNINGS
 from support.triples import apart, on_sphere
 
 MODEL = """
@@ -359,8 +359,7 @@ def files_of(name, method, scheme, amalgamate):
 
 @pytest.mark.parametrize("name, method", [(name, method) for method, found in EVERY.items() for name in found])
 @pytest.mark.parametrize("scheme", ["", pytest.param("-6", marks=pytest.mark.long)])
-@pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"], ["gcc", "-std=c11", "-DSMG_LONG_DOUBLE"]],
-                         ids=lambda c: "-".join(c[::2]))
+@pytest.mark.parametrize("compiler", COMMANDS[:4])
 @pytest.mark.parametrize("amalgamate", [pytest.param(False, marks=pytest.mark.long), True])
 def test_clean_c(tmp_path, name, method, scheme, compiler, amalgamate):
     spec = EVERY[method][name]

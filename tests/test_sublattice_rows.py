@@ -4,12 +4,13 @@ import subprocess
 import numpy as np
 import pytest
 import smidgen
-from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError
 from smidgen.resources import include_flags
 from support.going_on import one_by_one, restored
 from support.strict import COMPILERS, MODES, compile_all
+from support.widths import bits, by_witness, same_by_clang, same_in_lanes
+from support.widths import built as built_with
 from test_rows import DM, EXCHANGE, FOUR, HONEY, LADDER, SKEW, lattice
 
 METHOD = "sublattice-rotations"
@@ -35,13 +36,8 @@ SPECS = {
 SOME = ("ring of 18", "odd square", "honeycomb", "three colours", "other spheres")
 
 
-def built(monkeypatch, spec, lanes=4, compiler="gcc", method=METHOD, **more):
-    monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
-    return smidgen.build(spec, method, **more)
-
-
-def bits(model, steps=8):
-    return model.start("random", h=0.2).steps(steps).save()
+def built(monkeypatch, spec, method=METHOD, **how):
+    return built_with(monkeypatch, spec, method, **how)
 
 
 def in_rows(spec, **how) -> bool:
@@ -57,21 +53,17 @@ def test_the_bits_are_those_from_site_to_site(monkeypatch, name, method):
     model = built(monkeypatch, spec, method=method).start("random", h=0.2)
     w = model.w.copy()
     assert np.array_equal(model.steps(8).save(), bits(built(monkeypatch, spec, method=method, features=("ensemble",))))
-    wanted = Witness(spec).steps(w, 0.0, 0.2, 8, method)
-    assert np.abs(model.w - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14 * np.abs(w).max()
+    assert np.abs(model.w - by_witness(spec, w, method, 8)).max() <= 2e-14 * np.abs(w).max()
 
 
 @pytest.mark.parametrize("name, widths", [("ring of 18", (2, 4, 8)), ("honeycomb", (2,)), *(pytest.param(n, (2, 4, 8), marks=pytest.mark.long) for n in SPECS)])
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
-    wanted = bits(built(monkeypatch, SPECS[name], lanes=1))
-    for lanes in widths:
-        assert np.array_equal(bits(built(monkeypatch, SPECS[name], lanes=lanes)), wanted)
+    assert same_in_lanes(lambda lanes: built(monkeypatch, SPECS[name], lanes=lanes), widths)
 
 
 @pytest.mark.skipif("clang" not in COMPILERS, reason="no clang")
 def test_another_compiler_has_them_too(monkeypatch):
-    found, wanted = (bits(built(monkeypatch, SPECS["three colours"], lanes=n, compiler=c)) for n, c in ((2, "clang"), (4, "gcc")))
-    assert np.array_equal(found, wanted)
+    assert same_by_clang(lambda **how: built(monkeypatch, SPECS["three colours"], **how))
 
 
 @pytest.mark.parametrize("n", [5, 17])
@@ -80,8 +72,7 @@ def test_a_colour_that_meets_itself_goes_from_site_to_site(monkeypatch, n):
     spec = lattice("ring", "chain(n, periodic)", n, "n", BOTH)
     model = built(monkeypatch, spec).start("random", h=0.2)
     w = model.w.copy()
-    wanted = Witness(spec).steps(w, 0.0, 0.2, 6, METHOD)
-    assert np.abs(model.steps(6).w - (wanted if np.ndim(wanted) == 2 else wanted[-1])).max() <= 2e-14
+    assert np.abs(model.steps(6).w - by_witness(spec, w, METHOD, 6)).max() <= 2e-14
 
 
 def test_restored_it_goes_on_with_the_same_bits(monkeypatch):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from support import texts
-from support.strict import COMPILERS, REALS, compile_all, run_sanitized
+from support.strict import FEW_COMPILERS, REALS, compile_all, run_sanitized
 from support.systems import CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, tiers
 from support.tangent import derivative, frame, leaves_of, polished
 
@@ -34,7 +34,6 @@ FEW = {("free_rigid_body", VESELOV, "auto"), ("nambu_a34", CLASSICAL, "auto"), (
        ("cubic_lattice", SPHERICAL, "auto"), (TRACERS, SPHERICAL, "rotation")}    # one a plan
 SMALL_H = {("landau_lifshitz", "plain"): 0.02}  # part of its h at which plain sweeps contract
 quick = pytest.mark.quick
-few_compilers = [pytest.param(c, marks=() if c in ("gcc", "clang++") else pytest.mark.long) for c in COMPILERS]
 
 
 def cases():
@@ -476,7 +475,7 @@ PLANS = [("free_rigid_body", SPHERICAL, "auto"), ("free_rigid_body", VESELOV, "a
 CLEAN = [PLANS[k] for k in (0, 3, 5, 8)]     # compiled in `make test`
 
 
-@pytest.mark.parametrize("compiler", few_compilers)
+@pytest.mark.parametrize("compiler", FEW_COMPILERS)
 @pytest.mark.parametrize("name, method, solver", [pytest.param(*plan, marks=() if plan in CLEAN else pytest.mark.long) for plan in PLANS])
 def test_compiles_without_a_warning(name, method, solver, compiler, tmp_path):
     sources = written(begin(name), tmp_path, method, solver)
@@ -484,7 +483,7 @@ def test_compiles_without_a_warning(name, method, solver, compiler, tmp_path):
         assert compile_all(tmp_path, sources, compiler, real=real) == ""
 
 
-@pytest.mark.parametrize("compiler", few_compilers)
+@pytest.mark.parametrize("compiler", FEW_COMPILERS)
 def test_a_graph_compiles_without_a_warning(compiler, tmp_path):
     case = begin(texts.read(texts.GLASS, tmp_path))
     for solver in ("newton", "rotation", "plain"):

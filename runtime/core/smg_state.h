@@ -28,7 +28,7 @@ static inline smg_real smg_time_at(const smg_state *s, smg_real part) {
   return (smg_real)s->t0 + ((smg_real)s->count + part) * (smg_real)s->h;
 }
 
-/* Are two states at the same time, and will they be? */
+/* Are two states at the same time, with the same h? */
 static inline int smg_same_times(const smg_state *a, const smg_state *b) {
   return a->count == b->count && smg_abs((smg_real)(a->t0 - b->t0)) + smg_abs((smg_real)(a->h - b->h)) <= 0;
 }

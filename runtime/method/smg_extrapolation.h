@@ -11,7 +11,7 @@
  *     D_1 = k_0/2,   D_(m+1) = D_(m-1) + k_m,   k_m = h f(t + m h/n, w + D_m/j),
  * and W_j/j is an integer over 19958400 = 12!/24: what is left is of random sign.
  *
- * Of the model it needs smg_gradient or smg_motion; and beside w, compensation and u the array s->rows, 15 numbers a site. Nothing is
+ * Of the model it needs smg_gradient or smg_motion; and beside w, compensation and u the array s->tableau, 15 numbers a site. Nothing is
  * remembered from step to step. */
 #ifndef SMG_EXTRAPOLATION_H
 #define SMG_EXTRAPOLATION_H
@@ -38,20 +38,20 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) { (void
 #include "smg_right_side.h"
 
 /* ---- the increment --------------------------------------------------------------------------------------------------------- */
-enum { SMG_ROWS_TAKEN = 6 };
-static const smg_real smg_row_weights[SMG_ROWS_TAKEN] = {-66, 84480, -3247695, 23068672, -48828125, 30233088}; /* of the rows 1 .. 6, */
-static const smg_real smg_row_unit = 19958400; /* in parts of 1/smg_row_unit */
+enum { SMG_TABLEAU_ROWS = 6 };
+static const smg_real smg_tableau_weights[SMG_TABLEAU_ROWS] = {-66, 84480, -3247695, 23068672, -48828125, 30233088}; /* of the rows 1 .. 6, */
+static const smg_real smg_tableau_unit = 19958400; /* in parts of 1/smg_tableau_unit */
 
 /* The part m/n of the step, n = 2j. */
-SMG_INLINE smg_real smg_row_part(int j, int m) { return (smg_real)m / (smg_real)(2 * j); }
+SMG_INLINE smg_real smg_tableau_part(int j, int m) { return (smg_real)m / (smg_real)(2 * j); }
 
 #if SMG_HAS_MOTION
 /* D_n of row j of the one site, in registers; sums begin at -0, to which compilers know better than to add. */
-SMG_INLINE smg_vec smg_row(smg_state *s, smg_vec w, smg_vec first, int j) {
+SMG_INLINE smg_vec smg_tableau_row(smg_state *s, smg_vec w, smg_vec first, int j) {
   const smg_real zero = -(smg_real)0, part = (smg_real)1 / (smg_real)j;
   smg_vec older = smg_vec_of(zero, zero, zero), newer = smg_vec_scale((smg_real)0.5, first);
   for (int m = 1; m < 2 * j; ++m) {
-    smg_set_time_at(&s->c, s, smg_row_part(j, m));
+    smg_set_time_at(&s->c, s, smg_tableau_part(j, m));
     const smg_vec next = smg_vec_add(older, smg_motion(&s->c, smg_vec_add(w, smg_vec_scale(part, newer)), 1));
     older = newer;
     newer = next;
@@ -64,48 +64,48 @@ static inline void smg_increment(smg_state *s) {
   const smg_vec w = smg_vec_load(s->w);
   smg_set_time_at(&s->c, s, 0);
   const smg_vec first = smg_motion(&s->c, w, 1);
-  smg_vec sum = smg_vec_scale(smg_row_weights[0], smg_row(s, w, first, 1));
+  smg_vec sum = smg_vec_scale(smg_tableau_weights[0], smg_tableau_row(s, w, first, 1));
   SMG_UNROLL
-  for (int j = 2; j <= SMG_ROWS_TAKEN; ++j) sum = smg_vec_add(sum, smg_vec_scale(smg_row_weights[j - 1], smg_row(s, w, first, j)));
-  smg_vec_store(s->u, smg_vec_of(sum.x / smg_row_unit, sum.y / smg_row_unit, sum.z / smg_row_unit));
+  for (int j = 2; j <= SMG_TABLEAU_ROWS; ++j) sum = smg_vec_add(sum, smg_vec_scale(smg_tableau_weights[j - 1], smg_tableau_row(s, w, first, j)));
+  smg_vec_store(s->u, smg_vec_of(sum.x / smg_tableau_unit, sum.y / smg_tableau_unit, sum.z / smg_tableau_unit));
 }
 #else
-/* s->rows: five vectors of 3 numbers a site. D_m stands in SMG_D or, of odd m, in SMG_D_ODD. */
+/* s->tableau: five vectors of 3 numbers a site. D_m stands in SMG_D or, of odd m, in SMG_D_ODD. */
 enum { SMG_FIRST, SMG_SLOPE, SMG_POINT, SMG_D, SMG_D_ODD };
 
-static inline smg_real *smg_row_vector(const smg_state *s, int i) { return s->rows + i * (3 * smg_sites(&s->c)); }
+static inline smg_real *smg_tableau_vector(const smg_state *s, int i) { return s->tableau + i * (3 * smg_sites(&s->c)); }
 
 /* D_(m+1), where D_(m-1) is. */
-static void smg_row_step(smg_state *s, int j, int m, smg_real *D, const smg_real *newer) {
+static void smg_tableau_step(smg_state *s, int j, int m, smg_real *D, const smg_real *newer) {
   const int64_t n = 3 * smg_sites(&s->c);
   const smg_real part = (smg_real)1 / (smg_real)j;
-  smg_real *point = smg_row_vector(s, SMG_POINT), *k = smg_row_vector(s, SMG_SLOPE);
+  smg_real *point = smg_tableau_vector(s, SMG_POINT), *k = smg_tableau_vector(s, SMG_SLOPE);
   for (int64_t q = 0; q < n; ++q) point[q] = s->w[q] + part * newer[q];
-  smg_set_time_at(&s->c, s, smg_row_part(j, m));
+  smg_set_time_at(&s->c, s, smg_tableau_part(j, m));
   smg_right_side(&s->c, 1, point, k);
   for (int64_t q = 0; q < n; ++q) D[q] += k[q];
 }
 
-/* u += W_j/j D_n, times smg_row_unit. */
-static void smg_row(smg_state *s, int j) {
+/* u += W_j/j D_n, times smg_tableau_unit. */
+static void smg_tableau_row(smg_state *s, int j) {
   const int64_t n = 3 * smg_sites(&s->c);
-  const smg_real *first = smg_row_vector(s, SMG_FIRST);
-  smg_real *even = smg_row_vector(s, SMG_D), *odd = smg_row_vector(s, SMG_D_ODD);
+  const smg_real *first = smg_tableau_vector(s, SMG_FIRST);
+  smg_real *even = smg_tableau_vector(s, SMG_D), *odd = smg_tableau_vector(s, SMG_D_ODD);
   for (int64_t q = 0; q < n; ++q) {
     even[q] = 0;
     odd[q] = (smg_real)0.5 * first[q];
   }
-  for (int m = 1; m < 2 * j; ++m) smg_row_step(s, j, m, m % 2 ? even : odd, m % 2 ? odd : even);
-  for (int64_t q = 0; q < n; ++q) s->u[q] += smg_row_weights[j - 1] * even[q];
+  for (int m = 1; m < 2 * j; ++m) smg_tableau_step(s, j, m, m % 2 ? even : odd, m % 2 ? odd : even);
+  for (int64_t q = 0; q < n; ++q) s->u[q] += smg_tableau_weights[j - 1] * even[q];
 }
 
 static inline void smg_increment(smg_state *s) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_set_time_at(&s->c, s, 0);
-  smg_right_side(&s->c, 1, s->w, smg_row_vector(s, SMG_FIRST));
+  smg_right_side(&s->c, 1, s->w, smg_tableau_vector(s, SMG_FIRST));
   for (int64_t q = 0; q < n; ++q) s->u[q] = 0;
-  for (int j = 1; j <= SMG_ROWS_TAKEN; ++j) smg_row(s, j);
-  for (int64_t q = 0; q < n; ++q) s->u[q] /= smg_row_unit;
+  for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j) smg_tableau_row(s, j);
+  for (int64_t q = 0; q < n; ++q) s->u[q] /= smg_tableau_unit;
 }
 #endif
 

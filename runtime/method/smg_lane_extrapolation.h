@@ -18,7 +18,7 @@
  * computed for all of them. Groups whose parameters differ have coefficients of their own, SMG_TABLES of them at most, at SMG_TIMES times. */
 #define SMG_GROUPS 8
 #if SMG_TIMED
-enum { SMG_TIMES = 1 + SMG_ROWS_TAKEN * SMG_ROWS_TAKEN, SMG_TABLES = 1 };
+enum { SMG_TIMES = 1 + SMG_TABLEAU_ROWS * SMG_TABLEAU_ROWS, SMG_TABLES = 1 };
 #else
 enum { SMG_TIMES = 1, SMG_TABLES = SMG_GROUPS };
 #endif
@@ -43,7 +43,7 @@ typedef struct smg_batch {
 SMG_INLINE int smg_time_of(int j, int m) { return SMG_TIMES > 1 ? (j - 1) * (j - 1) + m : 0; }
 
 /* ---- the step, as in smg_extrapolation.h ------------------------------------------------------------------------------------- */
-SMG_INLINE smg_lane_vec smg_lanes_row(const smg_lane_coefficients *c, smg_lane_vec w, smg_lane_vec first, int j) {
+SMG_INLINE smg_lane_vec smg_lanes_tableau_row(const smg_lane_coefficients *c, smg_lane_vec w, smg_lane_vec first, int j) {
   const smg_lanes zero = smg_lane_of(-(smg_real)0), part = smg_lane_of((smg_real)1 / (smg_real)j), one = smg_lane_of(1);
   smg_lane_vec older = smg_lane_vec_of(zero, zero, zero), newer = smg_lane_vec_scale(smg_lane_of((smg_real)0.5), first);
   for (int m = 1; m < 2 * j; ++m) {
@@ -57,11 +57,11 @@ SMG_INLINE smg_lane_vec smg_lanes_row(const smg_lane_coefficients *c, smg_lane_v
 
 SMG_INLINE smg_lane_vec smg_lanes_increment(const smg_lane_coefficients *c, smg_lane_vec w) {
   const smg_lane_vec first = smg_lane_motion(c, w, smg_lane_of(1));
-  const smg_lanes unit = smg_lane_of(smg_row_unit);
-  smg_lane_vec sum = smg_lane_vec_scale(smg_lane_of(smg_row_weights[0]), smg_lanes_row(c, w, first, 1));
+  const smg_lanes unit = smg_lane_of(smg_tableau_unit);
+  smg_lane_vec sum = smg_lane_vec_scale(smg_lane_of(smg_tableau_weights[0]), smg_lanes_tableau_row(c, w, first, 1));
   SMG_UNROLL
-  for (int j = 2; j <= SMG_ROWS_TAKEN; ++j)
-    sum = smg_lane_vec_add(sum, smg_lane_vec_scale(smg_lane_of(smg_row_weights[j - 1]), smg_lanes_row(c, w, first, j)));
+  for (int j = 2; j <= SMG_TABLEAU_ROWS; ++j)
+    sum = smg_lane_vec_add(sum, smg_lane_vec_scale(smg_lane_of(smg_tableau_weights[j - 1]), smg_lanes_tableau_row(c, w, first, j)));
   return smg_lane_vec_of(sum.x / unit, sum.y / unit, sum.z / unit);
 }
 
@@ -130,8 +130,8 @@ static void smg_fill_tables(smg_batch *b, int64_t taken) {
   for (int k = 0; k < tables; ++k) {
     smg_fill_time(b, k, b->c[k], taken, 0);
 #if SMG_TIMED
-    for (int j = 1; j <= SMG_ROWS_TAKEN; ++j)
-      for (int m = 1; m < 2 * j; ++m) smg_fill_time(b, k, b->c[k] + smg_time_of(j, m), taken, smg_row_part(j, m));
+    for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j)
+      for (int m = 1; m < 2 * j; ++m) smg_fill_time(b, k, b->c[k] + smg_time_of(j, m), taken, smg_tableau_part(j, m));
 #endif
   }
 }

@@ -18,10 +18,15 @@ REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE", "-Wno-double-promoti
 # Calls in place of inlined text: the same bits, and under the sanitizers half the time to compile.
 CALLS = "-DSMG_INLINE=static inline"
 READ, OPTIMISED = ("-fsyntax-only",), ("-O1", "-S", "-o", os.devnull)
-# (compiler, how) of tests of warnings: gcc with its optimiser, since some of its warnings need the flow of data; the others read, and
-# optimise as well in the long tier.
-MODES = [pytest.param(compiler, how, marks=pytest.mark.long if how == OPTIMISED and compiler != "gcc" else (), id=compiler + "-O1" * (how == OPTIMISED))
-       for compiler in COMPILERS for how in (READ, OPTIMISED) if compiler != "gcc" or how == OPTIMISED]
+# (compiler, how) of tests of warnings: in `make test` gcc with its optimiser, since some of its warnings need the flow of data, and the
+# front end of clang, in C++; all of them, and all the optimisers, in the long tier.
+FEW = {("gcc", OPTIMISED), ("clang++", READ)}
+MODES = [pytest.param(compiler, how, marks=() if (compiler, how) in FEW else pytest.mark.long, id=compiler + "-O1" * (how == OPTIMISED))
+         for compiler in COMPILERS for how in (READ, OPTIMISED) if compiler != "gcc" or how == OPTIMISED]
+COMMANDS = [pytest.param(words, marks=() if words[0] in ("gcc", "clang") and len(words) == 2 else pytest.mark.long, id="-".join(words[::2]))
+            for words in (["gcc", "-std=c11"], ["clang", "-std=c11"], ["g++", "-x", "c++", "-std=c++17"], ["gcc", "-std=c11", "-DSMG_LONG_DOUBLE"],
+                          ["gcc", "-std=c11", "-DSMG_QUAD"])]
+FEW_COMPILERS = [pytest.param(c, marks=() if c in dict(FEW) else pytest.mark.long) for c in COMPILERS]
 
 DRIVER = """
 #include <stdio.h>
