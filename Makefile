@@ -3,7 +3,8 @@ PYTHON ?= python3
 VENV   := .venv
 PY     := $(VENV)/bin/python
 # Bytecode lies beside the environment, not among the sources, and is kept: the tests start many interpreters.
-PYTEST := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY) -m pytest -n 2 --dist worksteal
+KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
+PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
 .PHONY: demo test quick test-long bench hard mutants coverage fuzz clean
 
@@ -43,9 +44,10 @@ fuzz: $(VENV)/ready-test
 	$(PY) -m pip install --quiet -r tests/fuzz/requirements.txt
 	cd tests && ../$(PY) -m fuzz.run --minutes $(or $(MINUTES),10) $(if $(SEED),--seed $(SEED))
 
-# What only the tests use: other compilers, a browser. Tests say so when one is missing.
+# What only the tests use: other compilers, a browser. Tests say so when one is missing. What both of their processes import is compiled once.
 $(VENV)/ready-test: $(VENV)/ready
 	sh tests/install.sh --extras
+	@$(KEEPING) -c "import sympy, matplotlib.pyplot, scipy.integrate, scipy.stats, hypothesis, h5py, dask.distributed"
 	@touch $@
 
 clean:
