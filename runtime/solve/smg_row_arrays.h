@@ -11,26 +11,22 @@ static inline smg_real *smg_place_slots(smg_real **next, size_t size) {
   return first;
 }
 
-/* Those that all such states have, from mem on; where the next one begins. */
+/* Those that all such states have, from mem on; where the next one begins. The first one holds w by sites between calls. */
 static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t size) {
-  smg_real *next = smg_line_from(mem);
+  smg_real *next = smg_line_from(mem) + size;
   s->w = mem;
-  s->row_u = smg_place_slots(&next, size);
   s->row_w = smg_place_slots(&next, size);
   s->row_compensation = smg_place_slots(&next, size);
   return next;
 }
 
-/* Empty slots at the ends of rows hold a spin that nothing turns; those at the end of a colour have increments 0. */
+/* Empty slots at the ends of rows hold a spin that nothing turns. */
 static void smg_fill_empty_slots(const smg_state *s) {
   const smg_coefficients *c = &s->c;
   const int64_t length = smg_row_length(c), pitch = smg_pitch(c);
-  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
     for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
       for (int64_t k = at.sites; k < length; ++k) s->row_w[2 * pitch + at.start + k] = smg_radius(c, 0);
-    for (int64_t k = smg_rows(c) * length; k < smg_colour_slots(c); ++k)
-      for (int b = 0; b < 3; ++b) s->row_u[b * pitch + colour * smg_colour_slots(c) + k] = 0;
-  }
 }
 
 /* w into slots, and back. */

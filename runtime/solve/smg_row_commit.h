@@ -7,19 +7,19 @@
 #include "smg_row_state.h"
 #include "smg_row_team.h"
 
-/* What that works with: increments u of the step, and those of all colours but the first, from the slot `first` on, of the steps before, newest
+/* What that works with: increments u of the first colour, and those of all others, from the slot `first` on, of the last steps, newest
  * first; they extrapolate by a polynomial of some degree, with these weights. */
 typedef struct smg_row_going {
-  smg_real *w, *lost, *m, *past[SMG_ROW_HISTORY];
-  const smg_real *u;
-  int64_t pitch, late, first;
+  smg_real *w, *lost, *m;
+  const smg_real *u, *past[SMG_ROW_HISTORY];
+  int64_t pitch, early, late, first;
   smg_real inverse, weights[SMG_ROW_HISTORY];
   int degree;
 } smg_row_going;
 
 static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
   const int64_t first = smg_colour_slots(&s->c);
-  smg_row_going go = {s->row_w, s->row_compensation, s->row_m, {NULL}, s->row_u, smg_pitch(&s->c), SMG_LATE_PITCH(&s->c), first, 1, {0}, degree};
+  smg_row_going go = {s->row_w, s->row_compensation, s->row_m, s->row_u, {NULL}, smg_pitch(&s->c), SMG_FIRST_PITCH(&s->c), SMG_LATE_PITCH(&s->c), first, 1, {0}, degree};
   go.inverse = 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0));
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) go.past[j] = s->past[j] - first;
   for (int j = 0; j <= degree; ++j) go.weights[j] = smg_weight(degree, j);
@@ -76,26 +76,27 @@ SMG_INLINE void smg_commit_slots(const smg_row_going go, int64_t slot, const smg
 #define SMG_SOON 16 /* slots */
 SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int degree) {
   for (int k = 0; k < 3; ++k) {
-    SMG_FETCH(go.u + k * go.pitch + slot);
     SMG_FETCH(go.w + k * go.pitch + slot);
     SMG_FETCH(go.lost + k * go.pitch + slot);
-    if (slot < go.first) continue;
+    if (slot < go.first) {
+      SMG_FETCH(go.u + k * go.early + slot);
+      continue;
+    }
     SMG_FETCH(go.m + k * go.pitch + slot);
     for (int j = 0; j == 0 || j <= degree; ++j) SMG_FETCH(go.past[j] + k * go.late + slot);
   }
 }
 
-/* The same of some slots; the increments of all colours but the first are remembered, and those of the next step extrapolated, by a
- * degree that the compiler knows; none: SMG_NO_DEGREE. */
+/* The same of some slots; the increments of the next step are extrapolated, of all colours but the first, by a degree that the compiler
+ * knows; none: SMG_NO_DEGREE. */
 SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int degree) {
   for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
     smg_lanes u[3], w[3];
     if (slot % SMG_WIDEST == 0 && slot + SMG_SOON < part.to) smg_fetch_slots(go, slot + SMG_SOON, degree);
-    smg_take_slots(go.u, go.pitch, slot, u);
+    if (slot < go.first) smg_take_slots(go.u, go.early, slot, u);
+    else smg_take_slots(go.past[0], go.late, slot, u);
     smg_commit_slots(go, slot, u, w);
-    if (slot < go.first) continue;
-    smg_put_slots(go.past[0], go.late, slot, u);
-    if (degree >= 0) smg_predict_slots(go, slot, degree, w);
+    if (slot >= go.first && degree >= 0) smg_predict_slots(go, slot, degree, w);
   }
 }
 

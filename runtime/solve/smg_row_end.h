@@ -12,7 +12,7 @@
 typedef struct smg_turning {
   const smg_real *w, *compensation;
   smg_real *m, *u;
-  int64_t pitch;
+  int64_t pitch, u_pitch;
   smg_real half, inverse, small, weakest;
   int weak, stretched; /* are fields so weak that midpoints are near spins? are there such increments? */
 } smg_turning;
@@ -22,9 +22,16 @@ SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (
 
 static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
   const smg_real half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h);
-  const smg_turning turn = {s->row_w, s->row_compensation, s->row_m, s->row_u, smg_pitch(&s->c), half, smg_inverse_square(&s->c),
+  const smg_turning turn = {s->row_w, s->row_compensation, s->row_m, NULL, smg_pitch(&s->c), 0, half, smg_inverse_square(&s->c),
                             SMG_SMALL * smg_radius(&s->c, 0), s->row_stretched ? 1 / (36 * half * half) : SMG_MAX, s->row_weak, s->row_stretched};
   return turn;
+}
+
+/* Where the increments of a colour are. */
+SMG_INLINE void smg_increments_into(const smg_state *s, int64_t colour, smg_turning *turn) {
+  const int64_t first = smg_colour_slots(&s->c);
+  turn->u = colour > 0 ? s->row_late - first : s->row_u;
+  turn->u_pitch = colour > 0 ? SMG_LATE_PITCH(&s->c) : SMG_FIRST_PITCH(&s->c);
 }
 
 /* u = h X(m) of the slots of one vector, `in` of them sites, whose gradient is g; the largest square of the residual w + u/2 - rho m. */
@@ -47,7 +54,7 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
     for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
   }
   *most = smg_lane_max(*most, square);
-  smg_put_slots(turn.u, turn.pitch, slot, u);
+  smg_put_slots(turn.u, turn.u_pitch, slot, u);
 }
 
 /* The same of a piece. */
@@ -68,6 +75,7 @@ static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning tur
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   turn.inverse = smg_inverse_square(&s->c);
+  smg_increments_into(s, colour, &turn);
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_part(&s->c, colour, part, &piece);
   while (smg_next_piece(&s->c, s->row_m, &piece)) smg_end_piece(turn, &piece, most);

@@ -132,16 +132,15 @@ static void smg_gather_saved(const smg_state *s, int history, int64_t late) {
 /* The increments of the k-th late slot, the newest and those before, from the rank that has them. */
 static void smg_share_sample(const smg_state *s, int64_t k, int64_t late) {
   if (smg_mpi_parts == 1) return;
-  const int64_t first = smg_colour_slots(&s->c);
   smg_real all[3 * (SMG_HISTORY + 1)] = {0};
   const int owner = smg_mpi_owner(&s->c, k), n = s->history + 1;
   for (int b = 0; b < 3; ++b) {
-    all[b * n] = s->row_u[b * smg_pitch(&s->c) + first + k];
+    all[b * n] = s->row_late[b * late + k];
     for (int j = 0; j < s->history; ++j) all[b * n + 1 + j] = s->past[j][b * late + k];
   }
   MPI_Bcast(all, 3 * n, SMG_MPI_REAL, owner, SMG_MPI_COMM);
   for (int b = 0; b < 3; ++b) {
-    s->row_u[b * smg_pitch(&s->c) + first + k] = all[b * n];
+    s->row_late[b * late + k] = all[b * n];
     for (int j = 0; j < s->history; ++j) s->past[j][b * late + k] = all[b * n + 1 + j];
   }
 }

@@ -20,6 +20,7 @@
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to the digits of double. */
 #define SMG_ROW_WEAK (SMG_EPS < (smg_real)1e-16 ? 0 : (smg_real)0.0104)
 #define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4) /* increments kept, of all colours but the first: with them a spin has at most 160 bytes */
+#define SMG_FIRST_PITCH(c) (smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER) /* of arrays of the first colour, and of all others */
 #define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
 
 /* That factor, or SMG_MAX. */
@@ -44,15 +45,30 @@ static inline void smg_choose_rows(smg_state *s) {
   s->row_stretched = 36 * field > 1; /* |h b| > 1/3 may be, as in smg_end_site */
 }
 
-/* Their arrays. The increments of a step stand where w is between calls. */
+/* Their arrays. */
 static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
-  const size_t size = (size_t)smg_array_size(&s->c), late = (size_t)(3 * SMG_LATE_PITCH(&s->c));
+  const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)), late = (size_t)(3 * SMG_LATE_PITCH(&s->c));
   if (mem) {
-    smg_real *next = smg_place_row_arrays(s, mem, size);
-    s->row_m = smg_place_slots(&next, size);
+    smg_real *under = smg_line_from(mem), *next = smg_place_row_arrays(s, mem, size);
+    s->row_m = smg_place_slots(&under, size); /* found anew in each call */
+    s->row_u = smg_place_slots(&next, first);
+    s->row_late = smg_place_slots(&next, late);
     for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
   }
-  return SMG_WIDEST + 4 * size + SMG_ROW_HISTORY * late;
+  return SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + 1) * late;
+}
+
+/* Increments 0 of slots at the end of a colour that are none of a row's, in an array of so many colours. */
+static inline void smg_fill_increments(const smg_coefficients *c, smg_real *u, int64_t colours) {
+  const int64_t slots = smg_colour_slots(c), pitch = colours * slots + SMG_BEFORE + SMG_AFTER;
+  for (int64_t b = 0; b < 3; ++b)
+    for (int64_t colour = 0; colour < colours; ++colour)
+      for (int64_t k = smg_rows(c) * smg_row_length(c); k < slots; ++k) u[b * pitch + colour * slots + k] = 0;
+}
+static void smg_fill_all_increments(const smg_state *s) {
+  smg_fill_increments(&s->c, s->row_u, 1);
+  smg_fill_increments(&s->c, s->row_late, SMG_COLOURS - 1);
+  for (int j = 0; j < SMG_ROW_HISTORY; ++j) smg_fill_increments(&s->c, s->past[j], SMG_COLOURS - 1);
 }
 
 /* What a saved state has; of the increments those of the first colour are 0. */

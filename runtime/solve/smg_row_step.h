@@ -34,9 +34,9 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
 /* The error, squared, that every degree would have made in one slot, the k-th of all colours but the first, of the step just solved: the backward
  * difference of order d + 1. */
 static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
-  const int64_t late = SMG_LATE_PITCH(&s->c), pitch = smg_pitch(&s->c), slot = smg_colour_slots(&s->c) + k;
+  const int64_t late = SMG_LATE_PITCH(&s->c);
   smg_real row[SMG_HISTORY + 1][3];
-  for (int b = 0; b < 3; ++b) row[0][b] = s->row_u[b * pitch + slot];
+  for (int b = 0; b < 3; ++b) row[0][b] = s->row_late[b * late + k];
   for (int j = 0; j < s->history; ++j)
     for (int b = 0; b < 3; ++b) row[j + 1][b] = s->past[j][b * late + k];
   for (int d = 0; d < s->history; ++d) {
@@ -66,7 +66,8 @@ static void smg_commit_rows(smg_state *s, int more) {
   smg_real *oldest = s->past[SMG_ROW_HISTORY - 1];
   if (s->history < SMG_ROW_HISTORY || s->count % 16 == 0) smg_choose_row_degree(s);
   for (int j = SMG_ROW_HISTORY - 1; j > 0; --j) s->past[j] = s->past[j - 1];
-  s->past[0] = oldest;
+  s->past[0] = s->row_late;
+  s->row_late = oldest;
   if (s->history < SMG_ROW_HISTORY) ++s->history;
   if (s->degree < 0) s->degree = 0;
   s->row_due = more;
@@ -121,6 +122,7 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   if (s->row_team > 1) smg_know_besides(&s->c, &known);
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
   smg_enter_rows(s);
+  smg_fill_all_increments(s);
   smg_predict_rows(s);
   smg_exchange_late();
   while (count-- > 0 && status == SMG_OK) {

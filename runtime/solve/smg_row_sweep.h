@@ -145,6 +145,7 @@ SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turnin
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   turn.inverse = smg_inverse_square(&s->c);
+  if (pass.last) smg_increments_into(s, pass.colour, &turn);
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_part(&s->c, pass.colour, part, &piece);
   while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, small, pass.last, &most);
