@@ -83,13 +83,17 @@ int main(int count, char **words) {{
 """
 
 
-def built(tmp_path, spec, right="", wrong=""):
-    """The driver, with some words of the runtime put wrong."""
+def built(tmp_path, spec, right="", wrong="", more=()):
+    """The driver, with some words of the runtime put wrong, or in another way; more: flags."""
     for file, text in generate(spec, amalgamate=bool(right)).items():
         assert right in text or not file.endswith(f"{spec.name}.c")
         (tmp_path / file).write_text(text.replace(right, wrong) if right else text)
+    return compiled(tmp_path, spec, more)
+
+
+def compiled(tmp_path, spec, more=()):
     (tmp_path / "main.c").write_text(DRIVER.format(name=spec.name))
-    subprocess.run(["gcc", "-std=c11", "-O1", "-ffp-contract=off", "-Wno-psabi", "-I.", *include_flags(), "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    subprocess.run(["gcc", "-std=c11", "-O1", "-ffp-contract=off", "-Wno-psabi", *more, "-I.", *include_flags(), "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
     return tmp_path / "main"
 
 
@@ -101,6 +105,26 @@ def test_a_wavefront_has_the_same_bits(tmp_path, name):
         assert found.returncode == 0, (words, found)
 
 
+@pytest.mark.parametrize("name", ["cubic", "three colours, a ring", *(pytest.param(n, marks=pytest.mark.long) for n in ("ring", "open cubic", "three colours", "own field"))])
+def test_threads_have_them_too(tmp_path, name):
+    main = built(tmp_path, SPECS[name], more=("-fopenmp", "-DSMG_SHARE=8"))
+    for words in (("0.05", "0", "1"), ("0.1", "0", "1"), ("0.02", "1e-9", "1")):
+        found = subprocess.run([main, *words], capture_output=True, text=True, env={"OMP_NUM_THREADS": "3"})
+        assert found.returncode == 0, (words, found)
+
+
+@pytest.mark.parametrize("more, status", [(1, 0), (0, 4)])
+@pytest.mark.parametrize("name", ["cubic", *(pytest.param(n, marks=pytest.mark.long) for n in ("ring", "three colours, a ring"))])
+def test_what_stages_do_at_one_time_may_go_in_any_order(tmp_path, name, more, status):
+    """As they may by threads: here the last one first, with the lag of threads, and that of one thread."""
+    lag, order = "block + (s->row_team > 1);", "for (int64_t k = 0; k < stages; ++k) {"
+    spec = SPECS[name]
+    for file, text in generate(spec, amalgamate=True).items():
+        assert file != f"{spec.name}.c" or (text.count(lag), text.count(order)) == (1, 1)
+        (tmp_path / file).write_text(text.replace(lag, f"block + {more};").replace(order, "for (int64_t k = stages - 1; k >= 0; --k) {"))
+    assert subprocess.run([compiled(tmp_path, spec), "0.05", "0", "1"]).returncode == status
+
+
 @pytest.mark.parametrize("n", [40, 1201])
 def test_where_no_wavefront_pays(tmp_path, n):
     """A short ring has too few blocks; on one that is no multiple of the colours sites of a colour meet."""
@@ -109,7 +133,7 @@ def test_where_no_wavefront_pays(tmp_path, n):
 
 
 TINY = "0.1", "0", "1e-200"     # h, tolerance, size of x and y
-WRONG = {"the lag": ("wave->lag = (s->row_reach + block - 1) / block;", "wave->lag = 1;"), "the beginning on a ring": ("wave->later = SMG_RINGS", "wave->later = 0 && SMG_RINGS"),
+WRONG = {"the lag": ("wave->lag = (s->row_reach + block - 1) / block", "wave->lag = 1"), "the beginning on a ring": ("wave->later = SMG_RINGS", "wave->later = 0 && SMG_RINGS"),
          "passes that were too many": ("if (smg_rows_settled(s, sweep) || (pass.small", "if ((pass.small")}
 
 

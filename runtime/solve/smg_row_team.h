@@ -13,12 +13,14 @@
 #define SMG_PRAGMA(text) _Pragma(#text)
 #define SMG_TEAM(threads) SMG_PRAGMA(omp parallel num_threads(threads))
 #define SMG_ONE_BY_ONE SMG_PRAGMA(omp critical)
+#define SMG_TURNS_OF_TEAM SMG_PRAGMA(omp for schedule(dynamic, 1)) /* of the loop that follows; all of them end before what comes next */
 SMG_INLINE int smg_most_threads(void) { return omp_get_max_threads(); }
 SMG_INLINE int smg_thread(void) { return omp_get_thread_num(); }
 SMG_INLINE int smg_threads(void) { return omp_get_num_threads(); }
 #else
 #define SMG_TEAM(threads)
 #define SMG_ONE_BY_ONE
+#define SMG_TURNS_OF_TEAM
 SMG_INLINE int smg_most_threads(void) { return 1; }
 SMG_INLINE int smg_thread(void) { return 0; }
 SMG_INLINE int smg_threads(void) { return 1; }

@@ -6,6 +6,8 @@
  * takes block b once the one before it has done those up to b + x, and what stages still need of each other's blocks stays in the cache.
  * Around a ring the k-th stage begins with block k x, later than the one before it, which so has done its first blocks too.
  *
+ * Threads share the stages: with x + 1 in place of x, none of them needs what another one does at the same time.
+ *
  * All sites read what they would one colour after the other, and have the same bits. Changes are looked at after all passes: as many as
  * one of the last steps took. Where fewer would have done, the step begins anew without wavefronts; where they do not do, others follow. */
 #ifndef SMG_ROW_WAVE_H
@@ -73,9 +75,9 @@ static int smg_wave_pays(const smg_state *s, smg_row_wave *wave) {
   wave->passes = s->row_fewest;
   wave->blocks = slots / SMG_WAVE_BLOCK;
   if (wave->passes < SMG_COLOURS || wave->passes > SMG_WAVE_PASSES || wave->blocks == 0 || smg_wave_all(&s->c) < SMG_WAVE_FROM) return 0;
-  if (s->row_team > 1 || smg_rank_parts() > 1 || smg_meet_at_seam(&s->c)) return 0;
+  if (smg_rank_parts() > 1 || smg_meet_at_seam(&s->c)) return 0;
   const int64_t block = vectors / wave->blocks * SMG_WIDEST;
-  wave->lag = (s->row_reach + block - 1) / block;
+  wave->lag = (s->row_reach + block - 1) / block + (s->row_team > 1);
   wave->later = SMG_RINGS > 0 || SMG_RANKS > 1 ? wave->lag : 0;
   wave->stages = smg_wave_stages(wave);
   return wave->stages > 0;
@@ -132,11 +134,15 @@ static void smg_take_block(const smg_state *s, smg_besides *known, const smg_tur
 static void smg_run_wave(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_wave *wave, int64_t first, int64_t stages) {
   const smg_row_going go = smg_going_of(s, s->degree);
   const int64_t times = wave->blocks + (stages - 1) * (wave->lag + wave->later);
-  for (int64_t time = 0; time < times; ++time)
-    for (int64_t k = 0; k < stages; ++k) {
-      const int64_t at = time - k * wave->lag, from = k * wave->later;
-      if (at >= from && at < from + wave->blocks) smg_take_block(s, known, turn, wave, &go, first + k, at % wave->blocks);
+  SMG_TEAM(s->row_team) {
+    for (int64_t time = 0; time < times; ++time) {
+      SMG_TURNS_OF_TEAM
+      for (int64_t k = 0; k < stages; ++k) {
+        const int64_t at = time - k * wave->lag, from = k * wave->later;
+        if (at >= from && at < from + wave->blocks) smg_take_block(s, known, turn, wave, &go, first + k, at % wave->blocks);
+      }
     }
+  }
 }
 
 /* Have the passes shown what they would have one by one, without being more than that? */
