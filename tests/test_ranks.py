@@ -14,7 +14,7 @@ from smidgen.errors import MissingTool
 from smidgen.resources import include_flags
 from smidgen.run.start import initial_state
 from support.strict import COMPILERS, WARNINGS
-from test_rows import EXCHANGE, FIELD, SPECS, lattice
+from test_rows import EXCHANGE, FIELD, PLANES, SPECS, lattice
 
 MISSING = [name for name in ("mpicc", "mpirun") if not shutil.which(name)]
 needs_mpi = pytest.mark.skipif(bool(MISSING), reason=f"no {', '.join(MISSING)}: apt-get install libopenmpi-dev openmpi-bin")
@@ -112,6 +112,14 @@ def test_ranks_have_the_same_bits(tmp_path, name):
 def test_other_builds_too(tmp_path, monkeypatch, more):
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
     programs(tmp_path, SPECS["plain cubic"], SMALL, *more)
+    check_bits(tmp_path, (2, 3))
+
+
+@needs_mpi
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["even", "odd and open"])
+def test_planes_whose_rows_follow_as_they_lie(tmp_path, name):
+    programs(tmp_path, PLANES[name], SMALL, "-DSMG_LARGE_PLANE=0")
     check_bits(tmp_path, (2, 3))
 
 

@@ -16,6 +16,7 @@ SPECS = {
     "open chain": lattice("open_chain", "chain(n, open)", 1201, "n", EXCHANGE),
     "cubic": lattice("cubic", "cubic(n, 4, 60, periodic)", 6, "240*n", EXCHANGE + DM),
     "open cubic": lattice("open_cubic", "cubic(n, 5, 60, open)", 6, "300*n", EXCHANGE + DM),
+    "plane": lattice("plane", "square(n, 60, periodic)", 128, "60*n", EXCHANGE + DM),
     "own field": lattice("own_field", "cubic(n, 4, 80, periodic)", 6, "320*n", EXCHANGE + FIELD),
     "three colours": lattice("layers", "layers.near", 6, "360*n", EXCHANGE.replace("0.7", "0.4"), LAYERS),
     "three colours, a ring": lattice("further", "chain(n, periodic, 2)", 1800, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")),
@@ -28,6 +29,7 @@ DRIVER = """
 static int64_t least_bytes;
 #define SMG_WAVE_BLOCK 8
 #define SMG_WAVE_FROM least_bytes
+#define SMG_LARGE_PLANE 7000
 #include "{name}.c"
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,7 +107,7 @@ def test_a_wavefront_has_the_same_bits(tmp_path, name):
         assert found.returncode == 0, (words, found)
 
 
-@pytest.mark.parametrize("name", ["cubic", "three colours, a ring", *(pytest.param(n, marks=pytest.mark.long) for n in ("ring", "open cubic", "three colours", "own field"))])
+@pytest.mark.parametrize("name", ["plane", "three colours, a ring", *(pytest.param(n, marks=pytest.mark.long) for n in ("ring", "cubic", "open cubic", "three colours", "own field"))])
 def test_threads_have_them_too(tmp_path, name):
     main = built(tmp_path, SPECS[name], more=("-fopenmp", "-DSMG_SHARE=8"))
     for words in (("0.05", "0", "1"), ("0.1", "0", "1"), ("0.02", "1e-9", "1")):

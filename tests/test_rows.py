@@ -240,6 +240,34 @@ def test_memory_of_a_spin(tmp_path, name):
     assert float(subprocess.run(["./main"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout) <= 160 + 8 * 9 * 3 * 32 / sites
 
 
+PLANES = {
+    "even": lattice("even", "square(n, 6, periodic)", 128, "6*n", EXCHANGE + DM),
+    "odd and open": lattice("odd_plane", "square(n, 5, open)", 131, "5*n", EXCHANGE + DM),
+    "open one way": lattice("one_way", "strip.near", 140, "7*n", EXCHANGE, """[lattices.strip]
+size = ["n", 7]
+boundary = ["periodic", "open"]
+bonds.near = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset = [0, 1] }]
+"""),
+    "three colours": lattice("oblique", "oblique.near", 195, "6*n", EXCHANGE.replace("0.7", "0.5"), """[lattices.oblique]
+size = ["n", 6]
+boundary = "periodic"
+bonds.near = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset = [0, 1] }, { from = 0, to = 0, offset = [1, 1] }]
+"""),
+}
+
+
+@pytest.mark.parametrize("name, method", [*((n, m) for n in PLANES for m in ("spherical-midpoint", "sublattice-rotations")), ("open one way", "pair-rotations"),
+                                          *(pytest.param(n, "gauss-6", marks=pytest.mark.long) for n in PLANES)])
+def test_a_large_plane_has_the_bits_of_a_small_one(monkeypatch, name, method):
+    """There rows follow each other as they lie; a small lattice is taken for a large one here."""
+    assert re.search("SMG_BY_ROWS|SMG_ROW_STAGES", generate(PLANES[name], method=method)[f"{PLANES[name].name}.c"])
+    found = []
+    for large in (1 << 40, 0):
+        monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LARGE_PLANE={large}")
+        found.append(smidgen.build(PLANES[name], method).start("random", h=0.2).steps(5))
+    assert np.array_equal(*(model.save() for model in found)) and np.array_equal(*(model.steps(3).w for model in found))
+
+
 @pytest.mark.parametrize("name, why", [("index", "0.1*i*w[i].x"), ("cubed", "w[i].z^3")])
 def test_what_rows_are_not_for(name, why):
     spec = lattice("general", "chain(n, periodic)", 16, "n", EXCHANGE + FIELD.replace(re.search('energy = "(.*)"', FIELD)[1], why))

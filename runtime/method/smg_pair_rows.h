@@ -132,7 +132,7 @@ static void smg_turn_layer(const smg_coefficients *c, smg_besides *known, const 
   run.from = 0;
   run.place = known->place;
   while (rows > 0) {
-    const int64_t alike = smg_run_of_rows(c, &run.at);
+    const int64_t alike = smg_run_of_rows(c, &run.at, length);
     run.b = smg_besides_of(c, &run.at, known);
     run.to = alike * length;
     if (run.b[all->beside].there) smg_turn_run(c, turn, all, &run);

@@ -65,7 +65,7 @@ SMG_INLINE int smg_open_piece(smg_piece *piece) {
 static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
   const int64_t room = piece->size - piece->done, length = piece->length;
   if (room <= 0) return 0;
-  const int64_t rows = smg_run_of_rows(c, &piece->at), end = rows * length;
+  const int64_t rows = smg_run_of_rows(c, &piece->at, length), end = rows * length;
   run->at = piece->at;
   run->b = smg_besides_of(c, &piece->at, piece->known);
   run->length = length;

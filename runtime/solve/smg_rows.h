@@ -9,7 +9,8 @@
  *
  * In a plane, rows that begin alike follow each other: s1 = 0, SMG_ROW_STEP, .., then 1, SMG_ROW_STEP + 1, .. Their neighbours do so too, at the
  * same distance in slots but for s1 near an end. So such rows are one run of slots, and vectors go across from one to the next: rows need not be
- * longer than a vector. The order of the slots is the same for all SMG_LANES. */
+ * longer than a vector. Where the lattice is one large plane of long rows, they follow each other as they lie, and feel the next ones alone
+ * (smg_row_wave.h). The order of the slots is the same for all SMG_LANES. */
 #ifndef SMG_ROWS_H
 #define SMG_ROWS_H
 
@@ -20,6 +21,9 @@
 #define SMG_AFTER 16
 #define SMG_WIDEST 8  /* lanes of the widest registers there are */
 #define SMG_LONG_ROW 64 /* slots from which a row takes whole vectors: at most an eighth stays empty */
+#ifndef SMG_LARGE_PLANE
+#define SMG_LARGE_PLANE 375000 /* slots of all colours; 60 MB of arrays */
+#endif
 /* Slots that a sweep works on at a time: fields, spins and midpoints of 256 are 18 KB; four stages of 64 spins 24 KB. */
 #if SMG_ROW_STAGES
 #define SMG_PIECE 64
@@ -65,11 +69,17 @@ static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS 
 static inline int64_t smg_pitch(const smg_coefficients *c) { return smg_slots(c) + SMG_BEFORE + SMG_AFTER; }
 static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg_pitch(c); }
 
-/* Rows of a plane that begin as the q-th does, and the place of a row among all of its plane. */
-SMG_INLINE int64_t smg_rows_like(const smg_coefficients *c, int64_t q) { return (smg_cells(c, 1) - q + SMG_ROW_STEP - 1) / SMG_ROW_STEP; }
+/* From a row of a plane to the next one in memory; at the end of the plane another q begins. */
+SMG_INLINE int64_t smg_plane_step(const smg_coefficients *c, int64_t length) {
+  const int64_t step = SMG_ROW_STEP;
+  return smg_cells(c, 2) * smg_cells(c, 3) == 1 && length >= SMG_LONG_ROW && SMG_COLOURS * smg_rows(c) * length >= SMG_LARGE_PLANE ? 1 : step;
+}
+
+/* Rows of a plane in the q-th turn, and the place of a row among all of its plane. */
+SMG_INLINE int64_t smg_rows_like(const smg_coefficients *c, int64_t step, int64_t q) { return (smg_cells(c, 1) - q + step - 1) / step; }
 static inline int64_t smg_place_in_plane(const smg_coefficients *c, int64_t s1) {
-  const int64_t q = s1 % SMG_ROW_STEP, longer = smg_cells(c, 1) % SMG_ROW_STEP;
-  return q * (smg_cells(c, 1) / SMG_ROW_STEP) + (q < longer ? q : longer) + s1 / SMG_ROW_STEP;
+  const int64_t step = smg_plane_step(c, smg_row_length(c)), q = s1 % step, longer = smg_cells(c, 1) % step;
+  return q * (smg_cells(c, 1) / step) + (q < longer ? q : longer) + s1 / step;
 }
 
 static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, int64_t sub, int64_t s1, int64_t s2, int64_t s3) {
@@ -110,10 +120,10 @@ static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t c
 /* The row-th of a colour. */
 static inline smg_lattice_row smg_row_of(const smg_coefficients *c, int64_t colour, int64_t row) {
   smg_lattice_row at = smg_first_row(c, colour);
-  const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2);
+  const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2), step = smg_plane_step(c, smg_row_length(c));
   int64_t among = row - above * smg_cells(c, 1);
-  while (among >= smg_rows_like(c, at.s1)) among -= smg_rows_like(c, at.s1++);
-  at.s1 += SMG_ROW_STEP * among;
+  while (among >= smg_rows_like(c, step, at.s1)) among -= smg_rows_like(c, step, at.s1++);
+  at.s1 += step * among;
   at.s2 = above - over * smg_cells(c, 2);
   at.rank = over / smg_cells(c, 3);
   at.s3 = over - at.rank * smg_cells(c, 3);
@@ -137,11 +147,13 @@ static inline void smg_next_plane(const smg_coefficients *c, smg_lattice_row *at
 
 /* The next row of the colour, which begins where this one ends; after the last one, that has the rank SMG_RANKS. */
 SMG_INLINE void smg_next_row(const smg_coefficients *c, int64_t length, smg_lattice_row *at) {
+  const int64_t step = smg_plane_step(c, length), turn = at->s1 % step;
   at->start += length;
-  at->s1 += SMG_ROW_STEP;
-  if (at->s1 < smg_cells(c, 1)) return;
-  at->s1 = at->s1 % SMG_ROW_STEP + 1;
-  if (at->s1 >= SMG_ROW_STEP || at->s1 >= smg_cells(c, 1)) {
+  at->s1 += step;
+  if (at->s1 < smg_cells(c, 1)) {
+    if (step == SMG_ROW_STEP) return;
+  } else if (turn + 1 < step && turn + 1 < smg_cells(c, 1)) at->s1 = turn + 1;
+  else {
     smg_next_plane(c, at);
     return;
   }
@@ -150,14 +162,14 @@ SMG_INLINE void smg_next_row(const smg_coefficients *c, int64_t length, smg_latt
 }
 
 /* How many rows from this one on are one run: begin alike, with all that is beside them at the same distances. */
-SMG_INLINE int64_t smg_run_of_rows(const smg_coefficients *c, const smg_lattice_row *at) {
+SMG_INLINE int64_t smg_run_of_rows(const smg_coefficients *c, const smg_lattice_row *at, int64_t length) {
   const int64_t end = smg_cells(c, 1) - SMG_REACH_1;
-  return at->s1 >= SMG_REACH_1 && at->s1 < end ? (end - at->s1 + SMG_ROW_STEP - 1) / SMG_ROW_STEP : 1;
+  return at->s1 >= SMG_REACH_1 && at->s1 < end && smg_plane_step(c, length) == SMG_ROW_STEP ? (end - at->s1 + SMG_ROW_STEP - 1) / SMG_ROW_STEP : 1;
 }
 
 /* The row after some of a run. */
 SMG_INLINE void smg_after_rows(const smg_coefficients *c, int64_t length, int64_t rows, smg_lattice_row *at) {
-  at->s1 += SMG_ROW_STEP * (rows - 1);
+  at->s1 += SMG_ROW_STEP * (rows - 1); /* 0 where each row is a run */
   at->start += length * (rows - 1);
   smg_next_row(c, length, at);
 }

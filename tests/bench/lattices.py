@@ -32,7 +32,8 @@ phi = "2*pi*i/n"
 CUBIC, CHAIN = ("cubic(n, n, n, periodic)", "n*n*n"), ("chain(n, periodic)", "n")
 SYSTEMS = [("cubic", *CUBIC, 20, "random", 0.0247, 0), ("cubic", *CUBIC, 20, "random", 0.0247, 1e-12), ("cubic", *CUBIC, 20, "random", 0.15, 0),
            ("cubic", *CUBIC, 20, "random", 0.2, 0), ("square", "square(n, n, periodic)", "n*n", 90, "random", 0.0247, 0),
-           ("cubic", *CUBIC, 100, "random", 0.0247, 0), ("chain", *CHAIN, 100, "smooth", 0.1, 0), ("chain", *CHAIN, 100, "random", 0.1, 0),
+           ("square", "square(n, n, periodic)", "n*n", 1000, "random", 0.0247, 0), ("cubic", *CUBIC, 100, "random", 0.0247, 0), ("cubic", *CUBIC, 100, "random", 0.0247, 1e-12),
+           ("chain", *CHAIN, 100, "smooth", 0.1, 0), ("chain", *CHAIN, 100, "random", 0.1, 0),
            ("chain", *CHAIN, 1_000_000, "smooth", 0.1, 0)]
 BUILDS = {"portable": dict(native=False), "native": dict(native=True), "site to site": dict(features=("tangent",))}
 COLUMNS = ["system", "spins", "start", "h", "tolerance", "sweeps", *(f"{name}, ns" for name in BUILDS), "site to site / portable", "site to site / native"]
