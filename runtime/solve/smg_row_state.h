@@ -58,19 +58,6 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   return SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + 1) * late;
 }
 
-/* Increments 0 of slots at the end of a colour that are none of a row's, in an array of so many colours. */
-static inline void smg_fill_increments(const smg_coefficients *c, smg_real *u, int64_t colours) {
-  const int64_t slots = smg_colour_slots(c), pitch = colours * slots + SMG_BEFORE + SMG_AFTER;
-  for (int64_t b = 0; b < 3; ++b)
-    for (int64_t colour = 0; colour < colours; ++colour)
-      for (int64_t k = smg_rows(c) * smg_row_length(c); k < slots; ++k) u[b * pitch + colour * slots + k] = 0;
-}
-static void smg_fill_all_increments(const smg_state *s) {
-  smg_fill_increments(&s->c, s->row_u, 1);
-  smg_fill_increments(&s->c, s->row_late, SMG_COLOURS - 1);
-  for (int j = 0; j < SMG_ROW_HISTORY; ++j) smg_fill_increments(&s->c, s->past[j], SMG_COLOURS - 1);
-}
-
 /* What a saved state has; of the increments those of the first colour are 0. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   const int64_t n3 = 3 * smg_sites(&s->c);

@@ -122,7 +122,6 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   if (s->row_team > 1) smg_know_besides(&s->c, &known);
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
   smg_enter_rows(s);
-  smg_fill_all_increments(s);
   smg_predict_rows(s);
   smg_exchange_late();
   while (count-- > 0 && status == SMG_OK) {
