@@ -18,7 +18,7 @@ from smidgen.cost.even import GENERAL, steps_until_even
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
 from smidgen.cost.peers import PEERS, compiled, of_case
 from smidgen.cost.peers.rows import one as one_of_peers
-from smidgen.cost import case as measured_case, sweep, versus
+from smidgen.cost import case as measured_case, choice, sweep, versus
 from smidgen.cost.clock import processor_seconds
 from smidgen.cost.reference import Reference, lost_to_round_off, reference
 from smidgen.cost.report import Cost, load_cost
@@ -384,6 +384,19 @@ def test_steps_until_the_compiler_is_paid_for():
     row, other = (Row("gauss-4", 0.1, 100, seconds=s, compiled=c) for s, c in ((1e-3, 2.0), (5e-3, 0.5)))
     assert steps_until_even(row, other, True) == 50000 and steps_until_even(row, other, False) == 37500
     assert steps_until_even(other, row, True) == math.inf and steps_until_even(dataclasses.replace(row, compiled=0.0), other, True) == 0
+
+
+@pytest.mark.quick
+def test_smaller_steps_are_chosen_where_twice_as_many_take_less_time(monkeypatch):
+    """Where h is so large that steps are solved by following their branch."""
+    seconds = {10: 130e-6, 20: 23e-6, 40: 7e-6, 80: 12e-6}
+    rows = {n: Row("spherical-midpoint", 50.0 / n, n, energy=1e-16, iterations=3.0, seconds=t) for n, t in seconds.items()}
+    monkeypatch.setattr(choice, "one", lambda case, name, steps, known: rows[steps])
+    assert choice.quicker(None, rows[10], None, {"energy": 1e-6}) is rows[40]
+    rows[20] = dataclasses.replace(rows[20], energy=1.0)        # less time, and not good enough
+    assert choice.quicker(None, rows[10], None, {"energy": 1e-6}) is rows[10]
+    explicit = dataclasses.replace(rows[10], iterations=0.0)
+    assert choice.quicker(None, explicit, None, {"energy": 1e-6}) is explicit
 
 
 def test_a_choice_tells_when_it_is_ahead_of_a_general_integrator():

@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 import smidgen
+from smidgen.run import block
 from smidgen.run.grid import Grid
 from support.lattices import FILM, HONEY, random_spins
 
@@ -87,6 +88,24 @@ def test_outputs_that_a_run_names(tmp_path, ending):
     assert sorted(found.values) == ["charge.w", "magnetisation.w"] and found.w is None
     assert np.array_equal(found.values["charge.w"], smidgen.lattice.charge(states, Grid((5, 3), (True, True))))
     assert np.array_equal(found.values["magnetisation.w"], states.mean(axis=1))
+
+
+@pytest.mark.parametrize("ending", [".csv", ".npz", ".h5"])
+def test_outputs_of_large_states_are_written_one_by_one(tmp_path, monkeypatch, ending):
+    """Buffers that hold one output of them are empty at the end."""
+    film = smidgen.load_text(FILM)
+    wanted = smidgen.run(film, what=["magnetisation", "energy"])
+    monkeypatch.setattr(block, "MOST", 1)
+    smidgen.run(film, what=["magnetisation", "energy"], out=tmp_path / f"a{ending}")
+    found = smidgen.load_result(tmp_path / f"a{ending}")
+    assert sorted(found.values) == sorted(wanted.values) and all(np.array_equal(found.values[n], v) for n, v in wanted.values.items())
+
+
+def test_magnetisations_are_drawn_among_the_observables(tmp_path):
+    result = smidgen.run(smidgen.load_text(FILM), what=["magnetisation"])
+    assert smidgen.plot(result, "observables", tmp_path / "a.png").exists()
+    with pytest.raises(smidgen.UsageError, match="no observables"):
+        smidgen.plot(smidgen.run(smidgen.load_text(FILM), what=["energy"]), "observables", tmp_path / "b.png")
 
 
 def test_outputs_with_other_columns_and_in_extended_precision():

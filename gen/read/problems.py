@@ -81,6 +81,13 @@ class Problems:
             raise SpecError(self.ordered())
 
 
+def meant(word: str, known) -> str | None:
+    """The known name nearest to `word`, if one is near."""
+    folded = {k.lower(): k for k in sorted(known)}
+    close = difflib.get_close_matches(word, sorted(known), 1, 0.6)
+    return folded.get(word.lower()) or (close[0] if close else None)
+
+
 def nearest(word: str, known, also=()) -> str:
     """`did you mean ...` for the known name nearest to `word`, or the list of them.
 
@@ -88,10 +95,9 @@ def nearest(word: str, known, also=()) -> str:
     """
     known = sorted(set(known))
     guesses = known + sorted(set(also) - set(known))
-    close = difflib.get_close_matches(word, guesses, 1, 0.6)
-    folded = {k.lower(): k for k in guesses}
-    if close or word.lower() in folded:
-        return f"did you mean `{folded.get(word.lower()) or close[0]}`?"
+    guess = meant(word, guesses)
+    if guess:
+        return f"did you mean `{guess}`?"
     if not known:
         return "nothing of this kind is declared"
     return "known here: " + ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")

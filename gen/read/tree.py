@@ -6,7 +6,7 @@ from typing import Iterator, Optional
 
 from ..language import limits
 from . import codes
-from .problems import Bad, Problems, nearest
+from .problems import Bad, Problems, meant, nearest
 from .source import Span, Text
 
 KINDS = {bool: "true or false", int: "an integer", float: "a number", str: "a string",
@@ -56,12 +56,18 @@ class Node:
         if not isinstance(self.raw, dict):
             self.wrong(codes.TYPE, f"`{self.label}` must be a table, not {describe(self.raw)}",
                        "write `[section]` or `name = { key = value }`")
-        for child in self.items() if keys else ():
+        for child in list(self.items()) if keys else ():
             if child.name not in keys and child.raw is not LOST:
                 where = f"`{self.label}` has no key" if self.path else "a spec has no section"
                 self.problems.note(codes.UNKNOWN_KEY, child.key, f"{where} `{child.name}`",
                                    nearest(child.name, keys))
+                self.take_as_meant(child, meant(child.name, keys))
         return self
+
+    def take_as_meant(self, child: "Node", key: str | None) -> None:
+        """A misspelt key is read as the one that was meant, so that no other error follows from it."""
+        if self.path and key is not None and key not in self.raw and not isinstance(child.raw, (dict, list)):
+            self.raw[key], self.marks[self.path + (key,)] = child.raw, self.marks[child.path]
 
     def items(self) -> Iterator["Node"]:
         for key in self.raw:

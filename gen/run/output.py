@@ -191,7 +191,7 @@ class CsvSink(FileSink):
             * (len(names) - 1)
 
     def _append(self, chunk):
-        rows = [np.asarray(chunk[n]).reshape(len(chunk["t"]), -1) for n in self.layout]
+        rows = [np.asarray(chunk[n]).reshape(len(chunk["t"]), int(np.prod(shape))) for n, (shape, _) in self.layout.items()]
         np.savetxt(self.body, np.concatenate(rows, axis=1), self.formats, delimiter=",")
 
     def _finish(self, meta, extras):

@@ -169,9 +169,10 @@ def draw_invariants(result):
 
 
 def draw_observables(result):
-    """The spec's own observables, and topological charges, over time."""
+    """The spec's own observables, magnetisations and topological charges, over time."""
     own = {n: v for n, v in result.values.items()
            if n not in ("energy", "casimirs") and ("." not in n or n.startswith("charge."))}
+    own |= {f"{n}.{x}": v[:, k] for n, v in result.values.items() if n.startswith("magnetisation.") for k, x in enumerate("xyz")}
     if not own:
         raise UsageError("this result holds no observables: name some with --what")
     return curves.against_time(result.t, own, first_line(result))
