@@ -8,7 +8,7 @@ import csv
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-LATTICES = ("system", "spins", "start", "h", "tolerance", "sweeps", "portable, ns", "native, ns", "site to site, ns", "site to site / portable",
+LATTICES = ("system", "spins", "start", "h", "tolerance", "sweeps", "portable, ns", "native, ns", "fast, ns", "site to site, ns", "site to site / portable",
             "site to site / native")
 EXPLICIT = ("method", "lattice", "spins", "portable, ns", "native, ns", "million spin steps a second", "memory, ns", "native / memory")
 THREADS = ("scaling", "system", "spins of one thread", "one thread, ns", "two threads, ns", "efficiency", "same bits")
@@ -42,7 +42,7 @@ and the check cost, each alone, is in [costs.md](costs.md#what-each-promise-cost
 {lattices}
 
 Nanoseconds a spin and step. `portable` is compiled for any processor of the family (two lanes), `native`, as `smidgen.build` makes it, for this one (`-march=native`), with the same
-bits; `site to site` the steps that models without rows take (here the model with its tangent map), in turns with the others. `sweeps` are those of
+bits; `fast` puts products and sums into one operation as well (`--fast`), with other bits; `site to site` the steps that models without rows take (here the model with its tangent map), in turns with the others. `sweeps` are those of
 the last step; every step is evaluated once more. Ten steps or more go in a call: where every step is an output, w is carried into rows and back each time, some 10 ns a spin.
 
 ## Explicit steps on lattices
