@@ -60,8 +60,7 @@ int main(int argc, char **argv) {{
   char name[99];
   sprintf(name, "%s.%d", argv[1], rank);
   f = fopen(name, "wb");
-  fwrite(out, sizeof *out, size, f);
-  fclose(f);
+  status += !f || fwrite(out, sizeof *out, size, f) != size || fclose(f);
 #ifdef SMG_MPI
   MPI_Finalize();
 #endif

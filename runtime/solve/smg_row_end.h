@@ -7,7 +7,7 @@
 
 #define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
 
-/* What a sweep works with, at hand in registers: spins, midpoints and increments by slots; h/(2 kappa), 1/radius^2, the size below which a
+/* What a sweep works with, at hand in registers: spins, midpoints and, once it is known of which colour, increments by slots; h/(2 kappa), 1/radius^2, the size below which a
  * component is small, and |g|^2 = 1/(36 half^2) from which an increment is made to keep the length of its spin. */
 typedef struct smg_turning {
   const smg_real *w, *compensation;

@@ -38,8 +38,6 @@ SMG_INLINE int64_t smg_rank_parts(void) { return smg_mpi_of; }
 /* Colours are shared one by one: n of them from the k-th on, up to the last. */
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = 1; k < SMG_COLOURS; k += n)
 
-static inline int smg_meet_at_seam(const smg_coefficients *c);
-
 /* The farthest that a site feels, in slots of its colour, and a vector more: some layers of the slowest direction. */
 static inline int64_t smg_mpi_reach(const smg_coefficients *c) {
   const int64_t reach[3] = {SMG_REACH_1, SMG_REACH_2, SMG_REACH_3};

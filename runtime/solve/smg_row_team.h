@@ -1,4 +1,5 @@
-/* smidgen runtime: threads for the rows of a lattice. With OpenMP (-fopenmp) they share the slots of a colour, and of an array.
+/* smidgen runtime: threads for the rows of a lattice. With OpenMP (-fopenmp) they share the slots of a colour, and of an array, or the stages of a
+ * wavefront (smg_row_wave.h).
  *
  * Sites of a colour do not feel each other, shares begin where vectors of all widths do, and what shares find together is a largest
  * number: so the bits are those of one thread. Sites of one colour that meet across the seam of a ring go one after the other: there one

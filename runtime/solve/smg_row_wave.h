@@ -6,7 +6,8 @@
  * takes block b once the one before it has done those up to b + x, and what stages still need of each other's blocks stays in the cache.
  * Around a ring the k-th stage begins with block k x, later than the one before it, which so has done its first blocks too.
  *
- * Threads share the stages: with x + 1 in place of x, none of them needs what another one does at the same time.
+ * Threads share the stages: with x + 1 in place of x, none of them needs what another one does at the same time. Where there are not two stages for
+ * each, they share colours.
  *
  * All sites read what they would one colour after the other, and have the same bits. Changes are looked at after all passes: as many as
  * one of the last steps took. Where fewer would have done, the step begins anew without wavefronts; where they do not do, others follow. */
@@ -80,7 +81,7 @@ static int smg_wave_pays(const smg_state *s, smg_row_wave *wave) {
   wave->lag = (s->row_reach + block - 1) / block + (s->row_team > 1);
   wave->later = SMG_RINGS > 0 || SMG_RANKS > 1 ? wave->lag : 0;
   wave->stages = smg_wave_stages(wave);
-  return wave->stages > 0;
+  return wave->stages > 0 && (s->row_team == 1 || wave->stages >= 2 * s->row_team);
 }
 
 /* The passes: the last one finds increments too. */
