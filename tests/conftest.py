@@ -28,9 +28,9 @@ FLAGS = binary.FLAGS
 
 
 def pytest_configure(config):
-    """What is marked long is not quick, in a quick file either."""
+    """What is marked long or slow is not quick, in a quick file either."""
     if config.option.markexpr == "quick":
-        config.option.markexpr = "quick and not long"
+        config.option.markexpr = "quick and not long and not slow"
 
 
 @pytest.hookimpl(tryfirst=True)
