@@ -8,24 +8,18 @@
 #include "smg_row_team.h"
 
 /* What that works with: increments u of the first colour, and those of all others, from the slot `first` on, of the last steps, newest
- * first; they extrapolate by a polynomial of some degree, with these weights; how many slots ahead things are fetched. */
+ * first; they extrapolate by a polynomial of some degree, with these weights. */
 typedef struct smg_row_going {
   smg_real *w, *lost, *m;
   const smg_real *u, *past[SMG_ROW_HISTORY];
-  int64_t pitch, early, late, first, soon;
+  int64_t pitch, early, late, first;
   smg_real inverse, weights[SMG_ROW_HISTORY];
   int degree;
 } smg_row_going;
 
-/* What comes soon is fetched while there is other work: so many streams are more than processors foresee. Without it 100^3 spins take 5 % longer. Of
- * lattices that a cache holds nothing is. */
-#define SMG_SOON 16 /* slots */
-#define SMG_FETCHED_FROM 20000
-static inline int64_t smg_fetched_ahead(const smg_coefficients *c) { return smg_slots(c) < SMG_FETCHED_FROM ? SMG_FETCHED_FROM : SMG_SOON; }
-
 static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
   const int64_t first = smg_colour_slots(&s->c);
-  smg_row_going go = {s->row_w, s->row_compensation, s->row_m, s->row_u, {NULL}, smg_pitch(&s->c), SMG_FIRST_PITCH(&s->c), SMG_LATE_PITCH(&s->c), first, smg_fetched_ahead(&s->c), 1, {0}, degree};
+  smg_row_going go = {s->row_w, s->row_compensation, s->row_m, s->row_u, {NULL}, smg_pitch(&s->c), SMG_FIRST_PITCH(&s->c), SMG_LATE_PITCH(&s->c), first, 1, {0}, degree};
   go.inverse = 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0));
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) go.past[j] = s->past[j] - first;
   for (int j = 0; j <= degree; ++j) go.weights[j] = smg_weight(degree, j);
@@ -78,6 +72,9 @@ SMG_INLINE void smg_commit_slots(const smg_row_going go, int64_t slot, const smg
   smg_put_slots(go.w, go.pitch, slot, sum);
 }
 
+/* What comes soon is fetched while there is other work: so many streams are more than processors foresee. Without it 100^3 spins take 5 % longer, and
+ * lattices that a cache holds as long. */
+#define SMG_SOON 16 /* slots */
 SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int degree) {
   for (int k = 0; k < 3; ++k) {
     SMG_FETCH(go.w + k * go.pitch + slot);
@@ -96,7 +93,7 @@ SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int degree
 SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int degree) {
   for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
     smg_lanes u[3], w[3];
-    if (slot % SMG_WIDEST == 0 && slot + go.soon < part.to) smg_fetch_slots(go, slot + go.soon, degree);
+    if (slot % SMG_WIDEST == 0 && slot + SMG_SOON < part.to) smg_fetch_slots(go, slot + SMG_SOON, degree);
     if (slot < go.first) smg_take_slots(go.u, go.early, slot, u);
     else smg_take_slots(go.past[0], go.late, slot, u);
     smg_commit_slots(go, slot, u, w);

@@ -50,14 +50,6 @@ SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colo
   return smg_share_of(colour * slots, slots);
 }
 
-/* Do sites of one colour meet across the seam of a ring that is no multiple of the colours? */
-static inline int smg_meet_at_seam(const smg_coefficients *c) {
-  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
-  int meet = 0;
-  for (int d = 0; d < 4; ++d) meet = meet || ((SMG_RINGS >> d & 1) && weights[d] * smg_cells(c, d) % SMG_COLOURS > 0);
-  return meet;
-}
-
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {
   const int64_t worth = smg_colour_slots(c) / SMG_SHARE / smg_rank_parts();

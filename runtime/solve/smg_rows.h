@@ -69,7 +69,13 @@ static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS 
 static inline int64_t smg_pitch(const smg_coefficients *c) { return smg_slots(c) + SMG_BEFORE + SMG_AFTER; }
 static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg_pitch(c); }
 
-static inline int smg_meet_at_seam(const smg_coefficients *c);
+/* Do sites of one colour meet across the seam of a ring that is no multiple of the colours? */
+static inline int smg_meet_at_seam(const smg_coefficients *c) {
+  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
+  int meet = 0;
+  for (int d = 0; d < 4; ++d) meet = meet || ((SMG_RINGS >> d & 1) && weights[d] * smg_cells(c, d) % SMG_COLOURS > 0);
+  return meet;
+}
 
 /* From a row of a plane to the next one in memory; at the end of the plane another q begins. */
 SMG_INLINE int64_t smg_plane_step(const smg_coefficients *c, int64_t length) {
