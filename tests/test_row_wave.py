@@ -30,6 +30,7 @@ static int64_t least_bytes;
 #define SMG_WAVE_BLOCK 8
 #define SMG_WAVE_FROM least_bytes
 #define SMG_LARGE_PLANE 7000
+#define SMG_BLOCKS_TO 0
 #include "{name}.c"
 #include <stdio.h>
 #include <stdlib.h>

@@ -138,10 +138,13 @@ static void smg_blank(smg_state *s, const smg_params *p, double t0, double h) {
   smg_blank_history(s);
 }
 
-/* All arrays, empty. */
+/* All arrays, empty but for tables. */
 static void smg_clear_arrays(smg_state *s, smg_real *mem) {
   const size_t used = smg_layout(s, mem);
   for (size_t k = 0; k < used; ++k) mem[k] = 0;
+#if SMG_BY_ROWS
+  smg_make_near(s);
+#endif
 }
 
 static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0, double h) {

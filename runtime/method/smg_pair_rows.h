@@ -196,14 +196,14 @@ static void smg_turn_in_order(const smg_state *s, smg_besides *known, int64_t k,
 }
 
 /* smg_stage; at the end of a step, lengths as well. */
-static void smg_row_stage(const smg_state *s, smg_besides *known, smg_real h, int end) {
-  const int64_t layers = smg_layers(&s->c), turns = SMG_TURNED + (end != 0);
+static void smg_row_stage(const smg_state *s, smg_besides *known, const smg_turn_part part) {
+  const int64_t layers = smg_layers(&s->c), turns = SMG_TURNED + (part.end != 0);
   smg_layer_order order;
   smg_order_layers(&order);
   for (int64_t at = 0; at < layers + order.lag[turns - 1] + order.first[turns - 1]; ++at)
     for (int64_t k = 0; k < turns; ++k) {
       const int64_t layer = at - order.lag[k];
-      if (layer >= order.first[k] && layer < order.first[k] + layers) smg_turn_in_order(s, known, k, h, layer % layers);
+      if (layer >= order.first[k] && layer < order.first[k] + layers) smg_turn_in_order(s, known, k, part.h, layer % layers);
     }
 }
 

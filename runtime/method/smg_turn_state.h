@@ -11,8 +11,15 @@
 static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c);
   if (mem) (void)smg_place_row_arrays(s, mem, size);
-  return SMG_WIDEST + 3 * size;
+  const size_t used = SMG_WIDEST + 3 * size;
+  return used + smg_place_near(s, mem ? mem + used : NULL);
 }
+
+/* A stage: the h of it and of the next one; after: has one gone before in this call? before: does one follow? end: is it the last of a step? */
+typedef struct smg_turn_part {
+  smg_real h, next;
+  int after, before, end;
+} smg_turn_part;
 
 /* 1/|w|^2, as smg_lengths.h has it for spheres. */
 static inline smg_real smg_row_inverse(const smg_state *s) { return 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0)); }

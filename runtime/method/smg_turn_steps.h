@@ -1,12 +1,18 @@
-/* smidgen method: steps whose turns go by rows of a lattice. The header that includes this one defines smg_row_stage(s, known, h, end), what smg_stage is
- * from site to site, of a field that does not depend on time; end: the last of a step. */
+/* smidgen method: steps whose turns go by rows of a lattice. The header that includes this one defines smg_row_stage(s, known, part), what smg_stage is
+ * from site to site, of a field that does not depend on time. */
 #ifndef SMG_TURN_STEPS_H
 #define SMG_TURN_STEPS_H
 
 #include "smg_rows.h"
 
-static void smg_row_step(smg_state *s, smg_besides *known) {
-  for (int i = 0; i < SMG_STAGES; ++i) smg_row_stage(s, known, smg_gamma[i] * smg_signed_h(s->h), i == SMG_STAGES - 1);
+/* more: does another step follow in this call? */
+static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) {
+  const smg_real h = smg_signed_h(s->h);
+  for (int i = 0; i < SMG_STAGES; ++i) {
+    const int end = i == SMG_STAGES - 1;
+    const smg_turn_part part = {smg_gamma[i] * h, smg_gamma[(i + 1) % SMG_STAGES] * h, i > 0 || !first, !end || more, end};
+    smg_row_stage(s, known, part);
+  }
   s->history = 1;
   ++s->count;
 }
@@ -14,11 +20,11 @@ static void smg_row_step(smg_state *s, smg_besides *known) {
 /* count steps: none fails. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_besides known;
-  smg_forget_besides(&s->c, &known);
+  smg_begin_besides(s, &known);
   s->row_team = smg_row_team(&s->c);
   if (s->row_team > 1) smg_know_besides(&s->c, &known);
   smg_enter_rows(s);
-  while (count-- > 0) smg_row_step(s, &known);
+  for (int64_t k = 0; k < count; ++k) smg_row_step(s, &known, k == 0, k + 1 < count);
   smg_leave_rows(s);
   s->report.site = s->report.partner = -1;
   return s->report.status = SMG_OK;

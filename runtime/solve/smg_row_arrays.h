@@ -20,10 +20,33 @@ static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t
   return next;
 }
 
+/* Numbers that the table of neighbours takes, of a lattice in blocks. */
+static inline size_t smg_place_near(smg_state *s, smg_real *mem) {
+  smg_blocks blocks;
+  const int there = smg_in_blocks(&s->c, &blocks);
+  s->row_beside = there && mem ? (smg_near *)(void *)mem : NULL;
+  return there ? smg_near_size(&s->c) : 0;
+}
+
+/* The table. */
+static inline void smg_make_near(smg_state *s) {
+  smg_blocks blocks;
+  if (s->rows && smg_in_blocks(&s->c, &blocks)) smg_fill_near(&s->c, &blocks, s->row_beside);
+}
+
+/* What stands beside the sites, for a call of some steps. */
+static inline void smg_begin_besides(const smg_state *s, smg_besides *known) {
+  smg_blocks blocks;
+  smg_forget_besides(&s->c, known);
+  known->near = s->row_beside;
+  if (s->row_beside && smg_in_blocks(&s->c, &blocks)) smg_order_lanes(&blocks, known->order);
+}
+
 /* Empty slots at the ends of rows hold a spin that nothing turns. */
 static void smg_fill_empty_slots(const smg_state *s) {
   const smg_coefficients *c = &s->c;
   const int64_t length = smg_row_length(c), pitch = smg_pitch(c);
+  if (s->row_beside) return; /* none */
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
     for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
       for (int64_t k = at.sites; k < length; ++k) s->row_w[2 * pitch + at.start + k] = smg_radius(c, 0);

@@ -70,6 +70,20 @@ SMG_INLINE void smg_end_piece(const smg_turning turn, const smg_piece *piece, sm
   *most = all;
 }
 
+/* Those of blocks, vector by vector: there is next to nothing to look up between them. */
+SMG_INLINE void smg_end_blocks(const smg_coefficients *c, const smg_turning turn, smg_piece *piece, smg_lanes *most) {
+  smg_run run;
+  smg_lanes all = *most;
+  while (smg_next_blocks(c, piece, &run))
+    for (int64_t j = run.from; j < run.to; j += SMG_LANES) {
+      smg_lanes g[3], m[3];
+      smg_run_gradient(c, &run, 1, turn.m, turn.pitch, j, j, g);
+      smg_take_slots(turn.m, turn.pitch, run.at.start + j, m);
+      smg_end_slots(turn, run.at.start + j, SMG_LANES, m, g, &all);
+    }
+  *most = all;
+}
+
 /* The increments of some slots of a colour, and the largest square of their residual. */
 static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning turn, int64_t colour, smg_share part, smg_lanes *most) {
   smg_piece piece;
@@ -78,7 +92,9 @@ static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning tur
   smg_increments_into(s, colour, &turn);
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_part(&s->c, colour, part, &piece);
-  while (smg_next_piece(&s->c, s->row_m, &piece)) smg_end_piece(turn, &piece, most);
+  if (SMG_BLOCKS && known->near) smg_end_blocks(&s->c, turn, &piece, most);
+  else
+    while (smg_next_piece(&s->c, s->row_m, &piece)) smg_end_piece(turn, &piece, most);
 }
 
 /* Those of a thread's share of all colours but one that has them. */

@@ -42,10 +42,11 @@ static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, s
 /* Some slots of it, from one on where a vector begins. */
 static inline void smg_begin_part(const smg_coefficients *c, int64_t colour, smg_share part, smg_piece *piece) {
   const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), end = first + smg_rows(c) * length;
-  const int64_t row = (part.from - first) / length;
+  const int64_t row = piece->known->near ? 0 : (part.from - first) / length;
   piece->at = smg_row_of(c, colour, row);
   piece->from = part.from - first - row * length;
   piece->end = part.to < end ? part.to : end;
+  piece->size = piece->done = 0;
 }
 
 /* The share of this thread in it. */
@@ -61,10 +62,30 @@ SMG_INLINE int smg_open_piece(smg_piece *piece) {
   return piece->size > 0;
 }
 
+/* Of a lattice in blocks: all sites of a place in it. */
+static inline void smg_next_run_of_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
+  const int64_t alike = smg_colour_slots(c) / SMG_RANKS, rank = piece->from / alike, end = piece->from + piece->size - piece->done;
+  run->at = piece->at;
+  run->at.sub = smg_place(run->at.colour, rank);
+  run->b = NULL;
+  run->from = piece->from;
+  run->to = end < (rank + 1) * alike ? end : (rank + 1) * alike;
+  run->length = run->at.sites = run->to;
+  run->near = piece->known->near;
+  run->order = piece->known->order;
+  piece->done += run->to - run->from;
+  piece->from = run->to;
+}
+
 /* Its next run of rows, or what there is of it in the piece; 0 where it ends. */
 static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
   const int64_t room = piece->size - piece->done, length = piece->length;
   if (room <= 0) return 0;
+  if (SMG_BLOCKS && piece->known->near) {
+    smg_next_run_of_blocks(c, piece, run);
+    return 1;
+  }
+  run->near = NULL;
   const int64_t rows = smg_run_of_rows(c, &piece->at, length), end = rows * length;
   run->at = piece->at;
   run->b = smg_besides_of(c, &piece->at, piece->known);
@@ -79,11 +100,26 @@ static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_
   return 1;
 }
 
-/* The gradient of one vector of a run; of empty slots at the ends of rows it is 0. */
-SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, const smg_real *m, int64_t pitch, int64_t j, int64_t p, smg_lanes *g) {
+/* The next run of blocks, of whatever piece; 0 where all of them end. */
+static inline int smg_next_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
+  if (piece->done == piece->size && !smg_open_piece(piece)) return 0;
+  return smg_next_run(c, piece, run);
+}
+
+/* The gradient of one vector of a run, of blocks or not; of empty slots at the ends of rows it is 0. */
+SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, int blocks, const smg_real *m, int64_t pitch, int64_t j, int64_t p, smg_lanes *g) {
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_of(0);
-  smg_slot_gradient(c, run, m, pitch, j, p, g);
-  smg_only_sites(run, p, g);
+  smg_slot_gradient(c, run, blocks, m, pitch, j, p, g);
+  if (!blocks) smg_only_sites(run, p, g);
+}
+
+/* The gradients of a run, one after the other from g on. */
+SMG_INLINE void smg_run_gradients(const smg_coefficients *c, const smg_run *run, int blocks, const smg_real *m, int64_t pitch, smg_real *g) {
+  for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = blocks ? j : smg_next_place(p, run->length)) {
+    smg_lanes sum[3];
+    smg_run_gradient(c, run, blocks, m, pitch, j, p, sum);
+    smg_put_slots(g, SMG_PIECE_ROOM, j - run->from, sum);
+  }
 }
 
 /* The next piece, with the gradient at its places; 0 where they end. */
@@ -91,12 +127,10 @@ static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, s
   const int64_t pitch = smg_pitch(c);
   smg_run run;
   if (!smg_open_piece(piece)) return 0;
-  for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from)
-    for (int64_t j = run.from, p = j; j < run.to; j += SMG_LANES, p = smg_next_place(p, run.length)) {
-      smg_lanes sum[3];
-      smg_run_gradient(c, &run, m, pitch, j, p, sum);
-      smg_put_slots(g, SMG_PIECE_ROOM, j - run.from, sum);
-    }
+  for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from) {
+    if (SMG_BLOCKS && run.near) smg_run_gradients(c, &run, 1, m, pitch, g);
+    else smg_run_gradients(c, &run, 0, m, pitch, g);
+  }
   return 1;
 }
 

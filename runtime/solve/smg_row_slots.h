@@ -2,7 +2,7 @@
 #ifndef SMG_ROW_SLOTS_H
 #define SMG_ROW_SLOTS_H
 
-#include "smg_rows.h"
+#include "smg_row_blocks.h"
 
 /* The first number from p on that begins a line of the cache. */
 static inline smg_real *smg_line_from(smg_real *p) {
@@ -14,6 +14,11 @@ static inline smg_real *smg_line_from(smg_real *p) {
 typedef void smg_slot_visit(void *context, int64_t site, int64_t slot);
 SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot_visit *visit) {
   const int64_t length = smg_row_length(c);
+  smg_blocks blocks;
+  if (smg_in_blocks(c, &blocks)) {
+    smg_each_in_blocks(c, &blocks, context, visit);
+    return;
+  }
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
     for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at)) {
       const int64_t cell = ((at.s3 * smg_cells(c, 2) + at.s2) * smg_cells(c, 1) + at.s1) * smg_cells(c, 0) + at.first, site = cell * SMG_PLACES + at.sub;

@@ -55,7 +55,8 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
     s->row_late = smg_place_slots(&next, late);
     for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
   }
-  return SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + 1) * late;
+  const size_t used = SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + 1) * late;
+  return used + smg_place_near(s, mem ? mem + used : NULL);
 }
 
 /* What a saved state has; of the increments those of the first colour are 0. */

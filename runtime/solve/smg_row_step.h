@@ -31,6 +31,16 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
   return smg_row_solved(s, SMG_MATH(sqrt)(most));
 }
 
+/* The slot, wherever the lattice stands, of the site that by rows has this one. */
+static int64_t smg_slot_by_rows(const smg_coefficients *c, int64_t slot) {
+  const int64_t colour = slot / smg_colour_slots(c), row = (slot - colour * smg_colour_slots(c)) / smg_row_length(c);
+  smg_blocks b;
+  if (!smg_in_blocks(c, &b)) return slot;
+  const smg_lattice_row at = smg_row_of(c, colour, row);
+  const int64_t cell[4] = {at.first + SMG_ROW_STEP * (slot - at.start), at.s1, at.s2, at.s3};
+  return smg_slot_in_blocks(c, &b, at.sub, cell);
+}
+
 /* The error, squared, that every degree would have made in one slot, the k-th of all colours but the first, of the step just solved: the backward
  * difference of order d + 1. */
 static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
@@ -48,13 +58,13 @@ static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
 
 #define SMG_SAMPLE 20 /* slots, of which each has three numbers */
 
-/* Which degree would have served best? A sample of the slots decides, now and then. */
+/* Which degree would have served best? A sample decides, now and then: of the same sites wherever they stand. */
 static void smg_choose_row_degree(smg_state *s) {
   const int64_t first = smg_colour_slots(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
   smg_real miss[SMG_HISTORY] = {0};
   for (int64_t k = 0; k < size; k += stride) {
     smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
-    smg_row_misses(s, k, miss);
+    smg_row_misses(s, smg_slot_by_rows(&s->c, first + k) - first, miss);
   }
   s->degree = s->history > 0 ? 0 : SMG_NO_DEGREE;
   for (int d = 1; d < s->history; ++d)
@@ -116,7 +126,7 @@ static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   smg_besides known;
-  smg_forget_besides(&s->c, &known);
+  smg_begin_besides(s, &known);
   smg_begin_ranks(s, &known);
   s->row_team = smg_row_team(&s->c);
   if (s->row_team > 1) smg_know_besides(&s->c, &known);

@@ -89,10 +89,10 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
 }
 
 /* Along the midpoints of a run, kept from k on. */
-SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, enum smg_row_way way, int small, int last, smg_piece *piece, int64_t k) {
-  for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
+SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, int blocks, enum smg_row_way way, int small, int last, smg_piece *piece, int64_t k) {
+  for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = blocks ? j : smg_next_place(p, run->length)) {
     smg_lanes v[3];
-    smg_run_gradient(c, run, turn.m, turn.pitch, j, p, v);
+    smg_run_gradient(c, run, blocks, turn.m, turn.pitch, j, p, v);
     if (small || last) smg_put_slots(piece->field, SMG_PIECE_ROOM, k + j - run->from, v);
     smg_aim_slots(turn, run->at.start + j, way, v);
     smg_put_slots(piece->g, SMG_PIECE_ROOM, k + j - run->from, v);
@@ -104,7 +104,10 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   const int64_t size = piece->size, start = piece->start;
   smg_motion most = *moved;
   smg_run run;
-  for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) smg_aim_run(c, turn, &run, way, small, last, piece, k);
+  for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) {
+    if (SMG_BLOCKS && run.near) smg_aim_run(c, turn, &run, 1, way, small, last, piece, k);
+    else smg_aim_run(c, turn, &run, 0, way, small, last, piece, k);
+  }
   for (int64_t k = 0; k < size; k += SMG_LANES) {
     const smg_lanes none = {0};
     smg_lanes v[3], field[3] = {none, none, none};

@@ -76,7 +76,7 @@ static int smg_wave_pays(const smg_state *s, smg_row_wave *wave) {
   wave->passes = s->row_fewest;
   wave->blocks = slots / SMG_WAVE_BLOCK;
   if (wave->passes < SMG_COLOURS || wave->passes > SMG_WAVE_PASSES || wave->blocks == 0 || smg_wave_all(&s->c) < SMG_WAVE_FROM) return 0;
-  if (smg_rank_parts() > 1 || smg_meet_at_seam(&s->c)) return 0;
+  if (smg_rank_parts() > 1 || smg_meet_at_seam(&s->c) || s->row_beside) return 0;
   const int64_t block = vectors / wave->blocks * SMG_WIDEST;
   wave->lag = (s->row_reach + block - 1) / block + (s->row_team > 1);
   wave->later = SMG_RINGS > 0 || SMG_RANKS > 1 ? wave->lag : 0;

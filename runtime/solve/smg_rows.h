@@ -10,7 +10,7 @@
  * In a plane, rows that begin alike follow each other: s1 = 0, SMG_ROW_STEP, .., then 1, SMG_ROW_STEP + 1, .. Their neighbours do so too, at the
  * same distance in slots but for s1 near an end. So such rows are one run of slots, and vectors go across from one to the next: rows need not be
  * longer than a vector. Where the lattice is one large plane of long rows, they follow each other as they lie, and feel the next ones alone
- * (smg_row_wave.h). The order of the slots is the same for all SMG_LANES. */
+ * (smg_row_wave.h). Small lattices stand in blocks instead, one in each lane (smg_row_blocks.h). The order of the slots is the same for all SMG_LANES. */
 #ifndef SMG_ROWS_H
 #define SMG_ROWS_H
 
@@ -191,13 +191,25 @@ typedef struct smg_beside {
 
 #define SMG_EVERYWHERE INT64_MAX
 
+/* In blocks: the slots beside lane 0 of a vector, SMG_BESIDES of them; and which lane each takes where lane 0 takes the t-th. */
+#if defined(__GNUC__)
+typedef int32_t smg_near __attribute__((may_alias));
+#else
+typedef int32_t smg_near;
+#endif
+typedef struct smg_lane_order {
+  SMG_LINES int64_t of[SMG_WIDEST];
+} smg_lane_order;
+
 /* Some slots of a run of rows: those from <= j < to, from the first of the row `at` on; what stands beside all of them; slots of a row; of
- * short rows, the places of slots in their rows. */
+ * short rows, the places of slots in their rows; near, order: of a run of blocks. */
 typedef struct smg_run {
   smg_lattice_row at;
   const smg_beside *b;
   int64_t length, from, to;
   const smg_real *place;
+  const smg_near *near;
+  const smg_lane_order *order;
 } smg_run;
 
 /* The cell s + offset, on a ring around it; 0 where there is none. */
@@ -212,15 +224,25 @@ static inline int64_t smg_slot_beyond(const smg_coefficients *c, int64_t sub, in
   return smg_row_start(c, smg_colour_of(sub, x, s[0], s[1], s[2]), sub, s[0], s[1], s[2]) + smg_down(x, SMG_ROW_STEP);
 }
 
-/* That of the place sub at the distance o0, o1, o2, o3. ring: bit d says whether direction d closes. */
-static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lattice_row *at, int ring, int64_t sub, int64_t o0, int64_t o1, int64_t o2, int64_t o3) {
-  const int64_t x = at->first + o0, n = smg_cells(c, 0), before = -smg_down(x, SMG_ROW_STEP), inside = -smg_down(x - n, SMG_ROW_STEP);
+/* Sites at one distance from those of a place: their place, and by how much their cell is away; bit d of ring says whether direction d closes. */
+typedef struct smg_offset {
+  int64_t sub, cell[4];
+  int ring;
+} smg_offset;
+
+/* All that is beside the sites of a place, SMG_BESIDES at most: as the model says. */
+static inline int64_t smg_offsets(int64_t sub, smg_offset *beside);
+
+/* What stands there beside a row. */
+static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lattice_row *at, const smg_offset *o) {
+  const int ring = o->ring;
+  const int64_t x = at->first + o->cell[0], sub = o->sub, n = smg_cells(c, 0), before = -smg_down(x, SMG_ROW_STEP), inside = -smg_down(x - n, SMG_ROW_STEP);
   int64_t s[3] = {at->s1, at->s2, at->s3};
   smg_beside b = {0, 0, 0, before > 0 ? smg_row_length(c) : SMG_EVERYWHERE, 1};
-  b.there = smg_step_to(s, o1, smg_cells(c, 1), ring >> 1 & 1) & smg_step_to(s + 1, o2, smg_cells(c, 2), ring >> 2 & 1) & smg_step_to(s + 2, o3, smg_cells(c, 3), ring >> 3 & 1);
+  b.there = smg_step_to(s, o->cell[1], smg_cells(c, 1), ring >> 1 & 1) & smg_step_to(s + 1, o->cell[2], smg_cells(c, 2), ring >> 2 & 1) & smg_step_to(s + 2, o->cell[3], smg_cells(c, 3), ring >> 3 & 1);
   if (!b.there) return b;
   b.start = smg_slot_beyond(c, sub, x, s) - at->start;
-  b.around = smg_slot_beyond(c, sub, o0 < 0 ? x + n : x - n, s) - at->start;
+  b.around = smg_slot_beyond(c, sub, o->cell[0] < 0 ? x + n : x - n, s) - at->start;
   if (before > 0) b.from = before < at->sites ? before : at->sites;
   if (inside < at->sites) b.to = inside > 0 ? inside : 0;
   return b;
@@ -254,16 +276,40 @@ SMG_INLINE smg_lane_mask smg_lanes_within(const smg_run *run, const smg_beside *
   return (smg_lane_mask)(at >= (smg_real)b->from) & (smg_lane_mask)(at < (smg_real)b->to);
 }
 
-/* The vectors beside the sites from the j-th on of a run of rings, the p-th of its row. Around the ring is read for sites of the run alone: that far beyond it
- * there may be no memory. */
-SMG_INLINE void smg_take_beside(const smg_run *run, int n, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+/* A vector whose lanes are turned by t. */
+SMG_INLINE void smg_take_turned(const smg_real *all, int64_t pitch, const int64_t *order, smg_lanes *v) {
+#if SMG_LANES == SMG_WIDEST && SMG_LANES > 1 && !defined(__clang__)
+  const smg_lane_mask from = *(const smg_lane_mask *)order;
+  for (int k = 0; k < 3; ++k) v[k] = __builtin_shuffle(smg_lane_load(all + k * pitch), from);
+#else
+  for (int k = 0; k < 3; ++k)
+    for (int l = 0; l < SMG_LANES; ++l) smg_lane_set(v + k, l, all[k * pitch + order[l]]);
+#endif
+}
+
+/* The n-th vectors beside the slots from the j-th on of a run of blocks. */
+SMG_INLINE void smg_take_near(const smg_run *run, int n, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+  const uint64_t slot = (uint64_t)(run->at.start + j), lane = SMG_LANES < SMG_WIDEST ? slot % SMG_WIDEST : 0;
+  const uint64_t near = (uint64_t)run->near[slot / SMG_WIDEST * SMG_BESIDES + (uint64_t)n], t = near % SMG_WIDEST;
+  const smg_real *vector = all + (near - t);
+  if (t == 0) smg_take_slots(vector, pitch, (int64_t)lane, v);
+  else smg_take_turned(vector, pitch, run->order[t].of + lane, v);
+}
+
+/* Those beside the sites from the j-th on of a run, the p-th of its row. around: may they stand around a ring, beyond the ends of the row? That is read for
+ * sites of the run alone: that far beyond it there may be no memory. */
+SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int around, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
   const smg_beside *b = run->b + n;
+  if (blocks) {
+    smg_take_near(run, n, all, pitch, j, v);
+    return;
+  }
   smg_take_slots(all, pitch, run->at.start + b->start + j, v);
-  if (smg_all_within(b, p, run->to - j < SMG_LANES ? run->to - j : SMG_LANES)) return;
+  if (!around || smg_all_within(b, p, run->to - j < SMG_LANES ? run->to - j : SMG_LANES)) return;
   const smg_lane_mask within = smg_lanes_within(run, b, p);
-  smg_lanes around[3];
-  smg_take_slots(all, pitch, run->at.start + b->around + j, around);
-  for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(within, v[k], around[k]);
+  smg_lanes far[3];
+  smg_take_slots(all, pitch, run->at.start + b->around + j, far);
+  for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(within, v[k], far[k]);
 }
 
 /* Of open ends: g as it was, in the lanes whose neighbour is beyond. */
@@ -281,28 +327,33 @@ SMG_INLINE void smg_only_sites(const smg_run *run, int64_t p, smg_lanes *g) {
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(sites, g[k], smg_lane_of(0));
 }
 
-/* What stands beside a row, by all terms: as the model says. */
-static inline void smg_all_beside(const smg_coefficients *c, const smg_lattice_row *at, smg_beside *b);
-
-/* The same from memory, for rows of every kind; and the places of the slots of short rows, so many that vectors may begin at each of them. */
+/* What stands beside rows of every kind, from memory; and the places of the slots of short rows, so many that vectors may begin at each of them. */
 typedef struct smg_besides {
   smg_beside rows[SMG_KNOWN][SMG_BESIDES];
   int known[SMG_KNOWN];
   smg_real place[SMG_LONG_ROW + SMG_WIDEST];
+  const smg_near *near; /* of blocks; else NULL */
+  smg_lane_order order[SMG_WIDEST];
 } smg_besides;
 
 static inline void smg_forget_besides(const smg_coefficients *c, smg_besides *all) {
   const int64_t length = smg_row_length(c);
   for (int k = 0; k < SMG_KNOWN; ++k) all->known[k] = 0;
   for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
+  all->near = NULL;
+}
+
+static void smg_look_beside(const smg_coefficients *c, const smg_lattice_row *at, smg_beside *b) {
+  smg_offset beside[SMG_BESIDES];
+  const int64_t found = smg_offsets(at->sub, beside);
+  for (int64_t k = 0; k < found; ++k) b[k] = smg_beside_row(c, at, beside + k);
+  for (int64_t k = found; k < SMG_BESIDES; ++k) b[k].there = 0;
 }
 
 SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {
   const int64_t kind = (at->kind * SMG_ROW_KINDS + smg_kind_of_row(at->s1, smg_cells(c, 1))) * SMG_ROW_STEP + at->first;
-  if (!all->known[kind]) {
-    smg_all_beside(c, at, all->rows[kind]);
-    all->known[kind] = 1;
-  }
+  if (!all->known[kind]) smg_look_beside(c, at, all->rows[kind]);
+  all->known[kind] = 1;
   return all->rows[kind];
 }
 

@@ -22,7 +22,7 @@ STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|
           r"runs?_clean", r"test_(validate|user_specs|advice)", r"")
 SHARP = 3       # stages that are run before the quick tier
 # Before these: the tests that were made for faults of a kind, or for what a file does.
-MADE_FOR = {"rows": r"test_row(s|_wave)|statuses", "method": r"test_(comparators|splittings|compositions|lengths)|edges_of_steps", "branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
+MADE_FOR = {"rows": r"test_row(s|_wave|_blocks)|statuses", "method": r"test_(comparators|splittings|compositions|lengths)|edges_of_steps", "branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"test_tolerance|round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
             **{f"runtime/method/smg_{word}": made for words, made in (

@@ -147,18 +147,18 @@ WRAP = (
 )
 
 # Lattices by rows in lanes: which sites stand beside a row, where its ends are, what of it is kept, and when steps may go so.
-ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END, ROW_WAVE = (
-    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end", "row_wave"))
+ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END, ROW_WAVE, ROW_BLOCKS = (
+    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end", "row_wave", "row_blocks"))
 BY_ROWS = "gen/compile/assemble/rows.py"
 IN_ROWS = (
     (ROWS, r"s < n - reach \? reach :", r"s < n ? reach :"),
     (ROWS, r"if \(before > 0\) b\.from = .*;", r""),
     (ROWS, r"if \(inside < at->sites\) b\.to = .*;", r""),
-    (ROWS, r"o0 < 0 \? x \+ n : x - n", r"o0 < 0 ? x + n : x"),
+    (ROWS, r"o->cell\[0\] < 0 \? x \+ n : x - n", r"o->cell[0] < 0 ? x + n : x"),
     (ROWS, r"if \(ring\) \*s = smg_wrap\(\*s, n\);", r""),
     (ROWS, r"at->first - SMG_TURN_0 \* SMG_WEIGHT_1", r"at->first"),
     (ROWS, r"smg_rank\(sub\) \* smg_cells\(c, 3\)", r"0 * smg_cells(c, 3)"),
-    (ROWS, r"smg_lane_select\(within, v\[k\], around\[k\]\)", r"v[k]"),
+    (ROWS, r"smg_lane_select\(within, v\[k\], far\[k\]\)", r"v[k]"),
     (ROWS, r"\(at < \(smg_real\)b->to\)", r"(at <= (smg_real)b->to)"),
     (ROWS, r"end = smg_cells\(c, 1\) - SMG_REACH_1", r"end = smg_cells(c, 1)"),
     (ROWS, r"SMG_REACH_1 \+ s1 % SMG_ROW_STEP", "SMG_REACH_1"),
@@ -180,6 +180,14 @@ IN_ROWS = (
     (ROW_WAVE, r"s->row_reach \+ block - 1", r"s->row_reach - 1"),
     (ROW_WAVE, r"smg_predict_rows\(s\);", r""),
     (ROW_WAVE, r"at % wave->blocks", r"(at < wave->blocks ? at : wave->blocks - 1)"),
+    (ROW_BLOCKS, r"x -= part \* b->shear\[d\]", r"x -= 0"),
+    (ROW_BLOCKS, r"along\[lane\] \+= part \* b->shear\[d\]", r"along[lane] += 0"),
+    (ROW_BLOCKS, r"\(l / unit \+ t / unit\)", r"(l / unit)"),
+    (ROW_BLOCKS, r"smg_rank\(sub\)", r"0"),
+    (ROW_BLOCKS, r"v\.cell\[d\] \+ beside\[k\]\.cell\[d\]", r"v.cell[d] - beside[k].cell[d]"),
+    (ROW_BLOCKS, r"smg_slots\(c\) == smg_sites\(c\) && ", r""),
+    (ROW_PIECE, r"smg_place\(run->at\.colour, rank\)", r"smg_place(run->at.colour, 0)"),
+    (BY_ROWS, r"return closed and ", r"return "),
     (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
     (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),
     (BY_ROWS, r" and not set\(t\.over\.bound\) & mentions\(\*gradient\.body\)", r""),

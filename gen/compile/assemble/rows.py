@@ -149,7 +149,7 @@ def row_functions(model) -> list:
     return [looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
-            place_function(found), *rest_function(found), all_beside(model), *gradient]
+            place_function(found), *rest_function(found), offsets(model), *gradient]
 
 
 def rest_function(found: Rows) -> list:
@@ -183,14 +183,19 @@ def row_settings(model) -> dict:
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
     return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
-            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
+            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
+
+
+def in_blocks(model) -> bool:
+    """May the lattice stand in blocks? Where all bonds close around it, and sites turn alone."""
+    closed = all(closes for over in model.lattices(model.families[0].name) for closes in over.periodic)
+    return closed and not model.pairs and not model.method.stage_rows
 
 
 # The gradient of some slots
 
-ROW = (COEFFICIENTS, Argument("const smg_lattice_row *", "at"))
-SLOTS = (COEFFICIENTS, Argument("const smg_run *", "run"), Argument("const smg_real *", "all"), Argument("int64_t", "pitch"), Argument("int64_t", "j"), Argument("int64_t", "p"), Argument("smg_lanes *", "sum"))
+SLOTS = (COEFFICIENTS, Argument("const smg_run *", "run"), Argument("int", "blocks"), Argument("const smg_real *", "all"), Argument("int64_t", "pitch"), Argument("int64_t", "j"), Argument("int64_t", "p"), Argument("smg_lanes *", "sum"))
 
 
 @dataclass(frozen=True)
@@ -208,23 +213,26 @@ def neighbours(model, sub: int) -> list:
     return list(dict.fromkeys(found))
 
 
-def all_beside(model) -> Function:
-    """b = what stands beside a row."""
+def offsets(model) -> Function:
+    """beside = what stands beside the sites of a place; how many that are."""
     def body(sub: int):
-        return tuple(Assign(Name(f"b[{n}]"), Call("smg_beside_row", (Name("c"), Name("at"), total(one.ring), total(one.sub), *map(total, one.offset))))
-                     for n, one in enumerate(neighbours(model, sub)))
-    return Function("void", "smg_all_beside", (*ROW, Argument("smg_beside *", "b")), by_place(model, body), wanted=True)
+        found = neighbours(model, sub)
+        lines = (Let(f"o{n}", Braces((total(one.sub), Braces(tuple(map(total, one.offset))), total(one.ring))), "const smg_offset") for n, one in enumerate(found))
+        return (*lines, *(Assign(Name(f"beside[{n}]"), Name(f"o{n}")) for n in range(len(found))), Return(whole(len(found))))
+    *first, last = [body(sub) for sub in range(model.in_rows.over.sites)]
+    tests = [If((compare(Index("sub"), "==", total(sub)),), lines) for sub, lines in enumerate(first)]
+    return Function("int64_t", "smg_offsets", (Argument("int64_t", "sub"), Argument("smg_offset *", "beside")), (*tests, *last), wanted=True)
 
 
-def by_place(model, body_of, place=Pointed("at", "sub")) -> tuple:
+def by_place(model, body_of) -> tuple:
     """What is done in the rows of each place."""
-    bodies = [body_of(sub) for sub in range(model.in_rows.over.sites)]
+    bodies, place = [body_of(sub) for sub in range(model.in_rows.over.sites)], Pointed("run", "at.sub")
     return bodies[0] if len(bodies) == 1 else tuple(If((compare(place, "==", total(sub)),), body) for sub, body in enumerate(bodies))
 
 
 def row_gradient(model) -> Function:
     """sum += dH/dw of the slots of one vector of a run of rows: those from the j-th on, which is the p-th of its row."""
-    return Function("void", "smg_slot_gradient", SLOTS, by_place(model, lambda sub: row_part(model, sub), Pointed("run", "at.sub")), target="lanes", wanted=True, inlined="always")
+    return Function("void", "smg_slot_gradient", SLOTS, by_place(model, lambda sub: row_part(model, sub)), target="lanes", wanted=True, inlined="always")
 
 
 def row_part(model, sub: int) -> tuple:
@@ -266,9 +274,8 @@ def kept_beyond(found, known: list, lines) -> list:
 
 def taken(one: Beside, n: int, v: str) -> Call:
     """v = the vectors there."""
-    if not one.offset[0] or not one.ring & 1:
-        return Call("smg_take_slots", (*ALL, Pointed("run", "at.start") + Pointed("run", f"b[{n}].start") + Index("j"), Name(v)))
-    return Call("smg_take_beside", (Name("run"), whole(n), Index("p"), *ALL, Index("j"), Name(v)))
+    around = one.offset[0] != 0 and bool(one.ring & 1)
+    return Call("smg_take_beside", (Name("run"), Name("blocks"), whole(n), whole(int(around)), Index("p"), *ALL, Index("j"), Name(v)))
 
 
 def member(t, bond, q: int) -> tuple:

@@ -1,0 +1,186 @@
+"""Small lattices in blocks, one in each lane (runtime/solve/smg_row_blocks.h): the bits of rows."""
+import subprocess
+
+import pytest
+from smidgen.compile.emit.emit import generate
+from smidgen.resources import include_flags
+from test_rows import DM, EXCHANGE, FIELD, lattice
+
+HONEY = """[lattices.honey]
+size = ["n", 8]
+sites = 2
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 1, offset = [0, 0] }, { from = 0, to = 1, offset = [-1, 0] }, { from = 0, to = 1, offset = [0, -1] }]
+"""
+STACKED = """[lattices.stacked]
+size = ["n", 4]
+sites = 2
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 0, offset = [1, 0] }, { from = 1, to = 1, offset = [1, 0] }, { from = 0, to = 0, offset = [0, 1] }, { from = 1, to = 1, offset = [0, 1] }, { from = 0, to = 1, offset = [0, 0] }]
+"""
+UNEQUAL = """[lattices.unequal]
+size = ["n"]
+sites = 3
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 1, offset = [0] }, { from = 1, to = 2, offset = [0] }, { from = 2, to = 1, offset = [2] }, { from = 0, to = 1, offset = [-1] }]
+"""
+FOUR = """[lattices.four]
+size = ["n", 4, 2, 6]
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 0, offset = [1, 0, 0, 0] }, { from = 0, to = 0, offset = [0, 1, 0, 0] }, { from = 0, to = 0, offset = [0, 0, 1, 0] }, { from = 0, to = 0, offset = [0, 0, 0, 1] }]
+"""
+# Each with the blocks along its directions, and how far along the first of them the next ones begin.
+SPECS = {
+    "ring": (lattice("ring", "chain(n, periodic)", 48, "n", EXCHANGE + DM), (8, 1, 1, 1), (0, 0, 0, 0)),
+    "square": (lattice("square", "square(n, 8, periodic)", 10, "8*n", EXCHANGE + DM + FIELD), (1, 8, 1, 1), (0, 5, 0, 0)),
+    "cubic": (lattice("cubic", "cubic(n, n, n, periodic)", 20, "n*n*n", EXCHANGE), (2, 4, 1, 1), (0, 5, 0, 0)),
+    "long cubic": (lattice("long_cubic", "cubic(n, 6, 12, periodic)", 8, "72*n", EXCHANGE + DM), (4, 1, 2, 1), (0, 0, 0, 0)),
+    "honeycomb": (lattice("honeycomb", "honey.all", 10, "16*n", EXCHANGE + DM, HONEY), (1, 8, 1, 1), (0, 0, 0, 0)),
+    "stacked": (lattice("stacked_up", "stacked.all", 16, "8*n", EXCHANGE + DM, STACKED), (4, 2, 1, 1), (0, 0, 0, 0)),
+    "three colours": (lattice("further", "chain(n, periodic, 2)", 96, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")), (8, 1, 1, 1), (0, 0, 0, 0)),
+    "four directions": (lattice("directions", "four.all", 8, "48*n", EXCHANGE.replace("0.7", "0.3"), FOUR), (4, 2, 1, 1), (0, 0, 0, 0)),
+}
+# No lattice for them: a direction that is open, a number of cells without the parts, places of unlike number in a colour, and so many cells.
+WITHOUT = {
+    "open": lattice("open_square", "square(n, 8, open)", 10, "8*n", EXCHANGE),
+    "odd parts": lattice("odd_parts", "cubic(n, n, n, periodic)", 10, "n*n*n", EXCHANGE),
+    "too short parts": lattice("hundred", "chain(n, periodic)", 100, "n", EXCHANGE),
+    "at the seam": lattice("seam", "square(n, 8, periodic)", 7, "8*n", EXCHANGE),
+    "large": lattice("extensive", "square(n, 640, periodic)", 640, "640*n", EXCHANGE),
+}
+
+# Two states, of which the second stands in rows, take the same calls of steps; they and what they save are compared bit by bit, and so is a third one in
+# blocks that is restored from what the second saved.
+DRIVER = """
+#include <stdint.h>
+static int64_t most_slots;
+#define SMG_BLOCKS_TO most_slots
+#include "{name}.c"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static {name}_state states[3];
+static double *saved[3];
+
+static int steps(int k, int64_t count) {{
+  most_slots = k == 1 ? 0 : INT32_MAX;
+  return {name}_steps(states + k, count) == SMG_OK;
+}}
+
+static int same(int k, size_t sites, size_t size) {{
+  most_slots = INT32_MAX;
+  {name}_save(states, saved[0]);
+  most_slots = k == 1 ? 0 : INT32_MAX;
+  {name}_save(states + k, saved[k]);
+  return memcmp(saved[0], saved[k], size * sizeof(double)) == 0 && memcmp(states[0].w, states[k].w, 3 * sites * sizeof(double)) == 0
+         && states[0].report.iterations == states[k].report.iterations && states[0].report.residual == states[k].report.residual;
+}}
+
+int main(int count, char **words) {{
+  smg_params p;
+  smg_blocks b = {{{{0}}, {{0}}, {{0}}}};
+  (void)count;
+  {name}_defaults(&p);
+  most_slots = INT32_MAX;
+  const size_t sites = (size_t){name}_sites(&p), size = {name}_savesize(&p), bytes = {name}_memsize(&p);
+  double *w = malloc(3 * sites * sizeof(double));
+  for (size_t k = 0; k < sites; ++k) {{
+    const double z = 0.9 * sin(1.0 + 0.7 * (double)(k * k % 1009)), turn = 1.3 * (double)(k * 37 % 211);
+    w[3 * k] = sqrt(1 - z * z) * cos(turn);
+    w[3 * k + 1] = sqrt(1 - z * z) * sin(turn);
+    w[3 * k + 2] = z;
+  }}
+  for (int k = 0; k < 3; ++k) {{
+    most_slots = k == 1 ? 0 : INT32_MAX;
+    saved[k] = malloc(size * sizeof(double));
+    if ({name}_init(states + k, &p, malloc(bytes), w, 0, atof(words[1])) != SMG_OK || {name}_set_tolerance(states + k, atof(words[2])) != SMG_OK) return 1;
+  }}
+  if (!states[0].rows || !states[0].row_beside || states[1].row_beside) return 2;
+  for (int call = 0; call < 12; ++call) {{
+    if (!steps(0, 1 + call) || !steps(1, 1 + call)) return 3;
+    if (!same(1, sites, size)) return 4;
+    if (call == 5) {{
+      most_slots = INT32_MAX;
+      if ({name}_restore(states + 2, saved[1]) != SMG_OK) return 5;
+    }}
+    if (call > 5 && (!steps(2, 1 + call) || !same(2, sites, size))) return 6;
+  }}
+  most_slots = INT32_MAX;
+  if (!smg_in_blocks(&states[0].c, &b)) return 7;
+  for (int d = 0; d < 4; ++d) printf("%d ", (int)b.parts[d]);
+  for (int d = 0; d < 4; ++d) printf("%d ", (int)b.shear[d]);
+  return 0;
+}}
+"""
+
+
+def built(tmp_path, spec, method="spherical-midpoint", right="", wrong="", more=()):
+    for file, text in generate(spec, amalgamate=bool(right), method=method).items():
+        assert right in text or not file.endswith(f"{spec.name}.c")
+        (tmp_path / file).write_text(text.replace(right, wrong) if right else text)
+    (tmp_path / "main.c").write_text(DRIVER.format(name=spec.name))
+    subprocess.run(["gcc", "-std=c11", "-O1", "-ffp-contract=off", "-Wno-psabi", *more, "-I.", *include_flags(), "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    return tmp_path / "main"
+
+
+def bits_agree(main, *words):
+    return subprocess.run([main, *words], capture_output=True, text=True)
+
+
+FIRST = ("cubic", "honeycomb")
+
+
+@pytest.mark.parametrize("name, lanes", [*((n, 2) for n in FIRST), *(pytest.param(n, lanes, marks=pytest.mark.long) for n in SPECS for lanes in (1, 2, 4, 8) if lanes != 2 or n not in FIRST)])
+def test_blocks_have_the_bits_of_rows(tmp_path, name, lanes):
+    spec, parts, shear = SPECS[name]
+    main = built(tmp_path, spec, more=(f"-DSMG_LANES={lanes}",))
+    for words in (("0.15", "0"), ("0.02", "1e-9")):
+        found = bits_agree(main, *words)
+        assert found.returncode == 0, (words, found)
+        numbers = tuple(map(int, found.stdout.split()))
+        assert numbers == (*parts, *shear)
+
+
+@pytest.mark.parametrize("name", ["honeycomb", *(pytest.param(n, marks=pytest.mark.long) for n in ("cubic", "three colours"))])
+def test_sublattice_rotations_have_them_too(tmp_path, name):
+    found = bits_agree(built(tmp_path, SPECS[name][0], "sublattice-rotations"), "0.05", "0")
+    assert found.returncode == 0, found
+
+
+WHETHER = """
+#include "{name}.c"
+#include <stdio.h>
+int main(void) {{
+  smg_params p;
+  smg_coefficients c;
+  smg_blocks b;
+  {name}_defaults(&p);
+  smg_sizes(&c, &p);
+  return smg_in_blocks(&c, &b);
+}}
+"""
+
+
+@pytest.mark.parametrize("name", WITHOUT)
+def test_where_there_are_none(tmp_path, name):
+    spec = WITHOUT[name]
+    for file, text in generate(spec).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "main.c").write_text(WHETHER.format(name=spec.name))
+    subprocess.run(["gcc", "-std=c11", "-O0", "-w", "-I.", *include_flags(), "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    assert subprocess.run([tmp_path / "main"]).returncode == 0
+
+
+WRONG = {
+    "the lane": ("sum += (l / unit + t / unit) % b->parts[d] * unit;", "sum += (l / unit) % b->parts[d] * unit;"),
+    "the shear": ("x -= part * b->shear[d];", ""),
+    "the sample": ("return smg_slot_in_blocks(c, &b, at.sub, cell);", "return slot;"),
+    "nothing": ("x -= part", "x -= part"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_the_bits_depend_on(tmp_path, what):
+    found = bits_agree(built(tmp_path, SPECS["cubic"][0], right=WRONG[what][0], wrong=WRONG[what][1]), "0.2", "0")
+    assert (found.returncode == 0) == (what == "nothing")
