@@ -23,8 +23,15 @@ static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
   for (size_t k = 0; k < size; ++k) to[k] = from[k];
 }
 
-/* Steps that stay with Newton: models that try something else first count them. */
-#if SMG_SWEPT || SMG_FEW_IN_LANES
+/* Steps that stay with Newton: models that try something else first count them. By rows: the passes of a step that are not watched. */
+#if SMG_BY_ROWS && !SMG_ROW_TURNS
+enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
+static inline int smg_newton_steps(const smg_state *s) { return s->rows ? (int)s->row_from : s->newton_steps; }
+static inline void smg_set_newton_steps(smg_state *s, int steps) {
+  if (s->rows) s->row_from = steps;
+  else s->newton_steps = steps;
+}
+#elif SMG_SWEPT || SMG_FEW_IN_LANES
 enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
 static inline int smg_newton_steps(const smg_state *s) { return s->newton_steps; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) { s->newton_steps = steps; }
@@ -108,11 +115,11 @@ static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
 #if SMG_EXTENDED
   smg_wide_prepare(&s->wide, &s->c);
 #endif
-  smg_set_newton_steps(s, (int)in[SMG_SAVED_NEWTON_STEPS]);
 #if SMG_BY_ROWS
   smg_choose_rows(s);
   smg_clear_arrays(s, s->w); /* w is the first of them */
 #endif
+  smg_set_newton_steps(s, (int)in[SMG_SAVED_NEWTON_STEPS]);
   smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
   smg_restore_sites(s, in + SMG_SAVED_HEAD + n3, in + smg_saved_past(&s->c));
   return SMG_OK;

@@ -80,8 +80,8 @@ SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning
 /* The same where some lanes are no bond: beyond the run, of empty slots, with another end beyond an open one or around a ring. */
 static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *turn, const smg_row_class *all, const smg_run *run, int64_t j, int64_t p) {
   const smg_beside *b = run->b + all->beside;
-  const int64_t slot = run->at.start + j, in = run->to - j;
-  const smg_lane_mask sites = smg_lane_below(in) & (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->at.sites);
+  const int64_t slot = run->start + j, in = run->to - j;
+  const smg_lane_mask sites = smg_lane_below(in) & (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->sites);
   const int inside = smg_all_within(b, p, in < SMG_LANES ? in : SMG_LANES), around = all->ring && !inside;
   smg_lane_mask within = sites;
   smg_lane_spins v, w, far, before;
@@ -103,9 +103,9 @@ static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *tur
 /* The bonds of a class that begin in a run of rows. */
 static void smg_turn_run(const smg_coefficients *c, const smg_pair_turning turn, const smg_row_class *all, const smg_run *run) {
   const smg_beside *b = run->b + all->beside;
-  const int64_t term = all->term, start = run->at.start, to = run->to, full = run->at.sites == run->length;
+  const int64_t term = all->term, start = run->start, to = run->to, full = run->sites == run->length;
   for (int64_t j = 0, p = 0; j < to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
-    if (to - j < SMG_LANES || !(full || p + SMG_LANES <= run->at.sites) || !smg_all_within(b, p, SMG_LANES)) {
+    if (to - j < SMG_LANES || !(full || p + SMG_LANES <= run->sites) || !smg_all_within(b, p, SMG_LANES)) {
       smg_turn_some(c, &turn, all, run, j, p);
       continue;
     }
@@ -126,17 +126,12 @@ static inline int64_t smg_layer_rows(const smg_coefficients *c) { return smg_row
 static void smg_turn_layer(const smg_coefficients *c, smg_besides *known, const smg_pair_turning turn, const smg_row_class *all, int64_t layer) {
   const int64_t length = smg_row_length(c);
   int64_t rows = smg_layer_rows(c);
-  smg_run run;
-  run.at = smg_row_of(c, all->colour, (all->rank * smg_layers(c) + layer) * rows);
-  run.length = length;
-  run.from = 0;
-  run.place = known->place;
+  smg_lattice_row at = smg_row_of(c, all->colour, (all->rank * smg_layers(c) + layer) * rows);
   while (rows > 0) {
-    const int64_t alike = smg_run_of_rows(c, &run.at, length);
-    run.b = smg_besides_of(c, &run.at, known);
-    run.to = alike * length;
+    const int64_t alike = smg_run_of_rows(c, &at, length);
+    const smg_run run = {at.start, at.sub, at.sites, length, 0, alike * length, smg_besides_of(c, &at, known), known->place, NULL, NULL};
     if (run.b[all->beside].there) smg_turn_run(c, turn, all, &run);
-    smg_after_rows(c, length, alike, &run.at);
+    smg_after_rows(c, length, alike, &at);
     rows -= alike;
   }
 }

@@ -53,7 +53,7 @@ SMG_INLINE void smg_turn_blocks(const smg_coefficients *c, const smg_row_turning
     for (int64_t j = run.from; j < run.to; j += SMG_LANES) {
       smg_lanes g[3];
       smg_run_gradient(c, &run, 1, turn.w, turn.pitch, j, j, g);
-      smg_turn_slots(turn, which, run.at.start + j, SMG_LANES, g);
+      smg_turn_slots(turn, which, run.start + j, SMG_LANES, g);
     }
 }
 

@@ -78,8 +78,8 @@ SMG_INLINE void smg_end_blocks(const smg_coefficients *c, const smg_turning turn
     for (int64_t j = run.from; j < run.to; j += SMG_LANES) {
       smg_lanes g[3], m[3];
       smg_run_gradient(c, &run, 1, turn.m, turn.pitch, j, j, g);
-      smg_take_slots(turn.m, turn.pitch, run.at.start + j, m);
-      smg_end_slots(turn, run.at.start + j, SMG_LANES, m, g, &all);
+      smg_take_slots(turn.m, turn.pitch, run.start + j, m);
+      smg_end_slots(turn, run.start + j, SMG_LANES, m, g, &all);
     }
   *most = all;
 }

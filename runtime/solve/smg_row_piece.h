@@ -17,18 +17,10 @@ typedef struct smg_piece {
 #endif
 } smg_piece;
 
-/* Slots of a piece, so that the next one begins where a vector does: as many whole rows as fit, or SMG_PIECE. */
-static inline int64_t smg_piece_room(const smg_coefficients *c) {
-  const int64_t length = smg_row_length(c);
-  for (int64_t n = SMG_PIECE / length; n > 0; --n)
-    if (n * length % SMG_WIDEST == 0) return n * length;
-  return SMG_PIECE;
-}
-
 static inline void smg_begin_piece(const smg_coefficients *c, smg_besides *known, smg_real *g, smg_piece *piece) {
   piece->g = g;
   piece->known = known;
-  piece->room = smg_piece_room(c);
+  piece->room = known->room;
   piece->length = smg_row_length(c);
 }
 
@@ -42,8 +34,8 @@ static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, s
 /* Some slots of it, from one on where a vector begins. */
 static inline void smg_begin_part(const smg_coefficients *c, int64_t colour, smg_share part, smg_piece *piece) {
   const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), end = first + smg_rows(c) * length;
-  const int64_t row = piece->known->near ? 0 : (part.from - first) / length;
-  piece->at = smg_row_of(c, colour, row);
+  const int64_t row = piece->known->near || part.from == first ? 0 : (part.from - first) / length;
+  piece->at = row > 0 ? smg_row_of(c, colour, row) : piece->known->first[colour];
   piece->from = part.from - first - row * length;
   piece->end = part.to < end ? part.to : end;
   piece->size = piece->done = 0;
@@ -65,12 +57,12 @@ SMG_INLINE int smg_open_piece(smg_piece *piece) {
 /* Of a lattice in blocks: all sites of a place in it. */
 static inline void smg_next_run_of_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
   const int64_t alike = smg_colour_slots(c) / SMG_RANKS, rank = piece->from / alike, end = piece->from + piece->size - piece->done;
-  run->at = piece->at;
-  run->at.sub = smg_place(run->at.colour, rank);
+  run->start = piece->at.start;
+  run->sub = smg_place(piece->at.colour, rank);
   run->b = NULL;
   run->from = piece->from;
   run->to = end < (rank + 1) * alike ? end : (rank + 1) * alike;
-  run->length = run->at.sites = run->to;
+  run->length = run->sites = run->to;
   run->near = piece->known->near;
   run->order = piece->known->order;
   piece->done += run->to - run->from;
@@ -87,7 +79,9 @@ static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_
   }
   run->near = NULL;
   const int64_t rows = smg_run_of_rows(c, &piece->at, length), end = rows * length;
-  run->at = piece->at;
+  run->start = piece->at.start;
+  run->sub = piece->at.sub;
+  run->sites = piece->at.sites;
   run->b = smg_besides_of(c, &piece->at, piece->known);
   run->length = length;
   run->from = piece->from;

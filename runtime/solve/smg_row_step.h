@@ -94,6 +94,12 @@ static void smg_begin_rows(smg_state *s) {
   s->row_due = 0;
 }
 
+/* The passes of the next step that are watched. */
+static void smg_watch_from(smg_state *s, const smg_row_sweeping *sweep) {
+  const int64_t from = sweep->passes - SMG_ROW_WATCHED;
+  s->row_from = from < 0 ? 0 : from < SMG_NEWTON_STEPS ? from : SMG_NEWTON_STEPS;
+}
+
 static void smg_report_sweeps(smg_state *s, const smg_row_sweeping *sweep) {
   s->report.iterations = (int)((sweep->passes + SMG_COLOURS - 1) / SMG_COLOURS);
   s->report.site = s->report.partner = -1;
@@ -117,6 +123,7 @@ static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
   smg_expect_passes(s, known, &sweep);
   smg_report_sweeps(s, &sweep);
   if (s->report.status != SMG_OK) return s->report.status;
+  smg_watch_from(s, &sweep);
   smg_commit_rows(s, more);
   ++s->count;
   return SMG_OK;

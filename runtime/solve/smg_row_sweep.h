@@ -73,16 +73,17 @@ SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row
   for (int k = 0; k < 3; ++k) g[k] = v[k];
 }
 
-/* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. small: are small components looked at? last: are
- * increments found too? */
-SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *b, int small, int last, smg_motion *moved) {
+/* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. watched: is it to be known how far they move? small: small
+ * components too? last: are increments found? */
+SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *b, int watched, int small, int last, smg_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
   smg_lane_stretch_to(turn.inverse, turn.weak, v);
   if (in < SMG_LANES)
     for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(smg_lane_below(in), v[k], m[k]);
-  for (int k = 0; k < 3; ++k) d[k] = v[k] - m[k];
   smg_put_slots(turn.m, turn.pitch, slot, v);
+  if (!watched) return;
+  for (int k = 0; k < 3; ++k) d[k] = v[k] - m[k];
   moved->square = smg_lane_larger(moved->square, smg_lane_dot(d, d));
   if (small) smg_watch_slots(turn, slot, b, d, &moved->part);
   if (last) smg_end_slots(turn, slot, in, v, b, &moved->residual);
@@ -94,13 +95,13 @@ SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, c
     smg_lanes v[3];
     smg_run_gradient(c, run, blocks, turn.m, turn.pitch, j, p, v);
     if (small || last) smg_put_slots(piece->field, SMG_PIECE_ROOM, k + j - run->from, v);
-    smg_aim_slots(turn, run->at.start + j, way, v);
+    smg_aim_slots(turn, run->start + j, way, v);
     smg_put_slots(piece->g, SMG_PIECE_ROOM, k + j - run->from, v);
   }
 }
 
 /* The spins of a piece. */
-SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece, enum smg_row_way way, int small, int last, smg_motion *moved) {
+SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece, enum smg_row_way way, int watched, int small, int last, smg_motion *moved) {
   const int64_t size = piece->size, start = piece->start;
   smg_motion most = *moved;
   smg_run run;
@@ -113,7 +114,7 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
     smg_lanes v[3], field[3] = {none, none, none};
     smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
     if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
-    smg_turn_slots(turn, start + k, size - k, v, field, small, last, &most);
+    smg_turn_slots(turn, start + k, size - k, v, field, watched, small, last, &most);
   }
   *moved = most;
 }
@@ -124,11 +125,12 @@ typedef struct smg_moved {
   smg_real whole, part, residual;
 } smg_moved;
 
-/* How a colour is passed: small: are small components looked at? last: may it be the last pass, and increments are found too? */
+/* How a colour is passed: watched: is it to be known how far midpoints move? small: small components too? last: may it be the last pass, and increments
+ * are found too? */
 typedef struct smg_row_pass {
   int64_t colour;
   enum smg_row_way way;
-  int small, last;
+  int watched, small, last;
 } smg_row_pass;
 
 SMG_INLINE smg_motion smg_at_rest(void) {
@@ -151,7 +153,7 @@ SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turnin
   if (pass.last) smg_increments_into(s, pass.colour, &turn);
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_part(&s->c, pass.colour, part, &piece);
-  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, small, pass.last, &most);
+  while (smg_open_piece(&piece)) smg_turn_piece(&s->c, turn, &piece, way, pass.watched, small, pass.last, &most);
   smg_join_motion(motion, &most);
 }
 
@@ -192,7 +194,7 @@ static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const s
     smg_turn_some_slots(s, known, turn, pass, smg_share_of_colour(&s->c, pass.colour), &motion);
     SMG_ONE_BY_ONE smg_take_motion(pass, &motion, &moved);
   }
-  smg_largest_of_ranks(&moved.whole, &moved.part);
+  if (pass.watched) smg_largest_of_ranks(&moved.whole, &moved.part);
   smg_exchange_colour(pass.colour);
   return moved;
 }
@@ -221,26 +223,32 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
   return most;
 }
 
+/* Passes before the last one of a step that show whether it is: the changes of all colours, and those before. */
+#define SMG_ROW_WATCHED (SMG_COLOURS + 2)
+
 /* The next pass: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
  * once the others have nearly settled. Of sites that do not feel their own colour the gradient stays what it is in the last pass, and
- * gives their increments at once: that is expected to be the pass that was the last one of the step before. */
+ * gives their increments at once: that is expected to be the pass that was the last one of the step before. Passes long before that one are
+ * not watched: they move midpoints too far for an end. */
 SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sweep) {
   const int64_t unknown = s->row_weak ? SMG_COLOURS : 1; /* an extrapolation may be far off, and midpoints then not near spins */
   const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
   const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
-  const int last = s->row_alone && sweep->passes + 1 >= s->row_passes && sweep->passes >= SMG_COLOURS;
-  const smg_row_pass pass = {sweep->passes % SMG_COLOURS, way, late, last};
+  const int watched = sweep->passes >= s->row_from, last = watched && s->row_alone && sweep->passes + 1 >= s->row_passes && sweep->passes >= SMG_COLOURS;
+  const smg_row_pass pass = {sweep->passes % SMG_COLOURS, way, watched, late, last};
   return pass;
 }
 
 /* What it has shown. */
 SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_moved moved, smg_row_sweeping *sweep) {
   const int64_t next = (pass.colour + 1) % SMG_COLOURS;
+  ++sweep->passes;
   sweep->ended = pass.last ? pass.colour : -1;
+  if (!pass.watched) return;
   sweep->residual = moved.residual;
   sweep->recent[pass.colour] = SMG_MATH(sqrt)(moved.whole);
   sweep->parts[pass.colour] = moved.part;
-  if (++sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */
+  if (sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */
   const int still = smg_recent(sweep->recent, next) <= SMG_STILL * SMG_EPS * s->scale;
   smg_rest_take(&sweep->whole, smg_recent(sweep->recent, next), still);
   smg_rest_take(&sweep->part, smg_recent(sweep->parts, next), still);

@@ -201,12 +201,11 @@ typedef struct smg_lane_order {
   SMG_LINES int64_t of[SMG_WIDEST];
 } smg_lane_order;
 
-/* Some slots of a run of rows: those from <= j < to, from the first of the row `at` on; what stands beside all of them; slots of a row; of
- * short rows, the places of slots in their rows; near, order: of a run of blocks. */
+/* Some slots of a run of rows, those from <= j < to: the slot where j = 0; the place of all, and how many sites each row has; slots of a row; what stands
+ * beside all of them; of short rows, the places of slots in their rows; near, order: of a run of blocks. */
 typedef struct smg_run {
-  smg_lattice_row at;
+  int64_t start, sub, sites, length, from, to;
   const smg_beside *b;
-  int64_t length, from, to;
   const smg_real *place;
   const smg_near *near;
   const smg_lane_order *order;
@@ -289,7 +288,7 @@ SMG_INLINE void smg_take_turned(const smg_real *all, int64_t pitch, const int64_
 
 /* The n-th vectors beside the slots from the j-th on of a run of blocks. */
 SMG_INLINE void smg_take_near(const smg_run *run, int n, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
-  const uint64_t slot = (uint64_t)(run->at.start + j), lane = SMG_LANES < SMG_WIDEST ? slot % SMG_WIDEST : 0;
+  const uint64_t slot = (uint64_t)(run->start + j), lane = SMG_LANES < SMG_WIDEST ? slot % SMG_WIDEST : 0;
   const uint64_t near = (uint64_t)run->near[slot / SMG_WIDEST * SMG_BESIDES + (uint64_t)n], t = near % SMG_WIDEST;
   const smg_real *vector = all + (near - t);
   if (t == 0) smg_take_slots(vector, pitch, (int64_t)lane, v);
@@ -304,11 +303,11 @@ SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int aroun
     smg_take_near(run, n, all, pitch, j, v);
     return;
   }
-  smg_take_slots(all, pitch, run->at.start + b->start + j, v);
+  smg_take_slots(all, pitch, run->start + b->start + j, v);
   if (!around || smg_all_within(b, p, run->to - j < SMG_LANES ? run->to - j : SMG_LANES)) return;
   const smg_lane_mask within = smg_lanes_within(run, b, p);
   smg_lanes far[3];
-  smg_take_slots(all, pitch, run->at.start + b->around + j, far);
+  smg_take_slots(all, pitch, run->start + b->around + j, far);
   for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(within, v[k], far[k]);
 }
 
@@ -322,9 +321,17 @@ SMG_INLINE void smg_only_within(const smg_run *run, int n, int64_t p, const smg_
 
 /* Of rows that are not full: g = 0 in the lanes of empty slots. */
 SMG_INLINE void smg_only_sites(const smg_run *run, int64_t p, smg_lanes *g) {
-  if (p + SMG_LANES <= run->at.sites || run->at.sites == run->length) return;
-  const smg_lane_mask sites = (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->at.sites);
+  if (p + SMG_LANES <= run->sites || run->sites == run->length) return;
+  const smg_lane_mask sites = (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->sites);
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(sites, g[k], smg_lane_of(0));
+}
+
+/* Slots of a piece, so that the next one begins where a vector does: as many whole rows as fit, or SMG_PIECE. */
+static inline int64_t smg_piece_room(const smg_coefficients *c) {
+  const int64_t length = smg_row_length(c);
+  for (int64_t n = SMG_PIECE / length; n > 0; --n)
+    if (n * length % SMG_WIDEST == 0) return n * length;
+  return SMG_PIECE;
 }
 
 /* What stands beside rows of every kind, from memory; and the places of the slots of short rows, so many that vectors may begin at each of them. */
@@ -332,6 +339,8 @@ typedef struct smg_besides {
   smg_beside rows[SMG_KNOWN][SMG_BESIDES];
   int known[SMG_KNOWN];
   smg_real place[SMG_LONG_ROW + SMG_WIDEST];
+  int64_t room;         /* slots of a piece */
+  smg_lattice_row first[SMG_COLOURS];
   const smg_near *near; /* of blocks; else NULL */
   smg_lane_order order[SMG_WIDEST];
 } smg_besides;
@@ -340,6 +349,8 @@ static inline void smg_forget_besides(const smg_coefficients *c, smg_besides *al
   const int64_t length = smg_row_length(c);
   for (int k = 0; k < SMG_KNOWN; ++k) all->known[k] = 0;
   for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
+  all->room = smg_piece_room(c);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) all->first[colour] = smg_first_row(c, colour);
   all->near = NULL;
 }
 

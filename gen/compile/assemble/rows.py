@@ -226,7 +226,7 @@ def offsets(model) -> Function:
 
 def by_place(model, body_of) -> tuple:
     """What is done in the rows of each place."""
-    bodies, place = [body_of(sub) for sub in range(model.in_rows.over.sites)], Pointed("run", "at.sub")
+    bodies, place = [body_of(sub) for sub in range(model.in_rows.over.sites)], Pointed("run", "sub")
     return bodies[0] if len(bodies) == 1 else tuple(If((compare(place, "==", total(sub)),), body) for sub, body in enumerate(bodies))
 
 
@@ -238,7 +238,7 @@ def row_gradient(model) -> Function:
 def row_part(model, sub: int) -> tuple:
     """The terms of the sites of a place."""
     beside = neighbours(model, sub)
-    own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Pointed("run", "at.start") + Index("j"), Name("own"))))
+    own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Pointed("run", "start") + Index("j"), Name("own"))))
     return (*own, *(line for t, k in model.roles(model.families[0].name) for bond in bonds_of(t, k, sub) for line in term_of_row(t, k, bond, beside)))
 
 
