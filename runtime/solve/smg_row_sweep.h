@@ -224,7 +224,9 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
 }
 
 /* Passes before the last one of a step that show whether it is: the changes of all colours, and those before. */
+#ifndef SMG_ROW_WATCHED
 #define SMG_ROW_WATCHED (SMG_COLOURS + 2)
+#endif
 
 /* The next pass: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
  * once the others have nearly settled. Of sites that do not feel their own colour the gradient stays what it is in the last pass, and
