@@ -211,6 +211,7 @@ static inline void smg_begin_sweeping(smg_row_sweeping *sweep) {
   sweep->passes = 0;
   sweep->near = SMG_ROW_PASSES;
   sweep->ended = -1;
+  sweep->residual = 0;
   for (int k = 0; k < SMG_COLOURS; ++k) sweep->recent[k] = sweep->parts[k] = SMG_MAX;
   sweep->whole = sweep->part = smg_unknown_rest;
 }

@@ -92,7 +92,7 @@ static void smg_plan_wave(const smg_state *s, smg_row_wave *wave) {
     smg_row_pass *pass = wave->pass + sweep.passes;
     *pass = smg_next_pass(s, &sweep);
     pass->small = pass->small || (pass->way == SMG_FROM_BEFORE && sweep.passes >= s->row_near);
-    pass->last = s->row_alone && sweep.passes + 1 == wave->passes && sweep.passes >= SMG_COLOURS;
+    pass->last = pass->watched && s->row_alone && sweep.passes + 1 == wave->passes && sweep.passes >= SMG_COLOURS;
     wave->motion[sweep.passes] = smg_at_rest();
   }
   wave->residual = smg_at_rest().residual;
