@@ -38,8 +38,8 @@
  *              smg_bond_classes(c), smg_each_of_class(c, which, all, context, visit)  the same of one class, of which no two meet; 0 classes
  *                                                 where there are none
  *   rows       smg_cells(c, d), smg_shift(sub), smg_rank(sub), smg_place(colour, rank)  where sites stand: smg_rows.h, where SMG_BY_ROWS says so
- *              smg_all_beside(c, at, b)           what stands beside a row
- *              smg_slot_gradient(c, run, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in lanes
+ *              smg_offsets(sub, beside)           what stands beside the sites of a place
+ *              smg_slot_gradient(c, run, blocks, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in lanes
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k where all w are 0
  *              smg_row_classes[], smg_lane_slope(c, term, products), smg_slope_bound(c, size)  bonds in classes (smg_pair_rows.h): which they
  *                                                 are; in lanes the derivative of a bond's energy by the scalar product of its ends; a bound on it where that is at most `size`

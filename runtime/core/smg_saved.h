@@ -23,14 +23,15 @@ static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
   for (size_t k = 0; k < size; ++k) to[k] = from[k];
 }
 
-/* Steps that stay with Newton: models that try something else first count them. By rows: the passes of a step that are not watched. */
+/* Steps that stay with Newton: models that try something else first count them. By rows, as a number below 0: the passes of a step that are not watched. */
 #if SMG_BY_ROWS && !SMG_ROW_TURNS
 enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
-static inline int smg_newton_steps(const smg_state *s) { return s->rows ? (int)s->row_from : s->newton_steps; }
+static inline int smg_newton_steps(const smg_state *s) { return s->rows ? -(int)s->row_from : s->newton_steps; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) {
-  if (s->rows) s->row_from = steps;
-  else s->newton_steps = steps;
+  if (s->rows) s->row_from = steps < 0 ? -steps : 0;
+  else s->newton_steps = steps > 0 ? steps : 0;
 }
+#define SMG_SAVED_LEAST_STEPS -SMG_SAVED_MOST_STEPS
 #elif SMG_SWEPT || SMG_FEW_IN_LANES
 enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
 static inline int smg_newton_steps(const smg_state *s) { return s->newton_steps; }
@@ -39,6 +40,9 @@ static inline void smg_set_newton_steps(smg_state *s, int steps) { s->newton_ste
 enum { SMG_SAVED_MOST_STEPS = 0 };
 static inline int smg_newton_steps(const smg_state *s) { return (void)s, 0; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) { (void)s, (void)steps; }
+#endif
+#ifndef SMG_SAVED_LEAST_STEPS
+#define SMG_SAVED_LEAST_STEPS 0
 #endif
 
 /* What a step has lost to rounding, and the increments before it, site by site. */
@@ -95,7 +99,7 @@ static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in)
                    smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, 2147483647) &&
                    smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
                    smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
-                   smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], 0, SMG_SAVED_MOST_STEPS) && in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
+                   smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) && in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
   return good ? SMG_OK : SMG_BAD_PARAMETER;
 }
 

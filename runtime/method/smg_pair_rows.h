@@ -191,7 +191,7 @@ static void smg_turn_in_order(const smg_state *s, smg_besides *known, int64_t k,
 }
 
 /* smg_stage; at the end of a step, lengths as well. */
-static void smg_row_stage(const smg_state *s, smg_besides *known, const smg_turn_part part) {
+static void smg_row_stage(const smg_state *s, smg_besides *known, const smg_turn_stage part) {
   const int64_t layers = smg_layers(&s->c), turns = SMG_TURNED + (part.end != 0);
   smg_layer_order order;
   smg_order_layers(&order);

@@ -91,7 +91,7 @@ static void smg_turn_row_colour(const smg_state *s, smg_besides *known, int64_t 
 }
 
 /* smg_stage; where one follows, the first turn of that too, and so not of the one that comes after. */
-static void smg_row_stage(const smg_state *s, smg_besides *known, const smg_turn_part part) {
+static void smg_row_stage(const smg_state *s, smg_besides *known, const smg_turn_stage part) {
   const int64_t last = SMG_COLOURS - 1;
   const smg_real half = (smg_real)0.5 * part.h;
   for (int64_t colour = part.after; colour < last; ++colour) smg_turn_row_colour(s, known, colour, half, half, SMG_TURN_OTHER);

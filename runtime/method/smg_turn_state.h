@@ -16,10 +16,10 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
 }
 
 /* A stage: the h of it and of the next one; after: has one gone before in this call? before: does one follow? end: is it the last of a step? */
-typedef struct smg_turn_part {
+typedef struct smg_turn_stage {
   smg_real h, next;
   int after, before, end;
-} smg_turn_part;
+} smg_turn_stage;
 
 /* 1/|w|^2, as smg_lengths.h has it for spheres. */
 static inline smg_real smg_row_inverse(const smg_state *s) { return 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0)); }

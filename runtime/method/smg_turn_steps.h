@@ -10,7 +10,7 @@ static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) 
   const smg_real h = smg_signed_h(s->h);
   for (int i = 0; i < SMG_STAGES; ++i) {
     const int end = i == SMG_STAGES - 1;
-    const smg_turn_part part = {smg_gamma[i] * h, smg_gamma[(i + 1) % SMG_STAGES] * h, i > 0 || !first, !end || more, end};
+    const smg_turn_stage part = {smg_gamma[i] * h, smg_gamma[(i + 1) % SMG_STAGES] * h, i > 0 || !first, !end || more, end};
     smg_row_stage(s, known, part);
   }
   s->history = 1;
@@ -22,7 +22,7 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_besides known;
   smg_begin_besides(s, &known);
   s->row_team = smg_row_team(&s->c);
-  if (s->row_team > 1) smg_know_besides(&s->c, &known);
+  if (s->row_team > 1 && !known.near) smg_know_besides(&s->c, &known);
   smg_enter_rows(s);
   for (int64_t k = 0; k < count; ++k) smg_row_step(s, &known, k == 0, k + 1 < count);
   smg_leave_rows(s);

@@ -78,6 +78,7 @@ static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_
     return 1;
   }
   run->near = NULL;
+  run->order = NULL;
   const int64_t rows = smg_run_of_rows(c, &piece->at, length), end = rows * length;
   run->start = piece->at.start;
   run->sub = piece->at.sub;

@@ -94,9 +94,12 @@ static void smg_begin_rows(smg_state *s) {
   s->row_due = 0;
 }
 
-/* The passes of the next step that are watched. */
+/* The passes of the next step that are watched: from those before midpoints have nearly settled on, so that rates are known before round-off; where they had when
+ * this step was first looked at, from some earlier ones. */
 static void smg_watch_from(smg_state *s, const smg_row_sweeping *sweep) {
-  const int64_t from = sweep->passes - SMG_ROW_WATCHED;
+  const int64_t last = sweep->passes - SMG_ROW_WATCHED, near = sweep->near - SMG_COLOURS, seen = s->row_from + SMG_COLOURS - 1;
+  int64_t from = near < last ? near : last;
+  if (s->row_from > 0 && sweep->near <= seen && s->row_from - 2 < from) from = s->row_from - 2;
   s->row_from = from < 0 ? 0 : from < SMG_NEWTON_STEPS ? from : SMG_NEWTON_STEPS;
 }
 
@@ -136,7 +139,7 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_begin_besides(s, &known);
   smg_begin_ranks(s, &known);
   s->row_team = smg_row_team(&s->c);
-  if (s->row_team > 1) smg_know_besides(&s->c, &known);
+  if (s->row_team > 1 && !known.near) smg_know_besides(&s->c, &known);
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
   smg_enter_rows(s);
   smg_predict_rows(s);

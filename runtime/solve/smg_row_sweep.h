@@ -224,15 +224,15 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
   return most;
 }
 
-/* Passes before the last one of a step that show whether it is: the changes of all colours, and those before. */
+/* The last passes of a step, so many, show at least whether it has ended: the changes of all colours, and those before. */
 #ifndef SMG_ROW_WATCHED
 #define SMG_ROW_WATCHED (SMG_COLOURS + 2)
 #endif
 
 /* The next pass: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
  * once the others have nearly settled. Of sites that do not feel their own colour the gradient stays what it is in the last pass, and
- * gives their increments at once: that is expected to be the pass that was the last one of the step before. Passes long before that one are
- * not watched: they move midpoints too far for an end. */
+ * gives their increments at once: that is expected to be the pass that was the last one of the step before. Passes that move midpoints
+ * too far for an end are not watched (smg_watch_from). */
 SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sweep) {
   const int64_t unknown = s->row_weak ? SMG_COLOURS : 1; /* an extrapolation may be far off, and midpoints then not near spins */
   const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;

@@ -298,11 +298,11 @@ SMG_INLINE void smg_take_near(const smg_run *run, int n, const smg_real *all, in
 /* Those beside the sites from the j-th on of a run, the p-th of its row. around: may they stand around a ring, beyond the ends of the row? That is read for
  * sites of the run alone: that far beyond it there may be no memory. */
 SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int around, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
-  const smg_beside *b = run->b + n;
   if (blocks) {
     smg_take_near(run, n, all, pitch, j, v);
     return;
   }
+  const smg_beside *b = run->b + n;
   smg_take_slots(all, pitch, run->start + b->start + j, v);
   if (!around || smg_all_within(b, p, run->to - j < SMG_LANES ? run->to - j : SMG_LANES)) return;
   const smg_lane_mask within = smg_lanes_within(run, b, p);
@@ -363,8 +363,10 @@ static void smg_look_beside(const smg_coefficients *c, const smg_lattice_row *at
 
 SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg_lattice_row *at, smg_besides *all) {
   const int64_t kind = (at->kind * SMG_ROW_KINDS + smg_kind_of_row(at->s1, smg_cells(c, 1))) * SMG_ROW_STEP + at->first;
-  if (!all->known[kind]) smg_look_beside(c, at, all->rows[kind]);
-  all->known[kind] = 1;
+  if (!all->known[kind]) {
+    smg_look_beside(c, at, all->rows[kind]);
+    all->known[kind] = 1; /* threads find all of them known */
+  }
   return all->rows[kind];
 }
 

@@ -177,7 +177,7 @@ IN_ROWS = (
     (ROW_END, r"1 / \(smg_radius\(c, 0\) \* smg_radius\(c, 0\)\)", r"1 / smg_radius(c, 0)"),
     (ROW_END, r"u\[k\] \*= 2 \* turn\.half", r"u[k] *= turn.half"),
     (ROW_STEP, r"sweep->passes < SMG_ROW_PASSES \? SMG_OK : SMG_NO_CONVERGENCE", r"SMG_OK"),
-    (ROW_STEP, r"sweep->passes - SMG_ROW_WATCHED", r"sweep->passes"),
+    (ROW_STEP, r"near < last \? near : last", r"last"),
     (ROW_WAVE, r"s->row_reach \+ block - 1", r"s->row_reach - 1"),
     (ROW_WAVE, r"smg_predict_rows\(s\);", r""),
     (ROW_WAVE, r"at % wave->blocks", r"(at < wave->blocks ? at : wave->blocks - 1)"),
