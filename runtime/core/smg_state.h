@@ -143,7 +143,7 @@ static void smg_clear_arrays(smg_state *s, smg_real *mem) {
   const size_t used = smg_layout(s, mem);
   for (size_t k = 0; k < used; ++k) mem[k] = 0;
 #if SMG_BY_ROWS
-  smg_make_near(s);
+  smg_make_beside(s);
 #endif
 }
 

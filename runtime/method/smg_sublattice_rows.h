@@ -63,7 +63,7 @@ SMG_INLINE void smg_turn_share(const smg_state *s, smg_besides *known, const smg
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_share(&s->c, colour, &piece);
-  if (SMG_BLOCKS && known->near) {
+  if (SMG_BLOCKS && known->beside) {
     smg_turn_blocks(&s->c, turn, which, &piece);
     return;
   }

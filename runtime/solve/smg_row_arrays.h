@@ -21,24 +21,24 @@ static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t
 }
 
 /* Numbers that the table of neighbours takes, of a lattice in blocks. */
-static inline size_t smg_place_near(smg_state *s, smg_real *mem) {
+static inline size_t smg_place_beside(smg_state *s, smg_real *mem) {
   smg_blocks blocks;
   const int there = smg_in_blocks(&s->c, &blocks);
-  s->row_beside = there && mem ? (smg_near *)(void *)mem : NULL;
-  return there ? smg_near_size(&s->c) : 0;
+  s->row_beside = there && mem ? (smg_slot_beside *)(void *)mem : NULL;
+  return there ? smg_beside_size(&s->c) : 0;
 }
 
 /* The table. */
-static inline void smg_make_near(smg_state *s) {
+static inline void smg_make_beside(smg_state *s) {
   smg_blocks blocks;
-  if (s->rows && smg_in_blocks(&s->c, &blocks)) smg_fill_near(&s->c, &blocks, s->row_beside);
+  if (s->rows && smg_in_blocks(&s->c, &blocks)) smg_fill_beside(&s->c, &blocks, s->row_beside);
 }
 
 /* What stands beside the sites, for a call of some steps. */
 static inline void smg_begin_besides(const smg_state *s, smg_besides *known) {
   smg_blocks blocks;
   smg_forget_besides(&s->c, known);
-  known->near = s->row_beside;
+  known->beside = s->row_beside;
   if (s->row_beside && smg_in_blocks(&s->c, &blocks)) smg_order_lanes(&blocks, known->order);
 }
 

@@ -27,13 +27,13 @@ typedef struct smg_blocks {
 
 /* A cut of direction d into so many parts: does it keep colours, and close around the ring? */
 static inline int smg_cut_direction(const smg_coefficients *c, int d, int64_t parts, smg_blocks *b) {
-  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3}, n = smg_cells(c, d), around = smg_cells(c, 0);
+  const int64_t n = smg_cells(c, d), around = smg_cells(c, 0);
   b->parts[d] = parts;
   b->cells[d] = n / parts;
   if (n % parts > 0) return 0;
   for (int64_t k = 0; k < (d > 0 ? parts : 1); ++k) {
     b->shear[d] = k * around / parts;
-    if (k * around % parts == 0 && (b->shear[d] * weights[0] + b->cells[d] * weights[d]) % SMG_COLOURS == 0) return 1;
+    if (k * around % parts == 0 && (b->shear[d] * smg_weight_of(0) + b->cells[d] * smg_weight_of(d)) % SMG_COLOURS == 0) return 1;
   }
   return 0;
 }
@@ -49,9 +49,9 @@ static int smg_find_blocks(const smg_coefficients *c, smg_blocks *b) {
 
 /* Is there room for the table? Midpoints have up to 156 bytes a spin without it where there are two colours, 160 where there are more, and 160 are enough. */
 #if SMG_ROW_TURNS
-#define SMG_ROOM_FOR_NEAR 1
+#define SMG_ROOM_FOR_BESIDE 1
 #else
-#define SMG_ROOM_FOR_NEAR (SMG_COLOURS == 2 && SMG_BESIDES <= 8)
+#define SMG_ROOM_FOR_BESIDE (SMG_COLOURS == 2 && SMG_BESIDES <= 8)
 #endif
 
 /* Does the lattice stand in blocks? Where it is small, has no empty slots, and is not shared by ranks. */
@@ -60,7 +60,7 @@ static int smg_in_blocks(const smg_coefficients *c, smg_blocks *b) {
   (void)c, (void)b;
   return 0;
 #else
-  return SMG_BLOCKS && SMG_ROOM_FOR_NEAR && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO && !smg_meet_at_seam(c) && smg_find_blocks(c, b);
+  return SMG_BLOCKS && SMG_ROOM_FOR_BESIDE && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO && !smg_meet_at_seam(c) && smg_find_blocks(c, b);
 #endif
 }
 
@@ -141,9 +141,9 @@ SMG_INLINE void smg_each_in_blocks(const smg_coefficients *c, const smg_blocks *
 }
 
 /* The table: of each vector, the slots of what is beside its lane 0. */
-static size_t smg_near_size(const smg_coefficients *c) { return ((size_t)(smg_slots(c) / SMG_WIDEST * SMG_BESIDES) * sizeof(smg_near) + sizeof(smg_real) - 1) / sizeof(smg_real); }
+static size_t smg_beside_size(const smg_coefficients *c) { return ((size_t)(smg_slots(c) / SMG_WIDEST * SMG_BESIDES) * sizeof(smg_slot_beside) + sizeof(smg_real) - 1) / sizeof(smg_real); }
 
-static void smg_fill_near(const smg_coefficients *c, const smg_blocks *b, smg_near *near) {
+static void smg_fill_beside(const smg_coefficients *c, const smg_blocks *b, smg_slot_beside *table) {
   smg_offset beside[SMG_BESIDES];
   smg_block_vector v = smg_first_vector();
   do {
@@ -151,7 +151,7 @@ static void smg_fill_near(const smg_coefficients *c, const smg_blocks *b, smg_ne
     for (int64_t k = 0; k < found; ++k) {
       int64_t cell[4];
       for (int d = 0; d < 4; ++d) cell[d] = smg_left(v.cell[d] + beside[k].cell[d], smg_cells(c, d));
-      near[v.slot / SMG_WIDEST * SMG_BESIDES + k] = (smg_near)smg_slot_in_blocks(c, b, beside[k].sub, cell);
+      table[v.slot / SMG_WIDEST * SMG_BESIDES + k] = (smg_slot_beside)smg_slot_in_blocks(c, b, beside[k].sub, cell);
     }
   } while (smg_next_vector(b, &v));
 }

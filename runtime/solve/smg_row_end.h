@@ -92,7 +92,7 @@ static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning tur
   smg_increments_into(s, colour, &turn);
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_part(&s->c, colour, part, &piece);
-  if (SMG_BLOCKS && known->near) smg_end_blocks(&s->c, turn, &piece, most);
+  if (SMG_BLOCKS && known->beside) smg_end_blocks(&s->c, turn, &piece, most);
   else
     while (smg_next_piece(&s->c, s->row_m, &piece)) smg_end_piece(turn, &piece, most);
 }

@@ -34,7 +34,7 @@ static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, s
 /* Some slots of it, from one on where a vector begins. */
 static inline void smg_begin_part(const smg_coefficients *c, int64_t colour, smg_share part, smg_piece *piece) {
   const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), end = first + smg_rows(c) * length;
-  const int64_t row = piece->known->near || part.from == first ? 0 : (part.from - first) / length;
+  const int64_t row = piece->known->beside || part.from == first ? 0 : (part.from - first) / length;
   piece->at = row > 0 ? smg_row_of(c, colour, row) : piece->known->first[colour];
   piece->from = part.from - first - row * length;
   piece->end = part.to < end ? part.to : end;
@@ -63,7 +63,7 @@ static inline void smg_next_run_of_blocks(const smg_coefficients *c, smg_piece *
   run->from = piece->from;
   run->to = end < (rank + 1) * alike ? end : (rank + 1) * alike;
   run->length = run->sites = run->to;
-  run->near = piece->known->near;
+  run->beside = piece->known->beside;
   run->order = piece->known->order;
   piece->done += run->to - run->from;
   piece->from = run->to;
@@ -73,11 +73,11 @@ static inline void smg_next_run_of_blocks(const smg_coefficients *c, smg_piece *
 static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
   const int64_t room = piece->size - piece->done, length = piece->length;
   if (room <= 0) return 0;
-  if (SMG_BLOCKS && piece->known->near) {
+  if (SMG_BLOCKS && piece->known->beside) {
     smg_next_run_of_blocks(c, piece, run);
     return 1;
   }
-  run->near = NULL;
+  run->beside = NULL;
   run->order = NULL;
   const int64_t rows = smg_run_of_rows(c, &piece->at, length), end = rows * length;
   run->start = piece->at.start;
@@ -123,7 +123,7 @@ static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, s
   smg_run run;
   if (!smg_open_piece(piece)) return 0;
   for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from) {
-    if (SMG_BLOCKS && run.near) smg_run_gradients(c, &run, 1, m, pitch, g);
+    if (SMG_BLOCKS && run.beside) smg_run_gradients(c, &run, 1, m, pitch, g);
     else smg_run_gradients(c, &run, 0, m, pitch, g);
   }
   return 1;

@@ -56,7 +56,7 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
     for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
   }
   const size_t used = SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + 1) * late;
-  return used + smg_place_near(s, mem ? mem + used : NULL);
+  return used + smg_place_beside(s, mem ? mem + used : NULL);
 }
 
 /* What a saved state has; of the increments those of the first colour are 0. */

@@ -31,14 +31,13 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
   return smg_row_solved(s, SMG_MATH(sqrt)(most));
 }
 
-/* The slot, wherever the lattice stands, of the site that by rows has this one. */
-static int64_t smg_slot_by_rows(const smg_coefficients *c, int64_t slot) {
+/* The slot in blocks of the site that by rows has this one; none: NULL. */
+static int64_t smg_slot_by_rows(const smg_coefficients *c, const smg_blocks *b, int64_t slot) {
   const int64_t colour = slot / smg_colour_slots(c), row = (slot - colour * smg_colour_slots(c)) / smg_row_length(c);
-  smg_blocks b;
-  if (!smg_in_blocks(c, &b)) return slot;
+  if (!b) return slot;
   const smg_lattice_row at = smg_row_of(c, colour, row);
   const int64_t cell[4] = {at.first + SMG_ROW_STEP * (slot - at.start), at.s1, at.s2, at.s3};
-  return smg_slot_in_blocks(c, &b, at.sub, cell);
+  return smg_slot_in_blocks(c, b, at.sub, cell);
 }
 
 /* The error, squared, that every degree would have made in one slot, the k-th of all colours but the first, of the step just solved: the backward
@@ -62,9 +61,11 @@ static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
 static void smg_choose_row_degree(smg_state *s) {
   const int64_t first = smg_colour_slots(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
   smg_real miss[SMG_HISTORY] = {0};
+  smg_blocks found;
+  const smg_blocks *blocks = s->row_beside && smg_in_blocks(&s->c, &found) ? &found : NULL;
   for (int64_t k = 0; k < size; k += stride) {
     smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
-    smg_row_misses(s, smg_slot_by_rows(&s->c, first + k) - first, miss);
+    smg_row_misses(s, smg_slot_by_rows(&s->c, blocks, first + k) - first, miss);
   }
   s->degree = s->history > 0 ? 0 : SMG_NO_DEGREE;
   for (int d = 1; d < s->history; ++d)
@@ -139,7 +140,7 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_begin_besides(s, &known);
   smg_begin_ranks(s, &known);
   s->row_team = smg_row_team(&s->c);
-  if (s->row_team > 1 && !known.near) smg_know_besides(&s->c, &known);
+  if (s->row_team > 1 && !known.beside) smg_know_besides(&s->c, &known);
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
   smg_enter_rows(s);
   smg_predict_rows(s);

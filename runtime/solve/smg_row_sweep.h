@@ -106,7 +106,7 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   smg_motion most = *moved;
   smg_run run;
   for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) {
-    if (SMG_BLOCKS && run.near) smg_aim_run(c, turn, &run, 1, way, small, last, piece, k);
+    if (SMG_BLOCKS && run.beside) smg_aim_run(c, turn, &run, 1, way, small, last, piece, k);
     else smg_aim_run(c, turn, &run, 0, way, small, last, piece, k);
   }
   for (int64_t k = 0; k < size; k += SMG_LANES) {

@@ -53,6 +53,11 @@ SMG_INLINE int64_t smg_colour_of(int64_t sub, int64_t s0, int64_t s1, int64_t s2
   return smg_left(SMG_WEIGHT_0 * s0 + SMG_WEIGHT_1 * s1 + SMG_WEIGHT_2 * s2 + SMG_WEIGHT_3 * s3 + smg_shift(sub), SMG_COLOURS);
 }
 
+static inline int64_t smg_weight_of(int d) {
+  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
+  return weights[d];
+}
+
 /* Whole vectors of the widest lanes. */
 SMG_INLINE int64_t smg_whole_vectors(int64_t n) { return (n + SMG_WIDEST - 1) / SMG_WIDEST * SMG_WIDEST; }
 
@@ -71,9 +76,8 @@ static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg
 
 /* Do sites of one colour meet across the seam of a ring that is no multiple of the colours? */
 static inline int smg_meet_at_seam(const smg_coefficients *c) {
-  const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
   int meet = 0;
-  for (int d = 0; d < 4; ++d) meet = meet || ((SMG_RINGS >> d & 1) && weights[d] * smg_cells(c, d) % SMG_COLOURS > 0);
+  for (int d = 0; d < 4; ++d) meet = meet || ((SMG_RINGS >> d & 1) && smg_weight_of(d) * smg_cells(c, d) % SMG_COLOURS > 0);
   return meet;
 }
 
@@ -193,21 +197,21 @@ typedef struct smg_beside {
 
 /* In blocks: the slots beside lane 0 of a vector, SMG_BESIDES of them; and which lane each takes where lane 0 takes the t-th. */
 #if defined(__GNUC__)
-typedef int32_t smg_near __attribute__((may_alias));
+typedef int32_t smg_slot_beside __attribute__((may_alias));
 #else
-typedef int32_t smg_near;
+typedef int32_t smg_slot_beside;
 #endif
 typedef struct smg_lane_order {
   SMG_LINES int64_t of[SMG_WIDEST];
 } smg_lane_order;
 
 /* Some slots of a run of rows, those from <= j < to: the slot where j = 0; the place of all, and how many sites each row has; slots of a row; what stands
- * beside all of them; of short rows, the places of slots in their rows; near, order: of a run of blocks. */
+ * beside all of them; of short rows, the places of slots in their rows; beside, order: of a run of blocks. */
 typedef struct smg_run {
   int64_t start, sub, sites, length, from, to;
   const smg_beside *b;
   const smg_real *place;
-  const smg_near *near;
+  const smg_slot_beside *beside;
   const smg_lane_order *order;
 } smg_run;
 
@@ -287,10 +291,10 @@ SMG_INLINE void smg_take_turned(const smg_real *all, int64_t pitch, const int64_
 }
 
 /* The n-th vectors beside the slots from the j-th on of a run of blocks. */
-SMG_INLINE void smg_take_near(const smg_run *run, int n, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+SMG_INLINE void smg_take_in_blocks(const smg_run *run, int n, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
   const uint64_t slot = (uint64_t)(run->start + j), lane = SMG_LANES < SMG_WIDEST ? slot % SMG_WIDEST : 0;
-  const uint64_t near = (uint64_t)run->near[slot / SMG_WIDEST * SMG_BESIDES + (uint64_t)n], t = near % SMG_WIDEST;
-  const smg_real *vector = all + (near - t);
+  const uint64_t beside = (uint64_t)run->beside[slot / SMG_WIDEST * SMG_BESIDES + (uint64_t)n], t = beside % SMG_WIDEST;
+  const smg_real *vector = all + (beside - t);
   if (t == 0) smg_take_slots(vector, pitch, (int64_t)lane, v);
   else smg_take_turned(vector, pitch, run->order[t].of + lane, v);
 }
@@ -299,7 +303,7 @@ SMG_INLINE void smg_take_near(const smg_run *run, int n, const smg_real *all, in
  * sites of the run alone: that far beyond it there may be no memory. */
 SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int around, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
   if (blocks) {
-    smg_take_near(run, n, all, pitch, j, v);
+    smg_take_in_blocks(run, n, all, pitch, j, v);
     return;
   }
   const smg_beside *b = run->b + n;
@@ -341,7 +345,7 @@ typedef struct smg_besides {
   smg_real place[SMG_LONG_ROW + SMG_WIDEST];
   int64_t room;         /* slots of a piece */
   smg_lattice_row first[SMG_COLOURS];
-  const smg_near *near; /* of blocks; else NULL */
+  const smg_slot_beside *beside; /* of blocks; else NULL */
   smg_lane_order order[SMG_WIDEST];
 } smg_besides;
 
@@ -351,7 +355,7 @@ static inline void smg_forget_besides(const smg_coefficients *c, smg_besides *al
   for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
   all->room = smg_piece_room(c);
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) all->first[colour] = smg_first_row(c, colour);
-  all->near = NULL;
+  all->beside = NULL;
 }
 
 static void smg_look_beside(const smg_coefficients *c, const smg_lattice_row *at, smg_beside *b) {
