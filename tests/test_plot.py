@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import smidgen
 from support.pictures import HOSTILE, INERTIA, body, result, ring, top  # noqa: F401
 from support.systems import tiers
 
@@ -124,7 +125,7 @@ def test_json_refuses_nan():
 
 # -- every kind, every format ----------------------------------------------------------------
 
-@pytest.mark.parametrize("kind", [k for k in pictures.KINDS if k != "player"])
+@pytest.mark.parametrize("kind", [k for k in pictures.KINDS if k not in ("player", "lattice")])
 def test_every_kind_draws_something_with_named_axes(kind, top):
     full = result(top.w, **top.values, **{"energy.kinetic": top.values["energy"], "mz": top.t})
     figure = style.styled(pictures.KINDS[kind][0])(full)
@@ -132,6 +133,50 @@ def test_every_kind_draws_something_with_named_axes(kind, top):
         drawn = len(ax.lines) + len(ax.collections) + len(ax.images)
         assert drawn > 0
         assert not ax.axison or ax.get_xlabel() or ax.get_ylabel()
+
+
+LATTICE = """
+[model]
+name = "layers"
+[space]
+w = {{ sphere = {sites} }}
+[lattices.honey]
+size = [4, 4]
+sites = 2
+boundary = "periodic"
+bonds.all = [{{ from = 0, to = 1, offset = [0, 0] }}, {{ from = 0, to = 1, offset = [-1, 0] }}, {{ from = 0, to = 1, offset = [0, -1] }}]
+[effects.exchange]
+over = "bond(i, j) of {over}"
+energy = "-dot(w[i], w[j])"
+[starts.random]
+random = 1
+"""
+LAYERS = {      # a lattice and where the first site of each cell of its lowest layer stands: rows of numbers
+    "film": ("square(5, 3, open)", 15, np.arange(15).reshape(3, 5)),
+    "crystal": ("cubic(4, 3, 2, periodic)", 24, np.arange(12).reshape(3, 4)),
+    "honeycomb": ("honey.all", 32, 2 * np.arange(16).reshape(4, 4)),
+}
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_a_lattice_is_seen_from_above(name):
+    over, sites, numbers = LAYERS[name]
+    spec = smidgen.load_text(LATTICE.format(over=over, sites=sites))
+    drawn = draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=9, what=["states"]), None)
+    assert pictures.suitable(drawn, False) == "lattice"
+    figure = style.styled(pictures.draw_lattice)(drawn)
+    *panels, bar = figure.axes
+    assert len(panels) == 6 and bar.get_ylabel() and all(ax.get_xlabel() or ax.get_ylabel() for ax in panels[-3:])
+    for ax, k in zip(panels, np.linspace(0, 9, 6).astype(int)):
+        shown, (arrows,) = drawn.w["w"][k][numbers], ax.collections
+        assert np.allclose(ax.images[0].get_array(), shown[..., 2], atol=1e-15)
+        assert np.allclose(arrows.U, shown[..., 0].ravel()) and np.allclose(arrows.V, shown[..., 1].ravel())
+        assert np.array_equal(arrows.XY[:, 0], np.tile(np.arange(numbers.shape[1]), len(numbers)))
+
+
+def test_a_chain_is_no_such_lattice(ring):
+    with pytest.raises(UsageError, match="draw the kind 'chain'"):
+        pictures.draw_lattice(ring)
 
 
 @pytest.mark.parametrize("ending", tiers(style.FORMATS, (), ("svg",)))

@@ -73,10 +73,11 @@ def mpirun(count, *words, cwd, **environment):
     return subprocess.run(["mpirun", "-n", str(count), *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=LIMIT, env={**os.environ, **MPI, **environment})
 
 
-def programs(where, spec, *more):
-    """serial and shared in `where`, with a start."""
-    for file, text in generate(spec).items():
-        (where / file).write_text(text)
+def programs(where, spec, *more, right="", wrong=""):
+    """serial and shared in `where`, with a start; with one line wrong."""
+    for file, text in generate(spec, amalgamate=bool(right)).items():
+        assert right in text or not file.endswith(f"{spec.name}.c")
+        (where / file).write_text(text.replace(right, wrong) if right else text)
     (where / "main.c").write_text(MAIN.format(M=spec.name))
     initial_state(spec, "random").astype(float).tofile(where / "start.bin")
     words = ["-std=c11", "-O0", "-Wno-psabi", "-ffp-contract=off", "-fno-math-errno", *more, *include_flags(), "-I.", "main.c", f"{spec.name}.c", "-o"]
@@ -103,6 +104,17 @@ def test_ranks_have_the_same_bits(tmp_path, name):
     """Each rank has the whole state, with what rounding cut off and the history; restored, it goes on."""
     programs(tmp_path, SPECS[name], SMALL)
     check_bits(tmp_path, C_CASES[name])
+
+
+@needs_mpi
+@pytest.mark.parametrize("right, wrong", [("inner = {all.from + first, all.to - last}", "inner = {all.from, all.to - last}"), ("inner = {all.from + first, all.to - last}", "inner = {all.from + first, all.to}"),
+                                          ("inner = {all.from + first", "inner = {all.from + first")], ids=["the first ones", "the last ones", "nothing"])
+def test_ends_are_turned_before_they_are_sent(tmp_path, right, wrong):
+    programs(tmp_path, SPECS["plain cubic"], SMALL, right=right, wrong=wrong)
+    subprocess.run(["./serial", "serial"], cwd=tmp_path, check=True, env={**os.environ, **MPI})
+    said = mpirun(2, "./shared", "of2", cwd=tmp_path)
+    agree = said.returncode == 0 and (tmp_path / "of2.0").read_bytes() == (tmp_path / "serial.0").read_bytes()
+    assert agree == (right == wrong)
 
 
 @needs_mpi

@@ -2,7 +2,8 @@
  *
  * A part follows the slowest direction, so what another rank reads of it lies near its ends: so many slots from its beginning and so many
  * to its end, the same of x, y and z. Every rank finds what it reads of others, row by row, and tells them; who reads is read, for
- * neighbours feel each other. One message goes each way after a colour's pass; requests are made once a call. */
+ * neighbours feel each other. One message goes each way once those ends of a colour are
+ * turned, and is on its way while the others are; requests are made once a call. */
 #ifndef SMG_ROW_HALO_H
 #define SMG_ROW_HALO_H
 
@@ -22,6 +23,7 @@ typedef struct smg_mpi_partner {
 
 typedef struct smg_mpi_halo {
   int partners, messages[SMG_COLOURS];
+  int64_t first[SMG_COLOURS], last[SMG_COLOURS]; /* slots that others read, in whole vectors */
   smg_mpi_partner with[SMG_MPI_PARTNERS];
   MPI_Request message[SMG_COLOURS][2 * SMG_MPI_PARTNERS];
 } smg_mpi_halo;
@@ -108,13 +110,22 @@ static int smg_mpi_ends_type(const smg_coefficients *c, int rank, int64_t colour
   return MPI_Type_commit(type) == MPI_SUCCESS;
 }
 
-/* The messages after a colour's pass. */
+/* What one of the others reads. */
+static void smg_mpi_read_by(const smg_mpi_partner *p, int64_t colour) {
+  const int64_t first = smg_whole_vectors(p->told.first[colour]), last = smg_whole_vectors(p->told.last[colour]);
+  if (first > smg_halo.first[colour]) smg_halo.first[colour] = first;
+  if (last > smg_halo.last[colour]) smg_halo.last[colour] = last;
+}
+
+/* The messages of a colour's pass. */
 static void smg_mpi_prepare(const smg_state *s, int64_t colour) {
   int *n = smg_halo.messages + colour;
   MPI_Request *message = smg_halo.message[colour];
   *n = 0;
+  smg_halo.first[colour] = smg_halo.last[colour] = 0;
   for (const smg_mpi_partner *p = smg_halo.with; p < smg_halo.with + smg_halo.partners; ++p) {
     MPI_Datatype type;
+    smg_mpi_read_by(p, colour);
     if (smg_mpi_ends_type(&s->c, p->rank, colour, &p->read, &type)) {
       MPI_Recv_init(s->row_m, 1, type, p->rank, (int)colour, SMG_MPI_COMM, message + (*n)++);
       MPI_Type_free(&type);
@@ -142,23 +153,25 @@ static void smg_end_ranks(const smg_state *s) {
   smg_gather_rows(s);
 }
 
-static void smg_mpi_send(int64_t colour) {
+/* Midpoints of a colour. */
+static void smg_send_colour(int64_t colour) {
   if (smg_halo.messages[colour] > 0) MPI_Startall(smg_halo.messages[colour], smg_halo.message[colour]);
 }
-static void smg_mpi_wait(int64_t colour) {
+static void smg_await_colour(int64_t colour) {
   if (smg_halo.messages[colour] > 0) MPI_Waitall(smg_halo.messages[colour], smg_halo.message[colour], MPI_STATUSES_IGNORE);
 }
 
-/* Midpoints of a colour, after its pass. */
-static void smg_exchange_colour(int64_t colour) {
-  smg_mpi_send(colour);
-  smg_mpi_wait(colour);
+/* Of this rank's slots, those that no other one reads. */
+static smg_share smg_between_ends(int64_t colour, smg_share all) {
+  const int64_t first = smg_halo.first[colour], last = smg_halo.last[colour];
+  const smg_share inner = {all.from + first, all.to - last}, none = {all.to, all.to};
+  return first + last < all.to - all.from ? inner : none;
 }
 
 /* Those that were predicted: of all colours but the first. */
 static void smg_exchange_late(void) {
-  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_mpi_send(colour);
-  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_mpi_wait(colour);
+  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);
+  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_await_colour(colour);
 }
 
 #endif

@@ -71,7 +71,7 @@ static void smg_choose_ranks(const smg_coefficients *c) {
   smg_mpi_of = smg_mpi_me < smg_mpi_parts || smg_mpi_parts == 1 ? smg_mpi_parts : SMG_MPI_NONE;
 }
 
-/* Where the slots of a rank begin in a colour, as smg_share_of cuts them; of ranks without a part, at its end. */
+/* Where the slots of a rank begin in a colour, as smg_part_of cuts them; of ranks without a part, at its end. */
 SMG_INLINE int64_t smg_mpi_from(const smg_coefficients *c, int64_t rank) {
   return smg_colour_slots(c) / SMG_WIDEST * (rank < smg_mpi_parts ? rank : smg_mpi_parts) / smg_mpi_parts * SMG_WIDEST;
 }
@@ -152,7 +152,9 @@ SMG_INLINE int64_t smg_rank_parts(void) { return 1; }
 #define smg_begin_ranks(s, known) (void)0
 #define smg_end_ranks(s) (void)0
 #define smg_largest_of_ranks(a, b) (void)0
-#define smg_exchange_colour(colour) (void)0
+#define smg_between_ends(colour, all) (all)
+#define smg_send_colour(colour) (void)0
+#define smg_await_colour(colour) (void)0
 #define smg_exchange_late() (void)0
 #define smg_share_sample(s, k, late) (void)0
 #define smg_gather_saved(s, history, late) (void)0

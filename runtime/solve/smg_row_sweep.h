@@ -186,16 +186,26 @@ SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_motion *motio
   if (pass.last) smg_take(&moved->residual, smg_most_of(motion->residual));
 }
 
-/* A colour by all threads. */
-static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass) {
-  smg_moved moved = smg_not_moved;
+/* Some slots of this rank by all threads. */
+static void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share slots, smg_moved *moved) {
+  if (slots.from >= slots.to) return;
   SMG_TEAM(s->row_team) {
     smg_motion motion = smg_at_rest();
-    smg_turn_some_slots(s, known, turn, pass, smg_share_of_colour(&s->c, pass.colour), &motion);
-    SMG_ONE_BY_ONE smg_take_motion(pass, &motion, &moved);
+    smg_turn_some_slots(s, known, turn, pass, smg_share_of_thread(slots), &motion);
+    SMG_ONE_BY_ONE smg_take_motion(pass, &motion, moved);
   }
+}
+
+/* A colour: first the ends that other ranks read; while those are on their way, what is between. */
+static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass) {
+  const smg_share all = smg_colour_of_rank(&s->c, pass.colour), inner = smg_between_ends(pass.colour, all), first = {all.from, inner.from}, last = {inner.to, all.to};
+  smg_moved moved = smg_not_moved;
+  smg_turn_by_team(s, known, turn, pass, first, &moved);
+  smg_turn_by_team(s, known, turn, pass, last, &moved);
+  smg_send_colour(pass.colour);
+  smg_turn_by_team(s, known, turn, pass, inner, &moved);
+  smg_await_colour(pass.colour);
   if (pass.watched) smg_largest_of_ranks(&moved.whole, &moved.part);
-  smg_exchange_colour(pass.colour);
   return moved;
 }
 

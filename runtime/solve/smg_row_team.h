@@ -31,24 +31,24 @@ SMG_INLINE int smg_threads(void) { return 1; }
 #define SMG_SHARE 1024
 #endif
 
-/* Some slots, from the first up to the last but one. */
-typedef struct smg_share {
-  int64_t from, to;
-} smg_share;
-
-/* The part of this thread of this rank in `slots` of them from `first` on. */
-SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) {
-  const int64_t threads = smg_threads(), k = smg_thread() + threads * smg_rank_part(), n = threads * smg_rank_parts();
-  const int64_t vectors = (slots + SMG_WIDEST - 1) / SMG_WIDEST;
-  const smg_share part = {first + vectors * k / n * SMG_WIDEST, first + vectors * (k + 1) / n * SMG_WIDEST};
+/* The k-th of n parts. */
+SMG_INLINE smg_share smg_part_of(smg_share all, int64_t k, int64_t n) {
+  const int64_t vectors = (all.to - all.from + SMG_WIDEST - 1) / SMG_WIDEST;
+  const smg_share part = {all.from + vectors * k / n * SMG_WIDEST, all.from + vectors * (k + 1) / n * SMG_WIDEST};
   return part;
 }
 
-/* That in the slots of a colour. */
-SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) {
-  const int64_t slots = smg_colour_slots(c);
-  return smg_share_of(colour * slots, slots);
+/* What this thread has of the slots of its rank; what its rank has of `slots` of them from `first` on; and the thread of that. */
+SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }
+SMG_INLINE smg_share smg_share_of_rank(int64_t first, int64_t slots) {
+  const smg_share all = {first, first + slots};
+  return smg_part_of(all, smg_rank_part(), smg_rank_parts());
 }
+SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) { return smg_share_of_thread(smg_share_of_rank(first, slots)); }
+
+/* Those of a colour. */
+SMG_INLINE smg_share smg_colour_of_rank(const smg_coefficients *c, int64_t colour) { return smg_share_of_rank(colour * smg_colour_slots(c), smg_colour_slots(c)); }
+SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) { return smg_share_of_thread(smg_colour_of_rank(c, colour)); }
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {

@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 
 from ...errors import UsageError
-from . import chain, curves, player, portraits, surfaces
+from . import chain, curves, lattice, player, portraits, surfaces
 from .colours import of_sites
 from .facts import conserved_energy
 from .text import of_all, printable
@@ -194,6 +194,27 @@ def draw_chain(result):
     return chain.chain_image(result.t, w, first_line(result), others(result, name))
 
 
+def draw_lattice(result):
+    """The largest family on its lattice at up to six times: of several places in a cell the first, of several layers the lowest."""
+    name, w = largest(result)
+    size, sites = grid_of(result, name)
+    if wide(size) < 2:
+        raise UsageError(f"no lattice of two or three directions joins the sites of '{name}': draw the kind 'chain'")
+    cells = w.reshape(len(w), -1, size[1], size[0], sites, 3)
+    said = [f"site 0 of the {sites} of a cell"] * (sites > 1) + [f"the lowest of {cells.shape[1]} layers"] * (cells.shape[1] > 1)
+    return lattice.lattice_images(result.t, cells[:, 0, :, :, 0], first_line(result), "; ".join(filter(None, [others(result, name), *said])))
+
+
+def grid_of(result, name: str):
+    """(cells in each direction, sites of a cell) of a family; () and 1 where no lattice is known."""
+    return (result.meta.get("grids") or {}).get(name, ((), 1))
+
+
+def wide(size) -> int:
+    """Directions of more than one cell, if the first two are."""
+    return sum(n > 1 for n in size) if len(size) > 1 and min(size[:2]) > 1 else 0
+
+
 def draw_curves(result):
     """The largest family at six times, its bonds as arcs on the sphere; all in a ring where none are known."""
     spheres_only(result)
@@ -249,6 +270,7 @@ KINDS = {
     "observables": (draw_observables, "the spec's observables over time"),
     "components": (draw_components, "x, y, z of the sites over time"),
     "chain": (draw_chain, "angles and w_z over site and time"),
+    "lattice": (draw_lattice, "a lattice from above at six times: w_z as colour, w_x and w_y as arrows"),
     "curves": (draw_curves, "a chain or lattice on the sphere at six times, its bonds as arcs"),
     "player": (draw_player, "an HTML page that turns and plays the trajectory"),
 }
@@ -270,8 +292,10 @@ def suitable(result, html: bool) -> str:
         return "leaf"
     if result.meta.get("section"):
         return "section"
-    _, w = largest(result)
+    name, w = largest(result)
     many = w.shape[1] > MANY
+    if many and wide(grid_of(result, name)[0]) > 1:
+        return "lattice"
     return "chain" if many and (smooth(w[0]) or travelled(w) > TANGLED) else "sphere"
 
 
