@@ -136,8 +136,8 @@ def test_a_run_that_fails_later_tells_the_errors_up_to_there(tmp_path, capsys):
     path.write_text(FAST.replace('"8*w.x"', '"if(t < 0.5, 8, 80)*w.x"'))
     assert cli.main(["run", str(path)]) == 4
     said = capsys.readouterr().out
-    assert "largest error over the outputs: momentum" in said and "status: failed" in said
-    assert "not conserved, largest change over the outputs: energy" in said
+    assert "largest error over the outputs (absolute): momentum" in said and "status: failed" in said
+    assert "not conserved, largest change over the outputs (absolute): energy" in said
 
 
 def test_the_summary_of_a_command_calls_no_change_an_error(capsys):

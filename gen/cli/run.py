@@ -212,7 +212,7 @@ def deviation_lines(summary):
     for kind, said in (("errors", "largest error"), ("changes", "not conserved, largest change")):
         if summary[kind]:
             found = (f"{names.get(name, name)} {value:.3g}" for name, value in summary[kind].items())
-            yield f"{said} over the outputs: {', '.join(found)}"
+            yield f"{said} over the outputs (absolute): {', '.join(found)}"
 
 
 VAGUE = 0.1     # an estimate beyond this tells that the end is not known
