@@ -51,9 +51,9 @@ the last step; every step is evaluated once more. Ten steps or more go in a call
 
 {explicit}
 
-Nanoseconds a spin and step, random starts, h = 0.0247. A step of sublattice rotations turns one and a half spins a spin (the energy is kept to round-off;
-not symplectic), by rows in lanes; `memory` is the time in which a copy of a large array moves the bytes that it reads and writes. Pair rotations
-(symplectic, total spin kept to round-off) turn eleven spins a spin of the cubic lattice, by rows in lanes too.
+Nanoseconds a spin and step, random starts, h = 0.0247. A step of sublattice rotations turns the spins of one colour twice and those of
+the other once (the energy is kept to round-off; not symplectic), by rows in lanes; `memory` is the time in which a copy of a large array moves the bytes that it reads and writes. Pair rotations
+(symplectic, total spin kept to round-off) turn the ends of eleven bonds for each two spins of the cubic lattice, by rows in lanes too.
 
 ## Lattices shared by threads
 
