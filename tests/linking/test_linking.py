@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from pages import blocks, sh
+from pages import blocks, python, sh
 
 import smidgen
 from smidgen.cli import main
@@ -73,7 +73,7 @@ def compilers(request):
 
 
 def test_the_page_shows_the_program():
-    assert blocks(PAGE, "c") == [(HERE / "chain.c").read_text()]
+    assert blocks(PAGE, "c")[0] == (HERE / "chain.c").read_text()
 
 
 def test_the_two_files_of_the_page(folder):
@@ -119,6 +119,19 @@ def test_both_programs_with_the_amalgamated_files(both, compilers, objects):
     sh(f"{c} -std=c11 {flags} chain.c {made}/heisenberg_chain.o -lm -o chain; ./chain", folder)
     sh(f"{cpp} -std=c++17 {flags} tops.cpp {made}/free_rigid_body.o -lm -o tops", folder)
     assert sh("./tops", folder) == blocks(PAGE, "output")[0]
+
+
+def test_a_program_begins_with_the_start_of_a_spec(both, objects):
+    """The same end as with the formulas written in C, to the round-off of these."""
+    reading = next(b for b in blocks(PAGE, "c") if "fread" in b and "int main" not in b)
+    python(blocks(PAGE, "python")[0], both)
+    text = (both / "chain.c").read_text()
+    assert text.count("  start(w);\n") == 1
+    (both / "chain.c").write_text("#define start unused_start\n" + text.replace("  start(w);\n", "  (void)unused_start;\n" + reading))
+    flags = f"gcc -std=c11 {' '.join(STRICT)} -I. {objects('gcc')}/heisenberg_chain.o"
+    said = sh(f"{flags} chain.c -lm -o chain; ./chain", both)
+    wanted = sh(f"{flags} {HERE / 'chain.c'} -lm -o formulas; ./formulas", both)
+    assert said.split()[:3] == wanted.split()[:3] and said.split()[0] == "t"
 
 
 def test_the_sources_are_cpp_too(folder, compilers):
