@@ -139,43 +139,96 @@ LATTICE = """
 [model]
 name = "layers"
 [space]
-w = {{ sphere = {sites} }}
+w = {{ sphere = {sites}, radius = 2 }}
+p = {{ sphere = 2, tracer = true }}
 [lattices.honey]
 size = [4, 4]
 sites = 2
 boundary = "periodic"
 bonds.all = [{{ from = 0, to = 1, offset = [0, 0] }}, {{ from = 0, to = 1, offset = [-1, 0] }}, {{ from = 0, to = 1, offset = [0, -1] }}]
 [effects.exchange]
-over = "bond(i, j) of {over}"
+over = "bond(i, j) of {over} on w"
 energy = "-dot(w[i], w[j])"
 [starts.random]
-random = 1
+w = {{ random = 1 }}
+p = {{ random = 2 }}
 """
-LAYERS = {      # a lattice and where the first site of each cell of its lowest layer stands: rows of numbers
-    "film": ("square(5, 3, open)", 15, np.arange(15).reshape(3, 5)),
-    "crystal": ("cubic(4, 3, 2, periodic)", 24, np.arange(12).reshape(3, 4)),
-    "honeycomb": ("honey.all", 32, 2 * np.arange(16).reshape(4, 4)),
+LAYERS = {      # a lattice; the directions that are drawn; where the first site of each cell of the lowest layer stands, rows of numbers; what is said of the others
+    "film": ("square(5, 3, open)", 15, (0, 1), np.arange(15).reshape(3, 5), ""),
+    "crystal": ("cubic(4, 3, 2, periodic)", 24, (0, 1), np.arange(12).reshape(3, 4), "the lowest of 2 layers"),
+    "edge": ("cubic(1, 4, 5, open)", 20, (1, 2), np.arange(20).reshape(5, 4), ""),
+    "ladder": ("square(12, 2, open)", 24, (0, 1), np.arange(24).reshape(2, 12), ""),
+    "honeycomb": ("honey.all", 32, (0, 1), 2 * np.arange(16).reshape(4, 4), "site 0 of the 2 of a cell"),
 }
+
+
+def drawn_from(name, steps=9):
+    """A run of a lattice, as `plot` has it."""
+    spec = smidgen.load_text(LATTICE.format(over=LAYERS[name][0], sites=LAYERS[name][1]))
+    return draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=steps, what=["states"]), None)
 
 
 @pytest.mark.parametrize("name", LAYERS)
 def test_a_lattice_is_seen_from_above(name):
-    over, sites, numbers = LAYERS[name]
-    spec = smidgen.load_text(LATTICE.format(over=over, sites=sites))
-    drawn = draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=9, what=["states"]), None)
+    _, _, (along, up), numbers, note = LAYERS[name]
+    drawn, (rows, columns) = drawn_from(name), numbers.shape
     assert pictures.suitable(drawn, False) == "lattice"
     figure = style.styled(pictures.draw_lattice)(drawn)
     *panels, bar = figure.axes
-    assert len(panels) == 6 and bar.get_ylabel() and all(ax.get_xlabel() or ax.get_ylabel() for ax in panels[-3:])
+    assert len(panels) == 6 and bar.get_ylabel() and note in " ".join(t.get_text() for t in figure.texts) and "6 of 10 outputs" in figure.texts[-1].get_text()
+    assert [ax.get_xlabel() for ax in panels] == [""] * 3 + [f"cell of direction {along} (number)"] * 3
+    assert [ax.get_ylabel() for ax in panels] == [f"cell of direction {up} (number)", "", ""] * 2
     for ax, k in zip(panels, np.linspace(0, 9, 6).astype(int)):
-        shown, (arrows,) = drawn.w["w"][k][numbers], ax.collections
-        assert np.allclose(ax.images[0].get_array(), shown[..., 2], atol=1e-15)
+        shown, (image,) = drawn.w["w"][k][numbers] / 2, ax.images
+        assert ax.get_title("left").startswith(f"$t$ = {drawn.t[k]:g} ")
+        assert image.origin == "lower" and image.get_extent() == [-0.5, columns - 0.5, -0.5, rows - 0.5] and np.allclose(image.get_array(), shown[..., 2], atol=1e-15)
+        assert len(ax.collections) == (name != "ladder") and ax.get_aspect() == ("auto" if name == "ladder" else 1)
+        if not ax.collections:
+            continue
+        arrows, = ax.collections
         assert np.allclose(arrows.U, shown[..., 0].ravel()) and np.allclose(arrows.V, shown[..., 1].ravel())
-        assert np.array_equal(arrows.XY[:, 0], np.tile(np.arange(numbers.shape[1]), len(numbers)))
+        assert np.array_equal(arrows.XY, np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), -1).reshape(-1, 2))
+        assert arrows.scale_units == "xy" and np.isclose(arrows.scale, 1 / 0.9)
+
+
+@pytest.mark.filterwarnings("error")
+def test_spins_that_all_point_up_are_drawn(tmp_path):
+    drawn = drawn_from("film", steps=3)
+    drawn.w["w"][:] = [0, 0, 2]
+    draw.plot(drawn, "lattice", tmp_path / "up.png")
+    below = [ax.get_xlabel() != "" for ax in style.styled(pictures.draw_lattice)(drawn).axes[:4]]
+    assert below == [False, True, True, True]
+
+
+LINES = """
+[model]
+name = "lines"
+[space]
+w = { sphere = "n" }
+[parameters]
+n = 49
+[effects.line]
+over = "bond(i, j) of chain(n, open)"
+energy = "-dot(w[i], w[j])"
+[effects.film]
+over = "bond(i, j) of square(7, 7, open)"
+energy = "dot(w[i], w[j])"
+[starts.random]
+random = 1
+"""
+
+
+def test_what_a_run_does_not_call_is_no_lattice_of_it():
+    """Here it would not even fit the sites."""
+    spec = smidgen.load_text(LINES)
+    for values, effects, wanted in ({}, ["film"], ((7, 7), 1)), ({"n": 30}, ["line"], ((30,), 1)):
+        drawn = draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=2, what=["states"], effects=effects, values=values), None)
+        assert drawn.meta["grids"] == {"w": wanted}
+        assert (pictures.suitable(drawn, False) == "lattice") == (effects == ["film"])
 
 
 def test_a_chain_is_no_such_lattice(ring):
-    with pytest.raises(UsageError, match="draw the kind 'chain'"):
+    with pytest.raises(UsageError, match="is known of this result: draw the kind 'chain'"):
         pictures.draw_lattice(ring)
 
 

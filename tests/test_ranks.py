@@ -21,7 +21,7 @@ needs_mpi = pytest.mark.skipif(bool(MISSING), reason=f"no {', '.join(MISSING)}: 
 needs_mpi4py = pytest.mark.skipif(bool(MISSING) or not importlib.util.find_spec("mpi4py"), reason="no MPI, or no mpi4py: pip install mpi4py")
 LIMIT = 600         # seconds: ranks wait for each other, on a busy machine for long
 MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
-SMALL = "-DSMG_MPI_SHARE=8"     # parts so small that each rank has some of few sites
+SMALL = "-DSMG_MPI_SHARE=8 -DSMG_MPI_LOOK=8".split()     # parts so small that each rank has some of few sites, and looks at messages
 
 MAIN = """
 #ifdef SMG_MPI
@@ -102,7 +102,7 @@ C_CASES = {"odd cubic": (2,), "plain cubic": (2, 3, 4), "open cubic": (3,), "hon
 @pytest.mark.parametrize("name", [n if n == "odd cubic" else pytest.param(n, marks=pytest.mark.long) for n in C_CASES])
 def test_ranks_have_the_same_bits(tmp_path, name):
     """Each rank has the whole state, with what rounding cut off and the history; restored, it goes on."""
-    programs(tmp_path, SPECS[name], SMALL)
+    programs(tmp_path, SPECS[name], *SMALL)
     check_bits(tmp_path, C_CASES[name])
 
 
@@ -110,7 +110,7 @@ def test_ranks_have_the_same_bits(tmp_path, name):
 @pytest.mark.parametrize("right, wrong", [("inner = {all.from + first, all.to - last}", "inner = {all.from, all.to - last}"), ("inner = {all.from + first, all.to - last}", "inner = {all.from + first, all.to}"),
                                           ("inner = {all.from + first", "inner = {all.from + first")], ids=["the first ones", "the last ones", "nothing"])
 def test_ends_are_turned_before_they_are_sent(tmp_path, right, wrong):
-    programs(tmp_path, SPECS["plain cubic"], SMALL, right=right, wrong=wrong)
+    programs(tmp_path, SPECS["plain cubic"], *SMALL, right=right, wrong=wrong)
     subprocess.run(["./serial", "serial"], cwd=tmp_path, check=True, env={**os.environ, **MPI})
     said = mpirun(2, "./shared", "of2", cwd=tmp_path)
     agree = said.returncode == 0 and (tmp_path / "of2.0").read_bytes() == (tmp_path / "serial.0").read_bytes()
@@ -122,7 +122,7 @@ def test_ends_are_turned_before_they_are_sent(tmp_path, right, wrong):
 @pytest.mark.parametrize("more", [("-fopenmp", "-DSMG_SHARE=8"), ("-DSMG_LONG_DOUBLE",), ("-march=native", "-DSMG_PLAIN_SUMS=1")], ids=["threads", "long double", "plain sums"])
 def test_other_builds_too(tmp_path, monkeypatch, more):
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
-    programs(tmp_path, SPECS["plain cubic"], SMALL, *more)
+    programs(tmp_path, SPECS["plain cubic"], *SMALL, *more)
     check_bits(tmp_path, (2, 3))
 
 
@@ -130,7 +130,7 @@ def test_other_builds_too(tmp_path, monkeypatch, more):
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["even", "odd and open"])
 def test_planes_whose_rows_follow_as_they_lie(tmp_path, name):
-    programs(tmp_path, PLANES[name], SMALL, "-DSMG_LARGE_PLANE=0")
+    programs(tmp_path, PLANES[name], *SMALL, "-DSMG_LARGE_PLANE=0")
     check_bits(tmp_path, (2, 3))
 
 
@@ -141,7 +141,7 @@ def test_too_few_sites_for_all_ranks(tmp_path):
     driven = FIELD.replace("0.3*w[i].x", "0.3*cos(t)*w[i].x")
     for n, spec in enumerate((SPECS["ring of 33"], SPECS["ring of 5"], lattice("driven", "square(n, 6, periodic)", 6, "6*n", EXCHANGE + driven))):
         (tmp_path / str(n)).mkdir()
-        programs(tmp_path / str(n), spec, SMALL)
+        programs(tmp_path / str(n), spec, *SMALL)
         check_bits(tmp_path / str(n), (4,))
 
 
@@ -187,7 +187,7 @@ def film(tmp_path, monkeypatch):
     """A film of 144 spins in a folder, and run(count, *words): the command on so many ranks."""
     (tmp_path / "film.toml").write_text(FILM.sources[0][1])
     (tmp_path / "driver.py").write_text(DRIVER)
-    monkeypatch.setenv("CC", f"gcc -Wno-psabi {SMALL}")
+    monkeypatch.setenv("CC", f"gcc -Wno-psabi {' '.join(SMALL)}")
 
     def run(count, *words, fault="", at=0, **environment):
         words = [sys.executable, "driver.py", "run", *map(str, words)]
@@ -238,7 +238,7 @@ def test_what_all_find_is_said_once(film):
     """A file that cannot be written, which rank 0 alone sees; a step that fails; a model whose steps have no parts."""
     said = film(2, *GIVEN, "--out", "nowhere/all.npz")
     assert said.returncode == 8 and said.stderr.count("smidgen: cannot write") == 1
-    said = film(2, *GIVEN, CC=f"gcc {SMALL} -DSMG_ROW_PASSES=5")
+    said = film(2, *GIVEN, CC=f"gcc {' '.join(SMALL)} -DSMG_ROW_PASSES=5")
     assert said.returncode == 4 and said.stderr.count("no convergence") == 1
     said = film(2, "free_rigid_body", "--steps", "5")
     assert said.returncode == 0 and "note: each of the 2 ranks took all steps" in said.stderr

@@ -108,7 +108,7 @@ def test_a_wavefront_has_the_same_bits(tmp_path, name):
         assert found.returncode == 0, (words, found)
 
 
-@pytest.mark.parametrize("name", ["plane", *(pytest.param(n, marks=pytest.mark.long) for n in ("three colours, a ring", "ring", "cubic", "open cubic", "three colours", "own field"))])
+@pytest.mark.parametrize("name", ["plane", "cubic", *(pytest.param(n, marks=pytest.mark.long) for n in ("three colours, a ring", "ring", "open cubic", "three colours", "own field"))])
 def test_threads_have_them_too(tmp_path, name):
     main = built(tmp_path, SPECS[name], more=("-fopenmp", "-DSMG_SHARE=8"))
     for words in (("0.05", "0", "1"), ("0.1", "0", "1"), ("0.02", "1e-9", "1")):

@@ -68,6 +68,14 @@ bonds.near = [{ from = 0, to = 0, offset = [1, 0, 0, 0] }, { from = 0, to = 0, o
 """
 
 
+COMB = """[lattices.teeth]
+size = ["n"]
+sites = 2
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 0, offset = [1] }, { from = 0, to = 1, offset = [0] }]
+"""
+
+
 def lattice(name, over, n, sites, effects=EXCHANGE + FIELD, lattice="", more=""):
     return smidgen.load_text(HEAD.format(name=name, sites=sites, n=n, lattice=lattice, more=more, effects=effects.format(over=over)))
 
@@ -86,6 +94,7 @@ SPECS = {
     "honeycomb": lattice("honeycomb", "honey.all", 5, "6*n", lattice=HONEY),
     "three colours": lattice("skew", "skew.near", 13, "4*n", EXCHANGE + DM, SKEW),
     "ladder": lattice("ladder", "rungs.all", 7, "2*n", lattice=LADDER),
+    "comb": lattice("comb", "teeth.all", 18, "2*n", lattice=COMB),
     "far": lattice("far", "reach.all", 14, "n", lattice=FAR),
     "five colours": lattice("five", "five.all", 15, "7*n", EXCHANGE.replace("0.7", "0.3"), FIVE),
     "four dimensions": lattice("four", "four.near", 4, "24*n", EXCHANGE + DM, FOUR),
@@ -270,7 +279,7 @@ bonds.near = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset 
 }
 
 
-FIRST = [("odd and open", "spherical-midpoint"), ("three colours", "spherical-midpoint"), ("even", "sublattice-rotations")]
+FIRST = [("odd and open", "spherical-midpoint"), ("seam", "spherical-midpoint"), ("three colours", "spherical-midpoint"), ("even", "sublattice-rotations")]
 
 
 @pytest.mark.parametrize("name, method", [*FIRST, *(pytest.param(n, m, marks=pytest.mark.long) for n in PLANES for m in ("spherical-midpoint", "sublattice-rotations", "gauss-6") if (n, m) not in FIRST),

@@ -73,11 +73,12 @@ def of(source, family: str | None = None, values: dict | None = None) -> Grid:
     return most[0]
 
 
-def grids_of(spec: Spec, family: str, values: dict | None = None) -> list[Grid]:
-    """All lattices that join the sites of a family; those that differ in their ends alone are one."""
+def grids_of(spec: Spec, family: str, values: dict | None = None, called=None) -> list[Grid]:
+    """All lattices that join the sites of a family, or those of the effects `called`; those that differ in their ends alone are one."""
     env, count = parameter_values(spec, values), sizes(spec, values)[family][1]
     found = {}
-    for over in (term.over for term in (*spec.effects, *spec.observables)):
+    terms = (*spec.effects, *spec.observables) if called is None else [e for e in spec.effects if e.name in called]
+    for over in (term.over for term in terms):
         if isinstance(over, Lattice) and over.family == family:
             key = tuple(integer(e, env, "the size of a lattice") for e in over.size), over.sites
             found[key] = tuple(a and b for a, b in zip(over.periodic, found.get(key, over.periodic)))

@@ -34,12 +34,19 @@ static inline void smg_make_beside(smg_state *s) {
   if (s->rows && smg_in_blocks(&s->c, &blocks)) smg_fill_beside(&s->c, &blocks, s->row_beside);
 }
 
+/* The blocks of a state, or NULL. */
+static inline const smg_blocks *smg_blocks_of(const smg_state *s, smg_blocks *b) {
+  if (s->row_beside) smg_find_blocks(&s->c, b);
+  return s->row_beside ? b : NULL;
+}
+
 /* What stands beside the sites, for a call of some steps. */
 static inline void smg_begin_besides(const smg_state *s, smg_besides *known) {
-  smg_blocks blocks;
+  smg_blocks found;
+  const smg_blocks *blocks = smg_blocks_of(s, &found);
   smg_forget_besides(&s->c, known);
   known->beside = s->row_beside;
-  if (s->row_beside && smg_in_blocks(&s->c, &blocks)) smg_order_lanes(&blocks, known->order);
+  if (blocks) smg_order_lanes(blocks, known->order);
 }
 
 /* Empty slots at the ends of rows hold a spin that nothing turns. */

@@ -161,6 +161,16 @@ static void smg_await_colour(int64_t colour) {
   if (smg_halo.messages[colour] > 0) MPI_Waitall(smg_halo.messages[colour], smg_halo.message[colour], MPI_STATUSES_IGNORE);
 }
 
+/* Large messages move only while MPI is called: so it is, after so many slots, some 0.1 ms of work, while there are messages. */
+#ifndef SMG_MPI_LOOK
+#define SMG_MPI_LOOK 16384
+#endif
+static int64_t smg_mpi_looks(smg_share inner) { return smg_halo.partners > 0 && inner.to - inner.from > SMG_MPI_LOOK ? (inner.to - inner.from) / SMG_MPI_LOOK : 1; }
+static void smg_look_at_colour(int64_t colour) {
+  int all = 0;
+  if (smg_halo.messages[colour] > 0) MPI_Testall(smg_halo.messages[colour], smg_halo.message[colour], &all, MPI_STATUSES_IGNORE);
+}
+
 /* Of this rank's slots, those that no other one reads. */
 static smg_share smg_between_ends(int64_t colour, smg_share all) {
   const int64_t first = smg_halo.first[colour], last = smg_halo.last[colour];

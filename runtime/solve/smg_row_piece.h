@@ -108,24 +108,21 @@ SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, 
   if (!blocks) smg_only_sites(run, p, g);
 }
 
-/* The gradients of a run, one after the other from g on. */
-SMG_INLINE void smg_run_gradients(const smg_coefficients *c, const smg_run *run, int blocks, const smg_real *m, int64_t pitch, smg_real *g) {
-  for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = blocks ? j : smg_next_place(p, run->length)) {
+/* The gradients of a run of rows, one after the other from g on. */
+SMG_INLINE void smg_run_gradients(const smg_coefficients *c, const smg_run *run, const smg_real *m, int64_t pitch, smg_real *g) {
+  for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
     smg_lanes sum[3];
-    smg_run_gradient(c, run, blocks, m, pitch, j, p, sum);
+    smg_run_gradient(c, run, 0, m, pitch, j, p, sum);
     smg_put_slots(g, SMG_PIECE_ROOM, j - run->from, sum);
   }
 }
 
-/* The next piece, with the gradient at its places; 0 where they end. */
+/* The next piece of rows, with the gradient at its places; 0 where they end. */
 static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, smg_piece *piece) {
   const int64_t pitch = smg_pitch(c);
   smg_run run;
   if (!smg_open_piece(piece)) return 0;
-  for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from) {
-    if (SMG_BLOCKS && run.beside) smg_run_gradients(c, &run, 1, m, pitch, g);
-    else smg_run_gradients(c, &run, 0, m, pitch, g);
-  }
+  for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from) smg_run_gradients(c, &run, m, pitch, g);
   return 1;
 }
 

@@ -31,7 +31,7 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
   return smg_row_solved(s, SMG_MATH(sqrt)(most));
 }
 
-/* The slot in blocks of the site that by rows has this one; none: NULL. */
+/* The slot in blocks of the site that by rows has this one; b is NULL where there are none. */
 static int64_t smg_slot_by_rows(const smg_coefficients *c, const smg_blocks *b, int64_t slot) {
   const int64_t colour = slot / smg_colour_slots(c), row = (slot - colour * smg_colour_slots(c)) / smg_row_length(c);
   if (!b) return slot;
@@ -62,7 +62,7 @@ static void smg_choose_row_degree(smg_state *s) {
   const int64_t first = smg_colour_slots(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
   smg_real miss[SMG_HISTORY] = {0};
   smg_blocks found;
-  const smg_blocks *blocks = s->row_beside && smg_in_blocks(&s->c, &found) ? &found : NULL;
+  const smg_blocks *blocks = smg_blocks_of(s, &found);
   for (int64_t k = 0; k < size; k += stride) {
     smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
     smg_row_misses(s, smg_slot_by_rows(&s->c, blocks, first + k) - first, miss);

@@ -187,9 +187,11 @@ SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_motion *motio
 }
 
 /* Some slots of this rank by all threads. */
-static void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share slots, smg_moved *moved) {
+SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share slots, smg_moved *moved) {
+  const int team = smg_team_for(slots, s->row_team);
+  (void)team;
   if (slots.from >= slots.to) return;
-  SMG_TEAM(s->row_team) {
+  SMG_TEAM(team) {
     smg_motion motion = smg_at_rest();
     smg_turn_some_slots(s, known, turn, pass, smg_share_of_thread(slots), &motion);
     SMG_ONE_BY_ONE smg_take_motion(pass, &motion, moved);
@@ -203,7 +205,10 @@ static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const s
   smg_turn_by_team(s, known, turn, pass, first, &moved);
   smg_turn_by_team(s, known, turn, pass, last, &moved);
   smg_send_colour(pass.colour);
-  smg_turn_by_team(s, known, turn, pass, inner, &moved);
+  for (int64_t k = 0, n = smg_mpi_looks(inner); k < n; ++k) {
+    smg_turn_by_team(s, known, turn, pass, smg_part_of(inner, k, n), &moved);
+    smg_look_at_colour(pass.colour);
+  }
   smg_await_colour(pass.colour);
   if (pass.watched) smg_largest_of_ranks(&moved.whole, &moved.part);
   return moved;

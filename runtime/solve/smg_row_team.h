@@ -31,14 +31,15 @@ SMG_INLINE int smg_threads(void) { return 1; }
 #define SMG_SHARE 1024
 #endif
 
-/* The k-th of n parts. */
+/* The k-th of n parts of whole vectors. */
 SMG_INLINE smg_share smg_part_of(smg_share all, int64_t k, int64_t n) {
+  if (n == 1) return all;
   const int64_t vectors = (all.to - all.from + SMG_WIDEST - 1) / SMG_WIDEST;
   const smg_share part = {all.from + vectors * k / n * SMG_WIDEST, all.from + vectors * (k + 1) / n * SMG_WIDEST};
   return part;
 }
 
-/* What this thread has of the slots of its rank; what its rank has of `slots` of them from `first` on; and the thread of that. */
+/* The part of this thread in the slots of its rank; that of this rank in `slots` of them from `first` on; that of this thread of this rank. */
 SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }
 SMG_INLINE smg_share smg_share_of_rank(int64_t first, int64_t slots) {
   const smg_share all = {first, first + slots};
@@ -49,6 +50,12 @@ SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) { return smg_sha
 /* Those of a colour. */
 SMG_INLINE smg_share smg_colour_of_rank(const smg_coefficients *c, int64_t colour) { return smg_share_of_rank(colour * smg_colour_slots(c), smg_colour_slots(c)); }
 SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) { return smg_share_of_thread(smg_colour_of_rank(c, colour)); }
+
+/* As many of a team as these slots are worth. */
+static inline int smg_team_for(smg_share slots, int team) {
+  const int64_t worth = (slots.to - slots.from) / SMG_SHARE;
+  return worth < 1 ? 1 : worth < team ? (int)worth : team;
+}
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {

@@ -70,7 +70,7 @@ static inline int64_t smg_rows(const smg_coefficients *c) { return SMG_RANKS * s
 static inline int64_t smg_colour_slots(const smg_coefficients *c) { return smg_whole_vectors(smg_rows(c) * smg_row_length(c)); }
 static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS * smg_colour_slots(c); }
 
-/* Some slots, from the first up to the last but one. */
+/* Some slots: from <= slot < to. */
 typedef struct smg_share {
   int64_t from, to;
 } smg_share;

@@ -2,7 +2,7 @@
 
     python tests/bench/ranks.py [--out docs/ranks.csv] [--repeats 30]
 
-Each number of ranks is a program of its own, by mpirun; of many short turns the shortest counts. The bits are compared. What each call
+Each number of ranks is a program of its own, by mpirun, and the programs take turns; of many short turns the shortest counts. The bits are compared. What each call
 takes beside its steps, to begin and to gather w, is a column of its own. Where there are fewer processors than ranks, these take turns on them.
 """
 from __future__ import annotations
@@ -22,6 +22,7 @@ from machine import write_table
 from smidgen import ranks
 
 RANKS = (1, 2, 4)
+TURNS = 4
 STRONG = [("cubic", *CUBIC, 40, "random", 0.0247), ("cubic", *CUBIC, 100, "random", 0.0247), ("chain", *CHAIN, 1_000_000, "smooth", 0.1)]
 WEAK = ("cubic", "cubic(n, n, {k}*n, periodic)", "{k}*n*n*n", 64, "random", 0.0247)
 COLUMNS = ["scaling", "system", "spins", "ranks", "ns a spin and step", "efficiency", "a call, ns a spin", "sweeps", "messages a step and rank", "KB a step and rank", "same bits"]
@@ -84,12 +85,18 @@ def row(scaling, system, count, found, one) -> dict:
     return dict(zip(COLUMNS, (scaling, system[0], found["spins"], count, round(ns, 1), f"{efficiency:.2f}", round(found["call"] / found["spins"] * 1e9, 1), found["sweeps"], *told, same)))
 
 
+def by_turns(systems: dict, repeats: int) -> dict:
+    """number of ranks -> the quickest of some programs: all numbers take turns, for the pace of the machine changes."""
+    every = [{count: on_ranks(count, system, repeats) for count, system in systems.items()} for _ in range(TURNS)]
+    return {count: {**every[0][count], **{key: min(found[count][key] for found in every) for key in ("seconds", "call")}} for count in systems}
+
+
 def lines(repeats: int):
     for system in STRONG:
-        found = {count: on_ranks(count, system, repeats) for count in RANKS}
+        found = by_turns(dict.fromkeys(RANKS, system), repeats)
         yield from (row("strong", system, count, found[count], found[1]) for count in RANKS)
     systems = {count: (WEAK[0], WEAK[1].format(k=count), WEAK[2].format(k=count), *WEAK[3:]) for count in RANKS}
-    found = {count: on_ranks(count, systems[count], repeats) for count in RANKS}
+    found = by_turns(systems, repeats)
     yield from (row("weak", systems[count], count, found[count], found[1]) for count in RANKS)
 
 

@@ -15,7 +15,8 @@ def with_facts(result):
     """The result with more in its meta, from the spec that it carries in `meta["sources"]`:
 
     casimirs: family -> matrix A of C = w.(A w)/2, of Nambu families; bonds: family -> (m, 2)
-    numbers of joined sites; grids: family -> cells in each direction and sites of a cell, where a lattice joins them; unconserved: names of the effects that tracers feel; driven: does
+    numbers of joined sites; grids: family -> cells in each direction and sites of a cell,
+    where one lattice joins them; unconserved: names of the effects that tracers feel; driven: does
     the energy of the others depend on time? A result without its spec is drawn from its numbers
     alone. Raises SpecError when the spec is spoilt.
     """
@@ -27,7 +28,7 @@ def with_facts(result):
     known = {p.name for p in spec.parameters}
     values = {n: v for n, v in (meta.get("values") or {}).items() if n in known}
     return dataclasses.replace(result, meta={
-        **meta, "casimirs": matrices(spec, values), "bonds": bonds(spec, values, called), "grids": grids(spec, values),
+        **meta, "casimirs": matrices(spec, values), "bonds": bonds(spec, values, called), "grids": grids(spec, values, called),
         "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called)})
 
 
@@ -44,12 +45,16 @@ def bonds(spec, values, called) -> dict:
     return found
 
 
-def grids(spec, values) -> dict:
-    """family -> (size, sites of a cell) of its lattice with most directions."""
+def grids(spec, values, called) -> dict:
+    """family -> (size, sites of a cell) of the only lattice with most directions, of the effects called."""
     from ...run.grid import grids_of
-    found = {f.name: grids_of(spec, f.name, values) for f in spec.families}
-    most = {name: max(grids, key=lambda grid: len(grid.size)) for name, grids in found.items() if grids}
-    return {name: (grid.size, grid.sites) for name, grid in most.items()}
+    found = {}
+    for family in spec.families:
+        every = grids_of(spec, family.name, values, called)
+        most = [grid for grid in every if len(grid.size) == max(len(g.size) for g in every)]
+        if len(most) == 1:
+            found[family.name] = most[0].size, most[0].sites
+    return found
 
 
 def matrices(spec, values) -> dict:

@@ -195,24 +195,27 @@ def draw_chain(result):
 
 
 def draw_lattice(result):
-    """The largest family on its lattice at up to six times: of several places in a cell the first, of several layers the lowest."""
-    name, w = largest(result)
-    size, sites = grid_of(result, name)
-    if wide(size) < 2:
-        raise UsageError(f"no lattice of two or three directions joins the sites of '{name}': draw the kind 'chain'")
-    cells = w.reshape(len(w), -1, size[1], size[0], sites, 3)
-    said = [f"site 0 of the {sites} of a cell"] * (sites > 1) + [f"the lowest of {cells.shape[1]} layers"] * (cells.shape[1] > 1)
-    return lattice.lattice_images(result.t, cells[:, 0, :, :, 0], first_line(result), "; ".join(filter(None, [others(result, name), *said])))
+    """The largest family on a lattice of two directions, at up to six times: of several sites in a cell the first, of several layers the lowest."""
+    name, size, sites = film_of(result)
+    if not name:
+        raise UsageError("no lattice of two or three directions is known of this result: draw the kind 'chain'")
+    w, (across, up, *above) = states_of(result)[name], wide(size)
+    cells = w.reshape(len(w), *size[::-1], sites, 3)[..., 0, :]
+    picked = [slice(None) if d in (across, up) else 0 for d in reversed(range(len(size)))]
+    said = [f"site 0 of the {sites} of a cell"] * (sites > 1) + [f"the lowest of {size[d]} layers" for d in above]
+    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up))
 
 
-def grid_of(result, name: str):
-    """(cells in each direction, sites of a cell) of a family; () and 1 where no lattice is known."""
-    return (result.meta.get("grids") or {}).get(name, ((), 1))
+def wide(size) -> list:
+    """The directions of more than one cell."""
+    return [d for d, n in enumerate(size) if n > 1]
 
 
-def wide(size) -> int:
-    """Directions of more than one cell, if the first two are."""
-    return sum(n > 1 for n in size) if len(size) > 1 and min(size[:2]) > 1 else 0
+def film_of(result):
+    """(name, cells in each direction, sites of a cell) of the largest family on a lattice with two directions or more; no name where there is none."""
+    counts = {name: w.shape[1] for name, w in states_of(result).items()}
+    found = [(counts[name], name, size, sites) for name, (size, sites) in (result.meta.get("grids") or {}).items() if name in counts and len(wide(size)) > 1]
+    return max(found)[1:] if found else (None, (), 1)
 
 
 def draw_curves(result):
@@ -270,7 +273,7 @@ KINDS = {
     "observables": (draw_observables, "the spec's observables over time"),
     "components": (draw_components, "x, y, z of the sites over time"),
     "chain": (draw_chain, "angles and w_z over site and time"),
-    "lattice": (draw_lattice, "a lattice from above at six times: w_z as colour, w_x and w_y as arrows"),
+    "lattice": (draw_lattice, "a lattice from above at up to six times: w_z as colour, w_x and w_y as arrows"),
     "curves": (draw_curves, "a chain or lattice on the sphere at six times, its bonds as arcs"),
     "player": (draw_player, "an HTML page that turns and plays the trajectory"),
 }
@@ -292,10 +295,10 @@ def suitable(result, html: bool) -> str:
         return "leaf"
     if result.meta.get("section"):
         return "section"
-    name, w = largest(result)
-    many = w.shape[1] > MANY
-    if many and wide(grid_of(result, name)[0]) > 1:
+    film, (_, w) = film_of(result)[0], largest(result)
+    if film and result.w[film].shape[1] > MANY:
         return "lattice"
+    many = w.shape[1] > MANY
     return "chain" if many and (smooth(w[0]) or travelled(w) > TANGLED) else "sphere"
 
 
