@@ -51,7 +51,7 @@ def main():
         sys.exit("no KINSOL: apt-get install libsundials-dev")
     with tempfile.TemporaryDirectory() as folder:
         steps = program(Path(folder))
-        write_table(args.out, [row(steps, h) for h in STEPS], COLUMNS)
+        write_table(args.out, [row(steps, h) for h in STEPS], COLUMNS, f" {' '.join(NATIVE)}")
 
 
 if __name__ == "__main__":
