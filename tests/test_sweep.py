@@ -183,6 +183,35 @@ def test_ctrl_c_says_how_to_go_on(monkeypatch, capsys, tmp_path):
     assert "cells that have ended since it began: 1;" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("whom", ["group", pytest.param("parent", marks=pytest.mark.long)])
+def test_an_interrupt_begins_no_more_cells_and_keeps_what_ends(path, whom):
+    """By Ctrl-C every process hears of it, by kill the parent alone. Each cell takes some tenths of a second."""
+    folder = path.parent / "cells"
+    words = [sys.executable, "-m", "smidgen", "sweep", path, "--set", "a=0:0.6:40", "--steps", "300000", "--every", "300000", "--out", folder, "--processes", "2"]
+    run = subprocess.Popen([str(w) for w in words], stderr=subprocess.PIPE, text=True, start_new_session=True)
+    while not (folder / "cells.jsonl").exists() or not lines(folder):
+        assert run.poll() is None
+        time.sleep(0.02)
+    (os.killpg if whom == "group" else os.kill)(run.pid, signal.SIGINT)
+    said = run.communicate(timeout=120)[1]
+    ended = (folder / "cells.jsonl").read_text().splitlines()
+    assert run.returncode == 130 and "interrupted" in said and 1 <= len(ended) < 30
+    files, written = set(folder.glob("cell-*.npz")), {folder / json.loads(line)["file"] for line in ended}
+    assert written <= files and len(files - written) <= 2       # those that were interrupted on their way
+
+
+def test_no_line_is_empty(path, tmp_path):
+    """However often a sweep goes on; a line that was cut is ended."""
+    spec, folder = smidgen.load(str(path)), tmp_path / "cells"
+    for _ in range(3):
+        sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)
+        (folder / "cell-0.npz").unlink()
+    assert len((folder / "cells.jsonl").read_text().splitlines()) == 4 == len(lines(folder))
+    (folder / "cells.jsonl").write_bytes((folder / "cells.jsonl").read_bytes()[:-3])
+    sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)
+    assert (folder / "cells.jsonl").read_bytes().count(b"\n") == 5     # the end of the one that was cut, and cell 0 once more
+
+
 @pytest.mark.long
 def test_a_cluster_computes_the_same_cells(path, tmp_path):
     """Two workers of a Dask cluster, each a process of its own."""

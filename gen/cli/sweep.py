@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from ..errors import Exit
@@ -71,15 +72,17 @@ def between(first, last, k: int, count: int):
 
 def command(args):
     """Run what is left of the sweep; the exit code tells of failed cells."""
+    from ..progress import progress
     from ..read.shipped import load_spec
     from ..run.sweep import sweep
     given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
     given |= {"values": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
     axes = {name: value for name, value, swept in args.axes if swept}
-    ended = []
+    ended, total = [], math.prod(map(len, axes.values()), start=args.starts or 1)
     try:
-        found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
-                      tell=lambda outcome: (ended.append(outcome), said(outcome)), **given)
+        with progress(total, "cells") as tick:
+            found = sweep(load_spec(args.spec), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
+                          tell=lambda outcome: (ended.append(outcome), tick(len(ended)), said(outcome)), **given)
     except KeyboardInterrupt:
         say(f"smidgen: interrupted; cells that have ended since it began: {len(ended)}; the same command goes on with the others in {Path(args.out)}")
         return Exit.INTERRUPTED

@@ -5,27 +5,46 @@ import contextlib
 import importlib.util
 import multiprocessing
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 from ..errors import UsageError
 
 CONNECT = 10.0      # seconds for an answer: schedulers on a network take one at most
+_stop = None        # of a process of this machine: the event that all of them share
 
 
 @contextlib.contextmanager
-def executor(processes: int, cluster: str | None) -> Iterator[Executor]:
-    """An executor of that many processes, or that of the Dask scheduler at the address `cluster`.
+def executor(processes: int, cluster: str | None) -> Iterator[tuple[Executor, Callable | None]]:
+    """An executor of that many processes, and what tells them to begin no more; or that of the Dask scheduler at the address `cluster`, and None.
 
     Raises UsageError where no scheduler answers; `check` tells before.
     """
     if cluster is None:
-        with ProcessPoolExecutor(processes, multiprocessing.get_context("fork")) as pool:
-            yield pool
+        context = multiprocessing.get_context("fork")
+        event = context.Event()
+        with ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(event,)) as pool:
+            yield pool, event.set
         return
     with client(cluster) as connected, connected.get_executor(pure=False, retries=0) as pool:
-        yield pool
+        yield pool, None
+
+
+def _begin(event) -> None:
+    global _stop
+    _stop = event
+
+
+def stopped() -> bool:
+    """Has this process been told to begin no more?"""
+    return _stop is not None and _stop.is_set()
+
+
+def stop() -> None:
+    """All processes beside this one begin no more."""
+    if _stop is not None:
+        _stop.set()
 
 
 def client(cluster: str):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import multiprocessing
 import os
 from collections.abc import Callable, Mapping
 from concurrent.futures import as_completed
@@ -17,6 +18,7 @@ from ..build.binary import generator_name
 from ..errors import OutputError, RunError, UsageError
 from ..language import limits
 from ..language.spec import Spec
+from . import cluster as workers
 from .cluster import check, executor, lost
 from .durable import write_new
 from .integrator import build
@@ -63,7 +65,7 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     processes: how many at once; cluster: the address of a Dask scheduler, whose workers see `folder` by the same path;
     tell: called with each outcome as it comes. A cell that fails stays as it is, with its error. Raises UsageError for what does
     not fit (a folder of another sweep), RunError where a process was killed, OutputError for a folder that cannot be written; KeyboardInterrupt
-    when interrupted. What has ended is safe in every case.
+    when interrupted: cells that are under way end, with their results if nothing stops them; a second interrupt ends their processes. What has ended is safe in every case.
     """
     if cluster is not None and processes is not None:
         raise UsageError("a sweep goes to processes here or to a cluster, not to both")
@@ -78,8 +80,8 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
     left = [cell for cell in cells if cell.number not in ended]
     if left:
-        with executor(_processes(processes, len(left)), cluster) as pool:
-            computed(pool, spec, name, left, folder, given, ended, tell)
+        with executor(_processes(processes, len(left)), cluster) as (pool, stop):
+            computed(pool, stop, spec, name, left, folder, given, ended, tell)
     return [ended[cell.number] for cell in cells]
 
 
@@ -121,21 +123,31 @@ def parsed(text: str):
         return None
 
 
-def computed(pool, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
+def computed(pool, stop, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
     """The outcomes of `cells` into `ended`, and a line each into the folder as they come."""
-    waiting = []
+    waiting = []        # cells that are not taken
+
+    def take(done) -> None:
+        waiting.remove(done)
+        outcome = there(done.result(), folder)
+        lines.write(json.dumps(outcome).encode() + b"\n")
+        lines.flush()
+        os.fsync(lines.fileno())
+        ended[outcome["cell"]] = outcome
+        tell(outcome)
+
     try:
-        with open(folder / CELLS, "a", encoding="utf-8") as lines:
-            if lines.tell():
-                lines.write("\n")       # after a line that was cut
+        with open(folder / CELLS, "a+b") as lines:
+            if was_cut(lines):
+                lines.write(b"\n")
             waiting += [pool.submit(one, spec, name, cell, folder, given, generator_name()) for cell in cells]
-            for done in as_completed(waiting):
-                outcome = there(done.result(), folder)
-                lines.write(json.dumps(outcome) + "\n")
-                lines.flush()
-                os.fsync(lines.fileno())
-                ended[outcome["cell"]] = outcome
-                tell(outcome)
+            try:
+                for done in as_completed(list(waiting)):
+                    take(done)
+            except KeyboardInterrupt:
+                if stop:
+                    ending(stop, [cell for cell in waiting if not cell.cancel()], take)
+                raise
     except lost():
         raise RunError(f"a process of the sweep {folder}, or its cluster, was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
     except OSError as problem:
@@ -143,6 +155,27 @@ def computed(pool, spec, name, cells, folder: Path, given, ended: dict, tell) ->
     finally:
         for cell in waiting:
             cell.cancel()
+
+
+def was_cut(lines) -> bool:
+    """Does a file of lines, open at its end, end within one?"""
+    if not lines.tell():
+        return False
+    lines.seek(-1, os.SEEK_END)
+    return lines.read(1) != b"\n"
+
+
+def ending(stop, under_way: list, take) -> None:
+    """No cell begins any more; those under way that come to their end are taken. A second interrupt ends their processes."""
+    stop()
+    try:
+        for done in as_completed(under_way):
+            if done.exception() is None:
+                take(done)
+    except KeyboardInterrupt:
+        for process in multiprocessing.active_children():
+            process.terminate()
+        raise
 
 
 def there(outcome: dict, folder: Path) -> dict:
@@ -156,10 +189,13 @@ def one(spec, name, cell: Cell, folder: Path, given, generator: str) -> dict:
     """One cell, in a process of its own. What it cannot do is its outcome; what nobody could do is raised, and where smidgen is another one."""
     if generator_name() != generator:
         raise UsageError(f"a worker of the cluster has another smidgen: {generator_name()} in place of {generator}")
+    if workers.stopped():
+        raise KeyboardInterrupt
     outcome = {"cell": cell.number, "values": cell.values, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
     try:
         run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "values": {**given.get("values", {}), **cell.values}})
     except Interrupted:
+        workers.stop()
         raise KeyboardInterrupt from None
     except (RunError, UsageError) as error:
         outcome |= {"status": "failed", "error": str(error), "file": cell.file if (folder / cell.file).exists() else None}

@@ -68,12 +68,14 @@ def check_ending(path: Path) -> None:
 
 
 def result_of(source, run: str | None):
-    """The Result that `source` means; a spec is run for it."""
-    if hasattr(source, "values") and hasattr(source, "t"):
-        return with_facts(source)
+    """The Result that `source` means; a spec is run for it. Raises UsageError for a run of what is a result."""
     from ...run.output import FORMATS as RESULTS, load_result
-    if not hasattr(source, "families") and Path(source).suffix in RESULTS:
-        return with_facts(load_result(source))
+    given = hasattr(source, "values") and hasattr(source, "t")
+    if given or not hasattr(source, "families") and Path(source).suffix in RESULTS:
+        if run is not None:
+            hint = f": for a picture of that name say --out {run}" if Path(run).suffix else ""
+            raise UsageError(f"a result holds one run; '{run}' names none of a spec{hint}")
+        return with_facts(source if given else load_result(source))
     from ...run.run import run as run_spec
     spec = loaded(source)
     return with_facts(run_spec(spec, run, what=outputs_for(spec)))
