@@ -22,7 +22,7 @@ from .few import BY_LANES, few
 from .lane_sphere import lane_sphere
 from .norms import edge_norms, reach
 from .pairs import pair_kernels
-from .rows import BY_ROWS, BY_STAGE_ROWS, one_lattice, rows
+from .rows import BY_ROWS, BY_STAGE_ROWS, BY_TURN_ROWS, one_lattice, rows
 from .solo import lone_motion, solo_kernels
 from .wide import wide_kernels
 
@@ -48,7 +48,7 @@ class Model:
         self.edge_norms = edge_norms(self, low) if self.reach is not None else {}
         self.in_rows = rows(self, low)
         if self.in_rows:
-            self.plan = self.plan.also(BY_ROWS if self.method.of_midpoints else BY_STAGE_ROWS)
+            self.plan = self.plan.also(BY_ROWS if self.method.of_midpoints else BY_TURN_ROWS if self.method.splitting else BY_STAGE_ROWS)
         self.few = few(self, low)
         if self.few is not None:
             self.plan = replace(self.plan, reason=BY_LANES)

@@ -25,6 +25,7 @@ from .pairs import slope_bound
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 BY_STAGE_ROWS = "sites of a row in lanes"
+BY_TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
