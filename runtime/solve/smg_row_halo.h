@@ -161,6 +161,12 @@ static void smg_await_colour(int64_t colour) {
   if (smg_halo.messages[colour] > 0) MPI_Waitall(smg_halo.messages[colour], smg_halo.message[colour], MPI_STATUSES_IGNORE);
 }
 
+/* As many of a team as these slots are worth: ends are short. */
+static inline int smg_team_for(smg_share slots, int team) {
+  const int64_t worth = (slots.to - slots.from) / SMG_SHARE;
+  return worth < 1 ? 1 : worth < team ? (int)worth : team;
+}
+
 /* Large messages move only while MPI is called: so it is, after so many slots, some 0.1 ms of work, while there are messages. */
 #ifndef SMG_MPI_LOOK
 #define SMG_MPI_LOOK 16384

@@ -35,6 +35,7 @@ static int64_t smg_mpi_part = 0, smg_mpi_of = 1;
 
 SMG_INLINE int64_t smg_rank_part(void) { return smg_mpi_part; }
 SMG_INLINE int64_t smg_rank_parts(void) { return smg_mpi_of; }
+#define SMG_SHARED_BY_RANKS (smg_rank_parts() > 1)
 /* Colours are shared one by one: n of them from the k-th on, up to the last. */
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = 1; k < SMG_COLOURS; k += n)
 
@@ -148,12 +149,14 @@ static void smg_share_sample(const smg_state *s, int64_t k, int64_t late) {
 #else
 SMG_INLINE int64_t smg_rank_part(void) { return 0; }
 SMG_INLINE int64_t smg_rank_parts(void) { return 1; }
+#define SMG_SHARED_BY_RANKS 0
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = SMG_COLOURS - k; k < SMG_COLOURS; k += n)
 #define smg_begin_ranks(s, known) (void)0
 #define smg_end_ranks(s) (void)0
 #define smg_largest_of_ranks(a, b) (void)0
 #define smg_between_ends(colour, all) (all)
 #define smg_send_colour(colour) (void)0
+#define smg_team_for(slots, team) (team)
 #define smg_mpi_looks(inner) 1
 #define smg_look_at_colour(colour) (void)0
 #define smg_await_colour(colour) (void)0

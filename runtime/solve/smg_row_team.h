@@ -27,10 +27,6 @@ SMG_INLINE int smg_thread(void) { return 0; }
 SMG_INLINE int smg_threads(void) { return 1; }
 #endif
 
-#ifndef SMG_SHARE /* slots of a colour that are worth a thread: some 8 microseconds of work, where to begin and to end a team takes 1 to 2 */
-#define SMG_SHARE 1024
-#endif
-
 /* The k-th of n parts of whole vectors. */
 SMG_INLINE smg_share smg_part_of(smg_share all, int64_t k, int64_t n) {
   if (n == 1) return all;
@@ -50,12 +46,6 @@ SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) { return smg_sha
 /* Those of a colour. */
 SMG_INLINE smg_share smg_colour_of_rank(const smg_coefficients *c, int64_t colour) { return smg_share_of_rank(colour * smg_colour_slots(c), smg_colour_slots(c)); }
 SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) { return smg_share_of_thread(smg_colour_of_rank(c, colour)); }
-
-/* As many of a team as these slots are worth. */
-static inline int smg_team_for(smg_share slots, int team) {
-  const int64_t worth = (slots.to - slots.from) / SMG_SHARE;
-  return worth < 1 ? 1 : worth < team ? (int)worth : team;
-}
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {

@@ -76,7 +76,7 @@ static int smg_wave_pays(const smg_state *s, smg_row_wave *wave) {
   wave->passes = s->row_fewest;
   wave->blocks = slots / SMG_WAVE_BLOCK;
   if (wave->passes < SMG_COLOURS || wave->passes > SMG_WAVE_PASSES || wave->blocks == 0 || smg_wave_all(&s->c) < SMG_WAVE_FROM) return 0;
-  if (smg_rank_parts() > 1 || smg_meet_at_seam(&s->c) || s->row_beside) return 0;
+  if (SMG_SHARED_BY_RANKS || smg_meet_at_seam(&s->c) || s->row_beside) return 0;
   const int64_t block = vectors / wave->blocks * SMG_WIDEST;
   wave->lag = (s->row_reach + block - 1) / block + (s->row_team > 1);
   wave->later = SMG_RINGS > 0 || SMG_RANKS > 1 ? wave->lag : 0;
@@ -183,7 +183,7 @@ static int smg_sweep_in_wave(smg_state *s, smg_besides *known, const smg_turning
 
 /* What is to know for the wavefronts of the next step: passes that one of the last two took, and from which on small components may be looked at. */
 static void smg_expect_passes(smg_state *s, const smg_besides *known, const smg_row_sweeping *sweep) {
-  if (s->row_reach == 0 && smg_rank_parts() == 1) s->row_reach = smg_row_reach(&s->c, known);
+  if (s->row_reach == 0 && !SMG_SHARED_BY_RANKS) s->row_reach = smg_row_reach(&s->c, known);
   s->row_fewest = s->row_passes < sweep->passes && s->row_passes > 0 ? s->row_passes : sweep->passes;
   s->row_passes = sweep->passes;
   s->row_near = sweep->near;

@@ -70,6 +70,10 @@ static inline int64_t smg_rows(const smg_coefficients *c) { return SMG_RANKS * s
 static inline int64_t smg_colour_slots(const smg_coefficients *c) { return smg_whole_vectors(smg_rows(c) * smg_row_length(c)); }
 static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS * smg_colour_slots(c); }
 
+#ifndef SMG_SHARE /* slots of a colour that are worth a thread: some 8 microseconds of work, where to begin and to end a team takes 1 to 2 */
+#define SMG_SHARE 1024
+#endif
+
 /* Some slots: from <= slot < to. */
 typedef struct smg_share {
   int64_t from, to;
