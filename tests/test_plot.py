@@ -227,6 +227,12 @@ def test_what_a_run_does_not_call_is_no_lattice_of_it():
         assert (pictures.suitable(drawn, False) == "lattice") == (effects == ["film"])
 
 
+@pytest.mark.parametrize("run, said", [("noise", "'noise' names none of a spec$"), ("picture.png", "say --out picture.png")])
+def test_a_result_has_no_runs(top, run, said):
+    with pytest.raises(UsageError, match=said):
+        draw.plot(top, "sphere", None, run)
+
+
 def test_a_chain_is_no_such_lattice(ring):
     with pytest.raises(UsageError, match="is known of this result: draw the kind 'chain'"):
         pictures.draw_lattice(ring)
