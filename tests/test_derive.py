@@ -1,5 +1,6 @@
 """Derivatives of any legal formula: within bounded work, without complex numbers, as an independent hand finds them."""
 import math
+import random
 
 import numpy as np
 import pytest
@@ -44,6 +45,7 @@ def real(function):
 
 OWN = {name: real(f) for name, f in {
     "absolute": np.abs, "signum": np.sign, "sign": np.sign, "floor_": np.floor, "lesser": np.fmin, "greater": np.fmax, "power": np.power,
+    "chosen": lambda c, a, b: a if c else b,
     "sqrt": np.sqrt, "log": np.log, "exp": np.exp, "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos,
     "atan": np.arctan, "atan2": np.arctan2, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh}.items()}
 
@@ -77,7 +79,7 @@ def nodes(derived):
     return sum(1 for root in roots for _ in sp.preorder_traversal(sp.sympify(root)))
 
 
-def check(energy, more="", sites=1):
+def check(energy, more="", sites=1, at=AT):
     """Derived in bounded work, and right; or refused, and then without a value anywhere."""
     try:
         spec = spec_of(energy, more, sites)
@@ -87,14 +89,14 @@ def check(energy, more="", sites=1):
     try:
         derived = derive(spec.effects[0])
     except NoRealValue as error:
-        assert "`e`" in str(error) and not any(finite(witness, AT[k:k + sites]) for k in range(4 - sites))
+        assert "`e`" in str(error) and not any(finite(witness, at[k:k + sites]) for k in range(4 - sites))
         return
     whole = [derived.value, *derived.parts.values(), *(x for row in derived.gradient for x in row), *derived.hessian.values()]
     assert not any(sp.sympify(e).has(sp.I, sp.re, sp.im, sp.arg, sp.Derivative, sp.Subs) for e in whole)
     assert nodes(derived) <= COPIES * derivatives(spec.effects[0].value) + (0 if derived.parts else WHOLE)
-    at = numbers(derived)
+    ours = numbers(derived)
     for k in range(4 - sites):
-        compare(derived, at, witness, AT[k:k + sites])
+        compare(derived, ours, witness, at[k:k + sites])
 
 
 def finite(witness, w):
@@ -234,6 +236,49 @@ def formulas(draw, depth=4):
 @given(energy=formulas())
 def test_any_formula_is_derived_or_refused(energy):
     check(energy + " + 0*w[1].x + w[0].y", sites=2)
+
+
+# Branches inside branches: conditions that sympy's own pieces rewrite for ever
+
+OFF_EDGES = np.array([[0.3571, 0.4841, 0.7988], [-0.6031, 0.0917, 0.7924], [0.4779, -0.8013, -0.3599]])     # no abs(w.y) at 0
+
+ENDLESS = ["min(w.y + 0.04*w.z, w.z - 0.3*w.x)", "max(0.7*w.x - 0.04*w.z, w.z - 0.3*w.x)*w.y",
+           "if(w.y + 0.04*w.z <= w.z - 0.3*w.x, w.x^2, w.y)", "min(abs(w.x - 0.3*w.y), max(w.z, if(w.x < 0.2*w.z, w.y, w.x*w.z)))"]
+
+
+def branches(draw, depth):
+    """Text of random branches over lines with coefficients of two digits."""
+    if depth == 0:
+        return " + ".join(f"{draw.choice((-1, 1))*draw.randint(1, 99)/100}*w.{axis}" for axis in draw.sample("xyz", draw.randint(1, 3)))
+    a, b, c, d = (branches(draw, draw.randrange(depth)) for _ in range(4))
+    test = draw.choice(["{0} < {1}", "{0} <= {1}", "{0} > {1} and {1} < {2}", "{0} >= {1} or {1} > 0.3*a", "not {0} < {1}"]).format(a, b, c)
+    return draw.choice([f"min({a}, {b})", f"max({a}, {b})", f"if({test}, {c}, {d})", f"abs({a})", f"({a})*({b})", f"({a})^2 + ({b})", f"mod({a}, 0.37)"])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("energy", ENDLESS)
+def test_branches_are_differentiated_one_by_one(energy):
+    check(energy)
+
+
+@pytest.mark.parametrize("seed", [pytest.param(s, marks=pytest.mark.long if s else pytest.mark.quick) for s in range(10)])
+def test_random_branches_are_those_of_the_witness(seed):
+    draw = random.Random(seed)
+    for _ in range(25):
+        check(branches(draw, 3) + " + 0.1*w.x", at=OFF_EDGES)
+
+
+def test_branches_are_the_same_in_c():
+    """Scalar text, lanes and extended precision."""
+    draw = random.Random(1)
+    effects = "".join(f'[effects.e{k}]\nenergy = "{e}"\n' for k, e in enumerate([*ENDLESS, *(branches(draw, 3) for _ in range(12))]))
+    spec = spec_of("0.1*w.z", effects)
+    witness, first = Witness(spec), OFF_EDGES[:1] / np.linalg.norm(OFF_EDGES[0])
+    for method, features in (("spherical-midpoint", ["extended"]), ("gauss-4", [])):
+        begun = smidgen.build(spec, method=method, features=features).start(first.copy(), t0=0.3, h=1e-3)
+        for w in OFF_EDGES:
+            assert np.allclose(begun.field(w[None], 0.3), witness.field(w[None], 0.3), rtol=1e-12, atol=1e-13)
+        assert np.abs(begun.step().state() - witness.step(first, 0.3, 1e-3, method)).max() < 1e-14
 
 
 # The bound

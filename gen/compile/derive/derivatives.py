@@ -14,6 +14,7 @@ from ...errors import UsageError
 from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
 from ...language.spec import Term
 from .parts import SCALAR, Parts, TooLarge, Whole
+from .pieces import chosen
 
 
 class absolute(sp.Function):
@@ -65,7 +66,7 @@ class power(sp.Function):
 
 
 class lesser(sp.Function):
-    """min(a, b), differentiated piece by piece; a function, since nested pieces grow exponentially."""
+    """min(a, b), differentiated branch by branch."""
     is_real = True
 
     @classmethod
@@ -74,7 +75,7 @@ class lesser(sp.Function):
 
     def _eval_derivative(self, s):
         a, b = self.args
-        return sp.Piecewise((sp.diff(a, s), a <= b), (sp.diff(b, s), True))
+        return chosen(a <= b, sp.diff(a, s), sp.diff(b, s))
 
 
 class greater(sp.Function):
@@ -87,7 +88,7 @@ class greater(sp.Function):
 
     def _eval_derivative(self, s):
         a, b = self.args
-        return sp.Piecewise((sp.diff(a, s), a >= b), (sp.diff(b, s), True))
+        return chosen(a >= b, sp.diff(a, s), sp.diff(b, s))
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ def switched(d: Derived) -> set:
     for s, e in d.parts.items():
         behind[s] = set().union(*(behind.get(x, {x}) for x in e.free_symbols))
     nodes = {node for e in (*(x for row in d.gradient for x in row), *d.parts.values())
-             for node in e.atoms(sp.Piecewise, sp.ITE, sp.sign, floor_, signum, lesser, greater)}
+             for node in e.atoms(chosen, sp.sign, floor_, signum, lesser, greater)}
     found = set().union(*(behind.get(x, {x}) for node in nodes for x in node.free_symbols))
     return found & {x for v in d.vectors for x in v}
 
@@ -226,8 +227,8 @@ class Algebra:
 
     def choose(self, test, a, b):
         if isinstance(a, tuple):
-            return tuple(sp.Piecewise((x, test), (y, True)) for x, y in zip(a, b))
-        return sp.Piecewise((a, test), (b, True))
+            return tuple(chosen(test, x, y) for x, y in zip(a, b))
+        return chosen(test, a, b)
 
 
 _SCALAR = {"+": "add", "-": "subtract", "neg": "negate", "*": "multiply", "/": "divide",

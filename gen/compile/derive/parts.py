@@ -9,6 +9,8 @@ import math
 
 import sympy as sp
 
+from .pieces import chosen
+
 WHOLE = 150, 6      # nodes, and powers and functions inside each other, of a formula that stays whole
 PART = 15, 1        # of a part; measured: larger ones take more operations and more time
 SCALAR = 2000, 120  # of a formula of parameters, which is not differentiated
@@ -98,7 +100,7 @@ def functions_of(e):
     """The functions in e that stand in no other one."""
     walk = sp.preorder_traversal(e)
     for x in walk:
-        if isinstance(x, sp.Function) and not isinstance(x, sp.Piecewise):
+        if isinstance(x, sp.Function) and not isinstance(x, chosen):
             walk.skip()
             yield x
 

@@ -58,7 +58,7 @@ class Formulas:
         if e.is_Number or e.is_NumberSymbol:
             return self.constant(e)
         for kind, method in ((sp.Add, self.add), (sp.Mul, self.mul), (sp.Pow, self.pow),
-                             (sp.Piecewise, self.piecewise)):
+                             (derive.chosen, self.chosen)):
             if isinstance(e, kind):
                 return method(e)
         return self.call(e)
@@ -107,11 +107,8 @@ class Formulas:
             return f"{whole}*SMG_MATH(sqrt)({self(base)})", PRODUCT
         return f"SMG_MATH(pow)({self(base)}, {self(exponent)})", ATOM
 
-    def piecewise(self, e):
-        (value, test), *rest = e.args
-        if test == sp.true or not rest:
-            return self.show(value)
-        other = sp.Piecewise(*rest) if len(rest) > 1 else rest[0][0]
+    def chosen(self, e):
+        test, value, other = e.args
         return f"({self.test(test)} ? {self.inside(value, PRODUCT)} : {self.inside(other, PRODUCT)})", ATOM
 
     def test(self, e) -> str:
@@ -124,9 +121,6 @@ class Formulas:
             return "(" + mark.join(self.test(a) for a in sorted(e.args, key=default_sort_key)) + ")"
         if isinstance(e, sp.Not):
             return f"!({self.test(e.args[0])})"
-        if isinstance(e, sp.ITE):       # a comparison of pieces
-            first, then, other = (self.test(a) for a in e.args)
-            return f"({first} ? {then} : {other})"
         return f"({self(e.lhs)} {RELATIONS[type(e)]} {self(e.rhs)})"
 
     def call(self, e):

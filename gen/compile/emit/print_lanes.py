@@ -53,11 +53,10 @@ class LaneFormulas(Formulas):
             return super().call(e)
         return self.lane_call(_OWN.get(type(e)) or ELEMENTARY[type(e)], *e.args)
 
-    def piecewise(self, e):
-        (value, test), *rest = e.args
-        if test == sp.true or not rest or not self.in_lanes(e):
-            return super().piecewise(e)
-        other = sp.Piecewise(*rest) if len(rest) > 1 else rest[0][0]
+    def chosen(self, e):
+        if not self.in_lanes(e):
+            return super().chosen(e)
+        test, value, other = e.args
         return f"smg_lane_select({self.mask(test)}, {self.lanes(value)}, {self.lanes(other)})", ATOM
 
     def mask(self, e) -> str:
@@ -72,9 +71,6 @@ class LaneFormulas(Formulas):
             return "(" + mark.join(self.mask(a) for a in sorted(e.args, key=default_sort_key)) + ")"
         if isinstance(e, sp.Not):
             return f"smg_lane_not({self.mask(e.args[0])})"
-        if isinstance(e, sp.ITE):
-            first, then, other = (self.mask(a) for a in e.args)
-            return f"(({first} & {then}) | (smg_lane_not({first}) & {other}))"
         return f"(smg_lane_mask)({self.lanes(e.lhs)} {RELATIONS[type(e)]} {self.lanes(e.rhs)})"
 
 

@@ -73,7 +73,7 @@ class WideFormulas(Formulas):
         return f"smg_wide_pow({self(base)}, {self(exponent)})", ATOM
 
     def test(self, e) -> str:
-        if isinstance(e, sp.core.relational.Relational) and not isinstance(e.lhs, sp.logic.boolalg.Boolean):
+        if isinstance(e, sp.core.relational.Relational):
             return self.relation(e, self(e.lhs), self(e.rhs))
         return super().test(e)
 

@@ -10,7 +10,6 @@ from itertools import count
 from types import MappingProxyType
 
 import sympy as sp
-from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import Boolean
 from sympy.simplify.cse_main import tree_cse
 
@@ -169,7 +168,7 @@ class Lowering:
     def hoist(self, e):
         """Replace what is known before the site loop by names computed once."""
         level = self.when(e)
-        if isinstance(e, (Boolean, ExprCondPair)):      # no number: only its parts can be kept
+        if isinstance(e, Boolean):      # no number: only its parts can be kept
             return e.func(*[self.hoist(a) for a in e.args]) if e.args else e
         if level in (PREPARE, CLOCK):
             return self.remember(e, level)
