@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 import smidgen
+from smidgen.build.binary import find_compiler, lanes_of
 from smidgen.check.witness import Witness
+from smidgen.cost import measured as measured_facts
 from smidgen.cost.case import Case
 from smidgen.cost.even import GENERAL, steps_until_even
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
@@ -25,6 +27,7 @@ from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
+from smidgen.read.load import load_text
 from smidgen.run.estimate import TOLERANCE
 from smidgen.run.settings import settle
 from smidgen.show.plot.cost import draw_cost
@@ -239,6 +242,58 @@ def test_general_integrators_get_to_the_same_end(name):
         row = one_of_peers(case, peer, known, 1e-9, 1000.0)
         assert row.status == "" and row.steps > 0 and row.seconds > 0 and row.end_error < 1e-4, (peer, row)
         assert case.timed or row.energy < 1e-4, (peer, row)
+
+
+@pytest.mark.parametrize("name, values", [("free_rigid_body", {"I2": 1.7}), ("irreversible_rigid_body", {"sigma": 0.3}),
+                                          ("point_vortices", {"gamma": [1.0, -0.5, 2.0, 0.7]}), ("heisenberg_chain", {"n": 7})])
+def test_fields_by_hand_are_those_of_the_specs(name, values):
+    """With other values too; the end is the flow's, forwards and backwards."""
+    spec = smidgen.load(name)
+    case = Case(spec, settle(spec, values=values), -2.0)
+    found, missing = of_case(case, ("dop853-by-hand",))
+    assert not missing
+    states, steps = found["dop853-by-hand"].states(1e-12, [-1.0, -2.0])
+    flow = Witness(spec, values=values).flow(case.w, 0.0, [-1.0, -2.0])
+    assert steps > 5 and max(case.distance(a, b) for a, b in zip(states, flow)) < 1e-9
+    assert found["dop853-by-hand"].seconds(1e-6, 3) > 0
+
+
+FREE = """[model]
+name = "free_rigid_body"
+[space]
+w = { sphere = 1 }
+[parameters]
+I1 = 1.0
+I2 = 2.0
+I3 = 4.0
+[effects.rotation]
+energy = "ENERGY"
+[starts.up]
+theta = 1.0
+phi = 0.5
+[runs.demo]
+start = "up"
+h = 0.1
+time = 1
+"""
+
+
+@pytest.mark.parametrize("energy, same", [("w.x^2/(2*I1) + w.y^2/(2*I2) + w.z^2/(2*I3)", True), ("w.x^2/I1 + w.y^2/I2 + w.z^2/I3", False),
+                                          ("(w.x^2/I1 + w.y^2/I2 + w.z^2/I3)/2 + 0.1*w.z", False)])
+def test_a_field_by_hand_of_another_system_is_none(energy, same):
+    """A spec may have the name of a shipped one."""
+    spec = load_text(FREE.replace("ENERGY", energy))
+    found, missing = of_case(Case(spec, settle(spec), 1.0), ("dop853-by-hand",))
+    assert bool(found) == same and ("by hand for this spec" in missing.get("dop853-by-hand", "")) != same
+
+
+@pytest.mark.quick
+def test_a_table_says_when_and_on_what_vectors_it_was_measured(table, monkeypatch):
+    """As the header of lanes has them, and no more than the flags ask for."""
+    assert {"date", "compiler", "lanes", "machine"} <= set(table.facts) and f"vectors of {table.facts['lanes']} lanes, {table.facts['date']}" in str(table)
+    compiler = find_compiler()
+    assert [lanes_of(compiler, flags) for flags in ((), ("-mavx",), ("-mavx512f",))] == [2, 4, 8]
+    assert measured_facts(False)["lanes"] == 2
 
 
 @pytest.mark.quick

@@ -131,6 +131,15 @@ def takes(compiler: tuple[str, ...], flags: tuple[str, ...]) -> bool:
         return ran([*compiler, *flags, *SHARED, "empty.c", "-o", "empty.so"], folder_).returncode == 0
 
 
+@functools.lru_cache(maxsize=None)
+def lanes_of(compiler: tuple[str, ...], flags: tuple[str, ...]) -> int:
+    """Numbers of double precision in a register for which models with lanes are compiled by these flags, as smg_lanes.h has it."""
+    with tempfile.TemporaryDirectory(prefix="smidgen-") as folder_:
+        Path(folder_, "lanes.c").write_text('#define SMG_HAS_LANES 1\n#include "smg_lanes.h"\n')
+        said = ran([*compiler, *flags, *include_flags(), "-dM", "-E", "lanes.c"], folder_).stdout
+    return next((int(line.split()[2]) for line in said.splitlines() if line.startswith("#define SMG_NATIVE_LANES ")), 1)
+
+
 def threads_of(compiler: tuple[str, ...]) -> tuple[str, ...]:
     """The flags for OpenMP. Raises MissingTool."""
     if not takes(compiler, THREADS):

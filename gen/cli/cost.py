@@ -20,7 +20,7 @@ def add(commands):
     parser.add_argument("--no-long", action="store_true", help="leave the long runs out")
     parser.add_argument("--no-ends", action="store_true", help="leave end errors out: judge by what is kept")
     parser.add_argument("--peers", type=names, nargs="?", const=True, default=False, metavar="A,B",
-                        help="also general integrators, these or all that are there: GSL, SUNDIALS, SciPy, heyoka")
+                        help="also general integrators, these or all that are there: GSL, SUNDIALS, SciPy, heyoka, C by hand")
     parser.add_argument("--out", metavar="FILE", help="the table as .csv")
     parser.add_argument("--plot", metavar="FILE", help="the figure: .png, .svg or .pdf")
     parser.add_argument("--from", metavar="FILE", dest="table", help="a table that was written before, instead of measuring")

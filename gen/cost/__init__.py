@@ -7,9 +7,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from datetime import datetime, timezone
 
 import numpy as np
 
+from ..build.binary import NATIVE, compiler_version, find_compiler, lanes_of, takes
 from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import METHODS
@@ -79,8 +81,16 @@ def facts(case: Case, known) -> dict:
     said = f"{agree} in extended precision, which agree to {known.error:.1e}" + " (chaotic, or not resolved)" * known.chaotic
     said = said if known.methods else "none: judged by what is kept"
     return {"spec": case.spec.name, "run": case.settings.run, "time": f"{case.time:.10g}", "sites": len(case.w),
-            "energy": f"{abs(float(sample(sampled)[1])):.6g}", "machine": machine(), "reference": said,
+            "energy": f"{abs(float(sample(sampled)[1])):.6g}", "machine": machine(),
+            **measured(case.settings.native), "reference": said,
             **{f"refused {name}": " ".join(why.split()) for (name, real), why in case.refused.items() if real == "double"}}
+
+
+def measured(native: bool | None) -> dict:
+    """When, by which compiler, and how many numbers the vectors of models with lanes held."""
+    compiler = find_compiler()
+    wide = NATIVE if native is not False and takes(compiler, NATIVE) else ()
+    return {"date": datetime.now(timezone.utc).date().isoformat(), "compiler": compiler_version(compiler), "lanes": lanes_of(compiler, wide)}
 
 
 def long_runs(case: Case, rows: list[Row], seconds: float, progress) -> list[tuple]:

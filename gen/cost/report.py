@@ -23,7 +23,7 @@ HEAD = "# "
 @dataclass(frozen=True)
 class Cost:
     """What accuracy costs: rows (`sweep.Row`) of every method and step; long: (method, h, t, energy error) along long runs;
-    facts: spec, run, time, sites, machine, the reference's methods and its error, refusals."""
+    facts: spec, run, time, sites, machine, date, compiler, lanes of its vectors, the reference's methods and its error, refusals."""
     rows: list
     long: list
     facts: dict
@@ -101,10 +101,16 @@ def machine() -> str:
 def words(cost: Cost) -> str:
     """The table, and what a reader should take away."""
     f = cost.facts
-    head = f"{f['spec']} {f['run']}".strip() + f": time {f['time']}, {f['sites']} sites; {f['machine']}"
+    head = f"{f['spec']} {f['run']}".strip() + f": time {f['time']}, {f['sites']} sites; {measured_on(f)}"
     if cost_is_chaotic(cost):
         return "\n".join([head, f"no end errors: {f['reference']}", text_of(invariants(cost)).rstrip()])
     return "\n".join([head, f"errors against {f['reference']}", text_of(times(cost)).rstrip(), *sentences(cost)])
+
+
+def measured_on(facts: dict) -> str:
+    """Machine, width of the vectors and date; older tables name the machine alone."""
+    lanes = f"vectors of {facts['lanes']} lanes" if "lanes" in facts else ""
+    return ", ".join(part for part in (facts["machine"], lanes, facts.get("date", "")) if part)
 
 
 def cost_is_chaotic(cost: Cost) -> bool:

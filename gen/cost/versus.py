@@ -64,3 +64,16 @@ def behind(cost: Cost, what: str, targets=TARGETS) -> list[str]:
 def least(cells: list[Cell]) -> float:
     """The shortest of the times; nan of none."""
     return min((c.seconds for c in cells if c.name), default=math.nan)
+
+
+def summary(tables: dict[str, Cost], what: str = "end_error", targets=TARGETS) -> str:
+    """Markdown, a row a table: the fastest method for each error, and how many times as long as the best symplectic method the
+    fastest general integrator takes."""
+    lines = ["| | " + " | ".join(f"{t:.0e}" for t in targets) + " |", "|---|" + "---|" * len(targets)]
+    for name, cost in tables.items():
+        own, beside = best(cost, what, targets), list(others(cost, what, targets).values())
+        lines.append(f"| {name} | " + " | ".join(f"{label(c.name)} {duration(c.seconds)}" if c.name else "-" for c in own["of all"]) + " |")
+        if beside:
+            quickest = [min((row[k] for row in beside if row[k].name), key=lambda c: c.seconds, default=Cell("", math.nan)) for k in range(len(targets))]
+            lines.append("| | " + " | ".join(f"{label(c.name)} {times(c, own['symplectic'][k])}" if c.name else "-" for k, c in enumerate(quickest)) + " |")
+    return "\n".join(lines)

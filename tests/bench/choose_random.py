@@ -1,6 +1,6 @@
 """`choose` and the error estimate of `run` on Hamiltonians that nobody has looked at: those of the fuzzer.
 
-    python tests/bench/choose_random.py                  # 100 of them, half an hour: docs/cost/choose_random.csv; goes on where it was stopped
+    python tests/bench/choose_random.py                  # 100 of them, half an hour: choose_random.csv in docs/cost/lanes_N; goes on where it was stopped
     python tests/bench/choose_random.py --count 5 --out a.csv
     python tests/bench/choose_random.py --summary        # what the table shows
 
@@ -26,6 +26,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import smidgen
+from machine import cost_tables
 from fuzz.invent import files_of, spec_text
 from smidgen.check.witness import Witness
 from smidgen.cost.case import Case, candidates
@@ -36,7 +37,6 @@ from smidgen.cost.timing import take_times
 from smidgen.errors import SmidgenError, UsageError
 from smidgen.run.settings import settle
 
-OUT = Path(__file__).resolve().parents[2] / "docs" / "cost" / "choose_random.csv"
 COLUMNS = ("seed", "sites", "time", "asked", "status", "method", "h", "steps", "tolerance", "error", "seconds", "best", "best_seconds",
            "estimate", "plain_h", "plain_error", "plain_estimate", "known")
 ANGLE = 20.0            # of the fastest site of the start over a run
@@ -110,7 +110,7 @@ def too_long(*_):
 
 def many(seeds, count: int, path: Path, jobs: int, methods) -> None:
     """Rows of seeds until `count` Hamiltonians have a choice; those that the file has are not done again."""
-    path.parent.mkdir(exist_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     done = rows_of(path)
     found, had = sum(r["status"] == "ok" for r in done), {int(r["seed"]) for r in done}
     with open(path, "a", newline="") as out, multiprocessing.get_context("spawn").Pool(jobs) as pool:
@@ -168,7 +168,7 @@ def main() -> None:
     parser.add_argument("--methods", type=lambda text: tuple(text.split(",")), metavar="A,B", help="of these only, choice and sweep; default: all")
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
     parser.add_argument("--seed", type=int, default=0, help="the first")
-    parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--out", type=Path, default=cost_tables() / "choose_random.csv")
     parser.add_argument("--summary", action="store_true", help="measure nothing")
     args = parser.parse_args()
     if not args.summary:

@@ -1,12 +1,14 @@
-"""What accuracy costs for every system of the paper: docs/cost/*.csv and figures, and the page docs/costs.md.
+"""What accuracy costs for every system of the paper: tables and figures in docs/cost/lanes_N, of vectors of N lanes as the
+registers of this processor have them, and the page docs/costs.md of the tables of all widths.
 
-    python tests/bench/cost.py                       # all of it and promises.py, some twenty minutes on a quiet machine
+    python tests/bench/cost.py                       # all of it and promises.py
+    python tests/bench/cost.py --since 2026-11-23    # the same, but tables of this width from that day on stay: goes on where it was stopped
     python tests/bench/cost.py point_vortices        # only these
     python tests/bench/cost.py --quick --into /tmp/x # two systems, few methods, short: is all of it there?
     python tests/bench/cost.py --page                # figures and page from the tables
 
 General integrators are measured beside where they are there: GSL, SciPy, heyoka (pip install heyoka), SUNDIALS 7
-(SUNDIALS_DIR). Those that are missing are named on the page.
+(SUNDIALS_DIR), C by hand. Those that are missing are named on the page.
 """
 import argparse
 import csv
@@ -17,11 +19,13 @@ from pathlib import Path
 
 import smidgen
 from PIL import Image
-from smidgen.cost.report import words
-from smidgen.cost.versus import behind, others, table
+from smidgen.cost.report import measured_on, words
+from smidgen.cost.versus import behind, others, summary, table
 from smidgen.show.plot.cost import draw_cost
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from machine import cost_tables
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 HEAD = Path(__file__).with_name("costs.md.in")
@@ -44,15 +48,34 @@ FEW = ("spherical-midpoint", "gauss-4", "gauss-8", "dop853")
 PARTS = (("", "end_error", "end error"), ("_long", "energy", "energy error"))
 
 
-def measured(name: str, system: System, folder: Path, seconds: float, methods) -> None:
-    """The tables of one system: with general integrators beside where its long runs are compared too."""
+def measured(name: str, system: System, folder: Path, seconds: float, methods, since: str) -> None:
+    """The tables of one system: with general integrators beside where its long runs are compared too. Each is drawn at once."""
     folder.mkdir(parents=True, exist_ok=True)
-    spec, asked = smidgen.load(name), dict(values=system.values, methods=methods, native=True, peers=bool(system.long))
-    tell(name)
-    smidgen.cost(spec, time=system.time, seconds=seconds, **asked).save(folder / f"{name}.csv")
-    if system.long:
+    asked = dict(values=system.values, methods=methods, native=True, peers=bool(system.long))
+    if not stays(folder / f"{name}.csv", since):
+        tell(name)
+        kept(smidgen.cost(smidgen.load(name), time=system.time, seconds=seconds, **asked), folder / f"{name}.csv")
+    if system.long and not stays(folder / f"{name}_long.csv", since):
         tell(f"{name}, to {system.long:g}")
-        smidgen.cost(spec, time=system.long, seconds=LONGER * seconds, ends=False, long=False, **asked).save(folder / f"{name}_long.csv")
+        kept(smidgen.cost(smidgen.load(name), time=system.long, seconds=LONGER * seconds, ends=False, long=False, **asked), folder / f"{name}_long.csv")
+
+
+def stays(path: Path, since: str) -> bool:
+    """Is there a table of that day, or of a later one? No day: none stays."""
+    return bool(since) and path.exists() and smidgen.load_cost(path).facts.get("date", "") >= since
+
+
+def kept(cost, path: Path) -> None:
+    """The table, then its figure."""
+    cost.save(path)
+    drawn(path)
+
+
+def drawn(path: Path) -> None:
+    """The figure of a table, with 128 colours: a third of the bytes."""
+    picture = path.with_suffix(".png")
+    draw_cost(smidgen.load_cost(path), picture)
+    Image.open(picture).convert("RGB").quantize(128).save(picture, optimize=True)
 
 
 def promises(folder: Path, quick: bool) -> None:
@@ -68,41 +91,63 @@ def tell(text: str) -> None:
 
 def page(folder: Path, systems: dict) -> str:
     """The page of the tables that there are."""
-    parts = [part for name in systems if (folder / f"{name}.csv").exists() for part in section(name, folder)]
-    return "\n".join([HEAD.read_text(encoding="utf-8"), *more(folder), *parts]) + "\n"
+    widths = sorted(folder.glob("lanes_*"), key=lambda place: -int(place.name.removeprefix("lanes_")))
+    parts = [part for name in systems for part in section(name, widths)]
+    return "\n".join([HEAD.read_text(encoding="utf-8"), *(part for place in widths for part in more(place, systems)), *parts]) + "\n"
 
 
-def more(folder: Path):
-    """What other benches of this folder have measured."""
+def more(place: Path, systems: dict):
+    """Of the tables of one width: who is first, and what other benches of this folder have measured."""
     import choose_random
     import promises
+    width = f"vectors of {place.name.removeprefix('lanes_')} lanes"
+    found = {name: smidgen.load_cost(place / f"{name}.csv") for name in systems if (place / f"{name}.csv").exists()}
+    if found:
+        yield f"## Who is first, {width}\n\n{HOW_FIRST}\n\n{summary(found)}\n\n{short_of(found)}\n"
     for title, bench, name in (("What each promise costs", promises, "promises.csv"), ("Random Hamiltonians", choose_random, "choose_random.csv")):
-        if (folder / name).exists():
-            with open(folder / name, newline="") as lines:
-                yield f"## {title}\n\n[{name}](cost/{name})\n\n{bench.words(list(csv.DictReader(lines)))}\n"
+        if (place / name).exists():
+            with open(place / name, newline="") as lines:
+                yield f"## {title}, {width}\n\n[{name}](cost/{place.name}/{name})\n\n{bench.words(list(csv.DictReader(lines)))}\n"
 
 
-def section(name: str, folder: Path):
-    """One system: ratios, words, figure."""
+HOW_FIRST = ("Short runs, by end error: the fastest method of all, and below it the time of the fastest general integrator, where there are some, "
+             "as a multiple of that of the best symplectic method.")
+
+
+def short_of(found: dict) -> str:
+    """Where the symplectic methods are behind a general integrator, in how many cells."""
+    beside = {name: cost for name, cost in found.items() if others(cost, "end_error")}
+    cells = sum(len(behind(cost, "end_error")) for cost in beside.values())
+    count = sum(1 for cost in beside.values() for row in others(cost, "end_error").values() for cell in row if cell.name)
+    return f"Of {count} cells of general integrators, {cells} take less time than the best symplectic method; they are named below the tables of each system."
+
+
+def section(name: str, widths):
+    """One system: ratios of each width, words and figure of the widest."""
+    tables = [(place, f"{name}{end}", what, said) for place in widths for end, what, said in PARTS if (place / f"{name}{end}.csv").exists()]
+    if not tables:
+        return
     yield f"## {smidgen.load(name).title or name}\n"
-    found = [(f"{name}{end}", what, said, smidgen.load_cost(folder / f"{name}{end}.csv")) for end, what, said in PARTS if (folder / f"{name}{end}.csv").exists()]
-    for word, what, said, cost in found:
-        yield f"[{word}.csv](cost/{word}.csv): by {said}, to time {float(cost.facts['time']):g}\n"
+    for place, word, what, said in tables:
+        cost = smidgen.load_cost(place / f"{word}.csv")
+        yield f"[{place.name}/{word}.csv](cost/{place.name}/{word}.csv): by {said}, to time {float(cost.facts['time']):g}; {on(cost)}\n"
         if others(cost, what):
             yield f"{table(cost, what)}\n"
-            yield f"{short_of(behind(cost, what))}\n"
-    yield "\n".join(["```", *words(found[0][3]).splitlines(), "```"]) + "\n"
-    yield f"![{name}](cost/{name}.png)\n"
+            yield f"{ahead(cost, behind(cost, what))}\n"
+    place, word, *_ = tables[0]
+    yield "\n".join(["```", *words(smidgen.load_cost(place / f"{word}.csv")).splitlines(), "```"]) + "\n"
+    yield f"![{name}](cost/{place.name}/{name}.png)\n"
 
 
-def short_of(cells: list[str]) -> str:
-    """Where the symplectic methods are behind, or that they are not."""
-    return f"Ahead of the best symplectic method: {'; '.join(cells)}." if cells else "The best symplectic method is ahead of every general integrator in every cell."
+def on(cost) -> str:
+    """Machine, vectors and date of a table, or that it has them not."""
+    return measured_on(cost.facts) + (", width of the vectors and date not recorded" if "lanes" not in cost.facts else "")
 
 
-def lighter(picture: Path) -> None:
-    """128 colours, a third of the bytes."""
-    Image.open(picture).convert("RGB").quantize(128).save(picture, optimize=True)
+def ahead(cost, cells: list[str]) -> str:
+    """Where general integrators are ahead, or that none is, with what it was measured on."""
+    said = f"ahead of the best symplectic method: {'; '.join(cells)}" if cells else "the best symplectic method is ahead of every general integrator in every cell"
+    return f"{on(cost)}: {said}."
 
 
 def main() -> None:
@@ -111,19 +156,25 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="SPEC", help="systems; default: all")
     parser.add_argument("--seconds", type=float, default=20.0, help="of timed runs for each table")
     parser.add_argument("--into", type=Path, default=DOCS, help="folder of costs.md and cost/; default: docs")
+    parser.add_argument("--since", default="", metavar="DATE", help="tables of this width from that day on stay as they are")
     parser.add_argument("--quick", action="store_true", help="two systems, few methods, short runs")
     parser.add_argument("--page", action="store_true", help="measure nothing")
     args = parser.parse_args()
-    systems, folder = QUICK if args.quick else SYSTEMS, args.into / "cost"
+    systems, place = QUICK if args.quick else SYSTEMS, cost_tables(args.into / "cost")
     for name in () if args.page else args.names or systems:
-        measured(name, systems[name], folder, 2.0 if args.quick else args.seconds, FEW if args.quick else None)
+        measured(name, systems[name], place, 2.0 if args.quick else args.seconds, FEW if args.quick else None, args.since)
+        written(args.into, systems)
     if not args.page and not args.names:
-        promises(folder, args.quick)
-    for path in sorted(folder.glob("*.csv")):
+        promises(place, args.quick)
+    for path in sorted((args.into / "cost").glob("lanes_*/*.csv")) if args.page else ():
         if path.stem.removesuffix("_long") in systems:
-            draw_cost(smidgen.load_cost(path), path.with_suffix(".png"))
-            lighter(path.with_suffix(".png"))
-    (args.into / "costs.md").write_text(page(folder, systems), encoding="utf-8")
+            drawn(path)
+    written(args.into, systems)
+
+
+def written(into: Path, systems: dict) -> None:
+    """The page, of the tables so far."""
+    (into / "costs.md").write_text(page(into / "cost", systems), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,9 @@ import platform
 import subprocess
 from pathlib import Path
 
-from smidgen.build.binary import FLAGS, find_compiler
+from smidgen.build.binary import FLAGS, NATIVE, find_compiler, lanes_of
+
+COSTS = Path(__file__).resolve().parents[2] / "docs" / "cost"
 
 
 def processor() -> str:
@@ -19,6 +21,11 @@ def machine() -> str:
     """Processor, cores, compiler and flags in one line."""
     compiler = subprocess.run([*find_compiler(), "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     return f"{processor()}, {os.cpu_count()} cores; {compiler}; {' '.join(FLAGS)}"
+
+
+def cost_tables(folder: Path = COSTS) -> Path:
+    """Where the cost tables of this machine's vectors stand: those of other widths stay beside them."""
+    return folder / f"lanes_{lanes_of(find_compiler(), NATIVE)}"
 
 
 def write_table(path, lines: list, columns=None, flags: str = "") -> None:

@@ -1,4 +1,4 @@
-"""What each promise costs, in per cent of the time of a run, on four systems: docs/cost/promises.csv.
+"""What each promise costs, in per cent of the time of a run, on four systems: promises.csv in docs/cost/lanes_N, of vectors of N lanes.
 
     python tests/bench/promises.py                   # two minutes on a quiet machine
     python tests/bench/promises.py --quick --out a.csv
@@ -20,13 +20,13 @@ from pathlib import Path
 import numpy as np
 
 import smidgen
+from machine import cost_tables
 from smidgen.build.binary import FLAGS, SHARED, compile_shared, find_compiler, split_notes, write_files
 from smidgen.compile.emit.emit import generate_program
 from smidgen.resources import folder
 from smidgen.run.integrator import Integrator
 from smidgen.run.settings import settle
 
-OUT = Path(__file__).resolve().parents[2] / "docs" / "cost" / "promises.csv"
 COLUMNS = ("system", "method", "h", "promise", "given_up_by", "ns_step", "without_ns_step", "per_cent", "spread_per_cent")
 SYSTEMS = {"free_rigid_body": {}, "irreversible_rigid_body": {}, "point_vortices": {}, "heisenberg_chain": {"n": 100}}
 METHODS = ("spherical-midpoint", "gauss-8")
@@ -132,7 +132,7 @@ def words(rows) -> str:
 def main() -> None:
     """Measure, write, tell."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--out", type=Path, default=cost_tables() / "promises.csv")
     parser.add_argument("--quick", action="store_true", help="one system, few rounds")
     args = parser.parse_args()
     names, rounds = (list(SYSTEMS)[1:2], 5) if args.quick else (list(SYSTEMS), ROUNDS)

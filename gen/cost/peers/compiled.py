@@ -1,4 +1,4 @@
-"""General integrators written in C, over the generated right-hand side: GSL, and CVODE and ARKODE of SUNDIALS.
+"""General integrators written in C: GSL, and CVODE and ARKODE of SUNDIALS, over the generated right-hand side; DOP853 over one by hand.
 
 Each is a small file here that includes the generated model, compiled for this processor with contraction on: nothing that
 the language allows is kept from them.
@@ -21,12 +21,14 @@ from ..case import Case
 HERE = Path(__file__).resolve().parent
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fPIC", "-shared", "-Wl,-z,defs")
 LIBRARY = "peer.so"
+FIELDS = HERE / "fields"         # written by hand, each for the spec of its name
 GSL = ("-lgsl", "-lgslcblas", "-lm")
 SUNDIALS = tuple(f"-lsundials_{name}" for name in ("arkode", "cvodes", "sunnonlinsolfixedpoint", "sunnonlinsolnewton", "sunlinsoldense",
                                                    "sunmatrixdense", "nvecserial", "core")) + ("-lm",)
 FIRST = 1e-3        # first step, of those that ask for one, in turns of the fastest site
 NEEDS = {"gsl.c": "GSL with its headers (Debian: libgsl-dev)",
          "cvode.c": "SUNDIALS 7 or newer with its headers, in the folder that SUNDIALS_DIR names (the wheel of sundials4py is one)"}
+NEEDS["dop853.c"] = "a field in C written by hand for this spec, of which there is none"
 NEEDS["arkode.c"] = NEEDS["cvode.c"]
 
 
@@ -43,8 +45,12 @@ class Compiled:
         m = case.model(explicit)
         self.model = Integrator(m.spec, m.scene, m.built, m.values_in, m.method, m.solver)      # one that nobody else starts anew
         self.model.start(case.w.copy(), h=1.0)      # rate.h says why
-        self.functions = library(self.model.built, self.model.name, source)
+        self.functions = library(self.model.built, self.model.name, source, self.options())
         self.handles, self.first = {}, FIRST / max(case.rate, 1e-300) * np.sign(case.time)
+
+    def options(self) -> list[str]:
+        """More options of the compiler."""
+        return []
 
     def prepare(self, tolerance: float) -> None:
         """Memory for runs to this tolerance. Raises MemoryError."""
@@ -74,11 +80,12 @@ class Compiled:
             self.functions.peer_free(handle)
 
 
-def library(built, name: str, source: str):
+def library(built, name: str, source: str, more):
     """The compiled integrator over this model. Raises Missing."""
     compiler = find_compiler()
-    here = [HERE / n for n in (source, "rate.h", "sundials.h")]
-    given, libraries = ([], GSL) if source == "gsl.c" else (where(), SUNDIALS)
+    here = [*(HERE / n for n in (source, "rate.h", "sundials.h")), *sorted(FIELDS.glob("*.h"))]
+    given, libraries = LINKED[source]()
+    given = [*given, *more]
     key = digest(built.folder.name, source, [p.read_bytes() for p in here], compiler_version(compiler), FLAGS, given)
     command = [*compiler, *FLAGS, f'-DMODEL_SOURCE="{name}.c"', f'-DABI_SOURCE="{name}_abi.c"', f"-DMODEL={name}_abi", f"-I{built.folder}", f"-I{HERE}",
                *include_flags(), *given, str(HERE / source), "-o", LIBRARY, *libraries]
@@ -89,6 +96,9 @@ def where() -> list[str]:
     """Options of the compiler that find SUNDIALS."""
     folder = os.environ.get("SUNDIALS_DIR", "")
     return [f"-I{folder}/include", *(f"-L{folder}/{lib}" for lib in ("lib64", "lib"))] if folder else []
+
+
+LINKED = {"gsl.c": lambda: ([], GSL), "dop853.c": lambda: ([], ("-lm",)), "cvode.c": lambda: (where(), SUNDIALS), "arkode.c": lambda: (where(), SUNDIALS)}
 
 
 def linked(command, work, source: str) -> None:

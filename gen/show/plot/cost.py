@@ -63,7 +63,7 @@ def panel(ax, cost: Cost, names, what: str, label: str) -> None:
 def look(name: str) -> dict:
     """Of a line: that of the method everywhere, grey dots and a marker for a general integrator."""
     if name in PEERS:
-        return {"label": PEERS[name].label, "color": SOFT, "linestyle": ":", "marker": "osD^v<>P"[list(PEERS).index(name)], "markerfacecolor": "none"}
+        return {"label": PEERS[name].label, "color": SOFT, "linestyle": ":", "marker": "osD^v<>PX"[list(PEERS).index(name)], "markerfacecolor": "none"}
     return {**method_style(name), "marker": method_marker(name)}
 
 
