@@ -15,7 +15,7 @@ import smidgen
 from smidgen.build.binary import find_compiler, lanes_of
 from smidgen.check.witness import Witness
 from smidgen.cost import measured as measured_facts
-from smidgen.cost.case import Case
+from smidgen.cost.case import Case, candidates
 from smidgen.cost.even import GENERAL, steps_until_even
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
 from smidgen.cost.peers import PEERS, compiled, of_case
@@ -452,6 +452,21 @@ def test_smaller_steps_are_chosen_where_twice_as_many_take_less_time(monkeypatch
     assert choice.quicker(None, rows[10], None, {"energy": 1e-6}) is rows[10]
     explicit = dataclasses.replace(rows[10], iterations=0.0)
     assert choice.quicker(None, explicit, None, {"energy": 1e-6}) is explicit
+
+
+EXPLICIT = ("cf4", "sublattice-rotations-4")
+
+
+def test_explicit_steps_have_no_tolerance_to_end_at():
+    """A tolerance would change no bit of them: they are timed once, and compared with others."""
+    spec = smidgen.load("heisenberg_chain")
+    pick = smidgen.choose(spec, error=1e-6, time=2, values={"n": 8}, methods=(*EXPLICIT, "gauss-4"))
+    found = [(row.method, row.tolerance == row.tolerance) for row in (pick.row, *pick.others)]
+    assert {name for name, _ in found} & set(EXPLICIT) and len(set(found)) == len(found)
+    assert not any(loose for name, loose in found if name in EXPLICIT)
+    case, known = Case(spec, settle(spec, values={"n": 8}), 2.0), Reference(np.zeros((8, 3)), 0.0, ())
+    swept = {name: sweep.loosened(case, sweep.one(case, name, 20, known), known, 1e-6) for name in candidates(case, (*EXPLICIT, "gauss-4"))}
+    assert [name for name, rows in swept.items() if rows] == ["gauss-4"]
 
 
 def test_a_choice_tells_when_it_is_ahead_of_a_general_integrator():

@@ -22,7 +22,7 @@ from .case import Case, asked_time, candidates
 from .even import general, steps_until_even
 from .reference import Reference, reference
 from .report import duration, label
-from .sweep import LOOSEST, PART, TOLERANCES, TURN, WITHIN, Row, one, ratio
+from .sweep import LOOSEST, PART, TOLERANCES, TURN, WITHIN, Row, loosened, one, ratio
 from .timing import asked as asked_tolerance, take_times
 
 MARGIN = 0.6        # of the error asked for, which the choice aims at
@@ -165,11 +165,10 @@ def larger_tolerance(case: Case, row: Row, known: Reference, asked: dict) -> Row
 
 
 def with_tolerance(case: Case, row: Row, known: Reference, asked: dict) -> list[Row]:
-    """The same run with iterations that leave a part of what was asked for, where that is still good enough."""
-    if METHODS[row.method].controlled or "end_error" not in asked:
+    """The same run with iterations that leave a part of what was asked for, where there are some and that is still good enough."""
+    if "end_error" not in asked:
         return []
-    found = one(case, row.method, row.steps, known, min(LOOSEST, PART * MARGIN * asked["end_error"] / row.steps))
-    return [found] if enough(found, asked) else []
+    return [found for found in loosened(case, row, known, PART * MARGIN * asked["end_error"] / row.steps) if enough(found, asked)]
 
 
 def jump(name: str, row: Row, asked: dict) -> float:
