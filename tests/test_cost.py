@@ -250,12 +250,12 @@ def test_fields_by_hand_are_those_of_the_specs(name, values):
     """With other values too; the end is the flow's, forwards and backwards."""
     spec = smidgen.load(name)
     case = Case(spec, settle(spec, values=values), -2.0)
-    found, missing = of_case(case, ("dop853-by-hand",))
+    found, missing = of_case(case, ("c-by-hand",))
     assert not missing
-    states, steps = found["dop853-by-hand"].states(1e-12, [-1.0, -2.0])
+    states, steps = found["c-by-hand"].states(1e-12, [-1.0, -2.0])
     flow = Witness(spec, values=values).flow(case.w, 0.0, [-1.0, -2.0])
     assert steps > 5 and max(case.distance(a, b) for a, b in zip(states, flow)) < 1e-9
-    assert found["dop853-by-hand"].seconds(1e-6, 3) > 0
+    assert found["c-by-hand"].seconds(1e-6, 3) > 0
 
 
 FREE = """[model]
@@ -283,8 +283,8 @@ time = 1
 def test_a_field_by_hand_of_another_system_is_none(energy, same):
     """A spec may have the name of a shipped one."""
     spec = load_text(FREE.replace("ENERGY", energy))
-    found, missing = of_case(Case(spec, settle(spec), 1.0), ("dop853-by-hand",))
-    assert bool(found) == same and ("by hand for this spec" in missing.get("dop853-by-hand", "")) != same
+    found, missing = of_case(Case(spec, settle(spec), 1.0), ("c-by-hand",))
+    assert bool(found) == same and ("by hand for this spec" in missing.get("c-by-hand", "")) != same
 
 
 @pytest.mark.quick

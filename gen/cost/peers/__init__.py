@@ -27,7 +27,7 @@ class Peer:
 PEERS = {"gsl-rk8pd": Peer("GSL rk8pd", Compiled), "gsl-msadams": Peer("GSL msadams", Compiled, "gsl.c", 1),
          "gsl-msbdf": Peer("GSL msbdf", Compiled, "gsl.c", 2), "cvode-adams": Peer("CVODE Adams", Compiled, "cvode.c", 0),
          "cvode-bdf": Peer("CVODE BDF", Compiled, "cvode.c", 1), "arkode": Peer("ARKODE order 8", Compiled, "arkode.c"),
-         "dop853-by-hand": Peer("DOP853 by hand", ByHand, "dop853.c"),
+         "c-by-hand": Peer("DOP853 by hand", ByHand, "by_hand.c"),
          "scipy": Peer("SciPy DOP853", SciPy), "heyoka": Peer("heyoka", Taylor)}
 
 

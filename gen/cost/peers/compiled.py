@@ -28,7 +28,7 @@ SUNDIALS = tuple(f"-lsundials_{name}" for name in ("arkode", "cvodes", "sunnonli
 FIRST = 1e-3        # first step, of those that ask for one, in turns of the fastest site
 NEEDS = {"gsl.c": "GSL with its headers (Debian: libgsl-dev)",
          "cvode.c": "SUNDIALS 7 or newer with its headers, in the folder that SUNDIALS_DIR names (the wheel of sundials4py is one)"}
-NEEDS["dop853.c"] = "a field in C written by hand for this spec, of which there is none"
+NEEDS["by_hand.c"] = "a field in C written by hand for this spec, of which there is none"
 NEEDS["arkode.c"] = NEEDS["cvode.c"]
 
 
@@ -98,7 +98,7 @@ def where() -> list[str]:
     return [f"-I{folder}/include", *(f"-L{folder}/{lib}" for lib in ("lib64", "lib"))] if folder else []
 
 
-LINKED = {"gsl.c": lambda: ([], GSL), "dop853.c": lambda: ([], ("-lm",)), "cvode.c": lambda: (where(), SUNDIALS), "arkode.c": lambda: (where(), SUNDIALS)}
+LINKED = {"gsl.c": lambda: ([], GSL), "by_hand.c": lambda: ([], ("-lm",)), "cvode.c": lambda: (where(), SUNDIALS), "arkode.c": lambda: (where(), SUNDIALS)}
 
 
 def linked(command, work, source: str) -> None:
