@@ -187,7 +187,7 @@ def test_elementary_functions_are_seen_in_the_data(expr, takes):
 
 def functions(name, **how):
     spec = load(name)
-    return {f.name: f for f in definitions(Model(spec, choose(spec, DEFAULT, "auto"), **how)) if isinstance(f, Function)}
+    return {f.name: f for f in definitions(Model(spec, choose(spec, DEFAULT, "auto"), **how))[0] if isinstance(f, Function)}
 
 
 def loops_of(f):
@@ -221,7 +221,7 @@ def test_targets_of_a_single_sphere():
 def test_nothing_is_kept_that_nothing_mentions(name, features):
     """And each follows what it mentions: the C needs no declarations before."""
     spec = load(name)
-    found = definitions(Model(spec, choose(spec, DEFAULT, "auto"), features))
+    found, _ = definitions(Model(spec, choose(spec, DEFAULT, "auto"), features))
     place = {d.name: k for k, d in enumerate(found)}
     assert len(place) == len(found)
     assert all(place.get(other, -1) < k for k, d in enumerate(found) for other in mentions(d) if other != d.name and not isinstance(d, Table))

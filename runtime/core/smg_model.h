@@ -89,23 +89,32 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
 #endif
 #endif
 
-/* A Hessian block B = d2H/dw_i dw_j of one term for Newton's matrix; `hessian` adds B v to its last argument. */
+/* A Hessian block B = d2H/dw_i dw_j of one term for Newton's matrix; add_product: the call that adds B `direction` to `product`. */
 #if SMG_MATRIX_FREE
-#define SMG_BLOCK(i, j, hessian, ...)                                                  \
-  do {                                                                                 \
-    smg_real y[3 * SMG_BS] = {0}, z[3 * SMG_BS] = {0};                                 \
-    for (int l = 0; l < SMG_BS; ++l) {                                                 \
-      hessian(__VA_ARGS__, s->S + 3 * (SMG_BS * (j) + l), y + 3 * l);                  \
-      if ((i) != (j)) hessian(__VA_ARGS__, s->G + 3 * (SMG_BS * (j) + l), z + 3 * l);  \
-    }                                                                                  \
-    smg_add_hessian(s, i, j, y, z);                                                    \
+#define SMG_BLOCK(i, j, add_product)                              \
+  do {                                                            \
+    smg_real y[3 * SMG_BS] = {0}, z[3 * SMG_BS] = {0};            \
+    for (int l = 0; l < SMG_BS; ++l) {                            \
+      const smg_real *direction = s->S + 3 * (SMG_BS * (j) + l);  \
+      smg_real *product = y + 3 * l;                              \
+      add_product;                                                \
+      if ((i) == (j)) continue;                                   \
+      direction = s->G + 3 * (SMG_BS * (j) + l);                  \
+      product = z + 3 * l;                                        \
+      add_product;                                                \
+    }                                                             \
+    smg_add_hessian(s, i, j, y, z);                               \
   } while (0)
 #else
-#define SMG_BLOCK(i, j, hessian, ...)                                                  \
-  do {                                                                                 \
-    smg_real y[3 * SMG_BS] = {0};                                                      \
-    for (int l = 0; l < SMG_BS; ++l) hessian(__VA_ARGS__, s->S + 3 * (SMG_BS * (j) + l), y + 3 * l); \
-    smg_add_hessian(s, i, j, y);                                                       \
+#define SMG_BLOCK(i, j, add_product)                                    \
+  do {                                                                  \
+    smg_real y[3 * SMG_BS] = {0};                                       \
+    for (int l = 0; l < SMG_BS; ++l) {                                  \
+      const smg_real *const direction = s->S + 3 * (SMG_BS * (j) + l);  \
+      smg_real *const product = y + 3 * l;                              \
+      add_product;                                                      \
+    }                                                                   \
+    smg_add_hessian(s, i, j, y);                                        \
   } while (0)
 #endif
 

@@ -15,6 +15,7 @@ from .sweeps import visits
 from .tables import tables
 from .wide import wide_functions
 from ..lower.code import mentions, needed
+from ..lower.trim import trim
 
 
 def value_sums(model) -> list:
@@ -23,11 +24,13 @@ def value_sums(model) -> list:
     return [(kind, t.derived.term.name, sums(model, [t], lambda t: value_body(model, t))) for kind, t in terms]
 
 
-def definitions(model) -> list:
-    """Tables, types and functions; what nothing mentions is left out."""
+def definitions(model) -> tuple[list, list]:
+    """(tables, types and functions; `value_sums`): what nothing mentions is left out, arguments that nothing reads too."""
     kernels = [f for t in (*model.effects, *model.observables) for f in t.functions]
     functions = [*parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *sum_functions(model),
                  *site_sums(model), *visits(model), *(model.solo or ()), *((model.motion,) if model.motion else ()), *(model.lane_sphere or ()), *axis_functions(model), *sublattice_functions(model), *pair_functions(model), *row_functions(model), *pair_row_functions(model), *few_functions(model),
                  *(wide_functions(model) if model.wide else ()), *(lane_functions(model) if has_lanes(model) else ())]
-    called = mentions(*(statement for _, _, body in value_sums(model) for statement in body))
-    return needed([*tables(model), *functions], called)
+    values = value_sums(model)
+    called = mentions(*(statement for _, _, body in values for statement in body))
+    kept, bodies = trim(needed([*tables(model), *functions], called), [body for _, _, body in values])
+    return kept, [(kind, name, body) for (kind, name, _), body in zip(values, bodies)]

@@ -31,9 +31,9 @@ def gradient_body(model, t, vectors="w", out="g") -> tuple:
 
 
 def block_body(model, t) -> list:
-    """The Hessian blocks for Newton's matrix, which reads them by their kernels."""
+    """The Hessian blocks for Newton's matrix, which asks for their products."""
     vectors = [model.vector(Member("s", "m"), s) for s in t.slots]
-    return [Call("SMG_BLOCK", (model.site(t.slots[k]), model.site(t.slots[l]), Name(f"{t.prefix}_hessian_{k}{l}"), *t.common(), *vectors))
+    return [Call("SMG_BLOCK", (model.site(t.slots[k]), model.site(t.slots[l]), t.call(f"hessian_{k}{l}", vectors, Name("direction"), Name("product"))))
             for k, l in t.derived.hessian]
 
 

@@ -66,9 +66,9 @@ def emitted(spec: Spec, plan: Plan, features) -> Files:
     def render(template: str, **slots) -> str:
         return templates.get_template(template).render(M=M, **slots)
 
-    said = banner(model)
+    said, (kept, values) = banner(model), definitions(model)
     files = Files({f"{M}.h": render("model.h.j2", **header_slots(model), **said),
-                   f"{M}.c": render("model.c.j2", **source_slots(model), interface=render("interface.c.j2", **interface_slots(model, M)), **said),
+                   f"{M}.c": render("model.c.j2", **source_slots(model, kept), interface=render("interface.c.j2", **interface_slots(model, M, values)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
                    "local": list(plan.local), "coupled": list(plan.coupled), "lanes": in_lanes(model), "threads": model.in_rows is not None and not model.method.stage_rows and not model.pairs,
@@ -76,8 +76,7 @@ def emitted(spec: Spec, plan: Plan, features) -> Files:
     return files
 
 
-def source_slots(model: Model) -> dict:
+def source_slots(model: Model, kept: list) -> dict:
     """Of model.c.j2; every definition is printed once."""
-    kept = definitions(model)
     return dict(tables=[printed(d) for d in kept if isinstance(d, Table)], functions=[printed(d) for d in kept if not isinstance(d, Table)],
                 settings=settings(model), headers=headers(model), method=method_headers(model), layout=printed(layout(model)))

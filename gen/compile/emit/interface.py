@@ -3,7 +3,6 @@ from __future__ import annotations
 
 from ... import __version__ as VERSION
 from ..assemble.buffers import buffers, history
-from ..assemble.functions import value_sums
 from ..assemble.model import Model
 from ..assemble.parameters import run_time
 from ..lower.code import mentions
@@ -13,12 +12,18 @@ from .targets import PRINTERS
 from .text import comment
 
 
-def interface_slots(model: Model, M: str) -> dict:
-    """Of interface.c.j2."""
-    values = [dict(function=f"{kind}_{name}", sums="\n".join(indent(PRINTERS["scalar"].lines(body))), unused="w" not in mentions(*body))
-              for kind, name, body in value_sums(model)]
+def interface_slots(model: Model, M: str, sums: list) -> dict:
+    """Of interface.c.j2; sums: `value_sums`, without arguments that nothing reads."""
+    values = [value_slots(*one) for one in sums]
     energy = " + ".join(f"{M}_energy_{t.derived.term.name}(p, t, w)" for t in model.effects)
     return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", **features(model))
+
+
+def value_slots(kind: str, name: str, body) -> dict:
+    """Of one function that adds up the values of a term; coefficients: does it read them?"""
+    known = mentions(*body)
+    unused = [*(() if "c" in known else ("p", "t")), *(() if "w" in known else ("w",))]
+    return dict(function=f"{kind}_{name}", sums="\n".join(indent(PRINTERS["scalar"].lines(body))), unused=unused, coefficients="c" in known)
 
 
 def features(model: Model) -> dict:

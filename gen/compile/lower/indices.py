@@ -11,7 +11,7 @@ from ...read.terms import families_of
 
 C_NAMES = {"c", "d", "e", "g", "h", "k", "m", "p", "r", "s", "t", "u", "v", "w", "x", "y", "l", "q", "b",
            "n", "all", "own", "out", "row", "site", "sub", "sum", "lost", "body", "column", "block",
-           "hessian", "state", "int", "for", "if", "do", "at", "of", "visit", "f"}
+           "direction", "product", "state", "int", "for", "if", "do", "at", "of", "visit", "f"}
 
 
 def safe(name: str) -> str:
