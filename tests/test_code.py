@@ -1,5 +1,6 @@
 """The intermediate form: trees of integers, loops and kernels, what they say of themselves, and the printers that write them."""
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from smidgen.compile.assemble.functions import definitions
 from smidgen.compile.assemble.model import Model
+from smidgen.compile.assemble.plain import PLAIN, macro
 from smidgen.compile.emit.print_scalar import Scalar
 from smidgen.compile.emit.print_wide import elementary
 from smidgen.compile.emit.targets import PRINTERS, printed
@@ -243,6 +245,16 @@ def test_no_text_is_edited_or_searched(path):
     if path.name not in TEXTS:
         assert "re" not in imported
         assert called & set(PRINTED) <= SPARED.get(path.name, set())
+
+
+def test_plain_functions_are_those_of_the_header():
+    """smg_plain.h defines just what the generator leaves out, each under the macro that a model defines in its place."""
+    text = (ROOT / "runtime/core/smg_plain.h").read_text()
+    guarded = {name: " ".join(body.split()) for name, body in re.findall(r"^#if !(SMG_OWN_\w+)\n.*?\{\n(.*?)\n\}\n#endif$", text, re.MULTILINE | re.DOTALL)}
+    assert guarded.keys() == {macro(name) for name in PLAIN}
+    for name, body in PLAIN.items():
+        statements = " ".join(PRINTERS["scalar"].lines(body)).replace("1.0", "1").replace("0.0", "0")
+        assert re.sub(r"\(void\)\w+; ", "", guarded[macro(name)]) == statements
 
 
 def test_the_middle_prints_nothing():

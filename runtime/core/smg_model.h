@@ -80,6 +80,8 @@ typedef struct smg_lattice_site {
   int64_t k, sub, s0, s1, s2, s3;
 } smg_lattice_site;
 
+#include "smg_plain.h"
+
 #if SMG_HAS_COUPLED
 /* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: defined by smg_matrix_*.h. */
 #if SMG_MATRIX_FREE

@@ -17,6 +17,29 @@
 #include "smg_lanes.h"
 #include "smg_model.h"
 
+/* The weights of a colouring and how many cells away neighbours stand, along each direction: 0 where the model does not say. */
+#ifndef SMG_REACH_1
+#define SMG_REACH_1 0
+#endif
+#ifndef SMG_REACH_2
+#define SMG_REACH_2 0
+#endif
+#ifndef SMG_REACH_3
+#define SMG_REACH_3 0
+#endif
+#ifndef SMG_WEIGHT_0
+#define SMG_WEIGHT_0 0
+#endif
+#ifndef SMG_WEIGHT_1
+#define SMG_WEIGHT_1 0
+#endif
+#ifndef SMG_WEIGHT_2
+#define SMG_WEIGHT_2 0
+#endif
+#ifndef SMG_WEIGHT_3
+#define SMG_WEIGHT_3 0
+#endif
+
 #define SMG_BEFORE 8 /* numbers before the first slot and after the last that vectors reach into: gen/compile/plan/rows.py keeps bonds so short */
 #define SMG_AFTER 16
 #define SMG_WIDEST 8  /* lanes of the widest registers there are */

@@ -111,9 +111,10 @@ def local_index(body, index: str, number: Int) -> tuple:
 def number_functions(model) -> list:
     """How sites are numbered: in all, among those that are solved together, among those alone, by family."""
     coupled, alone, lifted = model.coupled, model.alone, "tangent" in model.features
-    found = [size_function("smg_sites", model.total), family_end(model.families)]
+    every = Call("smg_sites", (Name("c"),))
+    found = [size_function("smg_sites", model.total), family_end(model.families, every)]
     if coupled:
-        found += [size_function("smg_coupled", model.rows),
+        found += [size_function("smg_coupled", every if coupled == list(model.families) else model.rows),
                   moved("smg_site", "row", coupled, "row", "first"), moved("smg_row", "k", coupled, "first", "row")]
     if alone and (not model.solo or lifted):
         found += [size_function("smg_alone", model.alone_rows), moved("smg_alone_site", "n", alone, "row", "first")]
@@ -124,7 +125,7 @@ def number_functions(model) -> list:
     return found
 
 
-def size_function(name: str, n: Int) -> Function:
+def size_function(name: str, n) -> Function:
     return Function("int64_t", name, (COEFFICIENTS,), (Return(n),), wanted=True)
 
 
@@ -138,8 +139,9 @@ def moved(name: str, number: str, families, start: str, to: str) -> Function:
                      lambda f: (Return(getattr(f, to) + Index(number) - getattr(f, start)),), families, Index(number), start, wanted=True)
 
 
-def family_end(families) -> Function:
-    ends = [f.first + f.count for f in families]
+def family_end(families, every) -> Function:
+    """The number of the site after the last of each family; every: how many sites there are."""
+    ends = [*(f.first + f.count for f in families[:-1]), every]
     tests = [If((compare(Index("f"), "==", total(k)),), (Return(end),)) for k, end in enumerate(ends[:-1])]
     return Function("int64_t", "smg_family_end", (COEFFICIENTS, Argument("int", "f")), (*tests, Return(ends[-1])), wanted=True)
 

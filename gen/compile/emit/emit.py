@@ -14,6 +14,7 @@ from ...resources import folder
 from ..assemble.buffers import layout
 from ..assemble.functions import definitions
 from ..assemble.model import Model
+from ..assemble.plain import is_plain, own_settings
 from ..lower.code import Table
 from ..plan.plan import Plan, choose
 from ..program import program_of
@@ -78,5 +79,6 @@ def emitted(spec: Spec, plan: Plan, features) -> Files:
 
 def source_slots(model: Model, kept: list) -> dict:
     """Of model.c.j2; every definition is printed once."""
-    return dict(tables=[printed(d) for d in kept if isinstance(d, Table)], functions=[printed(d) for d in kept if not isinstance(d, Table)],
-                settings=settings(model), headers=headers(model), method=method_headers(model), layout=printed(layout(model)))
+    functions = [printed(d) for d in kept if not isinstance(d, Table) and not is_plain(d)]
+    return dict(tables=[printed(d) for d in kept if isinstance(d, Table)], functions=functions,
+                settings=[*settings(model), *own_settings(kept)], headers=headers(model), method=method_headers(model), layout=printed(layout(model)))

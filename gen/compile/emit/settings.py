@@ -13,6 +13,7 @@ from .print_wide import elementary
 FEW = 4      # sites of which each gets its own copy of a loop's body: with two a step takes 6 or 7 % fewer instructions, with three 0.5 %
 FEW_LANES = 4      # where the number of sites is known at run time alone
 MOST_LANES = 8      # of a row or an ensemble: the widest registers there are
+ZERO_UNLESS_SAID = {f"SMG_{word}_{d}" for word in ("REACH", "WEIGHT") for d in range(4)}      # by smg_rows.h
 MATRICES = {"dense": "smg_matrix_dense.h", "band": "smg_matrix_band.h", "sparse": "smg_matrix_sparse.h"}
 
 
@@ -42,7 +43,7 @@ def settings(model: Model) -> list:
         "SMG_ONE_SITE": model.axes is not None and is_separate(model) and model.total == Whole(1),
         **dict(model.method.defines), "SMG_UNIT_RADIUS": model.wide is not None and model.method.onto_leaf and model.unit_radius()}
     found |= (by_rows := {**row_settings(model), **pair_row_settings(model)})
-    read = {**dict.fromkeys(set(by_rows) - {"SMG_TANGENT"}, True),
+    read = {**dict.fromkeys(set(by_rows) - {"SMG_TANGENT", *ZERO_UNLESS_SAID}, True),
             "SMG_AXES": model.axes is not None, "SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     return [(name, int(value)) for name, value in found.items() if value or read.get(name)]
 

@@ -1,5 +1,6 @@
 """Functions of a model take the arguments that they use: the others go from the definition and from every call, and with them the
-constants that were declared for them alone. What the runtime calls (`wanted`) keeps the arguments of its contract.
+constants that were declared for them alone. What the runtime calls (`wanted`) keeps the arguments of its contract. Of functions that
+then say the same, one stays: blocks d2e/dw_i dw_j and d2e/dw_j dw_i are often alike.
 """
 from __future__ import annotations
 
@@ -16,15 +17,41 @@ def trim(definitions, bodies) -> tuple[list, list]:
         unused = unused_arguments(definitions, bodies)
         kept = definitions = [without(one, unused) for one in definitions]
         bodies = [tuple(without(one, unused) for one in body) for body in bodies]
-    return definitions, [used_constants(body) for body in bodies]
+    same = alike(definitions, handed_on(definitions, bodies))
+    return ([renamed(one, same) for one in definitions if one.name not in same],
+            [used_constants(tuple(renamed(one, same) for one in body)) for body in bodies])
+
+
+def alike(definitions, apart) -> dict:
+    """Name of a function -> an earlier one with the same text; of those that are called by name alone."""
+    first, same = {}, {}
+    for f in definitions:
+        if isinstance(f, Function) and not f.wanted and f.name not in apart:
+            earlier = first.setdefault(repr(replace(f, name="")), f.name)
+            if earlier != f.name:
+                same[f.name] = earlier
+    return same
+
+
+def renamed(node, same: dict):
+    """The tree with these functions called by their other name."""
+    if isinstance(node, Table):
+        return node
+    found = rebuilt(node, lambda part: renamed(part, same))
+    return replace(found, function=same[found.function]) if isinstance(found, Call) and found.function in same else found
 
 
 def unused_arguments(definitions, bodies) -> dict:
     """Name of a function -> the positions of arguments that its body does not mention; of those that are called by name alone."""
-    statements = [*definitions, *(one for body in bodies for one in body)]
-    handed_on = {one.text for top in statements if not isinstance(top, Table) for one in walk(top) if isinstance(one, Name)}
-    return {f.name: places for f in definitions if isinstance(f, Function) and not f.wanted and f.name not in handed_on
+    apart = handed_on(definitions, bodies)
+    return {f.name: places for f in definitions if isinstance(f, Function) and not f.wanted and f.name not in apart
             if (places := unmentioned(f))}
+
+
+def handed_on(definitions, bodies) -> set:
+    """Names that are values somewhere: among them functions that are handed to others."""
+    statements = [*definitions, *(one for body in bodies for one in body)]
+    return {one.text for top in statements if not isinstance(top, Table) for one in walk(top) if isinstance(one, Name)}
 
 
 def unmentioned(f: Function) -> frozenset:
