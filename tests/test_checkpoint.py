@@ -8,6 +8,7 @@ import pytest
 import smidgen
 from smidgen.run.checkpoint import folder_of
 from smidgen.compile.features import FEATURES
+from smidgen.methods import METHODS
 from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, SIZE, TOLERANCE, Saved
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
@@ -90,15 +91,16 @@ def chain():
 
 def test_counts_beyond_the_integers_of_a_double(chain):
     saved = chain.save()
-    for count in (2 ** 53 + 1, 2 ** 62 + 2 ** 31 + 5, 2 ** 63 - 1):
+    for count in (2 ** 53 + 1, 2 ** 61 + 2 ** 31 + 5, 2 ** 62 - 1):
         saved[COUNT_HIGH], saved[COUNT_LOW] = divmod(count, 2 ** 32)
         assert chain.restore(saved).count == count
         np.testing.assert_array_equal(chain.save(), saved)
         assert Saved.of(saved).count == count
+    assert chain.steps(2).count == 2 ** 62 + 1
 
 
 @pytest.mark.parametrize("place, values", [
-    (SIZE, [0, 1e9, np.nan]), (PAST, [0, 11]), (H, [0, np.inf]), (COUNT_HIGH, [-1, 0.5, 2.0 ** 31]),
+    (SIZE, [0, 1e9, np.nan]), (PAST, [0, 11]), (H, [1e-310, -1e-310, np.inf]), (COUNT_HIGH, [-1, 0.5, 2.0 ** 30, 2.0 ** 31]),
     (COUNT_LOW, [-1, 0.5, 2.0 ** 32]), (HISTORY, [-1, 8, 2.5]), (DEGREE, [-2, 7, 0.5]), (NEWTON_STEPS, [-256, 256, 1.5]), (TOLERANCE, [-1e-9, 1.0]),
     (SCALE, [-1, np.nan]), (HEAD, [np.nan, np.inf]), (HEAD + 36, [np.nan]), (-1, [-np.inf])])
 def test_what_cannot_be_a_saved_state_is_refused(chain, place, values):
@@ -112,6 +114,26 @@ def test_what_cannot_be_a_saved_state_is_refused(chain, place, values):
     with pytest.raises(smidgen.RunError, match="no saved state"):
         chain.restore(before[:-1])
     chain.restore(before).steps(1)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name, method", [("free_rigid_body", "spherical-midpoint"), ("two_bodies", "gauss-4"), ("nambu_a34", "spherical-midpoint"), ("free_rigid_body", "dop853"), ("heisenberg_chain", "spherical-midpoint")])
+def test_a_saved_state_is_on_its_spheres(name, method):
+    """As a start is; what steps move it off them grows with their number, and of methods that keep no leaf is not judged."""
+    case = begin(name)
+    one, kind = model(case, method), {f.name: f.kind for f in case.spec.families}
+    for steps in (0, 7):
+        saved = one.start(case.w.copy(), h=case.h).steps(steps).save()
+        here = slice(HEAD, HEAD + 3)
+        wrong = [np.full(3, 1e200), *([np.zeros(3)] if "r3" not in kind.values() else [])]
+        if set(kind.values()) == {"sphere"} and METHODS[method].keeps_leaf:
+            wrong += [saved[here] * (1 + 1e-7), saved[here] * 2, saved[here] / 2]
+        for w in wrong:
+            other = saved.copy()
+            other[here] = w
+            with pytest.raises(smidgen.RunError, match="no saved state"):
+                one.restore(other)
+            assert one.restore(saved).save().tobytes() == saved.tobytes()
 
 
 def test_the_edges_of_a_saved_state(chain):

@@ -77,6 +77,14 @@ int toy_abi_steps(void *v, int64_t count, int64_t *done) {
   }
   return 0;
 }
+int toy_abi_take(void *v, smg_real *w) { toy *s = v; memcpy(s->w, w, (size_t)s->n * 3 * sizeof *w); return 0; }
+int toy_abi_go(void *v, smg_real *w, int64_t count, int64_t *done) {
+  toy *s = v;
+  toy_abi_take(v, w);
+  const int status = toy_abi_steps(v, count, done);
+  memcpy(w, s->w, (size_t)s->n * 3 * sizeof *w);
+  return status;
+}
 int64_t toy_abi_savesize(void *v) { return 10 + 3 * ((toy *)v)->n; }
 void toy_abi_save(void *v, smg_real *out) {      /* the head of runtime/core/smg_saved.h, then w */
   toy *s = v;

@@ -133,7 +133,7 @@ def spectrum(spec: Spec, name: str | None = None, *, family: str | None = None, 
     m, length = waves(grid, q), part_length(settings, parts)
     affordable(len(m) * length, autocorrelation)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver, native=native, threads=threads)
-    model.start(settings.start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
+    model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     keeper = Keeper(family, Components(grid, m, basis), len(m), length, window, parts, autocorrelation)
     recorder = stepped(model, settings, family, grid, keeper, progress)
     chosen = {"family": family, "waves": q.strip() if isinstance(q, str) else "given", "window": window, "parts": parts, "in_parts": len(recorder.substeps)}

@@ -69,7 +69,7 @@ def ended(model: Integrator, settings, second: Second, stopped) -> np.ndarray | 
     """Its end; None where a step fails."""
     pace = Pace()
     try:
-        model.start(settings.start, h=settings.h * settings.steps / second.steps, seed=settings.seed, tolerance=second.tolerance)
+        model.start(settings.own_start, h=settings.h * settings.steps / second.steps, seed=settings.seed, tolerance=second.tolerance)
         while model.count < second.steps:
             asked = min(second.steps - model.count, pace.size)
             if stopped() or pace.timed(model.advance, asked) < asked:

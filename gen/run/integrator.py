@@ -40,6 +40,7 @@ STATUS = {
     6: ("off manifold", "the start is off its sphere or leaf"),
     7: ("singular", "the Newton matrix is singular"),
 }
+REFUSED = 100       # a status above: not of a step
 NO_MEMORY = ("no memory", "there is not enough memory")
 
 
@@ -95,7 +96,9 @@ class Integrator(ReadOnly):
 
     name, method, solver, threads: as asked for; `notes`: what the generator chose. `w` is the state,
     shape (sites, 3); it is the same array after every step, and the caller's own if
-    `start` was given one of that shape and type. h: the step, nan before `start`; t0: the time
+    `start` was given one of that shape and type. What is written into it (`top.w[:] = ..`) is the state from
+    the next call on, at the same time: the predictor and the compensation then begin anew, and UsageError
+    says what is wrong with a w that no start may be, such as one off its sphere. h: the step, nan before `start`; t0: the time
     of the start; count: the steps taken since; times in the unit that the spec's energy implies.
     values_in: the parameter values; families: name -> (first site, number of sites); columns:
     the names of what `values` gives. All of them are only read: ReadOnlyError says what to call.
@@ -117,7 +120,8 @@ class Integrator(ReadOnly):
     count: int
     w: np.ndarray | None
     INSTEAD = {"": "smidgen.build(spec, ...) makes another model", "count": "steps(count) takes steps"} | dict.fromkeys(
-        ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step")
+        ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step") | {
+            "w": "w[:] = ... writes into it, start(w, t0=..., h=...) begins anew from any state, time and step"}
 
     def __init__(self, spec, scene, built: Built, values, method, solver, threads=None):
         self.spec, self.scene, self.built = spec, scene, built
@@ -149,8 +153,8 @@ class Integrator(ReadOnly):
     def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None, tolerance: float | None = None) -> Integrator:
         """Begin a trajectory at time t0 with step h (negative: backward).
 
-        w: an array of shape (sites, 3), which the steps change in place, the name of a start
-        of the spec, or None for its only one; seed replaces the seed of random starts; tolerance: of a
+        w: an array of shape (sites, 3), which the steps change in place (of two integrators with one array each goes on
+        from what the other has made of it), the name of a start of the spec, or None for its only one; seed replaces the seed of random starts; tolerance: of a
         step, as part of the largest component of w, where its iterations end or its step control
         aims (None: to round-off, and what step control has by default). Raises
         UsageError for a wrong shape, a start off its sphere or no h, RunError for what the C
@@ -169,20 +173,21 @@ class Integrator(ReadOnly):
 
     def steps(self, count: int) -> Integrator:
         """`count` steps. On failure w is the state before the step that failed."""
-        done = self.advance(count)
-        self._c.state(self._state, self.w.ctypes.data)
-        if done < count:
+        if self.advance(count) < count:
             self._fail(self._status)
         return self
 
     def advance(self, count: int) -> int:
-        """Up to `count` steps without fetching w; returns how many succeeded."""
+        """Up to `count` steps; returns how many succeeded."""
         self._started()
         if count < 0:
             raise UsageError("a number of steps from 0 up; a negative h runs backward")
         self._gather_threads()
         done = ctypes.c_int64(0)
-        self._status = self._c.steps(self._state, count, ctypes.byref(done))
+        status = self._c.go(self._state, self.w.ctypes.data, count, ctypes.byref(done))
+        if status >= REFUSED:
+            self._refuse(status - REFUSED)
+        self._status = status
         self._now(count=self.count + done.value)
         return done.value
 
@@ -191,10 +196,11 @@ class Integrator(ReadOnly):
 
         Returns how many there are; fewer than `count` where a step failed, which `failure` tells.
         """
-        self._started()
+        self._taken()
         self._gather_threads()
         done = ctypes.c_int64(0)
         self._status = self._c.outputs(self._state, first, every, count, ctypes.byref(block.addressed(begin)), ctypes.byref(done))
+        self._c.state(self._state, self.w.ctypes.data)
         self._now(count=self._c.count(self._state))
         return done.value
 
@@ -218,7 +224,7 @@ class Integrator(ReadOnly):
 
     def state(self, out=None) -> np.ndarray:
         """A copy of the state, or the state written into `out` of shape (sites, 3)."""
-        self._started()
+        self._taken()
         out = np.empty((self.sites, 3), self.real) if out is None else out
         self._c.state(self._state, out.ctypes.data)
         return out
@@ -233,7 +239,7 @@ class Integrator(ReadOnly):
 
     def save(self) -> np.ndarray:
         """All that decides later steps, to go on with the same bits: `saved.Saved` reads it."""
-        self._started()
+        self._taken()
         out = np.empty(self._c.savesize(self._state), self.real)
         self._c.save(self._state, out.ctypes.data)
         return out
@@ -257,30 +263,28 @@ class Integrator(ReadOnly):
 
     def values(self, out=None) -> np.ndarray:
         """All conserved quantities and observables, in the order of `columns`."""
-        self._started()
+        self._taken()
         out = np.empty(len(self.columns), self.real) if out is None else out
         self._c.values(self._state, out.ctypes.data)
         return out
 
     def casimirs(self, out=None) -> np.ndarray:
         """|w|^2, or C(w) of a Nambu factor, for each site: shape (sites,)."""
-        self._started()
+        self._taken()
         out = np.empty(self.sites, self.real) if out is None else out
         self._c.casimirs(self._state, out.ctypes.data)
         return out
 
     def energy(self, w=None, t: float | None = None) -> float:
         """H(t, w), by default of the present state and time."""
-        self._started()
-        w = self._given(self.w if w is None else w)
+        w = self._present() if w is None else self._given(w)
         out = np.empty(1, self.real)
         self._c.energy(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out[0]
 
     def field(self, w=None, t: float | None = None) -> np.ndarray:
         """b = (1/kappa) dH/dw of shape (sites, 3), by default of the present state."""
-        self._started()
-        w, out = self._given(self.w if w is None else w), np.empty((self.sites, 3), self.real)
+        w, out = self._present() if w is None else self._given(w), np.empty((self.sites, 3), self.real)
         self._c.field(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out
 
@@ -291,7 +295,7 @@ class Integrator(ReadOnly):
         back. The step is W = w + h X(m), so that on spheres (I - K) dW = (I + K) dw with K = (h/2) DX(m) P';
         where the leaf moves with w, on R^3 and Nambu factors, its derivative is in it. Raises UsageError
         before the first step, for a wrong shape and without the feature "tangent", RunError for what the C
-        refuses; v is then as it was.
+        refuses, before the first step after w was written too; v is then as it was.
         """
         if self.count == 0 and self._state:
             raise UsageError("no step taken yet: the tangent map is that of the step just taken")
@@ -308,7 +312,7 @@ class Integrator(ReadOnly):
         return self._carry(v, count) if count else v
 
     def _carry(self, v, count):
-        self._started()
+        self._taken()
         if not hasattr(self._c, "tangent"):
             raise UsageError("no tangent map in this build: build(..., features=('tangent',))")
         array = _real_array(v, self.real)
@@ -320,11 +324,13 @@ class Integrator(ReadOnly):
                                  ctypes.byref(done))
         self._now(count=self.count + done.value)
         self._c.state(self._state, self.w.ctypes.data)
-        self._status = status if status < 100 else 0
+        self._status = status if status < REFUSED else 0
         self._fail(self._status)
         if status:
-            name, meaning = STATUS.get(status - 100, NO_MEMORY)
-            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - 100, self.count,
+            name, meaning = STATUS.get(status - REFUSED, NO_MEMORY)
+            if status - REFUSED == 5:
+                meaning = "no step taken since the state was written or restored"
+            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - REFUSED, self.count,
                            site=self.report()["site"])
         if not array.flags.writeable:
             return carried
@@ -344,6 +350,23 @@ class Integrator(ReadOnly):
     def _started(self):
         if not self._state:
             raise UsageError("no trajectory yet: call start(w, h=...) first")
+
+    def _taken(self) -> None:
+        """What has been written into w is the state."""
+        self._started()
+        status = self._c.take(self._state, self.w.ctypes.data)
+        if status:
+            self._refuse(status - REFUSED)
+
+    def _present(self) -> np.ndarray:
+        """w, the state."""
+        self._taken()
+        return self.w
+
+    def _refuse(self, status: int) -> None:
+        """Nothing is done with a w that cannot be the state."""
+        raise UsageError(f"what was written into w of {self.name} cannot be its state: {STATUS[status][0]}"
+                         f"{wrong_start(self.scene, self.values_in, self.w)}; write another w")
 
     def _array(self, w, seed):
         if w is None or isinstance(w, str):
@@ -372,6 +395,7 @@ class Integrator(ReadOnly):
             name, meaning = STATUS.get(status.value, NO_MEMORY)
             raise RunError(f"{self.name} cannot start: {name}: {meaning}{wrong_start(self.scene, self.values_in, self.w)}", status.value)
         self._c.set_tolerance(self._state, tolerance)
+        self._c.state(self._state, self.w.ctypes.data)      # on its spheres, to the last digit
 
     def _fail(self, status):
         if status == 0:
@@ -475,7 +499,8 @@ def _functions(library, name):
     pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
     types = {
         "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
-        "set_tolerance": (ctypes.c_int, [pointer, real]), "steps": (ctypes.c_int, [pointer, integer, pointer]),
+        "set_tolerance": (ctypes.c_int, [pointer, real]), "take": (ctypes.c_int, [pointer, pointer]),
+        "go": (ctypes.c_int, [pointer, pointer, integer, pointer]),
         "time": (real, [pointer]), "sites": (integer, [pointer]),
         "count": (integer, [pointer]),
         "outputs": (ctypes.c_int, [pointer, integer, integer, integer, pointer, pointer]),

@@ -72,7 +72,7 @@ def begun(meta: dict, path):
     settings = settle(spec, name, **given)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
                   settings.real, settings.native, fast=settings.fast, threads=settings.threads)
-    model.start(settings.start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
+    model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     now = json.loads(json.dumps(describe(model, settings)))
     differing = [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]
     if differing:

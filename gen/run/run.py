@@ -81,7 +81,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
                       threads=threads)
     model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
                   real, native, fast=fast, threads=threads)
-    model.start(settings.start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
+    model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     return execute(model, settings, out, out is None if keep is None else keep, progress)
 
 

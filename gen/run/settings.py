@@ -6,6 +6,8 @@ import math
 import numbers
 import typing
 
+import numpy as np
+
 from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate, integer
@@ -48,6 +50,11 @@ class Settings:
     tolerance: float | None = None
     fast: bool = False
     threads: int | None = None
+
+    @property
+    def own_start(self):
+        """The start, an array as a copy: steps change theirs in place."""
+        return self.start.copy() if isinstance(self.start, np.ndarray) else self.start
 
 
 def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,

@@ -62,7 +62,7 @@ static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own,
 /* count steps of the members first .. first + members - 1, where none failed before. Returns how many of them have failed. */
 static int64_t smg_ensemble_steps(smg_ensemble *e, int64_t first, int64_t members, int64_t count) {
 #if SMG_MEMBERS_AT_ONCE > 1
-  smg_lane_steps(e->member + first, members, count, !e->own);
+  if (count > 0) smg_lane_steps(e->member + first, members, count, !e->own);
 #else
   for (int64_t k = first; k < first + members; ++k)
     if (e->member[k].report.status == SMG_OK) e->member[k].report.status = smg_steps(e->member + k, count);

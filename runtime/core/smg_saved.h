@@ -3,7 +3,7 @@
 #ifndef SMG_SAVED_HEADER
 #define SMG_SAVED_HEADER
 
-#include "smg_state.h"
+#include "smg_set_state.h"
 
 enum {
   SMG_SAVED_SIZE, SMG_SAVED_PAST, SMG_SAVED_T0, SMG_SAVED_H, SMG_SAVED_COUNT_HIGH, SMG_SAVED_COUNT_LOW,
@@ -68,6 +68,15 @@ static void smg_restore_sites(smg_state *s, const smg_real *lost, const smg_real
   smg_restore_history(s, past);
 }
 
+/* Steps that the history remembers. */
+static inline int smg_steps_known(const smg_state *s) {
+#if SMG_SINGLE_SPHERE
+  return smg_rows_known(s, s->count);
+#else
+  return s->history;
+#endif
+}
+
 static void smg_save_state(const smg_state *s, smg_real *out) {
   const size_t n3 = (size_t)(3 * smg_sites(&s->c));
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c.p);
@@ -76,7 +85,7 @@ static void smg_save_state(const smg_state *s, smg_real *out) {
   out[SMG_SAVED_H] = (smg_real)s->h;
   out[SMG_SAVED_COUNT_HIGH] = (smg_real)(s->count / 4294967296); /* 2^32: a double holds no count beyond 2^53 */
   out[SMG_SAVED_COUNT_LOW] = (smg_real)(s->count % 4294967296);
-  out[SMG_SAVED_HISTORY] = (smg_real)s->history;
+  out[SMG_SAVED_HISTORY] = (smg_real)smg_steps_known(s);
   out[SMG_SAVED_DEGREE] = (smg_real)s->degree;
   out[SMG_SAVED_NEWTON_STEPS] = (smg_real)smg_newton_steps(s);
   out[SMG_SAVED_SCALE] = s->scale;
@@ -89,24 +98,49 @@ static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
   return x >= least && x <= most && x == (smg_real)(int64_t)x;
 }
 
-/* Is this a saved state of a model with these sizes, by all that can be seen? */
+/* Steps from which time would no longer be known: t0 + count h is found in doubles, and no run gets there. */
+#define SMG_MOST_COUNT_HIGH 1073741823 /* count < 2^62: as many steps again do not overflow it */
+
+#define SMG_MOST_LOST (smg_real)1e-9 /* part of w that it may have lost to rounding, by far */
+
+/* The part of the radius by which steps may have moved w off its sphere: none in the beginning; then by far more than round-off and tolerance
+ * do, and half of it at most. Methods that do not keep leaves (SMG_LEAVES_DRIFT) go anywhere. */
+static inline smg_real smg_saved_off_sphere(const smg_real *in) {
+#if SMG_LEAVES_DRIFT
+  return (void)in, SMG_MAX;
+#else
+  const smg_real count = in[SMG_SAVED_COUNT_HIGH] * 4294967296 + in[SMG_SAVED_COUNT_LOW];
+  return smg_min((smg_real)0.5, SMG_OFF_SPHERE + count * ((smg_real)1e-9 + 8 * in[SMG_SAVED_TOLERANCE]));
+#endif
+}
+
+/* Are the numbers of the head within their ranges? */
+static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
+  return in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) && smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, SMG_MOST_COUNT_HIGH) &&
+         smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
+         smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
+         smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) && in[SMG_SAVED_SCALE] >= 0 &&
+         in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
+}
+
+/* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does it. */
 static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in) {
   const size_t size = smg_saved_size(&c->p);
+  const smg_real *w = in + SMG_SAVED_HEAD;
+  int64_t site;
   if (!(in[SMG_SAVED_SIZE] == (smg_real)size)) return SMG_BAD_PARAMETER;
   for (size_t k = 0; k < size; ++k)
     if (!(SMG_MATH(fabs)(in[k]) <= SMG_MAX)) return SMG_NOT_FINITE;
-  const int good = in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) && in[SMG_SAVED_H] != 0 &&
-                   smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, 2147483647) &&
-                   smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
-                   smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
-                   smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) && in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
-  return good ? SMG_OK : SMG_BAD_PARAMETER;
+  if (!smg_good_head(c, in)) return SMG_BAD_PARAMETER;
+  const smg_status times = smg_check_times((double)in[SMG_SAVED_T0], (double)in[SMG_SAVED_H]);
+  if (times != SMG_OK) return times;
+  for (site = 0; site < smg_sites(c); ++site)
+    if (!(smg_largest(w + 3 * (smg_sites(c) + site)) <= SMG_MOST_LOST * smg_largest(w + 3 * site))) return SMG_BAD_PARAMETER;
+  return smg_check_state(c, w, NULL, smg_saved_off_sphere(in), &site);
 }
 
-static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
-  const size_t n3 = (size_t)(3 * smg_sites(&s->c));
-  const smg_status status = smg_check_saved(&s->c, in);
-  if (status != SMG_OK) return status;
+/* The head, and what depends on h. */
+static void smg_restore_head(smg_state *s, const smg_real *in) {
   s->t0 = (double)in[SMG_SAVED_T0];
   s->h = (double)in[SMG_SAVED_H];
   s->count = (int64_t)in[SMG_SAVED_COUNT_HIGH] * 4294967296 + (int64_t)in[SMG_SAVED_COUNT_LOW];
@@ -119,6 +153,13 @@ static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
 #if SMG_EXTENDED
   smg_wide_prepare(&s->wide, &s->c);
 #endif
+}
+
+static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
+  const size_t n3 = (size_t)(3 * smg_sites(&s->c));
+  const smg_status status = s->w ? smg_check_saved(&s->c, in) : SMG_BAD_PARAMETER;
+  if (status != SMG_OK) return status;
+  smg_restore_head(s, in);
 #if SMG_BY_ROWS
   smg_choose_rows(s);
   smg_clear_arrays(s, s->w); /* w is the first of them */

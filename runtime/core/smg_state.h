@@ -75,46 +75,69 @@ static smg_status smg_check_sites(const smg_coefficients *c) {
   return SMG_OK;
 }
 
+/* The parameters in c, with what they alone decide. */
+static smg_status smg_check_prepared(smg_coefficients *c) {
+  const smg_status status = smg_check_sizes(c);
+  if (status != SMG_OK) return status;
+  return smg_prepare(c) ? smg_check_sites(c) : SMG_NOT_FINITE;
+}
+
 static smg_status smg_check_params(const smg_params *p) {
   smg_coefficients c;
   smg_sizes(&c, p);
-  const smg_status status = smg_check_sizes(&c);
-  if (status != SMG_OK) return status;
-  return smg_prepare(&c) ? smg_check_sites(&c) : SMG_NOT_FINITE;
+  return smg_check_prepared(&c);
 }
 
-/* The start of one site is on its sphere, or so near that it is put there; in R^3 it has a size that can be squared; a Nambu leaf
- * that the method projects onto has C != 0. */
-static inline smg_status smg_check_site_start(const smg_coefficients *c, int64_t k, smg_real *w) {
+/* A time and a step. A denormal h has too few digits. */
+static inline smg_status smg_check_times(double t0, double h) {
+  if (!(t0 - t0 == 0 && h - h == 0)) return SMG_NOT_FINITE;
+  return h != 0 && h < DBL_MIN && h > -DBL_MIN ? SMG_BAD_PARAMETER : SMG_OK;
+}
+
+/* One site: on its sphere, to the part `off` of the radius; in R^3 of a size that can be squared; of a Nambu leaf that the method
+ * projects onto, C != 0. */
+static inline smg_status smg_check_site(const smg_coefficients *c, int64_t k, const smg_real *w, smg_real off) {
   const smg_real leaf = smg_leaf_value_of(c, k, w);
   if (smg_kind(c, k) == SMG_SPHERE) {
-    const smg_real size = SMG_MATH(sqrt)(smg_dot(w, w)), off = SMG_MATH(fabs)(size - leaf);
-    if (!(off <= 1e-12 * leaf)) return SMG_OFF_MANIFOLD;
-    if (off > 8 * SMG_EPS * leaf) /* given with some digits less */
-      for (int b = 0; b < 3; ++b) w[b] *= leaf / size;
-    return SMG_OK;
+    const smg_real size = SMG_MATH(sqrt)(smg_dot(w, w));
+    return size > 0 && size <= SMG_MAX && SMG_MATH(fabs)(size - leaf) <= off * leaf ? SMG_OK : SMG_OFF_MANIFOLD;
   }
   const smg_real size = smg_largest(w);
   if (size > 0 && !(size >= (smg_real)1e-150 && size <= (smg_real)1e150)) return SMG_BAD_PARAMETER; /* w.w is no number */
   return smg_kind(c, k) == SMG_NAMBU && SMG_ONTO_LEAF && !(leaf != 0) ? SMG_OFF_MANIFOLD : SMG_OK;
 }
 
-/* A start is finite, and each of its sites good; s->scale becomes its largest component. */
-static smg_status smg_check_start(smg_state *s) {
-  const int64_t sites = smg_sites(&s->c);
-  for (int64_t k = 0; k < 3 * sites; ++k) {
-    const smg_real size = SMG_MATH(fabs)(s->w[k]);
-    s->report.site = k / 3;
-    if (!(size <= SMG_MAX)) return SMG_NOT_FINITE;
-    if (size > s->scale) s->scale = size;
-  }
-  for (int64_t k = 0; k < sites; ++k) {
-    s->report.site = k;
-    const smg_status status = smg_check_site_start(&s->c, k, s->w + 3 * k);
+#define SMG_OFF_SPHERE (smg_real)1e-12 /* part of the radius by which a start may be off its sphere */
+
+/* The part of the radius by which a site is off its sphere. */
+static inline smg_real smg_off_sphere(const smg_coefficients *c, int64_t k, const smg_real *w) {
+  if (smg_kind(c, k) != SMG_SPHERE) return 0;
+  const smg_real size = SMG_MATH(sqrt)(smg_dot(w, w));
+  return SMG_MATH(fabs)(size - smg_radius(c, k)) / smg_radius(c, k);
+}
+
+/* All sites. Where `before` is not NULL they may be off their spheres by as much more as they are there. *site: the first that is refused, or -1. */
+static smg_status smg_check_state(const smg_coefficients *c, const smg_real *w, const smg_real *before, smg_real off, int64_t *site) {
+  const int64_t sites = smg_sites(c);
+  for (*site = 0; *site < sites; ++*site)
+    if (!(smg_largest(w + 3 * *site) <= SMG_MAX)) return SMG_NOT_FINITE;
+  for (*site = 0; *site < sites; ++*site) {
+    const smg_status status = smg_check_site(c, *site, w + 3 * *site, before ? off + smg_off_sphere(c, *site, before + 3 * *site) : off);
     if (status != SMG_OK) return status;
   }
-  s->report.site = -1;
+  *site = -1;
   return SMG_OK;
+}
+
+/* s->w = w, which is checked, each site on its sphere to round-off; s->scale is the largest component. */
+static void smg_put_state(smg_state *s, const smg_real *w) {
+  s->scale = 0;
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
+    const smg_real leaf = smg_leaf_value_of(&s->c, k, w + 3 * k), size = SMG_MATH(sqrt)(smg_dot(w + 3 * k, w + 3 * k));
+    const int off = smg_kind(&s->c, k) == SMG_SPHERE && SMG_MATH(fabs)(size - leaf) > 8 * SMG_EPS * leaf; /* given with some digits less */
+    s->scale = smg_max(s->scale, smg_largest(w + 3 * k));
+    for (int b = 0; b < 3; ++b) s->w[3 * k + b] = off ? w[3 * k + b] * (leaf / size) : w[3 * k + b];
+  }
 }
 
 /* The state before any memory is known: all that is not an array. */
@@ -131,6 +154,7 @@ static void smg_blank(smg_state *s, const smg_params *p, double t0, double h) {
   s->history = 0;
   s->scale = 0;
   s->tolerance = (smg_real)SMG_TOLERANCE;
+  s->w = NULL;
   s->c.h = smg_signed_h(h);
 #if SMG_BY_ROWS
   s->rows = 0;
@@ -149,21 +173,19 @@ static void smg_clear_arrays(smg_state *s, smg_real *mem) {
 
 static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0, double h) {
   smg_blank(s, p, t0, h);
-  if (smg_check_sizes(&s->c) != SMG_OK) return s->report.status;
-  const int finite = smg_prepare(&s->c) && t0 - t0 == 0 && h - h == 0;
-  if (!finite) return s->report.status = SMG_NOT_FINITE;
-  if (h != 0 && h < DBL_MIN && h > -DBL_MIN) return s->report.status; /* too few digits */
+  s->report.status = smg_check_prepared(&s->c);
+  if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
+  if (s->report.status != SMG_OK) return s->report.status;
 #if SMG_EXTENDED
   smg_wide_prepare(&s->wide, &s->c);
 #endif
-  s->report.status = smg_check_sites(&s->c);
-  if (s->report.status != SMG_OK) return s->report.status;
 #if SMG_BY_ROWS
   smg_choose_rows(s);
 #endif
   smg_clear_arrays(s, (smg_real *)mem);
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->w[k] = w[k];
-  return s->report.status = smg_check_start(s);
+  s->report.status = smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site);
+  if (s->report.status == SMG_OK) smg_put_state(s, w);
+  return s->report.status;
 }
 
 /* The coefficients for a call that has no state. */

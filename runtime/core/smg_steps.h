@@ -10,7 +10,7 @@ static smg_status smg_steps(smg_state *s, int64_t count) {
 #if SMG_BY_ROWS
   if (s->rows) return smg_row_steps(s, count);
 #endif
-  while (count-- > 0 && status == SMG_OK) status = smg_step(s);
+  for (; count > 0 && status == SMG_OK; --count) status = smg_step(s);
   return status;
 }
 

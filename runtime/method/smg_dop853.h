@@ -28,6 +28,7 @@
 #ifndef SMG_PROJECT
 #define SMG_PROJECT 0
 #endif
+#define SMG_LEAVES_DRIFT !SMG_PROJECT
 #ifndef SMG_FIXED_STEP
 #define SMG_FIXED_STEP 0
 #endif
@@ -74,6 +75,9 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
   smg_kept(s)[SMG_NATURAL] = in[0];
   smg_kept(s)[SMG_LAST_SIZE] = 0;
 }
+
+#define SMG_HISTORY_ARRAYS 1
+static inline void smg_forget_arrays(smg_state *s) { smg_kept(s)[SMG_NATURAL] = smg_kept(s)[SMG_LAST_SIZE] = 0; }
 
 #include "smg_right_side.h"
 

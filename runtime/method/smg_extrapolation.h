@@ -19,6 +19,7 @@
 #include "smg_leaf.h"
 
 #define SMG_ONTO_LEAF 0
+#define SMG_LEAVES_DRIFT 1
 #define SMG_NO_DEGREE -1 /* there is no predictor */
 
 #ifndef SMG_HISTORY

@@ -95,7 +95,7 @@ static smg_status smg_steps(smg_state *s, int64_t count) {
   smg_slot_sweep sweep;
   smg_begin_sweep(s, &sweep);
   smg_enter_slots(s);
-  while (count-- > 0 && status == SMG_OK) status = smg_slot_step(s, &sweep);
+  for (; count > 0 && status == SMG_OK; --count) status = smg_slot_step(s, &sweep);
   smg_leave_slots(s);
   return status;
 }

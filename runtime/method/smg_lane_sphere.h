@@ -207,10 +207,11 @@ SMG_COLD static void smg_lanes_degree(smg_group *g, smg_lane_mask due) {
   }
   for (int l = 0; l < SMG_LANES; ++l) {
     if (!smg_lane_holds(due, l)) continue;
+    const int known = smg_rows_known(g->state[l], g->began[l] + g->taken);
     int best = 0;
-    for (int d = 1; d + 1 < SMG_HISTORY; ++d)
+    for (int d = 1; d + 1 < known; ++d)
       if (smg_lane_get(miss + d, l) < smg_lane_get(miss + best, l)) best = d;
-    g->state[l]->history = SMG_HISTORY;
+    g->state[l]->history = known;
     g->state[l]->degree = best;
     smg_lane_degree(g, l, best);
   }
@@ -349,7 +350,7 @@ static void smg_batch_steps(smg_state *const *s, int n, int64_t count, int alike
 /* One step of each state that has none behind it, with all others, where there is such a one; returns how many steps that were. */
 static int64_t smg_lane_first_steps(smg_state *s, int64_t members, int64_t count) {
   int fresh = 0;
-  for (int64_t k = 0; k < members; ++k) fresh |= s[k].report.status == SMG_OK && s[k].count == 0;
+  for (int64_t k = 0; k < members; ++k) fresh |= s[k].report.status == SMG_OK && s[k].count == s[k].begun;
   if (!fresh || count < 1) return 0;
   for (int64_t k = 0; k < members; ++k)
     if (s[k].report.status == SMG_OK) s[k].report.status = smg_step(s + k);

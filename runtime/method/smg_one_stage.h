@@ -31,7 +31,7 @@ static inline size_t smg_history_size(const smg_coefficients *c) { return (size_
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   const int64_t sites = smg_sites(&s->c);
-  for (int64_t k = 0; k < sites; ++k) out[k] = s->inverse[k];
+  for (int64_t k = 0; k < sites; ++k) out[k] = s->history > 0 ? s->inverse[k] : 0;
   for (int64_t q = 0; q < 3 * SMG_HISTORY * sites; ++q) out[sites + q] = s->past_slopes[q];
 }
 

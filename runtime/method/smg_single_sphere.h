@@ -184,7 +184,7 @@ SMG_INLINE void smg_sphere_commit(smg_state *s, smg_vec W, smg_vec y, smg_vec v,
 #if !SMG_COMPOSED
 /* Which degree would have predicted the newest row best? Its error is the backward difference of order d + 1. */
 static void smg_sphere_degree(smg_state *s) {
-  s->history = s->count < SMG_HISTORY ? (int)s->count : SMG_HISTORY;
+  s->history = smg_rows_known(s, s->count);
   smg_real miss[SMG_HISTORY] = {0};
   for (int i = 0; i < 3; ++i) {
     smg_real row[SMG_HISTORY];
@@ -260,7 +260,7 @@ SMG_COLD static smg_status smg_sphere_hard(smg_state *s, smg_vec u) {
     }
   }
 #if !SMG_COMPOSED
-  if (status == SMG_OK && (s->count <= SMG_HISTORY || s->count % 16 == 0)) smg_sphere_degree(s);
+  if (status == SMG_OK && (s->count - s->begun <= SMG_HISTORY || s->count % 16 == 0)) smg_sphere_degree(s);
 #endif
   s->report.site = status == SMG_OK ? -1 : 0;
   return status;
@@ -314,7 +314,7 @@ SMG_COLD static smg_status smg_sphere_afresh(smg_state *s) {
   const smg_vec w = smg_vec_load(s->w);
   smg_real q, det, size;
   const smg_vec u = smg_sphere_newton(c, w, smg_sphere_explicit(c, w, &q), &q, &det, &size);
-  if (s->count == 0 || !(size < SMG_SECOND)) return smg_sphere_hard(s, smg_vec_of(0, 0, 0));
+  if (s->count == s->begun || !(size < SMG_SECOND)) return smg_sphere_hard(s, smg_vec_of(0, 0, 0));
   return smg_sphere_again(s, u.x, u.y, u.z, q, det, size);
 }
 

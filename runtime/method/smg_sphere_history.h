@@ -10,10 +10,26 @@
 
 static inline void smg_blank_history(smg_state *s) {
   s->degree = SMG_NO_DEGREE;
+  s->begun = s->count;
   s->row = SMG_ROWS - SMG_HISTORY;
   for (int k = 0; k < 4; ++k) s->older[k] = 0;
 #if SMG_COMPOSED
   s->stage = 0;
+#endif
+}
+
+/* The rows of the first steps are 0. */
+#define SMG_HISTORY_ARRAYS 1
+static inline void smg_forget_arrays(smg_state *s) {
+  for (int k = 0; k < 4 * SMG_ROWS; ++k) s->rows[k] = 0;
+}
+
+/* Rows of the history that are of steps taken, `count` of them in all; those of a composition are counted as they come. */
+static inline int smg_rows_known(const smg_state *s, int64_t count) {
+#if SMG_COMPOSED
+  return (void)count, s->history;
+#else
+  return count - s->begun < SMG_HISTORY ? (int)(count - s->begun) : SMG_HISTORY;
 #endif
 }
 
@@ -34,6 +50,7 @@ static inline void smg_save_history(const smg_state *s, smg_real *out) {
 }
 
 static inline void smg_restore_history(smg_state *s, const smg_real *in) {
+  s->begun = s->count - s->history;
 #if SMG_COMPOSED
   s->stage = 0;
 #endif

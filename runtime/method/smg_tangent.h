@@ -262,7 +262,7 @@ static size_t smg_tangent_memory(const smg_params *p) { return smg_step_tangent_
 
 static smg_status smg_push_forward(smg_state *s, smg_real *v, int64_t columns, void *mem) {
   const smg_report report = s->report;
-  smg_status status = s->count > 0 ? SMG_OK : SMG_BAD_PARAMETER;
+  smg_status status = smg_steps_known(s) > 0 ? SMG_OK : SMG_BAD_PARAMETER;
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, (smg_real)-0.5));
 #endif

@@ -28,6 +28,13 @@ static inline size_t smg_place_beside(smg_state *s, smg_real *mem) {
   return there ? smg_beside_size(&s->c) : 0;
 }
 
+/* Nothing is lost to rounding: in empty slots nothing ever is. */
+static inline void smg_forget_rows(const smg_state *s) {
+  const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);
+  for (int k = 0; k < 3; ++k)
+    for (int64_t slot = 0; slot < slots; ++slot) s->row_compensation[k * pitch + slot] = 0;
+}
+
 /* The table. */
 static inline void smg_make_beside(smg_state *s) {
   smg_blocks blocks;

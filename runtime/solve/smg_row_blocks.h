@@ -141,9 +141,9 @@ SMG_INLINE void smg_each_in_blocks(const smg_coefficients *c, const smg_blocks *
 }
 
 /* The table: of each vector, the slots of what is beside its lane 0. */
-static size_t smg_beside_size(const smg_coefficients *c) { return ((size_t)(smg_slots(c) / SMG_WIDEST * SMG_BESIDES) * sizeof(smg_slot_beside) + sizeof(smg_real) - 1) / sizeof(smg_real); }
+static inline size_t smg_beside_size(const smg_coefficients *c) { return ((size_t)(smg_slots(c) / SMG_WIDEST * SMG_BESIDES) * sizeof(smg_slot_beside) + sizeof(smg_real) - 1) / sizeof(smg_real); }
 
-static void smg_fill_beside(const smg_coefficients *c, const smg_blocks *b, smg_slot_beside *table) {
+static inline void smg_fill_beside(const smg_coefficients *c, const smg_blocks *b, smg_slot_beside *table) {
   smg_offset beside[SMG_BESIDES];
   smg_block_vector v = smg_first_vector();
   do {
@@ -157,7 +157,7 @@ static void smg_fill_beside(const smg_coefficients *c, const smg_blocks *b, smg_
 }
 
 /* order[t][l] = l (+) t. */
-static void smg_order_lanes(const smg_blocks *b, smg_lane_order *order) {
+static inline void smg_order_lanes(const smg_blocks *b, smg_lane_order *order) {
   for (int64_t t = 0; t < SMG_WIDEST; ++t)
     for (int64_t l = 0; l < SMG_WIDEST; ++l) {
       int64_t sum = 0, unit = 1;

@@ -145,11 +145,11 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_enter_rows(s);
   smg_predict_rows(s);
   smg_exchange_late();
-  while (count-- > 0 && status == SMG_OK) {
+  for (; count > 0 && status == SMG_OK; --count) {
 #if SMG_TIMED
     smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
 #endif
-    status = smg_row_step(s, &known, count > 0);
+    status = smg_row_step(s, &known, count > 1);
   }
   smg_end_ranks(s);
   smg_leave_rows(s);

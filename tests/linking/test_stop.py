@@ -17,6 +17,14 @@ def test_the_page_stops_and_goes_on(tmp_path, amalgamated):     # noqa: F811
     assert sh(script, tmp_path).endswith("t = 100, the same bits\n")
 
 
+def test_the_page_splits(tmp_path, amalgamated):     # noqa: F811
+    """Strang: the order of m_set_state with a map of the program's own is 2."""
+    shutil.copytree(amalgamated, tmp_path, dirs_exist_ok=True)
+    shutil.copy(HERE / "kicks.c", tmp_path)
+    script = next(text for text in blocks("linking.md", "sh") if "kicks.c" in text)
+    assert sh(script, tmp_path).endswith("halving h divides the error by 4.0 and 4.0\n")
+
+
 @pytest.mark.parametrize("name", ["free_rigid_body", "heisenberg_chain", pytest.param("vortex_tracers", marks=pytest.mark.long)])
 def test_saving_compiles_without_a_warning(tmp_path, compilers, objects, name):     # noqa: F811
     """One sphere alone, coupled sites, tracers: with all warnings of C (with the optimiser's) and of C++."""

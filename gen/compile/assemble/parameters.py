@@ -1,9 +1,11 @@
 """What parameters, and what time alone decide: sizes, their checks, hoisted values."""
 from __future__ import annotations
 
+from itertools import combinations
+
 from ...language import limits
 from ...language.spec import Graph, Lattice
-from ..lower.code import Argument, Assign, For, Function, Member, Name, Ordered, Parameter, Return, Unary, Variable, refuse
+from ..lower.code import Argument, Assign, Either, For, Function, If, Member, Name, Ordered, Parameter, Return, Unary, Variable, refuse
 from ..lower.integers import ONE, ZERO, Index, compare, times
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import CLOCK, PREPARE
@@ -84,11 +86,24 @@ def lattice_checks(model, t) -> list:
         if model.method.splitting == "sublattices" and t.over.periodic[d]:      # no site is bound to itself
             reach = [[offset[d] for _, offset in bond] for bond in t.over.bonds]
             found += outside(n, 1 + max(max(r) - min(r) for r in reach))
+    found += [check for bond in t.over.bonds for a, b in combinations(bond, 2) for check in closed_upon_itself(t.over, sizes, a, b)]
     product = times(*sizes, t.over.sites)
     for f in dict.fromkeys(f for f, _ in t.slots):
         count = model.by_name[f].count
         found += refuse(compare(count, "!=", product)) if count != product else ()
     return found
+
+
+def closed_upon_itself(over: Lattice, sizes, a, b) -> tuple:
+    """The check that two ends (sub, offset) of a bond are two sites: no way between them leads around every ring that it goes along."""
+    away = [abs(x - y) for x, y in zip(a[1], b[1])]
+    if a[0] != b[0] or any(d and not ring for d, ring in zip(away, over.periodic)):
+        return ()
+    tests = [[compare(n, "==", q) for q in range(1, d + 1) if d % q == 0] for n, d in zip(sizes, away) if d]
+    open_ = [tuple(test for test in around if test is not False) for around in tests if True not in around]
+    if not all(open_):
+        return ()
+    return (If(tuple(Either(around) if len(around) > 1 else around[0] for around in open_), refuse(True)),) if open_ else refuse(True)
 
 
 def graph_checks(model, t) -> list:

@@ -94,6 +94,7 @@ def prototypes(M: str, features=()):
     return [*tangent, *(ensemble_prototypes(M) if "ensemble" in features else []), f"void *{M}_abi_new(const double *scalars, const double *const *arrays, const smg_real *w, "
             "double t0, double h, int *status)",
             f"int {M}_abi_set_tolerance(void *s, double tolerance)",
+            f"int {M}_abi_take(void *s, smg_real *w)", f"int {M}_abi_go(void *s, smg_real *w, int64_t count, int64_t *done)",
             f"int {M}_abi_steps(void *s, int64_t count, int64_t *done)", f"double {M}_abi_time(void *s)",
             f"int64_t {M}_abi_sites(void *s)", f"void {M}_abi_state(void *s, smg_real *w)",
             f"int64_t {M}_abi_savesize(void *s)", f"void {M}_abi_save(void *s, smg_real *out)",

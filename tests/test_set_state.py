@@ -1,0 +1,253 @@
+"""Another w between steps, by m_set_state and by what is written into `w`: the state as if it had begun there, whatever the layout."""
+import subprocess
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.compile.emit.emit import generate
+from smidgen.errors import ReadOnlyError, RunError, UsageError
+from smidgen.methods import METHODS
+from smidgen.resources import include_flags
+from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, HEAD, HISTORY, PAST
+from smidgen.run.start import initial_state
+from support.exact import rotation
+from support.strict import WARNINGS
+from support.systems import begin
+from test_methods import MIX
+from test_row_blocks import SPECS as BLOCKS
+from test_pair_rows import SPECS as PAIRS
+from test_rows import EXCHANGE, SPECS as ROWS, lattice
+from test_sublattice_rows import SPECS as TURNS
+
+# name -> (spec, method, h): one a layout
+LAYOUTS = {
+    "single sphere": ("forced_rigid_body", "spherical-midpoint", 0.3), "single sphere composed": ("forced_rigid_body", "spherical-midpoint-6", 0.3),
+    "divided": ("free_rigid_body", "moser-veselov", 0.3), "nambu": ("nambu_a34", "spherical-midpoint", 0.05), "composed": ("two_bodies", "spherical-midpoint-4", 0.2),
+    "dense": ("two_bodies", "spherical-midpoint", 0.3), "few in lanes": ("point_vortices", "spherical-midpoint", 0.1),
+    "tracers": ("vortex_tracers", "spherical-midpoint", 0.05), "band": ("heisenberg_chain", "classical-midpoint", 0.3),
+    "rows": (ROWS["odd cubic"], "spherical-midpoint", 0.05), "ring by rows": (ROWS["ring of 33"], "spherical-midpoint", 0.05),
+    "sweeps, then Newton": (ROWS["ring of 17"], "spherical-midpoint", 1.0), "blocks": (BLOCKS["ring"][0], "spherical-midpoint", 0.1),
+    "three colours": (ROWS["three colours"], "spherical-midpoint", 0.05),
+    "sublattices by rows": (TURNS["square"], "sublattice-rotations", 0.1), "sublattices composed": (TURNS["square"], "sublattice-rotations-4", 0.1),
+    "pairs by rows": (PAIRS["square"], "pair-rotations", 0.1), "pairs": (lattice("pentagon", "chain(n, periodic)", 5, "n", EXCHANGE), "pair-rotations", 0.1),
+    "axes": ("free_rigid_body", "axis-splitting", 0.2), "gauss": (MIX, "gauss-6", 0.1), "gauss by rows": (TURNS["square"], "gauss-6", 0.1),
+    "dop853": (MIX, "dop853", 0.3), "dop853 alone": ("free_rigid_body", "dop853-projected", 1.0), "extrapolation": (MIX, "extrapolation-12", 0.1),
+    "one stage": (MIX, "isospectral-midpoint", 0.1), "explicit": (MIX, "cf4", 0.1),
+}
+SOME = ("single sphere", "few in lanes", "ring by rows", "pairs by rows", "gauss by rows", "dop853", "one stage")
+
+
+def bits(x) -> bytes:
+    return np.asarray(x).tobytes()
+
+
+def spec_of(one):
+    return smidgen.load(one) if isinstance(one, str) else one
+
+
+def start_of(spec):
+    return begin(spec).w if spec.runs else initial_state(spec, spec.starts[0].name)
+
+
+def kicked(w, angle=0.7):
+    """Every vector turned about the axis (1, 2, 2)/3."""
+    axis = np.array([1.0, 2.0, 2.0]) / 3
+    along = np.outer(w @ axis, axis)
+    return np.cos(angle) * (w - along) + np.sin(angle) * np.cross(axis, w) + along
+
+
+def fresh(model, w, h, count):
+    """A trajectory that begins at w, told that it has taken `count` steps."""
+    saved = model.start(w.copy(), h=h).save()
+    saved[COUNT_HIGH], saved[COUNT_LOW] = divmod(count, 2 ** 32)
+    return model.restore(saved)
+
+
+def remembered(model) -> bytes:
+    """What a saved state has before the increments of the steps before, of which only so many count as it says."""
+    saved = model.save()
+    return bits(saved[:int(saved[PAST])])
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.quick] if n in SOME else []) for n in LAYOUTS])
+def test_a_written_state_is_a_beginning(name):
+    """Bit for bit: neither history nor compensation of the steps before is left, at any place in the history."""
+    one, method, h = LAYOUTS[name]
+    model, other = (smidgen.build(spec_of(one), method) for _ in range(2))
+    w, taken = start_of(spec_of(one)), 0
+    model.start(w.copy(), h=h)
+    for before, after in ((5, 20), (1, 3), (17, 12)):
+        model.steps(before)
+        model.w[:] = kicked(model.w)
+        given, taken = model.w.copy(), taken + before
+        fresh(other, given, h, taken)
+        assert remembered(model) == remembered(other)
+        for steps in (1, after):
+            assert remembered(model.steps(steps)) == remembered(other.steps(steps))
+            assert bits(model.w) == bits(other.w) and model.t == other.t
+        taken += 1 + after
+
+
+def test_every_function_sees_what_was_written():
+    model = smidgen.build(smidgen.load("free_rigid_body")).start(h=0.1).steps(3)
+    w = kicked(model.w)
+    wanted = smidgen.build(smidgen.load("free_rigid_body")).start(w.copy(), h=0.1)
+    for look in ("energy", "values", "casimirs", "field", "state"):
+        model.w[:] = w
+        assert bits(getattr(model, look)()) == bits(getattr(wanted, look)())
+        model.w[:] = kicked(w)
+        model.w[:] = w
+    assert model.save()[HISTORY] == 0 and bits(model.save()[HEAD:HEAD + 3]) == bits(w)
+
+
+def test_what_cannot_be_a_state_is_refused_and_the_state_stays():
+    model = smidgen.build(smidgen.load_text(FIELD)).start(h=0.1).steps(5)
+    kept = model.w.copy()
+    saved = model.save()
+    for wrong, said in ((1.1, "site 1"), (np.nan, "not finite"), (0.0, "off manifold")):
+        model.w[1] = kept[1] * wrong
+        for act in (model.step, model.energy, model.save, model.values, lambda: model.advance(2)):
+            with pytest.raises(UsageError, match=said):
+                act()
+        model.w[:] = kept
+        assert bits(model.save()) == bits(saved)      # the same w: nothing was written
+    with pytest.raises(ReadOnlyError, match="w\\[:\\] = "):
+        model.w = kept
+    model.w[1] *= 1 + 1e-13
+    assert abs(np.linalg.norm(model.step().w[1]) - 1) < 5e-16
+
+
+def test_the_tangent_map_of_a_step_ends_where_w_is_written():
+    model = smidgen.build(smidgen.load("two_bodies"), features=("tangent",)).start(h=0.1).steps(5)
+    v = np.ones_like(model.w)
+    model.tangent(v.copy())
+    model.w[:] = kicked(model.w)
+    with pytest.raises(RunError, match="no step taken"):
+        model.tangent(v.copy())
+    model.push_forward(v, 2)
+
+
+@pytest.mark.quick
+def test_a_step_goes_to_the_same_array():
+    w = start_of(smidgen.load("free_rigid_body"))
+    model = smidgen.build(smidgen.load("free_rigid_body")).start(w, h=0.1)
+    for take in (model.steps, model.advance):
+        before = w.copy()
+        take(2)
+        assert model.w is w and bits(w) == bits(model.state()) != bits(before)
+
+
+FIELD = """
+[model]
+name = "top_in_field"
+[space]
+w = { sphere = 2 }
+[effects.rotation]
+over = "site(i) of w"
+energy = "(w[i].x^2 + w[i].y^2/2 + w[i].z^2/4)/2"
+[effects.coupling]
+energy = "0.3*dot(w[0], w[1])"
+[effects.field]
+over = "site(i) of w"
+energy = "0.8*w[i].z"
+[starts.a]
+theta = "0.5 + i"
+phi = 0.2
+"""
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", ["spherical-midpoint", "gauss-4", "dop853", "extrapolation-12", "cf4"])
+def test_a_splitting_with_a_map_of_the_user(method):
+    """Strang: half a turn in the field, a step of the rest, half a turn. Halving h divides the error by 4, against the whole by an integrator of order 12."""
+    spec, w, T = smidgen.load_text(FIELD), None, 2.0
+    exact = smidgen.build(spec, "extrapolation-12").start("a", h=T / 200).steps(200).w
+    model, errors = smidgen.build(spec, method, effects=["rotation", "coupling"]), []
+    for steps in (20, 40, 80):
+        h = T / steps
+        model.start("a", h=h)
+        half = rotation([0, 0, 1], -0.8 * h / 2)
+        for _ in range(steps):
+            model.w[:] = model.w @ half.T
+            model.step()
+            model.w[:] = model.w @ half.T
+        errors.append(np.abs(model.state() - exact).max())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.abs(orders - 2).max() < 0.1, (errors, orders)
+    assert np.abs(np.linalg.norm(model.w, axis=1) - 1).max() < 1e-14 * (1 if METHODS[method].keeps_leaf else 1e3)
+
+
+def test_what_steps_moved_off_its_sphere_may_be_written():
+    """|w| of an explicit method drifts; what is as far off is put back."""
+    model = smidgen.build(MIX, "extrapolation-12").start("a", h=0.5).steps(20)
+    off = np.abs(np.linalg.norm(model.w[:3], axis=1) - 2)
+    assert off.max() > 1e-10
+    model.w[:] = kicked(model.w)
+    assert np.abs(np.linalg.norm(model.state()[:3], axis=1) - 2).max() < 5e-16 * 2
+    model.w[0] *= 1 + 1e-11
+    with pytest.raises(UsageError, match="site 0"):
+        model.step()
+
+
+EDGES = """
+#include "{M}.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CHECK(what) if (!(what)) return printf("%s\\n", #what), 1
+
+int main(void) {{
+  {M}_params p;
+  {M}_state s;
+  {M}_defaults(&p);
+  const size_t n = 3 * (size_t){M}_sites(&p), size = {M}_savesize(&p);
+  smg_real *w = malloc(n * sizeof *w), *one = malloc(size * sizeof *one), *other = malloc(size * sizeof *other);
+  void *mem = malloc({M}_memsize(&p));
+  for (size_t k = 0; k < n; ++k) w[k] = k % 3 == 0 ? 0.6 : k % 3 == 1 ? 0 : k % 2 ? 0.8 : -0.8;
+  CHECK({M}_init(&s, &p, mem, w, 0, 1e-310) == SMG_BAD_PARAMETER);
+  CHECK({M}_init(&s, &p, mem, w, 0, 0) == SMG_OK); /* no motion, and its saved state is one */
+  {M}_save(&s, one);
+  CHECK({M}_restore(&s, one) == SMG_OK);
+  CHECK({M}_init(&s, &p, mem, w, 0, 0.1) == SMG_OK && {M}_steps(&s, 5) == SMG_OK);
+  {M}_save(&s, one);
+  const int64_t none[] = {{INT64_MIN, -1, 0}};
+  for (int k = 0; k < 3; ++k) CHECK({M}_steps(&s, none[k]) == SMG_OK && s.count == 5);
+  {M}_save(&s, other);
+  CHECK(memcmp(one, other, size * sizeof *one) == 0);
+
+  memcpy(w, s.w, n * sizeof *w);
+  const smg_real wrong[] = {{0, 2, (smg_real)NAN, (smg_real)INFINITY}};
+  for (int k = 0; k < 4; ++k) {{
+    for (size_t b = n - 3; b < n; ++b) w[b] = wrong[k] * s.w[b];
+    CHECK({M}_set_state(&s, w) == (k < 2 ? SMG_OFF_MANIFOLD : SMG_NOT_FINITE) && s.report.site == (int64_t)n / 3 - 1);
+    {M}_save(&s, other);
+    CHECK(memcmp(one, other, size * sizeof *one) == 0);
+  }}
+  memcpy(w, s.w, n * sizeof *w);
+  CHECK({M}_set_state(&s, w) == SMG_OK && s.count == 5 && {M}_step(&s) == SMG_OK && s.count == 6);
+  s.w[0] = -s.w[0];
+  CHECK({M}_set_state(&s, s.w) == SMG_OK && {M}_step(&s) == SMG_OK);
+
+  {M}_params bad = p;
+  bad.{p} = {value};
+  CHECK({M}_check(&bad) != SMG_OK);
+  CHECK({M}_init(&s, &bad, mem, w, 0, 0.1) != SMG_OK && {M}_set_state(&s, w) == SMG_BAD_PARAMETER && {M}_restore(&s, one) == SMG_BAD_PARAMETER);
+  free(w), free(one), free(other), free(mem);
+  return 0;
+}}
+"""
+IN_C = {"free_rigid_body": ("spherical-midpoint", "I1", "NAN"), "heisenberg_chain": ("spherical-midpoint", "n", "1"), "free_rigid_body projected": ("dop853-projected", "I1", "NAN"), "heisenberg_chain turned": ("sublattice-rotations", "n", "1"), "heisenberg_chain in stages": ("gauss-6", "n", "1")}
+
+
+@pytest.mark.parametrize("name", IN_C)
+def test_edges_in_c(tmp_path, name):
+    """What init refuses, set_state, restore and check refuse; numbers of steps below 1; under sanitizers."""
+    spec, (method, parameter, value) = smidgen.load(name.split()[0]), IN_C[name]
+    for file, text in generate(spec, method=method).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "main.c").write_text(EDGES.format(M=spec.name, p=parameter, value=value))
+    flags = [*WARNINGS, "-Wno-psabi", "-std=c11", "-O0", "-g", "-ffp-contract=off", "-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
+    subprocess.run(["gcc", *flags, *include_flags(), "-I.", "main.c", f"{spec.name}.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    said = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True)
+    assert said.returncode == 0, said.stdout + said.stderr
