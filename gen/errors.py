@@ -99,9 +99,9 @@ WINDOW = 100        # characters of a source line that a message shows at most
 class Diagnostic:
     """One error in a spec.
 
-    line and column count from 1 in code points; text is the source line, length the
-    number of characters that the caret underlines, cause what is wrong, hint what to
-    write instead.
+    line and column count from 1 in code points, line 0 means the file as a whole; text is
+    the source line, length the number of characters that the caret underlines, cause what
+    is wrong, hint what to write instead.
     """
     code: str
     file: str
@@ -113,14 +113,18 @@ class Diagnostic:
     length: int = 1
 
     def render(self) -> str:
-        """`file:line:column: error[CODE]: cause`, the line, a caret, the hint."""
-        head = (f"{printable(self.file)}:{self.line}:{self.column}: "
-                f"error[{self.code}]: {printable(self.cause)}")
-        shown, pad, width = excerpt(self.text, self.column - 1, self.length)
+        """`file:line:column: error[CODE]: cause`, the line, a caret, the hint; the line only where there is one."""
+        place = f":{self.line}:{self.column}" if self.line else ""
+        head = f"{printable(self.file)}{place}: error[{self.code}]: {printable(self.cause)}"
         gutter = " " * len(str(self.line))
-        lines = [head, f" {self.line} | {shown}",
-                 f" {gutter} | {' ' * pad}^{'~' * (width - 1)}"]
-        return "\n".join(lines + [f" {gutter} = {printable(self.hint)}"] * bool(self.hint))
+        return "\n".join([head, *self.marked(gutter)] + [f" {gutter} = {printable(self.hint)}"] * bool(self.hint))
+
+    def marked(self, gutter: str) -> list[str]:
+        """The source line and the caret below it; nothing of an empty line."""
+        if not self.text:
+            return []
+        shown, pad, width = excerpt(self.text, self.column - 1, self.length)
+        return [f" {self.line} | {shown}", f" {gutter} | {' ' * pad}^{'~' * (width - 1)}"]
 
 
 class SpecError(SmidgenError):

@@ -168,6 +168,10 @@ def test_the_file_holds_the_table_and_the_figure_is_made_of_it_alone(table, tmp_
     assert one == two
 
 
+def test_a_notebook_shows_a_line_of_a_table(table):
+    assert len(repr(table)) < 200 and f"{len(table.rows)} rows of {len(FEW)} methods" in repr(table)
+
+
 @pytest.mark.quick
 def test_a_file_of_something_else_is_refused(tmp_path):
     for text in ("", "a,b\n1,2\n", "\x00"):

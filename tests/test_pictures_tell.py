@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.pictures import FILM_BONDS, data_of, film, pairs_of, result, ring, top  # noqa: F401
 
-from smidgen.show.plot import chain, colours, facts, overview, pictures, style, view
+from smidgen.show.plot import chain, colours, facts, overview, pictures, sphere, style, view
 from smidgen.show.plot.figures import FIGURES
 
 
@@ -45,6 +45,15 @@ def test_a_name_has_one_colour_in_every_figure_and_panel(every_figure):
             colors.setdefault(name, set()).add(color)
     assert {"spherical midpoint", "classical midpoint", "chaotic orbits", "w[1]", "p", "$x$"} <= set(colors)
     assert {name: found for name, found in colors.items() if len(found) > 1} == {}
+
+
+def test_every_colour_that_means_something_is_legible():
+    """A contrast of 3 with white paper and with the ball, on which sites and orbits are drawn."""
+    ball = sphere.shading(64)[..., :3][sphere.shading(64)[..., 3] == 1].mean(axis=0)
+    drawn = [*colours.PALETTE, *colours.COMPONENTS.values(), colours.CHAOTIC, colours.INK, *colours.regular(20), *colours.ordered(np.linspace(0, 1, 9))]
+    drawn += [color for n in (8, 40, 300) for color in colours.of_sites({"a": n, "b": n})["b"]]
+    assert min(colours.contrast(color) for color in [*drawn, *(look[1] for look in style.STYLES.values())]) >= 3
+    assert min(colours.contrast(color, ball) for color in drawn) >= 3
 
 
 def test_methods_components_and_orbits_share_no_colour():

@@ -153,12 +153,12 @@ energy = "-dot(w[i], w[j])"
 w = {{ random = 1 }}
 p = {{ random = 2 }}
 """
-LAYERS = {      # a lattice; the directions that are drawn; where the first site of each cell of the lowest layer stands, rows of numbers; what is said of the others
+LAYERS = {      # a lattice; the directions that are drawn; the sites of the lowest layer, rows of numbers as they are drawn; what is said of it
     "film": ("square(5, 3, open)", 15, (0, 1), np.arange(15).reshape(3, 5), ""),
     "crystal": ("cubic(4, 3, 2, periodic)", 24, (0, 1), np.arange(12).reshape(3, 4), "the lowest of 2 layers"),
     "edge": ("cubic(1, 4, 5, open)", 20, (1, 2), np.arange(20).reshape(5, 4), ""),
     "ladder": ("square(12, 2, open)", 24, (0, 1), np.arange(24).reshape(2, 12), ""),
-    "honeycomb": ("honey.all", 32, (0, 1), 2 * np.arange(16).reshape(4, 4), "site 0 of the 2 of a cell"),
+    "honeycomb": ("honey.all", 32, (0, 1), np.arange(32).reshape(4, 8), "schematic: the 2 sites of a cell side by side"),
 }
 
 
@@ -171,7 +171,7 @@ def drawn_from(name, steps=9):
 @pytest.mark.parametrize("name", LAYERS)
 def test_a_lattice_is_seen_from_above(name):
     _, _, (along, up), numbers, note = LAYERS[name]
-    drawn, (rows, columns) = drawn_from(name), numbers.shape
+    drawn, (rows, columns), sites = drawn_from(name), numbers.shape, 2 if name == "honeycomb" else 1
     assert pictures.suitable(drawn, False) == "lattice"
     figure = style.styled(pictures.draw_lattice)(drawn)
     *panels, bar = figure.axes
@@ -181,14 +181,15 @@ def test_a_lattice_is_seen_from_above(name):
     for ax, k in zip(panels, np.linspace(0, 9, 6).astype(int)):
         shown, (image,) = drawn.w["w"][k][numbers] / 2, ax.images
         assert ax.get_title("left").startswith(f"$t$ = {drawn.t[k]:g} ")
-        assert image.origin == "lower" and image.get_extent() == [-0.5, columns - 0.5, -0.5, rows - 0.5] and np.allclose(image.get_array(), shown[..., 2], atol=1e-15)
+        assert image.origin == "lower" and image.get_extent() == [-0.5, columns / sites - 0.5, -0.5, rows - 0.5] and np.allclose(image.get_array(), shown[..., 2], atol=1e-15)
         assert len(ax.collections) == (name != "ladder") and ax.get_aspect() == ("auto" if name == "ladder" else 1)
         if not ax.collections:
             continue
         arrows, = ax.collections
         assert np.allclose(arrows.U, shown[..., 0].ravel()) and np.allclose(arrows.V, shown[..., 1].ravel())
-        assert np.array_equal(arrows.XY, np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), -1).reshape(-1, 2))
-        assert arrows.scale_units == "xy" and np.isclose(arrows.scale, 1 / 0.9)
+        across = (np.arange(columns) + 0.5) / sites - 0.5
+        assert np.allclose(arrows.XY, np.stack(np.meshgrid(across, np.arange(rows)), -1).reshape(-1, 2))
+        assert arrows.scale_units == "xy" and np.isclose(arrows.scale, sites / 0.9) and len(ax.lines) == (columns // sites - 1 if sites > 1 else 0)
 
 
 @pytest.mark.filterwarnings("error")

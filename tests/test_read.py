@@ -309,6 +309,7 @@ def test_missing_file(tmp_path):
     with pytest.raises(SpecError) as caught:
         load(tmp_path / "none.toml")
     assert caught.value.diagnostics[0].code == "E101"
+    assert str(caught.value) == f"{tmp_path / 'none.toml'}: error[E101]: no such file or directory\n   = give the path of a spec, a TOML file"
     with pytest.raises(SpecError):
         load(tmp_path)
 

@@ -63,6 +63,9 @@ class Choice:
     def __str__(self) -> str:
         return "\n".join(words(self))
 
+    def __repr__(self) -> str:
+        return f"<Choice {', '.join(f'{word}={value!r}' for word, value in self.settings.items())}; print() tells why>"
+
 
 @public
 def choose(spec: Spec, name: str | None = None, *, error: float | None = None, energy: float | None = None,

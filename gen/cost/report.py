@@ -50,6 +50,11 @@ class Cost:
     def __str__(self) -> str:
         return words(self)
 
+    def __repr__(self) -> str:
+        f, methods = self.facts, {row.method for row in self.rows}
+        return (f"<Cost {f.get('spec', '')} {f.get('run', '')}: {len(self.rows)} rows of {len(methods)} methods, time {f.get('time', '?')}; "
+                "print() shows the table>")
+
 
 def shown(value) -> str:
     """A cell: measured numbers to five digits, nothing for nan."""

@@ -7,7 +7,7 @@ import os
 from dataclasses import replace
 from typing import Optional
 
-from ..errors import SpecError
+from ..errors import Diagnostic, SpecError
 from ..language import limits
 from ..language.spec import Spec
 from ..public import public
@@ -38,15 +38,12 @@ SECTIONS = ("model", "space", "parameters", "formulas", "lattices", "graphs", "e
 def load(path) -> Spec:
     """Read the spec file at `path`. Raises SpecError."""
     name = os.fspath(path)
-    problems = Problems(Source("", name))
     try:
         with open(name, "rb") as f:
             data = f.read(limits.FILE_BYTES + 1)
     except OSError as e:
-        with problems.guard():
-            problems.fail(codes.FILE, Span(0, 1), f"{(e.strerror or 'cannot be read').lower()}",
-                          "give the path of a spec, a TOML file")
-        problems.finish()
+        raise SpecError([Diagnostic(codes.FILE, name, 0, 0, "", (e.strerror or "cannot be read").lower(),
+                                    "give the path of a spec, a TOML file")]) from None
     return load_text(decoded(data, name), name)
 
 

@@ -15,6 +15,7 @@ from .received import Wrong, within
 CHECK = {4: 1234567.0, 8: 123456789012345.0}        # the first number of binary data
 HEADER = 200        # lines; OOMMF writes thirty
 AXES = "xyz"
+SCHEMATIC = "Desc: the sites of a cell stand at fractions of its diagonal, for a spec gives them no positions"
 READ = ("valuedim", "segment count", "meshtype", "pointcount", *(f"{axis}nodes" for axis in AXES))     # what counts of the header
 
 
@@ -25,7 +26,7 @@ def written(w, points, size, label: str, title: str, text: bool) -> bytes:
     head = ["OOMMF OVF 2.0", "Segment count: 1", "Begin: Segment", "Begin: Header", f"Title: {title}", "meshunit: cell",
             "valuedim: 3", f"valuelabels: {' '.join(f'{label}_{axis}' for axis in AXES)}", "valueunits: 1 1 1",
             *(f"{axis}min: -0.5" for axis in AXES), *(f"{axis}max: {n - 0.5}" for axis, n in zip(AXES, size)),
-            *(mesh(size) if points is None else ["meshtype: irregular", f"pointcount: {len(rows)}"]),
+            *(mesh(size) if points is None else [SCHEMATIC, "meshtype: irregular", f"pointcount: {len(rows)}"]),
             "End: Header", f"Begin: Data {kind}"]
     body = "".join(" ".join(f"{x:.17g}" for x in row) + "\n" for row in rows.tolist()).encode() if text \
         else np.concatenate([[CHECK[8]], rows.ravel()]).astype("<f8").tobytes() + b"\n"

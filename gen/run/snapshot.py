@@ -24,8 +24,8 @@ def snapshot(result, out: str | os.PathLike, family: str | None = None, row: int
     result: a Result, or the path of its file; family: by default the only one; row: a number of an output, from the end
     where negative, or time: the time of one; by default the last state. text: numbers as text, to 17 digits, in place of
     doubles in binary. Cell (c0, c1, c2) of the lattice stands at these integers; site s of the p sites of a cell at the
-    fraction s/p of its diagonal. Raises UsageError where there is no such state or lattice, OutputError for a file
-    that cannot be written.
+    fraction s/p of its diagonal. Raises UsageError where there is no such state or lattice, and for .vtk of several
+    sites in a cell, which have no positions; OutputError for a file that cannot be written.
     """
     result = result if hasattr(result, "meta") else load_result(result)
     spec, values = spec_and_values(result, None)

@@ -1,8 +1,8 @@
 """The legacy format of VTK, which ParaView reads.
 
 The VTK User's Guide, 11th edition (Kitware 2010), "VTK File Formats": a title, ASCII or BINARY (big-endian), then the
-points and the vectors at them, x fastest. A lattice of one site a cell is of STRUCTURED_POINTS; of several sites it is an
-UNSTRUCTURED_GRID, a vertex a site.
+points and the vectors at them, x fastest. A lattice of one site a cell is of STRUCTURED_POINTS. One of several sites is refused: a
+picture is made of positions, which a spec does not give. All shapes are read.
 """
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ import re
 
 import numpy as np
 
+from ..errors import UsageError
 from ..language import limits
-from .ovf import in_three
 from .received import Wrong, within
 
 TITLE = 200         # characters; the format ends it at 256
-VERTEX = 1          # the type of a cell that is a point
 SIZES = {"double": 8, "float": 4}
 KEYWORD = re.compile(rb"\n(?=[A-Z])")       # ends the numbers of a text
 SHAPES = ("STRUCTURED_POINTS", "RECTILINEAR_GRID", "UNSTRUCTURED_GRID", "POLYDATA")
@@ -24,20 +23,16 @@ INTEGERS = {"vtktypeint64": 8, "vtktypeint32": 4}   # of version 5, in whose CEL
 
 
 def written(w, points, size, label: str, title: str, text: bool) -> bytes:
-    """The bytes of a file. points: the Grid where cells have several sites, else None; size: cells in three directions."""
-    head = f"# vtk DataFile Version 3.0\n{title[:TITLE] or label}\n{'ASCII' if text else 'BINARY'}\n"
-    place = spots(points, text) if points else \
-        f"DATASET STRUCTURED_POINTS\nDIMENSIONS {size[0]} {size[1]} {size[2]}\nORIGIN 0 0 0\nSPACING 1 1 1\n".encode()
-    return head.encode("ascii", "replace") + place + f"POINT_DATA {len(w)}\nVECTORS {label} double\n".encode() + block(w, ">f8", text)
+    """The bytes of a file. points: the Grid where cells have several sites, else None; size: cells in three directions.
 
-
-def spots(grid, text: bool) -> bytes:
-    """Points, and a cell of one point for each."""
-    n = grid.count
-    cells = np.stack([np.ones(n, int), np.arange(n)], axis=1)
-    return (f"DATASET UNSTRUCTURED_GRID\nPOINTS {n} double\n".encode() + block(in_three(grid.positions()), ">f8", text)
-            + f"CELLS {n} {2 * n}\n".encode() + block(cells, ">i4", text)
-            + f"CELL_TYPES {n}\n".encode() + block(np.full((n, 1), VERTEX), ">i4", text))
+    Raises UsageError where cells have several sites.
+    """
+    if points:
+        raise UsageError(f"no .vtk of this lattice: it has {points.sites} sites in a cell, and a spec gives them no positions, without "
+                         "which a picture in space would be wrong; .ovf keeps the vectors by number")
+    head = (f"# vtk DataFile Version 3.0\n{title[:TITLE] or label}\n{'ASCII' if text else 'BINARY'}\n"
+            f"DATASET STRUCTURED_POINTS\nDIMENSIONS {size[0]} {size[1]} {size[2]}\nORIGIN 0 0 0\nSPACING 1 1 1\n")
+    return head.encode("ascii", "replace") + f"POINT_DATA {len(w)}\nVECTORS {label} double\n".encode() + block(w, ">f8", text)
 
 
 def block(rows, kind: str, text: bool) -> bytes:

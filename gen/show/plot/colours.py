@@ -10,6 +10,8 @@
 
 Colours are those of Okabe and Ito (Color universal design, 2008), which stay apart for the
 common kinds of colour blindness, and a brown. Methods, components and chaotic orbits share none.
+All have a contrast of at least 3 with white paper (Web Content Accessibility Guidelines 2.2, 1.4.11): `legible` darkens
+those that have less.
 """
 from __future__ import annotations
 
@@ -19,20 +21,47 @@ from matplotlib.colors import to_hex, to_rgb
 
 from ...methods import METHODS
 
-BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-PURPLE, ORANGE, SKY, BROWN = "#CC79A7", "#E69F00", "#56B4E9", "#6B4C00"
+CONTRAST = 3.7      # with white, of every colour that means something: 3 with the ball, which is darker
+
+
+def luminance(color) -> float:
+    """Relative luminance of a colour, 0 to 1 (sRGB, IEC 61966-2-1)."""
+    c = np.array(to_rgb(color))
+    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+def contrast(color, other="white") -> float:
+    """The ratio (L1 + 0.05)/(L2 + 0.05) of the two luminances, 1 to 21."""
+    dark, light = sorted((luminance(color), luminance(other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def legible(color) -> str:
+    """The colour itself, or the lightest of its hue that has CONTRAST with white."""
+    shade, low, high = np.array(to_rgb(color)), 0.0, 1.0
+    if contrast(color) >= CONTRAST:
+        return to_hex(color)
+    for _ in range(20):
+        half = (low + high) / 2
+        low, high = (half, high) if contrast(half * shade) >= CONTRAST else (low, half)
+    return to_hex(low * shade)
+
+
+BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN = (
+    legible(c) for c in ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#6B4C00"))
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
 INK, SOFT, FAINT, SINGULAR = "#222222", "#5B6570", "#8A94A0", "#C8102E"
 
 # method -> label, colour, dash, marker: the midpoints by name of the palette, the others in the order of the registry, compositions
 # from light to dark
 LOOKS = ((BLUE, "-", "o"), (VERMILION, "--", "s"), (GREEN, "-.", "^"),
-         *((to_hex(matplotlib.colormaps["cividis"](k / 12)), (0, (1 + k, 1, 1, 1)), marker) for k, marker in enumerate("Dv<>pPhHXd*8")),
-         *((to_hex(matplotlib.colormaps["plasma"](0.9 - 0.04 * k)), (0, (5, 1, *(1, 1) * (k % 4), 1, 2 + k)), marker)
+         *((legible(matplotlib.colormaps["cividis"](k / 12)), (0, (1 + k, 1, 1, 1)), marker) for k, marker in enumerate("Dv<>pPhHXd*8")),
+         *((legible(matplotlib.colormaps["plasma"](0.9 - 0.04 * k)), (0, (5, 1, *(1, 1) * (k % 4), 1, 2 + k)), marker)
            for k, marker in enumerate((*"1234+x|_", *((points, kind, 0) for kind in (1, 2) for points in range(3, 9))))),
-         *((to_hex(matplotlib.colormaps["viridis"](0.95 - 0.05 * k)), (0, (8, 2, 1, 1 + k)), marker)
+         *((legible(matplotlib.colormaps["viridis"](0.95 - 0.05 * k)), (0, (8, 2, 1, 1 + k)), marker)
            for k, marker in enumerate((points, kind, 20) for kind in (1, 2) for points in range(3, 12))),
-         *((to_hex(matplotlib.colormaps["cool"](0.05 * k)), (0, (10, 1, 2, 1 + k)), marker)
+         *((legible(matplotlib.colormaps["cool"](0.05 * k)), (0, (10, 1, 2, 1 + k)), marker)
            for k, marker in enumerate((points, kind, 40) for kind in (1, 2) for points in range(3, 12))))
 STYLES = {name: (method.label, *look) for (name, method), look in zip(METHODS.items(), LOOKS)}
 COMPONENTS = {"x": PURPLE, "y": SKY, "z": BROWN}
@@ -61,19 +90,19 @@ def palette(number: int) -> str:
 
 
 def shades(color: str, count: int) -> list[str]:
-    """`count` shades of a colour, from dark to light."""
+    """`count` shades of a colour, from dark to the lightest that is legible."""
     pure, share = np.array(to_rgb(color)), np.linspace(0, 1, count)[:, None]
-    dark, light = 0.4 * pure, pure + 0.5 * (1 - pure)
-    return [to_hex(c) for c in dark + share * (light - dark)]
+    light = np.array(to_rgb(legible(pure + 0.35 * (1 - pure))))
+    return [to_hex(c) for c in light * (0.3 + 0.7 * share)]
 
 
 def regular(count: int) -> list[str]:
     """Colours of regular orbits, dark blue to sea green, so that neighbours can be told apart."""
     dark, light = np.array([0.0, 0.27, 0.55]), np.array([0.0, 0.62, 0.55])
     share = (np.arange(count) * 7 % max(count, 1)) / max(count - 1, 1)
-    return [to_hex(c) for c in dark + share[:, None] * (light - dark)]
+    return [legible(c) for c in dark + share[:, None] * (light - dark)]
 
 
 def ordered(shares) -> list[str]:
     """Colours of numbers between 0 (dark) and 1 (bright): shares of a time, of a radius."""
-    return [to_hex(c) for c in matplotlib.colormaps["viridis"](0.85 * np.asarray(shares, float))]
+    return [legible(c) for c in matplotlib.colormaps["viridis"](0.75 * np.asarray(shares, float))]

@@ -1,9 +1,14 @@
-"""A lattice from above at a few times: w_z as colour, w_x and w_y as arrows."""
+"""A lattice from above at a few times: w_z as colour, w_x and w_y as arrows.
+
+A spec says which sites a bond joins, not where they stand. So cells of several sites are drawn as a schematic: the sites of
+a cell side by side, each over its part of the cell.
+"""
 from __future__ import annotations
 
 import numpy as np
 
 from .chain import CELLS, thinned
+from .colours import INK
 from .style import footnote, new_figure, styled
 from .text import of_all, shown
 
@@ -14,7 +19,7 @@ LONG = 4            # times as many cells one way as the other, beyond which the
 
 @styled
 def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1)):
-    """Unit vectors along w (k, rows, columns, 3) at up to six outputs, evenly chosen; `note` stands below.
+    """Unit vectors along w (k, rows, columns, sites of a cell, 3) at up to six outputs, evenly chosen; `note` stands below.
 
     directions: of the lattice, along columns and along rows, which go upwards. Of many cells some are left out.
     """
@@ -32,27 +37,37 @@ def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1)):
         ax.remove()
     figure.colorbar(image, ax=list(axes[:len(keep)]), label=r"$w_z/|w|$ (dimensionless)", pad=0.02)
     figure.suptitle(shown(title) or "Evolution of the lattice", x=0.01, ha="left", fontsize=10.5)
-    footnote(figure, note, of_all(len(rows) * len(columns), w.shape[1] * w.shape[2]), of_all(len(keep), len(t), "outputs"))
+    footnote(figure, schematic(w.shape[3]), note, of_all(len(rows) * len(columns), w.shape[1] * w.shape[2], "cells"), of_all(len(keep), len(t), "outputs"))
     return figure
 
 
+def schematic(sites: int) -> str:
+    """What to say of a picture whose sites have no places."""
+    return f"schematic: the {sites} sites of a cell side by side, for a spec does not say where they stand" if sites > 1 else ""
+
+
 def one_image(ax, unit, columns, rows):
-    """Unit vectors (rows, columns, 3) of the cells with these numbers."""
-    squares = max(unit.shape[:2]) <= LONG * min(unit.shape[:2])
-    image = ax.imshow(unit[..., 2], origin="lower", cmap="coolwarm", vmin=-1, vmax=1, aspect="equal" if squares else "auto",
+    """Unit vectors (rows, columns, sites of a cell, 3) of the cells with these numbers."""
+    squares, sites = max(unit.shape[:2]) <= LONG * min(unit.shape[:2]), unit.shape[2]
+    image = ax.imshow(unit[..., 2].reshape(len(rows), -1), origin="lower", cmap="coolwarm", vmin=-1, vmax=1, aspect="equal" if squares else "auto",
                       extent=[columns[0] - 0.5, columns[-1] + 0.5, rows[0] - 0.5, rows[-1] + 0.5])
     if squares:
         arrows(ax, unit, columns, rows)
+    if sites > 1 and len(columns) <= ARROWS:
+        for edge in columns[:-1] + 0.5:
+            ax.axvline(edge, color=INK, lw=1.2)
     ax.grid(False)
     return image
 
 
 def arrows(ax, unit, columns, rows) -> None:
-    """Of some cells; one that lies in the plane is as long as nine tenths of the space between two."""
-    down, along = thinned(len(rows), ARROWS), thinned(len(columns), ARROWS)
-    space = min(len(rows) / len(down), len(columns) / len(along))
-    some = unit[down][:, along]
-    ax.quiver(columns[along], rows[down], some[..., 0], some[..., 1], pivot="mid", angles="xy", scale_units="xy", scale=1 / (0.9 * space), color="black", width=0.004)
+    """Of some cells, at each of their sites; one that lies in the plane is as long as nine tenths of the space between two."""
+    sites = unit.shape[2]
+    down, along = thinned(len(rows), ARROWS), thinned(len(columns), max(1, ARROWS // sites))
+    space = min(len(rows) / len(down), len(columns) / len(along) / sites)
+    some = unit[down][:, along].reshape(len(down), -1, 3)
+    places = (columns[along][:, None] + (np.arange(sites) + 0.5) / sites - 0.5).ravel()
+    ax.quiver(places, rows[down], some[..., 0], some[..., 1], pivot="mid", angles="xy", scale_units="xy", scale=1 / (0.9 * space), color="black", width=0.004)
 
 
 def label(ax, directions, below: bool, beside: bool) -> None:

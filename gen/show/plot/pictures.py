@@ -195,14 +195,14 @@ def draw_chain(result):
 
 
 def draw_lattice(result):
-    """The largest family on a lattice of two directions, at up to six times: of several sites in a cell the first, of several layers the lowest."""
+    """The largest family on a lattice of two directions, at up to six times; of several layers the lowest."""
     name, size, sites = film_of(result)
     if not name:
         raise UsageError("no lattice of two or three directions is known of this result: draw the kind 'chain'")
     w, (across, up, *above) = states_of(result)[name], wide(size)
-    cells = w.reshape(len(w), *size[::-1], sites, 3)[..., 0, :]
+    cells = w.reshape(len(w), *size[::-1], sites, 3)
     picked = [slice(None) if d in (across, up) else 0 for d in reversed(range(len(size)))]
-    said = [f"site 0 of the {sites} of a cell"] * (sites > 1) + [f"the lowest of {size[d]} layers" for d in above]
+    said = [f"the lowest of {size[d]} layers" for d in above]
     return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up))
 
 

@@ -56,7 +56,8 @@
   // ---- canvases ----
   const scene = el("scene"), strip = el("errors");
   const g = scene.getContext("2d"), e = strip.getContext("2d");
-  let width = 0, height = 0, cx = 0, cy = 0, unit = 1;
+  const PAPER = [760, 520, 112];            // width, height of the scene and of the strip on paper
+  let width = 0, height = 0, cx = 0, cy = 0, unit = 1, band = { width: 0, height: 0 }, printing = false;
   function fit(canvas, context, wide, high) {
     const ratio = window.devicePixelRatio || 1;
     canvas.width = Math.max(1, Math.round(wide * ratio));
@@ -66,11 +67,19 @@
   }
   function resize() {
     const box = scene.getBoundingClientRect(), below = strip.getBoundingClientRect();
-    if (box.width * box.height === 0 || (width > 0 && matchMedia("print").matches)) return;  // hidden, or on paper
-    width = box.width; height = box.height; cx = width / 2; cy = height / 2;
-    fit(scene, g, width, height); fit(strip, e, below.width, below.height);
+    if (printing || matchMedia("print").matches) return toPaper();
+    if (box.width * box.height > 0) size(box.width, box.height, below.width, below.height);     // else hidden
+  }
+  function size(wide, high, stripWide, stripHigh) {
+    width = wide; height = high; cx = width / 2; cy = height / 2;
+    band = { width: stripWide, height: stripHigh };
+    fit(scene, g, width, height); fit(strip, e, stripWide, stripHigh);
     draw();
   }
+  // On paper the canvases are pictures of a size of their own: a frame that was never on the screen has none yet.
+  function toPaper() { if (width !== PAPER[0] || height !== PAPER[1]) size(PAPER[0], PAPER[1], PAPER[0], PAPER[2]); }
+  addEventListener("beforeprint", () => { printing = true; toPaper(); });
+  addEventListener("afterprint", () => { printing = false; resize(); });
   function place(v) {
     const p = times3(turn, v);
     return [cx + unit * p[0], cy - unit * p[1], p[2]];
@@ -84,7 +93,7 @@
       if (big) {
         const light = g.createRadialGradient(cx - 0.42 * s, cy - 0.5 * s, 0.05 * s, cx, cy, 1.05 * s);
         light.addColorStop(0, "#fcfdff"); light.addColorStop(0.55, "#eceff4");
-        light.addColorStop(1, "#c8cdd6");
+        light.addColorStop(1, "#d3d8e0");
         g.fillStyle = light; g.fill();
       } else {
         g.strokeStyle = "rgba(90,100,112,.45)"; g.lineWidth = 1; g.setLineDash([3, 3]); g.stroke();
@@ -217,7 +226,7 @@
   }
   function drawStrip() {
     if (!errors) return;
-    const w = strip.getBoundingClientRect().width, h = strip.getBoundingClientRect().height;
+    const w = band.width, h = band.height;
     const span = times[frames - 1] - times[0] || 1;
     const X = (t) => left + (w - left - right) * (t - times[0]) / span;
     const low = data.low, high = data.high, Y = (y) => top + (h - top - bottom) * (high - y) / (high - low);
@@ -313,7 +322,7 @@
   const release = (event) => held.delete(event.pointerId);
   scene.addEventListener("pointerup", release);
   scene.addEventListener("pointercancel", release);
-  scene.addEventListener("focus", () => { armed = scene.matches(":focus-visible"); });   // by Tab
+  scene.addEventListener("focus", () => { armed = armed || scene.matches(":focus-visible"); });   // by Tab, or by the click itself
   for (const end of ["blur", "pointerleave"]) scene.addEventListener(end, () => { armed = false; });
   let hint = 0;
   function tell() {

@@ -19,7 +19,7 @@ def shading(size: int = 240) -> np.ndarray:
     r2 = x * x + y * y
     z = np.sqrt(np.clip(1 - r2, 0, 1))
     lambert = np.clip((x * LIGHT[0] + y * LIGHT[1] + z * LIGHT[2]) / np.linalg.norm(LIGHT), 0, 1)
-    tone = 0.80 + 0.19 * lambert
+    tone = 0.86 + 0.13 * lambert
     alpha = np.clip((1 - np.sqrt(r2)) * size / 2, 0, 1)
     return np.stack([tone * 0.985, tone * 0.993, np.minimum(tone * 1.01, 1), alpha], axis=-1)
 
