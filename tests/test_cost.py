@@ -30,7 +30,8 @@ from smidgen.methods import METHODS
 from smidgen.read.load import load_text
 from smidgen.run.estimate import TOLERANCE
 from smidgen.run.settings import settle
-from smidgen.show.plot.cost import draw_cost
+from smidgen.show.plot import cost as cost_figure
+from smidgen.show.plot.cost import draw_cost, leading
 
 FEW = ("spherical-midpoint", "gauss-6", "dop853")
 
@@ -166,6 +167,26 @@ def test_the_file_holds_the_table_and_the_figure_is_made_of_it_alone(table, tmp_
     assert again.facts == {k: str(v) for k, v in table.facts.items()}
     one, two = (draw_cost(again, tmp_path / name).read_bytes() for name in ("a.png", "b.png"))
     assert one == two
+
+
+def made(name, times):
+    """Rows of a method: the time it takes for 1e-2, 1e-4, .."""
+    return [Row(name, 1.0, 10 + k, end_error=100.0 ** -(k + 1), energy=1.0, seconds=t) for k, t in enumerate(times)]
+
+
+@pytest.mark.quick
+def test_the_figure_shows_the_frontier_and_names_the_rest(tmp_path, monkeypatch):
+    """The fastest of each kind for some error, and the spherical midpoint; of the rest the names."""
+    rows = [*made("classical-midpoint", [6, 7, 8]), *made("spherical-midpoint", [3, 4, 5]), *made("gauss-4", [1, 2, 9]), *made("gauss-8", [2, 3, 4]),
+            *made("gauss-6", [5, 5, 5]), *made("dop853", [0.5, 0.6, 0.7]), *made("cf4", [1, 1, 1]), *made("gsl-rk8pd", [2, 2, 2]), *made("scipy", [9, 9, 9])]
+    assert leading(rows, "end_error") == ["spherical-midpoint", "gauss-4", "gauss-8", "dop853", "gsl-rk8pd"]
+    figures = []
+    monkeypatch.setattr(cost_figure, "save", lambda figure, path: figures.append(figure))
+    draw_cost(Cost(rows, [("gauss-6", 1.0, 1.0, 1.0), ("gauss-8", 1.0, 1.0, 1.0)], dict.fromkeys(("spec", "run", "time", "sites", "machine", "reference"), "x")), "x.png")
+    (figure,) = figures
+    assert [len(ax.lines) for ax in figure.axes] == [5, 5, 0, 1]
+    said = " ".join(t.get_text() for t in figure.texts).replace("\n", " ")
+    assert "for no error the fastest of their kind: classical midpoint, Gauss 6, CF4, SciPy DOP853" in said
 
 
 def test_a_notebook_shows_a_line_of_a_table(table):

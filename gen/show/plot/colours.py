@@ -56,7 +56,7 @@ INK, SOFT, FAINT, SINGULAR = "#222222", "#5B6570", "#8A94A0", "#C8102E"
 # method -> label, colour, dash, marker: the midpoints by name of the palette, the others in the order of the registry, compositions
 # from light to dark
 LOOKS = ((BLUE, "-", "o"), (VERMILION, "--", "s"), (GREEN, "-.", "^"),
-         *((legible(matplotlib.colormaps["cividis"](k / 12)), (0, (1 + k, 1, 1, 1)), marker) for k, marker in enumerate("Dv<>pPhHXd*8")),
+         *((legible(matplotlib.colormaps["turbo"](k / 11)), (0, (1 + k, 1, 1, 1)), marker) for k, marker in enumerate("Dv<>pPhHXd*8")),
          *((legible(matplotlib.colormaps["plasma"](0.9 - 0.04 * k)), (0, (5, 1, *(1, 1) * (k % 4), 1, 2 + k)), marker)
            for k, marker in enumerate((*"1234+x|_", *((points, kind, 0) for kind in (1, 2) for points in range(3, 9))))),
          *((legible(matplotlib.colormaps["viridis"](0.95 - 0.05 * k)), (0, (8, 2, 1, 1 + k)), marker)

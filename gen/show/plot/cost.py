@@ -1,20 +1,36 @@
 """The figure of a cost table, four panels: errors against the time they take, and the energy along long runs.
 
-It draws what the table holds and nothing else: the same file gives the same picture.
+Drawn are the methods of the frontier: those that are the fastest of their kind for some error, and the spherical
+midpoint, with which they are compared. The others are named below. The same file gives the same picture.
 """
 from __future__ import annotations
 
 from pathlib import Path
 
-from ...cost.report import Cost, cost_is_chaotic
+from ...cost.frontier import by_method, seconds_for, symplectic
 from ...cost.peers import PEERS
-from ...methods import METHODS
+from ...cost.report import Cost, cost_is_chaotic, label
+from ...methods import METHODS, MIDPOINTS
 from .colours import SOFT
 from .style import footnote, method_marker, method_style, new_figure, save, styled
 
 PANELS = (("end_error", "error at the end, part of |w|"), ("energy", "largest error of the energy"),
           ("casimir", "largest error of a Casimir, part of it"))
 LEAST = 1e-17       # below it a point stands on the lower edge
+LEVELS = [10.0 ** -k for k in range(2, 15, 2)]      # errors at which the fastest of each kind is looked for
+KINDS = (symplectic, lambda name: name in METHODS and not symplectic(name), lambda name: name in PEERS)
+
+
+def leading(rows, what: str) -> list[str]:
+    """The methods that are the fastest of their kind for some error `what`, in the order of the rows; first the spherical midpoint."""
+    own = by_method(rows)
+    times = {name: [seconds_for(group, what, level) for level in LEVELS] for name, group in own.items()}
+    found = {MIDPOINTS[0]} & set(own)
+    for kind in KINDS:
+        for k in range(len(LEVELS)):
+            there = {name: t[k] for name, t in times.items() if kind(name) and t[k] == t[k]}
+            found |= {min(there, key=there.get)} if there else set()
+    return sorted(found, key=lambda name: (name != MIDPOINTS[0], list(own).index(name)))
 
 
 @styled
@@ -22,18 +38,24 @@ def draw_cost(cost: Cost, path) -> Path:
     """Draw the table into a .png, .svg or .pdf; returns its path. Raises UsageError for another format."""
     figure = new_figure(11, 8)
     axes = figure.subplots(2, 2).ravel()
-    names = [name for name in dict.fromkeys(row.method for row in cost.rows)]
-    for ax, (what, label) in zip(axes, PANELS):
-        panel(ax, cost, names, what, label)
-    along(axes[3], cost)
+    names = leading(cost.rows, "energy" if cost_is_chaotic(cost) else "end_error")
+    for ax, (what, words) in zip(axes, PANELS):
+        panel(ax, cost, names, what, words)
+    along(axes[3], cost, names)
     if cost_is_chaotic(cost):
         axes[0].text(0.5, 0.5, "no end errors:\nthe end is too uncertain", ha="center", transform=axes[0].transAxes)
     handles, labels = axes[1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper")
     f = cost.facts
-    figure.suptitle(f"{f['spec']} {f['run']}: what accuracy costs (time {f['time']}, {f['sites']} sites)")
-    footnote(figure, f["machine"], f"reference: {f['reference']}", failures(cost))
+    figure.suptitle(f"{f['spec']} {f['run']}: what accuracy costs (time {f['time']}, {f['sites']} sites)", x=0.01, ha="left")
+    footnote(figure, f["machine"], f"reference: {f['reference']}", failures(cost), behind(cost.rows, names))
     return save(figure, path)
+
+
+def behind(rows, names) -> str:
+    """The methods that are not drawn."""
+    rest = [label(name) for name in by_method(rows) if name not in names]
+    return f"measured, and for no error the fastest of their kind: {', '.join(rest)}" if rest else ""
 
 
 @styled
@@ -67,9 +89,9 @@ def look(name: str) -> dict:
     return {**method_style(name), "marker": method_marker(name)}
 
 
-def along(ax, cost: Cost) -> None:
+def along(ax, cost: Cost, names) -> None:
     """The energy along long runs: each method with the step that came next to the same end error."""
-    for name in dict.fromkeys(m for m, *_ in cost.long):
+    for name in [name for name in dict.fromkeys(m for m, *_ in cost.long) if name in names]:
         points = [(t, max(e, LEAST)) for m, _, t, e in cost.long if m == name]
         ax.plot(*zip(*points), **method_style(name))
     ax.set(xscale="log", yscale="log", xlabel="time along the run", ylabel="error of the energy")

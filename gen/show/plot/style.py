@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import functools
+import textwrap
 import warnings
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ...errors import UsageError
 from .colours import INK, STYLES, PALETTE, SOFT
-from .text import shown
+from .text import PARAGRAPH, printable, shown
 
 STYLE = {
     "figure.dpi": 110, "savefig.dpi": 160, "savefig.bbox": "tight",
@@ -30,6 +31,7 @@ STYLE = {
 }
 
 FORMATS = ("png", "svg", "pdf")
+LETTERS = 14        # of a footnote in an inch
 _UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
@@ -46,9 +48,10 @@ def method_marker(name: str) -> str:
 
 def footnote(figure: Figure, *words: str) -> None:
     """What a figure must say below its axes, such as "24 of 400 sites shown"; nothing of no words."""
-    said = "; ".join(word for word in words if word)
+    said = printable("; ".join(word for word in words if word), PARAGRAPH)
     if said:
-        figure.supxlabel(shown(said), x=0.01, ha="left", fontsize=8, color=SOFT)
+        lines = textwrap.wrap(said, int(LETTERS * figure.get_figwidth()))
+        figure.supxlabel("\n".join(shown(line) for line in lines), x=0.01, ha="left", fontsize=8, color=SOFT)
 
 
 def styled(function):
