@@ -5,9 +5,10 @@ import pytest
 from pages import blocks, python, sh
 
 import smidgen
-from smidgen.show.demo import exact, experiments, paths, stages, systems
+from smidgen.show.demo import exact, experiments, moving, paths, stages, systems
 from smidgen.run.conserved import conserved_axes, of_time, with_tracers
-from smidgen.show.plot import facts, portraits
+from smidgen.show.plot import facts, gallery, portraits
+from smidgen.show.plot.text import in_script
 from smidgen.show.plot.equilibria import equilibria
 from smidgen.show.plot.figures import FIGURES
 from smidgen.read.shipped import load_spec, shipped
@@ -89,7 +90,8 @@ def test_a_failed_line_fails_the_demo(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(stages, "perform", lambda tasks, out, jobs: {tasks[0]: broken})
     assert stages.demo(tmp_path, 1, [("system", "free_rigid_body")]) == smidgen.errors.Exit.VALIDATION
     assert "FAILED" in capsys.readouterr().out
-    assert "<script>" not in (tmp_path / "index.html").read_text()
+    page = (tmp_path / "index.html").read_text()
+    assert "</td><script>" not in page and "0 of 1 runs passed" in page and "FAILED" in page
 
 
 def test_lost_momentum_is_a_fault():
@@ -118,14 +120,30 @@ def test_tasks():
 
 
 def test_small_demo(tmp_path, capsys):
-    """One system and one figure, in two processes: a table, a page, no failure."""
-    code = stages.main(["--out", str(tmp_path), "--only", "nambu_a38,irreversible_energy"])
+    """One system and two figures, in two processes: a table, a page, no failure."""
+    code = stages.main(["--out", str(tmp_path), "--only", "nambu_a38,irreversible_energy,moving_body"])
     said = capsys.readouterr()
     assert code == 0, said.out + said.err
-    assert "1 of 1 systems and 1 of 1 figures" in said.out and "nambu_a38" in said.out
+    assert "1 of 1 systems and 2 of 2 figures" in said.out and "nambu_a38" in said.out
     page = (tmp_path / "index.html").read_text()
-    assert page.count("<iframe") == 1 and page.count("<img") == 2
-    assert "http:" not in page and "https:" not in page
+    assert page.count('href="player_nambu_a38.html"') == 1 and page.count("<img") == 3 and page.count("<canvas") == 1
+    assert "doi.org/10.1090/mcom/3153" in page and f"smidgen {smidgen.__version__}" in page and "Figure 4(c)" in page
+    assert "1 of 1 runs passed every check" in page and "\u2264 1e-11" in page and len(page) < 200_000
+
+
+@pytest.mark.long
+def test_the_spheres_that_move_are_light():
+    """All three together: what is left of 1 MB is for the table and the words."""
+    made = [gallery.Picture(name, None, "", moving={**experiments.EXPERIMENTS[name]()[0], "seconds": 1}) for name in ("moving_body", "moving_section", "moving_vortices")]
+    assert len(in_script([gallery.numbers(p) for p in made])) < 600_000
+
+
+def test_chaotic_orbits_are_cut_into_parts_of_equal_length():
+    """No point is lost or drawn twice."""
+    points = lambda w, periods: w + np.arange(periods + 1.0)[:, None]
+    regular, chaotic = moving.section_layers(points, [np.zeros(3), np.full(3, 0.5)], lambda orbit, found: found[0, 0] > 0)
+    assert regular["w"].shape == (moving.PERIODS + 1, 1, 3) and chaotic["w"].shape == (moving.PERIODS + 1, moving.PART, 3)
+    assert np.array_equal(np.sort(chaotic["w"][..., 0].ravel()), 0.5 + np.arange(moving.PART * (moving.PERIODS + 1)))
 
 
 # -- figures ---------------------------------------------------------------------------------
@@ -172,7 +190,7 @@ def test_singular_points_of_the_manifold_are_those_where_vortices_meet():
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_figure(name):
     data, caption = experiments.EXPERIMENTS[name]()
-    figure = FIGURES[name].draw(**data)
+    figure = FIGURES[name].draw(**stages.posed(data))
     assert figure.axes and (caption or not data)
     for ax in figure.axes:
         assert len(ax.lines) + len(ax.collections) + len(ax.images) > 0

@@ -1,5 +1,6 @@
 """The player: what its page carries, what a browser does with it, and the page that frames it."""
 import base64
+import dataclasses
 import json
 import re
 import shutil
@@ -11,6 +12,7 @@ import pytest
 from support.pictures import FILM_BONDS, HOSTILE, data_of, film, pairs_of, result, top  # noqa: F401
 
 from smidgen.errors import UsageError
+from smidgen.show.demo.stages import WORDS
 from smidgen.show.plot import draw, pictures, player
 from smidgen.show.plot.gallery import Picture, Row, gallery
 
@@ -80,10 +82,10 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 with_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 
 
-def in_browser(page, folder):
+def in_browser(page, folder, *flags):
     """What the page has become when its script has run for two seconds."""
     return subprocess.run(
-        [CHROMIUM, "--no-sandbox", "--headless=new", "--disable-gpu", "--virtual-time-budget=2000",
+        [CHROMIUM, *flags, "--no-sandbox", "--headless=new", "--disable-gpu", "--virtual-time-budget=2000",
          f"--user-data-dir={folder}/profile", "--dump-dom", f"file://{page}"],
         capture_output=True, text=True, timeout=120).stdout
 
@@ -227,17 +229,20 @@ def test_a_player_that_is_hidden_keeps_its_picture(film_said):
     assert film_said["kept"]
 
 
-def scales_of(pdf):
-    """[(horizontal, vertical)] of every matrix with which the pages of a PDF scale what they draw."""
-    found = []
+def streams_of(pdf):
+    """What the pages of a PDF draw, unpacked."""
     for raw in re.findall(rb"stream\r?\n(.*?)endstream", pdf, re.S):
         try:
-            words = zlib.decompress(raw).split()
+            yield zlib.decompress(raw)
         except zlib.error:
             continue
-        for k in [k for k, word in enumerate(words) if word == b"cm"]:
-            found.append(tuple(np.linalg.norm(np.array(words[k - 6:k - 2], float).reshape(2, 2), axis=1)))
-    return found
+
+
+def scales_of(pdf):
+    """[(horizontal, vertical)] of every matrix with which the pages of a PDF scale what they draw."""
+    every = [stream.split() for stream in streams_of(pdf)]
+    return [tuple(np.linalg.norm(np.array(words[k - 6:k - 2], float).reshape(2, 2), axis=1))
+            for words in every for k, word in enumerate(words) if word == b"cm"]
 
 
 @with_browser
@@ -255,15 +260,83 @@ def test_a_printed_player_has_its_sphere_in_its_aspect(top, tmp_path, frame):
     assert len(scales_of(pdf)) > 3 and all(wide == pytest.approx(high, rel=0.01) for wide, high in scales_of(pdf))
 
 
-# -- the page --------------------------------------------------------------------------------
+# -- the page of the demo --------------------------------------------------------------------
 
-def test_gallery_is_one_file(top, tmp_path):
-    picture = draw.plot(top, "energy", tmp_path / "e.svg")
-    played = draw.plot(top, "player", tmp_path / "p.html")
-    page = gallery(tmp_path / "out", ["system", "error *", "note"],
+def moving(top):
+    """A sphere that moves, from the path of the top: its dots, and a trail."""
+    w = top.w["w"] / np.linalg.norm(top.w["w"], axis=2, keepdims=True)
+    layers = [{"name": HOSTILE, "kind": "dots", "colors": ["#0072b2"], "w": w}, {"name": "", "kind": "trails", "colors": ["#d55e00"], "w": -w}]
+    return {"layers": layers, "backdrop": [w[:, 0]], "view": (35, 22), "seconds": 9}
+
+
+@pytest.fixture(scope="module")
+def demo_page(top, tmp_path_factory):
+    """index.html with three spheres that move, a table, a figure and a system with its player."""
+    folder = tmp_path_factory.mktemp("page")
+    picture, played = draw.plot(top, "sphere", folder / "e 1.svg"), draw.plot(top, "player", folder / "p.html")
+    spheres = [Picture(f"s{k}", picture, "One drifts", "Words of some length, as they stand below each.", part="opening", number="Figure 4", moving=moving(top)) for k in range(3)]
+    return gallery(folder / "out", [("system", "criterion:"), ("error *", "\u2264 1"), ("note", "")],
                    [Row((HOSTILE, "1e-3", "fine"), True), Row(("b", "2", "bad"), False)],
-                   [Picture("e", picture, HOSTILE, "words"), Picture("p", played, "Player")], "T")
-    words = page.read_text()
-    assert words.count("<img") == 1 and words.count("<iframe") == 1
-    assert "<script" not in words and 'class="bad"' in words and "FAILED" in words
-    assert "http:" not in words and "https:" not in words
+                   [*spheres, Picture("e", picture, HOSTILE, "words", number="Figure 1"), Picture("p", picture, "Played", part="systems", player=played)],
+                   dataclasses.replace(WORDS, made="by hand"))
+
+
+def test_the_page_is_small_and_has_its_pictures_beside_it(demo_page):
+    words = demo_page.read_text()
+    assert len(words) < 100_000 and "base64," not in words and "http:" not in words
+    assert re.findall(r"https://[^\"]*", words) == ["https://doi.org/10.1090/mcom/3153"]       # a link: nothing is loaded from a network
+    for source in re.findall(r'(?:src|class="play" href)="([^"]*)"', words):
+        assert (demo_page.parent / source.replace("%20", " ")).is_file()
+    assert words.count("<img") == 5 and words.count("<canvas") == 3 and words.count('class="play"') == 1
+    assert len(re.findall(r'<img alt="[^"]+"', words)) == 5 and "<b>bold" not in words and "<iframe" not in words
+    assert 'class="bad"' in words and "FAILED" in words and "\u2264 1" in words and words.count("<script") == 2
+
+
+LAYOUT = """<script>
+addEventListener("load", () => setTimeout(() => {
+  const bottom = (what) => [...document.querySelectorAll(what)].map((e) => Math.round(e.getBoundingClientRect().bottom));
+  const painted = [...document.querySelectorAll("canvas")].map((c) => {
+    const p = c.getContext("2d").getImageData(0, 0, c.width, c.height).data, seen = new Set();
+    for (let i = 0; i < p.length; i += 4) if (p[i + 3] === 255) seen.add(p[i] - p[i + 2] > 60 ? "orange" : p[i + 2] - p[i] > 60 ? "blue" : "ball");
+    return [...seen].sort().join() + (c.width === c.height ? "" : " of another shape");
+  });
+  const said = { headline: bottom("h1"), doi: bottom(".paper a"), canvas: bottom("canvas"), painted, button: document.getElementById("motion").textContent,
+                 wide: document.documentElement.scrollWidth - document.documentElement.clientWidth };
+  document.querySelector("a.play").click();
+  said.player = document.querySelectorAll("iframe").length;
+  parent.postMessage(JSON.stringify(said), "*");
+}, 800));
+</script></body>"""
+
+
+def page_said(page, folder, size, *flags):
+    """What a browser shows in a frame of this size."""
+    (page.parent / "told.html").write_text(page.read_text().replace("</body>", LAYOUT))
+    frame = page.parent / "frame.html"
+    frame.write_text(f'<script>onmessage = (e) => {{ document.title = e.data; }};</script><title></title><iframe width="{size[0]}" height="{size[1]}" src="told.html">')
+    return json.loads(re.search(r"<title>(.*?)</title>", in_browser(frame, folder, *flags)).group(1))
+
+
+@with_browser
+@pytest.mark.parametrize("size, spheres", [((1440, 900), 3), ((390, 844), 1)])
+def test_the_first_screen_says_what_was_shown(demo_page, tmp_path, size, spheres):
+    """The headline, the paper and the spheres, painted, round and in motion; on a phone the first of them, and nothing wider than the screen."""
+    said = page_said(demo_page, tmp_path, size)
+    assert said["headline"][0] < said["doi"][0] < said["canvas"][0] and sum(b <= size[1] for b in said["canvas"]) == spheres
+    assert said["painted"] == ["ball,blue,orange"] * 3 and said["button"] == "Pause" and said["wide"] == 0 and said["player"] == 1
+
+
+@with_browser
+def test_who_wants_less_motion_gets_none(demo_page, tmp_path):
+    said = page_said(demo_page, tmp_path, (1440, 900), "--force-prefers-reduced-motion")
+    assert said["button"] == "Play" and said["painted"] == ["ball,blue,orange"] * 3
+
+
+@with_browser
+def test_the_printed_page_has_all_spheres(demo_page, tmp_path):
+    """The shaded ball of each of the five pictures, which is an image with transparent corners, is drawn."""
+    subprocess.run([CHROMIUM, "--no-sandbox", "--headless=new", "--disable-gpu", "--virtual-time-budget=3000", f"--user-data-dir={tmp_path}/profile",
+                    f"--print-to-pdf={tmp_path}/p.pdf", f"file://{demo_page}"], capture_output=True, timeout=120)
+    pdf = (tmp_path / "p.pdf").read_bytes()
+    balls = [number for number, body in re.findall(rb"(\d+) 0 obj\s*<<(.*?)>>", pdf, re.S) if b"/Subtype /Image" in body and b"/SMask" in body]
+    assert sum(words.count(b"/X%s Do" % number) for words in streams_of(pdf) for number in balls) == 5

@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
+import datetime
 import multiprocessing
 import sys
 import time
@@ -10,23 +12,33 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import Exit, SmidgenError, UsageError
+from ... import __version__
+from ...build import compiler_version, find_compiler
+from ...cost.report import machine
+from ...errors import Exit, MissingTool, SmidgenError, UsageError
 from ...read.shipped import shipped
 from ..plot.figures import FIGURES
-from ..plot.gallery import Picture, Row, gallery
+from ..plot.gallery import Picture, Row, Words, gallery
 from ..plot.style import save
+from ..plot.view import View
 from .experiments import EXPERIMENTS
-from .systems import PLAYED, Outcome, system
+from .systems import KEPT, Outcome, system
 
-COLUMNS = ("system", "method", "steps *", "energy error *", "momentum error *",
-           "agreement with witness *", "time *", "note")
-LEAD = ("Every spec that comes with smidgen, compiled to C, run, and compared with the witness, an "
-        "independent interpreter with its own differentiation and solvers. Energy and momentum "
-        "error: largest change over the run. Agreement: largest difference after 100 steps of "
-        "the same method. Time: generating, compiling and running, in seconds.")
+COLUMNS = (("system", "criterion:"), ("method", ""), ("steps *", ""), ("energy error *", "none: bounded, not zero"), ("momentum error *", f"\u2264 {KEPT:.0e} \u03a3|\u03ba|"),
+           ("Casimir error *", f"\u2264 {KEPT:.0e}"), ("order *", "1.8 to 2.2"), ("difference from the witness *", "\u2264 the bound beside it"),
+           ("seconds *", ""), ("note", ""))
+LEAD = ("Each spec is a text file with the Hamiltonian as a formula. smidgen compiles it to C, runs it, and compares it with the witness, an "
+        "independent interpreter with its own differentiation and solvers. Energy, momentum and Casimir error: largest change over the run, the last "
+        "relative. Difference: after 100 steps of the same method. Seconds: to generate, compile and run. A dash: nothing to measure there.")
+PAPER = (("The method and the examples: R. McLachlan, K. Modin, O. Verdier, \u201cA minimal-variable symplectic integrator on spheres\u201d, "
+          "Mathematics of Computation 86 (2017), 2325\u20132344, ", ""), ("doi:10.1090/mcom/3153", "https://doi.org/10.1090/mcom/3153"), (".", ""))
+WORDS = Words("smidgen: the examples of \u201cA minimal-variable symplectic integrator on spheres\u201d",
+              "From a Hamiltonian on spheres to a symplectic integrator in C",
+              "Write the energy of rigid bodies, spins or vortices as a formula; smidgen compiles it to a small C program that steps it with the "
+              "spherical midpoint method, which keeps the geometry of the motion with three numbers a sphere.", PAPER, lead=LEAD)
 COMPARED = ("free_rigid_body:classical", "free_rigid_body:moser_veselov",
             "irreversible_rigid_body:classical")        # runs of other methods, in the table too
-SLOW = ("accuracy_cost", "forced_sections_flow", "forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
+SLOW = ("accuracy_cost", "moving_body", "moving_section", "forced_sections_flow", "forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
 
 
 def main(arguments=None) -> int:
@@ -111,18 +123,25 @@ def figure(name: str, out: Path) -> Outcome:
     """Run what is behind a figure and draw it."""
     began, entry = time.perf_counter(), FIGURES[name]
     data, caption = EXPERIMENTS[name]()
-    path = save(entry.draw(**data), out / f"{name}.{entry.ending}")
-    picture = Picture(name, path, entry.title, caption, entry.size, entry.part)
+    path = save(entry.draw(**posed(data)), out / f"{name}.{entry.ending}")
+    words = " ".join(part for part in (entry.see, caption) if part)
+    moving = {**data, "seconds": entry.seconds} if entry.seconds else None
+    picture = Picture(name, path, entry.title, words, entry.size, entry.part, entry.number, moving=moving)
     return Outcome(name, seconds=time.perf_counter() - began, passed=True, pictures=(picture,))
+
+
+def posed(data: dict) -> dict:
+    """The arguments of a figure, a view of two angles as View."""
+    return {**data, "view": View(*data["view"])} if "view" in data else data
 
 
 # -- table and page ------------------------------------------------------------------------
 
 def cells(line: Outcome) -> tuple[str, ...]:
     """The texts of one line, under COLUMNS."""
-    return (line.system, line.method, str(line.steps), number(line.energy), number(line.momentum),
-            number(line.agreement), "-" if np.isnan(line.seconds) else f"{line.seconds:.1f}",
-            line.note)
+    beside = f"{number(line.agreement)} \u2264 {line.bound}" if line.bound else "-"
+    return (line.system, line.method, str(line.steps), number(line.energy), number(line.momentum), number(line.casimir),
+            "-" if np.isnan(line.order) else f"{line.order:.2f}", beside, "-" if np.isnan(line.seconds) else f"{line.seconds:.1f}", line.note)
 
 
 def number(value: float) -> str:
@@ -135,7 +154,7 @@ def print_table(lines) -> None:
     from rich.console import Console
     from rich.table import Table
     table = Table(title="smidgen demo")
-    for name in (*COLUMNS, ""):
+    for name in (*(name for name, _ in COLUMNS), ""):
         table.add_column(name.removesuffix(" *"), justify="right" if name.endswith("*") else "left",
                          overflow="fold")
     for line in lines:
@@ -145,17 +164,25 @@ def print_table(lines) -> None:
 
 
 def place(picture: Picture) -> tuple:
-    """Players in the order of PLAYED, figures as they come, small pictures before broad ones."""
-    name = picture.name.removeprefix("player_")
-    if picture.name.startswith("player_"):
-        return 0, PLAYED.index(name)
-    return (2, picture.size == "broad") if picture.part == "systems" else (1, 0)
+    """Figures in the order of FIGURES, which is that of the paper; then the systems, small pictures before broad ones."""
+    figures = list(FIGURES)
+    return (0, figures.index(picture.name)) if picture.name in figures else (1, picture.size == "broad")
 
 
 def write_page(out: Path, lines, figures) -> Path:
-    """index.html with the table, the players and all figures."""
+    """index.html with the spheres, the table and all figures."""
     pictures = sorted((p for x in [*figures, *lines] for p in x.pictures), key=place)
     rows = [Row(cells(x), x.passed) for x in lines]
-    rows += [Row((x.system, *[""] * (len(COLUMNS) - 2), x.note), False)
-             for x in figures if not x.passed]
-    return gallery(out, COLUMNS, rows, pictures, "smidgen: every system of the paper", LEAD)
+    rows += [Row((x.system, *[""] * (len(COLUMNS) - 2), x.note), False) for x in figures if not x.passed]
+    good = sum(x.passed for x in lines)
+    verdict = (f"{good} of {len(lines)} runs passed every check of the table below{'' if good == len(lines) else ': see those that did not'}.", made())
+    return gallery(out, COLUMNS, rows, pictures, dataclasses.replace(WORDS, verdict=verdict, made="Made by `make demo`: " + made()))
+
+
+def made() -> str:
+    """Version, compiler, machine and date."""
+    try:
+        compiler = compiler_version(find_compiler())
+    except MissingTool:
+        compiler = "no compiler"
+    return f"smidgen {__version__}; {compiler}; {machine()}; {datetime.date.today():%d %B %Y}".replace("; 0", "; ")

@@ -31,7 +31,10 @@ class Outcome:
     steps: int = 0
     energy: float = np.nan
     momentum: float = np.nan
+    casimir: float = np.nan
     agreement: float = np.nan
+    bound: str = ""             # of the agreement
+    order: float = np.nan
     seconds: float = np.nan
     note: str = ""
     passed: bool = False
@@ -62,9 +65,9 @@ def checked(name: str, out: Path) -> Outcome:
     faults, notes = losses(model, spec, result)
     report = validate(spec, settings.run)
     faults += [f"{x.check}: {x.measured:.2e}, bound {x.bound}" for x in report.lines if not x.passed]
-    return Outcome(name, settings.method, settings.steps, energy_error(result),
-                   momentum_error(model, spec, result), agreement(report), seconds,
-                   "; ".join(faults or notes), not faults,
+    measured, bound = agreement(report)
+    return Outcome(name, settings.method, settings.steps, energy_error(result), momentum_error(model, spec, result), casimir_error(result),
+                   measured, bound, order(report), seconds, "; ".join(faults or notes), not faults,
                    () if chosen else drawn(name, spec, result, out))
 
 
@@ -73,10 +76,15 @@ def every(settings, model) -> int:
     return 1 if settings.steps * model.sites <= 200_000 else settings.every
 
 
-def agreement(report) -> float:
-    """Largest difference from the witness's own steps of the same method."""
-    found = [x.measured for x in report.lines if x.check.endswith("steps")]
-    return found[0] if found else np.nan
+def agreement(report) -> tuple[float, str]:
+    """(largest difference from the witness's own steps of the same method, its bound)."""
+    found = [(x.measured, x.bound) for x in report.lines if x.check.endswith("steps")]
+    return found[0] if found else (np.nan, "")
+
+
+def order(report) -> float:
+    """The order of convergence; nan where errors are round-off already, so that no order can be seen."""
+    return next((x.measured for x in report.lines if x.check.startswith("order") and ".." in x.bound), np.nan)
 
 
 # -- what is conserved ---------------------------------------------------------------------
@@ -85,6 +93,12 @@ def energy_error(result) -> float:
     """max |H - H_0| over the outputs, H without what tracers feel; nan when H depends on t."""
     energy, _ = conserved_energy(result)
     return np.nan if energy is None or result.meta["driven"] else float(np.abs(energy - energy[0]).max())
+
+
+def casimir_error(result) -> float:
+    """Largest change of a Casimir, relative to the largest of them or 1."""
+    values = np.asarray(result.values["casimirs"], float)
+    return float(np.abs(values - values[0]).max() / max(1.0, np.abs(values[0]).max()))
 
 
 def momentum_error(model, spec, result) -> float:
@@ -104,10 +118,8 @@ def started(model, result):
 def losses(model, spec, result):
     """(faults, notes): conserved numbers that were lost; what is not conserved, and why."""
     faults, notes = [], []
-    casimirs = np.asarray(result.values["casimirs"], float)
-    lost = np.abs(casimirs - casimirs[0]).max()
-    if not lost <= KEPT * max(1.0, np.abs(casimirs[0]).max()):
-        faults.append(f"Casimirs change by {lost:.1e}")
+    if not casimir_error(result) <= KEPT:
+        faults.append(f"Casimirs change by {casimir_error(result):.1e}")
     error = momentum_error(model, spec, result)
     parts = np.abs(kappas(spec, model.values_in)).sum()
     if error > KEPT * max(1.0, parts):
@@ -144,11 +156,8 @@ def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:
     """The picture that suits the result, and a player for some."""
     path = plot(result, "auto", out / f"system_{name}.svg")
     size = "broad" if suitable(result, False) == "chain" else "small"
-    made = [Picture(f"system_{name}", path, spec.title or name, caption(result), size, "systems")]
-    if name in PLAYED:
-        path = write_page(draw_player(result, start=0.3), out / f"player_{name}.html")
-        made.append(Picture(f"player_{name}", path, spec.title or name, caption(result)))
-    return tuple(made)
+    player = write_page(draw_player(result, start=0.3), out / f"player_{name}.html") if name in PLAYED else None
+    return (Picture(f"system_{name}", path, spec.title or name, caption(result), size, "systems", player=player),)
 
 
 def caption(result) -> str:

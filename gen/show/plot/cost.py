@@ -59,16 +59,17 @@ def behind(rows, names) -> str:
 
 
 @styled
-def accuracy_cost(panels):
-    """End error against time; panels: [(title, table)]."""
-    figure = new_figure(11, 5)
-    axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for ax, (title, cost) in zip(axes, panels):
-        panel(ax, cost, list(dict.fromkeys(row.method for row in cost.rows)), *PANELS[0])
-        ax.set_title(title)
-    lines = {label: line for ax in axes for line, label in zip(*ax.get_legend_handles_labels())}
-    figure.legend(lines.values(), lines.keys(), loc="outside right upper")
-    footnote(figure, panels[0][1].facts["machine"])
+def accuracy_cost(table: Cost):
+    """End error against time of short runs, and the energy error along long ones."""
+    figure = new_figure(11, 4.6)
+    left, right = figure.subplots(1, 2)
+    names = leading(table.rows, "end_error")
+    panel(left, table, names, *PANELS[0])
+    along(right, table, names)
+    left.set_title(f"Short runs: error at t = {table.facts['time']}")
+    right.set_title("Long runs: with steps for the same end error")
+    left.legend(loc="upper right")
+    footnote(figure, table.facts["machine"], behind(table.rows, names))
     return figure
 
 

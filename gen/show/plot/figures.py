@@ -14,12 +14,16 @@ from .view import View
 
 @dataclass(frozen=True)
 class Entry:
-    """draw: arrays -> figure. size: 'broad' takes the whole width of a page. ending: of the file; part: of the page."""
+    """draw: arrays -> figure; number: of the figure in the paper; see: what a reader should look for; size: 'broad' takes the whole
+    width of a page; ending: of the file; part: of the page; seconds: of a round of a sphere that moves."""
     draw: Callable
     title: str
+    number: str = ""
+    see: str = ""
     size: str = ""
     ending: str = "svg"
     part: str = "figures"
+    seconds: float = 0.0
 
 
 def free_body_portrait(paths, marks):
@@ -82,22 +86,41 @@ def test_particles(paths):
 
 
 FIGURES = {
-    "accuracy_cost": Entry(cost.accuracy_cost, "What accuracy costs", size="broad", part="opening"),
-    "every_system": Entry(overview.overview, "Every shipped system", size="broad"),
-    "coadjoint_orbits": Entry(orbits.coadjoint_orbits, "Coadjoint orbits of so(3)*"),
-    "free_body_portrait": Entry(free_body_portrait, "Free rigid body"),
-    "free_body_errors": Entry(free_body_errors, "Errors against the step length", size="broad"),
-    "irreversible_portrait": Entry(irreversible_portrait, "Irreversible rigid body"),
-    "irreversible_trajectories": Entry(irreversible_trajectories, "Two methods, one start"),
-    "irreversible_energy": Entry(irreversible_energy, "Energy drift"),
-    "irreversible_energy_long": Entry(irreversible_energy, "Energy drift, ten times longer"),
-    "forced_sections": Entry(forced_sections, "Poincar\u00e9 sections of the forced body", "broad"),
-    "forced_sections_flow": Entry(forced_sections, "The same sections by the witness", "broad"),
-    "vortex_illustration": Entry(portraits.manifold_illustration, "The invariant manifold"),
-    "vortex_manifold": Entry(vortex_manifold, "Vortices on the invariant manifold"),
-    "chain_curves": Entry(chain_curves, "Heisenberg chain on the sphere", size="broad"),
-    "chain_evolution": Entry(chain_evolution, "Heisenberg chain over site and time", size="broad"),
-    "chain_invariants": Entry(chain_invariants, "Invariants along the chain"),
-    "test_particles": Entry(test_particles, "Particles in a Rossby\u2013Haurwitz wave"),
-    "nambu_leaves": Entry(surfaces.leaves, "Nambu systems on their leaves", size="broad"),
+    "moving_body": Entry(portraits.layered, "One method drifts, one does not", "Figure 4(b)", part="opening", seconds=16),
+    "moving_section": Entry(portraits.layered, "Order and chaos of a forced body", "Figure 5", part="opening", seconds=16),
+    "moving_vortices": Entry(portraits.layered, "Four vortices that come back", "Figure 7", part="opening", seconds=12),
+    "coadjoint_orbits": Entry(orbits.coadjoint_orbits, "Coadjoint orbits of so(3)*", "Figure 1",
+                              "Nested spheres; every trajectory stays on its own."),
+    "free_body_portrait": Entry(free_body_portrait, "Free rigid body", "Figure 2",
+                                "Closed curves around the stable equilibria (discs), which meet in the unstable ones (diamonds)."),
+    "free_body_errors": Entry(curves.error_against_step, "Errors against the step length", "Figure 3",
+                              "Parallel lines of slope 2: three methods of order 2, of which the spherical midpoint has the smallest error.", "broad"),
+    "irreversible_portrait": Entry(irreversible_portrait, "Irreversible rigid body", "Figure 4(a)",
+                                   "Closed curves again, but no symmetry under w \u2192 \u2212w."),
+    "irreversible_trajectories": Entry(irreversible_trajectories, "Two methods, one start", "Figure 4(b)",
+                                       "One method leaves its curve, the other stays on it."),
+    "irreversible_energy": Entry(irreversible_energy, "Energy drift", "Figure 4(c)", "One energy error grows, the other stays within its bounds."),
+    "irreversible_energy_long": Entry(irreversible_energy, "Ten times longer", "Figure 4(c), continued",
+                                      "The energy error of the spherical midpoint is still within the same bounds."),
+    "forced_sections": Entry(forced_sections, "Poincar\u00e9 sections of the forced body", "Figure 5",
+                             "Left nearly all orbits lie on curves; right a band around the unstable equilibria is chaotic.", "broad"),
+    "forced_sections_flow": Entry(forced_sections, "The same sections by another program", "Figure 5, checked",
+                                  "The same curves and the same chaos, so that both belong to the equation and not to the method.", "broad"),
+    "vortex_illustration": Entry(portraits.manifold_illustration, "The invariant manifold", "Figure 6",
+                                 "Two pairs of vortices, one around each pole, and the two angles that describe them."),
+    "vortex_manifold": Entry(vortex_manifold, "Vortices on the invariant manifold", "Figure 7",
+                             "Closed curves everywhere: every motion on the manifold is periodic."),
+    "chain_curves": Entry(chain_curves, "Heisenberg chain on the sphere", "Figure 8",
+                          "A closed curve of 100 spins moves and stays smooth, as for an integrable equation.", "broad"),
+    "chain_evolution": Entry(chain_evolution, "Heisenberg chain over site and time", "Figure 8, continued",
+                             "Waves that pass through each other, and a profile that nearly returns.", "broad"),
+    "chain_invariants": Entry(chain_invariants, "Invariants along the chain", "Figure 8, continued",
+                              "The energy error stays bounded; momentum and lengths change by round-off alone."),
+    "test_particles": Entry(test_particles, "Particles in a Rossby\u2013Haurwitz wave", "",
+                            "Seen from the wave, each particle follows a stream line."),
+    "nambu_leaves": Entry(surfaces.leaves, "Nambu systems on their leaves", "Appendix", "Each trajectory stays on its level set of C.", "broad"),
+    "accuracy_cost": Entry(cost.accuracy_cost, "Short runs and long runs", "",
+                           "Left, lower is better: the explicit methods need the least time. Right, the reason not to use them for long runs: "
+                           "their energy error grows, that of symplectic methods does not.", "broad", part="cost"),
+    "every_system": Entry(overview.overview, "A trajectory of each", size="broad", ending="png", part="systems"),
 }

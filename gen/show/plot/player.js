@@ -85,6 +85,18 @@
     return [cx + unit * p[0], cy - unit * p[1], p[2]];
   }
 
+  // ---- light and dark: the ball is light in both, and colours are made for it; leaves stand on a light sheet ----
+  const night = matchMedia("(prefers-color-scheme: dark)");
+  const LIGHT = { ink: "#2b3138", soft: "#5b6570", line: "#e3e6ea", halo: "#ffffff" };
+  const DARK = { ink: "#e8ecf1", soft: "#a5b0bc", line: "#303030", halo: "#161616" };
+  const dark = () => night.matches && !printing && !matchMedia("print").matches;
+  const inks = () => dark() ? DARK : LIGHT;
+  function pale(color) {                    // halfway to white, for a line on a dark ground
+    const part = (k) => Math.round((parseInt(color.slice(k, k + 2), 16) + 255) / 2);
+    return `rgb(${part(1)},${part(3)},${part(5)})`;
+  }
+  night.addEventListener("change", () => draw());
+
   // ---- drawing ----
   function ball() {
     for (const r of [...data.radii].reverse()) {          // the largest first: the others on it
@@ -121,10 +133,13 @@
       if ((tip[2] >= 0) !== front) continue;
       const inside = !front && data.ball && Math.hypot(tip[0] - cx, tip[1] - cy) < from * unit;
       g.globalAlpha = inside ? 0.25 : 0.85;
-      g.strokeStyle = "#2b3138"; g.lineWidth = 1;
-      g.beginPath(); g.moveTo(foot[0], foot[1]); g.lineTo(tip[0], tip[1]); g.stroke();
+      const ink = data.ball ? inks() : LIGHT;
+      g.beginPath(); g.moveTo(foot[0], foot[1]); g.lineTo(tip[0], tip[1]);
+      g.strokeStyle = ink.halo; g.lineWidth = 3; g.stroke();
+      g.strokeStyle = ink.ink; g.lineWidth = 1; g.stroke();
       const label = place(v.map((c) => 1.25 * c));
-      g.fillStyle = "#2b3138"; g.fillText(names[k], label[0], label[1]);
+      g.strokeStyle = ink.halo; g.lineWidth = 3; g.strokeText(names[k], label[0], label[1]);
+      g.fillStyle = ink.ink; g.fillText(names[k], label[0], label[1]);
       g.globalAlpha = 1;
     }
   }
@@ -194,6 +209,9 @@
   function draw() {
     unit = 0.39 * Math.min(width, height) * zoom;
     g.clearRect(0, 0, width, height);
+    const sheet = !data.ball && dark();
+    el("stage").classList.toggle("sheet", sheet);
+    if (sheet) { g.fillStyle = "#eef1f5"; g.fillRect(0, 0, width, height); }
     axes(false);
     if (data.ball) ball();
     for (const b of backdrop) polyline(b, 3, data.ball ? "rgba(90,100,112,.13)" : "rgba(90,100,112,.28)", 0.8, false);
@@ -235,15 +253,15 @@
     const marks = [high, low];
     if (low < 0 && high > 0 && Math.abs(Y(0) - top) > 12 && Math.abs(Y(0) - h + bottom) > 12) marks.push(0);
     for (const y of marks) {
-      e.strokeStyle = "#e3e6ea"; e.lineWidth = 1;
+      e.strokeStyle = inks().line; e.lineWidth = 1;
       e.beginPath(); e.moveTo(left, Y(y)); e.lineTo(w - right, Y(y)); e.stroke();
-      e.fillStyle = "#5b6570"; e.fillText(show(y), left - 7, Y(y));
+      e.fillStyle = inks().soft; e.fillText(show(y), left - 7, Y(y));
     }
     e.textAlign = "left"; e.fillText("energy H \u2212 H\u2080 (" + (data.note ? data.note + ", " : "") + "model units)", left, 7);
     e.textAlign = "center";
     e.fillText(show(times[0]), left, h - 9); e.fillText("time t (model units)", (left + w - right) / 2, h - 9);
     e.textAlign = "right"; e.fillText(show(times[frames - 1]), w - right, h - 9);
-    e.strokeStyle = data.color; e.lineWidth = 1.1; e.beginPath();
+    e.strokeStyle = dark() ? pale(data.color) : data.color; e.lineWidth = 1.1; e.beginPath();
     for (let k = 0; k < frames; k++) {
       if (!isFinite(errors[k])) continue;
       const x = X(times[k]), y = Y(errors[k]);
@@ -252,8 +270,8 @@
     e.stroke();
     const k = Math.floor(now), s = now - k, next = Math.min(k + 1, frames - 1);
     const t = times[k] + s * (times[next] - times[k]);
-    e.strokeStyle = "#222222"; e.beginPath(); e.moveTo(X(t), top - 2); e.lineTo(X(t), h - bottom + 2); e.stroke();
-    e.fillStyle = "#222222"; e.beginPath();
+    e.strokeStyle = inks().ink; e.beginPath(); e.moveTo(X(t), top - 2); e.lineTo(X(t), h - bottom + 2); e.stroke();
+    e.fillStyle = inks().ink; e.beginPath();
     e.arc(X(t), Y(errors[Math.min(Math.round(now), frames - 1)]), 3.2, 0, 2 * Math.PI); e.fill();
   }
 

@@ -81,6 +81,26 @@ def sections(panels, view: View = View(), size: float = 0.6):
     return figure
 
 
+@styled
+def layered(layers, backdrop=(), view: View = View(), **_):
+    """A sphere that moves on the page, for paper: all dots of its layers, trails of its sites from their first to their last state.
+
+    layers: {"name", "kind": "dots" or "trails", "colors", "w" (frames, orbits, 3)}; backdrop: curves (k, 3) behind them.
+    """
+    figure = new_figure(4.0, 4.0)
+    ax = figure.subplots()
+    sphere.ball(ax, view, axes=False)
+    for w in backdrop:
+        sphere.curve(ax, w, view, FAINT, 0.7)
+    for layer in layers:
+        for w, color in zip(np.moveaxis(layer["w"], 1, 0), layer["colors"]):
+            if layer["kind"] == "dots":
+                sphere.points(ax, w, view, color, 0.8, rasterized=True)
+            else:
+                trace_all(ax, [(w, color)], view)
+    return figure
+
+
 def legend(ax, keys: dict, marker: str = "o") -> None:
     """A legend below `ax`: name -> the colours, all shown, of what has that name."""
     rows = [tuple(ax.plot([], [], marker, color=color, ms=4)[0] for color in shades)
