@@ -1,4 +1,5 @@
 """Sweeps: every cell is the run that it names; what has ended stays, whatever stops the rest."""
+import contextlib
 import json
 import os
 import signal
@@ -198,6 +199,41 @@ def test_an_interrupt_begins_no_more_cells_and_keeps_what_ends(path, whom):
     assert run.returncode == 130 and "interrupted" in said and 1 <= len(ended) < 30
     files, written = set(folder.glob("cell-*.npz")), {folder / json.loads(line)["file"] for line in ended}
     assert written <= files and len(files - written) <= 2       # those that were interrupted on their way
+
+
+def test_no_process_outlives_a_sweep_that_is_killed(path):
+    """SIGKILL of the sweep alone: its processes end, nobody holds its files, and what they had begun to write goes with the end of the sweep."""
+    folder = path.parent / "cells"
+    words = [sys.executable, "-m", "smidgen", "sweep", str(path), "--set", "a=0:0.5:4", "--steps", "2000000", "--every", "1000000", "--out", str(folder), "--processes", "2"]
+    run = subprocess.Popen(words, stdout=subprocess.PIPE, start_new_session=True)
+    try:
+        while not list(folder.glob(".cell-*")):
+            assert run.poll() is None
+            time.sleep(0.02)
+        os.kill(run.pid, signal.SIGKILL)
+        run.communicate(timeout=60)             # ends when nobody has its output open any more
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGKILL)
+    assert list(folder.glob(".cell-*"))
+    subprocess.run(words, check=True)
+    assert sorted(p.name for p in folder.iterdir()) == [*(f"cell-{k}.npz" for k in range(4)), "cells.jsonl", "manifest.json"]
+
+
+@pytest.mark.long
+def test_an_interrupted_sweep_on_a_cluster_keeps_what_ends(path, tmp_path):
+    """Cells under way have their lines; no others begin."""
+    from distributed import LocalCluster
+    folder = tmp_path / "cells"
+
+    def interrupt(outcome):
+        if len(lines(folder)) == 1:
+            raise KeyboardInterrupt
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as several:
+        with pytest.raises(KeyboardInterrupt):
+            sweep(smidgen.load(path), "demo", {"a": [k / 60 for k in range(40)]}, folder, cluster=several.scheduler_address, steps=500_000, every=500_000, tell=interrupt)
+        time.sleep(2)       # what would still be written, would be by now
+    assert 2 <= len(lines(folder)) < 20 and {line["file"] for line in lines(folder)} == {p.name for p in folder.glob("cell-*.npz")}
 
 
 def test_no_line_is_empty(path, tmp_path):

@@ -4,7 +4,10 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import multiprocessing
+import os
 import socket
+import threading
+import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -15,29 +18,67 @@ CONNECT = 10.0      # seconds for an answer: schedulers on a network take one at
 _stop = None        # of a process of this machine: the event that all of them share
 
 
+class Workers:
+    """Who computes the cells: `pool` takes them, `stop` tells all to begin no more, `end` ends those that can be ended; `token` names that
+    word to the workers of a cluster ("": they are processes of this machine)."""
+
+    def __init__(self, pool: Executor, stop: Callable, end: Callable, token: str = ""):
+        self.pool, self.stop, self.end, self.token = pool, stop, end, token
+
+
 @contextlib.contextmanager
-def executor(processes: int, cluster: str | None) -> Iterator[tuple[Executor, Callable | None]]:
-    """An executor of that many processes, and what tells them to begin no more; or that of the Dask scheduler at the address `cluster`, and None.
+def executor(processes: int, cluster: str | None) -> Iterator[Workers]:
+    """That many processes of this machine, which end when it does; or those of the Dask scheduler at the address `cluster`.
 
     Raises UsageError where no scheduler answers; `check` tells before.
     """
-    if cluster is None:
-        context = multiprocessing.get_context("fork")
-        event = context.Event()
-        with ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(event,)) as pool:
-            yield pool, event.set
-        return
+    with _here(processes) if cluster is None else _elsewhere(cluster) as found:
+        yield found
+
+
+@contextlib.contextmanager
+def _here(processes: int) -> Iterator[Workers]:
+    context = multiprocessing.get_context("fork")
+    event, (life, held) = context.Event(), os.pipe()
+
+    def end() -> None:
+        for process in multiprocessing.active_children():
+            process.terminate()
+    try:
+        with ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(event, life, held)) as pool:
+            yield Workers(pool, event.set, end)
+    finally:
+        os.close(held)
+        os.close(life)
+
+
+@contextlib.contextmanager
+def _elsewhere(cluster: str) -> Iterator[Workers]:
     with client(cluster) as connected, connected.get_executor(pure=False, retries=0) as pool:
-        yield pool, None
+        from distributed import Event
+        token = f"smidgen-{uuid.uuid4().hex}"
+        yield Workers(pool, Event(token, connected).set, lambda: None, token)
 
 
-def _begin(event) -> None:
+def _begin(event, life: int, held: int) -> None:
+    """In a new process. The end `held` of the pipe is open in the process that began the sweep alone: when that ends, by whatever, so does this one."""
     global _stop
     _stop = event
+    os.close(held)
+    threading.Thread(target=_end_with, args=(life,), daemon=True).start()
 
 
-def stopped() -> bool:
-    """Has this process been told to begin no more?"""
+def _end_with(life: int) -> None:
+    while os.read(life, 1):
+        pass
+    os._exit(1)
+
+
+def stopped(token: str) -> bool:
+    """Has this worker been told to begin no more?"""
+    if token:
+        from distributed import Event
+        return Event(token).is_set()
     return _stop is not None and _stop.is_set()
 
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import itertools
 import json
-import multiprocessing
 import os
+import shutil
 from collections.abc import Callable, Mapping
 from concurrent.futures import as_completed
 from dataclasses import dataclass
@@ -80,8 +80,9 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
     left = [cell for cell in cells if cell.number not in ended]
     if left:
-        with executor(_processes(processes, len(left)), cluster) as (pool, stop):
-            computed(pool, stop, spec, name, left, folder, given, ended, tell)
+        with executor(_processes(processes, len(left)), cluster) as found:
+            computed(found, spec, name, left, folder, given, ended, tell)
+    tidy(folder)
     return [ended[cell.number] for cell in cells]
 
 
@@ -123,12 +124,14 @@ def parsed(text: str):
         return None
 
 
-def computed(pool, stop, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
+def computed(found, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
     """The outcomes of `cells` into `ended`, and a line each into the folder as they come."""
     waiting = []        # cells that are not taken
 
     def take(done) -> None:
         waiting.remove(done)
+        if done.result() is None:       # of a cell that did not begin
+            return
         outcome = there(done.result(), folder)
         lines.write(json.dumps(outcome).encode() + b"\n")
         lines.flush()
@@ -140,13 +143,12 @@ def computed(pool, stop, spec, name, cells, folder: Path, given, ended: dict, te
         with open(folder / CELLS, "a+b") as lines:
             if was_cut(lines):
                 lines.write(b"\n")
-            waiting += [pool.submit(one, spec, name, cell, folder, given, generator_name()) for cell in cells]
+            waiting += [found.pool.submit(one, spec, name, cell, folder, given, generator_name(), found.token) for cell in cells]
             try:
                 for done in as_completed(list(waiting)):
                     take(done)
             except KeyboardInterrupt:
-                if stop:
-                    ending(stop, [cell for cell in waiting if not cell.cancel()], take)
+                ending(found, [cell for cell in waiting if found.token or not cell.cancel()], take)
                 raise
     except lost():
         raise RunError(f"a process of the sweep {folder}, or its cluster, was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
@@ -165,16 +167,16 @@ def was_cut(lines) -> bool:
     return lines.read(1) != b"\n"
 
 
-def ending(stop, under_way: list, take) -> None:
-    """No cell begins any more; those under way that come to their end are taken. A second interrupt ends their processes."""
-    stop()
+def ending(found, under_way: list, take) -> None:
+    """No cell begins any more; those under way that come to their end are taken. A second interrupt ends their processes. What a cluster has
+    taken can be cancelled while it is under way, and would be lost: its workers ask before they begin (`stopped`)."""
+    found.stop()
     try:
         for done in as_completed(under_way):
             if done.exception() is None:
                 take(done)
     except KeyboardInterrupt:
-        for process in multiprocessing.active_children():
-            process.terminate()
+        found.end()
         raise
 
 
@@ -185,11 +187,20 @@ def there(outcome: dict, folder: Path) -> dict:
     return outcome
 
 
-def one(spec, name, cell: Cell, folder: Path, given, generator: str) -> dict:
-    """One cell, in a process of its own. What it cannot do is its outcome; what nobody could do is raised, and where smidgen is another one."""
+def tidy(folder: Path) -> None:
+    """Remove what cells that were killed had begun to write; called when all of them have ended."""
+    for work in folder.glob(".cell-*.npz-*"):
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def one(spec, name, cell: Cell, folder: Path, given, generator: str, token: str = "") -> dict | None:
+    """One cell, in a process of its own. What it cannot do is its outcome; what nobody could do is raised, and where smidgen is another one.
+    None: the workers of a cluster have been told to begin no more."""
     if generator_name() != generator:
         raise UsageError(f"a worker of the cluster has another smidgen: {generator_name()} in place of {generator}")
-    if workers.stopped():
+    if workers.stopped(token):
+        if token:
+            return None
         raise KeyboardInterrupt
     outcome = {"cell": cell.number, "values": cell.values, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
     try:
