@@ -46,7 +46,6 @@ def real(function):
 OWN = {name: real(f) for name, f in {
     "absolute": np.abs, "signum": np.sign, "sign": np.sign, "floor_": np.floor, "lesser": np.fmin, "greater": np.fmax, "power": np.power,
     "chosen": lambda c, a, b: a if c else b,
-    "plus": np.add, "minus": np.subtract, "times": np.multiply, "over": np.divide, "negative": np.negative,
     "sqrt": np.sqrt, "log": np.log, "exp": np.exp, "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos,
     "atan": np.arctan, "atan2": np.arctan2, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh}.items()}
 
@@ -327,3 +326,20 @@ def test_remainders_of_whole_numbers_are_exact(real):
     field = smidgen.build(spec, real=real).start(w, h=0.1).field()[:, 2]
     i = np.arange(200)
     assert np.array_equal(field, i % 3 + 10 * (i % 49) + 1000 * (2 * i % 7) + 10000 * (i // 11))
+
+
+@pytest.mark.quick
+def test_what_branches_give_is_a_real_number():
+    """A comparison with an `if` in it is rewritten by sympy, which refuses what may be complex."""
+    text = """[model]
+name = "branched"
+[space]
+w = { sphere = 2 }
+[parameters]
+q = 0.7
+D = { default = [0.2, 0.7, -0.4], vector = true }
+[effects.e]
+over = "site(i) of w"
+energy = "min(dot(w[i] + D, w[i]), if(w[i].z < -0.6, mod(t, q), cos(t)) - dot(w[i], D))"
+"""
+    assert generate(smidgen.load_text(text), features=("tangent",))

@@ -10,7 +10,7 @@ import sympy as sp
 
 class chosen(sp.Function):
     """a where the condition holds, else b."""
-    nargs = 3
+    nargs, is_real = 3, True
 
     @classmethod
     def eval(cls, test, a, b):
@@ -24,9 +24,6 @@ class chosen(sp.Function):
     def _eval_derivative(self, s):
         test, a, b = self.args
         return chosen(test, sp.diff(a, s), sp.diff(b, s))
-
-    def _eval_is_real(self):
-        return True if self.args[1].is_real and self.args[2].is_real else None
 
 
 def branch(e, test, side: int):
