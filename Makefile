@@ -6,7 +6,7 @@ PY     := $(VENV)/bin/python
 KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench hard mutants coverage fuzz clean
+.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
@@ -43,6 +43,12 @@ coverage: $(VENV)/ready-test
 fuzz: $(VENV)/ready-test
 	$(PY) -m pip install --quiet -r tests/fuzz/requirements.txt
 	cd tests && ../$(PY) -m fuzz.run --minutes $(or $(MINUTES),10) $(if $(SEED),--seed $(SEED))
+
+# COUNT random specs from SEED on through compilers, sanitizers and witness, two at a time (an hour for a thousand; goes on where it was stopped);
+# writes docs/fuzz_specs.csv and its tables in docs/fuzzing.md.
+fuzz-specs: $(VENV)/ready-test
+	cd tests && ../$(PY) -m fuzz.specs --count $(or $(COUNT),1000) --seed $(or $(SEED),0) --jobs 2; found=$$?; \
+	../$(PY) -m fuzz.table ../out/fuzz/specs.csv --count $(or $(COUNT),1000) --seed $(or $(SEED),0) && exit $$found
 
 # What only the tests use: other compilers, a browser. Tests say so when one is missing. What both of their processes import is compiled once.
 $(VENV)/ready-test: $(VENV)/ready

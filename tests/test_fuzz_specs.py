@@ -10,7 +10,10 @@ import pytest
 import smidgen
 from fuzz import specs, through as passage
 from fuzz.differential import Mismatch
-from fuzz.invent import OF_HIGH_ORDER, equal_spheres, features_of, files_of, spec_text
+from fuzz.drawn import LEVELS, LIBRARIES, PROGRAMS, builds_of, features_of, said
+from fuzz.invent import files_of
+from fuzz.layouts import rows, spec_text
+from fuzz.table import counted, tables
 from fuzz.smaller import smaller
 from fuzz.specs import KINDS, attempt, closing, many, rows_of, signature
 from fuzz.through import Fault, through
@@ -19,14 +22,15 @@ from smidgen.errors import BuildError
 from smidgen.compile.emit.amalgamate import inline_runtime
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
-from smidgen.methods import MIDPOINTS as METHODS, SOLVERS
+from smidgen.compile.features import FEATURES
+from smidgen.methods import METHODS, SOLVERS
 from smidgen.run.settings import settle
 
-# 22: by Gauss collocation; 1160: a part of a formula that only a condition decided by fixed values would have read
-FEW = (5, 22, 1160)
+# 6: blocks, 29: few in lanes, 43: Gauss collocation; 0: a wavefront; 1047: if within min, of a vector of several factors
+FEW = (6, 29, 43, 0, 1047)
 
 
-@pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.long if seed == 5 else ()) for seed in FEW])
+@pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.long if seed in (0, 29) else ()) for seed in FEW])
 def test_a_random_spec_goes_through(seed):
     assert through(spec_text(random.Random(seed)))["verdict"] in ("fine", "refused")
 
@@ -107,21 +111,45 @@ def test_random_specs_can_be_read(tmp_path):
 
 @pytest.mark.quick
 def test_random_specs_are_of_every_kind():
-    """In three hundred each kind occurs, often enough to be met in two thousand; all methods drawn, solvers, features."""
-    texts = [spec_text(random.Random(seed)) for seed in range(300)]
+    """In four hundred each kind occurs, often enough to be met in a thousand; all methods of one stage but splittings, solvers, features, layouts, and all pairs of
+    a compiler and a level."""
+    texts = [spec_text(random.Random(seed)) for seed in range(400)]
     assert [k for k, p in KINDS.items() if sum(bool(re.search(p, t)) for t in texts) < 3] == []
-    assert {f for t in texts for f in features_of(t)} == {"tangent", "extended", "plain-sums"}
-    for key, values in {"method": (*METHODS, *OF_HIGH_ORDER), "solver": SOLVERS}.items():
-        assert {re.search(rf'\n{key} = "(.*)"', t).group(1) for t in texts} == set(values)
+    assert {f for t in texts for f in features_of(t)} == set(FEATURES)
+    drawn = {key: {re.search(rf'\n{key} = "(.*)"', t).group(1) for t in texts} for key in ("method", "solver")}
+    assert drawn["solver"] == set(SOLVERS) and drawn["method"] <= set(METHODS) and {m.name for m in METHODS.values() if m.stages == 1 and not m.splitting} <= drawn["method"]
+    assert {said(t, "layout") for t in texts} == set(passage.LAYOUTS)
+    assert {tuple(builds_of(t)[0]) for t in texts} == {(c, level) for c in PROGRAMS for level in LEVELS}
+    assert {tuple(builds_of(t)[1]) for t in texts} == {(c, level) for c in LIBRARIES for level in LEVELS}
     assert spec_text(random.Random(3)) == spec_text(random.Random(3))
 
 
 @pytest.mark.quick
 def test_lattices_of_equal_spheres_go_by_rows():
-    """All of them; one random spec in sixteen is such a lattice."""
-    for seed in range(4):
-        text = equal_spheres(random.Random(seed))
+    """All of them whose midpoints are swept."""
+    texts = [t for t in (rows(random.Random(seed)) for seed in range(12)) if 'method = "spherical-midpoint"' in t][:4]
+    for text in texts:
         assert "define SMG_BY_ROWS 1" in generate(smidgen.load_text(text), features=features_of(text))["random_model.c"]
+
+
+@pytest.mark.quick
+@pytest.mark.skipif("clang" not in passage.COMPILERS, reason="no clang")
+def test_gauss_by_rows_has_no_function_that_nothing_uses(tmp_path):
+    spec = smidgen.load_text(CHAIN.replace(', kappa = "gamma[i]"', "").replace("gamma[i]*", "").replace("*cos(t)", ""))
+    made = generate(spec, method="gauss-4")
+    assert "define SMG_ROW_STAGES 1" in made["random_model.c"]
+    passage.write_files(made, tmp_path)
+    assert passage.compile_all(tmp_path, sorted(f for f in made if f.endswith(".c")), "clang") == ""
+
+
+@pytest.mark.quick
+def test_the_table_counts_every_spec():
+    rows = [dict(layout=where, method=method, program="g++ -O2", library="gcc -O0", verdict=verdict)
+            for where, method, verdict in (("rows", "gauss-4", "fine"), ("rows", "gauss-6", "fault"), ("", "dop853", "refused"), ("rows", "gauss-4", "fine"))]
+    counts = counted(rows)
+    assert sum(c["specs"] for c in counts) == 4 and sum(c["fine"] for c in counts) == 2
+    text = tables(counts, "abc", "seeds 0 to 3")
+    assert "4 specs, seeds 0 to 3: 2 fine, 1 with" in text and "1 faults" in text and "| rows | 3 |  | 3 |" in text
 
 
 # -- each spec in a process of its own --------------------------------------------------------------

@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import smidgen
 from machine import cost_tables
-from fuzz.invent import files_of, spec_text
+from fuzz.invent import any_space as spec_text, files_of
 from smidgen.check.witness import Witness
 from smidgen.cost.case import Case, candidates
 from smidgen.cost.frontier import seconds_for

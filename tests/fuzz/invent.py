@@ -1,6 +1,6 @@
 """A random spec of any kind that the language has, in one text: with its run, its files and the features to build with.
 
-    text = spec_text(random.Random(7))
+    text = any_space(random.Random(7))      # layouts.spec_text: of any layout
 
 The text is TOML. Its comments hold what TOML does not: `# features: tangent` before the first section, and a block
 `# file: edges.csv` for each file that the spec names (`files_of`). Counts, arrays and lattices fit at the defaults and
@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from itertools import product
 
 from support.random_specs import FORMS, Writer
+
+from .drawn import any_method, comments
 
 COUNTS = {"1": lambda n, m: 1, "one": lambda n, m: 1, "2": lambda n, m: 2, "3": lambda n, m: 3, "4": lambda n, m: 4,
           "6": lambda n, m: 6, "n": lambda n, m: n, "m": lambda n, m: m, "2*n": lambda n, m: 2*n, "n + 1": lambda n, m: n + 1,
@@ -27,8 +29,12 @@ KAPPAS = ("-2", "0.5", '"kap"', '"1 + 0.5*mod(i, 2)"', '"(1 + i)*(1 - 2*mod(i, 2
           '"min(i + 1, 2)/kap"', '"abs(i - 1.5)"', '"max(0.6, i)"', '"-kap*(1 + i)^2/3"')
 RADII = ("2", '"1 + 0.25*i"', '"abs(kap)"', '"if(mod(i, 2) == 0, 1, 1.7)"', '"sqrt(1 + i)"', '"max(0.8, kap/(1 + i))"')
 NAMES = (("u", "v", "w"),) * 4 + (("S", "I", "E"), ("g", "s", "d"), ("x", "y", "z"))
-MORE = (*FORMS, "1/(2 + (3 + {0})^2)", "1/(2 + (3 + ({0})^2)^2)", "mod({0}, 1.301)", "floor(2.303*({0}))*({1})", "abs({0})", "max({0}, {1})",
+MORE = (*FORMS, "1/(2 + (3 + {0})^2)", "1/(2 + (3 + ({0})^2)^2)", "mod({0}, 1.301)", "floor(2.303*({0}))*({1})", "abs({0})", "max({0}, {1})", "min({0}, {1})",
+        "min({0} + 0.1*({2}), {1} - 0.3*({2}))", "max(min({0}, {1}), {2})", "if({0} >= {1}, {2}, {k})", "if({0} != {k}, {1}, {2})",
         "if({0} < {k}, {1}, {2})", "({0})*({1})*({2})", "sqrt(2 + {0}*tanh({0}))", "scaled({0}, {1})")
+# what jumps where a quotient of integers is whole, and where sites take one side each
+DIVIDED = ("floor({i}/n)", "floor({i}*m/n)", "mod({i}, m)", "mod({i}/m, one)", "if({i}/m == floor({i}/m), 0.9, -0.4)", "if({i}/n >= 1/n, 1.1, 0.3)",
+           "if(2*{i} < n and {i} != m or {i} == n - 1, -0.8, 0.6)", "floor({i}/(2*m))", "abs({i} - n/2)")
 DEPTHS = (0, 0, 0, 1, 1, 1, 1, 2, 2, 3)
 SITES = 26
 
@@ -94,12 +100,13 @@ class Inventor(Writer):
         if pick == 9 and indices:
             i = self.dice.choice(indices)
             return self.dice.choice((f"{i}/5", f"mod({i}, 2)", f"floor({i}/2)", f"(1 - 2*mod({i}, 2))", f"if({i} < 1, 1.2, 0.7)",
-                                     f"mod({i}, n)", f"min({i}, m)", f"({i} - n/2)/7"))
+                                     f"mod({i}, n)", f"min({i}, m)", f"({i} - n/2)/7", *(form.format(i=i) for form in DIVIDED)))
         if pick == 10:
             return self.dice.choice(("a", "b", "c", "q", "r", self.extra, "n/7", "1/m"))
         if pick == 11:
             return self.dice.choice(("cos(1.3*t)", "sin(omega*t + 0.2)", "exp(-(t - 1)^2)", "mod(t, 2.003)", "1/(1 + t^2)", "shift",
-                                     "if(mod(t, 0.371) < 0.171, 1, -0.5)", "floor(1.7*t + 0.013)"))
+                                     "if(mod(t, 0.371) < 0.171, 1, -0.5)", "floor(1.7*t + 0.013)",
+                                     "mod(t, q)", "floor(t/T)", "mod(t/T, one)", "if(t/T > floor(t/T) + 0.503, 0.4, -1)"))
         if pick == 12:
             return f"triple({self.vector(names)}, {self.vector(names)}, {self.vector(names)})"
         return self.coefficient()
@@ -125,11 +132,8 @@ class Inventor(Writer):
                               for v in names if v not in text)
 
 
-def spec_text(dice) -> str:
-    """The whole text of a random spec."""
-    kind = dice.randint(0, 15)
-    if kind in (0, 15):
-        return equal_spheres(dice) if kind else free_body(dice)
+def any_space(dice) -> str:
+    """A spec of families of any kind, with any effects."""
     before = dice.choice((2, 2, 3, 3, 4, 5)), dice.choice((1, 2, 2, 3))
     after = (dice.choice((2, 3, 4, 5)), dice.choice((1, 2, 3))) if dice.randint(0, 2) == 0 else before
     w = Inventor(dice, pairs=(before, after), extra=dice.choice(("h", "x1", "k0", "I2", "S2", "N", "beta", "E1", "J")))
@@ -140,7 +144,7 @@ def spec_text(dice) -> str:
     effects = [term(w, "effects", f"e{k}", "energy", own_or_all(w, k)) for k in range(dice.choice((1, 1, 2, 2, 3)))]
     values = [term(w, "observables", f"o{k}", "value", w.families) for k in range(dice.choice((0, 0, 1, 2)))]
     start, run = random_start(w), random_run(w, len(effects))
-    parts = [features(dice), *(files(w)), head(w), *w.lattices, *effects, *values, start, run]
+    parts = [comments(dice, "sites"), *(files(w)), head(w), *w.lattices, *effects, *values, start, run]
     return "\n".join(p for p in parts if p) + "\n"
 
 
@@ -200,7 +204,7 @@ def head(w):
              "[parameters]", f"n = {{ default = {n}{fixed() if w.pairs[0] == w.pairs[1] else ''} }}",
              f"m = {{ default = {m}{fixed() if w.pairs[0] == w.pairs[1] else ''} }}", f"one = {{ default = 1{fixed()} }}",
              *(f"{name} = {{ default = {float(w.coefficient())!r}{fixed()} }}" for name in ("a", "b", "c", w.extra)),
-             f"kap = {{ default = {kap}{fixed()} }}", f"q = {{ default = 0.7{fixed()} }}", f"r = {{ default = 1.3{fixed()} }}", "omega = 2.5", *lists,
+             f"kap = {{ default = {kap}{fixed()} }}", f"q = {{ default = 0.7{fixed()} }}", f"r = {{ default = 1.3{fixed()} }}", "omega = 2.5", f"T = {{ default = 0.713{fixed()} }}", *lists,
              f"B = {{ default = [0.3, -0.5, 0.8], vector = true{fixed()} }}", f"D = {{ default = [0.2, 0.7, -0.4], vector = true{fixed()} }}",
              "[formulas]", '"square(s_1)" = "s_1*s_1"', '"mixed(s1, r1)" = "dot(s1, r1) + 0.2*triple(s1, r1, B)"',
              'shift = "a + 0.5*cos(omega*t)"', '"scaled(p1, p2)" = "square(p1) + q*p2"']
@@ -211,11 +215,6 @@ def head(w):
 
 def files(w):
     return ["\n".join(f"# {line}" for line in [f"file: {name}", *text.split("\n")]) + "\n" for name, text in w.files.items()]
-
-
-def features(dice):
-    wanted = [f for f in ("tangent", "extended", "plain-sums") if dice.randint(0, 4) == 0]
-    return f"# features: {' '.join(wanted)}" * bool(wanted)
 
 
 # Terms
@@ -406,25 +405,16 @@ def file_start(w, f):
     return [f'file = "{name}"']
 
 
-# Beside the plain midpoints: methods of high order and comparators, the first seven not on Nambu factors
-OFF_NAMBU = ("gauss-2", "gauss-4", "gauss-6", "gauss-16", "isospectral-midpoint", "geodesic-midpoint", "cf4")
-OF_HIGH_ORDER = (*OFF_NAMBU, "spherical-midpoint-4", "classical-midpoint-6", "spherical-midpoint-kl9a")
-
-
 def random_run(w, effects):
     dice = w.dice
-    method = dice.choice(("spherical-midpoint",) * 3 + ("classical-midpoint",))
-    solver = dice.choice(("auto", "auto", "newton", "plain") + ("rotation",) * (method[0] == "s"))
-    lines = ["[runs.fuzz]", 'start = "s"', "", f'solver = "{solver}"', f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]
+    method, solver = any_method(dice, {f.kind for f in w.families})
+    lines = ["[runs.fuzz]", 'start = "s"', f'method = "{method}"', f'solver = "{solver}"', f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]
     kept = sorted(dice.sample(range(effects), dice.randint(1, effects)))
     if len(kept) < effects:
         lines.append(f"effects = {[f'e{k}' for k in kept]}".replace("'", '"'))
     values = set_values(w)
     if values:
         lines.append(f"set = {{ {', '.join(values)} }}")
-    if solver == "auto" and dice.randint(0, 2) == 0:
-        method = dice.choice(OF_HIGH_ORDER[len(OFF_NAMBU) * any(f.kind == "nambu" for f in w.families):])
-    lines[2] = f'method = "{method}"'
     return "\n".join(lines)
 
 
@@ -441,52 +431,6 @@ def set_values(w):
     return found + ["B = [-0.2, 0.4, 0.9]"] * (dice.randint(0, 3) == 0)
 
 
-def free_body(dice):
-    """One free rigid body, for the discrete Moser-Veselov method too."""
-    kind, w = dice.choice(("sphere", "r3")), Inventor(dice)
-    kappa = dice.choice(("", ", kappa = -1.5", ', kappa = "kap"'))
-    energy = dice.choice(("(w.x^2/I[0] + w.y^2/I[1] + w.z^2/I[2])/2", "(w.x^2 + 0.5*w.y^2/I[1])/2 + 0.2*w.x*w.y", "-kap*dot(w, vec(1, 0.5, 0.3))^2"))
-    start = dice.choice(("theta = 0.7\nphi = 0.4", f"random = {dice.randint(0, 99)}"))
-    return "\n".join([features(dice), "[model]", 'name = "random_model"', f"orientation = {dice.choice((1, -1))}", "[space]",
-                      f"w = {{ {kind} = 1{kappa} }}", "[parameters]",
-                      f"I = {{ default = [1.0, 2.1, {w.coefficient()}], size = 3{', fixed = true' * dice.randint(0, 1)} }}",
-                      f"kap = {{ default = 0.8{', fixed = true' * dice.randint(0, 1)} }}", "[effects.e0]", f'energy = "{energy}"', "[starts.s]", start,
-                      "[runs.fuzz]", 'start = "s"', f'method = "{dice.choice(("moser-veselov", "moser-veselov", "spherical-midpoint"))}"',
-                      f'solver = "{dice.choice(("auto", "newton", "plain"))}"', f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]) + "\n"
-
-
-LATTICES = {"chain(n, {0})": "n", "chain(n, {0}, 2)": "n", "square(n, m, {0}, {1})": "n*m", "cubic(m, n, 2, {0}, {1}, open)": "2*n*m", "cells.b": "2*n*m"}
-CELL = """[lattices.cells]
-size = ["n", "m"]
-boundary = ["{0}", "{1}"]
-sites = 2
-bonds.b = [{{ from = 0, to = 1, offset = [0, 0] }}, {{ from = {2}, to = {2}, offset = [1, 0] }}, {{ from = 1, to = 0, offset = [0, 1] }}]"""
-ON_BONDS = ("J*dot({0}, {1})", "{k}*{0}.{x}*{1}.{y}", "{k}*triple({0}, {1}, B)", "{k}*{0}.{x}*{1}.{x} + dot({0}, {1})/3")
-ON_SITES = ("{k}*{0}.{x}^2", "{k}*{0}.{x}", "a*{0}.{x}*{0}.{y} + dot({0}, B)", "(dot({0}, B) - a)^2/4")
-
-
-def equal_spheres(dice):
-    """A lattice of equal spheres with the same quadratic energy in every cell: its steps go by rows in lanes."""
-    w, over = Inventor(dice), dice.choice(list(LATTICES))
-    edges = [dice.choice(("periodic", "open")) for _ in "nm"]
-    n, m, fixed = dice.choice((5, 6, 7, 12, 35)), dice.choice((3, 4)), lambda: ", fixed = true" * dice.randint(0, 1)
-    alike = [*dice.choice(((), ("kappa = -1.5",), ('kappa = "kap"',))), *dice.choice(((), ("radius = 1.7",), ('radius = "abs(kap)"',)))]
-
-    def effect(k, where, forms):
-        energy = dice.choice(forms).format("w[i]", "w[j]", k=w.coefficient(), x=dice.choice("xyz"), y=dice.choice("xyz"))
-        return f'[effects.e{k}]\nover = "{where}"\nenergy = "{energy}"'
-
-    lattice = [CELL.format(*edges, dice.randint(0, 1))] * (over == "cells.b")
-    effects = [effect(k, f"bond(i, j) of {over.format(*edges)}", ON_BONDS) for k in range(dice.choice((1, 1, 2)))]
-    effects += [effect(len(effects) + k, "site(i) of w", ON_SITES) for k in range(dice.choice((0, 1, 2)))]
-    return "\n".join(["# features: plain-sums" * (dice.randint(0, 4) == 0), "# equal spheres", "[model]", 'name = "random_model"', f"orientation = {dice.choice((1, -1))}", "[space]",
-                      f"w = {{ {', '.join([f'sphere = {quoted(LATTICES[over])}', *alike])} }}", "[parameters]", f"n = {{ default = {n}{fixed()} }}", f"m = {{ default = {m}{fixed()} }}",
-                      *(f"{name} = {{ default = {value}{fixed()} }}" for name, value in (("a", 0.4), ("J", float(w.coefficient())), ("kap", 0.8))),
-                      f"B = {{ default = [0.3, -0.5, 0.8], vector = true{fixed()} }}", *lattice, *effects, "[starts.s]", f"random = {dice.randint(0, 99)}",
-                      "[runs.fuzz]", 'start = "s"', 'method = "spherical-midpoint"', f'solver = "{dice.choice(("auto", "auto", "rotation"))}"',
-                      f"h = {dice.choice((0.01, -0.01))}", "steps = 10"]) + "\n"
-
-
 def files_of(text) -> dict:
     """The files that the comments of a text hold: name -> content."""
     found, name = {}, None
@@ -499,8 +443,3 @@ def files_of(text) -> dict:
         else:
             name = None
     return found
-
-
-def features_of(text) -> tuple:
-    """The features that the comment of a text asks for."""
-    return tuple(f for line in text.split("\n") if line.startswith("# features: ") for f in line[12:].split())

@@ -1,7 +1,8 @@
 """A C program that takes one model through its whole interface, in memory of exactly the sizes that it asks for.
 
-It prints the numbers of the start, each state of COUNT steps, and whether a state saved halfway, restored into a model
-that stood elsewhere, went on with the same bits. One line for each: `name number number ..` in hexadecimal.
+It prints the numbers of the start, each state of COUNT steps, and whether the same bits come of a state saved halfway and restored into a
+model that stood elsewhere, of COUNT steps in one call, and of each member of an ensemble beside the same state alone; then how the steps
+went, by rows, in blocks, .. One line for each: `name number number ..` in hexadecimal.
 """
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ TEXT = """
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "{M}.h"
+#include "{M}.c"     /* with what it keeps to itself: how its steps go */
 
 static void put(const char *name, const smg_real *x, size_t n) {{
   printf("%s", name);
@@ -43,6 +44,34 @@ static int same(smg_real *a, smg_real *b, size_t n) {{
   return equal;
 }}
 
+enum {{ SITES, SINGLE_SPHERE, FEW_IN_LANES, ROWS, BLOCKS, WAVEFRONTS }};
+
+static int layout(const smg_state *s) {{
+#if defined(SMG_ROW_STAGES) && SMG_LANES == 1
+  (void)s;
+  return SITES;
+#elif defined(SMG_ROW_STAGES)
+  (void)s;
+  return ROWS;
+#elif defined(SMG_BY_ROWS)
+#if !SMG_ROW_TURNS
+  smg_row_wave wave;
+  if (s->rows && smg_wave_pays(s, &wave)) return WAVEFRONTS;
+#endif
+  return !s->rows ? SITES : s->row_beside ? BLOCKS : ROWS;
+#elif SMG_SINGLE_SPHERE
+  (void)s;
+  return SINGLE_SPHERE;
+#elif SMG_FEW_IN_LANES
+  (void)s;
+  return FEW_IN_LANES;
+#else
+  (void)s;
+  return SITES;
+#endif
+}}
+
+{ensemble}
 static const double start[] = {{ {start} }};
 {tables}
 
@@ -81,7 +110,13 @@ int main(void) {{
     free(before);
   }}
   one("status", (smg_real)status);
+  one("layout", (smg_real)layout((const smg_state *)&s));
 {tangent}
+  if ({M}_init(&r, &p, other, w, t0, h) == SMG_OK) {{
+    const smg_status all = {M}_steps(&r, {count});
+    one("together", all == status && same(saved(&s, &p), saved(&r, &p), size));
+  }}
+{members}
   if (half) {{      /* in a model that has gone elsewhere */
     int equal = {M}_init(&r, &p, other, w, t0 + 1, 2 * h) == SMG_OK;
     (void){M}_steps(&r, 2);
@@ -109,6 +144,39 @@ TANGENT = """
     free(scratch);
   }}"""
 
+# Members that start where w does, its components exchanged and their signs changed, so that lengths and leaves through the axes stay.
+ENSEMBLE = """
+enum {{ MEMBERS = 11 }};
+
+static int members(const {M}_params *p, const smg_real *w, size_t n, double t0, double h) {{
+  {M}_ensemble e;
+  {M}_state alone;
+  smg_real *all = some(MEMBERS * n * sizeof *all), *own = some({M}_memsize(p));
+  char *mem = (char *)some({M}_ensemble_memsize(p, 0, MEMBERS));
+  int equal = 1;
+  for (size_t k = 0; k < MEMBERS * n; ++k) all[k] = (k / n % 2 ? -1 : 1) * w[k % n / 3 * 3 + (k % 3 + k / n % 3) % 3];
+  (void){M}_ensemble_init(&e, p, 0, MEMBERS, mem, all, t0, h);
+  (void){M}_ensemble_steps(&e, 0, MEMBERS, {count} / 2);
+  (void){M}_ensemble_steps(&e, 0, 3, {count} / 2);
+  (void){M}_ensemble_steps(&e, 3, MEMBERS - 3, {count} / 2);
+  for (size_t k = 0; k < MEMBERS; ++k) {{
+    smg_status status = {M}_init(&alone, p, own, all + n * k, t0, h);
+    const int begun = status == SMG_OK;
+    if (begun) status = {M}_steps(&alone, {count} / 2);
+    if (status == SMG_OK) status = {M}_steps(&alone, {count} / 2);
+    equal = equal && e.member[k].report.status == status
+            && (!begun || (e.member[k].count == alone.count && memcmp(e.member[k].w, alone.w, n * sizeof *all) == 0));
+  }}
+  free(all);
+  free(own);
+  free(mem);
+  return equal;
+}}
+"""
+MEMBERS = """
+  one("members", (smg_real)members(&p, w, n, t0, h));
+  one("lanes", (smg_real){M}_ensemble_lanes());"""
+
 
 def program(scene, values, w, t0, h, features) -> str:
     """The text of main.c. values: of all parameters; w: the start, shape (sites, 3)."""
@@ -123,6 +191,7 @@ def program(scene, values, w, t0, h, features) -> str:
         tables="\n".join(f"static const double given_{a}[] = {{ {listed(x)} }};" for a, x in arrays.items()),
         assign="\n".join([f"  p.{k} = {literal(x)};" for k, x in numbers.items()] + [heap(a) for a in arrays]),
         values="\n".join(f'  one("{shown}", {call}(&p, (smg_real)t0, s.w));' for shown, call in calls),
+        ensemble=ENSEMBLE.format(M=name, count=COUNT) if "ensemble" in features else "", members=MEMBERS.format(M=name) if "ensemble" in features else "",
         tangent=TANGENT.format(M=name) if "tangent" in features else "",
         free="\n".join(f"  free(own_{a});" for a in arrays))
 

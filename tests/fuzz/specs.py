@@ -31,13 +31,13 @@ import smidgen
 from smidgen.build.binary import generator_digest
 from smidgen.check.witness import Witness
 
-from .invent import spec_text
+from .layouts import spec_text
 from .smaller import smaller
 from .through import SECONDS, Fault, through
 
 OUT = Path(__file__).parents[2] / "out" / "fuzz"
 HOUR, MEMORY = 600, 4 << 30     # seconds by the clock and bytes that no spec takes
-COLUMNS = ("seed", "code", "verdict", "stage", "seconds", "sites", "method", "solver", "features", "kinds", "said")
+COLUMNS = ("seed", "code", "verdict", "stage", "seconds", "layout", "sites", "method", "solver", "features", "program", "library", "kinds", "said")
 KINDS = {"sphere": r"sphere =", "r3": r"r3 =", "nambu": r"nambu =", "tracer": r"tracer = true", "families": r"\[starts\.s\.",
          "single site": r"(sphere|r3|nambu) = 1\b", "count of one": r'"one"', "count run": r'(sphere|r3|nambu) = "[nm2]', "kappa(i)": r'kappa = ".*\bi\b',
          "radius(i)": r'radius = ".*\bi\b', "array": r"size =", "array fixed": r"size =.*fixed", "vector fixed": r"vector = true, fixed",
@@ -48,7 +48,7 @@ KINDS = {"sphere": r"sphere =", "r3": r"r3 =", "nambu": r"nambu =", "tracer": r"
          "time": r"\bt[)* +^/,]", "observable": r"\[observables", "orientation -1": r"orientation = -1", "start file": r"file = \"start",
          "start random": r"\nrandom =", "start angles": r"\ntheta", "start vectors": r"\nvectors", "start formula": r"\nx = ",
          "set": r"\nset =", "set sizes": r"set = .*\bn =", "set array": r"set = .*(gamma|delta|rho) =", "effects of a run": r"\neffects =",
-         "equal spheres": r"# equal spheres"}
+         "layout": r"# layout: (few|rows|blocks|wave|single)"}
 
 
 def attempt(text, seconds=SECONDS):
@@ -165,7 +165,7 @@ def place(problem) -> str:
 def code() -> str:
     """What the verdicts depend on: the generator, the witness and this target."""
     here = Path(__file__).parent
-    parts = [here / n for n in ("invent.py", "through.py", "program.py", "differential.py")] + [here.parent / "support" / "random_specs.py"]
+    parts = [here / n for n in ("invent.py", "layouts.py", "drawn.py", "through.py", "program.py", "differential.py")] + [here.parent / "support" / "random_specs.py"]
     parts += sorted(Path(smidgen.__file__).parent.joinpath("witness").glob("*"))
     return hashlib.sha256(b"".join([generator_digest().encode(), *(p.read_bytes() for p in parts if p.is_file())])).hexdigest()[:10]
 

@@ -1,4 +1,7 @@
-"""All that one spec must go through: read, generate, four strict compilers, sanitizers, restore, the witness.
+"""All that one spec must go through: read, generate, a strict compiler, sanitizers, restore, members, the witness.
+
+The compilers are drawn with the spec (`fuzz.drawn`): one of C or C++ with its level for the program, one of C with its own for the library. The
+same C has the same bits in both, whatever they are, but where a formula calls functions of the mathematical library, which compilers may evaluate.
 
     found = through(text)           # what was done, in words; Fault where something is wrong
 
@@ -8,7 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-import random
+import re
 import resource
 import subprocess
 import sys
@@ -19,7 +22,7 @@ import numpy as np
 from support.strict import CALLS, COMPILERS, WARNINGS, compile_all
 
 import smidgen
-from smidgen.build.binary import build_library, find_compiler, write_files
+from smidgen.build.binary import build_library, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
@@ -31,13 +34,25 @@ from smidgen.run.start import initial_state, parameter_values
 from smidgen.check.witness import Witness
 
 from .differential import ALLOWED, EPSILON, UNIT, Pair, compare, random_state
-from .invent import features_of, files_of
+from .drawn import builds_of, features_of, said
+from .invent import files_of
 from .program import COUNT, numbers_of, program
 
 SECONDS = 20        # of processor time, for each stage and each program that it starts
-SANITIZE = ("-O0", CALLS, "-g", "-ffp-contract=off", "-fsanitize=address,undefined", "-fsanitize=float-cast-overflow",
+SANITIZE = (CALLS, "-ffp-contract=off", "-fsanitize=address,undefined", "-fsanitize=float-cast-overflow",
             "-fno-sanitize-recover=all")
-STRICT = ("-std=c11", "-O1", "-ffp-contract=off", *WARNINGS)
+STRICT = ("-ffp-contract=off", "-Wno-psabi", *WARNINGS)
+STANDARD = ("-std=c11", "-fno-math-errno")
+LAYOUTS = ("sites", "single sphere", "few in lanes", "rows", "blocks", "wavefronts")      # in the order of fuzz.program
+DENSE = 60          # sites: beyond, a midpoint's steps are judged by their residuals, for the witness's matrix is dense
+EDGES = re.compile(r"\b(if|mod|floor|abs|min|max)\(")
+TOLERANCE, COARSE = 1e-11, 1e-6     # ten times what step control aims at; across an edge its estimates are none
+STAGES = {"extrapolation-12": 16}   # the sum of the weights of its rows, in absolute value, is 14.9
+CALLED = re.compile(r"\b(sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|log)\(|\^(-?\d*\.\d|a\b|sin)|\b2\^")
+
+
+SAME = {"restored": "a restored state goes on with other bits", "stays": "a step that failed has changed the state",
+        "together": "steps in one call have other bits than one by one", "members": "a member of an ensemble has other bits than alone"}
 
 
 class Fault(Exception):
@@ -71,8 +86,9 @@ class Passage:
     def __init__(self, text, where, stage, change, found):
         self.text, self.where, self.stage, self.change = text, where, stage, change
         self.dice, self.features = np.random.default_rng(len(text)), features_of(text)
+        self.program_by, self.library_by = builds_of(text)
         self.found = found
-        found.update(verdict="fine", note="")
+        found.update(verdict="fine", note="", program=" ".join(self.program_by), library=" ".join(self.library_by))
 
     def refused(self, why):
         self.found.update(verdict="refused", note=f"{self.found['note']} {str(why)[:160]}".strip())
@@ -122,18 +138,17 @@ class Passage:
         return made
 
     def compilers(self):
-        """Four compilers, every warning an error, in double precision; one, drawn by the spec, in extended precision."""
+        """The program's compiler, every warning an error, in double and in extended precision."""
         self.stage("compilers")
         for name, files in [("run", self.files), *[("defaults", self.defaults)] * (not self.same)]:
             here = self.where / name
             here.mkdir()
             write_files(files, here)
             sources = sorted(f for f in files if f.endswith(".c"))
-            drawn = sorted(COMPILERS)[len(self.text) % len(COMPILERS)]
-            for compiler, real in [*((c, "double") for c in COMPILERS), (drawn, "long double")]:
-                said = compile_all(here, sources, compiler, real=real)
-                if said:
-                    raise Fault(f"{said}\n{compiler}, {real}")
+            for real in ("double", "long double"):
+                told = compile_all(here, sources, self.program_by[0], "-Wno-psabi", real=real)
+                if told:
+                    raise Fault(f"{told}\n{self.program_by[0]}, {real}")
 
     def sanitizers(self):
         """Ten steps, and a restored state that goes on with the same bits, under ASan and UBSan."""
@@ -146,22 +161,23 @@ class Passage:
         self.small = factor == 1
         here, name = self.where / ("run" if self.same else "defaults"), self.scene.name
         (here / "main.c").write_text(program(self.scene, self.values, self.w, self.t, self.h, self.features))
-        compiler = ("gcc", "clang")[len(self.text) % 2]
-        self.exact = self.same and compiler in find_compiler()[0] or compiler == "gcc" and self.same
-        ran(here, compiler, "-std=c11", *SANITIZE, "-I.", *include_flags(), f"{name}.c", "main.c", "-o", "program", "-lm")
-        said = numbers_of(ran(here, "./program"))
-        if said["check"][0] or said["init"][0]:
-            return self.refused(f"check {said['check'][0]:g}, init {said.get('init', [0])[0]:g}")
-        if "restored" in said and not said["restored"][0]:
-            raise Fault("a restored state goes on with other bits")
-        if "stays" in said and not said["stays"][0]:
-            raise Fault("a step that failed has changed the state")
-        self.said = said
+        self.exact = self.same and (not CALLED.search(self.text) or self.program_by == self.library_by)
+        compiler, level = self.program_by
+        ran(here, compiler, *COMPILERS[compiler], level, *SANITIZE, *said(self.text, "define").split(), "-I.", *include_flags(), "main.c", "-o", "program", "-lm")
+        told = numbers_of(ran(here, "./program"))
+        if told["check"][0] or told["init"][0]:
+            return self.refused(f"check {told['check'][0]:g}, init {told.get('init', [0])[0]:g}")
+        for name, fault in SAME.items():
+            if name in told and not told[name][0]:
+                raise Fault(fault)
+        self.said = told
+        self.found["layout"] = LAYOUTS[int(told["layout"][0])] + ("" if "lanes" not in told else ", ensemble" + " in lanes" * (told["lanes"][0] > 1))
 
     def shared_library(self):
         """The library that Python calls, compiled with every warning an error: the numbers of the program."""
         self.stage("library")
-        with builds(STRICT, self.where / "cache"):
+        compiler, level = self.library_by
+        with builds((*STANDARD, level, *STRICT), self.where / "cache", compiler):
             built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
                                   generate=lambda *_: self.files)
         self.model = Integrator(self.spec, self.scene, built, self.values, self.settings.method, self.settings.solver)
@@ -176,7 +192,7 @@ class Passage:
         except RunError as refusal:
             return self.refused(refusal)
         try:
-            if self.small:
+            if self.small and (len(self.w) <= DENSE or not METHODS[self.settings.method].of_midpoints):
                 pair.steps(self.w, self.t, self.h, COUNT)
             else:
                 pair.residuals(self.w, self.t, self.h)
@@ -212,6 +228,12 @@ class Compared(Pair):
         self.values = {p.name: one.values[p.name] for p in one.scene.parameters}
         self.model = getattr(one, "model", None)
 
+    def allowed(self, w, t, h, count):
+        """As for a midpoint, for each stage of a composition; of step control its tolerance, as far as H is smooth."""
+        method = METHODS[self.model.method]
+        given = (TOLERANCE if smooth(self.spec) else COARSE) * count * (1 + np.abs(w).max()) if method.controlled else 0
+        return super().allowed(w, t, h, count) * STAGES.get(method.name, method.stages) + given
+
     def residuals(self, w, t, h):
         """Steps too large to compare states: each one solves the witness's equation."""
         self.model.start(w.copy(), t0=t, h=h)
@@ -230,16 +252,23 @@ class Compared(Pair):
         return ALLOWED * EPSILON / UNIT * max(tries)
 
 
+def smooth(spec) -> bool:
+    """No formula of it has an edge."""
+    return not EDGES.search(" ".join(text for _, text in spec.sources))
+
+
 @contextlib.contextmanager
-def builds(words, cache):
-    """Libraries with these options of the compiler, in a cache of their own."""
-    module, cache_of_all = sys.modules["smidgen.build.binary"], os.environ.get("SMIDGEN_CACHE")
-    before, module.FLAGS, os.environ["SMIDGEN_CACHE"] = module.FLAGS, words, str(cache)
+def builds(words, cache, compiler):
+    """Libraries by this compiler with these options, in a cache of their own."""
+    module, before = sys.modules["smidgen.build.binary"], {name: os.environ.get(name) for name in ("SMIDGEN_CACHE", "CC")}
+    flags, module.FLAGS = module.FLAGS, words
+    os.environ.update(SMIDGEN_CACHE=str(cache), CC=compiler)
     try:
         yield
     finally:
-        module.FLAGS = before
-        os.environ.pop("SMIDGEN_CACHE") if cache_of_all is None else os.environ.update(SMIDGEN_CACHE=cache_of_all)
+        module.FLAGS = flags
+        for name, value in before.items():
+            os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
 def ran(where, *words) -> str:

@@ -1,0 +1,91 @@
+"""How many random specs went through, by layout, method and compiler: docs/fuzz_specs.csv, and its tables in docs/fuzzing.md.
+
+    python -m fuzz.table ../out/fuzz/specs.csv --count 1000 --seed 0
+"""
+from __future__ import annotations
+
+import argparse
+import collections
+import csv
+import re
+from pathlib import Path
+
+from smidgen.methods import METHODS
+
+DOCS = Path(__file__).parents[2] / "docs"
+BEGIN, END = "<!-- random specs -->\n", "<!-- end of random specs -->"
+VERDICTS = ("fine", "refused", "fault")
+NEVER = "none: refused before"
+
+
+def layout(row) -> str:
+    return row["layout"] or NEVER
+
+
+def counted(rows) -> list[dict]:
+    """One row for each layout, method, program and library that came up: how many specs, and how many of each verdict."""
+    found = collections.defaultdict(collections.Counter)
+    for r in rows:
+        found[layout(r), r["method"], r["program"], r["library"]][r["verdict"]] += 1
+    return [dict(zip(("layout", "method", "program", "library"), key), specs=sum(n.values()), **{v: n[v] for v in VERDICTS}) for key, n in sorted(found.items())]
+
+
+def tables(counts, code: str, seeds: str) -> str:
+    """Markdown: layouts by kinds of methods, compilers by levels, and what came of all."""
+    total = {v: sum(c[v] for c in counts) for v in ("specs", *VERDICTS)}
+    kinds = sorted({kind(c["method"]) for c in counts})
+    head = (f"{total['specs']} specs, {seeds}: {total['fine']} fine, {total['refused']} with a start or a step that is refused with a status, "
+            f"{total['fault']} faults; generator, witness and target {code}. Rows are how the steps went, not what the spec was written for.\n")
+    return "\n".join([head, grid(counts, "layout", "layout", kinds, lambda c: kind(c["method"])), "",
+                      grid(counts, "program", "program, under the sanitizers", ["-O0", "-O1", "-O2", "-O3"], lambda c: c["program"].split()[1], lambda text: text.split()[0]), "",
+                      grid(counts, "library", "library", ["-O0", "-O1", "-O2", "-O3"], lambda c: c["library"].split()[1], lambda text: text.split()[0]), ""])
+
+
+def grid(counts, key, title, columns, column_of, shown=str) -> str:
+    cells = collections.Counter()
+    for c in counts:
+        cells[shown(c[key]), column_of(c)] += c["specs"]
+    names = sorted({row for row, _ in cells})
+    lines = [f"| {title} | {' | '.join(columns)} | all |", f"|---|{'---|' * (len(columns) + 1)}"]
+    return "\n".join(lines + [f"| {n} | {' | '.join(str(cells[n, c] or '') for c in columns)} | {sum(cells[n, c] for c in columns)} |" for n in names])
+
+
+def kind(method: str) -> str:
+    """Methods of one kind together: compositions, Gauss collocation, splittings, step control and extrapolation."""
+    if method not in METHODS:
+        return "none"
+    m = METHODS[method]
+    if m.splitting:
+        return "splittings"
+    if m.stages > 1:
+        return "compositions"
+    return "Gauss" if m.stage_rows else method if m.midpoint else "general" if m.by_field else "comparators"
+
+
+def write(rows, code: str, seeds: str, docs=DOCS) -> None:
+    """Both files; the tables of the page stand between two marks."""
+    counts = counted(rows)
+    with open(docs / "fuzz_specs.csv", "w", newline="") as out:
+        table = csv.DictWriter(out, list(counts[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows(counts)
+    page = (docs / "fuzzing.md").read_text()
+    inside = re.escape(BEGIN) + ".*?" + re.escape(END)
+    (docs / "fuzzing.md").write_text(re.sub(inside, lambda _: BEGIN + tables(counts, code, seeds) + END, page, count=1, flags=re.DOTALL))
+
+
+def main(words=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rows", type=Path)
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args(words)
+    with open(args.rows, newline="") as lines:
+        rows = {int(r["seed"]): r for r in csv.DictReader(lines)}       # of a seed that was done twice the last one
+    rows = [r for k, r in sorted(rows.items()) if args.seed <= k < args.seed + args.count]
+    codes = sorted({r["code"] for r in rows})
+    write(rows, " and ".join(codes), f"seeds {rows[0]['seed']} to {rows[-1]['seed']}")
+
+
+if __name__ == "__main__":
+    main()
