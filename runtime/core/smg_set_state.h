@@ -6,7 +6,7 @@
 
 #include "smg_state.h"
 
-static void smg_forget_history(smg_state *s) {
+static inline void smg_forget_history(smg_state *s) {
   s->history = 0;
   smg_blank_history(s);
 #if SMG_HISTORY_ARRAYS
@@ -14,7 +14,7 @@ static void smg_forget_history(smg_state *s) {
 #endif
 }
 
-static void smg_forget_compensation(smg_state *s) {
+static inline void smg_forget_compensation(smg_state *s) {
 #if SMG_BY_ROWS
   if (s->rows) {
     smg_forget_rows(s);
@@ -27,7 +27,7 @@ static void smg_forget_compensation(smg_state *s) {
 /* w is refused as a start would be, and the state is then as it was; so is every w where init gave the state no memory. A site that
  * steps have moved off its sphere, as those of dop853 do, may be as far from it; all are put on their spheres. w may be s->w itself,
  * of which nothing is known but that. */
-static smg_status smg_set_state(smg_state *s, const smg_real *w) {
+static inline smg_status smg_set_state(smg_state *s, const smg_real *w) {
   s->report.status = s->w ? smg_check_state(&s->c, w, w == s->w ? NULL : s->w, SMG_OFF_SPHERE, &s->report.site) : SMG_BAD_PARAMETER;
   s->report.partner = -1;
   if (s->report.status != SMG_OK) return s->report.status;

@@ -46,7 +46,8 @@
 #define SMG_SHRINK ((smg_real)1 / 3) /* and how much smaller */
 #define SMG_SAFETY (smg_real)0.9 /* of the size at which the estimate would just be the tolerance */
 #define SMG_LEAST_PART (smg_real)1e-12 /* of h, the smallest internal step */
-#define SMG_MOST_TRIES 100000 /* internal steps of one output step, with those refused */
+#define SMG_MOST_TRIES 10000 /* internal steps of one output step, with those refused; */
+#define SMG_LOOK_AHEAD 128 /* after every so many of them it is given up where more than that are to be expected: the first sizes may be far too small */
 #define SMG_LEAF_ROUNDS 4 /* of Newton's method onto the leaf */
 
 /* s->stages: fifteen vectors of 3 numbers a site, then four numbers. The places of k_2 .. k_5, which neither the increment nor
@@ -277,6 +278,11 @@ static inline smg_real smg_next_end(smg_pace *pace) {
   return end;
 }
 
+/* At this size so many tries do not come to an end. */
+static inline int smg_too_far(const smg_pace *pace) {
+  return pace->tries % SMG_LOOK_AHEAD == 0 && 1 - pace->done > pace->natural * (smg_real)(SMG_MOST_TRIES - pace->tries);
+}
+
 /* The step is good. A size that the end of h cut short says little of the natural one when its error vanishes. */
 static inline void smg_accept(smg_state *s, smg_pace *pace, smg_real end) {
   const smg_real factor = pace->refused ? smg_min(1, smg_factor(pace->square)) : smg_factor(pace->square);
@@ -312,6 +318,7 @@ static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
     smg_estimate(s, pace);
     if (SMG_FIXED_STEP ? pace->square - pace->square == 0 : pace->square <= 1) smg_accept(s, pace, end);
     else status = smg_refuse(pace);
+    if (status == SMG_OK && smg_too_far(pace)) return SMG_NO_CONVERGENCE;
   }
   return status;
 }

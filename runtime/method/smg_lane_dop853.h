@@ -261,10 +261,19 @@ SMG_COLD static void smg_lanes_alone(smg_lane_group *f, smg_lane_mask alone, smg
   }
 }
 
+/* smg_too_far() */
+SMG_INLINE smg_lane_mask smg_lanes_too_far(const smg_lane_group *f) {
+  smg_lanes left = {0};
+  for (int l = 0; l < SMG_LANES; ++l) smg_lane_set(&left, l, (smg_real)(SMG_MOST_TRIES - f->tries[l]));
+  return (smg_lane_mask)(1 - f->done > f->natural * left);
+}
+
 /* Steps that are at their end, and those that are left to smg_step(). */
 SMG_INLINE void smg_group_finish(smg_lane_group *f, smg_queue *q) {
   const smg_lane_mask end = ~(f->refused | f->lost | (smg_lane_mask)(f->done < 1)), finished = f->live & end;
-  const smg_lane_mask alone = f->live & ~end & (f->lost | (smg_lane_mask)(f->tries >= SMG_MOST_TRIES));
+  const smg_lane_mask due = (smg_lane_mask)((f->tries & (SMG_LOOK_AHEAD - 1)) == 0);
+  const smg_lane_mask far = smg_lane_any(f->live & ~end & due) ? due & smg_lanes_too_far(f) : due & ~due;
+  const smg_lane_mask alone = f->live & ~end & (f->lost | far | (smg_lane_mask)(f->tries >= SMG_MOST_TRIES));
   if (!smg_lane_any(finished | alone)) return;
   smg_lanes_end_steps(f, finished, q);
   if (smg_lane_any(alone)) smg_lanes_alone(f, alone, q);

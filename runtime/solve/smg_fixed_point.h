@@ -8,12 +8,13 @@
 
 #include "smg_lanes.h"
 #include "smg_site.h"
+#include "smg_tolerances.h"
 
 /* The iteration must contract: from its first change on, times the slack for what grows before it falls, each sweep must leave
  * no more than this part of the one before. Then its solution is the one connected to the state at h = 0. */
 #define SMG_CONTRACTION (smg_real)0.75
 #define SMG_SLACK 32
-#define SMG_MOST_SWEEPS 500
+#define SMG_MOST_SWEEPS 400 /* twice, from the polynomial and from rest, with the last ones below: fewer than 1000 evaluations of all sites */
 /* The formula of the field may carry so much round-off, relative to the state: below it changes that have found no new least
  * for some sweeps are taken for that. */
 #define SMG_FIELD_NOISE (4194304 * SMG_EPS)
@@ -55,6 +56,7 @@ SMG_INLINE int smg_leaves_at_most(smg_real now, smg_real last, smg_real whole, s
 SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
   const smg_change *now = &watch->now, *last = &watch->last;
   const smg_real tolerance = s->tolerance * s->scale;
+  if (!(now->absolute <= smg_max(SMG_BLIND * s->scale, tolerance))) return 0; /* beside products so large anything looks like round-off */
   if (now->relative <= SMG_EPS || now->absolute <= tolerance) return 1;
   if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, 1, SMG_EPS)) return 1;
   if (tolerance > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, s->scale, tolerance)) return 1;
@@ -72,6 +74,16 @@ SMG_INLINE int smg_sweeps_contract(smg_watch *watch) {
   return now <= smg_max(watch->most, SMG_FIELD_NOISE * watch->size);
 }
 
+/* So many sweeps more; are they numbers still? */
+static int smg_more_sweeps(smg_state *s, void *with, int more) {
+  smg_real change = 0;
+  for (; more > 0; --more) {
+    const smg_moved moved = smg_sweep_stages(s, with);
+    change = smg_lane_largest(moved.absolute);
+  }
+  return change <= SMG_MAX;
+}
+
 /* Sweeps until what is left is round-off, one more, and an eighth as many again: what was left is of one sign along many an orbit,
  * a drift. */
 static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
@@ -81,11 +93,8 @@ static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
     smg_look(s, &moved, &watch);
     ++s->report.iterations;
     s->report.residual = watch.now.absolute;
-    if (!(watch.now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
-    if (smg_stages_settled(s, &watch)) {
-      for (int more = s->tolerance > 0 ? 0 : 1 + n / 8; more > 0; --more) (void)smg_sweep_stages(s, with);
-      return SMG_OK;
-    }
+    if (!(watch.now.absolute <= SMG_MAX && smg_lane_largest(moved.rounding_scale) <= SMG_MAX)) return SMG_NOT_FINITE; /* beside infinite products every change is small */
+    if (smg_stages_settled(s, &watch)) return smg_more_sweeps(s, with, s->tolerance > 0 ? 0 : 1 + n / 8) ? SMG_OK : SMG_NOT_FINITE;
     if (!smg_sweeps_contract(&watch)) break;
   }
   return SMG_NO_CONVERGENCE;

@@ -4,6 +4,8 @@
 
 #include "smg_row_wave.h"
 
+#define SMG_ROW_ROUNDS 100 /* ends that solve nothing, before the step is given up; one or two are usual */
+
 /* Sweeps to stagnation, or to the tolerance. */
 static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
   do {
@@ -120,9 +122,10 @@ static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
   smg_begin_sweeping(&sweep);
   if (!smg_wave_pays(s, &wave)) smg_begin_rows(s);
   else solved = smg_sweep_in_wave(s, known, &turn, &wave, &sweep) && smg_row_solved(s, SMG_MATH(sqrt)(sweep.residual));
-  while (!solved && sweep.passes < SMG_ROW_PASSES) {
+  for (int round = 0; !solved && sweep.passes < SMG_ROW_PASSES; ++round) {
     smg_settle_rows(s, known, &turn, &sweep);
     solved = smg_end_rows(s, known, &turn, &sweep);
+    if (!solved && round == SMG_ROW_ROUNDS) sweep.passes = SMG_ROW_PASSES;
   }
   smg_expect_passes(s, known, &sweep);
   smg_report_sweeps(s, &sweep);

@@ -12,7 +12,7 @@
 #define SMG_LOOK (smg_real)1e-12 /* part of the state by which midpoints move when that begins */
 #define SMG_NEAR_LOOK 10 /* times as far: changes shrink by about that in a pass, so that from step to step it hardly begins a pass earlier */
 #ifndef SMG_ROW_PASSES
-#define SMG_ROW_PASSES 2000 /* of colours: 0.9^k is round-off after 350 sweeps */
+#define SMG_ROW_PASSES (500 * SMG_COLOURS) /* of colours: 0.9^k is round-off after 350 sweeps */
 #endif
 
 /* How far midpoints moved: the largest square, and the largest part of what a small component is made of; where the pass may be the last one,
