@@ -38,6 +38,14 @@ typedef struct smg_state {
 #ifndef SMG_ORIENTATION
 #define SMG_ORIENTATION 1
 #endif
+#define SMG_OWN_PREPARE 1
+#define SMG_OWN_SET_TIME 1
+#define SMG_OWN_FAMILY_END 1
+#define SMG_OWN_KIND 1
+#define SMG_OWN_KAPPA 1
+#define SMG_OWN_H_OVER_KAPPA 1
+#define SMG_OWN_RADIUS 1
+#define SMG_OWN_NORMAL 1
 #include "smg_model.h"
 
 static inline void smg_set_time(smg_coefficients *c, smg_real t) {

@@ -31,6 +31,14 @@ typedef struct {
 #define SMG_TIMED TIMED
 #define SMG_FAMILIES 2
 
+#define SMG_OWN_PREPARE 1
+#define SMG_OWN_SET_TIME 1
+#define SMG_OWN_FAMILY_END 1
+#define SMG_OWN_KIND 1
+#define SMG_OWN_KAPPA 1
+#define SMG_OWN_H_OVER_KAPPA 1
+#define SMG_OWN_RADIUS 1
+#define SMG_OWN_NORMAL 1
 #include "smg_model.h"
 
 static inline void smg_sizes(smg_coefficients *c, const smg_params *p) {
