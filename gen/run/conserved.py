@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..language.expr import Spin, Time, walk
+from ..language.expr import Time, slots_of, walk
+from ..language.tracers import moves_tracers
 from .start import kappas, radii
 
 STATES = 6          # random states at which the torque is looked at
@@ -17,10 +18,9 @@ EPSILON = 1e-10     # a torque below this part of its terms is round-off
 
 
 def with_tracers(spec) -> set[str]:
-    """Names of the effects that tracers feel: their energy is not conserved."""
+    """Names of the effects that move tracers alone: their energy is not conserved."""
     tracers = {f.name for f in spec.families if f.tracer}
-    return {e.name for e in spec.effects
-            if any(isinstance(n, Spin) and n.family in tracers for n in walk(e.value))}
+    return {e.name for e in spec.effects if moves_tracers(e.over, slots_of(e.value), tracers)}
 
 
 def of_time(spec, effects=None) -> bool:

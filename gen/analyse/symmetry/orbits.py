@@ -14,6 +14,7 @@ from ...language.instances import instances_of
 from ...language.evaluate import integer
 from ...language.expr import slots_of
 from ...language.spec import Each, Graph, Lattice, Once, Pairs, Sites, Term
+from ...language.tracers import moves_tracers
 from . import bounds
 
 
@@ -98,5 +99,5 @@ def terms(over, values: dict, places: dict) -> int:
 
 
 def passive(term: Term, tracers) -> bool:
-    """Does the term hold a tracer? It then acts on its tracers alone."""
-    return any(family in tracers for family, _ in slots_of(term.value))
+    """Does the term hold tracers? It then moves them alone."""
+    return moves_tracers(term.over, slots_of(term.value), tracers)

@@ -54,7 +54,7 @@ def compile_term(spec, term: Term, env: dict, places: dict) -> Program:
     return Program(
         term.name, np.array(code.instructions, dtype=INSTRUCTION),
         _rows(sites, count, np.int64), _rows([*indices.values(), *columns.values()], count, float),
-        np.array(code.table or [0.0]), _feels(spec, code.slots))
+        np.array(code.table or [0.0]), _feels(spec, term.over, code.slots))
 
 
 def _rows(columns, count, dtype):
@@ -73,11 +73,12 @@ def _sites(slot, indices, places, count):
     return number + first
 
 
-def _feels(spec, slots):
-    """A term with a tracer acts on its tracers only; any other acts on all its spins."""
+def _feels(spec, over, slots):
+    """A term that runs over tracers, or names one, acts on tracers only; any other acts on all its spins."""
     tracers = {f.name for f in spec.families if f.tracer}
     tracer = np.array([family in tracers for family, _ in slots], dtype=np.uint8)
-    return tracer if tracer.any() else np.ones(len(slots), dtype=np.uint8)
+    runs = [getattr(over, "family", ""), *getattr(over, "families", ())]
+    return tracer if tracer.any() or tracers & set(runs) else np.ones(len(slots), dtype=np.uint8)
 
 
 @dataclass

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
+from ...language.tracers import moves_tracers
 from ...methods import METHODS
 from ..derive.derivatives import switched
 from ..features import ASKS, EVERYWHERE, chosen_features
@@ -105,9 +106,9 @@ class Model:
         """The vector of a slot in an array of all sites: a name, or a member of the state."""
         return At(Name(array) if isinstance(array, str) else array, size * self.site(slot), written)
 
-    def passive(self, term) -> list:
-        """The tracers of a term: it moves them alone."""
-        return [s for s in term.slots if self.is_tracer(s)]
+    def passive(self, term) -> bool:
+        """Does a term hold tracers? It moves them alone."""
+        return moves_tracers(term.over, term.slots, {f.name for f in self.families if f.tracer})
 
     def unfelt(self, term) -> list:
         """Numbers of the slots whose gradient is dropped: tracers act on none."""

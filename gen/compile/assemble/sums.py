@@ -26,6 +26,8 @@ def sums(model, terms, body_of) -> tuple:
 
 def gradient_body(model, t, vectors="w", out="g") -> tuple:
     unfelt = model.unfelt(t)
+    if len(unfelt) == len(t.slots):
+        return ()
     outputs = [Name(f"spare{k}") if k in unfelt else model.vector(out, s, True) for k, s in enumerate(t.slots)]
     return (*(Zeros(f"spare{k}", 3) for k in unfelt), t.call("gradient", [model.vector(vectors, s) for s in t.slots], *outputs))
 

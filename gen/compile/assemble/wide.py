@@ -82,6 +82,8 @@ def wide_gradient(low: Lowering, t) -> Function:
 def wide_body(model, t) -> tuple:
     """The call for one term. What tracers do to others is dropped, as everywhere."""
     unfelt = model.unfelt(t)
+    if len(unfelt) == len(t.slots):
+        return ()
     given = [model.vector(Member("s", "wide_m"), s, size=6) for s in t.slots]
     taken = [Name(f"spare{k}") if k in unfelt else model.vector(Member("s", "wide_g"), s, True, 6) for k, s in enumerate(t.slots)]
     c, *others = t.common()

@@ -12,6 +12,7 @@ from ...errors import UsageError
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, walk
 from ...language.spec import Graph, Lattice, Spec
+from ...language.tracers import moves_tracers
 from .contributions import all_offer, contributions_of, require, require_of_method
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
@@ -76,7 +77,7 @@ def coupled_families(spec: Spec, contributions=None) -> tuple:
         passive = [s for s in c.slots if s[0] in tracers]
         if len(passive) > 1:
             raise UsageError(f"effect '{c.name}' joins two tracers; tracers act on none")
-        if passive or len(active) > 1:
+        if passive or len(active) > 1 and not moves_tracers(c.over, c.slots, tracers):
             coupled.update(f for f, _ in active)
     return tuple(f.name for f in spec.families if f.name in coupled)
 
@@ -94,7 +95,7 @@ def fixed_size(spec: Spec, families) -> bool:
 def joint_overs(spec: Spec, contributions):
     """Index families of the contributions that join several sites, tracers left out."""
     tracers = {f.name for f in spec.families if f.tracer}
-    return [c.over for c in contributions if len(c.slots) > 1 and not any(f in tracers for f, _ in c.slots)]
+    return [c.over for c in contributions if len(c.slots) > 1 and not moves_tracers(c.over, c.slots, tracers)]
 
 
 def reach(over) -> int:
