@@ -5,7 +5,8 @@ import smidgen
 from smidgen.errors import RunError
 from smidgen.methods import METHODS as METHODS_BY_NAME
 from smidgen.run.saved import H
-from test_set_state import LAYOUTS, SOME, bits, spec_of, start_of
+from support.systems import tiers
+from test_set_state import LATE, LAYOUTS, SOME, bits, spec_of, start_of
 
 NO_CONVERGENCE, NOT_FINITE = 1, 4
 SIZES = (1e3, -1e8, 1e30, 1e100, -1e155, 1e200, 1e300, 1.7e308, -1.7e308)
@@ -48,7 +49,7 @@ def stepped(model, most=1000):
     return 0
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.quick] if n in SOME else []) for n in LAYOUTS])
+@pytest.mark.parametrize("name", tiers(LAYOUTS, SOME, [n for n in LAYOUTS if n not in LATE]))
 def test_a_huge_step(name):
     """The first of a trajectory, and one after others, which begins with their history."""
     one, method, small = LAYOUTS[name]

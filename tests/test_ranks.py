@@ -31,7 +31,7 @@ MAIN = """
 #include <stdlib.h>
 #include "{M}.h"
 
-/* Five steps, a saved state restored, one step seven times, eight more; the state of every rank. */
+/* Five steps, a saved state restored, one step seven times, eight more, and six from a state that was set; the state of every rank. */
 int main(int argc, char **argv) {{
   int rank = 0, status = 0;
 #ifdef SMG_MPI
@@ -56,6 +56,9 @@ int main(int argc, char **argv) {{
   status += {M}_restore(&s, out);
   for (int k = 0; k < 7; ++k) status += {M}_step(&s);
   status += {M}_steps(&s, 8);
+  for (size_t k = 0; k < n; ++k) w[k] = -s.w[k];
+  status += {M}_set_state(&s, w);
+  status += {M}_steps(&s, 6);
   {M}_save(&s, out);
   char name[99];
   sprintf(name, "%s.%d", argv[1], rank);

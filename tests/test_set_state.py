@@ -12,7 +12,7 @@ from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, HEAD, HISTORY, PAST
 from smidgen.run.start import initial_state
 from support.exact import rotation
 from support.strict import WARNINGS
-from support.systems import begin
+from support.systems import begin, tiers
 from test_methods import MIX
 from test_row_blocks import SPECS as BLOCKS
 from test_pair_rows import SPECS as PAIRS
@@ -34,6 +34,7 @@ LAYOUTS = {
     "dop853": (MIX, "dop853", 0.3), "dop853 alone": ("free_rigid_body", "dop853-projected", 1.0), "extrapolation": (MIX, "extrapolation-12", 0.1),
     "one stage": (MIX, "isospectral-midpoint", 0.1), "explicit": (MIX, "cf4", 0.1),
 }
+LATE = ("rows", "three colours", "composed", "nambu", "sublattices composed", "divided", "explicit")
 SOME = ("single sphere", "few in lanes", "ring by rows", "pairs by rows", "gauss by rows", "dop853", "one stage")
 
 
@@ -69,7 +70,7 @@ def remembered(model) -> bytes:
     return bits(saved[:int(saved[PAST])])
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.quick] if n in SOME else []) for n in LAYOUTS])
+@pytest.mark.parametrize("name", tiers(LAYOUTS, SOME, [n for n in LAYOUTS if n not in LATE]))
 def test_a_written_state_is_a_beginning(name):
     """Bit for bit: neither history nor compensation of the steps before is left, at any place in the history."""
     one, method, h = LAYOUTS[name]
@@ -240,7 +241,7 @@ int main(void) {{
 IN_C = {"free_rigid_body": ("spherical-midpoint", "I1", "NAN"), "heisenberg_chain": ("spherical-midpoint", "n", "1"), "free_rigid_body projected": ("dop853-projected", "I1", "NAN"), "heisenberg_chain turned": ("sublattice-rotations", "n", "1"), "heisenberg_chain in stages": ("gauss-6", "n", "1")}
 
 
-@pytest.mark.parametrize("name", IN_C)
+@pytest.mark.parametrize("name", tiers(IN_C, (), ("free_rigid_body", "heisenberg_chain")))
 def test_edges_in_c(tmp_path, name):
     """What init refuses, set_state, restore and check refuse; numbers of steps below 1; under sanitizers."""
     spec, (method, parameter, value) = smidgen.load(name.split()[0]), IN_C[name]
@@ -251,3 +252,58 @@ def test_edges_in_c(tmp_path, name):
     subprocess.run(["gcc", *flags, *include_flags(), "-I.", "main.c", f"{spec.name}.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
     said = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True)
     assert said.returncode == 0, said.stdout + said.stderr
+
+
+MEMBERS = """
+#include "{M}.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {{ N = 11 }};
+
+static void kick(smg_real *w) {{
+  const smg_real x = w[0];
+  w[0] = w[1], w[1] = w[2], w[2] = x;
+}}
+
+/* Members in lanes, some of them kicked, one refused, which then takes no more steps until it is set again: the bits of states alone. */
+int main(void) {{
+  {M}_params p;
+  {M}_ensemble e;
+  {M}_state s;
+  smg_real w[3 * N], none[3] = {{0, 0, 0}}, v[3];
+  {M}_defaults(&p);
+  for (int k = 0; k < N; ++k) w[3 * k] = 0.6, w[3 * k + 1] = 0.8 * cos(k), w[3 * k + 2] = 0.8 * sin(k);
+  void *mem = malloc({M}_ensemble_memsize(&p, 0, N)), *own = malloc({M}_memsize(&p));
+  if ({M}_ensemble_init(&e, &p, 0, N, mem, w, 0, 0.3) || {M}_ensemble_steps(&e, 0, N, INT64_MIN) || {M}_ensemble_steps(&e, 0, N, 17)) return 1;
+  for (int k = 0; k < N; k += 2) {{
+    memcpy(v, e.member[k].w, sizeof v);
+    kick(v);
+    if ({M}_set_state(&e.member[k], v)) return 2;
+  }}
+  if ({M}_set_state(&e.member[1], none) != SMG_OFF_MANIFOLD || {M}_ensemble_steps(&e, 0, N, 21) != 1 || e.member[1].count != 17) return 3;
+  memcpy(v, e.member[1].w, sizeof v);
+  if ({M}_set_state(&e.member[1], v) || {M}_ensemble_steps(&e, 0, N, 5) != 0 || e.member[1].count != 22) return 4;
+  for (int k = 0; k < N; ++k) {{
+    if ({M}_init(&s, &p, own, w + 3 * k, 0, 0.3) || {M}_steps(&s, 17)) return 5;
+    memcpy(v, s.w, sizeof v);
+    if (k % 2 == 0) kick(v);
+    if ((k % 2 == 0 || k == 1) && {M}_set_state(&s, v)) return 6;
+    if ({M}_steps(&s, k == 1 ? 5 : 26) || s.count != e.member[k].count || memcmp(s.w, e.member[k].w, sizeof v)) return 10 + k;
+  }}
+  free(mem), free(own);
+  return 0;
+}}
+"""
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", "dop853", "extrapolation-12"])
+def test_members_of_an_ensemble(tmp_path, method):
+    for file, text in generate(smidgen.load("irreversible_rigid_body"), method=method, features=("ensemble",)).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "main.c").write_text(MEMBERS.format(M="irreversible_rigid_body"))
+    flags = ["-Wno-psabi", "-std=c11", "-O1", "-ffp-contract=off", "-fno-math-errno", "-fsanitize=undefined", "-fno-sanitize-recover=all", "-DSMG_LANES=4"]
+    subprocess.run(["gcc", *flags, *include_flags(), "-I.", "main.c", "irreversible_rigid_body.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    said = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True)
+    assert said.returncode == 0, (said.returncode, said.stderr)
