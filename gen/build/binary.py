@@ -35,6 +35,7 @@ FLAGS = ("-std=c11", "-O3", "-ffp-contract=off", "-fno-math-errno")    # the sam
 SHARED = ("-fPIC", "-shared")
 NATIVE = ("-march=native",)
 THREADS = ("-fopenmp",)
+UNFUSED = ("-fno-tree-slp-vectorize",)       # gcc 12: its vectoriser of straight-line code fuses products and sums whatever -ffp-contract says
 FAST = (*NATIVE, "-ffp-contract=fast")      # the last word on contraction counts
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
@@ -72,7 +73,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
     caller = mpi_compiler(compiler) if ranks else compiler
     linked = (caller, ran([*caller, "-show"]).stdout) if ranks else ()
     key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
-                 compiler_version(compiler), flags, wide, processor(), *linked)
+                 compiler_version(compiler), flags, UNFUSED, wide, processor(), *linked)
     wanted = (spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
                   lambda work: _build_into(work, generate or _generate, wanted, caller, flags, wide))
@@ -140,6 +141,15 @@ def lanes_of(compiler: tuple[str, ...], flags: tuple[str, ...]) -> int:
     return next((int(line.split()[2]) for line in said.splitlines() if line.startswith("#define SMG_NATIVE_LANES ")), 1)
 
 
+@functools.lru_cache(maxsize=None)
+def unfused(compiler: tuple[str, ...], flags: tuple[str, ...]) -> tuple[str, ...]:
+    """What keeps gcc from fusing products and sums, where the processor that these flags name can, and they do not ask for it."""
+    if FAST[-1] in flags:
+        return ()
+    macros = ran([*compiler, *flags, "-dM", "-E", "-x", "c", os.devnull]).stdout
+    return UNFUSED if "__FP_FAST_FMA " in macros and "__GNUC__" in macros and "__clang__" not in macros else ()
+
+
 def threads_of(compiler: tuple[str, ...]) -> tuple[str, ...]:
     """The flags for OpenMP. Raises MissingTool."""
     if not takes(compiler, THREADS):
@@ -190,6 +200,7 @@ def _build_into(work, generate, wanted, compiler, flags, wide):
     files, notes = split_notes(generate(*wanted))
     if wide and notes.get("lanes") and takes(compiler, NATIVE):
         flags = (*flags, *NATIVE)
+    flags = (*flags, *unfused(compiler, flags))
     write_files(files, work)
     compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags)
     (work / "built.json").write_text(json.dumps({"notes": notes, "flags": flags}))

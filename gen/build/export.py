@@ -13,7 +13,7 @@ from ..compile.emit.includes import included, macros_of
 from ..errors import BuildError, OutputError
 from ..language.spec import Spec
 from ..resources import runtime_header
-from .binary import FLAGS, find_compiler, ran, split_notes, write_files
+from .binary import FLAGS, find_compiler, ran, split_notes, unfused, write_files
 
 
 def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), certificate=None):
@@ -71,7 +71,7 @@ def pkgconfig(spec: Spec) -> str:
 
 
 def _archive(work: Path, name: str, target: Path):
-    _tool([*find_compiler(), *FLAGS, "-fPIC", "-I", ".", "-c", f"{name}.c", "-o", f"{name}.o"], work)
+    _tool([*find_compiler(), *FLAGS, *unfused(find_compiler(), FLAGS), "-fPIC", "-I", ".", "-c", f"{name}.c", "-o", f"{name}.o"], work)
     target.unlink(missing_ok=True)
     _tool(["ar", "rcsD", str(target.resolve()), f"{name}.o"], work)
 
