@@ -21,6 +21,7 @@ from smidgen.compile.derive.parts import Whole
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.compile.features import FEATURES
+from smidgen.language.c_names import in_c
 from smidgen.run.integrator import Integrator, scene_of
 
 TANGENT = ("tangent",)
@@ -509,7 +510,7 @@ def sanitized(case, where, solver, stretch, values):
     sources = [s for s in written(case, where, solver=solver) if not s.endswith("_abi.c")]
     (where / "driver.c").write_text(DRIVER.format(
         name=case.spec.name, start=", ".join(repr(float(x)) for x in case.w.ravel()), h=repr(case.h), stretch=stretch,
-        assign="\n  ".join(f"p.{n} = {v};" for n, v in values.items())))
+        assign="\n  ".join(f"p.{in_c(n)} = {v};" for n, v in values.items())))
     status, said = run_sanitized(where, [*sources, "driver.c"])
     assert status == 0, said
     return said.strip()

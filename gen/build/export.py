@@ -10,10 +10,13 @@ from pathlib import Path
 
 from .. import __version__
 from ..compile.emit.includes import included, macros_of
-from ..errors import BuildError, OutputError
+from ..errors import BuildError, OutputError, UsageError
 from ..language.spec import Spec
 from ..resources import runtime_header
 from .binary import FLAGS, find_compiler, ran, split_notes, unfused, write_files
+
+# lib<model>.a would be found in the place of these: of C, its compilers and their run times.
+LIBRARIES = frozenset("c m dl rt pthread util mvec crypt resolv gcc gcc_s atomic gomp omp quadmath mpi".split())
 
 
 def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), certificate=None):
@@ -49,8 +52,10 @@ def runtime_headers(files: dict) -> dict:
 
 
 def export_library(spec: Spec, where, method: str, solver: str, features=()):
-    """Build lib<model>.a with headers and a .pc file below `where`; returns (files, notes)."""
+    """Build lib<model>.a with headers and a .pc file below `where`; returns (files, notes). Raises UsageError for the name of a system library."""
     where, name = Path(where), spec.name
+    if name.lower() in LIBRARIES:
+        raise UsageError(f"a library of the model `{name}` would be lib{name}.a, which hides a system library of this name: rename the model")
     include, lib = where / "include", where / "lib"
     with tempfile.TemporaryDirectory(prefix="smidgen-") as work:
         files, notes = export_sources(spec, work, method, solver, features=features)

@@ -37,6 +37,21 @@ C_WORDS = frozenset("""
     """.split()) - {"gamma", "j0", "j1", "jn", "y0", "y1", "yn"}
 PYTHON_WORDS = frozenset("None True False def lambda import from pass del is in as with "
                          "yield raise global nonlocal except finally await async elif".split())
+# A model NAME is NAME.h: a header of this name would hide that of a C library, of POSIX or of a compiler, or be hidden by it.
+HEADERS = frozenset("""
+    smidgen
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbit stdbool
+    stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype
+    aio cpio dirent dlfcn fcntl fmtmsg fnmatch ftw glob grp iconv langinfo libgen libintl monetary mqueue ndbm netdb nl_types poll pthread
+    pwd regex sched search semaphore spawn strings stropts syslog tar termios trace ulimit unistd utime utmpx wordexp
+    alloca byteswap elf endian envz argz err error execinfo features fpu_control getopt ieee754 link malloc mcheck memory mntent obstack paths
+    printf resolv stdc_predef sysexits tgkill uio unwind values varargs
+    cpuid emmintrin immintrin mm_malloc mmintrin pmmintrin smmintrin tmmintrin wmmintrin x86intrin xmmintrin arm_neon altivec
+    mpi omp ompt quadmath windows winsock availability targetconditionals
+    """.split())
+# Its functions are NAME_init, ..: these are functions of a C library already.
+SYMBOLS = frozenset("aio cnd mtx sem fanotify inotify res regex".split())
+SYMBOL_PREFIXES = ("pthread_", "posix_spawn", "inet6_", "omp_", "mpi_")
 DECLARED = ("parameter", "formula", "family of vectors")
 NEVER_SPOKEN = ("model", "effect", "observable")                # in no formula
 OUTSIDE = ("run", "start", "lattice", "graph", "bond list")     # never a word of the C
@@ -69,6 +84,8 @@ def identifier(problems: Problems, span: Span, name: str, what: str) -> str:
                       "generated code")
     if what not in OUTSIDE:
         reserved(problems, span, name, what)
+    if what == "model":
+        of_files(problems, span, name)
     if name == "i" and what in DECLARED:
         problems.fail(codes.RESERVED, span, f"`i` cannot name {article(what)}: it counts the "
                       "sites in strengths, radii and starts", "choose another name")
@@ -83,3 +100,15 @@ def reserved(problems: Problems, span: Span, name: str, what: str) -> None:
         if name in words:
             problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}: "
                           f"it is a word of {owner}", f"choose another name, say `{name}0`")
+
+
+def of_files(problems: Problems, span: Span, name: str) -> None:
+    """Refuse a model whose files or functions would be those of something else, also where file names know no upper case."""
+    small = name.lower()
+    if small in HEADERS:
+        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a model: its file {name}.h would stand in the place of the header "
+                      f"{small}.h", f"choose another name, say `{name}_model`")
+    if small == "smg" or small in SYMBOLS or small.startswith(SYMBOL_PREFIXES):
+        owner = "smidgen's own" if small == "smg" else "those of a system library"
+        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a model: its functions {name}_init, .. could be {owner}",
+                      f"choose another name, say `model_{name}`")

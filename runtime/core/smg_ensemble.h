@@ -2,12 +2,12 @@
  *
  * Its memory holds the states, then the arrays of each. A member whose step fails stays where it is, as m_step() leaves it, and takes
  * no more; its report says why. Members of a single sphere step SMG_LANES at a time where the method has smg_lane_steps(), all others
- * one by one.
+ * one by one, by smg_steps() of the method, which comes before.
  * Two threads may step different members at once. */
 #ifndef SMG_ENSEMBLE_H
 #define SMG_ENSEMBLE_H
 
-#include "smg_steps.h"
+#include "smg_model.h"
 
 #if SMG_LANE_SPHERE && SMG_LANES > 1
 #define SMG_MEMBERS_AT_ONCE SMG_LANES

@@ -25,7 +25,7 @@ static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
 
 /* Steps that stay with Newton: models that try something else first count them. By rows, as a number below 0: the passes of a step that are not watched. */
 #if SMG_BY_ROWS && !SMG_ROW_TURNS
-enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
+#define SMG_SAVED_MOST_STEPS SMG_NEWTON_STEPS
 static inline int smg_newton_steps(const smg_state *s) { return s->rows ? -(int)s->row_from : s->newton_steps; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) {
   if (s->rows) s->row_from = steps < 0 ? -steps : 0;
@@ -33,11 +33,11 @@ static inline void smg_set_newton_steps(smg_state *s, int steps) {
 }
 #define SMG_SAVED_LEAST_STEPS -SMG_SAVED_MOST_STEPS
 #elif SMG_SWEPT || SMG_FEW_IN_LANES
-enum { SMG_SAVED_MOST_STEPS = SMG_NEWTON_STEPS };
+#define SMG_SAVED_MOST_STEPS SMG_NEWTON_STEPS
 static inline int smg_newton_steps(const smg_state *s) { return s->newton_steps; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) { s->newton_steps = steps; }
 #else
-enum { SMG_SAVED_MOST_STEPS = 0 };
+#define SMG_SAVED_MOST_STEPS 0
 static inline int smg_newton_steps(const smg_state *s) { return (void)s, 0; }
 static inline void smg_set_newton_steps(smg_state *s, int steps) { (void)s, (void)steps; }
 #endif

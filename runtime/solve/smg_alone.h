@@ -5,6 +5,9 @@
 
 #include "smg_follow.h"
 #include "smg_midpoint.h"
+#if SMG_ALONE_NEWTON
+#include "smg_noise.h"
+#endif
 #if !SMG_SINGLE_SPHERE
 #include "smg_predictor.h"
 #endif
@@ -87,13 +90,21 @@ SMG_INLINE void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_s
   }
 }
 
+/* Is the residual e->r of this size? u = h X(m), of which the noise is measured where the terms alone do not explain it; twice that, for
+ * a formula rounds each product a few times. */
+static int smg_site_is_round_off(const smg_state *s, smg_real h, int64_t k, const smg_site_equation *e, const smg_real *u, smg_real bound) {
+  const smg_real size = smg_largest(s->w + 3 * k), products = smg_product_scale(&s->c, k, h, e->m, e->g), r = smg_largest(e->r);
+  if (r <= smg_round_off(size, products, bound, 0, s->scale)) return 1;
+  return r <= smg_round_off(size, products, bound, 2 * smg_site_noise(s, h, k, e->m, u), s->scale);
+}
+
 /* Is the increment u right to its round-off? */
 static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_real bound) {
   smg_site_equation e;
   smg_real x[3];
   smg_site_field(s, h, k, mbar, &e, x);
-  for (int b = 0; b < 3; ++b) x[b] -= u[b];
-  return smg_largest(x) <= smg_round_off(smg_largest(s->w + 3 * k), smg_product_scale(&s->c, k, h, e.m, e.g), bound, 0, s->scale);
+  for (int b = 0; b < 3; ++b) e.r[b] = x[b] - u[b];
+  return smg_site_is_round_off(s, h, k, &e, x, bound);
 }
 
 /* r = w + u/2 - mbar, and how large it is. */
@@ -118,13 +129,17 @@ SMG_INLINE smg_real smg_site_size(const smg_state *s, int64_t k) {
 }
 
 /* The end of a contractive step: evaluations at the midpoint of w + compensation, until a twentieth of the round-off of the
- * iteration is left, which would drift. */
+ * iteration is left, which would drift. They move u by round-off alone, but where its field jumps. */
 static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
   smg_site_equation e;
-  smg_real left = 1;
+  smg_real left = 1, next[3];
   for (int n = 0; smg_refines(n, left); ++n) {
     smg_middle(3, s->w + 3 * k, s->compensation + 3 * k, u, mbar);
-    if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE;
+    if (!smg_site_evaluate(s, h, k, mbar, &e, next)) return SMG_NO_CONVERGENCE;
+    for (int b = 0; b < 3; ++b) {
+      if (smg_abs(next[b] - u[b]) > SMG_NEARLY * s->scale) return SMG_NO_CONVERGENCE;
+      u[b] = next[b];
+    }
     left *= smg_contracts(bound) ? bound : 0; /* more of them would enlarge it */
   }
   smg_tangential(&s->c, k, s->w + 3 * k, s->compensation + 3 * k, u); /* else the Casimirs of Nambu leaves drift */
@@ -169,7 +184,8 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     const smg_real size = smg_site_size(s, k);
     if (smg_kind(c, k) == SMG_NAMBU && !smg_shown(size, s->scale)) return SMG_NO_CONVERGENCE; /* near the cone C = 0 no digit of P is left */
-    const int done = smg_stagnates(&now, &last, size, it, bound) || smg_tolerated(s, now.absolute);
+    const int done = smg_stagnates(&now, &last, size, it, bound) || smg_tolerated(s, now.absolute) ||
+                     (smg_stalls(&now, &last, s->scale, it) && smg_site_is_round_off(s, e.rate, k, &e, u, bound));
     int noncontractive = smg_strong_field(&now, size) || !smg_plain_end_serves(bound);
     if (done && it > 0 && !noncontractive) return s->tolerance > 0 ? SMG_OK : smg_site_refine(s, h, k, mbar, u, bound);
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;

@@ -7,6 +7,7 @@
 #define SMG_NEWTON_H
 
 #include "smg_coupled.h"
+#include "smg_noise.h"
 
 /* J_ij += G_i B S_j^T for the Hessian block B of one term, y = B S_j^T. */
 #if !SMG_MATRIX_FREE
@@ -72,22 +73,6 @@ static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_
   return smg_coercive(s);
 }
 
-/* How far a plain evaluation x of the increments u moves when u does by one to three ulps, in six ways: what rounding does to
- * the formula of the field. At the end s->u is u again, and s->r the residual (x - u)/2. */
-static void smg_noise(smg_state *s, smg_real h, const smg_real *u, const smg_real *x, smg_real *noise) {
-  const int64_t n = 3 * smg_sites(&s->c);
-  for (int64_t k = 0; k < n; ++k) noise[k] = 0;
-  for (int side = 0; side < 6; ++side) {
-    for (int64_t k = 0; k < n; ++k) s->u[k] = u[k] + (((k >> side / 2) + side) % 2 ? 1 : -1) * (1 + side / 2) * SMG_EPS * smg_largest(s->w + k - k % 3);
-    (void)smg_refine(s, h);
-    for (int64_t k = 0; k < n; ++k) noise[k] = smg_max(noise[k], smg_abs(s->u[k] - x[k]));
-  }
-  for (int64_t k = 0; k < n; ++k) {
-    s->u[k] = u[k];
-    s->r[k] = 0.5 * (x[k] - u[k]);
-  }
-}
-
 /* Is the increment u, whose plain evaluation left the residuals r, right to the round-off of each site? noise: that of the field,
  * or NULL where it is not known. Increments of others are no better known than their fields, and move the residual of a site by that
  * times its row of J - I: where three vortices collapse, 1 step in 7 next to the fold was refused for it. Rows that sum to more than 1 count
@@ -95,14 +80,28 @@ static void smg_noise(smg_state *s, smg_real h, const smg_real *u, const smg_rea
 static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *noise) {
   const smg_coefficients *c = &s->c;
   smg_real most = 0;
-  for (int64_t k = 0; noise && k < 3 * smg_sites(c); ++k) most = smg_max(most, noise[k]);
+  for (int64_t k = 0; noise && k < smg_sites(c); ++k) most = smg_max(most, noise[k]);
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     const smg_real products = smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k), bound = smg_site_row_sum(s, smg_block_row(row));
-    const smg_real own = noise ? 2 * (smg_largest(noise + 3 * k) + smg_min(bound, 1) * most) : 0;
+    const smg_real own = noise ? 2 * (noise[k] + smg_min(bound, 1) * most) : 0;
     if (!(smg_largest(s->r + 3 * k) <= smg_round_off(smg_largest(s->w + 3 * k), products, bound, own, s->scale))) return 0;
   }
   return 1;
+}
+
+/* The same where the terms of the field cancel: two vortices 1/1000 apart lose a million ulps in it, whatever is done. u: the increments
+ * whose evaluation left the residuals s->r; d and what follows it: room for 12 numbers a site. */
+static int smg_within_noise(smg_state *s, smg_real h, const smg_real *u, smg_real *d) {
+  const int64_t n = 3 * smg_sites(&s->c);
+  smg_real *noise = d + n, *even = d + 2 * n, *up = d + 3 * n;
+  for (int64_t k = 0; k < n; ++k) d[k] = u[k] + 2 * s->r[k]; /* h X */
+  smg_noise_of_all(s, h, d, up, even, noise);
+  for (int64_t k = 0; k < n; ++k) {
+    s->u[k] = u[k];
+    s->r[k] = 0.5 * (d[k] - u[k]);
+  }
+  return smg_within_round_off(s, h, noise);
 }
 
 /* Every increment without its part along grad C, where that is round-off. Without Nambu sites only where the products are beyond
@@ -135,7 +134,7 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
  * moves by twice what mbar does. */
 static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real rounding_scale) {
   const int64_t n = 3 * smg_sites(&s->c);
-  smg_real *before = s->curve, *d = s->curve + n, *noise = s->curve + 2 * n;
+  smg_real *before = s->curve, *d = s->curve + n;
   for (int round = 0;; ++round) {
     smg_increment_residual(s, h, before);
     smg_assemble(s, h);
@@ -150,16 +149,16 @@ static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real roundi
     }
     smg_tangential_all(s, rounding_scale);
   }
-  for (int64_t k = 0; k < n; ++k) d[k] = before[k] + 2 * s->r[k];
-  smg_noise(s, h, before, d, noise); /* two vortices 1/1000 apart lose a million ulps in their field, whatever is done */
-  return smg_within_round_off(s, h, noise) ? SMG_OK : SMG_NO_CONVERGENCE;
+  return smg_within_noise(s, h, before, d) ? SMG_OK : SMG_NO_CONVERGENCE;
 }
 
-/* The end of a contractive step: plain evaluations until a twentieth of the round-off of the iteration is left. */
+/* The end of a contractive step: plain evaluations until a twentieth of the round-off of the iteration is left. They move midpoints by
+ * round-off alone, but where the field jumps. */
 static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg_real rounding_scale) {
   smg_real left = 1;
   for (int n = 0; smg_refines(n, left); ++n) {
-    if (!(smg_refine(s, h).absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+    const smg_real moved = smg_refine(s, h).absolute;
+    if (!(moved <= SMG_NEARLY * s->scale)) return moved <= SMG_MAX ? SMG_NO_CONVERGENCE : SMG_NOT_FINITE;
     left *= bound;
   }
   smg_tangential_all(s, rounding_scale);

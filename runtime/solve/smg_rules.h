@@ -26,6 +26,11 @@ static inline int smg_stagnates(const smg_change *now, const smg_change *last, s
   return smg_settled(now, last, size * (1 + (it < SMG_LATE ? 0 : bound)));
 }
 
+/* Has the iteration come down to where it shrinks no more, though not to the round-off of its terms? Then that of the field may be larger. */
+static inline int smg_stalls(const smg_change *now, const smg_change *last, smg_real scale, int it) {
+  return it > 2 * SMG_LATE && now->absolute <= SMG_NEARLY * scale && now->relative >= SMG_SLOWED * last->relative;
+}
+
 /* Is a change, or a residual, within the tolerance that was asked for? */
 SMG_INLINE int smg_tolerated(const smg_state *s, smg_real change) { return change <= s->tolerance * s->scale; }
 
@@ -35,8 +40,7 @@ static inline int smg_shown(smg_real size, smg_real scale) { return SMG_STILL * 
 /* Is another plain evaluation due after n of them, which left the part `left` of the round-off of the iteration? */
 static inline int smg_refines(int n, smg_real left) { return n < SMG_REFINEMENTS && left > SMG_LEFT; }
 
-/* The residual that round-off may leave a site of this size in a non-contractive step: that of its own terms, and the noise of its
- * field where that is known. */
+/* The residual that round-off may leave a site of this size: that of its own terms, and the noise of its field where that is known. */
 static inline smg_real smg_round_off(smg_real size, smg_real rounding_scale, smg_real bound, smg_real noise, smg_real scale) {
   return smg_min(SMG_ULPS * SMG_EPS * ((1 + bound) * size + rounding_scale) + noise, SMG_BLIND * scale);
 }

@@ -45,6 +45,10 @@
 /* Part of the state that round-off of any kind must stay below: beyond, anything looks like it. Either way the same. */
 #define SMG_BLIND (smg_real)1e-3
 
+/* Ulps of a change that shows what rounding does to a formula: so many that the rounding of the changed formula is a small part
+ * of what they do, so few that a formula with three digits left is still linear. Either way the same. */
+#define SMG_PROBE 1024
+
 /* Iterations after which only round-off can keep the residual up: Newton from an error of the size of the state has 1, 2, 4, 8, 16
  * digits. Half of it: 1 % more iterations; twice: the same. */
 #define SMG_LATE 4

@@ -9,7 +9,7 @@ STEP = "*.[jh]*"      # the headers of runtime/ and the templates
 C = STEP
 MIDPOINT, SPHERE = "runtime/method/smg_midpoint.h", "runtime/method/smg_single_sphere.h"
 NEWTON, ALONE = "runtime/solve/smg_newton.h", "runtime/solve/smg_alone.h"
-BAND = "runtime/solve/smg_band.h"
+BAND, NOISE = "runtime/solve/smg_band.h", "runtime/solve/smg_noise.h"
 
 # The field belongs to t0 + (count + 1/2) h; what depends on time is computed anew every step.
 TIME = (
@@ -106,6 +106,9 @@ TOLERANCE = (
     (C, r"(?<=SMG_SECOND \(smg_real\))0\.01\b", r"1e9"),
     (STEP, r"(?<=define SMG_CONTRACTS )\(smg_real\)0\.75", r"(smg_real)50"),
     (C, r"\bit > 6\b", r"it > 0"),
+    (NOISE, r"even <= 0\.5 \* odd \? odd / SMG_PROBE : 0", r"odd > 0 ? (smg_real)1e-9 : 0"),
+    (NOISE, r"even <= 0\.5 \* odd \? odd / SMG_PROBE : 0", r"even < 0 ? odd : 0"),
+    (ALONE, r"> SMG_NEARLY \* s->scale\) return SMG_NO_CONVERGENCE", r"> SMG_MAX) return SMG_NO_CONVERGENCE"),
 )
 
 # A lattice, a ring or a remainder that closes at the wrong place.

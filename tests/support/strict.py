@@ -4,6 +4,7 @@ import shutil
 import subprocess
 
 import pytest
+from smidgen.language.c_names import in_c
 from smidgen.resources import include_flags
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Wdouble-promotion",
@@ -85,8 +86,8 @@ def driver(model, h, w, scalars, arrays, count=50):
         families=len(model.scene.families),
         arrays="\n  ".join(f"static const double {n}[] = {{{', '.join(repr(float(x)) for x in values)}}};"
                            for n, values in arrays.items()),
-        assign="\n  ".join([f"p.{n} = {value!r};" for n, value in scalars.items()]
-                           + [f"p.{n} = {n};" for n in arrays]),
+        assign="\n  ".join([f"p.{in_c(n)} = {value!r};" for n, value in scalars.items()]
+                           + [f"p.{in_c(n)} = {n};" for n in arrays]),
         observe="\n  ".join(f"extra += {model.name}_observe_{n}(&p, 0.5, s.w);" for n in names))
 
 

@@ -28,12 +28,6 @@ static void angle(jets *j, int64_t r, const instruction *i) {
   jet_binary(j, r, i->a, i->b, atan2l(y, x), (real[5]){x / s, -y / s, fyy, fyx, -fyy});
 }
 
-/* a - b floor(a/b), floor locally constant */
-static void modulo(jets *j, int64_t r, const instruction *i) {
-  const real a = value(j, i->a), b = value(j, i->b), n = floorl(a / b);
-  jet_binary(j, r, i->a, i->b, a - b * n, (real[5]){1, -n, 0, 0, 0});
-}
-
 static void binary(jets *j, int64_t r, const instruction *i) {
   const real a = value(j, i->a), b = value(j, i->b);
   switch (i->op) {
@@ -42,10 +36,7 @@ static void binary(jets *j, int64_t r, const instruction *i) {
     case OP_MULTIPLY: jet_binary(j, r, i->a, i->b, a * b, (real[5]){b, a, 0, 1, 0}); break;
     case OP_DIVIDE: divide(j, r, i); break;
     case OP_POWER: power(j, r, i); break;
-    case OP_ATAN2: angle(j, r, i); break;
-    case OP_MODULO: modulo(j, r, i); break;
-    case OP_MIN: jet_copy(j, r, b < a ? i->b : i->a); break;
-    default: jet_copy(j, r, b > a ? i->b : i->a); break; /* OP_MAX */
+    default: angle(j, r, i); break; /* OP_ATAN2 */
   }
 }
 
@@ -92,8 +83,8 @@ static void unary(jets *j, int64_t r, const instruction *i) {
     case OP_SINH: jet_unary(j, r, a, sinhl(x), coshl(x), sinhl(x)); break;
     case OP_COSH: jet_unary(j, r, a, coshl(x), sinhl(x), coshl(x)); break;
     case OP_TANH: hyperbolic_tangent(j, r, a, x); break;
-    case OP_ABS: jet_unary(j, r, a, fabsl(x), x < 0 ? -1 : 1, 0); break;
-    default: jet_constant(j, r, floorl(x)); break; /* OP_FLOOR */
+    case OP_FLOOR: jet_constant(j, r, floorl(x)); break;
+    default: jet_constant(j, r, (double)x); break; /* OP_DOUBLE */
   }
 }
 
@@ -136,7 +127,7 @@ static int execute(const instruction *i, int64_t r, const reads *in, jets *j) {
     case OP_ELEMENT: return element(j, r, i, in->table);
     case OP_IF: jet_copy(j, r, value(j, i->a) != 0 ? i->b : i->c); break;
     case OP_ADD: case OP_SUBTRACT: case OP_MULTIPLY: case OP_DIVIDE: case OP_POWER:
-    case OP_ATAN2: case OP_MODULO: case OP_MIN: case OP_MAX: binary(j, r, i); break;
+    case OP_ATAN2: binary(j, r, i); break;
     case OP_LESS: case OP_LESS_EQUAL: case OP_GREATER: case OP_GREATER_EQUAL: case OP_EQUAL:
     case OP_NOT_EQUAL: case OP_AND: case OP_OR: case OP_NOT: truth(j, r, i); break;
     default: unary(j, r, i); break;

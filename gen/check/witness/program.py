@@ -19,9 +19,11 @@ OPERATIONS = (
     "constant", "time", "column", "spin", "element",
     "+", "-", "neg", "*", "/", "^",
     "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
-    "sinh", "cosh", "tanh", "abs", "floor", "atan2", "mod", "min", "max", "if",
-    "<", "<=", ">", ">=", "==", "!=", "and", "or", "not")
+    "sinh", "cosh", "tanh", "floor", "atan2", "if",
+    "<", "<=", ">", ">=", "==", "!=", "and", "or", "not", "double")
 CODE = {name: number for number, name in enumerate(OPERATIONS)}
+
+SIDES = {"floor", "<", "<=", ">", ">=", "==", "!="}     # jump: what they look at is rounded to double, operation by operation
 
 INSTRUCTION = np.dtype([("op", np.int32), ("a", np.int32), ("b", np.int32), ("c", np.int32),
                         ("number", np.float64)], align=True)
@@ -91,6 +93,7 @@ class Code:
     table: list = field(default_factory=list)
     seen: dict = field(default_factory=dict)
     placed: dict = field(default_factory=dict)
+    rounding: bool = False
 
     def result(self, e):
         """The value of a term: always the last register."""
@@ -101,7 +104,18 @@ class Code:
     def value(self, e):
         return _NODES[type(e)](self, e)
 
+    def rounded(self, e):
+        """e in double precision, which decides on which side of a jump it is."""
+        before, self.rounding = self.rounding, True
+        found = self.value(e)
+        self.rounding = before
+        return found
+
     def emit(self, name, a=0, b=0, c=0, number=0.0):
+        written = self.written(name, a, b, c, number)
+        return self.written("double", written, 0, 0, 0.0) if self.rounding and name not in EXACT else written
+
+    def written(self, name, a, b, c, number):
         key = (name, a, b, c, float(number).hex())
         if key not in self.seen:
             self.seen[key] = len(self.instructions)
@@ -128,7 +142,9 @@ class Code:
         return tuple(self.emit("spin", self.slots.index(slot), c) for c in range(3))
 
     def operation(self, e):
-        arguments = [self.value(a) for a in e.args]
+        if e.op in _BY_SIDES:
+            return _BY_SIDES[e.op](self, *e.args)
+        arguments = [self.rounded(a) if e.op in SIDES else self.value(a) for a in e.args]
         if e.op in _EXPANDED:
             return _EXPANDED[e.op](self, *arguments)
         return self.componentwise(e.op, *arguments)
@@ -139,6 +155,20 @@ class Code:
             return self.emit(op, *arguments)
         return tuple(self.emit(op, *(a[c] if isinstance(a, tuple) else a for a in arguments))
                      for c in range(3))
+
+    def modulo(self, a, b):
+        """a - b floor(a/b)"""
+        quotient = self.rounded(Op("/", (a, b)))
+        return self.emit("-", self.value(a), self.emit("*", self.value(b), self.emit("floor", quotient)))
+
+    def extreme(self, a, b, side):
+        """The one of a and b that `side` of them finds."""
+        return self.emit("if", self.emit(side, self.rounded(a), self.rounded(b)), self.value(a), self.value(b))
+
+    def absolute(self, a):
+        """sign(a) a"""
+        side, zero = self.rounded(a), self.number(0.0)
+        return self.emit("*", self.emit("-", self.emit(">", side, zero), self.emit("<", side, zero)), self.value(a))
 
     def dot(self, a, b):
         xx, yy, zz = (self.emit("*", a[c], b[c]) for c in range(3))
@@ -158,6 +188,11 @@ _NODES = {
     Time: lambda code, e: code.emit("time"),
     Elem: Code.element, Spin: Code.spin, Op: Code.operation,
 }
+
+EXACT = {"constant", "column", "element", "neg", "if", *SIDES, "and", "or", "not"}      # of doubles
+
+_BY_SIDES = {"mod": Code.modulo, "abs": Code.absolute, "min": lambda code, a, b: code.extreme(a, b, "<="),
+             "max": lambda code, a, b: code.extreme(a, b, ">=")}
 
 _EXPANDED = {
     "vec": lambda code, x, y, z: (x, y, z),

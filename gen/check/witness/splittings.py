@@ -4,7 +4,10 @@ those of all of H, of which each part takes what is its own.
 from __future__ import annotations
 
 import ctypes
-from dataclasses import replace
+import functools
+import itertools
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +15,7 @@ from ...errors import RunError
 from ...language.evaluate import integer
 from ...language.expr import slots_of
 from ...language.instances import instances_of
+from ...language.spec import Lattice
 from . import native
 
 
@@ -32,6 +36,18 @@ def axes(witness, w, t: float, h: float):
     return w if np.all(np.isfinite(w)) else None
 
 
+@dataclass(frozen=True)
+class Rule:
+    """The colour of a site: (weights . cell + shift of its place) modulo their number."""
+    number: int
+    weights: tuple
+    shift: tuple
+
+    def of(self, place, cell):
+        """place: numbers; cell: an array, one row a direction."""
+        return (np.tensordot(self.weights, cell, 1) + np.array(self.shift)[place]) % self.number
+
+
 def colours(witness) -> np.ndarray:
     """The colour of every site, by the definition of the method: on a lattice whose rings fit that of its place; 0 where no term joins
     sites; else every site is its own."""
@@ -41,25 +57,56 @@ def colours(witness) -> np.ndarray:
     return np.arange(witness.sites) if found is None else found
 
 
+@functools.lru_cache(maxsize=4)
 def lattice_colours(witness):
-    """((weights . cell + shift) modulo their number, of every site of a lattice whose rings fit; the rule); else None for both."""
-    from ...compile.plan.splitting import sublattices as sublattices_of     # sympy is imported for these methods alone
-    found = sublattices_of(witness.spec)
-    if found is None:
+    """(the colours of all sites of a lattice whose rings fit, the rule); else None for both."""
+    terms = [e for e in witness.spec.effects if e.name in witness.effects]
+    overs = [e.over for e in terms if isinstance(e.over, Lattice)]
+    off = [e for e in terms if not isinstance(e.over, Lattice) and witness.effects[e.name].site.shape[1] > 1]
+    if off or not overs or len(witness.families) > 1 or any((o.size, o.sites) != (overs[0].size, overs[0].sites) for o in overs):
         return None, None
-    over, rule = found.over, found.colours
-    size = [integer(e, witness.values, "the size of a lattice") for e in over.size]
-    if any(ring and w * n % rule.colours for ring, w, n in zip(over.periodic, rule.weights, size)):
+    rule = first_rule(overs)
+    if rule is None:
         return None, None
-    sub, cell = np.arange(witness.sites) % over.sites, np.arange(witness.sites) // over.sites
-    colour = np.array(rule.shift)[sub]
-    for n, weight in zip(size, rule.weights):
-        colour, cell = colour + weight * (cell % n), cell // n
-    return colour % rule.colours, rule
+    size = [integer(e, witness.values, "the size of a lattice") for e in overs[0].size]
+    cell = np.indices(size[::-1]).reshape(len(size), -1)[::-1].repeat(overs[0].sites, axis=1)
+    colour = rule.of(np.arange(witness.sites) % overs[0].sites, cell)
+    return (colour, rule) if all(continues(witness, over, rule, colour) for over in overs) else (None, None)
+
+
+def first_rule(overs) -> Rule | None:
+    """Of two to five colours the first rule by which the ends of all bonds differ: fewest colours, largest weights, least shifts. The fastest
+    direction takes all colours in turn, or none counts."""
+    directions, places = len(overs[0].size), overs[0].sites
+    for number in range(2, 6):
+        for weights in itertools.product(reversed(range(number)), repeat=directions):
+            if math.gcd(weights[0], number) > 1 and any(weights):
+                continue
+            for shift in itertools.product(range(number), repeat=places - 1):
+                rule = Rule(number, weights, (0, *shift))
+                if all(apart_by(rule, dict.fromkeys(bond)) for over in overs for bond in over.bonds):
+                    return rule
+    return None
+
+
+def apart_by(rule: Rule, members) -> bool:
+    found = [int(rule.of(place, np.array(cell))) for place, cell in members]
+    return len(set(found)) == len(found)
+
+
+def continues(witness, over, rule: Rule, colour) -> bool:
+    """Do the ends of every bond differ by the same colours, also where it goes on at the other end of a ring?"""
+    for bond in over.bonds:
+        ends = instances_of(replace(over, bonds=(bond,)), witness.values, {})[0]
+        should = [int(rule.of(place, np.array(cell))) for place, cell in bond]
+        for index, own in zip(over.indices, should):
+            if np.any((colour[ends[index]] - colour[ends[over.indices[0]]] - own + should[0]) % rule.number):
+                return False
+    return True
 
 
 def proper(witness, colour) -> np.ndarray:
-    """The colours; RunError where a term joins two sites of one colour, for the plan gave the rule and the witness does not trust it."""
+    """The colours; RunError where a term joins two sites of one colour."""
     for name, one in witness.effects.items():
         of_terms = np.sort(colour[one.site], axis=1)
         if np.any(of_terms[:, 1:] == of_terms[:, :-1]):
@@ -107,7 +154,7 @@ def classes(witness, found):
             return None
         for k, bond in enumerate(over.bonds):
             ends = instances_of(replace(over, bonds=(bond,)), witness.values, {})[0][over.indices[first]]
-            for which in range(rule.colours) if any(rule.weights) else (rule.shift[bond[first][0]],):
+            for which in range(rule.number) if any(rule.weights) else (rule.shift[bond[first][0]],):
                 members[e, k, which] = []
             for end in ends:
                 members[e, k, colour[end]].append(next(left))

@@ -16,6 +16,7 @@ from ..lower.code import Argument, Call, Component, For, Function, Let, Local, M
 from ..lower.integers import ZERO, Computed, Index, total
 from ..lower.kernels import COEFFICIENTS, additions
 from ..lower.lowering import index_names
+from ...language.c_names import in_c
 from ..plan.splitting import of_the_product
 from .norms import spectral_bound
 
@@ -92,7 +93,7 @@ def own_entries(t) -> dict:
 
 def array_of(low, node):
     p = low.parameters.get(node.name)
-    return Member("c", f"p.{node.name}") if p is not None and not p.fixed else Name(f"table_{node.name}")
+    return Member("c", f"p.{in_c(node.name)}") if p is not None and not p.fixed else Name(f"table_{node.name}")
 
 
 def kernel(low, t, what: str, expressions, own: dict, parts: dict) -> Function:

@@ -68,7 +68,7 @@ def fitting(model, found) -> tuple:
     """Does every ring keep the colours apart?"""
     weights, number = found.colours.weights, found.colours.colours
     return tuple(compare(modulo(times(w, model.low.size(size)), number), "==", ZERO)
-                 for w, size, periodic in zip(weights, found.over.size, found.over.periodic) if periodic and w % number)
+                 for w, size, closed in zip(weights, found.over.size, found.closed) if closed and w % number)
 
 
 def coloured(model, found) -> tuple:

@@ -6,6 +6,8 @@ the sum over the index family is a loop in the generated C.
 """
 from __future__ import annotations
 
+import functools
+import operator
 from dataclasses import dataclass
 
 import sympy as sp
@@ -15,18 +17,20 @@ from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, 
 from ...language.spec import Term
 from .parts import SCALAR, Parts, TooLarge, Whole
 from .pieces import chosen
+from .written import known, minus, negative, over, plus, times
 
 
 class absolute(sp.Function):
-    """abs(x), with the derivative sign(x) and no delta at 0."""
+    """abs(x), with the derivative sign(x) and no delta at 0. Its last argument: x as it is written, whose sign it is."""
     is_real = True
 
     @classmethod
-    def eval(cls, x):
+    def eval(cls, x, *_):
         return abs(x) if x.is_Number else None
 
-    def fdiff(self, argindex=1):
-        return signum(self.args[0])
+    def _eval_derivative(self, s):
+        slope = sp.diff(self.args[0], s)
+        return slope * signum(self.args[-1]) if slope != 0 else slope
 
 
 class signum(sp.Function):
@@ -37,7 +41,7 @@ class signum(sp.Function):
     def eval(cls, x):
         return sp.sign(x) if x.is_Number else None
 
-    def fdiff(self, argindex=1):
+    def _eval_derivative(self, s):
         return sp.S.Zero
 
 
@@ -49,7 +53,7 @@ class floor_(sp.Function):
     def eval(cls, x):
         return sp.floor(x) if x.is_Number else None
 
-    def fdiff(self, argindex=1):
+    def _eval_derivative(self, s):
         return sp.S.Zero
 
 
@@ -66,16 +70,16 @@ class power(sp.Function):
 
 
 class lesser(sp.Function):
-    """min(a, b), differentiated branch by branch."""
+    """min(a, b), differentiated branch by branch. Its last two arguments: a and b as they are written, which decide on the branch."""
     is_real = True
 
     @classmethod
-    def eval(cls, a, b):
+    def eval(cls, a, b, *_):
         return min(a, b) if a.is_Number and b.is_Number else None
 
     def _eval_derivative(self, s):
-        a, b = self.args
-        return chosen(a <= b, sp.diff(a, s), sp.diff(b, s))
+        (a, b), (x, y) = self.args[:2], self.args[-2:]
+        return chosen(x <= y, sp.diff(a, s), sp.diff(b, s))
 
 
 class greater(sp.Function):
@@ -83,12 +87,15 @@ class greater(sp.Function):
     is_real = True
 
     @classmethod
-    def eval(cls, a, b):
+    def eval(cls, a, b, *_):
         return max(a, b) if a.is_Number and b.is_Number else None
 
     def _eval_derivative(self, s):
-        a, b = self.args
-        return chosen(a >= b, sp.diff(a, s), sp.diff(b, s))
+        (a, b), (x, y) = self.args[:2], self.args[-2:]
+        return chosen(x >= y, sp.diff(a, s), sp.diff(b, s))
+
+
+KINKED = (absolute, lesser, greater)
 
 
 @dataclass(frozen=True)
@@ -161,18 +168,22 @@ _PLAIN = {
     "sqrt": lambda a: raised(a, sp.S.Half), "exp": sp.exp, "log": sp.log, "sin": sp.sin, "cos": sp.cos, "tan": sp.tan,
     "asin": sp.asin, "acos": sp.acos, "atan": sp.atan, "sinh": sp.sinh, "cosh": sp.cosh,
     "tanh": sp.tanh, "atan2": sp.atan2, "abs": absolute, "floor": floor_, "min": lesser, "max": greater,
+    "and": sp.And, "or": sp.Or, "not": sp.Not,
     "<": sp.StrictLessThan, "<=": sp.LessThan, ">": sp.StrictGreaterThan, ">=": sp.GreaterThan,
-    "==": sp.Eq, "!=": sp.Ne, "and": sp.And, "or": sp.Or, "not": sp.Not,
+    "==": sp.Eq, "!=": sp.Ne,
 }
+JUMPS = {"floor", "<", "<=", ">", ">=", "==", "!="}      # what they look at is computed as it is written
+KINKS = {"abs", "min", "max"}                           # whose derivatives jump
 
 
 class Algebra:
-    """Turns resolved expressions into sympy; vectors become 3-tuples of scalars."""
+    """Turns resolved expressions into sympy; vectors become 3-tuples of scalars. `written`: the same without rearrangement."""
 
     def __init__(self, slots: tuple, parts: Parts | Whole):
         self.parts = parts
         self.vectors = {s: sp.symbols(f"v{k}x v{k}y v{k}z", real=True) for k, s in enumerate(slots)}
         self.leaves: dict[str, Expr] = {}
+        self.written = Written(self)
 
     def leaf(self, name: str, node: Expr):
         self.leaves[name] = node
@@ -185,9 +196,18 @@ class Algebra:
         if isinstance(e, Spin):
             return self.vectors[e.family, e.slot]
         if isinstance(e, Op):
-            value = self.apply(e.op, [self.of(a) for a in e.args])
+            value = self.operation(e)
             return tuple(map(self.checked, value)) if isinstance(value, tuple) else self.checked(value)
         return self.leaf(leaf_name(e), e)
+
+    def operation(self, e: Op):
+        """Jumps look at what is written, kinks at both."""
+        jumps = e.op in JUMPS or e.op == "atan2" and not slots_of(e)
+        exact = [self.written.of(a) for a in e.args] if jumps or e.op in KINKS or e.op == "mod" else []
+        given = exact if jumps else [self.of(a) for a in e.args]
+        if e.op == "mod":
+            return given[0] - given[1] * floor_(self.checked(self.written.divide(*exact)))
+        return self.apply(e.op, given + exact if e.op in KINKS and given != exact else given)
 
     def checked(self, e):
         """A real number, by its name where it is large."""
@@ -197,55 +217,76 @@ class Algebra:
 
     def apply(self, op: str, args: list):
         if op in _VECTOR:
-            return _VECTOR[op](*args)
+            return _VECTOR[op](self, *args)
         if op in _PLAIN:
             return _PLAIN[op](*args)
         return getattr(self, _SCALAR[op])(*args)
 
+    plus, minus, times, over, negative = (staticmethod(f) for f in (operator.add, operator.sub, operator.mul, operator.truediv, operator.neg))
+
     def add(self, a, b):
-        return tuple(x + y for x, y in zip(a, b)) if isinstance(a, tuple) else a + b
+        return tuple(map(self.plus, a, b)) if isinstance(a, tuple) else self.plus(a, b)
 
     def subtract(self, a, b):
-        return tuple(x - y for x, y in zip(a, b)) if isinstance(a, tuple) else a - b
+        return tuple(map(self.minus, a, b)) if isinstance(a, tuple) else self.minus(a, b)
 
     def negate(self, a):
-        return tuple(-x for x in a) if isinstance(a, tuple) else -a
+        return tuple(map(self.negative, a)) if isinstance(a, tuple) else self.negative(a)
 
     def multiply(self, a, b):
         if isinstance(a, tuple):
             a, b = b, a
-        return tuple(a * x for x in b) if isinstance(b, tuple) else a * b
+        return tuple(self.times(a, x) for x in b) if isinstance(b, tuple) else self.times(a, b)
 
     def divide(self, a, b):
-        return tuple(x / b for x in a) if isinstance(a, tuple) else a / b
+        return tuple(self.over(x, b) for x in a) if isinstance(a, tuple) else self.over(a, b)
 
     def raise_to(self, a, b):
         return raised(a, exact(b)) if b.is_number else power(a, b)
-
-    def modulo(self, a, b):
-        return a - b * floor_(self.checked(a / b))
 
     def choose(self, test, a, b):
         if isinstance(a, tuple):
             return tuple(chosen(test, x, y) for x, y in zip(a, b))
         return chosen(test, a, b)
 
+    def dot(self, a, b):
+        first, *others = map(self.times, a, b)
+        return functools.reduce(self.plus, others, first)
+
+    def cross(self, a, b):
+        return tuple(self.minus(self.times(a[i], b[j]), self.times(a[j], b[i])) for i, j in ((1, 2), (2, 0), (0, 1)))
+
+
+class Written(Algebra):
+    """The values of formulas, operation by operation as they are written."""
+    plus, minus, times, over, negative = plus, minus, times, over, negative
+
+    def __init__(self, plain: Algebra):
+        self.parts, self.vectors, self.leaves = plain.parts, plain.vectors, plain.leaves
+        self.done: dict = {}
+
+    def of(self, e: Expr):
+        """Each once: what one jump looks at another may look at too."""
+        if id(e) not in self.done:
+            self.done[id(e)] = super().of(e)
+        return self.done[id(e)]
+
+    def operation(self, e: Op):
+        args = [self.of(a) for a in e.args]
+        if e.op == "mod":
+            return minus(args[0], times(args[1], floor_(self.checked(over(*args)))))
+        return self.apply(e.op, args)
+
+    def checked(self, e):
+        return super().checked(known(e))
+
 
 _SCALAR = {"+": "add", "-": "subtract", "neg": "negate", "*": "multiply", "/": "divide",
-           "^": "raise_to", "mod": "modulo", "if": "choose"}
+           "^": "raise_to", "if": "choose"}
 
-
-def dot(a, b):
-    return sum(x * y for x, y in zip(a, b))
-
-
-def cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-_VECTOR = {"dot": dot, "cross": cross, "triple": lambda a, b, c: dot(a, cross(b, c)),
-           "norm": lambda a: raised(dot(a, a), sp.S.Half), "vec": lambda *a: tuple(a),
-           "x": lambda a: a[0], "y": lambda a: a[1], "z": lambda a: a[2]}
+_VECTOR = {"dot": Algebra.dot, "cross": Algebra.cross, "triple": lambda f, a, b, c: f.dot(a, f.cross(b, c)),
+           "norm": lambda f, a: raised(f.dot(a, a), sp.S.Half), "vec": lambda _, *a: a,
+           "x": lambda _, a: a[0], "y": lambda _, a: a[1], "z": lambda _, a: a[2]}
 
 
 def leaf_name(e: Expr) -> str:
@@ -301,14 +342,22 @@ def _derived(term: Term, parts, with_derivatives: bool) -> Derived:
     hessian = hessian_blocks(gradient, vectors, parts)
     if not all(map(is_real, [value, *parts.of.values(), *(x for row in gradient for x in row), *hessian.values()])):
         raise NoRealValue()
-    return Derived(term, slots, vectors, value, gradient, hessian, algebra.leaves, parts.of)
+    return Derived(term, slots, vectors, bare(value), tuple(tuple(map(bare, row)) for row in gradient),
+                   {k: block.applyfunc(bare) for k, block in hessian.items()}, algebra.leaves, {u: bare(e) for u, e in parts.of.items()})
+
+
+def bare(e):
+    """e without what its kinks only compare: it is differentiated."""
+    if not e.has(*KINKED):
+        return e
+    return e.replace(lambda x: isinstance(x, KINKED), lambda x: x.func(*x.args[:1 if isinstance(x, absolute) else 2]))
 
 
 def scalar(e: Expr):
     """A formula without vectors of the state -> (sympy expression, leaves). Raises UsageError where it is too long."""
     algebra = Algebra((), Whole(SCALAR))
     try:
-        return algebra.of(e), algebra.leaves
+        return bare(algebra.of(e)), algebra.leaves
     except TooLarge:
         raise UsageError(f"a formula of parameters takes more than {SCALAR[0]} operations and operands when its vectors are "
                          "written out in components: give its value as a parameter") from None

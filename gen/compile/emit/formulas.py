@@ -9,6 +9,7 @@ import sympy as sp
 from sympy.core.sorting import default_sort_key
 
 from ..derive import derivatives as derive
+from ..derive import written
 
 TEST, SUM, PRODUCT, ATOM = range(4)     # binding strength of the printed text
 
@@ -16,6 +17,8 @@ ELEMENTARY = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.tan
               sp.asin: "asin", sp.acos: "acos", sp.atan: "atan", sp.sinh: "sinh",
               sp.cosh: "cosh", sp.tanh: "tanh", sp.atan2: "atan2",
               derive.absolute: "fabs", derive.floor_: "floor", derive.power: "pow"}
+
+WRITTEN = {written.plus: ("+", SUM), written.minus: ("-", SUM), written.times: ("*", PRODUCT), written.over: ("/", PRODUCT)}
 
 _RUNTIME = {derive.lesser: "smg_min", derive.greater: "smg_max"}
 
@@ -58,7 +61,7 @@ class Formulas:
         if e.is_Number or e.is_NumberSymbol:
             return self.constant(e)
         for kind, method in ((sp.Add, self.add), (sp.Mul, self.mul), (sp.Pow, self.pow),
-                             (derive.chosen, self.chosen)):
+                             (derive.chosen, self.chosen), (written.Operation, self.operation)):
             if isinstance(e, kind):
                 return method(e)
         return self.call(e)
@@ -130,15 +133,15 @@ class Formulas:
         if isinstance(e, sp.Abs):
             return f"SMG_MATH(fabs)({self(e.args[0])})", ATOM
         if type(e) in _RUNTIME:
-            return f"{_RUNTIME[type(e)]}({', '.join(self(a) for a in e.args)})", ATOM
-        if isinstance(e, derive.floor_):
-            return f"SMG_MATH(floor)({self.quotient(e.args[0])})", ATOM
+            return f"{_RUNTIME[type(e)]}({', '.join(map(self, e.args))})", ATOM
         name = ELEMENTARY[type(e)]
-        return f"SMG_MATH({name})({', '.join(self(a) for a in e.args)})", ATOM
+        return f"SMG_MATH({name})({', '.join(map(self, e.args))})", ATOM
 
-    def quotient(self, e) -> str:
-        """x/3 as a division, not a product with 1/3: 49*(1/49) < 1, and its floor would be 0."""
-        part, rest = e.as_coeff_Mul()
-        if part.is_Rational and not part.is_Integer:
-            return f"{self.inside(part.p * rest, PRODUCT)}/{part.q}.0"
-        return self(e)
+    def operation(self, e):
+        """As it is written: the sides in their order, the right one in brackets where it is no factor."""
+        if isinstance(e, written.negative):
+            return "-" + self.inside(e.args[0], PRODUCT), SUM
+        sign, strength = WRITTEN[type(e)]
+        blank = " " if strength == SUM else ""
+        left, right = (self.inside(a, strength + k) for k, a in enumerate(e.args))
+        return f"{left}{blank}{sign}{blank}{right}", strength

@@ -6,6 +6,7 @@ from ..assemble.buffers import buffers, history
 from ..assemble.model import Model
 from ..assemble.parameters import run_time
 from ..lower.code import mentions
+from ...language.c_names import in_c
 from .formulas import number
 from .print_scalar import indent
 from .targets import PRINTERS
@@ -39,10 +40,10 @@ def defaults(model: Model):
     for p in run_time(model.spec):
         if p.kind == "array":
             values = ", ".join(number(x) for x in p.default)
-            lines.append(f"static const double {p.name}[] = {{{values}}};")
-            lines.append(f"p->{p.name} = {p.name};")
+            lines.append(f"static const double default_{p.name}[] = {{{values}}};")
+            lines.append(f"p->{in_c(p.name)} = default_{p.name};")
         else:
-            lines.append(f"p->{p.name} = {int(p.default) if p.kind == 'int' else number(p.default)};")
+            lines.append(f"p->{in_c(p.name)} = {int(p.default) if p.kind == 'int' else number(p.default)};")
     return lines
 
 
@@ -58,7 +59,7 @@ def header_slots(model: Model) -> dict:
 def declare(p) -> dict:
     kind = {"int": "int64_t ", "real": "double ", "array": "const double *"}[p.kind]
     note = ", ".join(x for x in (p.meaning, p.unit and f"[{p.unit}]") if x)
-    return dict(declaration=kind + p.name, comment=f"/* {comment(note)} */" if note else "")
+    return dict(declaration=kind + in_c(p.name), comment=f"/* {comment(note)} */" if note else "")
 
 
 def banner(model: Model) -> dict:
@@ -80,9 +81,9 @@ def abi_slots(model: Model, M: str) -> dict:
     """Of abi.c.j2."""
     scalars = [p for p in run_time(model.spec) if p.kind != "array"]
     arrays = [p for p in run_time(model.spec) if p.kind == "array"]
-    lines = [f"a->p.{p.name} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
+    lines = [f"a->p.{in_c(p.name)} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
              for k, p in enumerate(scalars)]
-    lines += [f"a->p.{p.name} = arrays[{k}];" for k, p in enumerate(arrays)]
+    lines += [f"a->p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
     effects, observables = [e.name for e in model.spec.effects], [o.name for o in model.spec.observables]
     return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=prototypes(M, model.features), **features(model),
                 effects=effects, observables=observables, families=model.families,

@@ -7,6 +7,7 @@ from sympy.logic.boolalg import Boolean
 
 from ..lower.code import Return, mentions
 from ..lower.integers import Int, Product, Whole, times
+from ...language.c_names import in_c
 from .formulas import ATOM, PRODUCT, SUM, TEST, Formulas, number
 
 STRENGTH = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT, "==": TEST}
@@ -56,7 +57,7 @@ class Scalar:
         return f"c->{n.name}", ATOM
 
     def show_given(self, n):
-        return f"c->p.{n.name}", ATOM
+        return f"c->p.{in_c(n.name)}", ATOM
 
     def show_cell(self, n):
         return n.table + "".join(f"[{self(place)}]" for place in n.places), ATOM
@@ -104,7 +105,7 @@ class Scalar:
         return f"{n.holder}->{n.name}", ATOM
 
     def leaf_parameter(self, n):
-        return f"c->p.{n.name}" + (f"[{self(n.place)}]" if n.place is not None else ""), ATOM
+        return f"c->p.{in_c(n.name)}" + (f"[{self(n.place)}]" if n.place is not None else ""), ATOM
 
     def leaf_constant(self, n):
         return number(n.value), ATOM if n.value >= 0 else SUM

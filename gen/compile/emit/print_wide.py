@@ -8,12 +8,13 @@ import sympy as sp
 from sympy.core.sorting import default_sort_key
 
 from ..derive import derivatives as derive
+from ..derive import written
 from ..lower.code import Component, Constant, Entry, Local, Parameter, Real, walk
 from ..lower.integers import Int
-from .formulas import ATOM, ELEMENTARY, Formulas, number, power_of
+from .formulas import ATOM, ELEMENTARY, RELATIONS, WRITTEN, Formulas, number, power_of
 from .print_scalar import Scalar
 
-_OWN = {derive.absolute: "fabs", sp.Abs: "fabs", derive.signum: "sign", derive.lesser: "min", derive.greater: "max"}
+_OWN = {derive.absolute: "fabs", sp.Abs: "fabs", derive.signum: "sign", sp.sign: "sign", derive.lesser: "min", derive.greater: "max"}
 DIGITS = 40     # decimal places from which a constant is split into a pair
 
 
@@ -74,25 +75,25 @@ class WideFormulas(Formulas):
 
     def test(self, e) -> str:
         if isinstance(e, sp.core.relational.Relational):
-            return self.relation(e, self(e.lhs), self(e.rhs))
+            return f"({self.narrow(e.lhs)} {RELATIONS[type(e)]} {self.narrow(e.rhs)})"
         return super().test(e)
-
-    def relation(self, e, a: str, b: str) -> str:
-        less = {sp.StrictLessThan: f"smg_wide_less({a}, {b})", sp.StrictGreaterThan: f"smg_wide_less({b}, {a})",
-                sp.LessThan: f"!smg_wide_less({b}, {a})", sp.GreaterThan: f"!smg_wide_less({a}, {b})",
-                sp.Eq: f"smg_wide_equal({a}, {b})", sp.Ne: f"!smg_wide_equal({a}, {b})"}
-        return less[type(e)]
 
     def call(self, e):
         name = _OWN.get(type(e)) or ELEMENTARY[type(e)]
-        arguments = [self.quotient(e.args[0])] if name == "floor" else [self(a) for a in e.args]
-        return f"smg_wide_{name}({', '.join(arguments)})", ATOM
+        if isinstance(e, (derive.floor_, derive.signum, sp.sign)):
+            return f"smg_wide_{name}(smg_wide_of({self.narrow(e.args[0])}))", ATOM
+        return f"smg_wide_{name}({', '.join(map(self, e.args))})", ATOM
 
-    def quotient(self, e) -> str:
-        part, rest = e.as_coeff_Mul()
-        if part.is_Rational and not part.is_Integer:
-            return f"smg_wide_div({self(part.p * rest)}, smg_wide_of({part.q}.0))"
-        return self(e)
+    def operation(self, e):
+        return f"smg_wide_of({self.narrow(e)})", ATOM
+
+    def narrow(self, e) -> str:
+        """In ordinary precision: a jump is on the side where it is in all other functions of the model."""
+        if isinstance(e, written.negative):
+            return f"(-{self.narrow(e.args[0])})"
+        if isinstance(e, written.Operation):
+            return f"({self.narrow(e.args[0])} {WRITTEN[type(e)][0]} {self.narrow(e.args[1])})"
+        return number(float(e)) if e.is_Integer or e.is_Float else f"smg_wide_high({self(e)})"
 
 
 class Wide(Scalar):

@@ -1,30 +1,21 @@
-"""Indices of a spec as the C has them: names that would hide its own get an underscore, and an index that runs over
-one site is 0."""
+"""Indices of a spec as the C has them (`language.c_names`), and an index that runs over one site is 0."""
 from __future__ import annotations
 
 from dataclasses import replace
 
+from ...language.c_names import index_in_c
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Elem, Idx, Num, Op, Spin
 from ...language.spec import Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, Term
 from ...read.terms import families_of
 
-C_NAMES = {"c", "d", "e", "g", "h", "k", "m", "p", "r", "s", "t", "u", "v", "w", "x", "y", "l", "q", "b",
-           "n", "all", "own", "out", "row", "site", "sub", "sum", "lost", "body", "column", "block",
-           "direction", "product", "state", "int", "for", "if", "do", "at", "of", "visit", "f"}
-
-
-def safe(name: str) -> str:
-    taken = name in C_NAMES or (name[:1] in "bcgnorsuvxk" and name[1:].isdigit()) or name.startswith("spare")
-    return name + "_" if taken else name
-
 
 def rename(e):
     """The expression with safe index names."""
     if isinstance(e, Idx):
-        return Idx(safe(e.name))
+        return Idx(index_in_c(e.name))
     if isinstance(e, Spin):
-        return Spin(e.family, safe(e.slot) if isinstance(e.slot, str) else e.slot)
+        return Spin(e.family, index_in_c(e.slot) if isinstance(e.slot, str) else e.slot)
     if isinstance(e, Op):
         return Op(e.op, tuple(rename(a) for a in e.args))
     return Elem(e.name, rename(e.index)) if isinstance(e, Elem) else e
@@ -32,11 +23,11 @@ def rename(e):
 
 def rename_over(over):
     if isinstance(over, Sites):
-        return replace(over, index=safe(over.index))
+        return replace(over, index=index_in_c(over.index))
     if isinstance(over, (Pairs, Graph)):
-        return replace(over, first=safe(over.first), second=safe(over.second))
+        return replace(over, first=index_in_c(over.first), second=index_in_c(over.second))
     if isinstance(over, (Each, Lattice)):
-        return replace(over, indices=tuple(safe(i) for i in over.indices))
+        return replace(over, indices=tuple(index_in_c(i) for i in over.indices))
     assert isinstance(over, Once)
     return over
 

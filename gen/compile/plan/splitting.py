@@ -103,9 +103,14 @@ class Formula(StrPrinter):
 
 @dataclass(frozen=True)
 class Sublattices:
-    """The lattice that all terms live on, and its colours, where its size is a multiple of theirs in periodic directions."""
+    """The size and places of the lattices that all terms live on, their colours, and the directions in which bonds of some of them close: there the
+    size must be a multiple of the colours.
+
+    over: any of them, for its size and its places.
+    """
     over: Lattice
     colours: Colouring
+    closed: tuple
 
 
 def bending(d: Derived) -> str | None:
@@ -126,8 +131,13 @@ def sublattices(spec: Spec) -> Sublattices | None:
     overs = [e.over for e in spec.effects if isinstance(e.over, Lattice)]
     if len(spec.families) > 1 or not joint or any(not isinstance(over, Lattice) for over in joint) or len({(o.size, o.sites) for o in overs}) > 1:
         return None
-    colours = colouring(overs)
-    return Sublattices(overs[0], colours) if colours.colours > 1 else None
+    colours, directions = colouring(overs), range(len(overs[0].size))
+    return Sublattices(overs[0], colours, tuple(any(closes(over, d) for over in overs) for d in directions)) if colours.colours > 1 else None
+
+
+def closes(over: Lattice, d: int) -> bool:
+    """Does a bond go on from one end of the direction at the other?"""
+    return over.periodic[d] and any(len({offset[d] for _, offset in bond}) > 1 for bond in over.bonds)
 
 
 # Pairs

@@ -120,7 +120,7 @@ FIGURES = {
                             "Seen from the wave, each particle follows a stream line."),
     "nambu_leaves": Entry(surfaces.leaves, "Nambu systems on their leaves", "Appendix", "Each trajectory stays on its level set of C.", "broad"),
     "accuracy_cost": Entry(cost.accuracy_cost, "Short runs and long runs", "",
-                           "Left, lower is better: the explicit methods need the least time. Right, the reason not to use them for long runs: "
-                           "their energy error grows, that of symplectic methods does not.", "broad", part="cost"),
+                           "Left, curves further to the left are cheaper for the same error. Right, what becomes of the energy along a run a hundred "
+                           "times as long.", "broad", part="cost"),
     "every_system": Entry(overview.overview, "A trajectory of each", size="broad", ending="png", part="systems"),
 }

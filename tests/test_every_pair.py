@@ -1,0 +1,73 @@
+"""Every method with every feature, over every layout: clean C, or a refusal in a sentence."""
+import itertools
+
+import pytest
+from support import texts
+from support.strict import compile_all
+from support.systems import load
+
+from smidgen.build.binary import write_files
+from smidgen.compile.emit.emit import generate
+from smidgen.compile.features import EVERYWHERE, FEATURES
+from smidgen.compile.select import select
+from smidgen.errors import UsageError
+from smidgen.methods import METHODS
+
+# A single sphere; few sites in lanes; chains and lattices by rows; a graph; sites of several families, tracers, R^3 and Nambu factors.
+SHIPPED = ("free_rigid_body", "point_vortices", "heisenberg_chain", "honeycomb", "cubic_lattice", "vortex_tracers", "product", "nambu_a34")
+TEXTS = {"glass": texts.GLASS, "open": texts.OPEN_CHAIN}
+# One method of each kind of step, where it goes in another way than elsewhere.
+TELLING = [("honeycomb", "gauss-8"), ("honeycomb", "spherical-midpoint"), ("honeycomb", "sublattice-rotations"), ("honeycomb", "spherical-midpoint-4"),
+           ("heisenberg_chain", "pair-rotations-4"), ("heisenberg_chain", "dop853"), ("heisenberg_chain", "isospectral-midpoint"),
+           ("free_rigid_body", "moser-veselov-4"), ("free_rigid_body", "gauss-8"), ("free_rigid_body", "axis-splitting"), ("free_rigid_body", "extrapolation-12"),
+           ("point_vortices", "spherical-midpoint"), ("point_vortices", "cf4"), ("vortex_tracers", "classical-midpoint"), ("vortex_tracers", "gauss-4")]
+
+
+def layout(name, where):
+    return load(name) if name in SHIPPED else texts.read(TEXTS[name], where)
+
+
+def features_of(method) -> tuple:
+    return (*METHODS[method].features, *EVERYWHERE)
+
+
+def complaints(spec, method, features, where, compiler="gcc"):
+    """What the compiler says of the C, '' when all is well; None where there is no such integrator."""
+    try:
+        files = generate(select(spec), method=method, features=features)
+    except UsageError as refusal:
+        assert str(refusal).startswith(("method", "feature", "solver")) and "\n" not in str(refusal)
+        return None
+    write_files(files, where)
+    return compile_all(where, sorted(name for name in files if name.endswith(".c")), compiler)
+
+
+@pytest.mark.parametrize("name, method", TELLING)
+def test_a_layout_with_all_features_at_once(name, method, tmp_path):
+    assert complaints(layout(name, tmp_path), method, features_of(method), tmp_path) == ""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", METHODS)
+def test_every_feature_of_a_method_over_all_layouts(method, tmp_path):
+    """None, each alone (not of compositions, which add the same loop to all), and all at once over every layout, by one compiler after the
+    other; every feature is compiled somewhere."""
+    compilers, compiled = itertools.cycle(("gcc", "clang", "g++", "clang++")), set()
+    for name in (*SHIPPED, *TEXTS):
+        spec = layout(name, tmp_path)
+        alone = [(feature,) for feature in features_of(method) if METHODS[method].stages == 1]
+        for features in dict.fromkeys([(), *alone, features_of(method)]):
+            said = complaints(spec, method, features, tmp_path, next(compilers))
+            assert not said, f"{name} {features}:\n{said[:2000]}"
+            compiled |= set(features) if said == "" else set()
+    assert compiled == set(features_of(method))
+
+
+@pytest.mark.long
+def test_every_set_of_features(tmp_path):
+    """Of the methods that have all of them."""
+    for method in (m for m in METHODS if set(features_of(m)) == set(FEATURES) and METHODS[m].midpoint):
+        for size, name in itertools.product(range(len(FEATURES) + 1), ("free_rigid_body", "honeycomb", "vortex_tracers")):
+            for features in itertools.combinations(FEATURES, size):
+                said = complaints(load(name), method, features, tmp_path)
+                assert not said, f"{name} {method} {features}:\n{said[:2000]}"
