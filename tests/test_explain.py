@@ -167,6 +167,71 @@ def test_a_planted_axis_is_found(seed):
     assert axes.shape == (1, 3) and abs(abs(axes[0] @ axis) - 1) < 1e-14
 
 
+# Quadratic forms of several sites together
+
+PAIR = '''[model]
+name = "pair"
+[space]
+w = { sphere = 2 }
+[parameters]
+A = { default = [0, 0, 0], vector = true }
+J = { default = [1.0, 0.7, -0.4], vector = true }
+[effects.exchange]
+energy = "J.x*w[0].x*w[1].x + J.y*w[0].y*w[1].y + J.z*w[0].z*w[1].z"
+[effects.axis]
+over = "site(i) of w"
+energy = "(A.x*w[i].x^2 + A.y*w[i].y^2 + A.z*w[i].z^2)/2"
+'''
+
+
+def joint(report):
+    return [i for i in kinds(report, "quadratic") if i.count == 1 and "w[1]" in i.formula]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("values, count", [({}, 1), ({"A": [1.0, 2.0, 4.0], "J": [2.0, 1.0, 1.0]}, 1), ({"A": [1.0, 2.0, 4.0], "J": [2.0, 1.0, 1.1]}, 0)])
+def test_two_coupled_vectors_have_manakovs_integral_where_they_are_integrable(values, count):
+    """J_x^2 (A_y - A_z) + .. + (A_x - A_y)(A_y - A_z)(A_z - A_x) = 0 (Magyari, Thomas and Weber 1987)."""
+    spec = load_text(PAIR)
+    for method, kept in (("spherical-midpoint", not values), ("classical-midpoint", True), ("gauss-4", False)):
+        found = joint(explain(spec, values, method=method))
+        assert len(found) == count and all(i.kept == kept and not i.always for i in found)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("A, J", [([0, 0, 0], [1.0, 0.7, -0.4]), ([1.0, 2.0, 4.0], [2.0, 1.0, 1.0])])
+def test_a_joint_integral_is_one_and_what_the_methods_do_to_it_is_what_is_said(A, J):
+    """The spherical midpoint keeps that of an XYZ pair, where the terms of both sites vanish by themselves, and not Manakov's."""
+    spec = load_text(PAIR.replace("[0, 0, 0]", str(A)).replace("[1.0, 0.7, -0.4]", str(J)))
+    w = state(np.random.default_rng(2), spec)
+    for method in ("spherical-midpoint", "classical-midpoint"):
+        report = explain(spec, method=method)
+        one, = joint(report)
+        check_flow(report, spec, w)
+        change = abs(one.evaluate(Witness(spec).step(w, 0.0, 0.2, method)) - one.evaluate(w))
+        assert change < 1e-14 * (1 + abs(one.evaluate(w))) if one.kept else change > 1e-6
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("n, count", [(3, 2), (4, 1), (5, 0)])
+def test_spins_of_a_ring_of_three_or_four_keep_their_products(n, count):
+    """H = S^2/2 with n = 3, and (w_0 + w_2).(w_1 + w_3) with 4; one product less is new, since S^2 and H have the sum of all."""
+    spec = load_text(CHAIN.replace("n = 10", f"n = {n}"))
+    report = explain(spec)
+    found = kinds(report, "quadratic")
+    assert len(found) == count and not report.undecided and all(i.always for i in found)
+    check_flow(report, spec, state(np.random.default_rng(n), spec))
+
+
+@pytest.mark.quick
+def test_what_was_looked_for_is_said():
+    """Four vortices have no such form, which is decided though the formula is too long to multiply out."""
+    chain, vortices = explain(load_text(CHAIN)), explain(load("point_vortices"))
+    assert "not quadratic forms that join sites (10 sites, of at most 6)" in said(chain)
+    assert "quadratic forms of all sites together" in said(vortices) and not vortices.undecided and not kinds(vortices, "quadratic")
+    assert "join" not in said(explain(load("free_rigid_body"))) and chain.as_dict()["searched"][0] == "linear ones"
+
+
 # No false claim
 
 def state(random, spec):

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from ..errors import Exit, SmidgenError
 from ..read.names import plural
+from ..language.names_used import unused
 from .options import json_option, spec_argument
 from .say import printed, say
 
@@ -47,9 +48,11 @@ def facts(word: str) -> dict:
     spec = load_spec(word)
     families = {name: count for name, (_, count) in sizes(spec).items()}
     steps = {run.name: settle(spec, run.name).steps for run in spec.runs}
+    idle = unused(spec)
     text = f"{word}: good. {spec.title or spec.name}: " + ", ".join(
         [f"{plural(count, 'site')} {name}" for name, count in families.items()]
         + [f"effects {', '.join(e.name for e in spec.effects)}",
            f"runs {', '.join(steps) or 'none'}"])
+    text += "".join(f"\n  warning: nothing uses the parameter '{name}'" for name in idle)
     return {"spec": word, "ok": True, "name": spec.name, "families": families,
-            "effects": [e.name for e in spec.effects], "runs": steps, "text": text}
+            "effects": [e.name for e in spec.effects], "runs": steps, "unused": idle, "text": text}

@@ -126,7 +126,7 @@ def go_on(args):
         raise UsageError("--resume takes all from the file: leave SPEC, --out and --repeat out")
     refuse_choices(args, "--resume goes on with a run as it was: only --json goes with it")
     meta = ranks.on_first(lambda: saved_run(args.resume))
-    args.out = args.resume
+    args.out, args.complete = args.resume, meta.get("status") == "complete"
     with progress(meta["steps"], meta["spec"]) as tick:
         return resume(args.resume, progress=tick, tell=lambda text: say(f"note: {text}"))
 
@@ -201,7 +201,7 @@ def lines(args, result):
     if meta["status"] != "complete":
         yield f"status: {meta['status'] if meta['status'] == 'interrupted' else 'failed'}"
     if args.out not in (None, "-"):
-        yield f"wrote {args.out}"
+        yield f"{args.out} was complete already: nothing was done" if getattr(args, "complete", False) else f"wrote {args.out}"
         if meta["status"] == "interrupted" and folder_of(args.out).is_dir():
             yield f"go on with: smidgen run --resume {args.out}"
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Optional
 
-from ..language.expr import Expr, Num
+from ..language.expr import Expr, Num, Op, walk
 from . import codes
 from .parse import parse
 from .problems import Bad, Problems
@@ -14,6 +14,7 @@ from .syntax import Syntax
 from .tree import Node
 
 FREE = "a formula of parameters"
+WITHOUT_POINT = "a parameter is an integer when its default is written without a point: `n = { default = 100 }`"
 
 
 class Formulas:
@@ -64,10 +65,9 @@ class Formulas:
         scope = Scope(self.declared, "a count", families=False)
         expr = Resolver(scope, self.problems).resolve(tree).expr
         if not integral(expr, self.declared.parameters):
-            self.not_integral(tree.span)
+            power = any(isinstance(e, Op) and e.op == "^" for e in walk(expr))
+            self.not_integral(tree.span, "write a power as a product: `n*n`" if power else WITHOUT_POINT)
         return expr
 
-    def not_integral(self, span: Span):
-        self.problems.fail(codes.INTEGER, span, "a count is made of integers and integer "
-                           "parameters with + - *", "a parameter is an integer when its "
-                           "default is written without a point: `n = { default = 100 }`")
+    def not_integral(self, span: Span, hint: str = WITHOUT_POINT):
+        self.problems.fail(codes.INTEGER, span, "a count is made of integers and integer parameters with + - *", hint)

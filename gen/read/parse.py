@@ -46,7 +46,7 @@ class Parser:
 
     def expect(self, text: str, what: str) -> Token:
         if not self.at(text):
-            self.fail(f"`{text}` is missing {what}", self.misplaced() or f"{self.found()} stands here")
+            self.fail(f"`{text}` is missing {what}", self.misplaced() or self.opened(text) or f"{self.found()} stands here")
         return self.take()
 
     def found(self) -> str:
@@ -64,10 +64,32 @@ class Parser:
         """Refuse whatever follows a complete formula."""
         if self.now.kind == "end":
             return
-        hint = "an operator such as `*` is missing"
+        hint = self.product() or "an operator such as `*` is missing"
         if self.at(")", "]"):
             hint = "there is one bracket too many"
         self.fail(f"{self.found()} does not continue the formula", self.misplaced() or hint)
+
+    def product(self) -> str:
+        """`2 t` as the product that was meant."""
+        before = self.tokens[max(self.k - 1, 0)]
+        inside = self.k > 1 and self.tokens[self.k - 2].text == "."         # a component: what is multiplied begins before it
+        plain = not inside and before.kind in ("number", "name") and self.now.kind in ("number", "name")
+        return f"a product is written with `*`: `{before.text}*{self.now.text}`" if plain else ""
+
+    def opened(self, closing: str) -> str:
+        """Which bracket waits for `closing`, where the formula ends without it."""
+        opening, open_ones = {")": "(", "]": "["}.get(closing), []
+        for token in self.tokens[:self.k] if opening and self.now.kind == "end" else ():
+            if token.text in ("(", "["):
+                open_ones.append(token)
+            elif token.text in (")", "]") and open_ones:
+                open_ones.pop()
+        if not open_ones:
+            return ""
+        rest = "".join({"(": ")", "[": "]"}[t.text] for t in reversed(open_ones))
+        many = f"; {len(open_ones)} brackets are open" if len(open_ones) > 1 else ""
+        place = open_ones[-1].span.start - self.tokens[0].span.start + 1
+        return f"the `{open_ones[-1].text}` that is character {place} of the formula is still open{many}: write `{rest}` where it ends"
 
     def misplaced(self) -> str:
         """What to write in place of a comma or an index that stands wrongly here."""

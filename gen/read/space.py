@@ -10,12 +10,14 @@ from . import codes
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .parameters import bounded
-from .problems import Bad, Problems
+from .problems import Bad, Problems, meant
 from .quadratic import NotPolynomial, matrix
 from .scope import Declared, Scope
 from .tree import Node
 
 KINDS = ("sphere", "r3", "nambu")
+SPACES = ("there are `sphere`, `r3` (of so(3)) and `nambu` (grad C x grad H, C quadratic: SO(2,1), SE(2), SE(1,1), Heisenberg), and products of "
+          "them; outside are canonical pairs, e(3), so(4), su(n)")
 KEYS = {"sphere": ("kappa", "radius", "tracer"), "r3": ("kappa", "tracer"),
         "nambu": ("kappa", "C", "tracer")}
 
@@ -72,6 +74,7 @@ class SpaceReader:
     def kind(self, node: Node) -> str:
         node.table()
         given = [k for k in KINDS if node.has(k)]
+        self.other_space(node)
         if len(given) != 1:
             node.table(*(KINDS + KEYS["sphere"] + ("C",)))
             if not given and any(n.name not in KEYS["sphere"] + ("C",) for n in node.items()):
@@ -80,6 +83,13 @@ class SpaceReader:
                        f"`{node.label}` must have exactly one of sphere, r3, nambu",
                        'write `{ sphere = "n" }`, `{ r3 = 1 }` or `{ nambu = 1, C = "..." }`')
         return given[0]
+
+    def other_space(self, node: Node) -> None:
+        """Refuse a phase space that is none of these, by saying which there are; what is nearly a known key is a misspelt one."""
+        known = KINDS + KEYS["sphere"] + ("C",)
+        for child in () if any(map(node.has, KINDS)) else node.items():
+            if child.name not in known and not meant(child.name, known):
+                self.problems.fail(codes.UNKNOWN_KEY, child.key, f"`{node.label}` cannot be `{child.name}`", SPACES)
 
     def kappa(self, node: Node, name: str) -> Expr:
         """A number, a list (one entry per site), or a formula in `i`."""

@@ -23,11 +23,13 @@ from ..build.binary import Built, build_library
 from ..errors import BuildError, RunError, UsageError
 from ..language.spec import LOOSEST, Spec
 from ..public import ReadOnly, few, public
+from ..read.problems import meant
 from .block import Block
 from .saved import Saved
 from .start import find_start, initial_state, parameter_values, sizes, wrong_start
 
 MOST_THREADS = 1024
+LISTED = 12         # names that a message has at most
 SPINS = "5000"
 
 # smg_status of runtime/core/smidgen.h: number -> (name, what happened)
@@ -58,6 +60,7 @@ def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = Non
     with OpenMP and the same bits. Raises UsageError for a name that is not known, a value that does not fit, threads where steps have none,
     MissingTool without a C compiler, BuildError when it fails.
     """
+    no_run(spec, method)
     choose("method", method, METHODS)
     choose("solver", solver, SOLVERS)
     choose("real", real, ("double", "long double"))
@@ -85,10 +88,26 @@ def scene_of(spec: Spec, effects=None, values=None) -> Spec:
 
 
 def choose(what: str, name: str, names) -> str:
-    """`name`, if it is one of `names`; else UsageError with the list."""
+    """`name`, if it is one of `names`; else UsageError with the nearest, or the list."""
     if name not in names:
-        raise UsageError(f"no {what} '{name}'; there are: {', '.join(names)}")
+        raise UsageError(f"no {what} '{name}'; {listed(name, tuple(names))}")
     return name
+
+
+def listed(name, names: tuple) -> str:
+    """The names that there are; of many, the one that was probably meant, and the first few."""
+    if len(names) <= LISTED:
+        return f"there are: {', '.join(names)}"
+    close = meant(name, names) if isinstance(name, str) else None
+    return f"did you mean '{close}'?" if close else f"there are {len(names)}, such as {', '.join(names[:LISTED])}"
+
+
+def no_run(spec: Spec, method) -> None:
+    """Raises UsageError where the name of a run stands for a method: `build(spec, "demo")`."""
+    run = next((r for r in spec.runs if r.name == method), None)
+    if run is not None and method not in METHODS:
+        raise UsageError(f"no method '{method}': that is a run of {spec.name}. `smidgen.run(spec, '{method}')` takes it; "
+                         f"`smidgen.build(spec, '{run.method}')` builds what it uses")
 
 
 class Integrator(ReadOnly):

@@ -1,7 +1,6 @@
 """Numbers of a spec: parameter values, sizes, strengths, and where a run starts."""
 from __future__ import annotations
 
-import difflib
 import math
 from pathlib import Path
 
@@ -10,7 +9,8 @@ import numpy as np
 from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate, integer
-from ..language.spec import Family, FamilyStart, Parameter, Spec, Start
+from ..read.problems import meant
+from ..language.spec import Family, FamilyStart, Lattice, Parameter, Spec, Start
 
 
 def parameter_values(spec: Spec, values: dict | None = None) -> dict:
@@ -119,8 +119,25 @@ def wrong_start(spec: Spec, values: dict, w: np.ndarray) -> str:
         kappas(spec, values)
     except UsageError as refusal:
         return f" ({refusal})"
-    said = wrong_site(w, radii(spec, values))
+    said = wrong_lattice(spec, values) or wrong_site(w, radii(spec, values))
     return f" ({said})" if said else ""
+
+
+def wrong_lattice(spec: Spec, values: dict) -> str:
+    """The lattice whose bonds reach farther than it goes, or whose cells hold another number of sites than there are."""
+    env, places = parameter_values(spec, values), sizes(spec, values)
+    for term in (*spec.effects, *spec.observables):
+        if not isinstance(term.over, Lattice):
+            continue
+        size = [integer(e, env, "the size of a lattice") for e in term.over.size]
+        for d, n in enumerate(size):
+            far = max((abs(offset[d]) for bond in term.over.bonds for _, offset in bond), default=0)
+            if n < max(1, far):
+                return f"effect '{term.name}': a bond reaches {far} cells along direction {d + 1} of its lattice, which has {n}"
+        count, cells = places[term.over.family][1] if term.over.family in places else None, math.prod(size) * term.over.sites
+        if count is not None and count != cells:
+            return f"effect '{term.name}': its lattice has {cells} sites, '{term.over.family}' has {count}"
+    return ""
 
 
 def wrong_site(w, radius) -> str:
@@ -143,8 +160,8 @@ def wrong_site(w, radius) -> str:
 
 
 def _nearest(name, known):
-    close = difflib.get_close_matches(name, sorted(known), 1)
-    return f"; did you mean '{close[0]}'?" if close else ""
+    close = meant(name, known)
+    return f"; did you mean '{close}'?" if close else ""
 
 
 def _scalar(p: Parameter, value):

@@ -86,4 +86,5 @@ def _own(a) -> str:
     side = "within" if abs(a.run_h) <= abs(a.h) else "above"
     pace = max(a.rate, a.change)
     off = f"; {_off(abs(a.run_h), pace)}" if pace else ""
-    return f"The run's h = {a.run_h:.6g} is {side} the largest safe step, {a.h:.6g}{off}."
+    what = "the largest step that was looked at" if a.kind == "open" else "the largest safe step"
+    return f"The run's h = {a.run_h:.6g} is {side} {what}, {a.h:.6g}{off}."

@@ -10,3 +10,4 @@ EQUATIONS = 20_000      # linear equations
 ROOTS = 2000            # entries of such equations, where they hold square roots
 LONG = 64               # digits of a constant whose function or root is simplified
 EVALUATIONS = 20_000_000    # numbers that the look at the energy itself may touch
+JOINT = 6               # sites whose joint quadratic forms are looked for: 9 n^2/2 unknowns

@@ -14,6 +14,7 @@ from ...run.integrator import choose
 from ...run.start import casimir_matrices, kappas
 from . import conserved, spaces
 from .integrals import WHY, Integral
+from .joint import joint_quadratic, looked_for
 from .kept_energy import energy_form, energy_integral, parity, time_dependent
 from .look import unchanged
 from .names import axis_text, form_text, number
@@ -27,7 +28,8 @@ class Report:
     its own for each family, {family: axis}; always: for each of `rotations`, does it hold for all
     values of the parameters; integrals: what is conserved; energy_changes: H depends on time;
     signs: sign patterns (sx, sy, sz) of all vectors under which H is unchanged; undecided: what
-    could not be settled; splittings: explicit method -> what of H stands in its way, or None."""
+    could not be settled; splittings: explicit method -> what of H stands in its way, or None;
+    searched: the classes of integrals that were looked for."""
     spec: str
     method: str
     families: tuple
@@ -43,6 +45,7 @@ class Report:
     tracers: tuple = ()
     algebras: dict = field(default_factory=dict)
     splittings: dict = field(default_factory=dict)
+    searched: tuple = ()
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -60,7 +63,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "splittings": self.splittings, "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "words": self.words()}
 
 
 @public
@@ -78,14 +81,14 @@ def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
     turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families), seen)
     rotations, always, mixed = _rotations(asked, turns, seen, undecided)
     changes = time_dependent(asked)
-    integrals = [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
+    integrals = [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided), *joint_quadratic(asked, method, undecided),
                  *energy_integral(asked, method, changes), *_casimirs(asked, METHODS[method].keeps_leaf)]
     if changes is None:
         undecided.append("whether H depends on time")
     return Report(scene.name, method, tuple(asked.families), {n: c for n, (_, c) in asked.places.items()},
                   _parameters(asked), rotations, always,
                   mixed, _unique(integrals), changes, parity(asked), undecided,
-                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), attempt(lambda: splittings(scene)) or {})
+                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), attempt(lambda: splittings(scene)) or {}, tuple(looked_for(asked)))
 
 
 def _parameters(asked: Asked) -> dict:

@@ -9,7 +9,7 @@ from .names import axis_name
 
 def sentences(r) -> list[str]:
     """One fact a line: rotations, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
-    return [*_rotations(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_signs(r), *_splittings(r),
+    return [*_rotations(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
             *(f"Not decided: {text}." for text in r.undecided)]
 
 
@@ -91,6 +91,11 @@ def _casimirs(r):
     for i in r.integrals:
         if i.kind == "casimir":
             yield f"{i.name} is {_kept(r, i)}."
+
+
+def _searched(r):
+    if r.searched:
+        yield f"Integrals looked for, beside the energy: {'; '.join(r.searched)}. Others may exist."
 
 
 def _signs(r):

@@ -1,0 +1,79 @@
+"""What a message says to write instead."""
+import pytest
+
+import smidgen
+from smidgen.errors import SmidgenError, UsageError
+from smidgen.language.names_used import unused
+from smidgen.read import load_text
+
+TEXT = '''[model]
+name = "m"
+[space]
+w = { sphere = "n" }
+[parameters]
+n = 3
+B = 1.0
+K = 1.0
+[lattices.far]
+size = ["n"]
+boundary = "periodic"
+bonds.a = [{ from = 0, to = 0, offset = [5] }]
+[effects.a]
+over = "site(i) of w"
+energy = "B*w[i].z"
+[starts.up]
+theta = 0.3
+phi = 0.2
+[runs.demo]
+start = "up"
+h = 0.1
+time = 1
+'''
+pytestmark = pytest.mark.quick
+
+
+@pytest.mark.parametrize("old, new, said", [
+    ('sphere = "n"', "e3 = 1", "there are `sphere`, `r3`"), ('sphere = "n"', "canonical = 2", "outside are canonical pairs"),
+    ('sphere = "n"', "spere = 1", "did you mean `sphere`?"), ('sphere = "n"', 'sphere = "n^2"', "`n*n`"),
+    ('"B*w[i].z"', '"B*(w[i].z + (1 + 2"', "character 13 of the formula is still open; 2 brackets are open: write `))`"),
+    ('"B*w[i].z"', '"w[i"', "`[` that is character 2 of the formula"), ('"B*w[i].z"', '"2 t*w[i].z"', "`2*t`"), ('"B*w[i].z"', '"B t"', "`B*t`")])
+def test_a_hint_says_what_to_write(old, new, said):
+    with pytest.raises(SmidgenError) as refused:
+        load_text(TEXT.replace(old, new))
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("call, said", [
+    (lambda s: smidgen.build(s, "demo"), r"that is a run of m. `smidgen.run\(spec, 'demo'\)`"), (lambda s: smidgen.build(s, "gaus-8"), "did you mean 'gauss-8'"),
+    (lambda s: smidgen.build(s, "nothing at all"), "there are 6[0-9], such as"), (lambda s: smidgen.build(s, values={"b": 2.0}), "did you mean .B."),
+    (lambda s: smidgen.explain(s, {"b": 2.0}), "did you mean .B.")])
+def test_a_name_that_is_none_gets_the_one_that_was_meant(call, said):
+    with pytest.raises(UsageError, match=said) as refused:
+        call(load_text(TEXT))
+    assert len(str(refused.value)) < 300
+
+
+def test_parameters_that_nothing_uses_are_named(command, tmp_path):
+    (tmp_path / "m.toml").write_text(TEXT)
+    out = command("check", "m.toml")
+    assert out.returncode == 0 and "warning: nothing uses the parameter 'K'" in out.stdout and "'B'" not in out.stdout
+    assert unused(load_text(TEXT.replace("theta = 0.3", 'theta = "K"'))) == []
+
+
+def test_a_bond_that_is_longer_than_the_lattice_is_named():
+    spec = load_text(TEXT.replace('over = "site(i) of w"\nenergy = "B*w[i].z"', 'over = "bond(i, j) of far.a"\nenergy = "B*K*dot(w[i], w[j])"'))
+    with pytest.raises(SmidgenError, match="effect 'a': a bond reaches 5 cells along direction 1 of its lattice, which has 3"):
+        smidgen.run(spec)
+    assert smidgen.run(spec, values={"n": 6}).meta["status"] == "complete"
+
+
+def test_going_on_with_a_complete_file_does_not_say_that_it_wrote_it(command, tmp_path):
+    (tmp_path / "m.toml").write_text(TEXT)
+    assert "wrote a.npz" in command("run", "m.toml", "--out", "a.npz").stdout
+    again = command("run", "--resume", "a.npz")
+    assert again.returncode == 0 and "a.npz was complete already" in again.stdout and "wrote" not in again.stdout
+
+
+def test_the_end_of_a_search_is_no_largest_safe_step():
+    said = smidgen.advise(smidgen.load("free_rigid_body"), h=0.1, time=20)
+    assert said.kind == "open" and not any("the largest safe step" in line for line in said.words())
