@@ -26,8 +26,9 @@ from smidgen.compile.features import FEATURES
 from smidgen.methods import METHODS, SOLVERS
 from smidgen.run.settings import settle
 
-# 6: blocks, 29: few in lanes, 43: Gauss collocation; 0: a wavefront; 1047: if within min, of a vector of several factors
-FEW = (6, 29, 43, 0, 1047)
+# 6: blocks, 29: few in lanes, 43: Gauss collocation; 0: a wavefront; 1047: if within min, of a vector of several factors;
+# 316: sizes refused where `a && (b || c)` holds
+FEW = (6, 29, 43, 0, 1047, 316)
 
 
 @pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.long if seed in (0, 29) else ()) for seed in FEW])

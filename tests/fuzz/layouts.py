@@ -70,7 +70,7 @@ def single_sphere(dice):
 BETWEEN = ("J*gamma[i]*gamma[j]*dot({0}, {1})", "-gamma[i]*gamma[j]*log(4.3 - dot({0}, {1}))/2", "{k}*dot({0}, {1})^2", "{k}*({0}.x*{1}.x - {0}.y*{1}.y)",
            "{k}/(5 + dot({0}, {1}))", "gamma[i]*gamma[j]*sqrt(4.3 - dot({0}, {1}))", "J*exp(0.3*dot({0}, {1}))", "{k}*cos(t)*dot({0}, {1})")
 OWN = ("{k}*{0}.z", "gamma[i]*dot({0}, B)", "{k}*{0}.x^2", "{k}*{0}.x*{0}.y", "cos(2.1*t)*{0}.z", "mod(t, T)*{0}.x", "gamma[i]*{0}.z^2", "floor(i/n)*{0}.x + {0}.z/5",
-       "if(i/n < a, J, 0.3)*{0}.y", "mod(i, n)*{0}.z/n")
+       "if(i/n < 0.403, J, 0.3)*{0}.y", "mod(i, n)*{0}.z/n")
 
 
 def few_spheres(dice):

@@ -14,7 +14,9 @@ from smidgen.methods import METHODS
 
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- random specs -->\n", "<!-- end of random specs -->"
+LEVELS = ("-O0", "-O1", "-O2", "-O3")
 VERDICTS = ("fine", "refused", "fault")
+ENDED = "ended from outside"      # a process that took too long has told nothing
 NEVER = "none: refused before"
 
 
@@ -26,7 +28,7 @@ def counted(rows) -> list[dict]:
     """One row for each layout, method, program and library that came up: how many specs, and how many of each verdict."""
     found = collections.defaultdict(collections.Counter)
     for r in rows:
-        found[layout(r), r["method"], r["program"], r["library"]][r["verdict"]] += 1
+        found[layout(r), r["method"] or "none", r["program"] or ENDED, r["library"] or ENDED][r["verdict"]] += 1
     return [dict(zip(("layout", "method", "program", "library"), key), specs=sum(n.values()), **{v: n[v] for v in VERDICTS}) for key, n in sorted(found.items())]
 
 
@@ -37,8 +39,8 @@ def tables(counts, code: str, seeds: str) -> str:
     head = (f"{total['specs']} specs, {seeds}: {total['fine']} fine, {total['refused']} with a start or a step that is refused with a status, "
             f"{total['fault']} faults; generator, witness and target {code}. Rows are how the steps went, not what the spec was written for.\n")
     return "\n".join([head, grid(counts, "layout", "layout", kinds, lambda c: kind(c["method"])), "",
-                      grid(counts, "program", "program, under the sanitizers", ["-O0", "-O1", "-O2", "-O3"], lambda c: c["program"].split()[1], lambda text: text.split()[0]), "",
-                      grid(counts, "library", "library", ["-O0", "-O1", "-O2", "-O3"], lambda c: c["library"].split()[1], lambda text: text.split()[0]), ""])
+                      grid(counts, "program", "program, under the sanitizers", LEVELS, lambda c: c["program"].split()[1], lambda text: text.split()[0]), "",
+                      grid(counts, "library", "library", LEVELS, lambda c: c["library"].split()[1], lambda text: text.split()[0]), ""])
 
 
 def grid(counts, key, title, columns, column_of, shown=str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from sympy.logic.boolalg import Boolean
 
-from ..lower.code import Return, mentions
+from ..lower.code import Either, Return, mentions
 from ..lower.integers import Int, Product, Whole, times
 from ...language.c_names import in_c
 from .formulas import ATOM, PRODUCT, SUM, TEST, Formulas, number
@@ -193,10 +193,14 @@ class Scalar:
         return block(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", self.lines(s.body))
 
     def do_if(self, s):
-        head = f"if ({' && '.join(map(self, s.tests))})"
+        head = f"if ({' && '.join(self.one_of(s.tests, test) for test in s.tests)})"
         if len(s.body) == 1 and isinstance(s.body[0], Return):
             return [f"{head} {self.do(s.body[0])[0]}"]
         return block(head, self.lines(s.body))
+
+    def one_of(self, tests, test) -> str:
+        """A test beside others, all of which must hold: `a && (b || c)`."""
+        return f"({self(test)})" if isinstance(test, Either) and len(tests) > 1 else self(test)
 
     def do_scope(self, s):
         return block("", self.lines(s.body))
