@@ -7,6 +7,7 @@ went, by rows, in blocks, .. One line for each: `name number number ..` in hexad
 from __future__ import annotations
 
 import numpy as np
+from smidgen.language.c_names import in_c
 
 COUNT = 10
 
@@ -189,7 +190,7 @@ def program(scene, values, w, t0, h, features) -> str:
     return TEXT.format(
         M=name, start=listed(w.ravel()), t0=literal(t0), h=literal(h), count=COUNT, families=len(scene.families),
         tables="\n".join(f"static const double given_{a}[] = {{ {listed(x)} }};" for a, x in arrays.items()),
-        assign="\n".join([f"  p.{k} = {literal(x)};" for k, x in numbers.items()] + [heap(a) for a in arrays]),
+        assign="\n".join([f"  p.{in_c(k)} = {literal(x)};" for k, x in numbers.items()] + [heap(a) for a in arrays]),
         values="\n".join(f'  one("{shown}", {call}(&p, (smg_real)t0, s.w));' for shown, call in calls),
         ensemble=ENSEMBLE.format(M=name, count=COUNT) if "ensemble" in features else "", members=MEMBERS.format(M=name) if "ensemble" in features else "",
         tangent=TANGENT.format(M=name) if "tangent" in features else "",
@@ -199,7 +200,7 @@ def program(scene, values, w, t0, h, features) -> str:
 def heap(a):
     """An array in memory of its own size: what lies behind its end is no memory of the program."""
     return (f"  double *own_{a} = (double *)malloc(sizeof given_{a});\n  if (!own_{a}) return 9;\n"
-            f"  memcpy(own_{a}, given_{a}, sizeof given_{a});\n  p.{a} = own_{a};")
+            f"  memcpy(own_{a}, given_{a}, sizeof given_{a});\n  p.{in_c(a)} = own_{a};")
 
 
 def literal(x) -> str:

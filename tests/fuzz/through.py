@@ -24,6 +24,7 @@ from support.strict import CALLS, COMPILERS, WARNINGS, compile_all
 import smidgen
 from smidgen.build.binary import build_library, write_files
 from smidgen.compile.emit.emit import generate
+from smidgen.compile.features import EVERYWHERE
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
 from smidgen.run.integrator import Integrator, scene_of
@@ -101,7 +102,7 @@ class Passage:
         (self.where / "model.toml").write_text(self.text)
         self.spec = smidgen.load(self.where / "model.toml")
         s = self.settings = settle(self.spec, self.spec.runs[0].name)
-        self.features = tuple(f for f in self.features if f in METHODS[s.method].features)
+        self.features = tuple(f for f in self.features if f in (*METHODS[s.method].features, *EVERYWHERE))
         self.values = parameter_values(self.spec, s.values)
         self.w = initial_state(self.spec, s.start, s.values)
         self.found.update(method=s.method, features=" ".join(self.features), sites=len(self.w))
@@ -171,7 +172,7 @@ class Passage:
             if name in told and not told[name][0]:
                 raise Fault(fault)
         self.said = told
-        self.found["layout"] = LAYOUTS[int(told["layout"][0])] + ("" if "lanes" not in told else ", ensemble" + " in lanes" * (told["lanes"][0] > 1))
+        self.found["layout"] = LAYOUTS[int(told["layout"][0])] + ("" if "lanes" not in told else ", ensemble" + " in lanes" * int(told["lanes"][0] > 1))
 
     def shared_library(self):
         """The library that Python calls, compiled with every warning an error: the numbers of the program."""
