@@ -57,18 +57,19 @@ class Built:
 
 def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   real: str = "double", native: bool | None = None, features=(), generate=None, fast: bool = False,
-                  threads: bool = False, ranks: bool = False) -> Built:
+                  threads: bool = False, ranks: bool = False, defines: tuple = ()) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
     real: "double" or "long double"; native: -march=native or not; None: for models with vectors of lanes; fast: products and sums
     in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`; threads:
-    with OpenMP; ranks: with MPI, which no result tells: it decides no bit. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
+    with OpenMP; ranks: with MPI, which no result tells: it decides no bit; generate: in place of the generator, and defines: flags beside the
+    others, which must tell its text from that of others. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
     without OpenMP or mpicc, and BuildError when it refuses.
     """
     features, compiler = chosen_features(features), find_compiler()
     if fast and "extended" in features:
         raise UsageError("no extended precision in a fast build: leave one of them out")
-    flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(threads_of(compiler) if threads else ()))
+    flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(threads_of(compiler) if threads else ()), *defines)
     wide = native is None and not fast
     caller = mpi_compiler(compiler) if ranks else compiler
     linked = (caller, ran([*caller, "-show"]).stdout) if ranks else ()

@@ -26,6 +26,7 @@ def add(commands):
     parser.add_argument("--h", help="the step")
     parser.add_argument("--start", help="a start of the spec")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
+    parser.add_argument("--layouts", action="store_true", help="lattices by rows: threads, wavefronts and ranks of MPI too (compiled twice more)")
     parser.add_argument("--json", metavar="FILE", dest="file", help="write the certificate as JSON; - for stdout")
 
 
@@ -45,7 +46,7 @@ def command(args):
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
              if getattr(args, w) is not None}
     certificate = verify(load_spec(args.spec), args.run, tier=args.long or ("quick" if args.quick else "normal"),
-                         values=dict(args.values), features=args.features, **given)
+                         values=dict(args.values), features=args.features, layouts=args.layouts, **given)
     if args.file != "-":
         show(certificate.table())
     if args.file:

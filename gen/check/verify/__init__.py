@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 
 @public
 def verify(spec, run: str | None = None, *, tier="normal", features=(), start=None, method: str | None = None,
-           solver: str | None = None, h=None, effects=None, values=None, seed: int | None = None) -> Certificate:
+           solver: str | None = None, h=None, effects=None, values=None, seed: int | None = None,
+           layouts: bool = False) -> Certificate:
     """Measure the generated integrator of a run; returns a `certificate.Certificate`.
 
     tier: "quick", "normal", or a number of steps, the length of the round-off measurement.
     features: of the generated C, as for `smidgen.build`; start .. seed: as for `smidgen.run`, in place of what the run says.
+    layouts: look at threads, wavefronts and ranks of MPI too, for which lattices by rows are compiled twice more.
     Raises UsageError for wrong names; what the integrator refuses or misses is a row that says no.
     """
     from .certificate import certify
     return certify(spec, run, tier=tier, features=features, start=start, method=method, solver=solver, h=h,
-                   effects=effects, values=values, seed=seed)
+                   effects=effects, values=values, seed=seed, layouts=layouts)

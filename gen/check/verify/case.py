@@ -23,7 +23,8 @@ TURN = 0.25                         # angle that a probing step turns the fastes
 class Case:
     """A run to certify. w: its start (sites, 3); h: its step; probe: a larger one, or h."""
 
-    def __init__(self, spec: Spec, settings: Settings, states: int, seed: int = SEED, tier="normal", features=()):
+    def __init__(self, spec: Spec, settings: Settings, states: int, seed: int = SEED, tier="normal", features=(),
+                 layouts: bool = False):
         s = self.settings = settings
         self.spec, self.scene = spec, select(spec, s.effects, s.values)
         self.witness = Witness(spec, s.values, s.effects)
@@ -36,6 +37,7 @@ class Case:
         self.tracers = self._tracers()
         self.probe = self._probe()
         self.wanted, self.points, self.tier, self.features = states, [], tier, tuple(features)
+        self.layouts = layouts  # are threads, wavefronts and ranks to be looked at?
         self.path = None        # the run's own states, (steps + 1, sites, 3), once it was taken
         self.unseen = []        # what was not looked at, in words
 
@@ -72,10 +74,14 @@ class Case:
         """
         if not self.timed:
             return [0.0]
-        span = self.h * max(self.settings.steps, 1)
+        span = self.end()
         dice = np.random.Generator(np.random.PCG64(SEED))
         found = [0.0, *(float(np.round(span * x * 1024) / 1024) for x in np.sort(dice.uniform(size=CANDIDATES)))]
         return sorted(found, key=lambda t: -self.change(t))
+
+    def end(self) -> float:
+        """Where the run ends."""
+        return self.h * max(self.settings.steps, 1)
 
     def change(self, t: float) -> float:
         """max |X(t + h/2) - X(t)| at the start."""

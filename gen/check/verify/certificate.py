@@ -14,13 +14,18 @@ from .along import along
 from .branch import branch
 from .case import SEED, Case
 from .casimirs import casimirs
+from .contraction import contraction
+from .effort import effort
 from .equivariant import equivariant
 from .integrals import integrals, known_integrals
+from .members import members
 from .order import order
 from .outputs import outputs
+from .restore import restore
 from .reversible import reversible
 from .round_off import round_off
 from .row import CLAIMS, NO, UNITS, Row, refused
+from .shared import shared
 from .subject import emitted, fingerprint
 from .sums import sums
 from .symplectic import symplectic
@@ -109,13 +114,13 @@ def finite(data):
     return data
 
 
-def certify(spec: Spec, run=None, *, tier="normal", features=(), subject=None, seed_of_checks=SEED,
-            **given) -> Certificate:
+def certify(spec: Spec, run=None, *, tier="normal", features=(), layouts=False, subject=None,
+            seed_of_checks=SEED, **given) -> Certificate:
     """All checks of one run; `subject` in place of the generated code. Arguments as `verify`."""
     if not (tier in STATES or isinstance(tier, int) and not isinstance(tier, bool) and tier >= 1000):
         raise UsageError("tier is \"quick\", \"normal\" or a number of steps from 1000 up")
     settings = settle(spec, run, **lengthened(spec, run, given))
-    case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks, tier, features)
+    case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks, tier, features, layouts)
     subject = emitted(spec, settings, chosen_features(features)) if subject is None else subject
     rows = tuple(rows_of(case, subject))
     return Certificate(rows, {**facts_of(case, tier, features), **compiled_with(subject), "not_looked_at": case.unseen})
@@ -144,7 +149,9 @@ def rows_of(case: Case, subject):
               "momentum": lambda: integrals(case, subject, known),
               "sums": lambda: sums(case, subject), "outputs": lambda: outputs(case, subject),
               "round-off": lambda: round_off(case, subject, known),
-              "residual": lambda: witness_check(case, subject)}
+              "residual": lambda: witness_check(case, subject), "iterations": lambda: effort(case, subject),
+              "restore": lambda: restore(case, subject), "ensemble": lambda: members(case, subject),
+              "by rows": lambda: contraction(case, subject), "threads": lambda: shared(case, subject)}
     rows = [row for name, check in checks.items() for row in guarded(name, check)]
     return sorted(rows, key=lambda row: list(CLAIMS).index(row.name))
 

@@ -33,11 +33,21 @@ CLAIMS = {
     "outputs": "energies, momentum, Casimirs and observables are those of the spec",
     "step": "one step equals that of the independent interpreter",
     "residual": "the step equation holds, recomputed in extended precision",
+    "iterations": "iterations begin as near as the steps before allow",
+    "predictor": "so they do with each polynomial through these",
+    "settled": "they end where nothing but round-off is left",
+    "tolerance": "or within the tolerance that is asked for",
+    "restore": "a saved state goes on with the bits of the unbroken run",
+    "ensemble": "each member of an ensemble has the bits that it has alone",
+    "by rows": "a lattice goes by rows only where its sweeps are a contraction",
+    "threads": "threads share steps, and change no bit",
+    "wavefronts": "so do wavefronts, by which large lattices step",
+    "ranks": "and the ranks of MPI",
 }
 # row -> unit of what is measured
 UNITS = {"reversible": "ulp", "equivariant": "ulp", "momentum": "ulp", "quadratic integrals": "ulp",
          "energy": "ulp", "casimirs": "ulp", "step": "ulp", "residual": "ulp",
-         "run": "ulp", "whole space": "ulp", "round-off size": "ulp"}
+         "run": "ulp", "whole space": "ulp", "round-off size": "ulp", "settled": "ulp"}
 
 
 @dataclasses.dataclass(frozen=True)

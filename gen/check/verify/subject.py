@@ -49,6 +49,7 @@ class Emitted:
 
     def __init__(self, double: Integrator, extended: Integrator, varied: Integrator | None = None):
         self.double, self.extended, self.varied = double, extended, varied
+        self.generated = False      # is `double` what the generator gives, so that it can be compiled once more in another way?
 
     def step(self, w, t, h):
         return self._of(w).start(w.copy(), t0=t, h=h).step().state()
@@ -92,7 +93,9 @@ def emitted(spec: Spec, s: Settings, features=()) -> Emitted:
     """The generated code of a run, compiled as users get it; and twice more to be measured."""
     def made(real, *more):
         return build(spec, s.method, s.effects, s.values, s.solver, real, s.native, (*features, *more))
-    return Emitted(made("double"), made("long double"), made("double", "tangent") if "tangent" in METHODS[s.method].features else None)
+    found = Emitted(made("double"), made("long double"), made("double", "tangent") if "tangent" in METHODS[s.method].features else None)
+    found.generated = True
+    return found
 
 
 def fingerprint(scene: Spec, method: str, solver: str, features=()) -> str:

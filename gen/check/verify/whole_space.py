@@ -19,7 +19,7 @@ MOST = 256              # states: the gaps between them are then below a fiftiet
 FEWEST = 16
 WORK = {"quick": 4096, "normal": 16384}     # states times sites
 ACCEPTED = 2 * RESIDUAL # ulps: a long step may itself leave as much as RESIDUAL (SMG_VOUCHED in the C), beside the rounding of W
-FOLLOW = 10             # steps from each state: with fewer the predictor has no history yet
+FOLLOW = 20             # steps from each state: a single sphere takes the way that it takes from then on after 16
 FAR = 1.0               # angle that a step may turn the fastest site by; where it is faster, h is halved
 NARROW = 0.05           # |C|/(|w|.|A||w|): nearer to the cone C = 0 the projection is ill-conditioned
 GRID = 1024             # points of a sphere among which the emptiest is sought
@@ -75,8 +75,8 @@ def spread(case: Case, count) -> np.ndarray:
 
 
 def groups(case: Case, starts) -> dict:
-    """{(t, h): states}: the busiest times in turn; the run's h, halved while the fastest site turns too far."""
-    found, times = {}, case.times()[:4]
+    """{(t, h): states}: the busiest times in turn, or start and end of the run; its h, halved while the fastest site turns too far."""
+    found, times = {}, case.times()[:4] if case.timed else [0.0, case.end()]
     for k, w in enumerate(starts):
         t = times[k % len(times)]
         try:

@@ -1,0 +1,68 @@
+"""Where a lattice goes by rows: only where sweeps are a contraction whatever the state, since no branch is checked there.
+
+Which way a state went is seen in what it has kept: by rows fewer increments than otherwise.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+from ...compile.assemble.buffers import HISTORY as KEPT
+from ...run.saved import HISTORY
+from ..witness import EQUATIONS
+from .case import Case
+from .leaves import lengths
+from .past import another
+from .row import Row, at_most, not_applicable
+
+SITES = 6               # whose couplings are summed, beside two
+BEYOND = (1.0001, 1.05) # times the h where the factor is 1
+NEARLY = 0.999          # of the h where no bound is left
+
+
+def contraction(case: Case, subject) -> list[Row]:
+    """One row: the largest factor by which sweeps may enlarge a distance, of all h that go by rows; where it is below 1 there is one solution.
+
+    With x = |h/2 kappa|, B the sum of the norms of the Hessian's blocks in a row and F the field of no spins, a sweep changes
+    distances by x B r/sqrt(1 - x^2 (B r + F)^2) at most. B and F are from differences of the field of the interpreter, which is linear.
+    """
+    one = getattr(subject, "double", None)
+    if one is None or not one.notes.get("threads") or case.settings.method not in EQUATIONS:
+        return [not_applicable("by rows", "no sweeps by rows")]
+    rate, own = slopes(case)
+    if not rate > 0:
+        return [not_applicable("by rows", "no site feels another")]
+    one, most, seen, edge = another(one), 0.0, 0, 1 / np.hypot(rate, rate + own)       # where the factor is 1
+    for x in (*(edge * part for part in BEYOND), NEARLY / (rate + own), abs(case.h) / 2):
+        went = by_rows(one, case, float(np.copysign(2 * x, case.h)))
+        seen += went is not None
+        most = max(most, factor(x, rate, own)) if went else most
+    note = f"of {seen} steps beside |h| = {2 * edge:.3g}, where the factor is 1"
+    return [at_most("by rows", most, 1, note)]
+
+
+def factor(x, rate, own) -> float:
+    left = 1 - (x * (rate + own)) ** 2
+    return x * rate / left ** 0.5 if left > 0 else np.inf
+
+
+def by_rows(one, case: Case, h) -> bool | None:
+    """Did the steps of h from the start go by rows? None where too few are taken to tell."""
+    one.start(case.w.copy(), h=h)
+    return bool(one.save()[HISTORY] < KEPT) if one.advance(KEPT + 1) > KEPT else None
+
+
+def slopes(case: Case) -> tuple[float, float]:
+    """(B r, F) over kappa: of some sites, the first and others."""
+    none = np.zeros_like(case.w)
+    still = case.witness.field(none, 0.0)
+    radius = float(lengths(case.w).max())
+    sites = {0, case.sites // 2, *case.dice.integers(0, case.sites, SITES).tolist()}
+    rows = []
+    for k in sites:
+        columns = []
+        for axis in range(3):
+            moved = none.copy()
+            moved[k, axis] = 1.0
+            columns.append(case.witness.field(moved, 0.0) - still)
+        rows.append(float(np.linalg.norm(np.stack(columns, axis=-1), 2, axis=(1, 2)).sum()))
+    return max(rows) * radius, float(lengths(still).max())

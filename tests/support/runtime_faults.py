@@ -1,0 +1,90 @@
+"""Faults of the runtime, each in one layout or one place only, and the row of a certificate that must say no.
+
+A fault is a line of a header of runtime/ and what stands there instead; `Faulty` compiles with a copy of the runtime that has it.
+"""
+import shutil
+from dataclasses import dataclass, field
+
+import smidgen
+from smidgen import resources
+from smidgen.build import binary
+from smidgen.check.verify.case import Case
+from smidgen.check.verify.subject import Emitted
+from smidgen.run.integrator import build
+from smidgen.run.settings import settle
+
+BODY, CHAIN, CUBIC = ("free_rigid_body", {}), ("heisenberg_chain", {"n": 40}), ("cubic_lattice", {})
+RING = ("heisenberg_chain", {"n": 640})      # long enough for wavefronts of the smallest blocks
+
+
+@dataclass(frozen=True)
+class Fault:
+    """row: the name of the one that says no; system: a shipped spec and its values; settings: of the run."""
+    row: str
+    file: str
+    right: str
+    wrong: str
+    system: tuple
+    settings: dict = field(default_factory=dict)
+    features: tuple = ()
+    more: tuple = ()        # (file, right, wrong) of other lines
+
+
+LAST = "smg_lane_set({0}, SMG_LANES - 1, (smg_real)1.01 * smg_lane_get({0}, SMG_LANES - 1));"
+END = "slot + SMG_LANES >= go.pitch - SMG_BEFORE - SMG_AFTER ? (smg_real)1.01 : (smg_real)1"
+ENSEMBLE, CONTROLLED, EXTRAPOLATED = ("ensemble",), {"method": "dop853"}, {"method": "extrapolation-12"}
+LONG = {"h": 0.2}       # near the longest step that goes by rows, where sweeps shrink changes least
+COMMIT, ROWS, SAVED, STATE, HALO = ("smg_row_commit.h", "smg_rows.h", "smg_saved.h", "smg_row_state.h", "smg_row_halo.h")
+FAULTS = {
+    "increments in the last lane": Fault("ensemble", "smg_lane_sphere.h", "  f.W = smg_lane_vec_add(w, f.y);", f"  {LAST.format('&f.y.x')}\n  f.W = smg_lane_vec_add(w, f.y);", BODY, {}, ENSEMBLE),
+    "a vector that is not full": Fault("ensemble", "smg_lane_sphere.h", "g->live = smg_lane_below(n);", "g->live = smg_lane_below(n > 1 && n < SMG_LANES ? n - 1 : n);", BODY, {}, ENSEMBLE),
+    "the last lane of step control": Fault("ensemble", "smg_lane_dop853.h", "    s->w[b] = smg_lane_get(f->w + b, l);", "    s->w[b] = smg_lane_get(f->w + b, l) * (l == SMG_LANES - 1 ? 1 + 4 * SMG_EPS : 1);", BODY, CONTROLLED, ENSEMBLE),
+    "the last lane of extrapolation": Fault("ensemble", "smg_lane_extrapolation.h", "  for (int k = 0; k < b.groups; ++k) smg_group_end(b.group + k, count);", "  for (int k = 0; k < b.groups; ++k) smg_group_end(b.group + k, count - (n == SMG_LANES + 1 && k == 1));", BODY, EXTRAPOLATED, ENSEMBLE),
+    "members with parameters of their own": Fault("ensemble", "smg_lane_sphere.h", "if (!alike) smg_lane_fill(&g->c, l, &g->state[l]->c);", "if (!alike) smg_lane_fill(&g->c, l, &g->state[l == SMG_LANES - 1 ? 0 : l]->c);", BODY, {}, ENSEMBLE),
+    "a second member, one by one": Fault("ensemble", "smg_ensemble.h", "e->member[k].report.status = smg_steps(e->member + k, count);", "e->member[k].report.status = smg_steps(e->member + k, k == 1 && count > 5 ? count - 1 : count);", CHAIN, {}, ENSEMBLE),
+    "the last row": Fault("run", COMMIT, "    sum[k] = w + y;", f"    sum[k] = w + ({END}) * y;", CUBIC),
+    "the seam of a ring": Fault("run", ROWS, "o->cell[0] < 0 ? x + n : x - n, s) - at->start;", "o->cell[0] < 0 ? x + n : x - n + SMG_ROW_STEP, s) - at->start;", CHAIN),
+    "the bound of rows": Fault("by rows", STATE, "#define SMG_ROW_BOUND (smg_real)0.9", "#define SMG_ROW_BOUND (smg_real)45", CUBIC),
+    "the tolerance of rows": Fault("tolerance", "smg_row_sweep.h", "sweep->whole.rate * sweep->whole.now <= s->tolerance * s->scale", "sweep->whole.rate * sweep->whole.now <= 100 * s->tolerance * s->scale", CUBIC, LONG,
+                                   more=(("smg_row_step.h", "return s->report.residual <= s->tolerance * s->scale;", "return s->report.residual <= 100 * s->tolerance * s->scale;"),)),
+    "the end of passes": Fault("settled", "smg_row_sweep.h", "return smg_rest_settled(&sweep->whole, SMG_EPS * s->scale)", "return smg_rest_settled(&sweep->whole, 1000 * SMG_EPS * s->scale)", CUBIC, LONG),
+    "a weight of degree 3": Fault("predictor", "smg_predictor.h", "{4, -6, 4, -1}", "{4, -6, 4.1, -1}", CUBIC),
+    "a weight of degree 3 of a single sphere": Fault("predictor", "smg_single_sphere.h", "{4, 4, 4, 4, -6, -6, -6, -6, 4, 4, 4, 4, -1, -1, -1, -1}", "{4, 4, 4, 4, -6, -6, -6, -6, 4.1, 4.1, 4.1, 4, -1, -1, -1, -1}", BODY),
+    "the order of the history": Fault("iterations", "smg_row_step.h", "s->past[0] = s->row_late;\n  s->row_late = oldest;", "s->past[0] = s->row_late;\n  s->row_late = oldest;\n  if (s->history > 2) { smg_real *one = s->past[1]; s->past[1] = s->past[2]; s->past[2] = one; }", CUBIC),
+    "a sign after a restore": Fault("restore", SAVED, "  smg_copy(s->w, in + SMG_SAVED_HEAD, n3);", "  smg_copy(s->w, in + SMG_SAVED_HEAD, n3);\n  s->w[0] = -s->w[0];", BODY),
+    "a save without compensation": Fault("restore", SAVED, "  smg_copy(lost, s->compensation, (size_t)(3 * smg_sites(&s->c)));", "  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) lost[k] = 0;", BODY),
+    "a restore of rows without compensation": Fault("restore", STATE, "  smg_to_slots(s, lost, s->row_compensation);", "  (void)lost;", CHAIN),
+    "a restore without the tolerance": Fault("restore", SAVED, "  s->tolerance = in[SMG_SAVED_TOLERANCE];", "  s->tolerance = 0;", CUBIC),
+    "after t = 9.9": Fault("whole space", "smg_single_sphere.h", "y = smg_vec_add(v, compensation), W = smg_vec_add(w, y);\n  const smg_real change", "y = smg_vec_add(smg_time_at(s, 0) > (smg_real)9.9 ? smg_vec_scale((smg_real)1.000001, v) : v, compensation), W = smg_vec_add(w, y);\n  const smg_real change", BODY),
+    "the second thread": Fault("threads", "smg_row_team.h", "SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }",
+                               "SMG_INLINE smg_share smg_share_of_thread(smg_share all) {\n  smg_share part = smg_part_of(all, smg_thread(), smg_threads());\n  if (smg_thread() == 1 && part.to > part.from) part.to -= SMG_WIDEST;\n  return part;\n}", CHAIN),
+    "the lag of wavefronts": Fault("wavefronts", "smg_row_wave.h", "wave->lag = (s->row_reach + block - 1) / block + (s->row_team > 1);", "wave->lag = 1;", ("cubic_lattice", {"nx": 6, "ny": 6, "nz": 60})),
+    "the ring of wavefronts": Fault("wavefronts", "smg_row_wave.h", "wave->later = SMG_RINGS > 0 || SMG_RANKS > 1 ? wave->lag : 0;", "wave->later = 0;", RING),
+    "ghost cells": Fault("ranks", HALO, "  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);", "  for (int64_t colour = 1; colour + 1 < SMG_COLOURS; ++colour) smg_send_colour(colour);", RING),
+}
+
+
+def examined(fault: Fault, layouts: bool):
+    """(case, subject) of the run that shows a fault; the subject has no library in extended precision."""
+    name, values = fault.system
+    spec = smidgen.load(name)
+    s = settle(spec, None, values=values, **fault.settings)
+    subject = Emitted(build(spec, s.method, s.effects, s.values, s.solver, features=fault.features), None)
+    subject.generated = True
+    return Case(spec, s, 2, tier="quick", features=fault.features, layouts=layouts), subject
+
+
+def plant(monkeypatch, place, fault: Fault | None) -> None:
+    """From now on libraries are compiled with a runtime that has this fault."""
+    monkeypatch.setenv("SMIDGEN_CACHE", str(place / "cache"))
+    monkeypatch.setattr(binary, "FLAGS", tuple("-O1" if flag == "-O3" else flag for flag in binary.FLAGS))
+    if fault is None:
+        return
+    shutil.copytree(resources.folder("runtime"), place / "runtime")
+    for file, right, wrong in ((fault.file, fault.right, fault.wrong), *fault.more):
+        path = next((place / "runtime").rglob(file))
+        text = path.read_text()
+        assert text.count(right) == 1, f"{file} has no such line"
+        path.write_text(text.replace(right, wrong))
+    folder = resources.folder
+    monkeypatch.setattr(resources, "folder", lambda name: place / name if name == "runtime" else folder(name))
