@@ -46,6 +46,7 @@ def real(function):
 OWN = {name: real(f) for name, f in {
     "absolute": np.abs, "signum": np.sign, "sign": np.sign, "floor_": np.floor, "lesser": np.fmin, "greater": np.fmax, "power": np.power,
     "chosen": lambda c, a, b: a if c else b,
+    "plus": np.add, "minus": np.subtract, "times": np.multiply, "over": np.divide, "negative": np.negative,
     "sqrt": np.sqrt, "log": np.log, "exp": np.exp, "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos,
     "atan": np.arctan, "atan2": np.arctan2, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh}.items()}
 
