@@ -176,6 +176,7 @@ def test_reports_as_json_and_text():
     report = Report("s", "demo", "spherical-midpoint", 0.1, 1, 100, 1.0, lines)
     facts = json.loads(json.dumps(report.as_dict(), allow_nan=False))
     assert facts["passed"] is False and facts["lines"][1]["measured"] is None
+    assert "round-off" in facts["not_seen"] and "Hessian" in facts["not_seen"]
     assert "FAILED" in report.text() and "why" in report.text()
     with pytest.raises(ValidationError, match="b: nan, bound a result why"):
         report.check()

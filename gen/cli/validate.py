@@ -46,6 +46,8 @@ def show(args, reports):
     """The tables, or the reports as JSON."""
     if args.json:
         return printed([r.as_dict() for r in reports])
+    from ..check.validate import NOT_SEEN
     from ..tables import show as show_table
     for report in reports:
         show_table(report.table())
+    say(f"smidgen: {NOT_SEEN}")
