@@ -31,6 +31,11 @@ def definitions(model) -> tuple[list, list]:
                  *site_sums(model), *visits(model), *(model.solo or ()), *((model.motion,) if model.motion else ()), *(model.lane_sphere or ()), *axis_functions(model), *sublattice_functions(model), *pair_functions(model), *row_functions(model), *pair_row_functions(model), *few_functions(model),
                  *(wide_functions(model) if model.wide else ()), *(lane_functions(model) if has_lanes(model) else ())]
     values = value_sums(model)
-    called = mentions(*(statement for _, _, body in values for statement in body))
-    kept, bodies = trim(needed([*tables(model), *functions], called), [body for _, _, body in values])
-    return kept, [(kind, name, body) for (kind, name, _), body in zip(values, bodies)]
+    kept, bodies = trim(needed([*tables(model), *functions], called(values)), [body for _, _, body in values])
+    values = [(kind, name, body) for (kind, name, _), body in zip(values, bodies)]
+    return needed(kept, called(values)), values
+
+
+def called(values) -> set:
+    """The names that the sums mention."""
+    return mentions(*(statement for _, _, body in values for statement in body))

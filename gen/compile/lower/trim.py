@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 
-from .code import Call, Function, Let, Name, Table, mentions, walk
+from .code import Call, Function, Let, Name, Table, Value, Zeros, mentions, walk
 from .integers import Node
 
 
@@ -77,12 +77,12 @@ def others(items: tuple, places) -> tuple:
 
 
 def used_constants(body) -> tuple:
-    """The body without the constants that no later statement of it mentions."""
+    """The body without the values, and the arrays of zeros, that no later statement of it mentions."""
     kept: list = []
     for one in reversed(body):
         if isinstance(getattr(one, "body", None), tuple):
             one = replace(one, body=used_constants(one.body))
-        if not isinstance(one, Let) or one.name.partition("[")[0] in mentions(*kept):
+        if not isinstance(one, (Let, Value, Zeros)) or one.name.partition("[")[0] in mentions(*kept):
             kept.append(one)
     return tuple(reversed(kept))
 
