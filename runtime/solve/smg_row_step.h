@@ -14,11 +14,12 @@ static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning 
   } while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
 }
 
-/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves, smaller by the factor of a sweep, within the tolerance? */
+/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves within the tolerance? What sweeps q, q^2, .. of it would still move, twice as
+ * large, as W is 2 mbar - w. */
 static int smg_row_solved(smg_state *s, smg_real residual) {
   s->report.residual = residual;
   if (residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale) return 1;
-  s->report.residual = s->row_bound * residual;
+  s->report.residual = 2 * s->row_bound / (1 - s->row_bound) * residual;
   return s->report.residual <= s->tolerance * s->scale;
 }
 
