@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..chance import generator
 from ..errors import UsageError
 from ..public import few, public
 from ..run.start import casimir_matrices, radii
@@ -86,7 +87,7 @@ def orthonormal(v):
 
 def tangent_vectors(model, columns: int, seed: int = 0) -> np.ndarray:
     """`columns` orthonormal random vectors (columns, sites, 3), tangent to the leaves at the state of model."""
-    v = np.random.default_rng(seed).standard_normal((columns, model.sites, 3))
+    v = generator("tangent vectors", seed).standard_normal((columns, model.sites, 3))
     return orthonormal(on_leaves(model, v.astype(model.real)))[0]
 
 

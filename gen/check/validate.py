@@ -14,7 +14,9 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from ..chance import generator
 from ..errors import RunError, UsageError, ValidationError
+from ..extremes import largest, smallest, with_largest
 from ..methods import METHODS
 from ..language.spec import Spec
 from ..public import public
@@ -135,7 +137,7 @@ class Case:
         self.points = points
         self.witness = Witness(spec, s.values, s.effects)
         self.radius = radii(spec, s.values)
-        self.dice = np.random.Generator(np.random.PCG64(20170501))
+        self.dice = generator("validate")
         self.model = build(spec, s.method, s.effects, s.values, s.solver, s.real, s.native)
         self.w = self._start(spec, s)
 
@@ -188,7 +190,7 @@ def agreement(check, measured, bound, note="") -> Line:
 
 def field_lines(case: Case) -> list[Line]:
     """Worst of the random states, each in units of its own bound."""
-    worst, refused = {}, 0
+    seen, refused = {}, 0
     for _ in range(case.points):
         w, t = case.random_state(), float(case.dice.uniform(0, 10))
         case.begin(case.w, case.settings.h)
@@ -197,13 +199,18 @@ def field_lines(case: Case) -> list[Line]:
         except RunError:
             refused += 1
             continue
-        for name, (measured, bound) in found.items():
-            worst[name] = max(worst.get(name, (-1,)), (measured / bound, measured, bound))
+        for name, pair in found.items():
+            seen.setdefault(name, []).append(pair)
     if refused == case.points:
         return [Line("field", math.nan, "a result", False, "not finite at any random state")]
     note = f"at {case.points - refused} random states" + f", {refused} not finite" * bool(refused)
-    return [agreement(name, measured, bound, note)
-            for name, (_, measured, bound) in worst.items()]
+    return [agreement(name, *with_largest(pairs, in_bounds), note) for name, pairs in seen.items()]
+
+
+def in_bounds(pair) -> float:
+    """What was measured, in units of its bound."""
+    measured, bound = pair[:2]
+    return measured / bound
 
 
 def compare_at(case, w, t) -> dict:
@@ -218,8 +225,8 @@ def compare_at(case, w, t) -> dict:
     power = float(np.sum(np.abs(b) * np.abs(w) * np.abs(case.witness.kappa)[:, None]))
     return {
         "field": (difference(case.model.field(w, t), b),
-                  ROUND_OFF * max(1, np.abs(b).max()) + scatter),
-        "energy": (difference(case.model.energy(w, t), e), ROUND_OFF * max(1, abs(e), power)),
+                  ROUND_OFF * largest(1, np.abs(b).max()) + scatter),
+        "energy": (difference(case.model.energy(w, t), e), ROUND_OFF * largest(1, abs(e), power)),
     }
 
 
@@ -228,18 +235,16 @@ def value_lines(case: Case) -> list[Line]:
     model = case.begin(case.w, case.settings.h)
     mine = {**expected_values(case.witness, case.w, 0.0), "casimirs": expected_casimirs(case.witness, case.w)}
     columns = {**dict(zip(model.columns, model.values())), "casimirs": model.casimirs()}
-    measured, bound, worst = 0.0, ROUND_OFF, ""
-    for name, value in columns.items():
-        gap, allowed = difference(value, mine[name]), ROUND_OFF * max(1, size_of(case, mine[name]))
-        if gap / allowed >= measured / bound:
-            measured, bound, worst = gap, allowed, name
+    found = [(difference(value, mine[name]), ROUND_OFF * largest(1, size_of(case, mine[name])), name)
+             for name, value in columns.items()]
+    measured, bound, worst = with_largest(found, in_bounds)
     return [agreement("values at the start", measured, bound, f"{len(columns)} columns, "
                       f"worst: {worst}")]
 
 
 def size_of(case, value):
     """Largest number that summing n terms of order one may pass through."""
-    return max(float(np.abs(value).max()), math.sqrt(case.witness.sites))
+    return largest(np.abs(value).max(), math.sqrt(case.witness.sites))
 
 
 def expected_casimirs(one: Witness, w) -> np.ndarray:
@@ -274,7 +279,7 @@ def compare_steps(case: Case):
     other = case.witness.steps(case.nudged(), 0.0, s.h, s.steps, s.method)
     growth = difference(other, mine) / NUDGE
     compiled = trajectory(case, case.w, s.h, s.steps)
-    scale = max(1.0, float(np.abs(mine).max()))
+    scale = size(mine)
     allowed = (FLOOR if METHODS[s.method].controlled else ROUND_OFF) * scale * (growth if growth > SENSITIVE else 1.0)
     note = f"tangent map grows {growth:.3g}" + (", allowed for" if growth > SENSITIVE else "")
     return [agreement(f"{s.steps} steps", difference(compiled, mine), allowed, note)], growth
@@ -287,8 +292,8 @@ def compare_residuals(case):
     for k in range(s.steps):
         before = np.array(model.w, float)
         model.step()
-        worst = max(worst, case.witness.residual(before, model.w, k * s.h, s.h, s.method))
-    allowed = ROUND_OFF * max(1.0, float(np.abs(model.w).max()))
+        worst = largest(worst, case.witness.residual(before, model.w, k * s.h, s.h, s.method))
+    allowed = ROUND_OFF * size(model.w)
     return agreement(f"residual of {s.steps} steps", worst, allowed,
                      f"more than {DENSE} sites: the witness takes no steps of its own")
 
@@ -315,11 +320,11 @@ def compare_flow(case: Case) -> list[Line]:
     low, high = (claimed * part for part in ORDER)
     note = (f"errors {', '.join(f'{e:.2e}' for e in errors)} at t = {time:.4g} after "
             f"{steps}, {2 * steps}, {4 * steps} steps{tried}")
-    if max(errors) <= FLOOR * size(start):
-        lines = [agreement("order of convergence", max(errors), FLOOR * size(start),
+    if largest(*errors) <= FLOOR * size(start):
+        lines = [agreement("order of convergence", largest(*errors), FLOOR * size(start),
                            "exact here; " + note)]
-    elif max(errors) <= RESOLVED * FLOOR * size(start) and not shows_order(errors, size(start), claimed):
-        lines = [agreement("order of convergence", max(errors), RESOLVED * FLOOR * size(start),
+    elif largest(*errors) <= RESOLVED * FLOOR * size(start) and not shows_order(errors, size(start), claimed):
+        lines = [agreement("order of convergence", largest(*errors), RESOLVED * FLOOR * size(start),
                            "too small for the reference to tell the order; " + note)]
     else:
         lines = [Line("order of convergence", observed(errors, size(start)), f"{low:g} .. {high:g}",
@@ -328,7 +333,7 @@ def compare_flow(case: Case) -> list[Line]:
 
 
 def size(w) -> float:
-    return max(1.0, float(np.abs(w).max()))
+    return largest(1.0, np.abs(w).max())
 
 
 def moving(case):
@@ -366,7 +371,7 @@ def compare_end(case: Case, start) -> list[Line]:
     """Of a method with step control: the state after eight steps, against the flow."""
     time = 8 * case.settings.h
     errors = flow_errors(case, start, time, 8)
-    return [agreement("distance from the flow", max(errors or [math.nan]), FLOOR * size(start), f"at t = {time:.4g}"), *implicit_line(case, start, time)]
+    return [agreement("distance from the flow", largest(*(errors or [math.nan])), FLOOR * size(start), f"at t = {time:.4g}"), *implicit_line(case, start, time)]
 
 
 def observed(errors, scale) -> float:
@@ -378,7 +383,7 @@ def observed(errors, scale) -> float:
 
 def shows_order(errors, scale, order):
     """Small errors, the observed order near that of the method, and the one before it not far from it."""
-    first = math.log2(errors[0] / errors[1]) / order if min(errors) > 0 else math.nan
+    first = math.log2(errors[0] / errors[1]) / order if smallest(*errors) > 0 else math.nan
     return errors[0] < 0.1 * scale and ORDER[0] <= observed(errors, scale) / order <= ORDER[1] and abs(first - 1) < 0.25
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import UsageError
+from ..extremes import largest
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
@@ -178,7 +179,7 @@ def jump(name: str, row: Row, asked: dict) -> float:
     """How many times more steps to take next: as the order promises, within a factor of 4 and not below a neighbour's."""
     if row.status:
         return 1.5
-    excess = max(getattr(row, what) / (MARGIN * value) for what, value in asked.items())
+    excess = largest(*(getattr(row, what) / (MARGIN * value) for what, value in asked.items()))
     return float(np.clip(excess ** (1 / METHODS[name].order) if excess == excess else 2.0, 1.1, 4.0))
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import UsageError
+from ..extremes import largest
 from ..methods import METHODS
 from .case import Case
 
@@ -54,7 +55,7 @@ def reference(case: Case, good: float = GOOD) -> Reference:
     else:
         raise UsageError("no reference: fewer than two independent methods get to the end of this run")
     (first, end, error), (second, other, more) = ends
-    return Reference(end if error <= more else other, max(error, more, case.distance(end, other)), (first, second))
+    return Reference(end if error <= more else other, largest(error, more, case.distance(end, other)), (first, second))
 
 
 def lost_to_round_off(case: Case) -> bool:

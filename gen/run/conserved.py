@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..chance import generator
 from ..language.expr import Time, slots_of, walk
 from ..language.tracers import moves_tracers
 from .start import kappas, radii
@@ -60,7 +61,7 @@ def conserved_axes(model, span: float = 5.0) -> np.ndarray:
     spec, own = model.scene, acting_sites(model)
     if not own.size or any(f.kind == "nambu" for f in spec.families):
         return np.zeros((0, 3))
-    dice, kappa = np.random.Generator(np.random.PCG64(11)), kappas(spec, model.values_in)[own, None]
+    dice, kappa = generator("conserved momentum"), kappas(spec, model.values_in)[own, None]
     rows = [torque(model, random_state(model, dice), model.t + dice.uniform(0, 1) * span, own, kappa)
             for _ in range(STATES)]
     rows = [row for row in rows if np.isfinite(row).all()]

@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from ..errors import UsageError
+from ..extremes import largest
 from .conserved import conserved_axes, driven, energy_of, momentum_of, round_off_of_momentum, with_tracers
 from .integrator import Integrator
 from .output import RESERVED
@@ -123,9 +124,8 @@ class Deviations:
         return np.where(np.abs(change) < self.grain, 0, change)
 
     def _raise(self, kind, name, change):
-        value, found = float(abs(change).max()), self.largest.setdefault(kind, {})
-        if not value <= found.get(name, -1.0):      # NaN must not be lost
-            found[name] = value
+        found = self.largest.setdefault(kind, {})
+        found[name] = largest(found.get(name, 0.0), abs(change).max())
 
     def summary(self) -> dict:
         """errors and changes: name -> the largest one; without: the effects that the energy leaves out."""

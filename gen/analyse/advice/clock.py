@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...chance import generator
+from ...extremes import largest
 from ...language.expr import Time, walk
 from .equation import StepEquation
 
@@ -41,7 +43,7 @@ def clock(equation: StepEquation, span: float) -> Clock | None:
                                           for w in (equation.w, _turned(equation.w))]
     best = {float(times[k]): size for moments, sizes, _ in found for k, size in zip(moments, sizes)}
     moments = sorted(best, key=best.get, reverse=True)[:MOMENTS]
-    return Clock(spacing, tuple(sorted(moments)), max(change for *_, change in found))
+    return Clock(spacing, tuple(sorted(moments)), largest(*(change for *_, change in found)))
 
 
 def _sampled(model, w, times, spacing):
@@ -61,7 +63,7 @@ def _sampled(model, w, times, spacing):
 
 def _turned(w):
     """Each vector turned by an angle of its own, always the same."""
-    axes = np.random.Generator(np.random.PCG64(0)).standard_normal(w.shape)
+    axes = generator("a second start").standard_normal(w.shape)
     axes /= np.linalg.norm(axes, axis=1)[:, None]
     along = np.sum(axes * w, axis=1)[:, None] * axes
     return 2 * along - w        # half a turn

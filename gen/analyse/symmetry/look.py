@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...chance import generator
 from ...language.expr import walk
 from ...run.start import casimir_matrices, parameter_values, radii, sizes
 from . import bounds
@@ -38,7 +39,7 @@ def _cost(spec, values) -> int:
 
 def _rows(spec, values, energy, size):
     """Derivatives along the rotations (columns) at random states (rows)."""
-    random, rows = np.random.default_rng(1), []
+    random, rows = generator("symmetries"), []
     turns = list(_turns(spec, values, energy.places))
     for _ in range(4 * (size + 4)):
         w, t = _state(random, spec, values, energy.places), random.uniform(0, 3)

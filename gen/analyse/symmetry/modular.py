@@ -5,10 +5,9 @@ none of a rational matrix shrinks. Where as many are known already, there are no
 """
 from __future__ import annotations
 
-import random
-
 import numpy as np
 
+from ...chance import generator
 from .algebra import Algebra
 from .torque import Torques
 
@@ -23,7 +22,7 @@ class NoValue(Exception):
 
 def most(found: Torques, velocities, places, entries) -> int | None:
     """The dimension of the null space at random states; None where the field is no rational function of the state."""
-    draw, lines = random.Random(1), []
+    draw, lines = generator("values modulo a prime"), []
     try:
         while len(lines) < len(entries) + MORE:
             lines += _lines(found, velocities, places, entries, draw)
@@ -68,7 +67,7 @@ def residue(x) -> int:
 class Values:
     """Generators at one random state: vectors on their spheres, other leaves anywhere."""
 
-    def __init__(self, algebra: Algebra, draw: random.Random):
+    def __init__(self, algebra: Algebra, draw: np.random.Generator):
         self.algebra, self.draw, self.known = algebra, draw, {}
 
     def of(self, p: dict) -> int:
@@ -87,7 +86,7 @@ class Values:
             if one.kind == "vector":
                 self._place(one)
             elif one.kind == "leaf":
-                self.known[g] = self.draw.randrange(PRIME)
+                self.known[g] = int(self.draw.integers(PRIME))
             elif one.kind == "inverse":
                 value = self.of(one.arguments[0])
                 if not value:
@@ -103,7 +102,7 @@ class Values:
         numbers = [next(iter(c))[0][0] for c in self.algebra.vector(family, label)]
         square = self.algebra.spheres.get(family)
         for _ in range(TRIES):
-            x, y, z = (self.draw.randrange(PRIME) for _ in range(3))
+            x, y, z = map(int, self.draw.integers(PRIME, size=3))
             if square is not None:
                 left = (self.of(square) - x * x - y * y) % PRIME
                 z = pow(left, (PRIME + 1) // 4, PRIME)

@@ -3,8 +3,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...chance import generator
 from ...compile.select import select
 from ...errors import RunError
+from ...extremes import largest
 from ...language.expr import Time, walk
 from ...language.spec import Spec
 from ...run.settings import Settings
@@ -30,7 +32,7 @@ class Case:
         self.witness = Witness(spec, s.values, s.effects)
         self.leaves = Leaves(kappas(spec, s.values).astype(LONG),
                              casimir_matrices(spec, s.values).astype(LONG), radii(spec, s.values))
-        self.dice = np.random.Generator(np.random.PCG64(seed))
+        self.dice = generator("verify", seed)
         self.w, self.h, self.sites = self._start(), s.h, self.witness.sites
         self.timed = any(isinstance(node, Time) for e in self.scene.effects for node in walk(e.value))
         self.small = self.sites <= LARGEST_DENSE
@@ -63,7 +65,7 @@ class Case:
 
     def _probe(self):
         """A step that turns the fastest site by TURN: a defect of order h^3 does not hide at a small h."""
-        fastest = max(float(lengths(self.witness.field(self.w, t)).max()) for t in self.times()[:4])
+        fastest = largest(*(lengths(self.witness.field(self.w, t)).max() for t in self.times()[:4]))
         h = TURN / fastest if fastest > 0 else abs(self.h)
         return float(np.copysign(max(h, abs(self.h)), self.h))
 
@@ -75,7 +77,7 @@ class Case:
         if not self.timed:
             return [0.0]
         span = self.end()
-        dice = np.random.Generator(np.random.PCG64(SEED))
+        dice = generator("times")
         found = [0.0, *(float(np.round(span * x * 1024) / 1024) for x in np.sort(dice.uniform(size=CANDIDATES)))]
         return sorted(found, key=lambda t: -self.change(t))
 

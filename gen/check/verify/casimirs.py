@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...extremes import largest
 from .case import EPS, LONG_EPS, Case
 from .row import Row, at_most, refused
 
@@ -19,8 +20,8 @@ def casimirs(case: Case, subject) -> list[Row]:
         return [refused("casimirs", "the run ended early")]
     steps = np.arange(1, len(case.path))
     many = float(np.max(changed(case, case.path[0], case.path[1:]) / (EPS * np.sqrt(steps))))
-    one = max(float(changed(case, case.long(w), subject.step(case.long(w), t, h))) for w, t, h in case.trials()) / LONG_EPS
-    return [at_most("casimirs", max(many, one), ULPS, f"{one:.2g} ulp of one step in extended precision, "
+    one = largest(*(changed(case, case.long(w), subject.step(case.long(w), t, h)) for w, t, h in case.trials())) / LONG_EPS
+    return [at_most("casimirs", largest(many, one), ULPS, f"{one:.2g} ulp of one step in extended precision, "
                     f"{many:.2g} ulp sqrt(N) of {len(steps)} steps")]
 
 

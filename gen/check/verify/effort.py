@@ -10,7 +10,9 @@ from math import comb
 
 import numpy as np
 
+from ...chance import generator
 from ...errors import RunError
+from ...extremes import largest, with_largest, with_smallest
 from ...methods import METHODS
 from ...run.saved import SCALE, TOLERANCE
 from .case import EPS, Case
@@ -95,7 +97,7 @@ def iterations(path: Steps) -> Row:
     past = path.past
     best = {d: float(np.mean([path.trial(past.begun_at(before, path.extrapolated(k, d)))[0] for k, (before, *_) in enumerate(path.steps)]))
             for d in past.degrees}
-    degree = min(best, key=best.get)
+    degree = with_smallest(best, best.get)
     note = f"{path.taken():.3g} a step; {best[degree]:.3g} from the polynomial of degree {degree}"
     return at_most("iterations", path.taken() / max(best[degree], 1), RATIO, note)
 
@@ -108,26 +110,26 @@ def cold(path: Steps) -> Row:
 
 def predictor(path: Steps) -> Row:
     """What a history on a polynomial costs more than the solution itself, off by the round-off of the sum; the worst degree."""
-    past, dice = path.past, np.random.Generator(np.random.PCG64(7))
+    past, dice = path.past, generator("round-off of a predictor")
 
     def rounded(saved, after, degree):
         u = past.row(after, 0)
         return past.begun_at(saved, u * (1 + 2 ** degree * EPS * dice.uniform(-1, 1, u.shape)))
     more = {d: path.mean(lambda s, a, d=d: past.along(s, past.row(a, 0), d)) - path.mean(lambda s, a, d=d: rounded(s, a, d))
             for d in past.degrees}
-    worst = max(more, key=more.get)
-    return at_most("predictor", max(more[worst], 0.0), MORE, f"degrees to {max(past.degrees)}; worst: {worst}")
+    worst = with_largest(more, more.get)
+    return at_most("predictor", largest(more[worst], 0.0), MORE, f"degrees to {max(past.degrees)}; worst: {worst}")
 
 
 def settled(path: Steps) -> Row:
     """How far steps move that begin where they ended, in ulps of the largest component; they began at many distances from it."""
-    past, dice, worst = path.past, np.random.Generator(np.random.PCG64(11)), 0.0
+    past, dice, worst = path.past, generator("beginnings of iterations"), 0.0
     for before, after, _ in path.few():
         for off in BEGINNINGS:
             u = past.row(after, 0)
             ended = path.trial(past.begun_at(before, u * (1 + off * dice.uniform(-1, 1, u.shape))))[1]
             again = path.trial(past.begun_at(before, past.row(ended, 0)))[1]
-            worst = max(worst, past.moved(ended, again))
+            worst = largest(worst, past.moved(ended, again))
     return at_most("settled", worst / EPS, LEFT, f"{FEW} steps from {len(BEGINNINGS)} beginnings each")
 
 
@@ -139,6 +141,6 @@ def tolerance(path: Steps) -> Row:
             for begun in (before, past.forgotten(before)):
                 ended = path.trial(past.asked(begun, set_to[asked]))[1]
                 error = np.abs(past.state(ended) - past.state(after)).max() / (asked * before[SCALE])
-                found[asked] = max(found.get(asked, 0.0), float(error))
-    worst = max(found, key=found.get)
+                found[asked] = largest(found.get(asked, 0.0), error)
+    worst = with_largest(found, found.get)
     return at_most("tolerance", found[worst], MISSED, f"{len(TOLERANCES)} tolerances; worst: {worst:.0e}")

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...extremes import largest
 from ...methods import METHODS
 from .case import EPS, Case, size
 from .reversible import stretch
@@ -21,7 +22,7 @@ def equivariant(case: Case, subject, actions) -> list[Row]:
         return [not_applicable("equivariant", "no rotation leaves H unchanged")]
     found = [apart(case, subject, x, t, h, action) for w, t, h in case.trials()
              for x in (w, case.long(w)) for action in actions]
-    return [at_most("equivariant", max(found), ULPS, said(case, actions))]
+    return [at_most("equivariant", largest(*found), ULPS, said(case, actions))]
 
 
 def apart(case: Case, subject, w, t, h, action: Action) -> float:
@@ -29,7 +30,7 @@ def apart(case: Case, subject, w, t, h, action: Action) -> float:
     after = subject.step(w, t, h)
     there = action(case, w, ANGLE)
     gap = float(np.abs(subject.step(there, t, h) - action(case, after, ANGLE)).max())
-    return gap / (EPS * max(size(w), size(there)) * stretch(subject, w, after, t, h))
+    return gap / (EPS * largest(size(w), size(there)) * stretch(subject, w, after, t, h))
 
 
 def said(case: Case, actions) -> str:

@@ -11,7 +11,9 @@ from typing import Callable
 
 import numpy as np
 
+from ...chance import generator
 from ...errors import RunError
+from ...extremes import largest
 from ...methods import METHODS
 from .case import EPS, Case
 from .leaves import LONG, lengths
@@ -65,13 +67,13 @@ def known_integrals(case: Case) -> Known:
 
 def integral(case: Case, numbers) -> Integral:
     """With its size over random directions of all w."""
-    dice = np.random.Generator(np.random.PCG64(7))
+    dice = generator("sizes of integrals")
     sizes = []
     for _ in range(16):
         v = dice.standard_normal(case.w.shape)
         v *= (lengths(case.w) / lengths(v))[:, None]
         sizes.append(np.abs(np.atleast_1d(numbers(v))).max())
-    return Integral(numbers, max(*sizes, float(np.finfo(float).tiny)))
+    return Integral(numbers, largest(*sizes, np.finfo(float).tiny))
 
 
 def total(case: Case, action):
@@ -109,8 +111,8 @@ def kept(case: Case, subject, name, found, otherwise) -> Row:
     """The largest change of any of them over one step in extended precision, and along the run, in ulps of double."""
     if not found:
         return not_applicable(name, otherwise)
-    worst = max(change(case, subject, one, *trial) for one in found for trial in case.trials())
-    return at_most(name, max(worst, *(along(case, one) for one in found)), ULPS)
+    steps = (change(case, subject, one, *trial) for one in found for trial in case.trials())
+    return at_most(name, largest(*steps, *(along(case, one) for one in found)), ULPS)
 
 
 def along(case: Case, one: Integral) -> float:
@@ -118,7 +120,7 @@ def along(case: Case, one: Integral) -> float:
     if case.path is None:
         return 0.0
     steps = np.unique(np.linspace(1, len(case.path) - 1, LOOKS).astype(int))
-    return max(float(np.abs(one.changes(*case.path[[0, k]].astype(LONG))).max()) / (EPS * np.sqrt(k)) for k in steps)
+    return largest(*(np.abs(one.changes(*case.path[[0, k]].astype(LONG))).max() / (EPS * np.sqrt(k)) for k in steps))
 
 
 def change(case: Case, subject, one: Integral, w, t, h) -> float:
@@ -134,7 +136,7 @@ def energy(case: Case, subject, known: Known) -> Row:
         return not_applicable("energy", "not claimed: H is no sum of integrals that the method keeps")
     if subject.energy(case.w, 0.0) is None:
         return not_applicable("energy", "this integrator shows no energy")
-    worst = max(energy_change(case, subject, *trial) for trial in case.trials())
+    worst = largest(*(energy_change(case, subject, *trial) for trial in case.trials()))
     return at_most("energy", worst, ULPS)
 
 
@@ -143,7 +145,7 @@ def energy_change(case: Case, subject, w, t, h) -> float:
     b = case.witness.field(np.array(w, float), t)
     scale = float(np.sum(np.abs(case.witness.kappa) * lengths(w) * lengths(b)))
     gap = abs(subject.energy(subject.step(w, t, h), t) - subject.energy(w, t))
-    return float(gap) / (EPS * max(scale, abs(float(subject.energy(w, t))), np.finfo(float).tiny))
+    return float(gap) / (EPS * largest(scale, abs(subject.energy(w, t)), np.finfo(float).tiny))
 
 
 def made_of(case: Case, found) -> bool:

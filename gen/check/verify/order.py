@@ -11,10 +11,12 @@ the step is consistent with the spec's equation, and not just with itself.
 from __future__ import annotations
 
 import math
+from operator import itemgetter
 
 import numpy as np
 
 from ...errors import RunError
+from ...extremes import smallest, with_smallest
 from ...methods import METHODS
 from .case import LONG_EPS, Case, size
 from .row import Row, at_least, not_applicable
@@ -35,13 +37,13 @@ def order(case: Case, subject) -> list[Row]:
     flow = against_flow(case, subject)
     claimed = METHODS[case.settings.method].order
     known = [(p, t) for p, t in local if p is not None]
-    worst, t = min(known, default=(None, 0.0))
-    measured = min((p for p in (worst, flow) if p is not None), default=None)
-    if measured is None:
+    worst, t = with_smallest(known, itemgetter(0)) if known else (None, 0.0)
+    both = [p for p in (worst, flow) if p is not None]
+    if not both:
         return [Row("order", None, "", None, "yes", "exact: errors at round-off at every step")]
     notes = [f"{worst:.3f} of one step at t = {t:.4g}" if known else "one step is exact",
              f"{flow:.3f} against the flow" if flow is not None else "exact against the flow"]
-    return [at_least("order", measured, claimed * (1 - SLACK / 2), "; ".join(notes))]
+    return [at_least("order", smallest(*both), claimed * (1 - SLACK / 2), "; ".join(notes))]
 
 
 def one_step(case: Case, subject, w, t) -> float | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
+from ...extremes import largest
 from ..validate import expected_casimirs, expected_values
 from .case import Case
 from .leaves import LONG
@@ -41,7 +42,7 @@ def row(gaps, sizes, seen) -> Row:
     """The largest difference of any column, relative to the column's own size."""
     if not seen:
         return not_applicable("outputs", "not finite at any of the states")
-    apart = {name: float(np.nan_to_num(max(gaps[name]) / max(*sizes[name], np.finfo(float).tiny), nan=np.inf)) for name in gaps}
+    apart = {name: float(np.nan_to_num(largest(*gaps[name]) / largest(*sizes[name], np.finfo(float).tiny), nan=np.inf)) for name in gaps}
     name = max(apart, key=apart.get)
     return at_most("outputs", apart[name], DIGITS, f"{len(apart)} columns at {seen} states; worst: {name}")
 

@@ -3,7 +3,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...chance import generator
 from ...errors import RunError
+from ...extremes import largest
 from .case import EPS, Case, size
 from .reversible import stretch
 
@@ -25,8 +27,8 @@ def worst(case: Case, subject, states, t0, h) -> float:
     for k in np.argsort(-ulps):
         if ulps[k] <= max(found, RESIDUAL):
             return float(max(found, ulps[k]))
-        found = max(found, float(ulps[k]) / growth(case, subject, states[k], states[k + 1], t0 + k * h, h))
-        if found > RESIDUAL:
+        found = largest(found, float(ulps[k]) / growth(case, subject, states[k], states[k + 1], t0 + k * h, h))
+        if not found <= RESIDUAL:
             break
     return found
 
@@ -43,6 +45,6 @@ def growth(case: Case, subject, w, after, t, h) -> float:
 
 def cancelled(case: Case, m, t) -> np.ndarray:
     """How much of the round-off of m, in units of eps, the formula of X makes of it: (sites,)."""
-    dice, at = np.random.Generator(np.random.PCG64(5)), case.witness.vector_field
+    dice, at = generator("cancellation"), case.witness.vector_field
     moved = [at(m * (1 + NUDGE * dice.uniform(-1, 1, m.shape)), t) for _ in range(NUDGES)]
     return np.abs(np.array(moved) - at(m, t)).max(axis=(0, 2)) / NUDGE

@@ -9,6 +9,8 @@ import math
 
 import numpy as np
 
+from ...chance import generator
+from ...extremes import largest
 from ...methods import METHODS
 from .case import Case, ulp
 from .row import Row, at_most
@@ -18,10 +20,10 @@ ULPS = 32
 
 def reversible(case: Case, subject) -> list[Row]:
     """The worst return of all states, steps and precisions, in ulps of the largest component."""
-    found = [returned(subject, x, t, short(h))
-             for w, t, h in case.trials() for x in (w, case.long(w))]
-    note = "" if METHODS[case.settings.method].symmetric or max(found) <= ULPS else "the method is not symmetric"
-    return [at_most("reversible", max(found), ULPS, note)]
+    found = largest(*(returned(subject, x, t, short(h))
+                      for w, t, h in case.trials() for x in (w, case.long(w))))
+    note = "" if METHODS[case.settings.method].symmetric or found <= ULPS else "the method is not symmetric"
+    return [at_most("reversible", found, ULPS, note)]
 
 
 def short(h: float, bits: int = 24) -> float:
@@ -40,11 +42,11 @@ def returned(subject, w, t, h) -> float:
 def stretch(subject, w, there, t, h, nudge=1e-6) -> float:
     """How much a step stretches small distances, there or back; at least 1."""
     found = 1.0
-    dice = np.random.Generator(np.random.PCG64(3))
+    dice = generator("stretching")
     for begin, time, step in ((w, t, h), (there, t + h, -h)):
         near = tilted(begin, nudge, dice)
         apart = np.abs(subject.step(near, time, step) - subject.step(begin, time, step)).max()
-        found = max(found, float(apart / np.abs(near - begin).max()))
+        found = largest(found, apart / np.abs(near - begin).max())
     return found
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
+from ...extremes import largest, with_largest
 from .case import EPS, Case
 from .row import Row, at_most, not_applicable
 
@@ -29,14 +30,14 @@ def round_off(case: Case, subject, known) -> list[Row]:
         return neither("too few steps for a law; a longer run shows it")
     try:
         found = walks(case, subject, known, steps, SAMPLES)
-        if max(law(rms) for _, rms in found) > EXPONENT:
+        if largest(*(law(rms) for _, rms in found)) > EXPONENT:
             found = walks(case, subject, known, steps, AGAIN * SAMPLES)
     except RunError as error:
         return neither(f"orbits cannot be followed for {100 * steps} steps: {error}")
     case.unseen.append(f"round-off beyond {100 * steps} steps")
-    name, rms = max(found, key=lambda x: law(x[1]))
+    name, rms = with_largest(found, lambda x: law(x[1]))
     note = f"{name}: rms {', '.join(f'{x:.2g}' for x in rms)} ulp after {steps}, {10 * steps}, {100 * steps} steps"
-    widest, most = max(((name, size_of(rms, steps)) for name, rms in found), key=lambda x: x[1])
+    widest, most = with_largest(((name, size_of(rms, steps)) for name, rms in found), lambda x: x[1])
     return [at_most("round-off", law(rms), EXPONENT, note), at_most("round-off size", most, SIZE, widest)]
 
 
@@ -90,7 +91,9 @@ def rms_of(gap) -> np.ndarray:
 
 def law(rms) -> float:
     """The exponent of N in the changes; 0 below the floor."""
-    if not rms[-1] > FLOOR:
-        return 0.0 if np.isfinite(rms[-1]) else np.inf
+    if not np.all(np.isfinite(rms)):
+        return np.inf
+    if rms[-1] <= FLOOR:
+        return 0.0
     logs = np.log10(np.maximum(rms, FLOOR / 10))
-    return float(max((logs[2] - logs[0]) / 2, logs[2] - logs[1]))
+    return largest((logs[2] - logs[0]) / 2, logs[2] - logs[1])

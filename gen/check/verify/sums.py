@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
+from ...extremes import largest
 from ..witness import EQUATIONS
 from .case import EPS, Case
 from .leaves import lengths
@@ -48,8 +49,8 @@ def small(case: Case, starts) -> float:
     """The run's h, or a smaller one: the products |n||b| of u = h n x b are ANGLE |w| at most, the round-off of X stays below
     OF_FIELD, and the run is not longer."""
     h = abs(case.h) * min(1, max(case.settings.steps, 1) / STEPS)
-    fastest = max(float(np.max(speed(case, w))) for w in starts)
-    loss = max(float(np.max(of_field(case, w))) for w in starts)
+    fastest = largest(*(np.max(speed(case, w)) for w in starts))
+    loss = largest(*(np.max(of_field(case, w)) for w in starts))
     h = min([h, *(most / x for most, x in ((ANGLE, fastest), (OF_FIELD, loss)) if x > 0)])
     return float(np.copysign(h, case.h))
 

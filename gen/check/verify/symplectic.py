@@ -5,8 +5,11 @@ solver's own matrix could be symplectic for a step that is not.
 """
 from __future__ import annotations
 
+from operator import itemgetter
+
 import numpy as np
 
+from ...extremes import largest, smallest, with_largest
 from ...methods import METHODS
 from .case import Case
 from .leaves import LONG, derivative, frame, lengths
@@ -32,7 +35,7 @@ def symplectic(case: Case, subject) -> list[Row]:
 
 def defect_row(case: Case, subject, name, sites, note) -> Row:
     found = [(defect(case, subject, w, t, h, sites), h) for w, t, h in case.trials()]
-    worst, h = max(found)
+    worst, h = with_largest(found, itemgetter(0))
     steps = "" if len(case.steps()) == 1 else f"worst at h = {h:.3g}"
     if METHODS[case.settings.method].controlled:
         return Row(name, worst, MOST, DEFECT, NO, "the method is not symplectic: the defect is as small as its tolerance, and adds up")
@@ -49,7 +52,7 @@ def defect(case: Case, subject, w, t, h, sites) -> float:
     w = case.long(w)
     v, found = columns(case, w, sites), np.inf
     for width in WIDTHS:
-        found = min(found, form_defect(case, w, subject.step(w, t, h), v, tangents(case, subject, w, t, h, v, width), sites))
+        found = smallest(found, form_defect(case, w, subject.step(w, t, h), v, tangents(case, subject, w, t, h, v, width), sites))
         if found <= DEFECT:
             break
     return found
@@ -65,7 +68,7 @@ def form_defect(case: Case, w, after, v, mv, sites) -> float:
     n = leaves.normal(after)
     weight = np.abs(leaves.kappa)[:, None] / np.sqrt(np.sum(n * n, axis=1))[:, None]
     scale = np.einsum("csi,csi,sj->c", mv * keep, mv, np.broadcast_to(weight, (case.sites, 1)))
-    return float(np.abs(gap).max() / max(float(scale.max()), np.finfo(float).tiny))
+    return float(np.abs(gap).max() / largest(scale.max(), np.finfo(float).tiny))
 
 
 def tangents(case: Case, subject, w, t, h, v, width):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...extremes import smallest
 from .case import EPS, Case
 from .leaves import LONG
 from .row import Row, at_most, not_applicable
@@ -36,6 +37,6 @@ def compared(case: Case, subject, w, t, h, sites):
     mine = subject.tangent(np.array(w, float), t, h, np.array(v, float))
     if mine is None:
         return None
-    apart = min(float(np.abs(mine - ref).max() / np.abs(ref).max())
-                for ref in (tangents(case, subject, w, t, h, v, width) for width in WIDTHS[:2]))
+    apart = smallest(*(np.abs(mine - ref).max() / np.abs(ref).max()
+                       for ref in (tangents(case, subject, w, t, h, v, width) for width in WIDTHS[:2])))
     return apart, form_defect(case, w, subject.step(w, t, h), v, mine.astype(LONG), sites)

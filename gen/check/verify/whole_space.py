@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
+from ...extremes import largest
 from ..witness import EQUATIONS
 from .case import Case
 from .leaves import lengths
@@ -34,7 +35,7 @@ def whole_space(case: Case, subject) -> list[Row]:
     found, ends = 0.0, []
     for (t, h), group in groups(case, starts).items():
         for states in paths(subject, np.array(group), t, h):
-            found = max(found, worst(case, subject, states, t, h))
+            found = largest(found, worst(case, subject, states, t, h))
             ends.append(states[-1])
     if not ends:
         return [not_applicable("whole space", "no step can be taken from any of the states")]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
+from ...extremes import largest
 from ...methods import METHODS as METHODS_OF_SPECS
 from ..witness import EQUATIONS, METHODS
 from .case import EPS, Case, size
@@ -46,9 +47,9 @@ def formula_gaps(case: Case, subject, w, t):
     except RunError:
         return None
     there = w.astype(LONG)
-    gap = np.abs(subject.field(there, t) - b).max() / max(np.abs(b).max(), np.finfo(float).tiny)
+    gap = np.abs(subject.field(there, t) - b).max() / largest(np.abs(b).max(), np.finfo(float).tiny)
     power = float(np.sum(np.abs(b) * np.abs(w) * np.abs(case.witness.kappa)[:, None]))
-    scale = max(power, *(abs(x) for x in energy.values()), np.finfo(float).tiny)
+    scale = largest(power, *(abs(x) for x in energy.values()), np.finfo(float).tiny)
     return float(gap), float(abs(subject.energy(there, t) - sum(energy.values())) / scale)
 
 
@@ -61,7 +62,7 @@ def step(case: Case, subject) -> Row:
         return not_applicable("step", "the interpreter has no such method")
     found = [float(np.abs(subject.step(w, t, h) - case.witness.step(w, t, h, method)).max())
              / (EPS * size(w) * stretch(subject, w, subject.step(w, t, h), t, h)) for w, t, h in case.trials()]
-    return at_most("step", max(found), CONTROLLED if METHODS_OF_SPECS[method].controlled else STEP)
+    return at_most("step", largest(*found), CONTROLLED if METHODS_OF_SPECS[method].controlled else STEP)
 
 
 def residual(case: Case, subject) -> Row:
@@ -70,4 +71,4 @@ def residual(case: Case, subject) -> Row:
     if method not in EQUATIONS:
         return not_applicable("residual", "the interpreter has no residual of this method")
     found = (worst(case, subject, np.array([w, subject.step(w, t, h)]), t, h) for w, t, h in case.trials())
-    return at_most("residual", max(found), RESIDUAL)
+    return at_most("residual", largest(*found), RESIDUAL)

@@ -9,10 +9,10 @@ import ctypes
 
 import numpy as np
 
+from ...chance import generator
 from ..case import Case
 from .compiled import FIELDS, NEEDS, Compiled, Missing
 
-SEED = 853
 POINTS = 8              # states at which both fields are compared
 SAME = 1e-12            # what they differ by at most, as part of the largest component
 
@@ -34,7 +34,7 @@ class ByHand(Compiled):
         """Is it the field of the case? A spec may have the name of another one."""
         self.prepare(1.0)
         self.functions.peer_field.argtypes = [ctypes.c_void_p] * 3
-        draw = np.random.default_rng(SEED)
+        draw = generator("a field by hand")
         for w in (self.case.w, *draw.normal(size=(POINTS, *self.case.w.shape))):
             w, mine, its = np.ascontiguousarray(w), np.empty_like(w), np.empty_like(w)
             self.functions.peer_field(self.handles[1.0], w.ctypes.data, mine.ctypes.data)

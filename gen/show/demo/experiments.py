@@ -9,12 +9,14 @@ import numpy as np
 
 from ...analyse.sections import (CHAOTIC, UNDECIDED, census, exponent, fit_curve, flow_stroboscope, growth,
                                  judge_exponent, stroboscope)
+from ...chance import generator
 from ...check.witness import Witness
 from ...cost import cost
 from ...cost.frontier import first, seconds_for
 from ...cost.peers import PEERS
 from ...cost.report import duration
 from ...errors import RunError
+from ...extremes import largest
 from ...read.shipped import load_spec, shipped
 from ...methods import METHODS, MIDPOINTS
 from ...run.integrator import build
@@ -309,7 +311,7 @@ def vortex_manifold():
     curves = paths.covering(trace, 0.12, paths.beside(marks, 5e-3), most=80)
     return {"paths": curves, "marks": marks}, (
         "Path of the first vortex for many starts C(\u03b8, \u03c6), spherical midpoint, h = 0.02; the "
-        f"three others keep their mirror images to {max(defects):.1e}. Crosses: two vortices "
+        f"three others keep their mirror images to {largest(*defects):.1e}. Crosses: two vortices "
         "coincide. Diamonds: squares (unstable). Discs: tetrahedra (stable).")
 
 
@@ -395,7 +397,7 @@ LEAVES = {"nambu_a31": "A3,1: C = w.x\u00b2", "nambu_a34": "A3,4: C = w.x w.y",
 def nambu_leaves():
     """The shipped start of every Nambu spec and three more on the same leaf."""
     found = [leaf_case(name, title) for name, title in LEAVES.items()]
-    worst = max(defect for _, defect in found)
+    worst = largest(*(defect for _, defect in found))
     return {"cases": [case for case, _ in found]}, (
         "Trajectories of the Nambu form of the spherical midpoint method on the level sets of "
         f"C; C changes by at most {worst:.1e} along them. A start that is not shown runs off to "
@@ -416,12 +418,12 @@ def leaf_case(name: str, title: str):
     level = [0.5 * np.einsum("ki,ij,kj->k", w, A, w) for w in curves]
     said = of_all(len(curves), len(starts), "starts")
     return ({"title": title + f" ({said})" * bool(said), "casimir": A, "curves": curves},
-            max(float(np.abs(c - c[0]).max()) for c in level))
+            largest(*(np.abs(c - c[0]).max() for c in level)))
 
 
 def starts_on_leaf(A, w, more: int = 3):
     """w and `more` points of its leaf around it: C is homogeneous, so scaling reaches C = c."""
-    dice, c, found = np.random.Generator(np.random.PCG64(7)), w @ A @ w, [w]
+    dice, c, found = generator("points of a leaf"), w @ A @ w, [w]
     while len(found) <= more:
         v = w + np.linalg.norm(w) * 0.7 * dice.standard_normal(3)
         share = c / (v @ A @ v)

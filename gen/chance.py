@@ -1,0 +1,33 @@
+"""Random numbers for analysis: every generator that is not a random start's is made here.
+
+A start is drawn from PCG64(seed) or PCG64([seed, k]). If a measurement drew its directions from the same generator
+with the same seed, they would be those of the start: a tangent vector would be parallel to w, a rotation about it
+would leave w where it is. So all uses here have Philox, another generator, and a key of their own for each use.
+"""
+from __future__ import annotations
+
+import numpy as np
+
+# use -> its part of the key; a number is never given twice
+USES = {
+    "tangent vectors": 1,           # analyse/lyapunov.py
+    "a second start": 2,            # analyse/advice/clock.py
+    "symmetries": 3,                # analyse/symmetry/look.py
+    "values modulo a prime": 4,     # analyse/symmetry/modular.py
+    "conserved momentum": 5,        # run/conserved.py
+    "validate": 6,                  # check/validate.py
+    "verify": 7,                    # check/verify/case.py
+    "times": 8,                     # check/verify/case.py
+    "stretching": 9,                # check/verify/reversible.py
+    "sizes of integrals": 10,       # check/verify/integrals.py
+    "cancellation": 11,             # check/verify/residual.py
+    "a field by hand": 12,          # cost/peers/by_hand.py
+    "points of a leaf": 13,         # show/demo/experiments.py
+    "round-off of a predictor": 14, # check/verify/effort.py
+    "beginnings of iterations": 15, # check/verify/effort.py
+}
+
+
+def generator(use: str, seed: int = 0) -> np.random.Generator:
+    """A generator for one of USES, always the same for one seed >= 0. Raises KeyError for another use."""
+    return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(USES[use],))))
