@@ -245,11 +245,11 @@ class Compared(Pair):
                     self.round_off(before, after, now, h))
 
     def round_off(self, before, after, t, h):
-        """The residual that units in the last place of both states make, the largest of some tries: the projection onto a leaf near
-        its cone, for one, magnifies them."""
+        """The residual that units in the last place of both states and of the time make, the largest of some tries: the projection onto
+        a leaf near its cone, for one, magnifies them."""
         def moved(w):
-            return w * (1 + UNIT * self.dice.uniform(-1, 1, w.shape))
-        tries = [self.witness.residual(moved(before), moved(after), t, h, self.model.method) for _ in range(12)]
+            return w * (1 + UNIT * self.dice.uniform(-1, 1, np.shape(w)))
+        tries = [self.witness.residual(moved(before), moved(after), moved(t), h, self.model.method) for _ in range(12)]
         return ALLOWED * EPSILON / UNIT * max(tries)
 
 
