@@ -6,7 +6,7 @@ PY     := $(VENV)/bin/python
 KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs clean
+.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs frozen clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
@@ -38,6 +38,10 @@ mutants: $(VENV)/ready-test
 # Which branches of runtime/ the tests take (some minutes); writes docs/coverage.md.
 coverage: $(VENV)/ready-test
 	$(PY) tests/covered/run.py
+
+# Which integrators have other bits than before a change? UPDATE=1 first, before it; then without. A quarter of an hour each.
+frozen: $(VENV)/ready-test
+	$(PY) tests/frozen/run.py $(if $(UPDATE),--update)
 
 # Random specs, Hamiltonians and steps for MINUTES; what they find lies in out/fuzz, what reaches new code joins the corpus.
 fuzz: $(VENV)/ready-test
