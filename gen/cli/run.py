@@ -50,8 +50,8 @@ def add(commands):
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
     parser.add_argument("--tolerance", type=lambda text: number(text, "--tolerance"), metavar="E", help="of a step, as part of the largest "
                         "component of w: its iterations end there, or step control aims at it; default: round-off")
-    parser.add_argument("--no-estimate", action="store_true", help="do not take the run again with other steps to "
-                        "estimate its error, which takes from half its time to once and a half")
+    parser.add_argument("--no-estimate", action="store_true", help="do not repeat the run with larger and with smaller "
+                        "steps to estimate its error, which takes 2 to 2.5 times as many steps")
     parser.add_argument("--substeps", action="store_true", default=None,
                         help="take a step that fails as up to 1024 smaller ones, and say so")
     json_option(parser)
@@ -220,11 +220,13 @@ VAGUE = 0.1     # an estimate beyond this tells that the end is not known
 
 def estimate_lines(result):
     """How far the end is from the exact solution."""
-    error = result.meta.get("end_error")
+    error, withheld = result.meta.get("end_error"), result.meta.get("end_error_withheld")
+    if withheld:
+        yield f"error of the final state: not estimated: {withheld}"
     if error is None:
         return
     if error < VAGUE:
-        yield f"estimated error of the end: {error:.2g} of |w| (by a second run with other steps; --no-estimate leaves it out)"
+        yield f"estimated error of the end: {error:.2g} of |w| (by two more runs with other steps; --no-estimate leaves it out)"
     else:
         yield "the end is not known: with other steps it is another one (h is too large, or the motion is chaotic)"
 

@@ -249,11 +249,11 @@ META = {    # what `run.describe` writes
     "sources": listed(source), "orientation": lambda value: flag(value) or value == -1,
     "run": text, "start": either(text, listed(listed(finite_or_not))), "method": text, "solver": text,
     "h": number, "steps": count, "every": count, "section": either(none, number), "what": listed(text),
-    "effects": listed(text), "seed": either(none, seed), "real": text, "native": either(none, flag), "substeps": flag, "estimate": flag, "fast": flag, "threads": either(none, count), "tolerance": either(none, number), "end_error": either(none, number),
+    "effects": listed(text), "seed": either(none, seed), "real": text, "native": either(none, flag), "substeps": flag, "estimate": flag, "fast": flag, "threads": either(none, count), "tolerance": either(none, number), "end_error": either(none, number), "end_error_withheld": either(none, text),
     "set": table(VALUE), "values": table(VALUE), "chosen": table(either(none, VALUE)), "families": table(count),
     "compiler": text, "flags": listed(text), "status": text, "done": count,
 }
-ADDED = {"substeps": False, "estimate": False, "end_error": None, "tolerance": None, "fast": False, "threads": None}     # keys that files of earlier versions lack, and what they meant
+ADDED = {"substeps": False, "estimate": False, "end_error": None, "end_error_withheld": None, "tolerance": None, "fast": False, "threads": None}     # keys that files of earlier versions lack, and what they meant
 
 
 def parsed(given: str, kind):

@@ -66,8 +66,8 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     as up to 2^10 smaller ones.
     out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
     `out`; progress: a function of the steps done; real: "double" or "long double"; native:
-    compile for this processor (None: as `build` does); estimate: take the run again with other steps, and tell by it
-    how far the end is from the exact solution: `meta["end_error"]`, in units of the largest |w|;
+    compile for this processor (None: as `build` does); estimate: repeat the run with larger and smaller steps, and estimate from the
+    differences the error of the final state, `meta["end_error"]`, in units of the largest |w|, or None and in `meta["end_error_withheld"]` why;
     tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation; threads: as for `build`.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
     Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
@@ -221,7 +221,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "values": _plain(model.values_in), "effects": [e.name for e in scene.effects],
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),
-        "status": status, "done": model.count, "end_error": None,
+        "status": status, "done": model.count, "end_error": None, "end_error_withheld": None,
     }
 
 
@@ -235,7 +235,7 @@ def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
     meta, extras, t = describe(model, settings, status), {"final": model.state()}, model.t
     if settings.estimate and status == "complete":
-        meta["end_error"] = estimated(model, settings, extras["final"])
+        meta["end_error"], meta["end_error_withheld"] = estimated(model, settings, extras["final"])
     if settings.substeps:
         extras["substeps"] = np.array(recorder.substeps, float).reshape(-1, 3)
     memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
@@ -246,8 +246,8 @@ def _finish(model, settings, recorder, status, error, began):
     return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
 
 
-def estimated(model, settings, final) -> float | None:
-    """The error of the end; the trajectory of the run is kept."""
+def estimated(model, settings, final) -> tuple[float | None, str | None]:
+    """The error of the final state, or why there is no estimate; the trajectory of the run is kept."""
     with on_interrupt() as interrupted:
         return end_error(Integrator(model.spec, model.scene, model.built, model.values_in, model.method, model.solver), settings, final, interrupted)
 
