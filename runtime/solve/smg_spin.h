@@ -18,7 +18,7 @@
 #ifndef SMG_SPIN_H
 #define SMG_SPIN_H
 
-#include "smg_small.h"
+#include "smg_site.h"
 
 /* sqrt(a^2 + b^2) of a, b >= 0, also where the squares leave the range of a double. */
 SMG_INLINE smg_real smg_hypot(smg_real a, smg_real b) {
