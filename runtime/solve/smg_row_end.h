@@ -44,7 +44,7 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
   if (turn.stretched) {
     smg_lanes lost[3];
     smg_take_slots(turn.compensation, turn.pitch, slot, lost);
-    smg_lane_stretch(w, lost, g, turn.inverse, (smg_lane_mask)(smg_lane_dot(g, g) >= turn.weakest), u);
+    smg_lane_stretch(w, lost, turn.inverse, (smg_lane_mask)(smg_lane_dot(g, g) >= turn.weakest), u);
   }
   const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
   for (int k = 0; k < 3; ++k) e[k] = w[k] + (smg_real)0.5 * u[k] - rho * m[k];

@@ -68,24 +68,16 @@ SMG_INLINE void smg_lane_stretch_to(smg_real inverse, int near, smg_lanes *v) {
   for (int k = 0; k < 3; ++k) v[k] *= scale;
 }
 
-/* 1/x to 3e-4: of corrections by round-off no more is needed. */
-SMG_INLINE smg_lanes smg_lane_near_inverse(smg_lanes x) {
-  smg_lanes y = smg_lane_rough_inverse(x);
-  for (int k = 0; k < 2; ++k) y *= 2 - x * y;
-  return y;
-}
-
-/* In the lanes of the mask u = h m x b loses its part along b (smg_across) and becomes longer or shorter, where it is long, until |w + compensation + u|
- * = |w + compensation|: all of it would enlarge what a tolerance leaves. */
-SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, const smg_lanes *b, smg_real inverse, smg_lane_mask where, smg_lanes *u) {
-  const smg_lanes off = smg_lane_dot(b, u) * smg_lane_near_inverse(smg_lane_dot(b, b));
-  smg_lanes across[3], along = {0};
-  for (int k = 0; k < 3; ++k) {
-    across[k] = u[k] - off * b[k];
-    along += across[k] * (2 * (w[k] + compensation[k]) + across[k]);
-  }
-  const smg_lanes part = inverse * along * smg_lane_near_inverse((smg_real)0.25 + inverse * smg_lane_dot(across, across));
-  for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(where, across[k] - part * across[k], u[k]);
+/* smg_stretch: u = h m x b becomes longer or shorter by round-off until |w + compensation + u| = |w + compensation|, in the lanes of the
+ * mask. 1/size to 3e-4 will do. */
+SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, smg_real inverse, smg_lane_mask where, smg_lanes *u) {
+  smg_lanes along = {0}, size;
+  for (int k = 0; k < 3; ++k) along += u[k] * (2 * (w[k] + compensation[k]) + u[k]);
+  size = (smg_real)0.25 + inverse * smg_lane_dot(u, u);
+  smg_lanes part = smg_lane_rough_inverse(size);
+  for (int k = 0; k < 2; ++k) part *= 2 - size * part;
+  part *= inverse * along;
+  for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(where, u[k] - part * u[k], u[k]);
 }
 
 #endif

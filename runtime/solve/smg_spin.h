@@ -66,28 +66,15 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   return 1;
 }
 
-/* Takes from u = h m x b its part along b: round-off of products larger than u, which along a spin that stands still is the same in every step. */
-static inline void smg_across(const smg_real *b, smg_real *u) {
-  smg_real n[3];
-  smg_unit(b, n);
-  const smg_real off = smg_dot(n, u) / smg_dot(n, n);
-  for (int e = 0; e < 3; e++) u[e] -= off * n[e];
-}
-
-/* Stretches u = h m x b across b until 2 (w + u/2).u = (1 - |w|^2/r^2) |u|^2/2, w with its compensation: 0 where |w| = r, and else what draws back what
- * round-off has made of |w|. w.b stays as it is. With |h b| > 1/3 the part of w across b is at most some 3 |u|: what is asked of u is
- * round-off however short it is, and nothing below sqrt(SMG_EPS), where w.u is small itself. */
-static inline void smg_stretch(const smg_real *w, const smg_real *compensation, smg_real r, const smg_real *b, smg_real *u) {
-  smg_real along = 0, square = 0, off = -1;
-  smg_across(b, u);
+/* Stretches u = h m x b until |w + compensation + u| = |w + compensation|, |w| = r, where it is off by round-off: (w + compensation + u/2).u = 0.
+ * u stays across b, and w.b as it is. One much shorter than w is left as it is: so is its round-off. */
+static inline void smg_stretch(const smg_real *w, const smg_real *compensation, smg_real r, smg_real *u) {
+  smg_real along = 0, size = (smg_real)0.25;
   for (int e = 0; e < 3; e++) {
-    const smg_real x = u[e] / r, y = (w[e] + compensation[e]) / r;
-    along += x * (2 * y + x);
-    square += x * x;
-    off += y * y;
+    const smg_real x = u[e] / r;
+    along += x * (2 * (w[e] + compensation[e]) / r + x);
+    size += x * x;
   }
-  along += (smg_real)0.5 * off * square;
-  const smg_real size = SMG_EPS + square;
   for (int e = 0; e < 3; e++) u[e] -= along / size * u[e];
 }
 

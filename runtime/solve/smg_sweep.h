@@ -113,7 +113,7 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   smg_take(&end->rounding_scale, rounding_scale);
   if (smg_kind(c, k) != SMG_NAMBU) {
     if (rounding_scale > s->scale) smg_reflect(s, k, end);
-    if (3 * rounding_scale > s->scale) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), g, s->u + 3 * k);
+    if (3 * rounding_scale > s->scale) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), s->u + 3 * k);
   }
   for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * s->u[3 * k + b];
   const smg_real stretch = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
