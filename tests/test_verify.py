@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pages import DOCS, blocks, python, sh
 from support import impostors as wrong, texts
+from support.runtime_faults import FAULTS
 from support.systems import CLASSICAL, SPECS, VESELOV, load, tiers
 
 import smidgen
@@ -283,6 +284,7 @@ def test_every_row_has_said_no_here():
     """The impostors above meet each property that a certificate states."""
     met = {x for _, _, no, _ in METHODS for x in no} | WITNESS
     met |= {"run", "whole space", "branch", "sums", "round-off size", "outputs"}     # test_verify_faults.py
+    met |= {fault.row for fault in FAULTS.values()}     # test_verify_layouts.py
     met |= {"steps", "round-off", "field", "energy formula", "tangent map", "tangent symplectic", "tracers' area"}
     assert met == set(CLAIMS)
 
