@@ -36,7 +36,7 @@ RESOLVED = 10           # times FLOOR: errors below are those of the reference
 ORDER = (0.9, 1.1)      # observed order between h/2 and h/4, in units of the method's
 FLOOR = 1e-10           # errors of the flow below this measure the reference instead
 HALVINGS, DOUBLINGS = 7, 6
-NOT_SEEN = ("these bounds do not show faults of round-off, nor a wrong Hessian, which makes Newton slow but its result no worse; "
+NOT_SEEN = ("these bounds do not detect round-off faults, nor a wrong Hessian, which slows Newton's method without changing its result; "
             "`smidgen verify` measures both")
 
 

@@ -64,7 +64,7 @@ def judged(method, steps: int, found: list[Other], off: list[float], eps: float)
     said = [f"{other.steps} steps changed it by {d:.2g}" for d, other in zip(off, found, strict=True)]
     law = "step control" if method.controlled else f"order {method.order}"
     ratio = abs((found[0].error - 1) / (found[1].error - 1))
-    return None, f"{' and '.join(said)}, where {law} predicts a ratio of {ratio:.2g} (the step is too large, or the motion is chaotic)"
+    return None, f"{' and '.join(said)}, where {law} predicts a ratio of {ratio:.2g} (the step is too large, the motion is chaotic, or H is not smooth)"
 
 
 def others(model: Integrator, settings) -> list[Other]:

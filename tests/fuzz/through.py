@@ -87,9 +87,9 @@ class Passage:
     def __init__(self, text, where, stage, change, found):
         self.text, self.where, self.stage, self.change = text, where, stage, change
         self.dice, self.features = np.random.default_rng(len(text)), features_of(text)
-        self.program_by, self.library_by = builds_of(text)
+        self.program_by, self.shared_by = builds_of(text)
         self.found = found
-        found.update(verdict="fine", note="", program=" ".join(self.program_by), library=" ".join(self.library_by))
+        found.update(verdict="fine", note="", program=" ".join(self.program_by), library=" ".join(self.shared_by))
 
     def refused(self, why):
         self.found.update(verdict="refused", note=f"{self.found['note']} {str(why)[:160]}".strip())
@@ -162,7 +162,7 @@ class Passage:
         self.small = factor == 1
         here, name = self.where / ("run" if self.same else "defaults"), self.scene.name
         (here / "main.c").write_text(program(self.scene, self.values, self.w, self.t, self.h, self.features))
-        self.exact = self.same and (not CALLED.search(self.text) or self.program_by == self.library_by)
+        self.exact = self.same and (not CALLED.search(self.text) or self.program_by == self.shared_by)
         compiler, level = self.program_by
         ran(here, compiler, *COMPILERS[compiler], level, *SANITIZE, *said(self.text, "define").split(), "-I.", *include_flags(), "main.c", "-o", "program", "-lm")
         told = numbers_of(ran(here, "./program"))
@@ -177,7 +177,7 @@ class Passage:
     def shared_library(self):
         """The library that Python calls, compiled with every warning an error: the numbers of the program."""
         self.stage("library")
-        compiler, level = self.library_by
+        compiler, level = self.shared_by
         with builds((*STANDARD, level, *STRICT), self.where / "cache", compiler):
             built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
                                   generate=lambda *_: self.files)
