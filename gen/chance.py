@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .errors import UsageError
+
 # use -> its part of the key; a number is never given twice
 USES = {
     "tangent vectors": 1,           # analyse/lyapunov.py
@@ -29,5 +31,8 @@ USES = {
 
 
 def generator(use: str, seed: int = 0) -> np.random.Generator:
-    """A generator for one of USES, always the same for one seed >= 0. Raises KeyError for another use."""
+    """A generator for one of USES, always the same for one seed. Raises KeyError for another use, UsageError for a seed that is
+    no integer of 0 or more."""
+    if not (isinstance(seed, (int, np.integer)) and seed >= 0):
+        raise UsageError(f"seed: an integer of 0 or more, not {seed!r}")
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(USES[use],))))

@@ -237,3 +237,10 @@ def test_validate_says_no_to_nan(name, good, monkeypatch):
     for at in (0, 1, 3):
         calls.clear()
         assert not smidgen.validate(spec, steps=2).passed, at
+
+
+@quick
+@pytest.mark.parametrize("seed", [-1, 0.5, "1"])
+def test_a_seed_that_is_no_natural_number_is_refused(seed):
+    with pytest.raises(smidgen.UsageError, match="seed: an integer of 0 or more"):
+        generator("tangent vectors", seed)

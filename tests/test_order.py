@@ -7,6 +7,8 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness, splittings
 from smidgen.methods import METHODS
+from smidgen.run.computed import film_of
+from smidgen.show.plot import facts
 from support.lattices import random_spins
 
 HEAD = '[model]\nname = "ordered"\n[space]\nw = {{ sphere = {sites}{more} }}\n'
@@ -123,3 +125,16 @@ def test_the_rule_of_the_witness_on_every_kind_of_lattice():
         found, _ = splittings.lattice_colours(witness)
         assert (found is None) == ("periodic" in ends and n == 7)
         splittings.proper(witness, splittings.colours(witness))
+
+
+@pytest.mark.quick
+def test_what_pictures_and_charges_take_for_the_lattice():
+    """The bonds of all effects; a charge where one lattice of two directions joins the sites."""
+    bonds, charged = set(), set()
+    effects = [effect(k, over, 0.3) for k, over in enumerate(("square(6, 5, periodic)", "square(5, 6, periodic)", "chain(30, open)"))]
+    for order in itertools.permutations(effects):
+        spec = spec_of(30, order)
+        bonds.add(facts.bonds(spec, {}, {e.name for e in spec.effects})["w"].tobytes())
+        charged.add(film_of(smidgen.build(spec), "w"))
+    assert len(bonds) == 1 and charged == {None}
+    assert film_of(smidgen.build(spec_of(30, effects[::2])), "w").size == (6, 5)

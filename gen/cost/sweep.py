@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import RunError
+from ..extremes import largest, smallest
 from ..language.spec import LOOSEST
 from ..methods import METHODS
 from ..run.conserved import energy_of, with_tracers
@@ -77,7 +78,7 @@ def ladder(case: Case, name: str, known: Reference, limit: float) -> list[Row]:
 def at_round_off(errors: list[float]) -> bool:
     """Do they fall no more?"""
     before, last = errors[-2 * WINDOW:-WINDOW], errors[-WINDOW:]
-    return len(before) == WINDOW and max(before) < RESOLVED and min(last) >= 0.7 * float(np.median(before))
+    return len(before) == WINDOW and largest(*before) < RESOLVED and smallest(*last) >= 0.7 * float(np.median(before))
 
 
 def with_tolerance(case: Case, row: Row, known: Reference) -> list[Row]:

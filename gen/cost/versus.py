@@ -61,11 +61,6 @@ def behind(cost: Cost, what: str, targets=TARGETS) -> list[str]:
     return found
 
 
-def least(cells: list[Cell]) -> float:
-    """The shortest of the times; nan of none."""
-    return min((c.seconds for c in cells if c.name), default=math.nan)
-
-
 def summary(tables: dict[str, Cost], what: str = "end_error", targets=TARGETS) -> str:
     """Markdown, a row a table: the fastest method for each error, and how many times as long as the best symplectic method the
     fastest general integrator takes."""

@@ -15,13 +15,14 @@ def computed_columns(model, what) -> list[str]:
     asked = [kind for kind in COMPUTED if kind in what and kind not in own]
     names = [f"{kind}.{family}" for kind in asked for family in model.families if kind != "charge" or film_of(model, family)]
     if "charge" in asked and not any(name.startswith("charge.") for name in names):
-        raise UsageError(f"no charge in {model.spec.name}: none of its families lies on a lattice of two directions and one site a cell")
+        raise UsageError(f"no charge in {model.spec.name}: none of its families lies on one lattice of two directions and one site a cell")
     return names
 
 
 def film_of(model, family: str):
-    """The lattice of a family that has a topological charge, or None."""
-    return next((g for g in grids_of(model.spec, family, model.values_in) if len(g.size) == 2 and g.sites == 1), None)
+    """The only lattice of a family that has a topological charge; None if there is none or there are several."""
+    films = [g for g in grids_of(model.spec, family, model.values_in) if len(g.size) == 2 and g.sites == 1]
+    return films[0] if len(films) == 1 else None
 
 
 def functions_of(model, names) -> dict:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...extremes import with_largest
 from .equation import Nowhere, StepEquation
 
 UNKNOWNS = 150          # up to here with all of J; beyond, from the field alone
@@ -38,4 +39,4 @@ def fastest(equation: StepEquation, places) -> tuple:
             found.append((local_rate(StepEquation(equation.model, places[k][1], t, equation.sign)), t))
         except Nowhere:
             continue
-    return max(found)
+    return with_largest(found, key=lambda rate: rate[0])

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...compile.assemble.buffers import HISTORY as KEPT
+from ...extremes import largest
 from ...run.saved import HISTORY
 from ..witness import EQUATIONS
 from .case import Case
@@ -35,7 +36,7 @@ def contraction(case: Case, subject) -> list[Row]:
     for x in (*(edge * part for part in BEYOND), NEARLY / (rate + own), abs(case.h) / 2):
         went = by_rows(one, case, float(np.copysign(2 * x, case.h)))
         seen += went is not None
-        most = max(most, factor(x, rate, own)) if went else most
+        most = largest(most, factor(x, rate, own)) if went else most
     note = f"of {seen} steps beside |h| = {2 * edge:.3g}, where the factor is 1"
     return [at_most("by rows", most, 1, note)]
 
@@ -65,4 +66,4 @@ def slopes(case: Case) -> tuple[float, float]:
             moved[k, axis] = 1.0
             columns.append(case.witness.field(moved, 0.0) - still)
         rows.append(float(np.linalg.norm(np.stack(columns, axis=-1), 2, axis=(1, 2)).sum()))
-    return max(rows) * radius, float(lengths(still).max())
+    return largest(*rows) * radius, float(lengths(still).max())

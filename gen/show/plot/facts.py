@@ -33,16 +33,15 @@ def with_facts(result):
 
 
 def bonds(spec, values, called) -> dict:
-    """family -> (m, 2) numbers of the sites that the first of its lattices and graphs joins."""
+    """family -> (m, 2) numbers of the sites that its lattices and graphs join, each pair once."""
     from ...run.start import parameter_values, sizes
     from ...language.instances import instances_of
     env, places, found = parameter_values(spec, values), sizes(spec, values), {}
     for over in (e.over for e in spec.effects if e.name in called):
-        if isinstance(over, (Lattice, Graph)) and len(over.bound) == 2 and \
-                over.family not in found and places[over.family][1] <= BONDED:
+        if isinstance(over, (Lattice, Graph)) and len(over.bound) == 2 and places[over.family][1] <= BONDED:
             numbers, _ = instances_of(over, env, places)
-            found[over.family] = np.stack([numbers[index] for index in over.bound], axis=1)
-    return found
+            found.setdefault(over.family, []).append(np.stack([numbers[index] for index in over.bound], axis=1))
+    return {family: np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) for family, pairs in found.items()}
 
 
 def grids(spec, values, called) -> dict:
