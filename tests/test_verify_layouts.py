@@ -9,12 +9,13 @@ from smidgen.check.verify.certificate import certify
 from smidgen.check.verify.contraction import contraction
 from smidgen.check.verify.effort import effort
 from smidgen.check.verify.members import members
+from smidgen.check.verify.refusals import refusals
 from smidgen.check.verify.restore import restore
 from smidgen.check.verify.row import NO, YES
 from smidgen.check.verify.shared import shared
 from smidgen.check.verify.whole_space import whole_space
 
-CHECKS = {"ensemble": members, "run": along, "by rows": contraction, "tolerance": effort, "settled": effort, "predictor": effort,
+CHECKS = {"ensemble": members, "run": along, "by rows": contraction, "tolerance": effort, "refusals": refusals, "settled": effort, "predictor": effort,
           "iterations": effort, "restore": restore, "whole space": whole_space, "threads": shared, "wavefronts": shared, "ranks": shared}
 LAYOUTS = ("threads", "wavefronts", "ranks")
 USUAL = ("increments in the last lane", "a sign after a restore", "a save without compensation", "a weight of degree 3 of a single sphere", "after t = 9.9",

@@ -60,6 +60,9 @@ FAULTS = {
                                "SMG_INLINE smg_share smg_share_of_thread(smg_share all) {\n  smg_share part = smg_part_of(all, smg_thread(), smg_threads());\n  if (smg_thread() == 1 && part.to > part.from) part.to -= SMG_WIDEST;\n  return part;\n}", CHAIN),
     "the lag of wavefronts": Fault("wavefronts", "smg_row_wave.h", "wave->lag = (s->row_reach + block - 1) / block + (s->row_team > 1);", "wave->lag = 1;", ("cubic_lattice", {"nx": 6, "ny": 6, "nz": 60})),
     "the ring of wavefronts": Fault("wavefronts", "smg_row_wave.h", "wave->later = SMG_RINGS > 0 || SMG_RANKS > 1 ? wave->lag : 0;", "wave->later = 0;", RING),
+    "a bound on the turn of a site": Fault("refusals", "smg_single_sphere.h", "if (!smg_clear_of_branches(det) || !(most <= SMG_CONTRACTS)) return SMG_WRONG_BRANCH;", "if (!smg_clear_of_branches(det) || !(most <= SMG_CONTRACTS)) return SMG_WRONG_BRANCH;\n      if (most > (smg_real)0.3) return SMG_NO_CONVERGENCE;", BODY,
+                                           more=(("smg_single_sphere.h", "    status = smg_site_solve(s, s->c.h, 0);", "    status = SMG_NO_CONVERGENCE;"),)),
+    "a solver that gives up": Fault("refusals", "smg_step.h", "  const int tries = s->degree < 0 ? 1 : 2;", "  const int tries = s->degree < 0 ? 1 : 2;\n  if (smg_abs(h) > (smg_real)0.5) return SMG_NO_CONVERGENCE;", ("two_bodies", {})),
     "ghost cells": Fault("ranks", HALO, "  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);", "  for (int64_t colour = 1; colour + 1 < SMG_COLOURS; ++colour) smg_send_colour(colour);", RING),
 }
 

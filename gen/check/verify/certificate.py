@@ -21,6 +21,7 @@ from .integrals import integrals, known_integrals
 from .members import members
 from .order import order
 from .outputs import outputs
+from .refusals import refusals
 from .restore import restore
 from .reversible import reversible
 from .round_off import round_off
@@ -142,7 +143,7 @@ def rows_of(case: Case, subject):
         return [refused("steps", str(error))]
     known = known_integrals(case)
     checks = {"run": lambda: along(case, subject), "whole space": lambda: whole_space(case, subject),
-              "branch": lambda: branch(case, subject), "casimirs": lambda: casimirs(case, subject), "order": lambda: order(case, subject),
+              "branch": lambda: branch(case, subject), "refusals": lambda: refusals(case, subject), "casimirs": lambda: casimirs(case, subject), "order": lambda: order(case, subject),
               "symplectic": lambda: symplectic(case, subject), "tangent map": lambda: tangent(case, subject),
               "reversible": lambda: reversible(case, subject),
               "equivariant": lambda: equivariant(case, subject, known.actions),

@@ -14,6 +14,7 @@ CLAIMS = {
     "run": "every one of them solves the step equation, recomputed in extended precision",
     "whole space": "so do steps from states over the whole space",
     "branch": "long steps are on the branch of W = w at h = 0, or refused",
+    "refusals": "a step is refused only where that branch has no solution",
     "order": "errors fall with the order of the method, time dependence included",
     "symplectic": "one step is a symplectic (Poisson) map",
     "tracers' area": "tracers are carried by an area-preserving map",
