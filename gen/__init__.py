@@ -19,17 +19,17 @@ from .analyse.spectrum import Spectrum, spectrum  # noqa: E402
 from .analyse.spectrum_file import load_spectrum  # noqa: E402
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,     # noqa: E402
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
-from .run.integrator import Integrator, build  # noqa: E402
-from .run.ensemble import Ensemble, ensemble  # noqa: E402
-from .run import lattice  # noqa: E402
-from .run.field import load_field  # noqa: E402
-from .run.output import Result, load_result  # noqa: E402
-from .run.snapshot import snapshot  # noqa: E402
+from .run.step.integrator import Integrator, build  # noqa: E402
+from .run.many.ensemble import Ensemble, ensemble  # noqa: E402
+from .run.fields import lattice  # noqa: E402
+from .run.fields.field import load_field  # noqa: E402
+from .run.files.output import Result, load_result  # noqa: E402
+from .run.fields.snapshot import snapshot  # noqa: E402
 from .show.plot import plot  # noqa: E402
 from .read import load_text  # noqa: E402
 from .run.run import Interrupted, repeat, run  # noqa: E402
 from .run.resume import resume  # noqa: E402
-from .run.checkpoint import CheckpointError  # noqa: E402
+from .run.files.checkpoint import CheckpointError  # noqa: E402
 from .read.shipped import load  # noqa: E402
 from .language.spec import Spec  # noqa: E402
 from .check.validate import validate  # noqa: E402

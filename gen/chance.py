@@ -16,7 +16,7 @@ USES = {
     "a second start": 2,            # analyse/advice/clock.py
     "symmetries": 3,                # analyse/symmetry/look.py
     "values modulo a prime": 4,     # analyse/symmetry/modular.py
-    "conserved momentum": 5,        # run/conserved.py
+    "conserved momentum": 5,        # run/record/conserved.py
     "validate": 6,                  # check/validate.py
     "verify": 7,                    # check/verify/case.py
     "times": 8,                     # check/verify/case.py

@@ -17,7 +17,7 @@ from smidgen.build.binary import build_library
 from smidgen.check.verify import branch, certificate, order
 from smidgen.check.verify.case import Case
 from smidgen.cli import main
-from smidgen.run import integrator
+from smidgen.run.step import integrator
 
 sys.path.insert(0, str(Path(__file__).parent))
 from support.strict import CALLS     # noqa: E402

@@ -19,9 +19,9 @@ from smidgen.check.verify.case import Case
 from smidgen.check.verify.row import NO, YES
 from smidgen.check.verify.subject import emitted
 from smidgen.extremes import largest, smallest, with_largest, with_smallest
-from smidgen.run.record import Deviations
+from smidgen.run.record.record import Deviations
 from smidgen.run.settings import settle
-from smidgen.run.start import initial_state
+from smidgen.run.step.start import initial_state
 
 validation = sys.modules["smidgen.check.validate"]     # its name in the package is the function's
 GEN = Path(smidgen.__file__).parent
@@ -74,7 +74,7 @@ def names_in(path):
 @quick
 def test_generators_are_made_in_two_files():
     found = {str(p.relative_to(GEN)) for p in GEN.rglob("*.py") if MAKERS & set(names_in(p))}
-    assert found == {"chance.py", "run/start.py"}
+    assert found == {"chance.py", "run/step/start.py"}
 
 
 @quick

@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 import smidgen
-from smidgen.run.checkpoint import folder_of
+from smidgen.run.files.checkpoint import folder_of
 from smidgen.compile.features import FEATURES
 from smidgen.methods import METHODS
-from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, SIZE, TOLERANCE, Saved
+from smidgen.run.step.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, SIZE, TOLERANCE, Saved
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
 from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model, tiers

@@ -12,7 +12,7 @@ from smidgen.check.witness.compositions import HALVES
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.methods import METHODS, SCHEMES
-from smidgen.run.saved import DEGREE
+from smidgen.run.step.saved import DEGREE
 from smidgen.resources import folder, include_flags
 from support.compositions import HOST, SPECS, STARTS, coefficients, compile_model, run
 from support.strict import COMMANDS, WARNINGS

@@ -7,7 +7,7 @@ from support.systems import tiers
 
 import smidgen
 from smidgen import cli
-from smidgen.run.conserved import conserved_axes, driven
+from smidgen.run.record.conserved import conserved_axes, driven
 from smidgen.show.demo import systems
 from smidgen.show.plot import facts, page, player
 from smidgen.read.shipped import shipped

@@ -6,7 +6,7 @@ from pages import blocks, python, sh
 
 import smidgen
 from smidgen.show.demo import exact, experiments, moving, paths, stages, systems
-from smidgen.run.conserved import conserved_axes, of_time, with_tracers
+from smidgen.run.record.conserved import conserved_axes, of_time, with_tracers
 from smidgen.show.plot import facts, gallery, portraits
 from smidgen.show.plot.text import in_script
 from smidgen.show.plot.equilibria import equilibria

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.errors import RunError
-from smidgen.run.block import Block
-from smidgen.run.saved import H
+from smidgen.run.step.block import Block
+from smidgen.run.step.saved import H
 from support import texts
 from support.filters import HERE
 

@@ -6,8 +6,8 @@ import pytest
 import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.language import limits
-from smidgen.run import ensemble as module
-from smidgen.run.start import initial_state
+from smidgen.run.many import ensemble as module
+from smidgen.run.step.start import initial_state
 from support.strict import COMPILERS, MODES, compile_all
 
 BODIES = ("free_rigid_body", "irreversible_rigid_body", "forced_rigid_body")

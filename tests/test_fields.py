@@ -5,9 +5,9 @@ import smidgen
 from fuzz.judge import check_print
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from smidgen.run import ovf, vtk
-from smidgen.run.field import Field, load_field, save_field
-from smidgen.run.grid import Grid
+from smidgen.run.fields import ovf, vtk
+from smidgen.run.fields.field import Field, load_field, save_field
+from smidgen.run.fields.grid import Grid
 from support.lattices import FILM, HONEY, random_spins
 
 pytestmark = pytest.mark.quick

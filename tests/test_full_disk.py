@@ -9,8 +9,8 @@ import sys
 
 import pytest
 import smidgen
-from smidgen.run import durable
-from smidgen.run.checkpoint import Folder, folder_of
+from smidgen.run.files import durable
+from smidgen.run.files.checkpoint import Folder, folder_of
 from smidgen.errors import Exit
 from support import crash
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401

@@ -7,7 +7,7 @@ import smidgen
 from fuzz.judge import check_print
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from smidgen.run.start import initial_state, state_table
+from smidgen.run.step.start import initial_state, state_table
 
 SPEC = """[model]
 name = "files"

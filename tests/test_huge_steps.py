@@ -4,7 +4,7 @@ import pytest
 import smidgen
 from smidgen.errors import RunError
 from smidgen.methods import METHODS as METHODS_BY_NAME
-from smidgen.run.saved import H
+from smidgen.run.step.saved import H
 from support.systems import tiers
 from test_set_state import LATE, LAYOUTS, SOME, bits, spec_of, start_of
 

@@ -12,8 +12,8 @@ from collections import Counter
 
 import pytest
 import smidgen
-from smidgen.run.checkpoint import folder_of
-from smidgen.run.saved import HEAD
+from smidgen.run.files.checkpoint import folder_of
+from smidgen.run.step.saved import HEAD
 from support import crash
 from support.phases import COMPUTING, NAMES, START, WRITING, durations, killed_in
 from support.runs import chain_run

@@ -4,8 +4,8 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
-from smidgen.run.integrator import Integrator
-from smidgen.run.start import parameter_values
+from smidgen.run.step.integrator import Integrator
+from smidgen.run.step.start import parameter_values
 
 WRONG = (49, 98, 103, 107, 161, 187, 196, 197)      # n*(1/n) < 1 in double precision
 SITES = 1001

@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 import smidgen
-from smidgen.run import block
-from smidgen.run.grid import Grid
+from smidgen.run.step import block
+from smidgen.run.fields.grid import Grid
 from support.lattices import FILM, HONEY, random_spins
 
 pytestmark = pytest.mark.quick

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen import cli
-from smidgen.run.block import NEAR, Block
+from smidgen.run.step.block import NEAR, Block
 from support.systems import begin
 
 FIELD = """

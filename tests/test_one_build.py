@@ -7,8 +7,8 @@ import pytest
 import smidgen
 from smidgen.build.binary import build_library, split_notes
 from smidgen.compile.emit.emit import generate
-from smidgen.run.integrator import Integrator, scene_of
-from smidgen.run.start import initial_state, parameter_values
+from smidgen.run.step.integrator import Integrator, scene_of
+from smidgen.run.step.start import initial_state, parameter_values
 
 BUILD = sys.modules["smidgen.build.binary"]
 HEAD = '[model]\nname = "many"\n[space]\n'

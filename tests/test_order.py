@@ -7,7 +7,7 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness, splittings
 from smidgen.methods import METHODS
-from smidgen.run.computed import film_of
+from smidgen.run.record.computed import film_of
 from smidgen.show.plot import facts
 from support.lattices import random_spins
 

@@ -10,7 +10,7 @@ from support.systems import tiers
 
 from smidgen.errors import UsageError
 from smidgen.methods import NAMES
-from smidgen.run.output import Result
+from smidgen.run.files.output import Result
 from smidgen.show.plot import chain, curves, draw, equilibria, leaf, orbits, overview, pictures
 from smidgen.show.plot import portraits, sphere, style, surfaces, text, view
 

@@ -12,7 +12,7 @@ from smidgen.build.mpi import mpi_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import MissingTool
 from smidgen.resources import include_flags
-from smidgen.run.start import initial_state
+from smidgen.run.step.start import initial_state
 from support.strict import COMPILERS, WARNINGS
 from test_rows import EXCHANGE, FIELD, PLANES, SPECS, lattice
 

@@ -14,9 +14,9 @@ import smidgen
 from hypothesis import given, settings as hypothesis_settings, strategies as st
 from smidgen import cli
 from smidgen.language import limits
-from smidgen.run import received
-from smidgen.run.checkpoint import Folder, digest_of, folder_of, packed
-from smidgen.run.recorded import recorded
+from smidgen.run.files import received
+from smidgen.run.files.checkpoint import Folder, digest_of, folder_of, packed
+from smidgen.run.files.recorded import recorded
 from smidgen.run.settings import settle
 from smidgen.read.shipped import load_spec
 from support.runs import chain_run, patient_disk       # noqa: F401
@@ -441,7 +441,7 @@ def test_planted_links_and_pipes(stopped, tmp_path):
 
 
 def test_a_file_is_not_written_through_a_link(tmp_path):
-    from smidgen.run.durable import FRESH, write_new
+    from smidgen.run.files.durable import FRESH, write_new
     victim = tmp_path / "victim"
     victim.write_text("dear")
     (tmp_path / f"a{FRESH}").symlink_to(victim)

@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 import smidgen
-from smidgen.run.checkpoint import Folder, folder_of
+from smidgen.run.files.checkpoint import Folder, folder_of
 from smidgen.build import binary
 from smidgen.errors import Exit
 from support import crash
@@ -138,7 +138,7 @@ def test_another_compiler_is_refused(stopped, monkeypatch):
 
 
 def test_another_format_is_refused(stopped, monkeypatch):
-    monkeypatch.setattr(sys.modules["smidgen.run.checkpoint"], "FORMAT", 2)
+    monkeypatch.setattr(sys.modules["smidgen.run.files.checkpoint"], "FORMAT", 2)
     refused(stopped, "another version of smidgen")
 
 

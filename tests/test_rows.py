@@ -7,7 +7,7 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
-from smidgen.run.saved import DEGREE, H, HISTORY
+from smidgen.run.step.saved import DEGREE, H, HISTORY
 from support.strict import COMPILERS, MODES, compile_all
 
 HEAD = """

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import smidgen
-from smidgen.run.output import OutputError
+from smidgen.run.files.output import OutputError
 from smidgen.run.settings import multiple, settle
 
 pytestmark = pytest.mark.quick
@@ -113,7 +113,7 @@ def test_wrong_names(toy, wrong, said):
 
 
 def test_the_status_texts_are_those_of_the_runtime(root):
-    from smidgen.run.integrator import STATUS
+    from smidgen.run.step.integrator import STATUS
     header = (root / "runtime" / "core" / "smidgen.h").read_text()
     for number, (name, _) in STATUS.items():
         assert f"SMG_{name.upper().replace(' ', '_')} = {number}," in header.replace(

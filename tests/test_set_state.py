@@ -8,8 +8,8 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import ReadOnlyError, RunError, UsageError
 from smidgen.methods import METHODS
 from smidgen.resources import include_flags
-from smidgen.run.saved import COUNT_HIGH, COUNT_LOW, HEAD, HISTORY, PAST
-from smidgen.run.start import initial_state
+from smidgen.run.step.saved import COUNT_HIGH, COUNT_LOW, HEAD, HISTORY, PAST
+from smidgen.run.step.start import initial_state
 from support.exact import rotation
 from support.strict import WARNINGS
 from support.systems import begin, tiers

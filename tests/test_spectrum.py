@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.analyse.waves import Components, every_wave, waves
-from smidgen.run.grid import Grid
+from smidgen.run.fields.grid import Grid
 from support.lattices import HONEY, random_spins
 
 pytestmark = pytest.mark.quick

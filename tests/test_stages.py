@@ -11,7 +11,7 @@ GEN = ROOT / "gen"
 STAGES = ("language", "read", "compile", "build", "run", "analyse", "check", "cost", "show", "cli")
 COMPILE = ("select", "program", "features", "derive", "lower", "plan", "assemble", "emit")
 # Functions that a public object offers and a later stage carries out; they import it when they are called.
-FORWARDED = {("build/export.py", "check"), ("run/output.py", "show")}
+FORWARDED = {("build/export.py", "check"), ("run/files/output.py", "show")}
 LONGEST = 40        # lines of a function
 
 pytestmark = pytest.mark.quick

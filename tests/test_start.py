@@ -6,7 +6,7 @@ from smidgen.errors import UsageError
 from smidgen.language.evaluate import evaluate, integer
 from smidgen.language.expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time
 from smidgen.language.spec import Family, FamilyStart, Parameter, Spec, Start
-from smidgen.run.start import casimir_matrices, initial_state, kappas, parameter_values, radii, sizes
+from smidgen.run.step.start import casimir_matrices, initial_state, kappas, parameter_values, radii, sizes
 
 pytestmark = pytest.mark.quick
 I = Idx("i")

@@ -14,8 +14,8 @@ from support.systems import load
 import smidgen
 from smidgen.errors import RunError
 from smidgen.read import load_text
-from smidgen.run.integrator import STATUS
-from smidgen.run.start import initial_state
+from smidgen.run.step.integrator import STATUS
+from smidgen.run.step.start import initial_state
 
 NO_CONVERGENCE, NO_SOLUTION, NOT_FINITE, BAD_PARAMETER, OFF_MANIFOLD = 1, 2, 4, 5, 6
 TEXT = '[model]\nname = "{name}"\n[space]\n{space}\n[parameters]\n{parameters}\n[effects.field]\n{field}\n'
@@ -231,7 +231,7 @@ def test_a_tracer_on_a_vortex_is_refused():
 
 @pytest.mark.quick
 def test_python_and_c_say_the_same():
-    """STATUS of gen/run/integrator.py and smg_message of runtime/core/smidgen.h."""
+    """STATUS of gen/run/step/integrator.py and smg_message of runtime/core/smidgen.h."""
     header = (Path(smidgen.__file__).resolve().parent.parent / "runtime" / "core" / "smidgen.h").read_text()
     said = re.findall(r'^ +"(.*)"', header[header.index("text[] = {"):], re.M)
     assert said == ["ok", *(meaning for _, meaning in STATUS.values())]

@@ -5,8 +5,8 @@ import signal
 import numpy as np
 import pytest
 import smidgen
-from smidgen.run.saved import COUNT_LOW, H, HISTORY, PAST, Saved, retimed
-from smidgen.run.substeps import DEEPEST, substep
+from smidgen.run.step.saved import COUNT_LOW, H, HISTORY, PAST, Saved, retimed
+from smidgen.run.step.substeps import DEEPEST, substep
 from support import crash
 from support.runs import FORMATS, patient_disk    # noqa: F401
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.language import limits
-from smidgen.run import sweep as module
-from smidgen.run.sweep import sweep
+from smidgen.run.many import sweep as module
+from smidgen.run.many.sweep import sweep
 
 SPEC = """
 [model]
@@ -174,7 +174,7 @@ def test_lines_that_are_no_outcomes_count_for_nothing(path):
 def test_ctrl_c_says_how_to_go_on(monkeypatch, capsys, tmp_path):
     """An interrupt after one cell: what has ended is counted, and the exit code is that of an interrupt."""
     from smidgen.cli import main
-    from smidgen.run import sweep as module
+    from smidgen.run.many import sweep as module
 
     def stopped(*_, tell, **__):
         tell({"error": None})

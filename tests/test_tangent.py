@@ -22,7 +22,7 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.compile.features import FEATURES
 from smidgen.language.c_names import in_c
-from smidgen.run.integrator import Integrator, scene_of
+from smidgen.run.step.integrator import Integrator, scene_of
 
 TANGENT = ("tangent",)
 AGREES, SYMPLECTIC = 1e-9, 1e-12

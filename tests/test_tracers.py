@@ -5,7 +5,7 @@ import smidgen
 
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
-from smidgen.run.conserved import with_tracers
+from smidgen.run.record.conserved import with_tracers
 
 SPEC = """[model]
 name = "carried"

@@ -11,7 +11,7 @@ from witness_models import body, one_term, op, precession, pulsed, sphere
 import smidgen
 from smidgen.errors import UsageError, ValidationError
 from smidgen.language.expr import Num, Op, Spin, Time
-from smidgen.run.integrator import build
+from smidgen.run.step.integrator import build
 from smidgen.resources import folder
 from smidgen.language.spec import FamilyStart, Run, Start
 from smidgen.check.validate import Line, Report, validate

@@ -18,7 +18,7 @@ from smidgen.language.evaluate import evaluate
 from smidgen.language.expr import SIGNATURES, Elem, Idx, Num, Par, Spin, Weight
 from smidgen.resources import folder
 from smidgen.language.spec import Each, Graph, Lattice, Once, Pairs, Parameter, Sites, Spec, Term
-from smidgen.run.start import initial_state
+from smidgen.run.step.start import initial_state
 from smidgen.check.witness import Witness, native
 from smidgen.language.instances import instances_of
 

@@ -20,7 +20,7 @@ import numpy as np
 from ..chance import generator
 from ..errors import UsageError
 from ..public import few, public
-from ..run.start import casimir_matrices, radii
+from ..run.step.start import casimir_matrices, radii
 
 OFFSET = 1e-8       # separation of nearby trajectories: about the root of the round-off
 

@@ -27,11 +27,11 @@ import numpy as np
 from ..errors import OutputError, UsageError
 from ..language.spec import Spec
 from ..public import ReadOnly, public
-from ..run.durable import write_new
-from ..run.field import Field
-from ..run.grid import Grid, family_of, of
-from ..run.integrator import build, choose
-from ..run.record import Recorder
+from ..run.files.durable import write_new
+from ..run.fields.field import Field
+from ..run.fields.grid import Grid, family_of, of
+from ..run.step.integrator import build, choose
+from ..run.record.record import Recorder
 from ..run.run import MEMORY, advance, describe
 from ..run.settings import settle, whole
 from .waves import Components, waves

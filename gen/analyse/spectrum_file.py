@@ -6,7 +6,7 @@ import os
 import numpy as np
 
 from ..public import public
-from ..run.received import Wrong, checked, count, from_npz, head_of, opened, parsed, refusing, rows_of, text
+from ..run.files.received import Wrong, checked, count, from_npz, head_of, opened, parsed, refusing, rows_of, text
 from .spectrum import COMPONENTS, Spectrum, saved_as
 
 ASKED = {"family": text, "waves": text, "window": text, "parts": count, "in_parts": count}     # beside what a run says of itself

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..read.given import constant
-from ..run.grid import Grid
+from ..run.fields.grid import Grid
 
 WHOLE = 1e-9        # how far q n may be from an integer
 

@@ -20,9 +20,9 @@ from ..extremes import largest, smallest, with_largest
 from ..methods import METHODS
 from ..language.spec import Spec
 from ..public import public
-from ..run.integrator import build
+from ..run.step.integrator import build
 from ..run.settings import Settings, settle
-from ..run.start import casimir_matrices, initial_state, radii
+from ..run.step.start import casimir_matrices, initial_state, radii
 from ..tables import text_of
 from .witness import EQUATIONS, Witness
 

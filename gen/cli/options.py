@@ -8,7 +8,7 @@ from pathlib import Path
 from ..compile.features import FEATURES
 from ..errors import UsageError
 from ..read.given import constant
-from ..run.integrator import METHODS, SOLVERS
+from ..run.step.integrator import METHODS, SOLVERS
 
 
 def spec_argument(parser, **more):
@@ -56,8 +56,8 @@ def study_choices(args) -> dict:
 
 def start_of(word: str):
     """A name, or the rows of a file."""
-    from ..run.field import FORMATS, load_field
-    from ..run.start import state_table
+    from ..run.fields.field import FORMATS, load_field
+    from ..run.step.start import state_table
     if word.endswith(tuple(FORMATS)):
         return load_field(word)
     return state_table(Path(word), word) if word.endswith((".csv", ".npy")) else word

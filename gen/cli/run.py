@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .. import ranks
 from ..errors import Exit, RunError, UsageError
-from ..run.checkpoint import folder_of
+from ..run.files.checkpoint import folder_of
 from .options import json_option, model_options, names, number, processor_options, spec_argument, start_of, whole
 from .say import notes_line, printed, say
 
@@ -102,7 +102,7 @@ class output_file:
 
 def go(args, out):
     """The run that the arguments ask for."""
-    from ..run.output import known_format
+    from ..run.files.output import known_format
     from ..progress import progress
     from ..run.run import run
     from ..run.settings import settle
@@ -141,8 +141,8 @@ def asked(args):
     if args.spec is not None:
         raise UsageError("--repeat takes the spec from the file: leave SPEC out")
     from ..build.binary import generator_name
-    from ..run.output import load_result
-    from ..run.recorded import recorded
+    from ..run.files.output import load_result
+    from ..run.files.recorded import recorded
     refuse_choices(args)
     meta = load_result(args.repeat).meta
     if meta.get("generator") != generator_name():

@@ -29,8 +29,8 @@ def add(commands):
 
 def command(args):
     """The file, then the path and the numbers as data."""
-    from ..run.output import load_result
-    from ..run.snapshot import snapshot
+    from ..run.files.output import load_result
+    from ..run.fields.snapshot import snapshot
     if not args.out and not args.what:
         raise UsageError(f"give a file (--out last.ovf), or name what to tell (--what {','.join(TELLS)})")
     result = load_result(args.result)
@@ -45,9 +45,9 @@ def command(args):
 
 def told(args, result) -> dict:
     """What --what names, of the state."""
-    from ..run import lattice
-    from ..run.grid import family_of, of, spec_and_values
-    from ..run.snapshot import state_of
+    from ..run.fields import lattice
+    from ..run.fields.grid import family_of, of, spec_and_values
+    from ..run.fields.snapshot import state_of
     unknown = [name for name in args.what if name not in TELLS]
     if unknown:
         raise UsageError(f"no '{unknown[0]}' of a state; there are: {', '.join(TELLS)}")

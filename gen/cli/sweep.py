@@ -74,7 +74,7 @@ def command(args):
     """Run what is left of the sweep; the exit code tells of failed cells."""
     from ..progress import progress
     from ..read.shipped import load_spec
-    from ..run.sweep import sweep
+    from ..run.many.sweep import sweep
     given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
     given |= {"values": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
     axes = {name: value for name, value, swept in args.axes if swept}
@@ -103,5 +103,5 @@ def said(outcome: dict) -> None:
 
 
 def named(outcome: dict) -> str:
-    from ..run.sweep import Cell
+    from ..run.many.sweep import Cell
     return f"{Cell(outcome['cell'], outcome['values'], outcome['seed'])}: {outcome['error'] or outcome['status']}"

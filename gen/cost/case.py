@@ -10,10 +10,10 @@ from ..language.expr import Time, walk
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..read.given import formula
-from ..run.conserved import with_tracers
-from ..run.integrator import Integrator, build
+from ..run.record.conserved import with_tracers
+from ..run.step.integrator import Integrator, build
 from ..run.settings import Settings, number
-from ..run.start import initial_state, parameter_values
+from ..run.step.start import initial_state, parameter_values
 from .clock import processor_seconds
 
 

@@ -17,7 +17,7 @@ from ..extremes import largest
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
-from ..run.integrator import choose as one_of
+from ..run.step.integrator import choose as one_of
 from ..run.settings import settle
 from .case import Case, asked_time, candidates
 from .even import general, steps_until_even

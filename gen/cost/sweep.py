@@ -12,7 +12,7 @@ from ..errors import RunError
 from ..extremes import largest, smallest
 from ..language.spec import LOOSEST
 from ..methods import METHODS
-from ..run.conserved import energy_of, with_tracers
+from ..run.record.conserved import energy_of, with_tracers
 from .case import Case
 from .reference import Reference
 

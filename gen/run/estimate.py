@@ -20,8 +20,8 @@ import numpy as np
 from ..errors import RunError
 from ..language.spec import LOOSEST
 from ..methods import METHODS
-from .integrator import Integrator
-from .pace import Pace
+from .step.integrator import Integrator
+from .step.pace import Pace
 
 LOW = 4             # orders up to this: half and twice as many steps
 FINER = 8           # of higher ones: as small a part of the error is left in the finer run

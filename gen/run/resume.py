@@ -12,10 +12,10 @@ from .. import ranks
 from ..build.binary import generator_name
 from ..errors import UsageError
 from ..public import public
-from .checkpoint import CheckpointError, Folder, folder_of
-from .integrator import build
-from .output import Result, load_result
-from .recorded import recorded
+from .files.checkpoint import CheckpointError, Folder, folder_of
+from .step.integrator import build
+from .files.output import Result, load_result
+from .files.recorded import recorded
 from .run import describe, execute
 from .settings import settle
 

@@ -19,17 +19,17 @@ from .. import __version__, ranks
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
-from .checkpoint import refuse_unfinished
-from .elsewhere import Elsewhere, ElsewhereSafe
+from .files.checkpoint import refuse_unfinished
+from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
-from .integrator import Integrator, build
-from .output import MemorySink, Result, load_result, open_sink, result_of
-from .pace import Pace
-from .record import Recorder, columns_of, entry_size
-from .safe import SafeSink
+from .step.integrator import Integrator, build
+from .files.output import MemorySink, Result, load_result, open_sink, result_of
+from .step.pace import Pace
+from .record.record import Recorder, columns_of, entry_size
+from .files.safe import SafeSink
 from .settings import Settings, settle
-from .start import find_start
-from .substeps import RESCUED, substep
+from .step.start import find_start
+from .step.substeps import RESCUED, substep
 
 MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
 
@@ -92,7 +92,7 @@ def repeat(path: str | os.PathLike, out: str | os.PathLike | None = None, *, kee
 
     out, keep, progress: as for `run`, which also says what is raised.
     """
-    from .recorded import recorded
+    from .files.recorded import recorded
     spec, name, settings = recorded(load_result(path).meta)
     return run(spec, name, out=out, keep=keep, progress=progress, **settings)
 

@@ -15,9 +15,9 @@ from ..language.expr import Expr
 from ..language.spec import Run, Spec
 from ..read.given import formula
 from ..read.names import COMPUTED
-from .field import Field
-from .integrator import METHODS, SOLVERS, checked_tolerance, choose
-from .start import parameter_values
+from .fields.field import Field
+from .step.integrator import METHODS, SOLVERS, checked_tolerance, choose
+from .step.start import parameter_values
 
 _FORMULA = typing.get_args(Expr)
 KINDS = ("states", "energy", "momentum", "casimirs")

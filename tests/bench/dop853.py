@@ -26,7 +26,7 @@ from smidgen.build.binary import FLAGS, NATIVE, find_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 from smidgen.run.settings import settle
-from smidgen.run.start import initial_state
+from smidgen.run.step.start import initial_state
 
 HERE, OUT = Path(__file__).with_name("dop853"), Path(__file__).resolve().parents[2] / "docs" / "dop853.csv"
 SYSTEMS = {"free_rigid_body": 1, "point_vortices": 2}       # SYSTEM of hand.c

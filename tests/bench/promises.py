@@ -24,7 +24,7 @@ from machine import cost_tables
 from smidgen.build.binary import FLAGS, SHARED, compile_shared, find_compiler, split_notes, write_files
 from smidgen.compile.emit.emit import generate_program
 from smidgen.resources import folder
-from smidgen.run.integrator import Integrator
+from smidgen.run.step.integrator import Integrator
 from smidgen.run.settings import settle
 
 COLUMNS = ("system", "method", "h", "promise", "given_up_by", "ns_step", "without_ns_step", "per_cent", "spread_per_cent")

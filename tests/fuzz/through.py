@@ -27,11 +27,11 @@ from smidgen.compile.emit.emit import generate
 from smidgen.compile.features import EVERYWHERE
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
-from smidgen.run.integrator import Integrator, scene_of
+from smidgen.run.step.integrator import Integrator, scene_of
 from smidgen.resources import include_flags
 from smidgen.compile.select import select
 from smidgen.run.settings import settle
-from smidgen.run.start import initial_state, parameter_values
+from smidgen.run.step.start import initial_state, parameter_values
 from smidgen.check.witness import Witness
 
 from .differential import ALLOWED, EPSILON, UNIT, Pair, compare, random_state

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from support.systems import begin, model
 
-from smidgen.run.substeps import substep
+from smidgen.run.step.substeps import substep
 
 from .case import EPS, NO_CONVERGENCE, NO_SOLUTION, WRONG_BRANCH, Row, attempt, below, between, case, refused, same
 from .geometry import largest

@@ -28,7 +28,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import smidgen
-from smidgen.run.block import NEAR
+from smidgen.run.step.block import NEAR
 
 from .case import EPS, NO_SOLUTION, attempt, below, case, near, ratio, refused, same
 from .geometry import build, largest, load, polar, turns

@@ -2,7 +2,7 @@
 import numpy as np
 
 import smidgen
-from smidgen.run.start import initial_state
+from smidgen.run.step.start import initial_state
 from smidgen.check.witness import Witness
 
 from .elliptic import curve

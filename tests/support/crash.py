@@ -5,7 +5,7 @@ import signal
 import time
 
 import smidgen
-from smidgen.run import durable, output        # noqa: F401  (loaded before the fork)
+from smidgen.run.files import durable, output        # noqa: F401  (loaded before the fork)
 
 CALLS = ("fsync", "replace", "unlink", "rmdir", "mkdir")
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from smidgen.run.output import Result
+from smidgen.run.files.output import Result
 
 INERTIA = np.array([1.0, 2.0, 4.0])
 HOSTILE = "</script><script>alert('1')</script>&\"$x_{$\\frac\u202e\x00 <b>"

@@ -16,8 +16,8 @@ import numpy as np
 from smidgen.build import binary
 from smidgen.build.binary import REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
-from smidgen.run.integrator import Integrator, scene_of
-from smidgen.run.start import parameter_values
+from smidgen.run.step.integrator import Integrator, scene_of
+from smidgen.run.step.start import parameter_values
 from smidgen.check.verify.subject import Emitted
 
 METHOD = "spherical-midpoint"

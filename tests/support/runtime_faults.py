@@ -10,7 +10,7 @@ from smidgen import resources
 from smidgen.build import binary
 from smidgen.check.verify.case import Case
 from smidgen.check.verify.subject import Emitted
-from smidgen.run.integrator import build
+from smidgen.run.step.integrator import build
 from smidgen.run.settings import settle
 
 BODY, CHAIN, CUBIC = ("free_rigid_body", {}), ("heisenberg_chain", {"n": 40}), ("cubic_lattice", {})

@@ -9,7 +9,7 @@ from smidgen.errors import UsageError
 from smidgen.methods import MIDPOINTS as METHODS
 from smidgen.resources import folder
 from smidgen.run.settings import settle
-from smidgen.run.start import initial_state
+from smidgen.run.step.start import initial_state
 
 SPECS = sorted(path.stem for path in folder("specs").glob("*.toml"))
 SPHERICAL, CLASSICAL, VESELOV = METHODS

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...run.start import kappas
+from ...run.step.start import kappas
 from ..symmetry.energy import Energy
 from .branch import Branch
 from .equation import Nowhere

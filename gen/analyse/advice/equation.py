@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...methods import METHODS
-from ...run.integrator import Integrator
-from ...run.start import casimir_matrices, radii
+from ...run.step.integrator import Integrator
+from ...run.step.start import casimir_matrices, radii
 
 DIFFERENCE = 3e-6       # of mbar, in units of its own length
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...errors import RunError, UsageError
 from ...methods import METHODS
 from ...public import public
-from ...run.integrator import build
+from ...run.step.integrator import build
 from ...run.settings import duration, find_run, settle
 from .along import MARGIN, TURN, along
 from .clock import clock

@@ -10,7 +10,7 @@ from ...extremes import largest
 from ...language.expr import Time, walk
 from ...language.spec import Spec
 from ...run.settings import Settings
-from ...run.start import casimir_matrices, initial_state, kappas, radii
+from ...run.step.start import casimir_matrices, initial_state, kappas, radii
 from ..witness import LARGEST_DENSE, Witness
 from .leaves import LONG, Leaves, lengths
 

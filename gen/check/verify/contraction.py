@@ -8,7 +8,7 @@ import numpy as np
 
 from ...compile.assemble.buffers import HISTORY as KEPT
 from ...extremes import largest
-from ...run.saved import HISTORY
+from ...run.step.saved import HISTORY
 from ..witness import EQUATIONS
 from .case import Case
 from .leaves import lengths

@@ -14,7 +14,7 @@ from ...chance import generator
 from ...errors import RunError
 from ...extremes import largest, with_largest, with_smallest
 from ...methods import METHODS
-from ...run.saved import SCALE, TOLERANCE
+from ...run.step.saved import SCALE, TOLERANCE
 from .case import EPS, Case
 from .past import Past, another
 from .row import Row, at_most, not_applicable

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import RunError
-from ...run.ensemble import Stepped
+from ...run.many.ensemble import Stepped
 from .case import Case
 from .past import another
 from .row import Row, at_most, not_applicable
@@ -85,7 +85,7 @@ def alone(case: Case, one, w, t, values):
 
 def with_values(one, values):
     """A trajectory of the same library with other values."""
-    from ...run.integrator import Integrator
+    from ...run.step.integrator import Integrator
     return Integrator(one.spec, one.scene, one.built, {**one.values_in, **values}, one.method, one.solver) if values else another(one)
 
 

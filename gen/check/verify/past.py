@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...run.integrator import Integrator
-from ...run.saved import DEGREE, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, TOLERANCE
+from ...run.step.integrator import Integrator
+from ...run.step.saved import DEGREE, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, TOLERANCE
 
 
 def another(one: Integrator) -> Integrator:

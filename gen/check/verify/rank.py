@@ -12,7 +12,7 @@ from pathlib import Path
 
 
 def main(folder: Path) -> None:
-    from ...run.integrator import Integrator
+    from ...run.step.integrator import Integrator
     from ...ranks import RANK, variable
     from .shared import path
     made, places, calls = pickle.loads((folder / "asked").read_bytes())

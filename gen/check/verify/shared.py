@@ -16,7 +16,7 @@ from pathlib import Path
 
 from ...build.binary import THREADS, build_library, find_compiler, takes
 from ...errors import MissingTool
-from ...run.integrator import Integrator
+from ...run.step.integrator import Integrator
 from .case import Case
 from .past import another
 from .row import Row, at_most, not_applicable, refused

@@ -9,7 +9,7 @@ import numpy as np
 from ...methods import METHODS
 from ...build.binary import digest, identity
 from ...language.spec import Spec
-from ...run.integrator import Integrator, build
+from ...run.step.integrator import Integrator, build
 from ...run.settings import Settings
 
 LONG = np.longdouble

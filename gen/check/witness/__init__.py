@@ -17,7 +17,7 @@ import numpy as np
 
 from ...errors import RunError, UsageError
 from ...language.spec import Spec
-from ...run.start import casimir_matrices, kappas, parameter_values, radii, sizes
+from ...run.step.start import casimir_matrices, kappas, parameter_values, radii, sizes
 from . import collocation, compositions, extrapolation, lie, native, splittings
 from .program import compile_term
 

@@ -15,7 +15,7 @@ from ...build.binary import compiler_version, digest, find_compiler, ran
 from ...build.cache import entry
 from ...methods import METHODS
 from ...resources import include_flags
-from ...run.integrator import Integrator
+from ...run.step.integrator import Integrator
 from ..case import Case
 
 HERE = Path(__file__).resolve().parent

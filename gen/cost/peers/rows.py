@@ -6,7 +6,7 @@ import time as clock
 
 import numpy as np
 
-from ...run.start import casimir_matrices, kappas
+from ...run.step.start import casimir_matrices, kappas
 from ..case import Case
 from ..clock import processor_seconds
 from ..reference import Reference

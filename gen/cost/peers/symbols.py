@@ -9,7 +9,7 @@ import numpy as np
 
 from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
 from ...language.instances import instances_of
-from ...run.start import casimir_matrices, kappas, parameter_values, sizes
+from ...run.step.start import casimir_matrices, kappas, parameter_values, sizes
 
 
 class NoExpression(Exception):

@@ -19,10 +19,10 @@ from ...errors import RunError
 from ...extremes import largest
 from ...read.shipped import load_spec, shipped
 from ...methods import METHODS, MIDPOINTS
-from ...run.integrator import build
+from ...run.step.integrator import build
 from ...run.run import run
 from ...run.settings import settle
-from ...run.start import casimir_matrices, initial_state
+from ...run.step.start import casimir_matrices, initial_state
 from ..plot.equilibria import equilibria
 from ..plot.facts import with_facts
 from ..plot.portraits import on_manifold

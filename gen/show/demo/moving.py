@@ -9,7 +9,7 @@ import numpy as np
 
 from ...read.shipped import load_spec
 from ...methods import METHODS, MIDPOINTS
-from ...run.integrator import build
+from ...run.step.integrator import build
 from ..plot import colours
 from ..plot.portraits import on_manifold
 from ..plot.style import method_style

@@ -10,11 +10,11 @@ import numpy as np
 from ...check.validate import validate
 from ...errors import SmidgenError
 from ...read.shipped import load_spec
-from ...run.conserved import conserved_axes, momentum_of
-from ...run.integrator import build
+from ...run.record.conserved import conserved_axes, momentum_of
+from ...run.step.integrator import build
 from ...run.run import run
 from ...run.settings import settle
-from ...run.start import kappas
+from ...run.step.start import kappas
 from ..plot.draw import outputs_for, plot, write_page
 from ..plot.facts import conserved_energy, with_facts
 from ..plot.gallery import Picture

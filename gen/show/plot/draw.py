@@ -69,7 +69,7 @@ def check_ending(path: Path) -> None:
 
 def result_of(source, run: str | None):
     """The Result that `source` means; a spec is run for it. Raises UsageError for a run of what is a result."""
-    from ...run.output import FORMATS as RESULTS, load_result
+    from ...run.files.output import FORMATS as RESULTS, load_result
     given = hasattr(source, "values") and hasattr(source, "t")
     if given or not hasattr(source, "families") and Path(source).suffix in RESULTS:
         if run is not None:

@@ -6,7 +6,7 @@ import dataclasses
 import numpy as np
 
 from ...language.spec import Graph, Lattice
-from ...run.conserved import driven, energy_of, with_tracers
+from ...run.record.conserved import driven, energy_of, with_tracers
 
 BONDED = 20_000     # most sites of a family whose bonds are drawn
 
@@ -23,7 +23,7 @@ def with_facts(result):
     meta = result.meta
     if "casimirs" in meta or not meta.get("sources"):
         return result
-    from ...run.recorded import spec_of
+    from ...run.files.recorded import spec_of
     spec, called = spec_of(meta["sources"]), set(meta.get("effects") or ())
     known = {p.name for p in spec.parameters}
     values = {n: v for n, v in (meta.get("values") or {}).items() if n in known}
@@ -34,7 +34,7 @@ def with_facts(result):
 
 def bonds(spec, values, called) -> dict:
     """family -> (m, 2) numbers of the sites that its lattices and graphs join, each pair once."""
-    from ...run.start import parameter_values, sizes
+    from ...run.step.start import parameter_values, sizes
     from ...language.instances import instances_of
     env, places, found = parameter_values(spec, values), sizes(spec, values), {}
     for over in (e.over for e in spec.effects if e.name in called):
@@ -46,7 +46,7 @@ def bonds(spec, values, called) -> dict:
 
 def grids(spec, values, called) -> dict:
     """family -> (size, sites of a cell) of the only lattice with most directions, of the effects called."""
-    from ...run.grid import grids_of
+    from ...run.fields.grid import grids_of
     found = {}
     for family in spec.families:
         every = grids_of(spec, family.name, values, called)
@@ -58,7 +58,7 @@ def grids(spec, values, called) -> dict:
 
 def matrices(spec, values) -> dict:
     """family -> 3 x 3 list, of the Nambu families of a spec."""
-    from ...run.start import casimir_matrices, sizes
+    from ...run.step.start import casimir_matrices, sizes
     every, places = casimir_matrices(spec, values), sizes(spec, values)
     return {f.name: every[places[f.name][0]].tolist()
             for f in spec.families if f.casimir is not None}

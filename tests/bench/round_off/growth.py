@@ -5,7 +5,7 @@ import numpy as np
 
 import smidgen
 from smidgen.resources import folder
-from smidgen.run.start import initial_state
+from smidgen.run.step.start import initial_state
 
 from .programs import DEFAULT, LANES, LONG, PAIRS, PLAIN, ask, lanes, program, words
 from .rows import Growth

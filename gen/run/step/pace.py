@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import time
 
-from .. import ranks
+from ... import ranks
 
 PATIENCE = 0.05         # seconds in C at most
 

@@ -19,8 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UsageError
-from ..language import limits
+from ...errors import UsageError
+from ...language import limits
 
 AXES = "xyz"
 VECTORS = ("momentum.", "magnetisation.")      # columns of three numbers

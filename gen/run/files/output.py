@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import OutputError, UsageError
-from ..language import limits
-from ..public import ReadOnly, few, public
+from ...errors import OutputError, UsageError
+from ...language import limits
+from ...public import ReadOnly, few, public
 from .durable import sync_folder
 from .received import VECTORS, read
 
@@ -57,8 +57,8 @@ class Result(ReadOnly):
 
     def _repr_html_(self) -> str | None:
         """The player, for notebooks; None where there is nothing to play, and the repr is shown."""
-        from ..show.plot import page  # what is downstream is needed here alone
-        from ..show.plot.player import framed
+        from ...show.plot import page  # what is downstream is needed here alone
+        from ...show.plot.player import framed
         try:
             return framed(page(self))
         except UsageError:

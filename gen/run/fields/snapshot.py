@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UsageError
-from ..public import public
+from ...errors import UsageError
+from ...public import public
 from .field import save_field
 from .grid import family_of, of, spec_and_values
-from .output import load_result
-from .start import sizes
+from ..files.output import load_result
+from ..step.start import sizes
 
 NEAR = 1e-6         # of a step: a time as people write it
 

@@ -17,13 +17,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ..methods import DEFAULT, METHODS as METHODS_BY_NAME, NAMES as METHODS, SOLVERS
-from .. import ranks
-from ..build.binary import Built, build_library
-from ..errors import BuildError, RunError, UsageError
-from ..language.spec import LOOSEST, Spec
-from ..public import ReadOnly, few, public
-from ..read.problems import meant
+from ...methods import DEFAULT, METHODS as METHODS_BY_NAME, NAMES as METHODS, SOLVERS
+from ... import ranks
+from ...build.binary import Built, build_library
+from ...errors import BuildError, RunError, UsageError
+from ...language.spec import LOOSEST, Spec
+from ...public import ReadOnly, few, public
+from ...read.problems import meant
 from .block import Block
 from .saved import Saved
 from .start import find_start, initial_state, parameter_values, sizes, wrong_start
@@ -83,7 +83,7 @@ def checked_threads(threads) -> int | None:
 
 def scene_of(spec: Spec, effects=None, values=None) -> Spec:
     """The spec with these effects, and `values` for defaults."""
-    from ..compile.select import select
+    from ...compile.select import select
     return select(spec, None if effects is None else tuple(effects), dict(values or {}))
 
 

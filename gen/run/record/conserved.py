@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..chance import generator
-from ..language.expr import Time, slots_of, walk
-from ..language.tracers import moves_tracers
-from .start import kappas, radii
+from ...chance import generator
+from ...language.expr import Time, slots_of, walk
+from ...language.tracers import moves_tracers
+from ..step.start import kappas, radii
 
 STATES = 6          # random states at which the torque is looked at
 EPSILON = 1e-10     # a torque below this part of its terms is round-off

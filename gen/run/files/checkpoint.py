@@ -26,7 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import OutputError
+from ...errors import OutputError
 from .durable import sync_folder, write_new
 from .output import put_text
 from .received import (Wrong, checked, count, finite_or_not, listed, number, opened, parsed, refusing, sets_of,

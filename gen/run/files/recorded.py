@@ -4,7 +4,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from ..errors import UsageError
+from ...errors import UsageError
 
 ASKED = ("start", "method", "solver", "h", "steps", "every", "section", "what", "effects",
          "seed", "real", "native", "substeps", "estimate", "tolerance", "fast", "threads")
@@ -18,7 +18,7 @@ def recorded(meta: dict):
 
 def spec_of(sources):
     """Read a spec from its recorded texts: the spec itself first, then files it names. Raises UsageError, SpecError."""
-    from ..read import load
+    from ...read import load
     with tempfile.TemporaryDirectory(prefix="smidgen-") as folder:
         try:
             path = _written(Path(folder), sources)

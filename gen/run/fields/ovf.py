@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..language import limits
-from .received import Wrong, within
+from ...language import limits
+from ..files.received import Wrong, within
 
 CHECK = {4: 1234567.0, 8: 123456789012345.0}        # the first number of binary data
 HEADER = 200        # lines; OOMMF writes thirty

@@ -1,10 +1,10 @@
 """Outputs that are computed from the states as a run goes, without keeping these: only where they are named."""
 from __future__ import annotations
 
-from ..errors import UsageError
-from ..read.names import COMPUTED
-from .grid import grids_of
-from .lattice import charge, magnetisation
+from ...errors import UsageError
+from ...read.names import COMPUTED
+from ..fields.grid import grids_of
+from ..fields.lattice import charge, magnetisation
 
 SHAPES = {"magnetisation": (3,), "charge": ()}      # of one entry
 

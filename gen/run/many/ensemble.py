@@ -14,15 +14,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..build.binary import build_library
-from ..errors import RunError, UsageError
-from ..language import limits
-from ..language.spec import Spec
-from ..public import few, public
-from .integrator import NO_MEMORY, STATUS, _functions, _known_to, _loaded, _packed, checked_tolerance, scene_of
-from .pace import Pace
-from .settings import settle, whole
-from .start import find_start, initial_state, sizes, wrong_start
+from ...build.binary import build_library
+from ...errors import RunError, UsageError
+from ...language import limits
+from ...language.spec import Spec
+from ...public import few, public
+from ..step.integrator import NO_MEMORY, STATUS, _functions, _known_to, _loaded, _packed, checked_tolerance, scene_of
+from ..step.pace import Pace
+from ..settings import settle, whole
+from ..step.start import find_start, initial_state, sizes, wrong_start
 
 BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least some registers full
 MEMORY = 2 ** 31            # bytes of outputs

@@ -10,7 +10,7 @@ import ctypes
 
 import numpy as np
 
-from ..methods import METHODS
+from ...methods import METHODS
 
 CHUNK = 2 ** 22         # bytes of outputs between two writes
 MOST = 4096             # outputs between two writes

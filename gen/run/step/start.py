@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UsageError
-from ..language import limits
-from ..language.evaluate import evaluate, integer
-from ..read.problems import meant
-from ..language.spec import Family, FamilyStart, Lattice, Parameter, Spec, Start
+from ...errors import UsageError
+from ...language import limits
+from ...language.evaluate import evaluate, integer
+from ...read.problems import meant
+from ...language.spec import Family, FamilyStart, Lattice, Parameter, Spec, Start
 
 
 def parameter_values(spec: Spec, values: dict | None = None) -> dict:

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import UsageError
-from ..language.evaluate import integer
-from ..language.spec import Lattice, Spec
-from ..public import public
-from .recorded import spec_of
-from .start import parameter_values, sizes
+from ...errors import UsageError
+from ...language.evaluate import integer
+from ...language.spec import Lattice, Spec
+from ...public import public
+from ..files.recorded import spec_of
+from ..step.start import parameter_values, sizes
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import re
 
 import numpy as np
 
-from ..errors import UsageError
-from ..language import limits
-from .received import Wrong, within
+from ...errors import UsageError
+from ...language import limits
+from ..files.received import Wrong, within
 
 TITLE = 200         # characters; the format ends it at 256
 SIZES = {"double": 8, "float": 4}

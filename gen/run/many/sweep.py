@@ -14,17 +14,17 @@ from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..build.binary import generator_name
-from ..errors import OutputError, RunError, UsageError
-from ..language import limits
-from ..language.spec import Spec
+from ...build.binary import generator_name
+from ...errors import OutputError, RunError, UsageError
+from ...language import limits
+from ...language.spec import Spec
 from . import cluster as workers
 from .cluster import check, executor, lost
-from .durable import write_new
-from .integrator import build
-from .run import Interrupted, run
-from .settings import settle, whole
-from .start import find_start, initial_state, parameter_values
+from ..files.durable import write_new
+from ..step.integrator import build
+from ..run import Interrupted, run
+from ..settings import settle, whole
+from ..step.start import find_start, initial_state, parameter_values
 
 MANIFEST, CELLS, FORMAT = "manifest.json", "cells.jsonl", 1
 

@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 
-from ..errors import UsageError
-from ..extremes import largest
+from ...errors import UsageError
+from ...extremes import largest
 from .conserved import conserved_axes, driven, energy_of, momentum_of, round_off_of_momentum, with_tracers
-from .integrator import Integrator
-from .output import RESERVED
-from .block import Block, clean
+from ..step.integrator import Integrator
+from ..files.output import RESERVED
+from ..step.block import Block, clean
 from .computed import SHAPES, computed_columns, functions_of
 
 

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from ..errors import UsageError
-from ..public import public
+from ...errors import UsageError
+from ...public import public
 from .grid import Grid, of
 
 __all__ = ["Grid", "charge", "correlation", "magnetisation", "of"]

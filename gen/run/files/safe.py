@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import contextlib
 
-from ..errors import OutputError
+from ...errors import OutputError
 from .checkpoint import CheckpointError, Folder, batches
 from .output import check_layout, open_sink
 

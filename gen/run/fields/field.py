@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import OutputError, UsageError, printable
-from ..language import limits
-from ..language.spec import Spec
-from ..public import public
+from ...errors import OutputError, UsageError, printable
+from ...language import limits
+from ...language.spec import Spec
+from ...public import public
 from . import ovf, vtk
-from .durable import write_new
+from ..files.durable import write_new
 from .grid import Grid, grids_of, said
-from .received import Wrong, opened
-from .start import radii, sizes
+from ..files.received import Wrong, opened
+from ..step.start import radii, sizes
 
 FORMATS = {".ovf": ovf, ".vtk": vtk}
 SINGLE = 1e-5       # relative: single precision, and the six digits that programs print by default, are within it

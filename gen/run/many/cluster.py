@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
-from ..errors import UsageError
+from ...errors import UsageError
 
 CONNECT = 10.0      # seconds for an answer: schedulers on a network take one at most
 _stop = None        # of a process of this machine: the event that all of them share

@@ -1,0 +1,1 @@
+"""What a run records: columns, conserved quantities, the largest deviations."""
