@@ -19,7 +19,8 @@ from smidgen.check.verify.case import Case
 from smidgen.cli import main
 from smidgen.run.step import integrator
 
-sys.path.insert(0, str(Path(__file__).parent))
+HERE = Path(__file__).parent
+sys.path[:0] = map(str, (HERE, *sorted({path.parent for path in HERE.rglob("test_*.py")} - {HERE})))      # tests import from each other
 from support.strict import CALLS     # noqa: E402
 
 ROOT = Path(__file__).parent.parent
@@ -104,8 +105,8 @@ def root():
 
 @pytest.fixture
 def toy(tmp_path, monkeypatch):
-    """The spec of tests/toy.py, with its hand-written C in place of the compiler's."""
-    import toy as model
+    """The spec of tests/support/toy.py, with its hand-written C in place of the compiler's."""
+    from support import toy as model
     monkeypatch.setattr(integrator, "build_library",
                         lambda *args, **more: build_library(*args, generate=model.generate, **more))
     path = tmp_path / "toy.toml"

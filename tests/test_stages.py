@@ -90,3 +90,10 @@ def test_slow_tests_are_tests():
     for name in names:
         file, _, test = name.partition("::")
         assert f"def {test.partition('[')[0]}(" in (ROOT / file).read_text(), name
+
+
+def test_tests_stand_in_the_order_of_the_sources():
+    """A folder for each stage, of its name; beside them the runtime and its methods, laws, and what has a command of its own."""
+    folders = {path.parent.name for path in (ROOT / "tests").glob("*/test_*.py")}
+    assert folders - set(STAGES) == {"runtime", "method", "laws", "linking", "fuzz", "frozen", "hard", "mutants"} and set(STAGES) <= folders
+    assert [path.name for path in (ROOT / "tests").glob("test_*.py")] == ["test_stages.py"]

@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from pages import blocks, python, sh
+from support.pages import blocks, python, sh
 
 import smidgen
 from smidgen.cli import main

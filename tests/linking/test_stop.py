@@ -3,7 +3,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from pages import blocks, sh
+from support.pages import blocks, sh
 from smidgen.cli import main
 from test_linking import MODELS, STRICT, amalgamated, compilers, objects     # noqa: F401
 

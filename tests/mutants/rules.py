@@ -2,7 +2,7 @@ r"""Faults of the kinds that integrators suffer from, as patterns: they follow t
 
 Each rule is (kind, files, pattern, new text): wherever the pattern matches in a line of code of such
 a file, the new text (which may use groups, \1) is one mutant. A pattern that matches nowhere any
-more is reported by `run.py --list` and by tests/test_mutants.py.
+more is reported by `run.py --list` and by tests/mutants/test_mutants.py.
 """
 
 STEP = "*.[jh]*"      # the headers of runtime/ and the templates
