@@ -6,7 +6,7 @@ PY     := $(VENV)/bin/python
 KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs frozen clean
+.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs frozen imports clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
@@ -42,6 +42,10 @@ coverage: $(VENV)/ready-test
 # Which integrators have other bits than before a change? UPDATE=1 first, before it; then without. A quarter of an hour each.
 frozen: $(VENV)/ready-test
 	$(PY) tests/frozen/run.py $(if $(UPDATE),--update)
+
+# Which room of gen/ imports which: the picture in docs/architecture.md.
+imports: $(VENV)/ready
+	$(PY) tests/support/imports.py --write
 
 # Random specs, Hamiltonians and steps for MINUTES; what they find lies in out/fuzz, what reaches new code joins the corpus.
 fuzz: $(VENV)/ready-test

@@ -12,29 +12,28 @@ to the function afterwards. `from smidgen.build.binary import ...` finds the pac
 """
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
-
-from .analyse import lyapunov  # noqa: E402
-from .analyse.spectrum import Spectrum, spectrum  # noqa: E402
-from .analyse.spectrum_file import load_spectrum  # noqa: E402
-from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,     # noqa: E402
+from .analyse import lyapunov
+from .analyse.spectrum import Spectrum, spectrum
+from .analyse.spectrum_file import load_spectrum
+from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
-from .run.step.integrator import Integrator, build  # noqa: E402
-from .run.many.ensemble import Ensemble, ensemble  # noqa: E402
-from .run.fields import lattice  # noqa: E402
-from .run.fields.field import load_field  # noqa: E402
-from .run.files.output import Result, load_result  # noqa: E402
-from .run.fields.snapshot import snapshot  # noqa: E402
-from .show.plot import plot  # noqa: E402
-from .read import load_text  # noqa: E402
-from .run.run import Interrupted, repeat, run  # noqa: E402
-from .run.resume import resume  # noqa: E402
-from .run.files.checkpoint import CheckpointError  # noqa: E402
-from .read.shipped import load  # noqa: E402
-from .language.spec import Spec  # noqa: E402
-from .check.validate import validate  # noqa: E402
-from .check.verify import verify  # noqa: E402
-from .cost import Choice, Cost, choose, cost, load_cost  # noqa: E402
+from .run.step.integrator import Integrator, build
+from .run.many.ensemble import Ensemble, ensemble
+from .run.fields import lattice
+from .run.fields.field import load_field
+from .run.files.output import Result, load_result
+from .run.fields.snapshot import snapshot
+from .show.plot import plot
+from .read import load_text
+from .run.run import Interrupted, repeat, run
+from .run.resume import resume
+from .run.files.checkpoint import CheckpointError
+from .read.shipped import load
+from .language.spec import Spec
+from .check.validate import validate
+from .check.verify import verify
+from .cost import Choice, Cost, choose, cost, load_cost
+from .version import __version__  # noqa: F401
 
 if TYPE_CHECKING:
     from .analyse.advice import advise

@@ -1,17 +1,15 @@
-"""The shape of the sources: no stage imports one that comes after it, a method's name stands in one place, functions are short."""
+"""The shape of the sources: no room imports one that lies above it, a method's name stands in one place, functions are short."""
 import ast
 import re
 from pathlib import Path
 
 import pytest
 from smidgen.methods import NAMES
+from support import imports
 
 ROOT = Path(__file__).parent.parent
 GEN = ROOT / "gen"
-STAGES = ("language", "read", "compile", "build", "run", "analyse", "check", "cost", "show", "cli")
-COMPILE = ("select", "program", "features", "derive", "lower", "plan", "assemble", "emit")
-# Functions that a public object offers and a later stage carries out; they import it when they are called.
-FORWARDED = {("build/export.py", "check"), ("run/files/output.py", "show")}
+STAGES = {room.partition("/")[0] for room in imports.FLOOR} - {"shared", imports.TOP}
 LONGEST = 40        # lines of a function
 
 pytestmark = pytest.mark.quick
@@ -21,31 +19,38 @@ def modules():
     return sorted(p for p in GEN.rglob("*.py") if "__pycache__" not in p.parts)
 
 
-def imported(path: Path):
-    """(the module's parts below gen, the same of what it imports) of every relative import."""
-    here = path.relative_to(GEN).with_suffix("").parts
-    package = here[:-1]
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            base = package[:len(package) - node.level + 1]
-            target = (*base, *(node.module.split(".") if node.module else ()))
-            for name in node.names:
-                yield here, (*target, name.name)
+@pytest.fixture(scope="module")
+def arrows():
+    return imports.imports(imports.modules())
 
 
-def upward(path: Path, order, depth: int):
-    for here, target in imported(path):
-        if len(here) > depth and len(target) > depth and here[:depth] == target[:depth] and here[depth] in order and target[depth] in order:
-            if order.index(target[depth]) > order.index(here[depth]):
-                yield "/".join(target)
+def test_no_room_imports_one_that_lies_above_it(arrows):
+    """FLOORS of tests/support/imports.py; a room that it does not have is named."""
+    assert imports.upward(imports.rooms(arrows)) == []
 
 
-@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(GEN)))
-def test_no_stage_imports_a_later_one(path):
-    name = str(path.relative_to(GEN))
-    found = [t for t in upward(path, STAGES, 0) if (name, t.split("/")[0]) not in FORWARDED]
-    found += list(upward(path, COMPILE, 1)) if name.startswith("compile/") else []
-    assert found == []
+def test_there_is_no_circle_of_imports(arrows):
+    """Of rooms, and of modules; those inside functions count, which Python would forgive."""
+    assert imports.circle(imports.rooms(arrows)) == [] and imports.circle(arrows) == []
+
+
+def test_the_picture_of_imports_is_that_of_the_sources(arrows):
+    """`make imports` draws it anew."""
+    text = imports.DOCUMENT.read_text()
+    assert imports.written(text, imports.picture(imports.rooms(arrows))) == text
+
+
+def test_all_imports_of_modules_are_relative():
+    """The picture shows those alone."""
+    named = {(path, getattr(node, "module", None) or node.names[0].name) for path in modules() for node in ast.walk(ast.parse(path.read_text()))
+             if isinstance(node, (ast.Import, ast.ImportFrom)) and not getattr(node, "level", 0)}
+    assert {path for path, module in named if module.split(".")[0] == "smidgen"} == set()
+
+
+def test_an_arrow_upward_and_a_circle_are_seen():
+    assert imports.upward({"read": {"run"}, "run": {"read"}, "attic": set()}) == ["no floor for attic: FLOORS of tests/support/imports.py", "read -> run"]
+    assert set(imports.circle({"a": {"b"}, "b": {"c"}, "c": {"a"}})) == {"a", "b", "c"}
+    assert imports.reduced({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == {"a": {"b"}, "b": {"c"}, "c": set()}
 
 
 def test_the_name_of_a_method_stands_in_the_registry_alone():
@@ -95,5 +100,5 @@ def test_slow_tests_are_tests():
 def test_tests_stand_in_the_order_of_the_sources():
     """A folder for each stage, of its name; beside them the runtime and its methods, laws, and what has a command of its own."""
     folders = {path.parent.name for path in (ROOT / "tests").glob("*/test_*.py")}
-    assert folders - set(STAGES) == {"runtime", "method", "laws", "linking", "fuzz", "frozen", "hard", "mutants"} and set(STAGES) <= folders
+    assert folders - STAGES == {"runtime", "method", "laws", "linking", "fuzz", "frozen", "hard", "mutants"} and STAGES <= folders
     assert [path.name for path in (ROOT / "tests").glob("test_*.py")] == ["test_stages.py"]

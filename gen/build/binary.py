@@ -21,7 +21,7 @@ import tempfile
 from pathlib import Path
 
 from ..methods import DEFAULT
-from .. import __version__
+from ..version import __version__
 from ..compile.features import chosen_features
 from ..compile.plan.plan import choose
 from ..compile.program import program_of
@@ -39,7 +39,7 @@ UNFUSED = ("-fno-tree-slp-vectorize",)       # gcc 12: its vectoriser of straigh
 FAST = (*NATIVE, "-ffp-contract=fast")      # the last word on contraction counts
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
-GENERATOR = ("methods.py", "language", "read", "compile")     # what decides the generated text, beside templates and runtime
+GENERATOR = ("methods.py", "version.py", "language", "read", "compile")     # what decides the generated text, beside templates and runtime
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from .. import __version__
+from ..version import __version__
 from ..compile.emit.includes import included, macros_of
 from ..errors import BuildError, OutputError, UsageError
 from ..language.spec import Spec
@@ -19,11 +19,10 @@ from .binary import FLAGS, find_compiler, ran, split_notes, unfused, write_files
 LIBRARIES = frozenset("c m dl rt pthread util mvec crypt resolv gcc gcc_s atomic gomp omp quadmath mpi".split())
 
 
-def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), certificate=None):
+def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), finish=lambda files: files):
     """Write the C of a selected spec to the folder `where`; returns (files, notes).
 
-    certificate: a JSON file of `smidgen verify`, for the header's comment. Raises UsageError for one
-    of other code.
+    finish: what is done to the files (name -> text) before they are written.
     """
     from ..compile.emit.emit import generate
     files, notes = split_notes(generate(spec, method=method, solver=solver,
@@ -31,9 +30,7 @@ def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool
     linked = {name: text for name, text in files.items() if not name.endswith("_abi.c")}
     if not amalgamate:
         linked.update(runtime_headers(linked))
-    if certificate is not None:
-        from ..check.verify.embed import with_certificate
-        linked = with_certificate(linked, spec, method, solver, features, certificate)
+    linked = finish(linked)
     _write(linked, Path(where))
     return [Path(where) / name for name in linked], notes
 

@@ -9,7 +9,7 @@ import traceback
 from .. import ranks
 from ..errors import Exit, SmidgenError, SpecError
 from .parser import make_parser
-from .say import printed
+from .say import describe, printed
 from .streams import silence, streams
 
 UNEXPECTED = 1      # a defect of smidgen itself
@@ -65,16 +65,6 @@ def told(error: SmidgenError, as_json: bool = False) -> int:
     if as_json:
         printed({"error": describe(error)})
     return int(error.exit_code)
-
-
-def describe(error: SmidgenError) -> dict:
-    """An error as JSON has it."""
-    facts = {k: v for k, v in vars(error).items() if isinstance(v, (int, float, str))}
-    found = {"kind": type(error).__name__, "message": str(error),
-             "exit_code": int(error.exit_code), **facts}
-    if isinstance(error, SpecError):
-        found["diagnostics"] = [vars(d) for d in error.diagnostics]
-    return found
 
 
 def unexpected() -> int:

@@ -5,7 +5,7 @@ from ..errors import Exit, SmidgenError
 from ..read.names import plural
 from ..language.names_used import unused
 from .options import json_option, spec_argument
-from .say import printed, say
+from .say import describe, printed, say
 
 EXAMPLES = """  smidgen check top.toml
   smidgen check specs/*.toml --json"""
@@ -33,7 +33,6 @@ def command(args):
 
 def examine(word: str) -> dict:
     """Facts of one spec, or its error."""
-    from . import describe
     try:
         return facts(word)
     except SmidgenError as error:

@@ -51,9 +51,13 @@ def scene_of(args):
 def gen(args):
     """Write the files; their paths are the data."""
     from ..build.export import export_sources
+    from ..check.verify.embed import with_certificate
     scene, method, solver = scene_of(args)
-    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate, args.features,
-                                  args.certificate)
+
+    def certified(files):
+        return files if args.certificate is None else with_certificate(files, scene, method, solver, args.features, args.certificate)
+
+    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate, args.features, certified)
     report(args, scene, method, notes, files)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 import argparse
 import difflib
 
-from .. import __version__
+from ..version import __version__
 from . import advise, check, choose, cost, explain, gen, list as list_, new, plot, run, snapshot, spectrum, sweep, validate, verify
 
 CODES = """exit codes: 0 good, 1 a defect of smidgen, 2 wrong usage, 3 a bad spec, 4 a step failed,

@@ -5,6 +5,8 @@ import json
 import math
 import sys
 
+from ..errors import SmidgenError, SpecError
+
 
 def say(*words) -> None:
     """Narration."""
@@ -25,6 +27,16 @@ def clean(data):
     if isinstance(data, float) and not math.isfinite(data):
         return None
     return data
+
+
+def describe(error: SmidgenError) -> dict:
+    """An error as JSON has it."""
+    facts = {k: v for k, v in vars(error).items() if isinstance(v, (int, float, str))}
+    found = {"kind": type(error).__name__, "message": str(error),
+             "exit_code": int(error.exit_code), **facts}
+    if isinstance(error, SpecError):
+        found["diagnostics"] = [vars(d) for d in error.diagnostics]
+    return found
 
 
 def notes_line(notes: dict) -> str:

@@ -18,12 +18,12 @@ from ..methods import METHODS
 from ..public import public
 from ..run.step.integrator import choose as one_of
 from ..run.settings import settle
-from .case import Case, asked_time, candidates
+from .measure.case import Case, asked_time, candidates
 from .choice import Choice, choose, known_methods
 from .report import Cost, load_cost, machine
-from .reference import no_reference, reference
-from .sweep import Row, ladder, sample
-from .timing import asked, take_times
+from .measure.reference import no_reference, reference
+from .measure.sweep import Row, ladder, sample
+from .measure.timing import asked, take_times
 
 __all__ = ["Choice", "Cost", "choose", "cost", "load_cost"]
 

@@ -19,12 +19,12 @@ from ..methods import METHODS
 from ..public import public
 from ..run.step.integrator import choose as one_of
 from ..run.settings import settle
-from .case import Case, asked_time, candidates
+from .measure.case import Case, asked_time, candidates
 from .even import general, steps_until_even
-from .reference import Reference, reference
+from .measure.reference import Reference, reference
 from .report import duration, label
-from .sweep import LOOSEST, PART, TOLERANCES, TURN, WITHIN, Row, loosened, one, ratio
-from .timing import asked as asked_tolerance, take_times
+from .measure.sweep import LOOSEST, PART, TOLERANCES, TURN, WITHIN, Row, loosened, one, ratio
+from .measure.timing import asked as asked_tolerance, take_times
 
 MARGIN = 0.6        # of the error asked for, which the choice aims at
 SLOWER = 4.0        # times the best so far: a method that needs more is left

@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 
-from .case import Case
-from .reference import Reference
-from .sweep import Row
+from .measure.case import Case
+from .measure.reference import Reference
+from .measure.sweep import Row
 
 GENERAL = ("scipy", "gsl-rk8pd")    # the first of them that is there: SciPy's needs no compiler; GSL's is compiled once for all
 LIMIT = 2.0         # seconds: a general integrator that takes longer is left out

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from ..methods import METHODS
-from .sweep import Row
+from .measure.sweep import Row
 
 TARGETS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 EXACT = 16 * 2.0 ** -52     # an energy error of one step that is round-off, relative to |H| or 1; of N steps sqrt(N) of it

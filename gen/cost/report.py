@@ -15,7 +15,7 @@ from ..public import public
 from ..tables import text_of
 from .frontier import TARGETS, first, frontier, keeps_energy, symplectic
 from .peers import PEERS
-from .sweep import COLUMNS, Row
+from .measure.sweep import COLUMNS, Row
 
 HEAD = "# "
 

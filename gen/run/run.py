@@ -15,10 +15,11 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from .. import __version__, ranks
+from .. import ranks
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
+from ..version import __version__
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error

@@ -29,11 +29,11 @@ import smidgen
 from machine import cost_tables
 from fuzz.invent import any_space as spec_text, files_of
 from smidgen.check.witness import Witness
-from smidgen.cost.case import Case, candidates
+from smidgen.cost.measure.case import Case, candidates
 from smidgen.cost.frontier import seconds_for
-from smidgen.cost.reference import reference
-from smidgen.cost.sweep import ladder
-from smidgen.cost.timing import take_times
+from smidgen.cost.measure.reference import reference
+from smidgen.cost.measure.sweep import ladder
+from smidgen.cost.measure.timing import take_times
 from smidgen.errors import SmidgenError, UsageError
 from smidgen.run.settings import settle
 

@@ -15,16 +15,17 @@ import smidgen
 from smidgen.build.binary import find_compiler, lanes_of
 from smidgen.check.witness import Witness
 from smidgen.cost import measured as measured_facts
-from smidgen.cost.case import Case, candidates
+from smidgen.cost.measure.case import Case, candidates
 from smidgen.cost.even import GENERAL, steps_until_even
 from smidgen.cost.frontier import by_method, first, keeps_energy, seconds_for
 from smidgen.cost.peers import PEERS, compiled, of_case
 from smidgen.cost.peers.rows import one as one_of_peers
-from smidgen.cost import case as measured_case, choice, sweep, versus
-from smidgen.cost.clock import processor_seconds
-from smidgen.cost.reference import Reference, lost_to_round_off, reference
+from smidgen.cost import choice, versus
+from smidgen.cost.measure import case as measured_case, sweep
+from smidgen.cost.measure.clock import processor_seconds
+from smidgen.cost.measure.reference import Reference, lost_to_round_off, reference
 from smidgen.cost.report import Cost, load_cost
-from smidgen.cost.sweep import Row, parts, slope
+from smidgen.cost.measure.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
 from smidgen.read.load import load_text

@@ -4,7 +4,7 @@ from __future__ import annotations
 import dataclasses
 import json
 
-from ... import __version__
+from ...version import __version__
 from ...build.binary import compiler_version, find_compiler, generator_digest
 from ...compile.features import chosen_features
 from ...errors import RunError, UsageError, ValidationError

@@ -1,7 +1,7 @@
 """The interface: parameters, header, flat functions for ctypes; what the templates are filled with."""
 from __future__ import annotations
 
-from ... import __version__ as VERSION
+from ...version import __version__ as VERSION
 from ..assemble.buffers import buffers, history
 from ..assemble.model import Model
 from ..assemble.parameters import run_time

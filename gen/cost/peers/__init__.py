@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..case import Case
+from ..measure.case import Case
 from .by_hand import ByHand
 from .compiled import Compiled, Missing
 from .scipy_rk import SciPy

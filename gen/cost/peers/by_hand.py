@@ -10,7 +10,7 @@ import ctypes
 import numpy as np
 
 from ...chance import generator
-from ..case import Case
+from ..measure.case import Case
 from .compiled import FIELDS, NEEDS, Compiled, Missing
 
 POINTS = 8              # states at which both fields are compared

@@ -16,7 +16,7 @@ from ...build.cache import entry
 from ...methods import METHODS
 from ...resources import include_flags
 from ...run.step.integrator import Integrator
-from ..case import Case
+from ..measure.case import Case
 
 HERE = Path(__file__).resolve().parent
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fPIC", "-shared", "-Wl,-z,defs")

@@ -7,10 +7,10 @@ import time as clock
 import numpy as np
 
 from ...run.step.start import casimir_matrices, kappas
-from ..case import Case
-from ..clock import processor_seconds
-from ..reference import Reference
-from ..sweep import FLOOR, SAMPLES, Row, kept
+from ..measure.case import Case
+from ..measure.clock import processor_seconds
+from ..measure.reference import Reference
+from ..measure.sweep import FLOOR, SAMPLES, Row, kept
 
 PART = 100          # a run is tried out over so small a part of its time
 DEARER = 1.8        # a run to the next tolerance: 10^(1.25/5), of a method of order 5

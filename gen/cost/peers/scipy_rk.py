@@ -5,7 +5,7 @@ import time as clock
 
 import numpy as np
 
-from ..case import Case
+from ..measure.case import Case
 from .compiled import Compiled, Missing
 
 

@@ -13,8 +13,10 @@ import os
 import shutil
 import tempfile
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -40,6 +42,7 @@ class Result(ReadOnly):
     others (changes), seconds of stepping and writing. A notebook shows the player of the states.
     """
     INSTEAD = {"": "smidgen.run(spec, ...) makes another result"}
+    _player: ClassVar[Callable | None] = None        # the stage that draws puts in what notebooks show of a result
     meta: dict
     step: np.ndarray
     t: np.ndarray
@@ -57,12 +60,7 @@ class Result(ReadOnly):
 
     def _repr_html_(self) -> str | None:
         """The player, for notebooks; None where there is nothing to play, and the repr is shown."""
-        from ...show.plot import page  # what is downstream is needed here alone
-        from ...show.plot.player import framed
-        try:
-            return framed(page(self))
-        except UsageError:
-            return None
+        return self._player() if self._player else None
 
 
 @public

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ... import __version__
+from ...version import __version__
 from ...build import compiler_version, find_compiler
 from ...cost.report import machine
 from ...errors import Exit, MissingTool, SmidgenError, UsageError

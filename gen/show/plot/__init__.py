@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ...errors import UsageError
 from ...public import public
+from ...run.files.output import Result
 
 __all__ = ["kinds", "page", "plot"]
 
@@ -38,3 +40,15 @@ def page(result) -> str:
     """The HTML page that turns and plays a result. Raises UsageError for one that cannot be drawn."""
     from .draw import page as drawn
     return drawn(result)
+
+
+def played(result: Result) -> str | None:
+    """The player inside a notebook; None where there is nothing to play."""
+    from .player import framed
+    try:
+        return framed(page(result))
+    except UsageError:
+        return None
+
+
+Result._player = played

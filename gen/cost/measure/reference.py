@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import UsageError
-from ..extremes import largest
-from ..methods import METHODS
+from ...errors import UsageError
+from ...extremes import largest
+from ...methods import METHODS
 from .case import Case
 
 REAL = "long double"

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import RunError
-from ..extremes import largest, smallest
-from ..language.spec import LOOSEST
-from ..methods import METHODS
-from ..run.record.conserved import energy_of, with_tracers
+from ...errors import RunError
+from ...extremes import largest, smallest
+from ...language.spec import LOOSEST
+from ...methods import METHODS
+from ...run.record.conserved import energy_of, with_tracers
 from .case import Case
 from .reference import Reference
 

@@ -5,15 +5,15 @@ import functools
 
 import numpy as np
 
-from ..errors import BuildError, RunError, SmidgenError, UsageError
-from ..language.expr import Time, walk
-from ..language.spec import Spec
-from ..methods import METHODS
-from ..read.given import formula
-from ..run.record.conserved import with_tracers
-from ..run.step.integrator import Integrator, build
-from ..run.settings import Settings, number
-from ..run.step.start import initial_state, parameter_values
+from ...errors import BuildError, RunError, SmidgenError, UsageError
+from ...language.expr import Time, walk
+from ...language.spec import Spec
+from ...methods import METHODS
+from ...read.given import formula
+from ...run.record.conserved import with_tracers
+from ...run.step.integrator import Integrator, build
+from ...run.settings import Settings, number
+from ...run.step.start import initial_state, parameter_values
 from .clock import processor_seconds
 
 

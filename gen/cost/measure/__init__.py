@@ -1,0 +1,1 @@
+"""One method with one step: its error against a reference, and its time."""
