@@ -73,6 +73,7 @@ static inline void smg_next_run_of_blocks(const smg_coefficients *c, smg_piece *
 static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
   const int64_t room = piece->size - piece->done, length = piece->length;
   if (room <= 0) return 0;
+  run->place = piece->known->place;
   if (SMG_BLOCKS && piece->known->beside) {
     smg_next_run_of_blocks(c, piece, run);
     return 1;
@@ -87,7 +88,6 @@ static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_
   run->length = length;
   run->from = piece->from;
   run->to = end - piece->from > room ? piece->from + room : end;
-  run->place = piece->known->place;
   piece->done += run->to - run->from;
   const int64_t gone = run->to == end ? rows : run->to / length;
   piece->from = run->to - gone * length;

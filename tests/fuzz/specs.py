@@ -37,7 +37,7 @@ from .through import SECONDS, Fault, through
 
 OUT = Path(__file__).parents[2] / "out" / "fuzz"
 HOUR, MEMORY = 600, 4 << 30     # seconds by the clock and bytes that no spec takes
-COLUMNS = ("seed", "code", "verdict", "stage", "seconds", "layout", "sites", "method", "solver", "features", "program", "library", "kinds", "said")
+COLUMNS = ("seed", "code", "verdict", "stage", "seconds", "layout", "sites", "method", "solver", "features", "program", "library", "judged", "kinds", "said")
 KINDS = {"sphere": r"sphere =", "r3": r"r3 =", "nambu": r"nambu =", "tracer": r"tracer = true", "families": r"\[starts\.s\.",
          "single site": r"(sphere|r3|nambu) = 1\b", "count of one": r'"one"', "count run": r'(sphere|r3|nambu) = "[nm2]', "kappa(i)": r'kappa = ".*\bi\b',
          "radius(i)": r'radius = ".*\bi\b', "array": r"size =", "array fixed": r"size =.*fixed", "vector fixed": r"vector = true, fixed",

@@ -12,12 +12,15 @@ from pathlib import Path
 
 from smidgen.methods import METHODS
 
+from .program import COUNT
+
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- random specs -->\n", "<!-- end of random specs -->"
 LEVELS = ("-O0", "-O1", "-O2", "-O3")
 VERDICTS = ("fine", "refused", "fault")
 ENDED = "ended from outside"      # a process that took too long has told nothing
 NEVER = "none: refused before"
+ALL = str(COUNT)                  # steps; those judged by residuals say nothing else
 
 
 def layout(row) -> str:
@@ -32,12 +35,13 @@ def counted(rows) -> list[dict]:
     return [dict(zip(("layout", "method", "program", "library"), key), specs=sum(n.values()), **{v: n[v] for v in VERDICTS}) for key, n in sorted(found.items())]
 
 
-def tables(counts, code: str, seeds: str) -> str:
-    """Markdown: layouts by kinds of methods, compilers by levels, and what came of all."""
+def tables(counts, code: str, seeds: str, fewer: int) -> str:
+    """Markdown: layouts by kinds of methods, compilers by levels, and what came of all. fewer: specs whose steps were not all judged."""
     total = {v: sum(c[v] for c in counts) for v in ("specs", *VERDICTS)}
     kinds = sorted({kind(c["method"]) for c in counts})
     head = (f"{total['specs']} specs, {seeds}: {total['fine']} fine, {total['refused']} with a start or a step that is refused with a status, "
-            f"{total['fault']} faults; generator, witness and target {code}. Rows are how the steps went, not what the spec was written for.\n")
+            f"{total['fault']} faults; generator, witness and target {code}. The witness took fewer steps than the program for {fewer} of them, since "
+            "its own would have taken too long. Rows are how the steps went, not what the spec was written for.\n")
     return "\n".join([head, grid(counts, "layout", "layout", kinds, lambda c: kind(c["method"])), "",
                       grid(counts, "program", "program, under the sanitizers", LEVELS, lambda c: c["program"].split()[1], lambda text: text.split()[0]), "",
                       grid(counts, "library", "library", LEVELS, lambda c: c["library"].split()[1], lambda text: text.split()[0]), ""])
@@ -67,13 +71,14 @@ def kind(method: str) -> str:
 def write(rows, code: str, seeds: str, docs=DOCS) -> None:
     """Both files; the tables of the page stand between two marks."""
     counts = counted(rows)
+    fewer = sum(r["verdict"] == "fine" and (r.get("judged") or ALL) != ALL for r in rows)
     with open(docs / "fuzz_specs.csv", "w", newline="") as out:
         table = csv.DictWriter(out, list(counts[0]), lineterminator="\n")
         table.writeheader()
         table.writerows(counts)
     page = (docs / "fuzzing.md").read_text()
     inside = re.escape(BEGIN) + ".*?" + re.escape(END)
-    (docs / "fuzzing.md").write_text(re.sub(inside, lambda _: BEGIN + tables(counts, code, seeds) + END, page, count=1, flags=re.DOTALL))
+    (docs / "fuzzing.md").write_text(re.sub(inside, lambda _: BEGIN + tables(counts, code, seeds, fewer) + END, page, count=1, flags=re.DOTALL))
 
 
 def main(words=None):

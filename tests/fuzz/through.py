@@ -16,6 +16,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,7 @@ from .invent import files_of
 from .program import COUNT, numbers_of, program
 
 SECONDS = 20        # of processor time, for each stage and each program that it starts
+JUDGED = 8          # of them for the witness's steps
 SANITIZE = (CALLS, "-ffp-contract=off", "-fsanitize=address,undefined", "-fsanitize=float-cast-overflow",
             "-fno-sanitize-recover=all")
 STRICT = ("-ffp-contract=off", "-Wno-psabi", *WARNINGS)
@@ -194,13 +196,25 @@ class Passage:
             return self.refused(refusal)
         try:
             if self.small and (len(self.w) <= DENSE or not METHODS[self.settings.method].of_midpoints):
-                pair.steps(self.w, self.t, self.h, COUNT)
+                self.found["judged"] = self.judged(pair)
+                if self.found["judged"]:
+                    pair.steps(self.w, self.t, self.h, self.found["judged"])
             else:
                 pair.residuals(self.w, self.t, self.h)
         except RunError as refusal:
             self.refused(refusal)
         if hasattr(self, "said"):
             self.program_and_library(pair)
+
+    def judged(self, pair) -> int:
+        """How many steps the witness takes: those that the program took, as far as JUDGED seconds go, but one of those at least."""
+        taken = len(self.said.get("w", ()))
+        if taken < 2:
+            return taken
+        began = time.process_time()
+        with contextlib.suppress(RunError):
+            pair.witness.steps(self.w, self.t, self.h, 1, self.settings.method)
+        return max(1, min(taken, int(JUDGED / (time.process_time() - began))))
 
     def program_and_library(self, pair):
         """The same C gives the same bits; C for other sizes, or of another compiler, the same up to round-off."""
