@@ -20,7 +20,6 @@ import numpy as np
 from ..chance import generator
 from ..errors import UsageError
 from ..public import few, public
-from ..run.step.start import casimir_matrices, radii
 
 OFFSET = 1e-8       # separation of nearby trajectories: about the root of the round-off
 
@@ -97,7 +96,7 @@ def on_leaves(model, v) -> np.ndarray:
     In exact arithmetic there are none. What rounding leaves of them neither grows nor decays, and so
     would outgrow vectors that decay.
     """
-    n = np.einsum("sab,sb->sa", casimir_matrices(model.scene, model.values_in), model.w)
+    n = np.einsum("sab,sb->sa", model.prepared.numbers.casimir_matrices, model.w)
     square = np.sum(n * n, axis=1)
     across = np.einsum("csa,sa->cs", v, n) / np.where(square > 0, square, 1)
     return v - across[..., None] * n
@@ -112,7 +111,7 @@ def nearby(model, w, h: float, steps: int, every: int, t0: float = 0.0, offset: 
     after every `every` steps: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338.
     w: (sites, 3) or the name of a start. Raises as `exponents` does.
     """
-    blocks, radius = _blocks(steps, every), radii(model.scene, model.values_in)
+    blocks, radius = _blocks(steps, every), model.prepared.numbers.radii
     here = model.start(w, h=h, t0=t0).state()
     direction = tangent_vectors(model, 1, seed)[0]
     growth = np.empty((blocks, 1))

@@ -30,7 +30,8 @@ from ..public import ReadOnly, public
 from ..run.files.durable import write_new
 from ..run.fields.field import Field
 from ..run.fields.grid import Grid, family_of, of
-from ..run.step.integrator import build, choose
+from ..run.step.integrator import build
+from ..run.step.prepared import choose
 from ..run.record.record import Recorder
 from ..run.run import MEMORY, advance, describe
 from ..run.settings import settle, whole

@@ -23,7 +23,7 @@ from pathlib import Path
 from ..methods import DEFAULT
 from ..version import __version__
 from ..compile.features import chosen_features
-from ..compile.plan.plan import choose
+from ..compile.plan.plan import Plan, choose
 from ..compile.program import program_of
 from ..errors import BuildError, MissingTool, UsageError
 from ..language.spec import Spec
@@ -57,13 +57,13 @@ class Built:
 
 def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   real: str = "double", native: bool | None = None, features=(), generate=None, fast: bool = False,
-                  threads: bool = False, ranks: bool = False, defines: tuple = ()) -> Built:
+                  threads: bool = False, ranks: bool = False, defines: tuple = (), plan: Plan | None = None) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
     real: "double" or "long double"; native: -march=native or not; None: for models with vectors of lanes; fast: products and sums
     in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`; threads:
     with OpenMP; ranks: with MPI, which no result tells: it decides no bit; generate: in place of the generator, and defines: flags beside the
-    others, which must tell its text from that of others. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
+    others, which must tell its text from that of others; plan: of this spec, method and solver, where it is known. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
     without OpenMP or mpicc, and BuildError when it refuses.
     """
     features, compiler = chosen_features(features), find_compiler()
@@ -73,11 +73,12 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
     wide = native is None and not fast
     caller = mpi_compiler(compiler) if ranks else compiler
     linked = (caller, ran([*caller, "-show"]).stdout) if ranks else ()
-    key = digest(identity(program_of(spec)), choose(spec, method, solver), solver, features, generator_digest(),
+    program, plan = program_of(spec), choose(spec, method, solver) if plan is None else plan
+    key = digest(identity(program), plan, solver, features, generator_digest(),
                  compiler_version(compiler), flags, UNFUSED, wide, processor(), *linked)
-    wanted = (spec, method, solver, features)
+    text = (lambda: _generate(program, plan, features)) if generate is None else lambda: generate(spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
-                  lambda work: _build_into(work, generate or _generate, wanted, caller, flags, wide))
+                  lambda work: _build_into(work, text, caller, flags, wide))
     facts = json.loads((place / "built.json").read_text())
     if threads and not facts["notes"].get("threads"):
         raise UsageError(f"steps of {spec.name} by {method} have one thread: only those of lattices by rows have several")
@@ -192,13 +193,13 @@ def identity(spec: Spec) -> str:
     return repr([(f.name, getattr(spec, f.name)) for f in dataclasses.fields(spec)])
 
 
-def _generate(spec, method, solver, features):
-    from ..compile.emit.emit import generate_program
-    return generate_program(spec, method, solver, features)
+def _generate(program, plan, features):
+    from ..compile.emit.emit import emitted
+    return emitted(program, plan, features)
 
 
-def _build_into(work, generate, wanted, compiler, flags, wide):
-    files, notes = split_notes(generate(*wanted))
+def _build_into(work, text, compiler, flags, wide):
+    files, notes = split_notes(text())
     if wide and notes.get("lanes") and takes(compiler, NATIVE):
         flags = (*flags, *NATIVE)
     flags = (*flags, *unfused(compiler, flags))

@@ -22,7 +22,8 @@ from ..language.spec import Spec
 from ..public import public
 from ..run.step.integrator import build
 from ..run.settings import Settings, settle
-from ..run.step.start import casimir_matrices, initial_state, radii
+from ..run.step.evaluated import casimir_matrices
+from ..run.step.start import state_at
 from ..tables import text_of
 from .witness import EQUATIONS, Witness
 
@@ -136,7 +137,7 @@ class Case:
         s = self.settings = settings
         self.points = points
         self.witness = Witness(spec, s.values, s.effects)
-        self.radius = radii(spec, s.values)
+        self.radius = s.numbers.radii
         self.dice = generator("validate")
         self.model = build(spec, s.method, s.effects, s.values, s.solver, s.real, s.native)
         self.w = self._start(spec, s)
@@ -146,7 +147,7 @@ class Case:
             return np.array(s.start, dtype=float)
         if s.start is None and not spec.starts:
             return self.on_spheres(self.dice.standard_normal((self.witness.sites, 3)))
-        return initial_state(spec, s.start, s.values, s.seed)
+        return state_at(s.numbers, s.start, s.seed)
 
     def on_spheres(self, w):
         """Each w_i of a sphere scaled to its radius; the others as they are."""

@@ -43,7 +43,7 @@ def facts(word: str) -> dict:
     """Load, settle every run, and count."""
     from ..run.settings import settle
     from ..read.shipped import load_spec
-    from ..run.step.start import sizes
+    from ..run.step.evaluated import sizes
     spec = load_spec(word)
     families = {name: count for name, (_, count) in sizes(spec).items()}
     steps = {run.name: settle(spec, run.name).steps for run in spec.runs}

@@ -39,7 +39,7 @@ def scene_of(args):
     from ..compile.select import select
     from ..run.settings import find_run
     from ..read.shipped import load_spec
-    from ..run.step.start import parameter_values
+    from ..run.step.evaluated import parameter_values
     spec = load_spec(args.spec)
     run = find_run(spec, args.run)
     values = {**dict(run.values), **dict(args.values)}

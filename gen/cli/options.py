@@ -8,7 +8,7 @@ from pathlib import Path
 from ..compile.features import FEATURES
 from ..errors import UsageError
 from ..read.given import constant
-from ..run.step.integrator import METHODS, SOLVERS
+from ..methods import NAMES as METHODS, SOLVERS
 
 
 def spec_argument(parser, **more):

@@ -16,7 +16,7 @@ from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
-from ..run.step.integrator import choose as one_of
+from ..run.step.prepared import choose as one_of
 from ..run.settings import settle
 from .measure.case import Case, asked_time, candidates
 from .choice import Choice, choose, known_methods

@@ -17,7 +17,7 @@ from ..extremes import largest
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
-from ..run.step.integrator import choose as one_of
+from ..run.step.prepared import choose as one_of
 from ..run.settings import settle
 from .measure.case import Case, asked_time, candidates
 from .even import general, steps_until_even

@@ -13,10 +13,9 @@ from ..build.binary import generator_name
 from ..errors import UsageError
 from ..public import public
 from .files.checkpoint import CheckpointError, Folder, folder_of
-from .step.integrator import build
 from .files.output import Result, load_result
 from .files.recorded import recorded
-from .run import describe, execute
+from .run import begun, describe, execute
 from .settings import settle
 
 
@@ -39,7 +38,7 @@ def resume(path: str | os.PathLike, *, keep: bool = False, progress: Callable[[i
         meta = ranks.on_first(lambda: folder.run() if folder.parts("run") else None)
         if meta is None:
             return ranks.on_first(lambda: _put_together(path, folder))
-        model, settings = begun(meta, path)
+        model, settings = begun_again(meta, path)
         return execute(model, settings, path, keep, progress, (folder, ranks.on_first(lambda: folder.newest(tell))))
     except OSError as problem:
         raise CheckpointError(f"cannot use {folder_of(path)}: {problem.strerror or problem}") from None
@@ -63,16 +62,14 @@ def saved_run(path) -> dict:
     return _complete(path).meta
 
 
-def begun(meta: dict, path):
+def begun_again(meta: dict, path):
     """(model at its start, settings) of a saved run, when this program is the one that began it."""
     if meta["generator"] != generator_name():
         raise CheckpointError(f"{path} was begun by {meta['generator']}, this is {generator_name()}: the bits "
                               f"would differ. Go on with that version, or remove {folder_of(path)} and begin anew")
     spec, name, given = recorded(meta)
     settings = settle(spec, name, **given)
-    model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
-                  settings.real, settings.native, fast=settings.fast, threads=settings.threads)
-    model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
+    model = begun(spec, settings)
     now = json.loads(json.dumps(describe(model, settings)))
     differing = [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]
     if differing:

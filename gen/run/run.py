@@ -23,7 +23,8 @@ from ..version import __version__
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
-from .step.integrator import Integrator, build
+from .step.integrator import Integrator, compiled
+from .step.prepared import prepare
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.pace import Pace
 from .record.record import Recorder, columns_of, entry_size
@@ -80,10 +81,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
                       every=every, section=section, what=what, effects=effects, values=values, seed=seed,
                       real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate, tolerance=tolerance, fast=fast,
                       threads=threads)
-    model = build(spec, settings.method, settings.effects, settings.values, settings.solver,
-                  real, native, fast=fast, threads=threads)
-    model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
-    return execute(model, settings, out, out is None if keep is None else keep, progress)
+    return execute(begun(spec, settings), settings, out, out is None if keep is None else keep, progress)
 
 
 @public
@@ -96,6 +94,14 @@ def repeat(path: str | os.PathLike, out: str | os.PathLike | None = None, *, kee
     from .files.recorded import recorded
     spec, name, settings = recorded(load_result(path).meta)
     return run(spec, name, out=out, keep=keep, progress=progress, **settings)
+
+
+def begun(spec: Spec, settings: Settings) -> Integrator:
+    """The model of a run, at its start."""
+    s = settings
+    prepared = prepare(spec, s.method, s.effects, s.values, s.solver, s.numbers)
+    model = compiled(prepared, s.real, s.native, fast=s.fast, threads=s.threads)
+    return model.start(s.own_start, h=s.h, seed=s.seed, tolerance=s.tolerance)
 
 
 def execute(model: Integrator, settings: Settings, out, keep: bool, progress=None, place=None):
@@ -210,7 +216,7 @@ def _affordable(layout, settings, keep):
 def describe(model: Integrator, settings: Settings, status: str = "running") -> dict:
     """The metadata of a run: all that is needed to repeat it."""
     spec, built = model.spec, model.built
-    facts = {k: v for k, v in dataclasses.asdict(settings).items() if k not in ("values", "start", "checkpoint")}
+    facts = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings) if f.name not in ("values", "numbers", "start", "checkpoint")}
     start, scene = settings.start, model.scene
     if not isinstance(start, str):
         start = find_start(spec, None).name if start is None else np.asarray(start).tolist()
@@ -250,7 +256,7 @@ def _finish(model, settings, recorder, status, error, began):
 def estimated(model, settings, final) -> tuple[float | None, str | None]:
     """The error of the final state, or why there is no estimate; the trajectory of the run is kept."""
     with on_interrupt() as interrupted:
-        return end_error(Integrator(model.spec, model.scene, model.built, model.values_in, model.method, model.solver), settings, final, interrupted)
+        return end_error(Integrator(model.prepared, model.built), settings, final, interrupted)
 
 
 def _close(model, recorder, meta, extras, began):

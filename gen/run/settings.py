@@ -16,8 +16,9 @@ from ..language.spec import Run, Spec
 from ..read.given import formula
 from ..read.names import COMPUTED
 from .fields.field import Field
-from .step.integrator import METHODS, SOLVERS, checked_tolerance, choose
-from .step.start import parameter_values
+from ..methods import NAMES as METHODS, SOLVERS
+from .step.prepared import checked_tolerance, choose
+from .step.evaluated import Evaluated
 
 _FORMULA = typing.get_args(Expr)
 KINDS = ("states", "energy", "momentum", "casimirs")
@@ -29,7 +30,7 @@ class Settings:
     array; section: the stroboscopic period when every came from one; substeps: take a step
     that fails as smaller ones; checkpoint: steps between two checkpoints, None for none; estimate: of the
     error at the end; tolerance: of a step, None for round-off; fast: for this processor, and
-    products and sums in one operation."""
+    products and sums in one operation; numbers: the spec's, evaluated with these values."""
     run: str
     start: object
     method: str
@@ -41,6 +42,7 @@ class Settings:
     what: tuple[str, ...]
     effects: tuple[str, ...] | None
     values: dict
+    numbers: Evaluated = dataclasses.field(repr=False, compare=False)
     seed: int | None
     real: str = "double"
     native: bool | None = None
@@ -64,7 +66,8 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = find_run(spec, name)
     values = {**dict(base.values), **(values or {})}
-    env = parameter_values(spec, values)
+    numbers = Evaluated(spec, values)
+    env = numbers.values
     h, time, section = (_read(spec, what_, value) for what_, value in
                         (("h", h), ("time", time), ("section", section)))
     h = step_size(base.h if h is None else h, env)
@@ -74,12 +77,12 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         every, section = (base.every, None) if base.section is None else (None, base.section)
     section = None if section is None else abs(number(section, env, "the section's period"))
     return Settings(
-        base.name, _placed(spec, base.start if start is None else start, values),
+        base.name, _placed(base.start if start is None else start, numbers),
         choose("method", method or base.method, METHODS),
         choose("solver", solver or base.solver, SOLVERS), h,
         number_of_steps(steps, time, h, env), interval(every, section, h), section,
         chosen_outputs(spec, tuple(what or base.what)),
-        base.effects if effects is None else tuple(effects), values,
+        base.effects if effects is None else tuple(effects), values, numbers,
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate),
         None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads)
@@ -90,9 +93,9 @@ def _read(spec: Spec, what: str, value):
     return formula(value, what, spec.parameters) if isinstance(value, str) else value
 
 
-def _placed(spec: Spec, start, values):
+def _placed(start, numbers: Evaluated):
     """The vectors of a file on the sites of the spec; another start stays."""
-    return start.rows(spec, values) if isinstance(start, Field) else start
+    return start.placed(numbers) if isinstance(start, Field) else start
 
 
 def whole(value, what: str) -> int:
@@ -153,10 +156,9 @@ def duration(spec: Spec, base: Run, s: Settings, steps=None, time=None) -> float
     """How long a run is, whether or not that is a multiple of h; None: nothing says so."""
     if steps is None and time is None:
         steps, time = base.steps, base.time
-    env = parameter_values(spec, s.values)
     if time is not None:
-        return abs(number(_read(spec, "time", time), env, "time"))
-    return None if steps is None else abs(s.h) * number_of_steps(steps, None, s.h, env)
+        return abs(number(_read(spec, "time", time), s.numbers.values, "time"))
+    return None if steps is None else abs(s.h) * number_of_steps(steps, None, s.h, s.numbers.values)
 
 
 def multiple(duration: float, h: float, what: str) -> int:

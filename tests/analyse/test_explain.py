@@ -10,7 +10,7 @@ from support.systems import SPECS, load, tiers
 import smidgen
 from smidgen.errors import RunError
 from smidgen.read import load_text
-from smidgen.run.step.start import casimir_matrices, radii
+from smidgen.run.step.evaluated import casimir_matrices, radii
 from smidgen.analyse.symmetry import bounds, explain
 from smidgen.analyse.symmetry.energy import Energy
 from smidgen.check.witness import Witness

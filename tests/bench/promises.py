@@ -70,7 +70,7 @@ def without_certificate(spec, method: str, values: dict, work: Path) -> Integrat
     write_files(files, here)
     include = [f"-I{place}" for place in sorted(headers.iterdir()) if place.is_dir()]
     compile_shared(here, sorted(f for f in files if f.endswith(".c")), find_compiler(), (*FLAGS, *SHARED, *include))
-    return Integrator(model.spec, model.scene, replace(model.built, binary=here / "model.so"), model.values_in, method, model.solver)
+    return Integrator(model.prepared, replace(model.built, binary=here / "model.so"))
 
 
 def step_of(model, w, h: float, tolerance, steps: int) -> float:

@@ -17,7 +17,7 @@ import smidgen
 from machine import write_table
 from smidgen.build.binary import FLAGS, find_compiler
 from smidgen.compile.emit.emit import generate
-from smidgen.run.step.integrator import scene_of
+from smidgen.run.step.prepared import scene_of
 from smidgen.resources import folder, include_flags
 
 SYSTEMS = [("heisenberg_chain", dict(n=100), dict(n=1_000_000)),
@@ -51,7 +51,7 @@ def prepare(name: str, values: dict):
     model = smidgen.build(spec, values=values)
     run = spec.runs[0]
     from smidgen.language.evaluate import evaluate
-    from smidgen.run.step.start import parameter_values
+    from smidgen.run.step.evaluated import parameter_values
     model.start(run.start, h=float(evaluate(run.h, parameter_values(spec, values))))
     model.steps(10)
     return model, dict(system=name, spins=model.sites, solver=model.notes["solver"],

@@ -310,4 +310,4 @@ def test_a_library_that_cannot_be_loaded(toy):
     copy = dataclasses.replace(built, binary=built.binary.with_name("copy.so"))
     copy.binary.write_bytes(b"no library")
     with pytest.raises(smidgen.BuildError, match="cannot load"):
-        smidgen.Integrator(toy, toy, copy, {}, "spherical-midpoint", "auto")
+        smidgen.Integrator(smidgen.build(toy).prepared, copy)

@@ -11,7 +11,7 @@ from support.systems import (CLASSICAL, FREE_BODIES, QUICK, SHORT, SPECS, SPHERI
                              tiers, model)
 
 from smidgen.errors import UsageError
-from smidgen.run.step.start import radii
+from smidgen.run.step.evaluated import radii
 from smidgen.check.witness import Witness
 
 EPSILON = np.finfo(float).eps

@@ -12,12 +12,12 @@ from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, 
 from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
-from smidgen.run.step.integrator import SOLVERS
+from smidgen.methods import SOLVERS
 from smidgen.compile.lower.code import Call, Function, Return, needed
 from smidgen.compile.lower.integers import ONE, ZERO
 from smidgen.resources import include_flags
 from smidgen.compile.select import select
-from smidgen.run.step.start import parameter_values
+from smidgen.run.step.evaluated import parameter_values
 
 TEXTS = {"mixed": texts.MIXED, "pulse": texts.PULSE, "corners": texts.CORNERS, "field": texts.FIELD,
          "glass": texts.GLASS, "open": texts.OPEN_CHAIN}

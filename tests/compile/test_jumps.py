@@ -1,11 +1,13 @@
 """What stands below a jump (floor, mod, a comparison) is computed as it is written: i/n is 1 at i = n, i*(1/n) need not be."""
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.run.step.integrator import Integrator
-from smidgen.run.step.start import parameter_values
+from smidgen.run.step.evaluated import Evaluated
 
 WRONG = (49, 98, 103, 107, 161, 187, 196, 197)      # n*(1/n) < 1 in double precision
 SITES = 1001
@@ -46,7 +48,7 @@ def model(formulas, sites, method="spherical-midpoint", more="", **how):
 
 
 def with_values(built, **values):
-    return Integrator(built.spec, built.scene, built.built, parameter_values(built.spec, values), built.method, built.solver)
+    return Integrator(replace(built.prepared, numbers=Evaluated(built.spec, values)), built.built)
 
 
 def pair(written, given, n, i):

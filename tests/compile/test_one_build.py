@@ -1,14 +1,17 @@
 """One build serves all values that lead to one plan: sizes, steps, lists of any length, texts; and its bits are those of
 a build for that size alone."""
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import smidgen
 from smidgen.build.binary import build_library, split_notes
 from smidgen.compile.emit.emit import generate
-from smidgen.run.step.integrator import Integrator, scene_of
-from smidgen.run.step.start import initial_state, parameter_values
+from smidgen.run.step.integrator import Integrator
+from smidgen.run.step.prepared import scene_of
+from smidgen.run.step.evaluated import Evaluated
+from smidgen.run.step.start import initial_state
 
 BUILD = sys.modules["smidgen.build.binary"]
 HEAD = '[model]\nname = "many"\n[space]\n'
@@ -164,7 +167,7 @@ def test_the_bits_are_those_of_a_build_of_its_own(name, read, compilations, tmp_
     scene = scene_of(spec, None, values[-1])
     own = build_library(scene, generate=lambda *given: split_notes(generate(*given[:3], features=given[3])))
     assert own.binary != shared.built.binary and len(compilations) == 2
-    own = Integrator(spec, scene, own, parameter_values(spec, values[-1]), shared.method, shared.solver)
+    own = Integrator(shared.prepared, own)
     assert own.notes == shared.notes
     assert np.array_equal(*(model.start("any", h=0.05).steps(20).w for model in (shared, own))) and np.array_equal(shared.values(), own.values())
 
@@ -201,6 +204,6 @@ def test_a_size_that_the_plan_does_not_serve_is_refused(name, given, read):
     """By the C itself: the library of the default size, called with another one."""
     spec = read(FAMILIES[name][0])
     model = smidgen.build(spec)
-    wrong = Integrator(spec, model.scene, model.built, parameter_values(spec, given), model.method, model.solver)
+    wrong = Integrator(replace(model.prepared, numbers=Evaluated(spec, given)), model.built)
     with pytest.raises(smidgen.RunError, match="bad parameter"):
         wrong.start(initial_state(spec, "any", given), h=0.1)

@@ -23,7 +23,7 @@ PLANS = {
 
 
 def plan(name, method=SPHERICAL, solver="auto", **values):
-    from smidgen.run.step.integrator import scene_of
+    from smidgen.run.step.prepared import scene_of
     return choose(scene_of(smidgen.load(name), None, values), method, solver)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import smidgen
 from smidgen.errors import RunError, SmidgenError
 from smidgen.run.settings import settle
-from smidgen.run.step.start import radii, sizes
+from smidgen.run.step.evaluated import radii, sizes
 
 STEPS, STARTS = 20, 2       # after 16 steps the degree of the predictor has been chosen
 LARGE = 8                   # the second step size, in units of the first, takes the solvers' slower paths

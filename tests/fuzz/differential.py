@@ -19,7 +19,7 @@ from support.random_specs import random_spec
 import smidgen
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
-from smidgen.run.step.start import casimir_matrices, kappas, parameter_values, radii, sizes
+from smidgen.run.step.evaluated import casimir_matrices, kappas, parameter_values, radii, sizes
 from smidgen.check.witness import Witness
 
 EPSILON = np.finfo(float).eps

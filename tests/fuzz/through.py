@@ -10,6 +10,7 @@ A step or a start that is refused with a status is no fault; `found["verdict"]` 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import os
 import re
 import resource
@@ -28,11 +29,13 @@ from smidgen.compile.emit.emit import generate
 from smidgen.compile.features import EVERYWHERE
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
-from smidgen.run.step.integrator import Integrator, scene_of
+from smidgen.run.step.integrator import Integrator
+from smidgen.run.step.prepared import prepare, scene_of
 from smidgen.resources import include_flags
 from smidgen.compile.select import select
 from smidgen.run.settings import settle
-from smidgen.run.step.start import initial_state, parameter_values
+from smidgen.run.step.evaluated import parameter_values
+from smidgen.run.step.start import initial_state
 from smidgen.check.witness import Witness
 
 from .differential import ALLOWED, EPSILON, UNIT, Pair, compare, random_state
@@ -183,7 +186,8 @@ class Passage:
         with builds((*STANDARD, level, *STRICT), self.where / "cache", compiler):
             built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
                                   generate=lambda *_: self.files)
-        self.model = Integrator(self.spec, self.scene, built, self.values, self.settings.method, self.settings.solver)
+        prepared = prepare(self.spec, self.settings.method, self.settings.effects, self.settings.values, self.settings.solver)
+        self.model = Integrator(dataclasses.replace(prepared, scene=self.scene, numbers=prepared.numbers.of(self.scene)), built)
 
     def witness(self):
         """Energy, effects, field, observables, momentum, Casimirs and ten steps, of the library and of the program."""

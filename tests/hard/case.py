@@ -13,7 +13,7 @@ from typing import Callable, Iterator
 import numpy as np
 
 from smidgen.errors import RunError
-from smidgen.run.step.integrator import STATUS
+from smidgen.run.step.status import STATUS
 
 TIERS = ("quick", "long")
 CASES: list["Case"] = []

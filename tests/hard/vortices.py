@@ -44,7 +44,7 @@ from support.systems import load as shipped
 from test_branch import ask
 
 import smidgen
-from smidgen.run.step.integrator import STATUS
+from smidgen.run.step.status import STATUS
 
 from .case import EPS, NO_SOLUTION, WRONG_BRANCH, Row, attempt, below, case, near, ratio, refused, same
 from .geometry import largest, turns

@@ -5,7 +5,7 @@ import smidgen
 from smidgen.errors import SmidgenError, UsageError
 from smidgen.language.names_used import unused
 from smidgen.read import load_text
-from smidgen.run.step.start import parameter_values
+from smidgen.run.step.evaluated import parameter_values
 
 TEXT = '''[model]
 name = "m"

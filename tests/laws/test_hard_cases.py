@@ -6,7 +6,7 @@ from support.systems import CLASSICAL, SPHERICAL, begin, load, model
 
 import smidgen
 from smidgen.errors import RunError
-from smidgen.run.step.integrator import STATUS
+from smidgen.run.step.status import STATUS
 from smidgen.check.witness import Witness
 
 pytestmark = pytest.mark.quick

@@ -12,7 +12,7 @@ from support.systems import CLASSICAL, QUICK, SPHERICAL, VESELOV, begin, load, m
 import smidgen
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
-from smidgen.run.step.start import kappas
+from smidgen.run.step.evaluated import kappas
 from smidgen.check.witness import Witness
 
 EPSILON = np.finfo(float).eps

@@ -22,7 +22,8 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
 from smidgen.compile.features import FEATURES
 from smidgen.language.c_names import in_c
-from smidgen.run.step.integrator import Integrator, scene_of
+from smidgen.run.step.integrator import Integrator
+from smidgen.run.step.prepared import prepare, scene_of
 
 TANGENT = ("tangent",)
 AGREES, SYMPLECTIC = 1e-9, 1e-12
@@ -250,7 +251,7 @@ def with_fault(case, name):
     """The long-double step that the compiler, at fault now, makes of a case, under a name of its own."""
     spec = dataclasses.replace(scene_of(case.spec, None, case.values), name=name)
     built = build_library(spec, real="long double", features=TANGENT, generate=lambda *a: generate(*a[:3], features=a[3]))
-    return Step(Integrator(spec, spec, built, case.values, SPHERICAL, "auto"), case.h)
+    return Step(Integrator(prepare(spec, SPHERICAL, None, case.values), built), case.h)
 
 
 def other_hessian(term, *more):

@@ -24,7 +24,7 @@ from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.compile.features import FEATURES
 from smidgen.methods import METHODS, MIDPOINTS, SOLVERS
-from smidgen.run.step.integrator import scene_of
+from smidgen.run.step.prepared import scene_of
 from smidgen.resources import folder, include_flags
 
 SPHERICAL, CLASSICAL, VESELOV = MIDPOINTS

@@ -19,7 +19,7 @@ from smidgen.read.marks import Marks
 from smidgen.read.names import FUNCTIONS
 from smidgen.compile.select import select
 from smidgen.language.spec import Each, Lattice, Once, Pairs, Sites
-from smidgen.run.step.start import parameter_values
+from smidgen.run.step.evaluated import parameter_values
 
 pytestmark = pytest.mark.quick
 ROOT = Path(__file__).parents[2]

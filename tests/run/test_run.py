@@ -113,7 +113,7 @@ def test_wrong_names(toy, wrong, said):
 
 
 def test_the_status_texts_are_those_of_the_runtime(root):
-    from smidgen.run.step.integrator import STATUS
+    from smidgen.run.step.status import STATUS
     header = (root / "runtime" / "core" / "smidgen.h").read_text()
     for number, (name, _) in STATUS.items():
         assert f"SMG_{name.upper().replace(' ', '_')} = {number}," in header.replace(

@@ -6,7 +6,8 @@ from smidgen.errors import UsageError
 from smidgen.language.evaluate import evaluate, integer
 from smidgen.language.expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time
 from smidgen.language.spec import Family, FamilyStart, Parameter, Spec, Start
-from smidgen.run.step.start import casimir_matrices, initial_state, kappas, parameter_values, radii, sizes
+from smidgen.run.step.evaluated import casimir_matrices, kappas, parameter_values, radii, sizes
+from smidgen.run.step.start import initial_state
 
 pytestmark = pytest.mark.quick
 I = Idx("i")

@@ -14,7 +14,7 @@ from support.systems import load
 import smidgen
 from smidgen.errors import RunError
 from smidgen.read import load_text
-from smidgen.run.step.integrator import STATUS
+from smidgen.run.step.status import STATUS
 from smidgen.run.step.start import initial_state
 
 NO_CONVERGENCE, NO_SOLUTION, NOT_FINITE, BAD_PARAMETER, OFF_MANIFOLD = 1, 2, 4, 5, 6

@@ -4,7 +4,7 @@ import random
 import numpy as np
 import pytest
 import smidgen
-from smidgen.run.step.start import parameter_values
+from smidgen.run.step.evaluated import parameter_values
 from smidgen.compile.emit.emit import generate
 from fuzz.differential import random_state, read
 from support.random_specs import random_spec

@@ -14,8 +14,8 @@ from smidgen.build import binary
 from smidgen.build.binary import REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.language.expr import Op
-from smidgen.run.step.integrator import Integrator, scene_of
-from smidgen.run.step.start import parameter_values
+from smidgen.run.step.integrator import Integrator
+from smidgen.run.step.prepared import prepare, scene_of
 from smidgen.check.verify.subject import Emitted
 
 NEXT, LAST = [1, 2, 0], [2, 0, 1]
@@ -237,7 +237,7 @@ def compiled(spec, change, method="spherical-midpoint", values=None) -> Emitted:
         write_files(files, place)
         compile_shared(place, sorted(f for f in files if f.endswith(".c")), find_compiler(), (*binary.FLAGS, *SHARED, *REALS[real]))
         built = Built(scene.name, place / "model.so", place, real, "cc", (), dict(files.notes), "impostor")
-        return Integrator(spec, scene, built, parameter_values(spec, values), method, "auto")
+        return Integrator(prepare(spec, method, None, values), built)
     return Emitted(made("double"), made("long double"), made("double", ("tangent",)))
 
 

@@ -16,8 +16,8 @@ import numpy as np
 from smidgen.build import binary
 from smidgen.build.binary import REALS, SHARED, Built, compile_shared, find_compiler, write_files
 from smidgen.compile.emit.emit import generate
-from smidgen.run.step.integrator import Integrator, scene_of
-from smidgen.run.step.start import parameter_values
+from smidgen.run.step.integrator import Integrator
+from smidgen.run.step.prepared import prepare, scene_of
 from smidgen.check.verify.subject import Emitted
 
 METHOD = "spherical-midpoint"
@@ -110,7 +110,7 @@ class Planted(Emitted):
         flags = (*binary.FLAGS, *SHARED, *REALS[real])
         compile_shared(place, sorted(f for f in self.files if f.endswith(".c")), find_compiler(), flags)
         built = Built(self.scene.name, place / "model.so", place, real, "cc", (), {}, "planted")
-        return self.set_in(Integrator(self.spec, self.scene, built, parameter_values(self.spec, self.values), METHOD, self.solver))
+        return self.set_in(Integrator(prepare(self.spec, METHOD, None, self.values, self.solver), built))
 
     def outputs(self, w, t):
         """In double: one library is enough."""

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import smidgen
-from smidgen.run.step.start import casimir_matrices, kappas, radii
+from smidgen.run.step.evaluated import casimir_matrices, kappas, radii
 
 from .systems import SPHERICAL, Begin
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...run.step.start import kappas
 from ..symmetry.energy import Energy
 from .branch import Branch
 from .equation import Nowhere
@@ -47,7 +46,7 @@ class Fields:
     def __init__(self, model, equation, t: float):
         self.equation, self.t = equation, t
         self.energies = Energy(model.scene, model.values_in).parts
-        self.kappa = kappas(model.scene, model.values_in)
+        self.kappa = model.prepared.numbers.kappas
         self.active = np.repeat([not f.tracer for f in model.scene.families], [n for _, n in model.families.values()])
 
     def at(self, m) -> dict:

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...methods import METHODS
 from ...run.step.integrator import Integrator
-from ...run.step.start import casimir_matrices, radii
 
 DIFFERENCE = 3e-6       # of mbar, in units of its own length
 
@@ -34,8 +33,8 @@ class StepEquation:
 
     def __init__(self, model: Integrator, w: np.ndarray, t: float, sign: float = 1.0):
         self.model, self.w, self.t, self.sign = model, np.array(w, float), t, sign
-        self.casimir = casimir_matrices(model.scene, model.values_in)
-        r = radii(model.scene, model.values_in)
+        self.casimir = model.prepared.numbers.casimir_matrices
+        r = model.prepared.numbers.radii
         self.level = np.where(np.isnan(r), self._twice_c(self.w), r * r)      # w.(A w), kept by the projection
         self.length = np.linalg.norm(self.w, axis=1)
 

@@ -6,7 +6,7 @@ import numpy as np
 from ...language.instances import instances_of
 from ...language.evaluate import evaluate
 from ...language.spec import Spec
-from ...run.step.start import parameter_values, sizes
+from ...run.step.evaluated import parameter_values, sizes
 
 
 class Energy:

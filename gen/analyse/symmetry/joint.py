@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 
 from ...methods import METHODS
-from ...run.step.start import casimir_matrices, kappas
+from ...run.step.evaluated import casimir_matrices, kappas
 from . import bounds, conserved, modular, spaces, polynomial as poly
 from .integrals import WHY, Integral
 from .names import AXES, number

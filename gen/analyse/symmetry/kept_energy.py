@@ -8,7 +8,7 @@ import sympy as sp
 
 from ...methods import METHODS
 from ...language.expr import Time, walk
-from ...run.step.start import casimir_matrices
+from ...run.step.evaluated import casimir_matrices
 from . import polynomial as poly
 from .conserved import PAIRS
 from .energy import Energy

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...chance import generator
 from ...language.expr import walk
-from ...run.step.start import casimir_matrices, parameter_values, radii, sizes
+from ...run.step.evaluated import casimir_matrices, parameter_values, radii, sizes
 from . import bounds
 from .energy import Energy
 from .orbits import terms

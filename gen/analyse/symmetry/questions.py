@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...errors import UsageError
-from ...run.step.start import parameter_values, sizes
+from ...run.step.evaluated import parameter_values, sizes
 from . import conserved
 from .formulas import NotDecided
 from .orbits import orbits, written_out

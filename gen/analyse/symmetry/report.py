@@ -10,8 +10,8 @@ from ...methods import DEFAULT, METHODS
 from ...compile.plan.splitting import splittings
 from ...compile.select import select
 from ...public import few, public
-from ...run.step.integrator import choose
-from ...run.step.start import casimir_matrices, kappas
+from ...run.step.prepared import choose
+from ...run.step.evaluated import casimir_matrices, kappas
 from . import conserved, spaces
 from .integrals import WHY, Integral
 from .joint import joint_quadratic, looked_for

@@ -10,7 +10,7 @@ from ...extremes import largest
 from ...language.expr import Time, walk
 from ...language.spec import Spec
 from ...run.settings import Settings
-from ...run.step.start import casimir_matrices, initial_state, kappas, radii
+from ...run.step.start import state_at
 from ..witness import LARGEST_DENSE, Witness
 from .leaves import LONG, Leaves, lengths
 
@@ -30,8 +30,7 @@ class Case:
         s = self.settings = settings
         self.spec, self.scene = spec, select(spec, s.effects, s.values)
         self.witness = Witness(spec, s.values, s.effects)
-        self.leaves = Leaves(kappas(spec, s.values).astype(LONG),
-                             casimir_matrices(spec, s.values).astype(LONG), radii(spec, s.values))
+        self.leaves = Leaves(s.numbers.kappas.astype(LONG), s.numbers.casimir_matrices.astype(LONG), s.numbers.radii)
         self.dice = generator("verify", seed)
         self.w, self.h, self.sites = self._start(), s.h, self.witness.sites
         self.timed = any(isinstance(node, Time) for e in self.scene.effects for node in walk(e.value))
@@ -49,7 +48,7 @@ class Case:
             return np.array(s.start, dtype=float)
         if s.start is None and not self.spec.starts:
             return np.array(self.leaves.polished(self.dice.standard_normal((self.witness.sites, 3))), float)
-        return initial_state(self.spec, s.start, s.values, s.seed)
+        return state_at(s.numbers, s.start, s.seed)
 
     def of_tier(self, table: dict):
         """The entry of the tier; a number of steps asks for the normal one."""

@@ -53,7 +53,7 @@ def differing(case: Case, one, count, t, own) -> list[str]:
     """Which members of an ensemble do not end as they do alone."""
     w = np.ascontiguousarray(spread(case, count))
     values = parameters(case, one, count) if own else {}
-    stepped = Stepped(one.scene, one.built, one.values_in, values, w, t, case.h, 0.0, 1)
+    stepped = Stepped(one.prepared, one.built, values, w, t, case.h, 0.0, 1)
     try:
         found = [(stepped.advance(calls), stepped.state(), stepped.reports()) for calls in CALLS]
     finally:
@@ -86,7 +86,7 @@ def alone(case: Case, one, w, t, values):
 def with_values(one, values):
     """A trajectory of the same library with other values."""
     from ...run.step.integrator import Integrator
-    return Integrator(one.spec, one.scene, one.built, {**one.values_in, **values}, one.method, one.solver) if values else another(one)
+    return Integrator(one.prepared.with_values(values), one.built) if values else another(one)
 
 
 def parameters(case: Case, one, count) -> dict:

@@ -13,7 +13,7 @@ from ...run.step.saved import DEGREE, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, 
 
 def another(one: Integrator) -> Integrator:
     """A second trajectory of the same library."""
-    return Integrator(one.spec, one.scene, one.built, one.values_in, one.method, one.solver, one.threads)
+    return Integrator(one.prepared, one.built, one.threads)
 
 
 class Past:

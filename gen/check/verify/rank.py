@@ -15,10 +15,10 @@ def main(folder: Path) -> None:
     from ...run.step.integrator import Integrator
     from ...ranks import RANK, variable
     from .shared import path
-    made, places, calls = pickle.loads((folder / "asked").read_bytes())
-    library = ctypes.CDLL(str(made[2].binary), mode=ctypes.RTLD_GLOBAL)
+    (prepared, built), places, calls = pickle.loads((folder / "asked").read_bytes())
+    library = ctypes.CDLL(str(built.binary), mode=ctypes.RTLD_GLOBAL)
     library.MPI_Init(None, None)
-    one = Integrator(*made)
+    one = Integrator(prepared, built)
     found = [path(one.start(w.copy(), t0=t, h=h), calls) for w, t, h in places]
     (folder / f"found-{variable(RANK)}").write_bytes(pickle.dumps(found))
     library.MPI_Finalize()

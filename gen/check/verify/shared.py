@@ -88,7 +88,7 @@ class Ways:
             files[f"{name}_abi.c"] += CALLED.format(name)
             return files, made.notes
         built = build_library(one.scene, one.method, one.solver, "double", case.settings.native, case.features, seen, threads=True, defines=FLAGS)
-        self.one = Integrator(one.spec, one.scene, built, one.values_in, one.method, one.solver, 1)
+        self.one = Integrator(one.prepared, built, 1)
 
     def start(self, w, t, h, threads=1, wave=False, blocks=False) -> Integrator:
         """A trajectory that goes so."""
@@ -143,7 +143,7 @@ def ranks(case: Case, one: Integrator, places, calls, wanted) -> Row:
         return unseen(case, str(problem), NAMES[2:])[0]
     with tempfile.TemporaryDirectory(prefix="smidgen-ranks-") as place:
         folder = Path(place)
-        (folder / "asked").write_bytes(pickle.dumps(((one.spec, one.scene, built, one.values_in, one.method, one.solver), places, calls)))
+        (folder / "asked").write_bytes(pickle.dumps(((one.prepared, built), places, calls)))
         command = [mpirun, "-n", "2", sys.executable, "-m", f"{__package__}.rank", place]
         try:
             said = subprocess.run(command, capture_output=True, text=True, errors="replace", env={**os.environ, **TOGETHER}, timeout=LIMIT)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...errors import RunError, UsageError
 from ...language.spec import Spec
-from ...run.step.start import casimir_matrices, kappas, parameter_values, radii, sizes
+from ...run.step.evaluated import Evaluated
 from . import collocation, compositions, extrapolation, lie, native, splittings
 from .program import compile_term
 
@@ -57,10 +57,10 @@ class Witness:
 
     def __init__(self, spec: Spec, values: dict | None = None, effects=None):
         self.spec = spec
-        self.values = parameter_values(spec, values)
-        self.families = sizes(spec, self.values)
+        self.numbers = Evaluated(spec, values)
+        self.values, self.families = self.numbers.values, self.numbers.places
         self.sites = sum(count for _, count in self.families.values())
-        self.kappa = kappas(spec, self.values)
+        self.kappa = self.numbers.kappas
         self._c = native.load()
         self.effects = {e.name: self._program(e) for e in _chosen(spec.effects, effects)}
         self.terms = {o.name: self._program(o) for o in spec.observables}
@@ -177,9 +177,9 @@ class Witness:
     def _whole(self):
         programs = [one.struct for one in self.effects.values()]
         self._structs = (native.ProgramStruct * max(1, len(programs)))(*programs)
-        radius = radii(self.spec, self.values)
+        radius = self.numbers.radii
         self._arrays = [np.ascontiguousarray(a, dtype=float) for a in (
-            self.kappa, casimir_matrices(self.spec, self.values),
+            self.kappa, self.numbers.casimir_matrices,
             radius * radius / 2)]
         system = native.SystemStruct(
             self.sites, len(programs), ctypes.addressof(self._structs),

@@ -13,7 +13,7 @@ from ...read.given import formula
 from ...run.record.conserved import with_tracers
 from ...run.step.integrator import Integrator, build
 from ...run.settings import Settings, number
-from ...run.step.start import initial_state, parameter_values
+from ...run.step.start import state_at
 from .clock import processor_seconds
 
 
@@ -41,7 +41,7 @@ class Case:
         s = self.settings
         if isinstance(s.start, np.ndarray):
             return np.array(s.start, float)
-        return np.array(initial_state(self.spec, s.start, s.values, s.seed), float)
+        return np.array(state_at(s.numbers, s.start, s.seed), float)
 
     def model(self, method: str, real: str = "double") -> Integrator | None:
         """The compiled model, from memory; None where the method refuses the spec: `refused` says why."""
@@ -89,7 +89,7 @@ def asked_time(spec: Spec, settings: Settings, time) -> float | None:
     if time is None:
         return None
     asked = formula(time, "the time", spec.parameters) if isinstance(time, str) else time
-    return number(asked, parameter_values(spec, settings.values), "the time")
+    return number(asked, settings.numbers.values, "the time")
 
 
 def candidates(case: Case, methods=None) -> list[str]:

@@ -43,7 +43,7 @@ class Compiled:
         self.case, self.kind = case, kind
         explicit = next(name for name, m in METHODS.items() if m.controlled and case.model(name) is not None)
         m = case.model(explicit)
-        self.model = Integrator(m.spec, m.scene, m.built, m.values_in, m.method, m.solver)      # one that nobody else starts anew
+        self.model = Integrator(m.prepared, m.built)      # one that nobody else starts anew
         self.model.start(case.w.copy(), h=1.0)      # rate.h says why
         self.functions = library(self.model.built, self.model.name, source, self.options())
         self.handles, self.first = {}, FIRST / max(case.rate, 1e-300) * np.sign(case.time)

@@ -6,7 +6,6 @@ import time as clock
 
 import numpy as np
 
-from ...run.step.start import casimir_matrices, kappas
 from ..measure.case import Case
 from ..measure.clock import processor_seconds
 from ..measure.reference import Reference
@@ -68,6 +67,6 @@ def expected(peer, tolerance: float, time: float) -> float:
 def sample(case: Case, w: np.ndarray, t: float) -> tuple:
     """(t, energy, momentum, Casimirs) of a state, which may have left its leaf."""
     model = case.model(case.settings.method)
-    kappa, leaf = kappas(model.scene, model.values_in), casimir_matrices(model.scene, model.values_in)
+    kappa, leaf = model.prepared.numbers.kappas, model.prepared.numbers.casimir_matrices
     meter = case.meter()
     return t, math.nan if meter is None else float(meter.energy(w, t)), kappa @ w, np.einsum("ia,iab,ib->i", w, leaf, w)

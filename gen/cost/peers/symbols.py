@@ -9,7 +9,6 @@ import numpy as np
 
 from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
 from ...language.instances import instances_of
-from ...run.step.start import casimir_matrices, kappas, parameter_values, sizes
 
 
 class NoExpression(Exception):
@@ -19,8 +18,8 @@ class NoExpression(Exception):
 def system(hy, case) -> list:
     """[(variable, its derivative)] of all components, site after site."""
     model = case.model(case.settings.method)
-    spec, values = model.scene, model.values_in
-    known, places = parameter_values(spec, values), sizes(spec, values)
+    spec, numbers = model.scene, model.prepared.numbers
+    known, places = numbers.values, numbers.places
     tracers = {f.name for f in spec.families if f.tracer}
     w = [hy.make_vars(f"x{i}", f"y{i}", f"z{i}") for i in range(len(case.w))]
     slopes = [[[] for _ in range(3)] for _ in w]
@@ -35,7 +34,7 @@ def system(hy, case) -> list:
 
 def turned(hy, spec, values, w, field) -> list:
     """The bracket."""
-    kappa, leaf, found = kappas(spec, values), casimir_matrices(spec, values), []
+    kappa, leaf, found = numbers.kappas, numbers.casimir_matrices, []
     for i, v in enumerate(w):
         n = [sum((float(leaf[i][a][b]) * v[b] for b in range(3) if leaf[i][a][b]), hy.expression(0.0)) for a in range(3)]
         g, scale = field[i], spec.orientation / float(kappa[i])

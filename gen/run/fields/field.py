@@ -17,7 +17,7 @@ from . import ovf, vtk
 from ..files.durable import write_new
 from .grid import Grid, grids_of, said
 from ..files.received import Wrong, opened
-from ..step.start import radii, sizes
+from ..step.evaluated import Evaluated
 
 FORMATS = {".ovf": ovf, ".vtk": vtk}
 SINGLE = 1e-5       # relative: single precision, and the six digits that programs print by default, are within it
@@ -30,19 +30,23 @@ class Field:
     size: tuple[int, int, int] | None
 
     def rows(self, spec: Spec, values: dict | None = None) -> np.ndarray:
-        """The state (sites, 3) of a spec. A vector that is off its sphere by the rounding of the file is put on it.
+        """The state (sites, 3) of a spec with these values: as `placed`, for who asks once."""
+        return self.placed(Evaluated(spec, values))
+
+    def placed(self, numbers: Evaluated) -> np.ndarray:
+        """The state (sites, 3) of the spec of these numbers. A vector that is off its sphere by the rounding of the file is put on it.
 
         Raises UsageError for other numbers of sites, and for cells that lie otherwise than those of the spec.
         """
-        places = sizes(spec, values)
-        count = sum(n for _, n in places.values())
+        spec = numbers.spec
+        count = sum(n for _, n in numbers.places.values())
         if len(self.vectors) != count:
             raise UsageError(f"the start has {len(self.vectors)} vectors, {spec.name} has {count} sites")
-        grids = [grid for name in places for grid in grids_of(spec, name, values)]
+        grids = [grid for name in numbers.places for grid in grids_of(numbers, name)]
         if self.size and grids and not any(grid.sites == 1 and padded(grid) == self.size for grid in grids):
             raise UsageError(f"the start lies on {said(self.size)} cells, {spec.name} on {' and '.join(said(g.size) for g in grids)}"
                              + " of several sites" * all(g.sites > 1 for g in grids))
-        return on_spheres(self.vectors, radii(spec, values))
+        return on_spheres(self.vectors, numbers.radii)
 
 
 def padded(grid: Grid) -> tuple:

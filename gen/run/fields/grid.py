@@ -15,7 +15,7 @@ from ...language.evaluate import integer
 from ...language.spec import Lattice, Spec
 from ...public import public
 from ..files.recorded import spec_of
-from ..step.start import parameter_values, sizes
+from ..step.evaluated import Evaluated
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def of(source, family: str | None = None, values: dict | None = None) -> Grid:
     """
     spec, values = spec_and_values(source, values)
     name = family_of(spec, family)
-    found = grids_of(spec, name, values)
+    found = grids_of(Evaluated(spec, values), name)
     most = [grid for grid in found if len(grid.size) == max(len(g.size) for g in found)]
     if not most:
         raise UsageError(f"no lattice joins the sites of '{name}' in {spec.name}")
@@ -73,14 +73,13 @@ def of(source, family: str | None = None, values: dict | None = None) -> Grid:
     return most[0]
 
 
-def grids_of(spec: Spec, family: str, values: dict | None = None, called=None) -> list[Grid]:
+def grids_of(numbers: Evaluated, family: str, called=None) -> list[Grid]:
     """All lattices that join the sites of a family, or those of the effects `called`; those that differ in their ends alone are one."""
-    env, count = parameter_values(spec, values), sizes(spec, values)[family][1]
-    found = {}
+    spec, count, found = numbers.spec, numbers.places[family][1], {}
     terms = (*spec.effects, *spec.observables) if called is None else [e for e in spec.effects if e.name in called]
     for over in (term.over for term in terms):
         if isinstance(over, Lattice) and over.family == family:
-            key = tuple(integer(e, env, "the size of a lattice") for e in over.size), over.sites
+            key = tuple(integer(e, numbers.values, "the size of a lattice") for e in over.size), over.sites
             found[key] = tuple(a and b for a, b in zip(over.periodic, found.get(key, over.periodic)))
     grids = [Grid(size, periodic, per_cell) for (size, per_cell), periodic in found.items()]
     for grid in grids:

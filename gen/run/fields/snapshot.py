@@ -11,7 +11,7 @@ from ...public import public
 from .field import save_field
 from .grid import family_of, of, spec_and_values
 from ..files.output import load_result
-from ..step.start import sizes
+from ..step.evaluated import sizes
 
 NEAR = 1e-6         # of a step: a time as people write it
 

@@ -19,10 +19,13 @@ from ...errors import RunError, UsageError
 from ...language import limits
 from ...language.spec import Spec
 from ...public import few, public
-from ..step.integrator import NO_MEMORY, STATUS, _functions, _known_to, _loaded, _packed, checked_tolerance, scene_of
+from ..step.evaluated import Evaluated
+from ..step.library import functions, loaded, packed
 from ..step.pace import Pace
+from ..step.prepared import Prepared, checked_tolerance, prepare
+from ..step.start import find_start, state_at, wrong_start
+from ..step.status import NO_MEMORY, STATUS
 from ..settings import settle, whole
-from ..step.start import find_start, initial_state, sizes, wrong_start
 
 BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least some registers full
 MEMORY = 2 ** 31            # bytes of outputs
@@ -34,7 +37,7 @@ class Ensemble:
     """What `smidgen.ensemble` gives. Members are numbered from 0, in the order of the starts and values.
 
     t: the time of each output, shape (outputs,), the last one the end; w: the state at the end, or before the step that failed,
-    (members, sites, 3); status: 0, or why a member stopped (`STATUS` of run.integrator), and steps: those it has taken, both (members,);
+    (members, sites, 3); status: 0, or why a member stopped (`STATUS` of run.step.status), and steps: those it has taken, both (members,);
     states: (outputs, members, sites, 3) and energy: (outputs, members), where they were asked for, else None; a member that
     stopped stays in them where it was. failures: member -> what happened. lanes: how many members stepped at once, in the lanes of vectors; 1: they
     stepped one by one.
@@ -78,11 +81,11 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
     first = {**values, **{name: np.asarray(value)[0] for name, value in own.items()}}
     s = settle(spec, run, start=given if isinstance(given, str) else None, method=method, solver=solver, h=h, steps=steps, time=time,
                every=every or 1, what=(), effects=effects, values=first, tolerance=tolerance)
-    scene = scene_of(spec, s.effects, first)
-    w = _states(spec, scene, s.start if given is None else given, first, own, members)
-    built = build_library(scene, s.method, s.solver, "double", native, ("ensemble",))
+    prepared = prepare(spec, s.method, s.effects, s.values, s.solver, s.numbers)
+    w = _states(prepared, s.start if given is None else given, own, members)
+    built = build_library(prepared.scene, s.method, s.solver, "double", native, ("ensemble",), plan=prepared.plan)
     rows = _rows(s.steps, None if every is None else s.every)
-    stepped = Stepped(scene, built, first, own, w, float(t0), s.h, checked_tolerance(s.tolerance), _threads(threads))
+    stepped = Stepped(prepared, built, own, w, float(t0), s.h, checked_tolerance(s.tolerance), _threads(threads))
     try:
         return stepped.outputs(rows, _chosen(what, len(rows), w.nbytes))
     finally:
@@ -92,18 +95,17 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
 class Stepped:
     """The members in C, and the threads that step them."""
 
-    def __init__(self, scene, built, first, own, w, t0, h, tolerance, threads):
-        self.c, self.w, self.t0, self.h, self.threads = _functions(_loaded(built.binary), scene.name), w, t0, h, threads
+    def __init__(self, prepared, built, own, w, t0, h, tolerance, threads):
+        self.c, self.w, self.t0, self.h, self.threads = functions(loaded(built.binary), prepared.scene.name), w, t0, h, threads
         self.members, self.pace, self.stop = len(w), threading.local(), threading.Event()
         self.block = max(LEAST, min(BLOCK, -(-self.members // (threads * LEAST)) * LEAST))
-        own = {name: value for name, value in own.items() if any(p.name == name for p in scene.parameters)}
-        scalars, arrays = _parameters(scene, first, own, self.members)
+        self.prepared, self.own = prepared, _known(prepared, own)
+        scalars, arrays = _parameters(prepared.numbers, self.own, self.members)
         pointers = (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
         self.keep = scalars, arrays, pointers
-        self.at = self.c.ensemble_new(scalars.ctypes.data, pointers, bool(own), self.members, w.ctypes.data, t0, h, tolerance)
+        self.at = self.c.ensemble_new(scalars.ctypes.data, pointers, bool(self.own), self.members, w.ctypes.data, t0, h, tolerance)
         if not self.at:
             raise RunError(f"an ensemble of {self.members} members: {NO_MEMORY[1]}", -1)
-        self.scene, self.own, self.first = scene, own, first
         self.began = (self.reports()[1] == 0).astype(np.uint8)
 
     def close(self):
@@ -140,8 +142,7 @@ class Stepped:
 
     def refused(self, k: int, status: int) -> str:
         """Why member k cannot begin, and where."""
-        values = _known_to(self.scene, {**self.first, **{name: value[k] for name, value in self.own.items()}})
-        return f"cannot start: {': '.join(STATUS[status])}{wrong_start(self.scene, values, self.w[k])}"
+        return f"cannot start: {': '.join(STATUS[status])}{wrong_start(_numbers_of(self.prepared, self.own, k), self.w[k])}"
 
     def why(self, status: int, count: int, site: int, reached: float) -> str:
         where = f" at site {site}" if site >= 0 and self.w.shape[1] > 1 else ""
@@ -216,28 +217,34 @@ def _members(given, own) -> int:
     return members
 
 
-def _states(spec, scene, start, first, own, members) -> np.ndarray:
+def _known(prepared: Prepared, own: dict) -> dict:
+    """Of the values of members those that the scene takes."""
+    return {p.name: own[p.name] for p in prepared.scene.parameters if p.name in own}
+
+
+def _numbers_of(prepared: Prepared, own: dict, k: int) -> Evaluated:
+    """The numbers of member k."""
+    return prepared.with_values({name: value[k] for name, value in _known(prepared, own).items()}).numbers if own else prepared.numbers
+
+
+def _states(prepared: Prepared, start, own, members) -> np.ndarray:
     """The start of each member, shape (members, sites, 3)."""
     if isinstance(start, np.ndarray):
-        total = sum(count for _, count in sizes(scene, _known_to(scene, first)).values())
+        total = sum(count for _, count in prepared.numbers.places.values())
         if start.shape[1] != total:
-            raise UsageError(f"a state of {scene.name} has {total} sites, and the starts have {start.shape[1]}")
+            raise UsageError(f"a state of {prepared.scene.name} has {total} sites, and the starts have {start.shape[1]}")
         return start
-    find_start(spec, start)
-    known = {p.name for p in scene.parameters}
-    each = [{**first, **{name: value[k] for name, value in own.items()}} for k in (range(members) if own else [0])]
-    w = [initial_state(scene, start, {name: value for name, value in one.items() if name in known}) for one in each]
+    find_start(prepared.spec, start)
+    w = [state_at(_numbers_of(prepared, own, k), start) for k in (range(members) if own else [0])]
     return np.ascontiguousarray(np.broadcast_to(np.array(w), (members, *w[0].shape)))
 
 
-def _parameters(scene, first, own, members):
+def _parameters(numbers: Evaluated, own, members):
     """(scalars, arrays) as the C takes them, one set for all members or one after the other."""
-    known = {p.name for p in scene.parameters}
-    first = {name: value for name, value in first.items() if name in known}
+    scalars, arrays = packed(numbers)
     if not own:
-        return _packed(scene, first)
-    scalars, arrays = _packed(scene, first)
-    free = [p for p in scene.parameters if not p.fixed]
+        return scalars, arrays
+    free = [p for p in numbers.spec.parameters if not p.fixed]
     names = [p.name for p in free if p.kind != "array"]
     table = np.tile(scalars[:len(names)], (members, 1))
     for k, name in enumerate(names):

@@ -24,7 +24,7 @@ from ..files.durable import write_new
 from ..step.integrator import build
 from ..run import Interrupted, run
 from ..settings import settle, whole
-from ..step.start import find_start, initial_state, parameter_values
+from ..step.start import state_at
 
 MANIFEST, CELLS, FORMAT = "manifest.json", "cells.jsonl", 1
 
@@ -73,7 +73,7 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
         settled = settle(spec, name, **{**given, "values": {**given.get("values", {}), **values}})
     if starts is not None:
-        initial_state(spec, find_start(spec, settled.start), parameter_values(spec, settled.values), seed)       # is anything random?
+        state_at(settled.numbers, settled.start, seed)       # is anything random?
     if cluster is not None:
         check(cluster)
     ended = opened(folder, manifest(spec, name, axes, starts, seed, given))

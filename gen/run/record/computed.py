@@ -21,7 +21,7 @@ def computed_columns(model, what) -> list[str]:
 
 def film_of(model, family: str):
     """The only lattice of a family that has a topological charge; None if there is none or there are several."""
-    films = [g for g in grids_of(model.spec, family, model.values_in) if len(g.size) == 2 and g.sites == 1]
+    films = [g for g in grids_of(model.prepared.numbers, family) if len(g.size) == 2 and g.sites == 1]
     return films[0] if len(films) == 1 else None
 
 

@@ -12,7 +12,6 @@ import numpy as np
 from ...chance import generator
 from ...language.expr import Time, slots_of, walk
 from ...language.tracers import moves_tracers
-from ..step.start import kappas, radii
 
 STATES = 6          # random states at which the torque is looked at
 EPSILON = 1e-10     # a torque below this part of its terms is round-off
@@ -61,7 +60,7 @@ def conserved_axes(model, span: float = 5.0) -> np.ndarray:
     spec, own = model.scene, acting_sites(model)
     if not own.size or any(f.kind == "nambu" for f in spec.families):
         return np.zeros((0, 3))
-    dice, kappa = generator("conserved momentum"), kappas(spec, model.values_in)[own, None]
+    dice, kappa = generator("conserved momentum"), model.prepared.numbers.kappas[own, None]
     rows = [torque(model, random_state(model, dice), model.t + dice.uniform(0, 1) * span, own, kappa)
             for _ in range(STATES)]
     rows = [row for row in rows if np.isfinite(row).all()]
@@ -76,13 +75,13 @@ def round_off_of_momentum(model) -> float:
     own = acting_sites(model)
     if not own.size:
         return 0.0
-    size = np.abs(kappas(model.scene, model.values_in)[own]) * np.linalg.norm(np.asarray(model.w, float)[own], axis=1)
+    size = np.abs(model.prepared.numbers.kappas[own]) * np.linalg.norm(np.asarray(model.w, float)[own], axis=1)
     return float(np.finfo(model.real).eps / 2 * size.max())
 
 
 def random_state(model, dice) -> np.ndarray:
     """Uniform on the spheres, and on the unit sphere for other factors; shape (sites, 3)."""
-    w, radius = dice.standard_normal((model.sites, 3)), radii(model.scene, model.values_in)
+    w, radius = dice.standard_normal((model.sites, 3)), model.prepared.numbers.radii
     return w * (np.where(np.isnan(radius), 1, radius) / np.linalg.norm(w, axis=1))[:, None]
 
 

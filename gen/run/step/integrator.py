@@ -10,40 +10,22 @@ from __future__ import annotations
 
 import ctypes
 import math
-import numbers
-import os
 from collections.abc import Iterable, Mapping
-from types import SimpleNamespace
 
 import numpy as np
 
-from ...methods import DEFAULT, METHODS as METHODS_BY_NAME, NAMES as METHODS, SOLVERS
 from ... import ranks
 from ...build.binary import Built, build_library
-from ...errors import BuildError, RunError, UsageError
-from ...language.spec import LOOSEST, Spec
+from ...errors import RunError, UsageError
+from ...language.spec import Spec
+from ...methods import DEFAULT, METHODS
 from ...public import ReadOnly, few, public
-from ...read.problems import meant
 from .block import Block
+from .library import functions, loaded, loaded_with_threads, packed, passed
+from .prepared import Prepared, checked_threads, checked_tolerance, choose, prepare
 from .saved import Saved
-from .start import find_start, initial_state, parameter_values, sizes, wrong_start
-
-MOST_THREADS = 1024
-LISTED = 12         # names that a message has at most
-SPINS = "5000"
-
-# smg_status of runtime/core/smidgen.h: number -> (name, what happened)
-STATUS = {
-    1: ("no convergence", "the step equation did not converge"),
-    2: ("no solution", "the branch of solutions from this state ends before this step"),
-    3: ("wrong branch", "the solution found is not connected to the state as h goes to 0"),
-    4: ("not finite", "a value is not finite"),
-    5: ("bad parameter", "a parameter or a size is out of range"),
-    6: ("off manifold", "the start is off its sphere or leaf"),
-    7: ("singular", "the Newton matrix is singular"),
-}
-REFUSED = 100       # a status above: not of a step
-NO_MEMORY = ("no memory", "there is not enough memory")
+from .start import find_start, state_at, wrong_start
+from .status import NO_MEMORY, REFUSED, STATUS, advice, why
 
 
 @public
@@ -60,54 +42,20 @@ def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = Non
     with OpenMP and the same bits. Raises UsageError for a name that is not known, a value that does not fit, threads where steps have none,
     MissingTool without a C compiler, BuildError when it fails.
     """
-    no_run(spec, method)
-    choose("method", method, METHODS)
-    choose("solver", solver, SOLVERS)
+    return compiled(prepare(spec, method, effects, values, solver), real, native, features, fast, threads)
+
+
+def compiled(prepared: Prepared, real: str = "double", native: bool | None = None, features: Iterable[str] = (), fast: bool = False,
+             threads: int | None = None) -> Integrator:
+    """The same of what is prepared."""
     choose("real", real, ("double", "long double"))
-    scene = scene_of(spec, effects, values)
-    known = parameter_values(spec, values)
     threads = checked_threads(threads)
     with ranks.first_first():
-        built = build_library(scene, method, solver, real, native, features, fast=fast, threads=threads is not None, ranks=ranks.count() > 1)
-    model = Integrator(spec, scene, built, known, method, solver, threads)
+        built = build_library(prepared.scene, prepared.method, prepared.solver, real, native, features, fast=fast,
+                              threads=threads is not None, ranks=ranks.count() > 1, plan=prepared.plan)
+    model = Integrator(prepared, built, threads)
     ranks.check(model._library)
     return model
-
-
-def checked_threads(threads) -> int | None:
-    """Raises UsageError for what is no number of threads."""
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 1 <= threads <= MOST_THREADS):
-        raise UsageError(f"threads are a number from 1 to {MOST_THREADS}, not {threads}")
-    return threads
-
-
-def scene_of(spec: Spec, effects=None, values=None) -> Spec:
-    """The spec with these effects, and `values` for defaults."""
-    from ...compile.select import select
-    return select(spec, None if effects is None else tuple(effects), dict(values or {}))
-
-
-def choose(what: str, name: str, names) -> str:
-    """`name`, if it is one of `names`; else UsageError with the nearest, or the list."""
-    if name not in names:
-        raise UsageError(f"no {what} '{name}'; {listed(name, tuple(names))}")
-    return name
-
-
-def listed(name, names: tuple) -> str:
-    """The names that there are; of many, the one that was probably meant, and the first few."""
-    if len(names) <= LISTED:
-        return f"there are: {', '.join(names)}"
-    close = meant(name, names) if isinstance(name, str) else None
-    return f"did you mean '{close}'?" if close else f"there are {len(names)}, such as {', '.join(names[:LISTED])}"
-
-
-def no_run(spec: Spec, method) -> None:
-    """Raises UsageError where the name of a run stands for a method: `build(spec, "demo")`."""
-    run = next((r for r in spec.runs if r.name == method), None)
-    if run is not None and method not in METHODS:
-        raise UsageError(f"no method '{method}': that is a run of {spec.name}. `smidgen.run(spec, '{method}')` takes it; "
-                         f"`smidgen.build(spec, '{run.method}')` builds what it uses")
 
 
 class Integrator(ReadOnly):
@@ -119,9 +67,10 @@ class Integrator(ReadOnly):
     the next call on, at the same time: the predictor and the compensation then begin anew, and UsageError
     says what is wrong with a w that no start may be, such as one off its sphere. h: the step, nan before `start`; t0: the time
     of the start; count: the steps taken since; times in the unit that the spec's energy implies.
-    values_in: the parameter values; families: name -> (first site, number of sites); columns:
+    values_in: the parameter values; prepared: these and the rest of what steps are made of, evaluated; families: name -> (first site, number of sites); columns:
     the names of what `values` gives. All of them are only read: ReadOnlyError says what to call.
     """
+    prepared: Prepared
     spec: Spec
     scene: Spec
     built: Built
@@ -142,18 +91,17 @@ class Integrator(ReadOnly):
         ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step") | {
             "w": "w[:] = ... writes into it, start(w, t0=..., h=...) begins anew from any state, time and step"}
 
-    def __init__(self, spec, scene, built: Built, values, method, solver, threads=None):
-        self.spec, self.scene, self.built = spec, scene, built
-        self.name, self.method, self.solver = scene.name, method, solver
-        self.notes, self.threads = built.notes, threads
-        self.values_in = _known_to(scene, values)
-        self.families = sizes(scene, self.values_in)
+    def __init__(self, prepared: Prepared, built: Built, threads: int | None = None):
+        self.prepared, self.built = prepared, built
+        self.spec, self.scene, self.method, self.solver = prepared.spec, prepared.scene, prepared.method, prepared.solver
+        self.name, self.notes, self.threads = self.scene.name, built.notes, threads
+        self.values_in, self.families = prepared.numbers.parameters, prepared.numbers.places
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
-        self._library = _loaded(built.binary) if threads is None else _loaded_with_threads(built.binary)
-        self._c = _functions(self._library, self.name)
-        self._state, self._passed = None, _passed(*_packed(self.scene, self.values_in))
+        self._library = loaded(built.binary) if threads is None else loaded_with_threads(built.binary)
+        self._c = functions(self._library, self.name)
+        self._state, self._passed = None, passed(*packed(prepared.numbers))
         self.h, self.t0, self.count, self.w = math.nan, 0.0, 0, None
-        self.columns = value_columns(scene)
+        self.columns = value_columns(self.scene)
 
     def __repr__(self) -> str:
         at = f"step {self.count}, t = {self.t:.10g}, h = {self.h:.10g}" if self._state else "not started"
@@ -385,12 +333,12 @@ class Integrator(ReadOnly):
     def _refuse(self, status: int) -> None:
         """Nothing is done with a w that cannot be the state."""
         raise UsageError(f"what was written into w of {self.name} cannot be its state: {STATUS[status][0]}"
-                         f"{wrong_start(self.scene, self.values_in, self.w)}; write another w")
+                         f"{wrong_start(self.prepared.numbers, self.w)}; write another w")
 
     def _array(self, w, seed):
         if w is None or isinstance(w, str):
             find_start(self.spec, w)
-            w = initial_state(self.scene, w, self.values_in, seed)
+            w = state_at(self.prepared.numbers, w, seed)
         return self._given(w)
 
     def _given(self, w):
@@ -412,7 +360,7 @@ class Integrator(ReadOnly):
         self._status = status.value
         if not self._state:
             name, meaning = STATUS.get(status.value, NO_MEMORY)
-            raise RunError(f"{self.name} cannot start: {name}: {meaning}{wrong_start(self.scene, self.values_in, self.w)}", status.value)
+            raise RunError(f"{self.name} cannot start: {name}: {meaning}{wrong_start(self.prepared.numbers, self.w)}", status.value)
         self._c.set_tolerance(self._state, tolerance)
         self._c.state(self._state, self.w.ctypes.data)      # on its spheres, to the last digit
 
@@ -423,7 +371,7 @@ class Integrator(ReadOnly):
         found = self.report()
         found["rate"] = self._rate(found["site"])
         raise RunError(f"step {self.count + 1} from t = {self.t:.12g}: {name}: {meaning}"
-                       f"{why(found)}{advice(status, found, self.h, METHODS_BY_NAME[self.method].midpoint)}", status, self.count, **found)
+                       f"{why(found)}{advice(status, found, self.h, METHODS[self.method].midpoint)}", status, self.count, **found)
 
     def _rate(self, site: int) -> float:
         """|h b|, the angle by which the field turns `site` in a step; of the fastest one for -1."""
@@ -433,57 +381,11 @@ class Integrator(ReadOnly):
         return float(turns[site] if site >= 0 else turns.max())
 
 
-def checked_tolerance(tolerance) -> float:
-    """0 for None. Raises UsageError for what is no tolerance."""
-    if tolerance is None:
-        return 0.0
-    if not isinstance(tolerance, numbers.Real) or not 0 < tolerance <= LOOSEST:
-        raise UsageError(f"a tolerance is a number above 0 and up to {LOOSEST:g}, not {tolerance}")
-    return float(tolerance)
-
-
-def why(found: dict) -> str:
-    """What a failed step reports: sites, residual, iterations, h times the local rate."""
-    sites = [str(found[k]) for k in ("site", "partner") if found[k] >= 0]
-    where = f" at site {sites[0]}" if len(sites) == 1 else f" at sites {' and '.join(sites)}" if sites else ""
-    return (f"{where} (residual {found['residual']:.3g} after {found['iterations']} iterations, "
-            f"h times the local rate {found['rate']:.3g})")
-
-
-def advice(status: int, found: dict, h: float, midpoint: bool) -> str:
-    """What to try after a step that failed; `smidgen advise` knows midpoint methods."""
-    if status == 2 and 0 < found["reached"] <= 1:
-        return (f"; from here, and with H as it is at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
-                "take a smaller one")
-    if status not in (1, 2, 3, 7):
-        return ""
-    return "; try a smaller step, half of it" + ", or what `smidgen advise` says" * midpoint
-
-
 def value_columns(scene: Spec) -> list[str]:
     """Names of what `m_abi_values` fills, in its order."""
     axes = [f"momentum.{f.name}.{axis}" for f in scene.families for axis in "xyz"]
     return ["energy", *(f"energy.{e.name}" for e in scene.effects), *axes,
             *(o.name for o in scene.observables)]
-
-
-def _known_to(scene, values):
-    """The values of the parameters that the scene has kept."""
-    return {p.name: values[p.name] for p in scene.parameters if p.name in values}
-
-
-def _packed(scene, values):
-    """(scalars, arrays) as the C takes them: run-time parameters in the order of the spec."""
-    numbers = parameter_values(scene, values)
-    free = [p for p in scene.parameters if not p.fixed]
-    scalars = [float(numbers[p.name]) for p in free if p.kind != "array"]
-    arrays = [np.ascontiguousarray(numbers[p.name], float) for p in free if p.kind == "array"]
-    return np.array(scalars or [0.0]), arrays
-
-
-def _passed(scalars, arrays):
-    """The same, and where the arrays are."""
-    return scalars, arrays, (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays))
 
 
 def _real_array(v, real):
@@ -494,54 +396,3 @@ def _real_array(v, real):
         raise UsageError("tangent vectors are an array of numbers") from None
 
 
-def _loaded(path):
-    try:
-        return ctypes.CDLL(str(path))
-    except OSError as problem:
-        raise BuildError(f"cannot load {path}: {problem}") from None
-
-
-def _loaded_with_threads(path):
-    """GNU's OpenMP reads its settings as it is loaded. By default threads wait for each other by spinning for so long that beside other
-    programs a step takes hundreds of times its time; so they spin for some 0.1 ms, unless the user says otherwise."""
-    if "OMP_WAIT_POLICY" in os.environ or "GOMP_SPINCOUNT" in os.environ:
-        return _loaded(path)
-    os.environ["GOMP_SPINCOUNT"] = SPINS
-    try:
-        return _loaded(path)
-    finally:
-        del os.environ["GOMP_SPINCOUNT"]
-
-
-def _functions(library, name):
-    """The C functions of <name>_abi.c with their types."""
-    pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
-    types = {
-        "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
-        "set_tolerance": (ctypes.c_int, [pointer, real]), "take": (ctypes.c_int, [pointer, pointer]),
-        "go": (ctypes.c_int, [pointer, pointer, integer, pointer]),
-        "time": (real, [pointer]), "sites": (integer, [pointer]),
-        "count": (integer, [pointer]),
-        "outputs": (ctypes.c_int, [pointer, integer, integer, integer, pointer, pointer]),
-        "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
-        "restore": (ctypes.c_int, [pointer, pointer]),
-        "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),
-        "casimirs": (None, [pointer, pointer]), "report": (None, [pointer] * 6),
-        "field": (None, [pointer, real, pointer, pointer]),
-        "energy": (None, [pointer, real, pointer, pointer]), "free": (None, [pointer]),
-    }
-    if hasattr(library, f"{name}_abi_tangent"):
-        types["tangent"] = (ctypes.c_int, [pointer, pointer, integer, integer, pointer])
-    if hasattr(library, f"{name}_abi_ensemble_new"):
-        types |= {"ensemble_new": (pointer, [pointer, pointer, ctypes.c_int, integer, pointer, real, real, real]),
-                  "ensemble_steps": (integer, [pointer, integer, integer, integer]), "ensemble_lanes": (ctypes.c_int, []), "ensemble_reports": (None, [pointer] * 5),
-                  "ensemble_states": (None, [pointer] * 3), "ensemble_energies": (None, [pointer] * 3), "ensemble_free": (None, [pointer])}
-    found = SimpleNamespace()
-    for word, (result, arguments) in types.items():
-        function = getattr(library, f"{name}_abi_{word}", None)
-        if function is None:
-            raise BuildError(f"the library of {name} shows no function {name}_abi_{word}: use the compiler without options "
-                             "that hide or rename functions (CC)")
-        function.restype, function.argtypes = result, arguments
-        setattr(found, word, function)
-    return found

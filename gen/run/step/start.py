@@ -1,4 +1,4 @@
-"""Numbers of a spec: parameter values, sizes, strengths, and where a run starts."""
+"""Where a run starts, and why it cannot."""
 from __future__ import annotations
 
 import math
@@ -8,72 +8,9 @@ import numpy as np
 
 from ...errors import UsageError
 from ...language import limits
-from ...language.evaluate import evaluate, integer
-from ...read.problems import meant
-from ...language.spec import Family, FamilyStart, Lattice, Parameter, Spec, Start
-
-
-def parameter_values(spec: Spec, values: dict | None = None) -> dict:
-    """All numbers of the spec by name: defaults, overridden by `values`, and tables.
-
-    int parameters become int, real ones float, arrays and tables float64 arrays. Feeding a
-    result back in gives it again. Raises UsageError for a name that the spec has not and
-    for a value that does not fit.
-    """
-    values = dict(values or {})
-    tables = {name: np.array(entries, dtype=float) for name, entries in spec.tables}
-    known = {p.name for p in spec.parameters} | set(tables)
-    for name in values:
-        if name not in known:
-            raise UsageError(f"no parameter '{name}' in {spec.name}{_nearest(name, known)}")
-    scalars = {p.name: _scalar(p, values.get(p.name, p.default))
-               for p in spec.parameters if p.kind != "array"}
-    env = {**tables, **scalars}
-    arrays = {p.name: _array(p, values.get(p.name, p.default), p.name not in values, env)
-              for p in spec.parameters if p.kind == "array"}
-    return {**env, **arrays}
-
-
-def sizes(spec: Spec, values: dict | None = None) -> dict:
-    """family name -> (number of its first site, number of its sites)."""
-    env = parameter_values(spec, values)
-    offset, found = 0, {}
-    for family in spec.families:
-        count = integer(family.count, env, f"the number of sites of '{family.name}'")
-        if count < 1:
-            raise UsageError(f"'{family.name}' must have at least one site, not {count}")
-        if offset + count > limits.SITES:
-            raise UsageError(f"more than {limits.SITES} sites")
-        found[family.name] = (offset, count)
-        offset += count
-    return found
-
-
-def kappas(spec: Spec, values: dict | None = None) -> np.ndarray:
-    """The strength kappa of every site, shape (sites,). Zero or not finite is refused."""
-    env, places = parameter_values(spec, values), sizes(spec, values)
-    parts = [_per_site(f.kappa, env, places[f.name][1]) for f in spec.families]
-    kappa = np.concatenate(parts)
-    bad = np.flatnonzero(~np.isfinite(kappa) | (kappa == 0))
-    if bad.size:
-        raise UsageError(f"kappa of site {bad[0]} is {kappa[bad[0]]:g}; "
-                             "it must be finite and not zero")
-    return kappa
-
-
-def radii(spec: Spec, values: dict | None = None) -> np.ndarray:
-    """The radius of every site that lies on a sphere, nan for the others; shape (sites,)."""
-    env, places = parameter_values(spec, values), sizes(spec, values)
-    return np.concatenate([_radius(f, env, places[f.name][1]) for f in spec.families])
-
-
-def casimir_matrices(spec: Spec, values: dict | None = None) -> np.ndarray:
-    """Symmetric A with C(w) = w.(A w)/2 of every site, shape (sites, 3, 3).
-
-    The identity on spheres and in R^3: grad C = w there, as the bracket says.
-    """
-    env, places = parameter_values(spec, values), sizes(spec, values)
-    return np.concatenate([_matrix(f, env, places[f.name][1]) for f in spec.families])
+from ...language.evaluate import integer
+from ...language.spec import FamilyStart, Lattice, Spec, Start
+from .evaluated import Evaluated, per_site, radius
 
 
 def find_start(spec: Spec, start: str | Start | None) -> Start:
@@ -91,14 +28,19 @@ def find_start(spec: Spec, start: str | Start | None) -> Start:
 
 def initial_state(spec: Spec, start: str | Start | None = None, values: dict | None = None,
                   seed: int | None = None) -> np.ndarray:
-    """The state at the start of a run, shape (sites, 3).
+    """The state at the start of a run, shape (sites, 3): as `state_at`, for who asks once."""
+    return state_at(Evaluated(spec, values), start, seed)
+
+
+def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | None = None) -> np.ndarray:
+    """The state at a start of the spec of these numbers, shape (sites, 3).
 
     `seed` replaces the seed of every random family. The first family of [space] takes
     numpy's PCG64(seed), family k PCG64([seed, k]): with one seed they are independent. Raises UsageError
     when the shape is wrong, a number is not finite or a point is off its sphere by more
     than 1e-12 of the radius (unless the start says normalise).
     """
-    env, places = parameter_values(spec, values), sizes(spec, values)
+    spec, env = numbers.spec, numbers.values
     start = find_start(spec, start)
     given = {s.family: s for s in start.families}
     if seed is not None and all(s.kind != "random" for s in start.families):
@@ -107,26 +49,26 @@ def initial_state(spec: Spec, start: str | Start | None = None, values: dict | N
     for number, family in enumerate(spec.families):
         if family.name not in given:
             raise UsageError(f"start '{start.name}' says nothing of '{family.name}'")
-        one, count = given[family.name], places[family.name][1]
+        one, count = given[family.name], numbers.places[family.name][1]
         w = _vectors(spec, family, number, one, env, count, seed)
-        parts.append(_on_manifold(family, one, w, _radius(family, env, count)))
+        parts.append(_on_manifold(family, one, w, radius(family, env, count)))
     return np.concatenate(parts)
 
 
-def wrong_start(spec: Spec, values: dict, w: np.ndarray) -> str:
+def wrong_start(numbers: Evaluated, w: np.ndarray) -> str:
     """In brackets, which strength is wrong, or which site of the state `w` cannot be where it is, and by how much; "" where none is seen."""
     try:
-        kappas(spec, values)
+        numbers.kappas
     except UsageError as refusal:
         return f" ({refusal})"
-    said = wrong_lattice(spec, values) or wrong_site(w, radii(spec, values))
+    said = wrong_lattice(numbers) or wrong_site(w, numbers.radii)
     return f" ({said})" if said else ""
 
 
-def wrong_lattice(spec: Spec, values: dict) -> str:
+def wrong_lattice(numbers: Evaluated) -> str:
     """The lattice whose bonds reach farther than it goes, or whose cells hold another number of sites than there are."""
-    env, places = parameter_values(spec, values), sizes(spec, values)
-    for term in (*spec.effects, *spec.observables):
+    env, places = numbers.values, numbers.places
+    for term in (*numbers.spec.effects, *numbers.spec.observables):
         if not isinstance(term.over, Lattice):
             continue
         size = [integer(e, env, "the size of a lattice") for e in term.over.size]
@@ -140,10 +82,10 @@ def wrong_lattice(spec: Spec, values: dict) -> str:
     return ""
 
 
-def wrong_site(w, radius) -> str:
+def wrong_site(w, radii) -> str:
     """The site that is not finite, that has a size that cannot be squared, or that lies farthest off its sphere, and what it is."""
     largest = np.abs(w).max(axis=1)
-    wild, wide = ~np.isfinite(largest), np.isnan(radius) & (largest > 0) & ~((largest >= limits.SHORTEST) & (largest <= limits.LARGEST))
+    wild, wide = ~np.isfinite(largest), np.isnan(radii) & (largest > 0) & ~((largest >= limits.SHORTEST) & (largest <= limits.LARGEST))
     if np.any(wild):
         return f"site {int(np.argmax(wild))} of the start"
     if np.any(wide):
@@ -152,83 +94,18 @@ def wrong_site(w, radius) -> str:
                 f"one between {limits.SHORTEST:g} and {limits.LARGEST:g}")
     with np.errstate(over="ignore"):
         length = np.linalg.norm(w, axis=1)
-    off = np.abs(length - radius) / radius
+    off = np.abs(length - radii) / radii
     if not np.any(off > limits.SPHERE):
         return ""
     site = int(np.nanargmax(off))
-    return f"site {site}: |w| = {length[site]:.15g}, its sphere has radius {radius[site]:.15g}"
-
-
-def _nearest(name, known):
-    close = meant(name, known)
-    return f"; did you mean '{close}'?" if close else ""
-
-
-def _scalar(p: Parameter, value):
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"'{p.name}' must be one number, not {value!r}") from None
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise UsageError(f"'{p.name}' must be finite, not {number}")
-    if p.kind == "real":
-        return number
-    if number != math.floor(number) or abs(number) > limits.INTEGER:
-        raise UsageError(f"'{p.name}' must be an integer, not {number:.17g}")
-    return int(number)
-
-
-def _array(p: Parameter, value, is_default, env):
-    """A list of the right size; one number stands for that many equal ones."""
-    try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise UsageError(f"'{p.name}' must be a list of numbers") from None
-    size = integer(p.size, env, f"the size of '{p.name}'") if p.size is not None else array.size
-    if size > limits.ARRAY:
-        raise UsageError(f"'{p.name}' would have {size} entries; at most {limits.ARRAY} are allowed")
-    if (is_default and p.fill and array.size) or (not is_default and array.size == 1):
-        array = np.full(size, array.flat[0])
-    if array.shape != (size,):
-        raise UsageError(f"'{p.name}' must be a list of {size} numbers, "
-                             f"not {array.size if array.ndim == 1 else array.shape}")
-    if not np.all(np.isfinite(array)):
-        raise UsageError(f"'{p.name}' must be finite")
-    return array
-
-
-def _per_site(expr, env, count):
-    """A formula in the site's index i, at i = 0 .. count-1."""
-    value = evaluate(expr, {**env, "i": np.arange(count)})
-    return np.array(np.broadcast_to(value, (count,)))
-
-
-def _radius(family: Family, env, count):
-    if family.kind != "sphere":
-        return np.full(count, np.nan)
-    r = np.ones(count) if family.radius is None else _per_site(family.radius, env, count)
-    if not np.all(np.isfinite(r) & (r > 0)):
-        raise UsageError(f"the radius of '{family.name}' must be positive and finite")
-    return r
-
-
-def _matrix(family: Family, env, count):
-    if family.kind != "nambu":
-        return np.broadcast_to(np.eye(3), (count, 3, 3))
-    rows = [[_per_site(entry, env, count) for entry in row] for row in family.casimir]
-    matrix = np.moveaxis(np.array(rows), -1, 0)
-    if not np.all(np.isfinite(matrix)):
-        raise UsageError(f"C of '{family.name}' must have finite coefficients")
-    return matrix
+    return f"site {site}: |w| = {length[site]:.15g}, its sphere has radius {radii[site]:.15g}"
 
 
 def _vectors(spec, family, number, one: FamilyStart, env, count, seed):
     if one.kind == "vectors":
         w = np.array(one.value, dtype=float)
     elif one.kind == "formula":
-        w = np.stack([_per_site(e, env, count) for e in one.value], axis=-1)
+        w = np.stack([per_site(e, env, count) for e in one.value], axis=-1)
     elif one.kind == "random":
         chosen = one.value if seed is None else seed
         w = _random_directions(chosen, number, count) * _scale(family, env, count)
@@ -253,7 +130,7 @@ def _random_directions(seed, number, count):
 
 
 def _scale(family, env, count):
-    return _radius(family, env, count)[:, None] if family.kind == "sphere" else 1.0
+    return radius(family, env, count)[:, None] if family.kind == "sphere" else 1.0
 
 
 def _table(spec, name):
@@ -310,7 +187,7 @@ def _are_numbers(cells) -> bool:
         return False
 
 
-def _on_manifold(family, one, w, radius):
+def _on_manifold(family, one, w, radii):
     """w on its spheres: scaled there when the start says so or when it is off by a few digits, otherwise refused."""
     if family.kind != "sphere":
         if one.normalise:
@@ -320,11 +197,11 @@ def _on_manifold(family, one, w, radius):
     if one.normalise:
         if np.any(length == 0):
             raise UsageError(f"the start of '{family.name}' holds a zero vector")
-        return w * (radius / length)[:, None]
-    off = np.abs(length - radius) / radius
+        return w * (radii / length)[:, None]
+    off = np.abs(length - radii) / radii
     if np.any(off > limits.SPHERE):
         site = int(np.argmax(off))
         raise UsageError(f"site {site} of '{family.name}' starts at |w| = {length[site]:.17g}, "
-                             f"off its sphere of radius {radius[site]:.17g}; correct it or "
+                             f"off its sphere of radius {radii[site]:.17g}; correct it or "
                              "write normalise = true")
-    return np.where((off > 8 * np.finfo(float).eps)[:, None], w * (radius / length)[:, None], w)
+    return np.where((off > 8 * np.finfo(float).eps)[:, None], w * (radii / length)[:, None], w)

@@ -22,7 +22,8 @@ from ...methods import METHODS, MIDPOINTS
 from ...run.step.integrator import build
 from ...run.run import run
 from ...run.settings import settle
-from ...run.step.start import casimir_matrices, initial_state
+from ...run.step.evaluated import casimir_matrices
+from ...run.step.start import initial_state
 from ..plot.equilibria import equilibria
 from ..plot.facts import with_facts
 from ..plot.portraits import on_manifold

@@ -14,7 +14,7 @@ from ...run.record.conserved import conserved_axes, momentum_of
 from ...run.step.integrator import build
 from ...run.run import run
 from ...run.settings import settle
-from ...run.step.start import kappas
+from ...run.step.evaluated import kappas
 from ..plot.draw import outputs_for, plot, write_page
 from ..plot.facts import conserved_energy, with_facts
 from ..plot.gallery import Picture

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...language.spec import Graph, Lattice
 from ...run.record.conserved import driven, energy_of, with_tracers
+from ...run.step.evaluated import Evaluated
 
 BONDED = 20_000     # most sites of a family whose bonds are drawn
 
@@ -26,42 +27,39 @@ def with_facts(result):
     from ...run.files.recorded import spec_of
     spec, called = spec_of(meta["sources"]), set(meta.get("effects") or ())
     known = {p.name for p in spec.parameters}
-    values = {n: v for n, v in (meta.get("values") or {}).items() if n in known}
+    numbers = Evaluated(spec, {n: v for n, v in (meta.get("values") or {}).items() if n in known})
     return dataclasses.replace(result, meta={
-        **meta, "casimirs": matrices(spec, values), "bonds": bonds(spec, values, called), "grids": grids(spec, values, called),
+        **meta, "casimirs": matrices(numbers), "bonds": bonds(numbers, called), "grids": grids(numbers, called),
         "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called)})
 
 
-def bonds(spec, values, called) -> dict:
+def bonds(numbers: Evaluated, called) -> dict:
     """family -> (m, 2) numbers of the sites that its lattices and graphs join, each pair once."""
-    from ...run.step.start import parameter_values, sizes
     from ...language.instances import instances_of
-    env, places, found = parameter_values(spec, values), sizes(spec, values), {}
-    for over in (e.over for e in spec.effects if e.name in called):
+    places, found = numbers.places, {}
+    for over in (e.over for e in numbers.spec.effects if e.name in called):
         if isinstance(over, (Lattice, Graph)) and len(over.bound) == 2 and places[over.family][1] <= BONDED:
-            numbers, _ = instances_of(over, env, places)
-            found.setdefault(over.family, []).append(np.stack([numbers[index] for index in over.bound], axis=1))
+            sites, _ = instances_of(over, numbers.values, places)
+            found.setdefault(over.family, []).append(np.stack([sites[index] for index in over.bound], axis=1))
     return {family: np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) for family, pairs in found.items()}
 
 
-def grids(spec, values, called) -> dict:
+def grids(numbers: Evaluated, called) -> dict:
     """family -> (size, sites of a cell) of the only lattice with most directions, of the effects called."""
     from ...run.fields.grid import grids_of
     found = {}
-    for family in spec.families:
-        every = grids_of(spec, family.name, values, called)
+    for family in numbers.spec.families:
+        every = grids_of(numbers, family.name, called)
         most = [grid for grid in every if len(grid.size) == max(len(g.size) for g in every)]
         if len(most) == 1:
             found[family.name] = most[0].size, most[0].sites
     return found
 
 
-def matrices(spec, values) -> dict:
+def matrices(numbers: Evaluated) -> dict:
     """family -> 3 x 3 list, of the Nambu families of a spec."""
-    from ...run.step.start import casimir_matrices, sizes
-    every, places = casimir_matrices(spec, values), sizes(spec, values)
-    return {f.name: every[places[f.name][0]].tolist()
-            for f in spec.families if f.casimir is not None}
+    return {f.name: numbers.casimir_matrices[numbers.places[f.name][0]].tolist()
+            for f in numbers.spec.families if f.casimir is not None}
 
 
 def conserved_energy(result) -> tuple[np.ndarray | None, str]:
