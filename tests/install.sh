@@ -25,6 +25,7 @@ sanitizes() { echo 'int main(void) { return 0; }' | clang -fsanitize=address -x 
 extras() {
   { has clang++ && sanitizes; } || echo clang libclang-rt-dev
   has chromium || echo chromium
+  has clang-format || echo clang-format
   { has mpicc && has mpirun; } || echo libopenmpi-dev openmpi-bin
 }
 

@@ -66,8 +66,7 @@ SMG_INLINE void smg_block_subapply(smg_real *y, const smg_real *A, const smg_rea
 
 #elif SMG_BS == 3
 
-#define SMG_ROW(A, B, r, c) \
-  (A[3 * (r)] * B[c] + A[3 * (r) + 1] * B[3 + (c)] + A[3 * (r) + 2] * B[6 + (c)])
+#define SMG_ROW(A, B, r, c) (A[3 * (r)] * B[c] + A[3 * (r) + 1] * B[3 + (c)] + A[3 * (r) + 2] * B[6 + (c)])
 #define smg_block_det smg_det3
 #define smg_block_scale smg_scale3
 #define smg_block_adjugate smg_adjugate3
@@ -118,7 +117,8 @@ SMG_INLINE void smg_block_pivot(int *pivots, const smg_real *D) {
 /* A and its mirror image B become their common mean: A = B^T. */
 SMG_INLINE void smg_block_mirror(smg_real *A, smg_real *B) {
   for (int r = 0; r < SMG_BS; r++)
-    for (int e = 0; e < SMG_BS; e++) A[r * SMG_BS + e] = B[e * SMG_BS + r] = (A[r * SMG_BS + e] + B[e * SMG_BS + r]) / 2;
+    for (int e = 0; e < SMG_BS; e++)
+      A[r * SMG_BS + e] = B[e * SMG_BS + r] = (A[r * SMG_BS + e] + B[e * SMG_BS + r]) / 2;
 }
 
 /* A - I/4 of a diagonal block. */

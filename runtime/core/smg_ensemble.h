@@ -1,8 +1,8 @@
 /* smidgen runtime: an ensemble, states of one model side by side, each with the bits that it has alone.
  *
- * Its memory holds the states, then the arrays of each. A member whose step fails stays where it is, as m_step() leaves it, and takes
- * no more; its report says why. Members of a single sphere step SMG_LANES at a time where the method has smg_lane_steps(), all others
- * one by one, by smg_steps() of the method, which comes before.
+ * Its memory holds the states, then the arrays of each. A member whose step fails stays where it is, as m_step() leaves
+ * it, and takes no more; its report says why. Members of a single sphere step SMG_LANES at a time where the method has
+ * smg_lane_steps(), all others one by one, by smg_steps() of the method, which comes before.
  * Two threads may step different members at once. */
 #ifndef SMG_ENSEMBLE_H
 #define SMG_ENSEMBLE_H
@@ -16,7 +16,9 @@
 #endif
 #define SMG_ENSEMBLE_LINE 64 /* bytes of a line of the cache: no two threads write to one */
 
-SMG_INLINE size_t smg_whole_lines(size_t bytes) { return (bytes + SMG_ENSEMBLE_LINE - 1) / SMG_ENSEMBLE_LINE * SMG_ENSEMBLE_LINE; }
+SMG_INLINE size_t smg_whole_lines(size_t bytes) {
+  return (bytes + SMG_ENSEMBLE_LINE - 1) / SMG_ENSEMBLE_LINE * SMG_ENSEMBLE_LINE;
+}
 
 /* The parameters of member k: its own, or those of all. */
 static inline const smg_params *smg_params_of(const smg_params *p, int own, int64_t k) { return own ? p + k : p; }
@@ -41,9 +43,10 @@ static int64_t smg_ensemble_failed(const smg_ensemble *e, int64_t first, int64_t
   return failed;
 }
 
-/* Every member at its start: w holds 3*sites numbers of each, one after the other, as many as the first has. Returns how many cannot
- * begin: SMG_BAD_PARAMETER also for another number of sites. */
-static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own, int64_t members, void *mem, const smg_real *w, double t0, double h) {
+/* Every member at its start: w holds 3*sites numbers of each, one after the other, as many as the first has. Returns
+ * how many cannot begin: SMG_BAD_PARAMETER also for another number of sites. */
+static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own, int64_t members, void *mem,
+                                  const smg_real *w, double t0, double h) {
   const int64_t sites = smg_sites_of(p);
   char *at = (char *)mem + smg_whole_lines((size_t)members * sizeof(smg_state));
   e->member = (smg_state *)mem;
@@ -59,7 +62,8 @@ static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own,
   return smg_ensemble_failed(e, 0, members);
 }
 
-/* count steps of the members first .. first + members - 1, where none failed before. Returns how many of them have failed. */
+/* count steps of the members first .. first + members - 1, where none failed before. Returns how many of them have
+ * failed. */
 static int64_t smg_ensemble_steps(smg_ensemble *e, int64_t first, int64_t members, int64_t count) {
 #if SMG_MEMBERS_AT_ONCE > 1
   if (count > 0) smg_lane_steps(e->member + first, members, count, !e->own);

@@ -1,9 +1,9 @@
 /* smidgen runtime: several numbers at once, in the lanes of a vector register.
  *
- * smg_lanes holds SMG_LANES numbers, a power of 2, as the vectors of gcc and clang do: a + b, c*a with one number c, a/b act lane by
- * lane. Each lane has the bits that the same operations on smg_real have. SMG_LANES is what the registers of the target hold, at
- * most SMG_MOST_LANES. It is 1, and smg_lanes is smg_real, with other compilers, in extended precision, and for models without
- * kernels in lanes (SMG_HAS_LANES). */
+ * smg_lanes holds SMG_LANES numbers, a power of 2, as the vectors of gcc and clang do: a + b, c*a with one number c,
+ * a/b act lane by lane. Each lane has the bits that the same operations on smg_real have. SMG_LANES is what the
+ * registers of the target hold, at most SMG_MOST_LANES. It is 1, and smg_lanes is smg_real, with other compilers, in
+ * extended precision, and for models without kernels in lanes (SMG_HAS_LANES). */
 #ifndef SMG_LANES_H
 #define SMG_LANES_H
 
@@ -112,8 +112,9 @@ SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
 }
 SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x); }
 
-/* Numbers of the same exponents as 1/sqrt(x) and 1/x, from the bits of x > 0: off by at most 3.4 and 13 %. C. Lomont, "Fast inverse
- * square root" (2003); of numbers other than doubles, and where lanes are no vectors of them, sqrt and / say it. */
+/* Numbers of the same exponents as 1/sqrt(x) and 1/x, from the bits of x > 0: off by at most 3.4 and 13 %. C. Lomont,
+ * "Fast inverse square root" (2003); of numbers other than doubles, and where lanes are no vectors of them, sqrt and /
+ * say it. */
 #if defined(SMG_LONG_DOUBLE) || defined(SMG_QUAD)
 SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) { return 1 / SMG_MATH(sqrt)(x); }
 SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) { return 1 / x; }
@@ -130,14 +131,20 @@ SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) {
   return both.number;
 }
 #else
-SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) { return (smg_lanes)(from - ((smg_lane_bits)x >> shift)); }
+SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) {
+  return (smg_lanes)(from - ((smg_lane_bits)x >> shift));
+}
 #endif
-SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) { return smg_lane_of_bits(UINT64_C(0x5fe6eb50c7b537a9), x, 1); }
-SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) { return smg_lane_of_bits(UINT64_C(0x7fde623822fc16e6), x, 0); }
+SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) {
+  return smg_lane_of_bits(UINT64_C(0x5fe6eb50c7b537a9), x, 1);
+}
+SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) {
+  return smg_lane_of_bits(UINT64_C(0x7fde623822fc16e6), x, 0);
+}
 #endif
 
-/* 1/sqrt(x) to two ulps, by + and * alone, so that every width has its bits: y (1 - r)^(-1/2) with r = 1 - x y^2, to the third power of r.
- * An error e of y becomes 4.4 e^4: 3.4e-2, 6e-6, 6e-21. */
+/* 1/sqrt(x) to two ulps, by + and * alone, so that every width has its bits: y (1 - r)^(-1/2) with r = 1 - x y^2, to
+ * the third power of r. An error e of y becomes 4.4 e^4: 3.4e-2, 6e-6, 6e-21. */
 SMG_INLINE smg_lanes smg_lane_inverse_root(smg_lanes x) {
   smg_lanes y = smg_lane_rough_inverse_root(x);
   for (int k = 0; k < 2; ++k) {
@@ -164,16 +171,15 @@ SMG_INLINE smg_lanes smg_lane_sign(smg_lanes a) {
 }
 
 /* Functions of the C library, lane after lane, so that each has its bits. */
-#define SMG_LANE_FUNCTION(f)                                                                                    \
-  static inline smg_lanes smg_lane_##f(smg_lanes a) {                                                           \
-    for (int l = 0; l < SMG_LANES; ++l) ((smg_real *)&a)[l] = SMG_MATH(f)(((smg_real *)&a)[l]);                 \
-    return a;                                                                                                   \
+#define SMG_LANE_FUNCTION(f)                                                                    \
+  static inline smg_lanes smg_lane_##f(smg_lanes a) {                                           \
+    for (int l = 0; l < SMG_LANES; ++l) ((smg_real *)&a)[l] = SMG_MATH(f)(((smg_real *)&a)[l]); \
+    return a;                                                                                   \
   }
-#define SMG_LANE_FUNCTION_2(f)                                                                                  \
-  static inline smg_lanes smg_lane_##f(smg_lanes a, smg_lanes b) {                                              \
-    for (int l = 0; l < SMG_LANES; ++l)                                                                         \
-      ((smg_real *)&a)[l] = SMG_MATH(f)(((smg_real *)&a)[l], ((smg_real *)&b)[l]);                              \
-    return a;                                                                                                   \
+#define SMG_LANE_FUNCTION_2(f)                                                                                       \
+  static inline smg_lanes smg_lane_##f(smg_lanes a, smg_lanes b) {                                                   \
+    for (int l = 0; l < SMG_LANES; ++l) ((smg_real *)&a)[l] = SMG_MATH(f)(((smg_real *)&a)[l], ((smg_real *)&b)[l]); \
+    return a;                                                                                                        \
   }
 SMG_LANE_FUNCTION(sqrt)
 SMG_LANE_FUNCTION(exp)
@@ -193,7 +199,8 @@ SMG_LANE_FUNCTION_2(pow)
 #undef SMG_LANE_FUNCTION
 #undef SMG_LANE_FUNCTION_2
 
-/* The largest lane where none is negative, by their bits, which are in their order, infinity and NaN last: without a branch. */
+/* The largest lane where none is negative, by their bits, which are in their order, infinity and NaN last: without a
+ * branch. */
 #if SMG_LANES == 1
 SMG_INLINE smg_real smg_lane_largest(smg_lanes a) { return a; }
 #else

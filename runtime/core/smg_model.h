@@ -1,11 +1,13 @@
 /* smidgen runtime: what a method may ask of a model.
  *
- * A model is a handful of static functions; its .c defines them and then includes the header of its method, which knows nothing
- * else of it. Sites are numbered over the whole state, k = 0 .. smg_sites(c) - 1, family by family; vectors are three numbers a
- * site. The equation is w' = (1/kappa) grad C(w) x dH/dw on every site; C = |w|^2/2 on spheres and in R^3.
+ * A model is a handful of static functions; its .c defines them and then includes the header of its method, which knows
+ * nothing else of it. Sites are numbered over the whole state, k = 0 .. smg_sites(c) - 1, family by family; vectors are
+ * three numbers a site. The equation is w' = (1/kappa) grad C(w) x dH/dw on every site; C = |w|^2/2 on spheres and in
+ * R^3.
  *
  *   sizes      smg_sites(c)                       sites
- *              smg_coupled(c), smg_site(c, row)   sites that are solved together, and each of them by its row in Newton's matrix
+ *              smg_coupled(c), smg_site(c, row)   sites that are solved together, and each of them by its row in
+ *                                                 Newton's matrix
  *              smg_row(c, k)                      the row of site k
  *              smg_alone(c, n), smg_tracer(c, k)  the n-th site that is solved alone; does it feel the coupled ones?
  *   a site     smg_kind(c, k)                     SMG_SPHERE, SMG_R3 or SMG_NAMBU
@@ -13,39 +15,51 @@
  *              smg_radius(c, k)                   of a sphere
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
- *              smg_motion(c, m)                   h (1/kappa) m x dH/dw of one unit sphere alone, by value, where SMG_HAS_MOTION says so
- *              smg_lane_gradient(c, w, g)         the same of SMG_LANES states at once (smg_lanes.h), where SMG_HAS_LANES says so
+ *              smg_motion(c, m)                   h (1/kappa) m x dH/dw of one unit sphere alone, by value, where
+ *                                                 SMG_HAS_MOTION says so
+ *              smg_lane_gradient(c, w, g)         the same of SMG_LANES states at once (smg_lanes.h), where
+ *                                                 SMG_HAS_LANES says so
  *              smg_coupled_gradient(c, w, g)      g += dH/dw of the coupled sites, by the terms that couple them
- *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in `all`; this and the next are
- *                                                 asked of sites that are solved alone or swept
+ *              smg_gather(c, at, all, own, g)     g += dH/dw of the site `at` with the vector `own`, the others in
+ *                                                 `all`; this and the next are asked of sites that are solved alone or
+ *                                                 swept
  *              smg_site_hessian_vector(c, at, all, own, v, y)  y += (d2H/dw_k dw_k) v
  *              smg_hessian_blocks(s)              SMG_BLOCK for every d2H/dw_i dw_j at s->m
  *              smg_hessian_vector(s)              s->hessian_v += d2H/dw2 s->v, of the blocks that join two sites
  *              smg_each(context, visit)                every coupled site, cell by cell
- *              smg_each_coloured(context, visit)       the same colour after colour: sites of one colour do not feel each other
+ *              smg_each_coloured(context, visit)       the same colour after colour: sites of one colour do not feel
+ *                                                 each other
  *   time       smg_set_time(&c, t)                   what depends on time, at t
  *
  *   parameters smg_sizes(&c, p)                   takes them in, and the sizes that they give
  *              smg_check_sizes(c)                 SMG_BAD_PARAMETER where a size or an index does not fit
  *              smg_prepare(&c)                    what they alone decide; 0 where one is not finite
  *              smg_family_end(c, f)               the site after the last of the f-th family
- *   splitting  smg_slope_x(c, k, v), _y, _z       dH/dx of site k at the vector v, where no term joins two sites (SMG_SEPARATE)
+ *   splitting  smg_slope_x(c, k, v), _y, _z       dH/dx of site k at the vector v, where no term joins two sites
+ *                                                 (SMG_SEPARATE)
  *              smg_slopes_x(c, w, g), _y, _z      g[k] += dH/dx of site k, for all sites
- *              smg_colours(c), smg_each_of_colour(c, colour, context, visit)  sites of one colour do not feel each other
+ *              smg_colours(c), smg_each_of_colour(c, colour, context, visit)  sites of one colour do not feel each
+ *                                                 other
  *              smg_pull(c, at, all, g)            g += dH/dw of the site `at`, in which it is linear itself
- *              smg_each_pair(c, all, context, visit), smg_each_pair_back  every bond, with the derivative of its energy by the
- *                                                 scalar product of its ends
- *              smg_bond_classes(c), smg_each_of_class(c, which, all, context, visit)  the same of one class, of which no two meet; 0 classes
- *                                                 where there are none
- *   rows       smg_cells(c, d), smg_shift(sub), smg_rank(sub), smg_place(colour, rank)  where sites stand: smg_rows.h, where SMG_BY_ROWS says so
+ *              smg_each_pair(c, all, context, visit), smg_each_pair_back  every bond, with the derivative of its energy
+ *                                                 by the scalar product of its ends
+ *              smg_bond_classes(c), smg_each_of_class(c, which, all, context, visit)  the same of one class, of which
+ *                                                 no two meet; 0 classes where there are none
+ *   rows       smg_cells(c, d), smg_shift(sub), smg_rank(sub), smg_place(colour, rank)  where sites stand: smg_rows.h,
+ *                                                 where SMG_BY_ROWS says so
  *              smg_offsets(sub, beside)           what stands beside the sites of a place
- *              smg_slot_gradient(c, run, blocks, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in lanes
+ *              smg_slot_gradient(c, run, blocks, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in
+ *                                                 lanes
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k where all w are 0
- *              smg_row_classes[], smg_lane_slope(c, term, products), smg_slope_bound(c, size)  bonds in classes (smg_pair_rows.h): which they
- *                                                 are; in lanes the derivative of a bond's energy by the scalar product of its ends; a bound on it where that is at most `size`
- *   few        smg_few_field(c, all, pitch, i, g), smg_few_norms  dH/dw of the sites in the lanes from i on: smg_few.h, where SMG_FEW_IN_LANES says so
- *   bound      smg_hessian_row_norm(c, k)                    sum of bounds on the norms of the Hessian blocks in the row of site k, on a graph in a norm that fits it, where SMG_CONSTANT_HESSIAN says
- *                                                 that it is the same at all states
+ *              smg_row_classes[], smg_lane_slope(c, term, products), smg_slope_bound(c, size)  bonds in classes
+ *                                                 (smg_pair_rows.h): which they are; in lanes the derivative of a
+ *                                                 bond's energy by the scalar product of its ends; a bound on it where
+ *                                                 that is at most `size`
+ *   few        smg_few_field(c, all, pitch, i, g), smg_few_norms  dH/dw of the sites in the lanes from i on: smg_few.h,
+ *                                                 where SMG_FEW_IN_LANES says so
+ *   bound      smg_hessian_row_norm(c, k)                    sum of bounds on the norms of the Hessian blocks in the
+ *                                                 row of site k, on a graph in a norm that fits it, where
+ *                                                 SMG_CONSTANT_HESSIAN says that it is the same at all states
  *
  * A tracer feels others and acts on none.
  *
@@ -55,18 +69,22 @@
 
 #include "smg_site.h"
 
-/* What the model says of itself by macros, 0 where it says nothing: SMG_BS unknowns a site of Newton's matrix, SMG_HISTORY
- * increments kept, SMG_FAMILIES, SMG_ORIENTATION of the bracket (1 or -1), SMG_TIMED: H depends on time; SMG_HAS_COUPLED,
- * SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not depend on themselves, and
- * the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED:
- * the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an
- * elimination order. SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h asks for, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES: that takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once in
- * lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a
- * composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no
- * term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED,
- * SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of which a method asks the field alone; SMG_FEW: the coupled sites are a few, and their number is known. */
+/* What the model says of itself by macros, 0 where it says nothing: SMG_BS unknowns a site of Newton's matrix,
+ * SMG_HISTORY increments kept, SMG_FAMILIES, SMG_ORIENTATION of the bracket (1 or -1), SMG_TIMED: H depends on time;
+ * SMG_HAS_COUPLED, SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not
+ * depend on themselves, and the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled
+ * sites are Nambu factors; SMG_COUPLED_LIFTED: the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND
+ * blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an elimination order. SMG_SWEPT: sweeps come before Newton;
+ * SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h
+ * asks for, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES: that takes bonds in so many classes, in layers along
+ * the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once in lanes; SMG_TRIED_SWEEPS of them at most, where
+ * the model says it. SMG_COMPOSED: stages of a composition, SMG_STAGES_KEPT: their increments are kept, for the tangent
+ * map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no term joins two sites, SMG_ONE_SITE: there is but one.
+ * Features: SMG_EXTENDED, SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of which a
+ * method asks the field alone; SMG_FEW: the coupled sites are a few, and their number is known. */
 
-/* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are known. */
+/* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are
+ * known. */
 #if SMG_FEW
 #define SMG_UNROLL_FEW SMG_UNROLL
 #else
@@ -83,7 +101,8 @@ typedef struct smg_lattice_site {
 #include "smg_plain.h"
 
 #if SMG_HAS_COUPLED
-/* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: defined by smg_matrix_*.h. */
+/* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: defined by
+ * smg_matrix_*.h. */
 #if SMG_MATRIX_FREE
 static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y, const smg_real *z);
 #else
@@ -91,32 +110,33 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
 #endif
 #endif
 
-/* A Hessian block B = d2H/dw_i dw_j of one term for Newton's matrix; add_product: the call that adds B `direction` to `product`. */
+/* A Hessian block B = d2H/dw_i dw_j of one term for Newton's matrix; add_product: the call that adds B `direction` to
+ * `product`. */
 #if SMG_MATRIX_FREE
-#define SMG_BLOCK(i, j, add_product)                              \
-  do {                                                            \
-    smg_real y[3 * SMG_BS] = {0}, z[3 * SMG_BS] = {0};            \
-    for (int l = 0; l < SMG_BS; ++l) {                            \
-      const smg_real *direction = s->S + 3 * (SMG_BS * (j) + l);  \
-      smg_real *product = y + 3 * l;                              \
-      add_product;                                                \
-      if ((i) == (j)) continue;                                   \
-      direction = s->G + 3 * (SMG_BS * (j) + l);                  \
-      product = z + 3 * l;                                        \
-      add_product;                                                \
-    }                                                             \
-    smg_add_hessian(s, i, j, y, z);                               \
+#define SMG_BLOCK(i, j, add_product)                             \
+  do {                                                           \
+    smg_real y[3 * SMG_BS] = {0}, z[3 * SMG_BS] = {0};           \
+    for (int l = 0; l < SMG_BS; ++l) {                           \
+      const smg_real *direction = s->S + 3 * (SMG_BS * (j) + l); \
+      smg_real *product = y + 3 * l;                             \
+      add_product;                                               \
+      if ((i) == (j)) continue;                                  \
+      direction = s->G + 3 * (SMG_BS * (j) + l);                 \
+      product = z + 3 * l;                                       \
+      add_product;                                               \
+    }                                                            \
+    smg_add_hessian(s, i, j, y, z);                              \
   } while (0)
 #else
-#define SMG_BLOCK(i, j, add_product)                                    \
-  do {                                                                  \
-    smg_real y[3 * SMG_BS] = {0};                                       \
-    for (int l = 0; l < SMG_BS; ++l) {                                  \
-      const smg_real *const direction = s->S + 3 * (SMG_BS * (j) + l);  \
-      smg_real *const product = y + 3 * l;                              \
-      add_product;                                                      \
-    }                                                                   \
-    smg_add_hessian(s, i, j, y);                                        \
+#define SMG_BLOCK(i, j, add_product)                                   \
+  do {                                                                 \
+    smg_real y[3 * SMG_BS] = {0};                                      \
+    for (int l = 0; l < SMG_BS; ++l) {                                 \
+      const smg_real *const direction = s->S + 3 * (SMG_BS * (j) + l); \
+      smg_real *const product = y + 3 * l;                             \
+      add_product;                                                     \
+    }                                                                  \
+    smg_add_hessian(s, i, j, y);                                       \
   } while (0)
 #endif
 

@@ -1,5 +1,5 @@
-/* smidgen runtime: outputs in blocks, for callers without types. Included by <model>_abi.c alone, whose functions it calls by
- * SMG_ABI(word); SMG_COLUMNS is the number of values of an output. */
+/* smidgen runtime: outputs in blocks, for callers without types. Included by <model>_abi.c alone, whose functions it
+ * calls by SMG_ABI(word); SMG_COLUMNS is the number of values of an output. */
 #ifndef SMG_OUTPUTS_H
 #define SMG_OUTPUTS_H
 
@@ -7,8 +7,9 @@
 
 #include "smidgen.h"
 
-/* Room for `rows` outputs: t of each, states (3 numbers a site; NULL: not asked for), values, Casimirs (one a site). near: pairs of sites
- * (from, to) whose midpoints are looked at; nearest: the smallest |w + W|^2/(4 |W|^2) so far; where: its site and its step. */
+/* Room for `rows` outputs: t of each, states (3 numbers a site; NULL: not asked for), values, Casimirs (one a site).
+ * near: pairs of sites (from, to) whose midpoints are looked at; nearest: the smallest |w + W|^2/(4 |W|^2) so far;
+ * where: its site and its step. */
 typedef struct smg_outputs {
   double *t;
   smg_real *states, *values, *casimirs;
@@ -19,7 +20,8 @@ typedef struct smg_outputs {
 } smg_outputs;
 
 /* The sites from..to of a step from w to W: is one of them nearer to a centre? */
-static void smg_look_near(const smg_outputs *o, const smg_real *w, const smg_real *W, int64_t from, int64_t to, int64_t step) {
+static void smg_look_near(const smg_outputs *o, const smg_real *w, const smg_real *W, int64_t from, int64_t to,
+                          int64_t step) {
   for (int64_t k = 3 * from; k < 3 * to; k += 3) {
     const smg_real x = w[k] + W[k], y = w[k + 1] + W[k + 1], z = w[k + 2] + W[k + 2];
     const smg_real size = W[k] * W[k] + W[k + 1] * W[k + 1] + W[k + 2] * W[k + 2];
@@ -53,8 +55,8 @@ static int smg_steps_to_row(void *s, const smg_outputs *o, smg_real *w, int64_t 
   return 0;
 }
 
-/* Up to `rows` outputs, the first after `first` steps, each later one after `every` more. *done: how many; returns the status of the last
- * step, -1 without memory. */
+/* Up to `rows` outputs, the first after `first` steps, each later one after `every` more. *done: how many; returns the
+ * status of the last step, -1 without memory. */
 static int smg_put_outputs(void *s, int64_t first, int64_t every, int64_t rows, const smg_outputs *o, int64_t *done) {
   smg_real *w = o->pairs > 0 ? (smg_real *)malloc(6 * (size_t)SMG_ABI(sites)(s) * sizeof *w) : NULL;
   int status = o->pairs > 0 && !w ? -1 : 0;

@@ -1,6 +1,7 @@
 /* smidgen runtime: what a model of one family of unit spheres with kappa = 1, all solved together, says of its sites.
  *
- * A model whose own version differs defines it, and SMG_OWN_<NAME> as 1. gen/compile/assemble/plain.py has the same functions as trees; a test compares them. */
+ * A model whose own version differs defines it, and SMG_OWN_<NAME> as 1. gen/compile/assemble/plain.py has the same
+ * functions as trees; a test compares them. */
 #ifndef SMG_PLAIN_H
 #define SMG_PLAIN_H
 
@@ -16,16 +17,12 @@ static inline int smg_prepare(smg_coefficients *c) {
 #endif
 
 #if !SMG_OWN_SET_TIME
-static inline void smg_set_time(smg_coefficients *c, smg_real t) {
-  c->t = t;
-}
+static inline void smg_set_time(smg_coefficients *c, smg_real t) { c->t = t; }
 #endif
 
 /* ---- numbers of sites ------------------------------------------------------------------- */
 #if !SMG_OWN_COUPLED
-static inline int64_t smg_coupled(const smg_coefficients *c) {
-  return smg_sites(c);
-}
+static inline int64_t smg_coupled(const smg_coefficients *c) { return smg_sites(c); }
 #endif
 
 #if !SMG_OWN_FAMILY_END

@@ -1,13 +1,23 @@
-/* smidgen runtime: a saved state, all that decides later bits: this head, then w and compensation, then the history, newest first. What
- * is not in it (scratch, values of the parameters) decides none. */
+/* smidgen runtime: a saved state, all that decides later bits: this head, then w and compensation, then the history,
+ * newest first. What is not in it (scratch, values of the parameters) decides none. */
 #ifndef SMG_SAVED_HEADER
 #define SMG_SAVED_HEADER
 
 #include "smg_set_state.h"
 
 enum {
-  SMG_SAVED_SIZE, SMG_SAVED_PAST, SMG_SAVED_T0, SMG_SAVED_H, SMG_SAVED_COUNT_HIGH, SMG_SAVED_COUNT_LOW,
-  SMG_SAVED_HISTORY, SMG_SAVED_DEGREE, SMG_SAVED_NEWTON_STEPS, SMG_SAVED_SCALE, SMG_SAVED_TOLERANCE, SMG_SAVED_HEAD
+  SMG_SAVED_SIZE,
+  SMG_SAVED_PAST,
+  SMG_SAVED_T0,
+  SMG_SAVED_H,
+  SMG_SAVED_COUNT_HIGH,
+  SMG_SAVED_COUNT_LOW,
+  SMG_SAVED_HISTORY,
+  SMG_SAVED_DEGREE,
+  SMG_SAVED_NEWTON_STEPS,
+  SMG_SAVED_SCALE,
+  SMG_SAVED_TOLERANCE,
+  SMG_SAVED_HEAD
 };
 
 /* Numbers before the history. */
@@ -23,7 +33,8 @@ static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
   for (size_t k = 0; k < size; ++k) to[k] = from[k];
 }
 
-/* Steps that stay with Newton: models that try something else first count them. By rows, as a number below 0: the passes of a step that are not watched. */
+/* Steps that stay with Newton: models that try something else first count them. By rows, as a number below 0: the
+ * passes of a step that are not watched. */
 #if SMG_BY_ROWS && !SMG_ROW_TURNS
 #define SMG_SAVED_MOST_STEPS SMG_NEWTON_STEPS
 static inline int smg_newton_steps(const smg_state *s) { return s->rows ? -(int)s->row_from : s->newton_steps; }
@@ -103,8 +114,9 @@ static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
 
 #define SMG_MOST_LOST (smg_real)1e-9 /* part of w that it may have lost to rounding, by far */
 
-/* The part of the radius by which steps may have moved w off its sphere: none in the beginning; then by far more than round-off and tolerance
- * do, and half of it at most. Methods that do not keep leaves (SMG_LEAVES_DRIFT) go anywhere. */
+/* The part of the radius by which steps may have moved w off its sphere: none in the beginning; then by far more than
+ * round-off and tolerance do, and half of it at most. Methods that do not keep leaves (SMG_LEAVES_DRIFT) go
+ * anywhere. */
 static inline smg_real smg_saved_off_sphere(const smg_real *in) {
 #if SMG_LEAVES_DRIFT
   return (void)in, SMG_MAX;
@@ -116,14 +128,17 @@ static inline smg_real smg_saved_off_sphere(const smg_real *in) {
 
 /* Are the numbers of the head within their ranges? */
 static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
-  return in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) && smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, SMG_MOST_COUNT_HIGH) &&
-         smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) && smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
+  return in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) &&
+         smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, SMG_MOST_COUNT_HIGH) &&
+         smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) &&
+         smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
          smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
-         smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) && in[SMG_SAVED_SCALE] >= 0 &&
-         in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
+         smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) &&
+         in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
 }
 
-/* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does it. */
+/* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does
+ * it. */
 static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in) {
   const size_t size = smg_saved_size(&c->p);
   const smg_real *w = in + SMG_SAVED_HEAD;
@@ -135,7 +150,8 @@ static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in)
   const smg_status times = smg_check_times((double)in[SMG_SAVED_T0], (double)in[SMG_SAVED_H]);
   if (times != SMG_OK) return times;
   for (site = 0; site < smg_sites(c); ++site)
-    if (!(smg_largest(w + 3 * (smg_sites(c) + site)) <= SMG_MOST_LOST * smg_largest(w + 3 * site))) return SMG_BAD_PARAMETER;
+    if (!(smg_largest(w + 3 * (smg_sites(c) + site)) <= SMG_MOST_LOST * smg_largest(w + 3 * site)))
+      return SMG_BAD_PARAMETER;
   return smg_check_state(c, w, NULL, smg_saved_off_sphere(in), &site);
 }
 

@@ -4,9 +4,7 @@
 
 #include "smg_small.h"
 
-SMG_INLINE smg_real smg_dot(const smg_real *a, const smg_real *b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+SMG_INLINE smg_real smg_dot(const smg_real *a, const smg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* c = a x b */
 SMG_INLINE void smg_cross(smg_real *c, const smg_real *a, const smg_real *b) {
@@ -52,9 +50,7 @@ SMG_INLINE void smg_leaf_frame(const smg_real *m, const smg_real *n, smg_real *E
 }
 
 /* The cell x - n, x or x + n that lies in [0, n); |offset| is at most n. */
-static inline int64_t smg_wrap(int64_t x, int64_t n) {
-  return x < 0 ? x + n : x >= n ? x - n : x;
-}
+static inline int64_t smg_wrap(int64_t x, int64_t n) { return x < 0 ? x + n : x >= n ? x - n : x; }
 
 /* Remainder and quotient that belong to rounding down. */
 static inline int64_t smg_mod(int64_t a, int64_t b) {
@@ -70,7 +66,8 @@ static inline int64_t smg_quotient(int64_t a, int64_t b) { return (a - smg_mod(a
 #endif
 
 /* How far an iterate moved: relative to each component's own size, and absolutely, a small site of R^3 as
- * if it were as large as the others; and the size of the products that increments are made of, h (1/kappa) |grad C| |dH/dw|: their round-off stays. */
+ * if it were as large as the others; and the size of the products that increments are made of, h (1/kappa) |grad C|
+ * |dH/dw|: their round-off stays. */
 typedef struct smg_change {
   smg_real relative, absolute, rounding_scale;
 } smg_change;
@@ -94,19 +91,23 @@ static inline smg_real smg_up(smg_real scale, const smg_real *w) {
   return size > 0 ? smg_min(scale / size, (smg_real)1e290) : 1;
 }
 
-#define SMG_STILL 8 /* ulps of the whole, below which motion is taken for round-off; half or twice: the same; 0 loses a step in 200 */
-#define SMG_SLOWED (smg_real)0.5 /* part of its size that it keeps when it shrinks no more: Newton squares it; half or twice: the same */
+/* ulps of the whole, below which motion is taken for round-off; half or twice: the same; 0 loses a step in 200 */
+#define SMG_STILL 8
+/* part of its size that it keeps when it shrinks no more: Newton squares it; half or twice: the same */
+#define SMG_SLOWED (smg_real)0.5
 
 /* Stagnation: every component moves by at most an ulp of its own size; or the motion is down to
- * round-off of the whole (`scale`, or the terms of the increments) and its relative size falls no more. A component of 1e-300
- * that still converges at its own rate keeps the iteration going. */
+ * round-off of the whole (`scale`, or the terms of the increments) and its relative size falls no more. A component of
+ * 1e-300 that still converges at its own rate keeps the iteration going. */
 static inline int smg_settled(const smg_change *now, const smg_change *last, smg_real scale) {
   if (now->relative <= SMG_EPS) return 1;
-  return now->absolute <= SMG_STILL * SMG_EPS * smg_max(scale, now->rounding_scale) && now->relative >= SMG_SLOWED * last->relative;
+  return now->absolute <= SMG_STILL * SMG_EPS * smg_max(scale, now->rounding_scale) &&
+         now->relative >= SMG_SLOWED * last->relative;
 }
 
 /* mbar = w + compensation + u/2, the midpoint of n components of a step with the increment u. */
-SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *compensation, const smg_real *u, smg_real *mbar) {
+SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *compensation, const smg_real *u,
+                           smg_real *mbar) {
   for (int64_t k = 0; k < n; ++k) mbar[k] = w[k] + (compensation[k] + 0.5 * u[k]);
 }
 

@@ -29,7 +29,8 @@
 #define SMG_UNROLL
 #endif
 
-/* A pointer that a loop finds anew each time: else gcc keeps it, and those at distances from it, in more registers than there are. */
+/* A pointer that a loop finds anew each time: else gcc keeps it, and those at distances from it, in more registers than
+ * there are. */
 #if defined(__GNUC__)
 #define SMG_ANEW(pointer) __asm__("" : "+r"(pointer))
 #else
@@ -50,7 +51,8 @@
 #define SMG_RESTRICT
 #endif
 
-/* A determinant below this fraction of its own terms is round-off: of its own dozen of operations, and of its entries'. */
+/* A determinant below this fraction of its own terms is round-off: of its own dozen of operations, and of its
+ * entries'. */
 #define SMG_ROUNDOFF (64 * SMG_EPS)
 
 SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
@@ -91,14 +93,11 @@ SMG_INLINE smg_real smg_det2(const smg_real *A) { return A[0] * A[3] - A[1] * A[
 
 /* Rows of cofactors by cross products: det A = a . (b x c) with the rows a, b, c. */
 SMG_INLINE smg_real smg_det3(const smg_real *A) {
-  return A[0] * (A[4] * A[8] - A[5] * A[7]) + A[1] * (A[5] * A[6] - A[3] * A[8]) +
-         A[2] * (A[3] * A[7] - A[4] * A[6]);
+  return A[0] * (A[4] * A[8] - A[5] * A[7]) + A[1] * (A[5] * A[6] - A[3] * A[8]) + A[2] * (A[3] * A[7] - A[4] * A[6]);
 }
 
 /* perm |A|: the size of the terms of det A, scaled by rows and columns as det A is. */
-SMG_INLINE smg_real smg_scale2(const smg_real *A) {
-  return smg_abs(A[0] * A[3]) + smg_abs(A[1] * A[2]);
-}
+SMG_INLINE smg_real smg_scale2(const smg_real *A) { return smg_abs(A[0] * A[3]) + smg_abs(A[1] * A[2]); }
 
 SMG_INLINE smg_real smg_scale3(const smg_real *A) {
   return smg_abs(A[0]) * (smg_abs(A[4] * A[8]) + smg_abs(A[5] * A[7])) +
@@ -107,9 +106,7 @@ SMG_INLINE smg_real smg_scale3(const smg_real *A) {
 }
 
 /* True when a determinant is NaN or no more than round-off of terms of the size `scale`. */
-SMG_INLINE int smg_vanishes(smg_real det, smg_real scale) {
-  return !(smg_abs(det) > SMG_ROUNDOFF * scale);
-}
+SMG_INLINE int smg_vanishes(smg_real det, smg_real scale) { return !(smg_abs(det) > SMG_ROUNDOFF * scale); }
 
 /* True when the real 2x2 matrix D has no real eigenvalue <= 0: det D > 0, and not both
  * eigenvalues real and negative (tr^2 - 4 det = (a-d)^2 + 4bc >= 0 and tr <= 0). */
@@ -131,8 +128,7 @@ static inline int smg_cubic_positive(smg_real a, smg_real b, smg_real c) {
 
 /* The same for a real 3x3 matrix: q(s) = det(s I + D) has no root s >= 0. */
 SMG_INLINE int smg_positive3(const smg_real *D) {
-  const smg_real minors = (D[0] * D[4] - D[1] * D[3]) + (D[0] * D[8] - D[2] * D[6]) +
-                          (D[4] * D[8] - D[5] * D[7]);
+  const smg_real minors = (D[0] * D[4] - D[1] * D[3]) + (D[0] * D[8] - D[2] * D[6]) + (D[4] * D[8] - D[5] * D[7]);
   return smg_cubic_positive(D[0] + D[4] + D[8], minors, smg_det3(D));
 }
 

@@ -12,8 +12,9 @@
 #define SMG_TOLERANCE 0
 #endif
 
-/* A tolerance for the steps from now on, as part of s->scale: iterations end there, or step control aims at it; 0: the method's own.
- * What is left over is of one sign along many an orbit: energy, lengths and momenta drift by some of it a step. */
+/* A tolerance for the steps from now on, as part of s->scale: iterations end there, or step control aims at it; 0: the
+ * method's own. What is left over is of one sign along many an orbit: energy, lengths and momenta drift by some of it a
+ * step. */
 static inline smg_status smg_set_tolerance(smg_state *s, double tolerance) {
   if (!(tolerance >= 0 && tolerance < 1)) return SMG_BAD_PARAMETER;
   s->tolerance = tolerance > 0 ? (smg_real)tolerance : (smg_real)SMG_TOLERANCE;
@@ -94,8 +95,8 @@ static inline smg_status smg_check_times(double t0, double h) {
   return h != 0 && h < DBL_MIN && h > -DBL_MIN ? SMG_BAD_PARAMETER : SMG_OK;
 }
 
-/* One site: on its sphere, to the part `off` of the radius; in R^3 of a size that can be squared; of a Nambu leaf that the method
- * projects onto, C != 0. */
+/* One site: on its sphere, to the part `off` of the radius; in R^3 of a size that can be squared; of a Nambu leaf that
+ * the method projects onto, C != 0. */
 static inline smg_status smg_check_site(const smg_coefficients *c, int64_t k, const smg_real *w, smg_real off) {
   const smg_real leaf = smg_leaf_value_of(c, k, w);
   if (smg_kind(c, k) == SMG_SPHERE) {
@@ -103,7 +104,8 @@ static inline smg_status smg_check_site(const smg_coefficients *c, int64_t k, co
     return size > 0 && size <= SMG_MAX && SMG_MATH(fabs)(size - leaf) <= off * leaf ? SMG_OK : SMG_OFF_MANIFOLD;
   }
   const smg_real size = smg_largest(w);
-  if (size > 0 && !(size >= (smg_real)1e-150 && size <= (smg_real)1e150)) return SMG_BAD_PARAMETER; /* w.w is no number */
+  /* w.w is no number */
+  if (size > 0 && !(size >= (smg_real)1e-150 && size <= (smg_real)1e150)) return SMG_BAD_PARAMETER;
   return smg_kind(c, k) == SMG_NAMBU && SMG_ONTO_LEAF && !(leaf != 0) ? SMG_OFF_MANIFOLD : SMG_OK;
 }
 
@@ -116,13 +118,16 @@ static inline smg_real smg_off_sphere(const smg_coefficients *c, int64_t k, cons
   return SMG_MATH(fabs)(size - smg_radius(c, k)) / smg_radius(c, k);
 }
 
-/* All sites. Where `before` is not NULL they may be off their spheres by as much more as they are there. *site: the first that is refused, or -1. */
-static smg_status smg_check_state(const smg_coefficients *c, const smg_real *w, const smg_real *before, smg_real off, int64_t *site) {
+/* All sites. Where `before` is not NULL they may be off their spheres by as much more as they are there. *site: the
+ * first that is refused, or -1. */
+static smg_status smg_check_state(const smg_coefficients *c, const smg_real *w, const smg_real *before, smg_real off,
+                                  int64_t *site) {
   const int64_t sites = smg_sites(c);
   for (*site = 0; *site < sites; ++*site)
     if (!(smg_largest(w + 3 * *site) <= SMG_MAX)) return SMG_NOT_FINITE;
   for (*site = 0; *site < sites; ++*site) {
-    const smg_status status = smg_check_site(c, *site, w + 3 * *site, before ? off + smg_off_sphere(c, *site, before + 3 * *site) : off);
+    const smg_status status =
+        smg_check_site(c, *site, w + 3 * *site, before ? off + smg_off_sphere(c, *site, before + 3 * *site) : off);
     if (status != SMG_OK) return status;
   }
   *site = -1;
@@ -134,7 +139,8 @@ static void smg_put_state(smg_state *s, const smg_real *w) {
   s->scale = 0;
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
     const smg_real leaf = smg_leaf_value_of(&s->c, k, w + 3 * k), size = SMG_MATH(sqrt)(smg_dot(w + 3 * k, w + 3 * k));
-    const int off = smg_kind(&s->c, k) == SMG_SPHERE && SMG_MATH(fabs)(size - leaf) > 8 * SMG_EPS * leaf; /* given with some digits less */
+    /* given with some digits less */
+    const int off = smg_kind(&s->c, k) == SMG_SPHERE && SMG_MATH(fabs)(size - leaf) > 8 * SMG_EPS * leaf;
     s->scale = smg_max(s->scale, smg_largest(w + 3 * k));
     for (int b = 0; b < 3; ++b) s->w[3 * k + b] = off ? w[3 * k + b] * (leaf / size) : w[3 * k + b];
   }
@@ -171,7 +177,8 @@ static void smg_clear_arrays(smg_state *s, smg_real *mem) {
 #endif
 }
 
-static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0, double h) {
+static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0,
+                                  double h) {
   smg_blank(s, p, t0, h);
   s->report.status = smg_check_prepared(&s->c);
   if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
@@ -219,7 +226,8 @@ static void smg_momentum_of(const smg_params *p, const smg_real *w, smg_real *ou
   for (int f = 0; f < SMG_FAMILIES; ++f) {
     for (int b = 0; b < 3; ++b) {
       smg_real sum = 0, lost = 0;
-      for (int64_t k = first; k < smg_family_end(&c, f); ++k) smg_add_compensated(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
+      for (int64_t k = first; k < smg_family_end(&c, f); ++k)
+        smg_add_compensated(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
       out[3 * f + b] = sum + lost;
     }
     first = smg_family_end(&c, f);

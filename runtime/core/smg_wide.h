@@ -45,7 +45,8 @@ static inline int smg_wide_equal(smg_wide a, smg_wide b) { return !(a < b) && !(
 static inline smg_wide smg_wide_sqrt(smg_wide a) { return SMG_WIDE_MATH(sqrt)(a); }
 static inline smg_wide smg_wide_rsqrt(smg_wide a) { return 1 / SMG_WIDE_MATH(sqrt)(a); }
 
-/* W + compensation = w + compensation + (hi + lo): what W loses to rounding stays in compensation, to twice its digits. */
+/* W + compensation = w + compensation + (hi + lo): what W loses to rounding stays in compensation, to twice its
+ * digits. */
 static inline void smg_wide_commit(smg_real *w, smg_real *compensation, smg_real hi, smg_real lo) {
   const smg_wide y = ((smg_wide)*compensation + (smg_wide)lo) + (smg_wide)hi;
   const smg_real sum = (smg_real)((smg_wide)*w + y);
@@ -128,7 +129,9 @@ static inline smg_wide smg_wide_div(smg_wide a, smg_wide b) {
 }
 
 static inline int smg_wide_less(smg_wide a, smg_wide b) { return a.hi < b.hi || (a.hi <= b.hi && a.lo < b.lo); }
-static inline int smg_wide_equal(smg_wide a, smg_wide b) { return !smg_wide_less(a, b) && !smg_wide_less(b, a) && a.hi - b.hi == 0; }
+static inline int smg_wide_equal(smg_wide a, smg_wide b) {
+  return !smg_wide_less(a, b) && !smg_wide_less(b, a) && a.hi - b.hi == 0;
+}
 
 /* One Newton step from the double root: s + (a - s^2)/(2 s). */
 static inline smg_wide smg_wide_sqrt(smg_wide a) {
@@ -145,7 +148,8 @@ static inline smg_wide smg_wide_rsqrt(smg_wide a) {
   return smg_wide_ordered(q, 0.5 * q * (r.hi + r.lo));
 }
 
-/* W + compensation = w + compensation + (hi + lo): what W loses to rounding stays in compensation, to twice its digits. */
+/* W + compensation = w + compensation + (hi + lo): what W loses to rounding stays in compensation, to twice its
+ * digits. */
 static inline void smg_wide_commit(smg_real *w, smg_real *compensation, smg_real hi, smg_real lo) {
   const smg_wide sum = smg_wide_add(smg_wide_sum(*w, hi), smg_wide_sum(*compensation, lo));
   *w = sum.hi;

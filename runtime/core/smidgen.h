@@ -32,9 +32,11 @@ typedef enum smg_status {
                              to its fold, to the centre of a sphere, or to infinity */
   SMG_WRONG_BRANCH = 3,   /* a solution, but not the one connected to W = w at h = 0 */
   SMG_NOT_FINITE = 4,     /* NaN or infinity in the state, the parameters or the field */
-  SMG_BAD_PARAMETER = 5,  /* a parameter or a size out of range (kappa = 0, n < 1, a denormal h, |w| of R^3 beyond 1e+-150) */
-  SMG_OFF_MANIFOLD = 6,   /* a start off its sphere by more than 1e-12 (relative; a nearer one is put on it), or c = 0 */
-  SMG_SINGULAR = 7        /* the Newton matrix could not be factored */
+  /* a parameter or a size out of range (kappa = 0, n < 1, a denormal h, |w| of R^3 beyond 1e+-150) */
+  SMG_BAD_PARAMETER = 5,
+  /* a start off its sphere by more than 1e-12 (relative; a nearer one is put on it), or c = 0 */
+  SMG_OFF_MANIFOLD = 6,
+  SMG_SINGULAR = 7 /* the Newton matrix could not be factored */
 } smg_status;
 
 /* What the last step did; on failure, where and how badly. site is -1 if not tied to one, and so is
@@ -49,15 +51,14 @@ typedef struct smg_report {
 } smg_report;
 
 static inline const char *smg_message(smg_status status) {
-  static const char *const text[] = {
-      "ok",
-      "the step equation did not converge",
-      "the branch of solutions from this state ends before this step",
-      "the solution found is not connected to the state as h goes to 0",
-      "a value is not finite",
-      "a parameter or a size is out of range",
-      "the start is off its sphere or leaf",
-      "the Newton matrix is singular"};
+  static const char *const text[] = {"ok",
+                                     "the step equation did not converge",
+                                     "the branch of solutions from this state ends before this step",
+                                     "the solution found is not connected to the state as h goes to 0",
+                                     "a value is not finite",
+                                     "a parameter or a size is out of range",
+                                     "the start is off its sphere or leaf",
+                                     "the Newton matrix is singular"};
   return (unsigned)status < sizeof text / sizeof *text ? text[status] : "unknown status";
 }
 

@@ -1,22 +1,24 @@
 /* smidgen method: rotations about the axes, for H = A(all x) + B(all y) + C(all z): explicit, symplectic, of order 2.
  *
- * The flow of A leaves every x alone, so its gradient too: it turns site k about the x axis by the angle (h/kappa_k) dA/dx_k. One step
- * is the symmetric (Strang) splitting
+ * The flow of A leaves every x alone, so its gradient too: it turns site k about the x axis by the angle (h/kappa_k)
+ * dA/dx_k. One step is the symmetric (Strang) splitting
  *
  *     Phi_h = X(h/2) Y(h/2) Z(h) Y(h/2) X(h/2),
  *
  * the time of H frozen at its middle. McLachlan and Quispel, Splitting methods, Acta Numerica 11 (2002), section 3.
  *
- * A rotation is known by tau, the tangent of half its angle: sin = 2 tau/(1 + tau^2), 1 - cos = tau sin. Where no term joins two
- * sites (SMG_SEPARATE) tau is half the angle itself: any angle that is a function of x_k alone makes a symplectic map, and this
- * one is right to third order and needs no tangent. Where terms do, kappa_k times the angle must be the gradient of a function of all x:
- * then it is exact.
+ * A rotation is known by tau, the tangent of half its angle: sin = 2 tau/(1 + tau^2), 1 - cos = tau sin. Where no term
+ * joins two sites (SMG_SEPARATE) tau is half the angle itself: any angle that is a function of x_k alone makes a
+ * symplectic map, and this one is right to third order and needs no tangent. Where terms do, kappa_k times the angle
+ * must be the gradient of a function of all x: then it is exact.
  *
  * With SMG_COMPOSED a step is so many of these (smg_explicit_step.h).
  *
  * Of the model it needs SMG_AXES (1, 2, 4: there are x, y, z in H) and
- *   SMG_SEPARATE (and SMG_ONE_SITE, where there is but one): smg_slope_x(c, k, v), _y, _z   dH/dx_k at the vector v of the site
- *   otherwise: smg_slopes_x(c, w, g), _y, _z                                                g[k] += dH/dx_k of all sites
+ *   SMG_SEPARATE (and SMG_ONE_SITE, where there is but one): smg_slope_x(c, k, v), _y, _z   dH/dx_k at the vector v of
+ *   the site
+ *   otherwise: smg_slopes_x(c, w, g), _y, _z                                                g[k] += dH/dx_k of all
+ *   sites
  * and beside w, compensation and u the arrays s->points, 3 numbers a site, s->slopes and s->inverse, 1 each. */
 #ifndef SMG_AXIS_SPLITTING_H
 #define SMG_AXIS_SPLITTING_H

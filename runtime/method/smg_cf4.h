@@ -1,8 +1,10 @@
-/* smidgen method: CF4, the explicit commutator-free Lie-group method of Celledoni, Marthinsen and Owren (Commutator-free Lie group
- * methods, Future Generation Computer Systems 19 (2003)), of order 4: the classical Runge-Kutta method with exact rotations in place of
- * sums. A comparator: spheres are kept, and nothing else; not symplectic, not reversible.
+/* smidgen method: CF4, the explicit commutator-free Lie-group method of Celledoni, Marthinsen and Owren
+ * (Commutator-free Lie group methods, Future Generation Computer Systems 19 (2003)), of order 4: the classical
+ * Runge-Kutta method with exact rotations in place of sums. A comparator: spheres are kept, and nothing else; not
+ * symplectic, not reversible.
  *
- * Every site turns by angle vectors, exp(a) w (smg_rotation.h); k_i = h b, b = (1/kappa) dH/dw, at the stages and their times:
+ * Every site turns by angle vectors, exp(a) w (smg_rotation.h); k_i = h b, b = (1/kappa) dH/dw, at the stages and their
+ * times:
  *
  *     k_1 at w                             and t
  *     k_2 at exp(k_1/2) w                  and t + h/2
@@ -11,8 +13,8 @@
  *
  *     W = exp((-k_1 + 2 k_2 + 2 k_3 + 3 k_4)/12) exp((3 k_1 + 2 k_2 + 2 k_3 - k_4)/12) w.
  *
- * Of the model it needs smg_gradient; and beside w, compensation and u the arrays s->points, 3 numbers a site, s->turns, 12, and
- * s->inverse, 1. */
+ * Of the model it needs smg_gradient; and beside w, compensation and u the arrays s->points, 3 numbers a site,
+ * s->turns, 12, and s->inverse, 1. */
 #ifndef SMG_CF4_H
 #define SMG_CF4_H
 
@@ -43,8 +45,8 @@ static void smg_take_turns(smg_state *s, int i, smg_real h, smg_real part) {
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] *= smg_h_over_kappa(&s->c, q / 3, h);
 }
 
-/* All sites: s->points turn by a_1 k_1 + .. + a_4 k_4, from where they are or from w; s->u moves with them. A k_i without a share is not
- * looked at: it may be one that a refused step has left. */
+/* All sites: s->points turn by a_1 k_1 + .. + a_4 k_4, from where they are or from w; s->u moves with them. A k_i
+ * without a share is not looked at: it may be one that a refused step has left. */
 static void smg_turn_points(smg_state *s, int from_w, const smg_real *a) {
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); q += 3) {
     smg_real turn[3];

@@ -1,14 +1,16 @@
-/* smidgen method: the classical midpoint, W - w = h X((w + W)/2). A comparator: of order 2, not symplectic on spheres. */
+/* smidgen method: the classical midpoint, W - w = h X((w + W)/2). A comparator: of order 2, not symplectic on
+ * spheres. */
 #ifndef SMG_CLASSICAL_MIDPOINT_H
 #define SMG_CLASSICAL_MIDPOINT_H
 
-#define SMG_BS 3         /* unknowns of Newton a site: mbar itself */
+#define SMG_BS 3 /* unknowns of Newton a site: mbar itself */
 #define SMG_ONTO_LEAF 0
 
 #include "smg_model.h"
 
 /* m = mbar; returns m/mbar = 1. */
-static inline smg_real smg_project(const smg_coefficients *c, int64_t k, smg_real leaf, const smg_real *mbar, smg_real *m) {
+static inline smg_real smg_project(const smg_coefficients *c, int64_t k, smg_real leaf, const smg_real *mbar,
+                                   smg_real *m) {
   (void)c;
   (void)k;
   (void)leaf;

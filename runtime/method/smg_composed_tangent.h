@@ -1,5 +1,5 @@
-/* smidgen method: the tangent map of a composition, the product of those of its stages. The state goes back to the start of the step by
- * the increments of its stages, and forward again with the columns. */
+/* smidgen method: the tangent map of a composition, the product of those of its stages. The state goes back to the
+ * start of the step by the increments of its stages, and forward again with the columns. */
 #ifndef SMG_COMPOSED_TANGENT_H
 #define SMG_COMPOSED_TANGENT_H
 

@@ -4,13 +4,13 @@
  *
  *     Phi_h = phi_(gamma_n h) o .. o phi_(gamma_1 h),   sum gamma_i = 1,
  *
- * stage i at the time t + (gamma_1 + .. + gamma_(i-1) + gamma_i/2) h. What every phi keeps, Phi keeps: it is symplectic and
- * time-reversible where the base method is. Some stages go backward; each passes the branch check with its own step. Hairer,
- * Lubich and Wanner, Geometric Numerical Integration, II.4 and V.3.
+ * stage i at the time t + (gamma_1 + .. + gamma_(i-1) + gamma_i/2) h. What every phi keeps, Phi keeps: it is symplectic
+ * and time-reversible where the base method is. Some stages go backward; each passes the branch check with its own
+ * step. Hairer, Lubich and Wanner, Geometric Numerical Integration, II.4 and V.3.
  *
- * A stage that fails ends the step: the state, the history and all else is as it was before the first stage. The report then
- * is that of the failed stage: its site, its residual, and `reached`, the part of gamma_i h up to which solutions exist. After a
- * step it has the sum of the iterations and the largest residual. */
+ * A stage that fails ends the step: the state, the history and all else is as it was before the first stage. The report
+ * then is that of the failed stage: its site, its residual, and `reached`, the part of gamma_i h up to which solutions
+ * exist. After a step it has the sum of the iterations and the largest residual. */
 #ifndef SMG_COMPOSITION_H
 #define SMG_COMPOSITION_H
 
@@ -52,12 +52,14 @@ static inline void smg_give_back(smg_state *s, const smg_before *b) {
   s->history = b->history;
 }
 
-/* The coefficients of a stage: some have the step in them. Those of all sizes of stages are kept, after the h that they are for:
- * s->prepared is 1 and h, then one smg_coefficients a size. */
+/* The coefficients of a stage: some have the step in them. Those of all sizes of stages are kept, after the h that they
+ * are for: s->prepared is 1 and h, then one smg_coefficients a size. */
 static inline size_t smg_prepared_size(int64_t stages) {
   return 2 + (size_t)(stages / 2 + 1) * ((sizeof(smg_coefficients) + sizeof(smg_real) - 1) / sizeof(smg_real));
 }
-static inline smg_coefficients *smg_prepared(const smg_state *s) { return (smg_coefficients *)(void *)(s->prepared + 2); }
+static inline smg_coefficients *smg_prepared(const smg_state *s) {
+  return (smg_coefficients *)(void *)(s->prepared + 2);
+}
 
 SMG_COLD static void smg_prepare_stages(smg_state *s) {
   for (int i = 0; i <= SMG_COMPOSED / 2; ++i) {
@@ -97,8 +99,8 @@ static inline void smg_hold(smg_state *s, smg_before *b) {
   b->newton_steps = s->newton_steps;
 }
 
-/* After f stages the newest f increments, at most SMG_HISTORY, are those of this step; the arrays in whose place they came are
- * in s->spare. */
+/* After f stages the newest f increments, at most SMG_HISTORY, are those of this step; the arrays in whose place they
+ * came are in s->spare. */
 static inline void smg_give_back(smg_state *s, const smg_before *b) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   for (int j = 0; j < s->stage && j < SMG_HISTORY; ++j) s->spare[j] = s->past[j];
@@ -113,8 +115,8 @@ static inline void smg_give_back(smg_state *s, const smg_before *b) {
   s->newton_steps = b->newton_steps;
 }
 
-/* u has joined the history, and the array of the oldest increment is free. Of the first stages it is one that a failure later in
- * this step would need: it is kept, and a spare one takes its place. */
+/* u has joined the history, and the array of the oldest increment is free. Of the first stages it is one that a failure
+ * later in this step would need: it is kept, and a spare one takes its place. */
 static inline void smg_stage_done(smg_state *s) {
 #if SMG_STAGES_KEPT
   const int64_t n3 = 3 * smg_sites(&s->c);

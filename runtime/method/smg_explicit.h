@@ -1,8 +1,10 @@
-/* smidgen method: what explicit methods share: where a site is on the way, and what is remembered of it from step to step.
+/* smidgen method: what explicit methods share: where a site is on the way, and what is remembered of it from step to
+ * step.
  *
- * A step is a row of rotations. It moves no w before all of them are done: s->points is where each site is, s->u by how much it
- * has moved, which is added to w in the end, and what w loses to rounding is kept. With SMG_TURNS_ADDED turns are added one by one, and
- * s->u is what s->points has lost; with SMG_LENGTHS_LAST the end of a step brings lengths back, which else the turns do. */
+ * A step is a row of rotations. It moves no w before all of them are done: s->points is where each site is, s->u by how
+ * much it has moved, which is added to w in the end, and what w loses to rounding is kept. With SMG_TURNS_ADDED turns
+ * are added one by one, and s->u is what s->points has lost; with SMG_LENGTHS_LAST the end of a step brings lengths
+ * back, which else the turns do. */
 #ifndef SMG_EXPLICIT_H
 #define SMG_EXPLICIT_H
 

@@ -1,8 +1,9 @@
-/* smidgen method: the step of an explicit method. Its header defines smg_stage(s, h), which moves s->points by one (symmetric)
- * step of the size h, and adds to s->u by how much; with SMG_ONE_SITE smg_stage(s, h, v, u), which does so with v and u.
+/* smidgen method: the step of an explicit method. Its header defines smg_stage(s, h), which moves s->points by one
+ * (symmetric) step of the size h, and adds to s->u by how much; with SMG_ONE_SITE smg_stage(s, h, v, u), which does so
+ * with v and u.
  *
- * With SMG_COMPOSED a step is so many stages, the i-th of the size smg_gamma[i] h: the symmetric composition whose table comes
- * before. The time of H is frozen at the middle of each. */
+ * With SMG_COMPOSED a step is so many stages, the i-th of the size smg_gamma[i] h: the symmetric composition whose
+ * table comes before. The time of H is frozen at the middle of each. */
 #ifndef SMG_EXPLICIT_STEP_H
 #define SMG_EXPLICIT_STEP_H
 

@@ -1,8 +1,9 @@
 /* smidgen method: the last evaluation of a midpoint step in extended precision (double-double).
  *
- * The model adds smg_wide_prepare(wide, c) and smg_wide_set_time(s), its coefficients to all digits; smg_wide_h_over_kappa(c, wide, k) = h/kappa,
- * smg_wide_radius(c, wide, k), smg_wide_normal(c, wide, k, v, n); smg_wide_gradient(s), s->wide_g += dH/dw at s->wide_m; and
- * smg_wide_hessian_vector(s), s->wide_y += d2H/dw2 s->wide_d in double. */
+ * The model adds smg_wide_prepare(wide, c) and smg_wide_set_time(s), its coefficients to all digits;
+ * smg_wide_h_over_kappa(c, wide, k) = h/kappa, smg_wide_radius(c, wide, k), smg_wide_normal(c, wide, k, v, n);
+ * smg_wide_gradient(s), s->wide_g += dH/dw at s->wide_m; and smg_wide_hessian_vector(s), s->wide_y += d2H/dw2 s->wide_d
+ * in double. */
 #ifndef SMG_EXTENDED_H
 #define SMG_EXTENDED_H
 
@@ -69,7 +70,8 @@ static inline void smg_wide_increment(smg_state *s, int64_t k) {
   smg_wide_normal(c, wide, k, m, n);
 #if SMG_DIVIDED
   const smg_wide square = smg_wide_sub(smg_wide_of(1), smg_wide_mul(smg_wide_mul(rate, rate), smg_wide_dot(g, g)));
-  rate = smg_wide_div(smg_wide_scale(2, rate), smg_wide_add(smg_wide_of(1), smg_wide_sqrt(square))); /* q = (1 + sqrt)/2 */
+  /* q = (1 + sqrt)/2 */
+  rate = smg_wide_div(smg_wide_scale(2, rate), smg_wide_add(smg_wide_of(1), smg_wide_sqrt(square)));
 #endif
   smg_wide_cross(u, n, g);
   for (int b = 0; b < 3; ++b) {

@@ -1,18 +1,21 @@
-/* smidgen method: extrapolation of Gragg, Bulirsch and Stoer, explicit, of order 12. A step is h, whatever its error; it is no symplectic
- * method: energy and leaves drift.
+/* smidgen method: extrapolation of Gragg, Bulirsch and Stoer, explicit, of order 12. A step is h, whatever its error;
+ * it is no symplectic method: energy and leaves drift.
  *
- * w' = f(t, w) = (1/kappa) grad C(w) x dH/dw. Row j = 1 .. 6 goes from y_0 = w through h in n = 2j steps of the explicit midpoint rule,
+ * w' = f(t, w) = (1/kappa) grad C(w) x dH/dw. Row j = 1 .. 6 goes from y_0 = w through h in n = 2j steps of the
+ * explicit midpoint rule,
  *     y_1 = y_0 + (h/n) f(t, y_0),   y_(m+1) = y_(m-1) + (2h/n) f(t + m h/n, y_m).
- * For even n the error of y_n is a series in powers of 1/n^2 (Gragg 1965), so that polynomials in 1/n^2 through all rows give at 0
+ * For even n the error of y_n is a series in powers of 1/n^2 (Gragg 1965), so that polynomials in 1/n^2 through all
+ * rows give at 0
  *     W = sum_j W_j y_n,   W_j = prod_(i != j) j^2/(j^2 - i^2) = 2 (-1)^j j^12/((6 - j)! (6 + j)!),   sum_j W_j = 1,
  * of order 12, without a smoothing step. Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.9.
  *
- * Weights of both signs, up to 12, would enlarge what is lost to rounding. So a row adds D_m = j (y_m - w), which takes no coefficient:
+ * Weights of both signs, up to 12, would enlarge what is lost to rounding. So a row adds D_m = j (y_m - w), which takes
+ * no coefficient:
  *     D_1 = k_0/2,   D_(m+1) = D_(m-1) + k_m,   k_m = h f(t + m h/n, w + D_m/j),
  * and W_j/j is an integer over 19958400 = 12!/24: what is left is of random sign.
  *
- * Of the model it needs smg_gradient or smg_motion; and beside w, compensation and u the array s->tableau, 15 numbers a site. Nothing is
- * remembered from step to step. */
+ * Of the model it needs smg_gradient or smg_motion; and beside w, compensation and u the array s->tableau, 15 numbers a
+ * site. Nothing is remembered from step to step. */
 #ifndef SMG_EXTRAPOLATION_H
 #define SMG_EXTRAPOLATION_H
 
@@ -27,10 +30,11 @@
 #endif
 
 #if SMG_COMPOSED || SMG_EXTENDED || SMG_PLAIN_SUMS
-#error "smg_extrapolation.h is not symmetric, so that symmetric compositions of it raise no order; and neither SMG_EXTENDED nor SMG_PLAIN_SUMS"
+#error "smg_extrapolation.h: no composition, for it is not symmetric; and neither SMG_EXTENDED nor SMG_PLAIN_SUMS"
 #endif
 
-/* ---- the history: none ----------------------------------------------------------------------------------------------------- */
+/* ---- the history: none
+ * ----------------------------------------------------------------------------------------------------- */
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 0; }
 static inline void smg_save_history(const smg_state *s, smg_real *out) { (void)s, (void)out; }
@@ -38,9 +42,11 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) { (void
 
 #include "smg_right_side.h"
 
-/* ---- the increment --------------------------------------------------------------------------------------------------------- */
+/* ---- the increment
+ * --------------------------------------------------------------------------------------------------------- */
 enum { SMG_TABLEAU_ROWS = 6 };
-static const smg_real smg_tableau_weights[SMG_TABLEAU_ROWS] = {-66, 84480, -3247695, 23068672, -48828125, 30233088}; /* of the rows 1 .. 6, */
+/* of the rows 1 .. 6, */
+static const smg_real smg_tableau_weights[SMG_TABLEAU_ROWS] = {-66, 84480, -3247695, 23068672, -48828125, 30233088};
 static const smg_real smg_tableau_unit = 19958400; /* in parts of 1/smg_tableau_unit */
 
 /* The part m/n of the step, n = 2j. */
@@ -67,14 +73,17 @@ static inline void smg_increment(smg_state *s) {
   const smg_vec first = smg_motion(&s->c, w, 1);
   smg_vec sum = smg_vec_scale(smg_tableau_weights[0], smg_tableau_row(s, w, first, 1));
   SMG_UNROLL
-  for (int j = 2; j <= SMG_TABLEAU_ROWS; ++j) sum = smg_vec_add(sum, smg_vec_scale(smg_tableau_weights[j - 1], smg_tableau_row(s, w, first, j)));
+  for (int j = 2; j <= SMG_TABLEAU_ROWS; ++j)
+    sum = smg_vec_add(sum, smg_vec_scale(smg_tableau_weights[j - 1], smg_tableau_row(s, w, first, j)));
   smg_vec_store(s->u, smg_vec_of(sum.x / smg_tableau_unit, sum.y / smg_tableau_unit, sum.z / smg_tableau_unit));
 }
 #else
 /* s->tableau: five vectors of 3 numbers a site. D_m stands in SMG_D or, of odd m, in SMG_D_ODD. */
 enum { SMG_FIRST, SMG_SLOPE, SMG_POINT, SMG_D, SMG_D_ODD };
 
-static inline smg_real *smg_tableau_vector(const smg_state *s, int i) { return s->tableau + i * (3 * smg_sites(&s->c)); }
+static inline smg_real *smg_tableau_vector(const smg_state *s, int i) {
+  return s->tableau + i * (3 * smg_sites(&s->c));
+}
 
 /* D_(m+1), where D_(m-1) is. */
 static void smg_tableau_step(smg_state *s, int j, int m, smg_real *D, const smg_real *newer) {
@@ -110,7 +119,8 @@ static inline void smg_increment(smg_state *s) {
 }
 #endif
 
-/* ---- the step -------------------------------------------------------------------------------------------------------------- */
+/* ---- the step
+ * -------------------------------------------------------------------------------------------------------------- */
 /* The first site whose new state is no number, or -1. */
 static inline int64_t smg_lost_site(const smg_state *s) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {

@@ -1,8 +1,9 @@
 /* smidgen method: Gauss collocation (smg_gauss.h) on lattices, sites in the lanes of vectors.
  *
- * Components stand by slots (smg_rows.h): those of a colour follow each other, the gradient of a row comes from vectors as they stand.
- * A sweep takes the colours in turn, each with the points of the others as they are by then, all stages of a piece while it is in the
- * nearest cache; what a site's own turning adds is known, and sweeps are relaxed as is best for it (smg_gauss_shift.h). */
+ * Components stand by slots (smg_rows.h): those of a colour follow each other, the gradient of a row comes from vectors
+ * as they stand. A sweep takes the colours in turn, each with the points of the others as they are by then, all stages
+ * of a piece while it is in the nearest cache; what a site's own turning adds is known, and sweeps are relaxed as is
+ * best for it (smg_gauss_shift.h). */
 #ifndef SMG_GAUSS_ROWS_H
 #define SMG_GAUSS_ROWS_H
 
@@ -30,7 +31,8 @@ SMG_INLINE void smg_turn_slopes(const smg_slot_sweep *a, int64_t slot, const smg
   const smg_lanes im = a->inverse * (y[0] * z[1] - y[1] * z[0] + (y[2] * z[3] - y[3] * z[2]));
   for (int j = 0; j < SMG_STAGES; ++j)
     for (int b = 0; b < 4; b += 2) {
-      const smg_lanes x = smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_SLOPE + b) + slot), v = smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_SLOPE + b + 1) + slot);
+      const smg_lanes x = smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_SLOPE + b) + slot),
+                      v = smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_SLOPE + b + 1) + slot);
       smg_lane_put(smg_sweep_stage(a, j, SMG_SLOT_PAST + b) + slot, re * x - im * v);
       smg_lane_put(smg_sweep_stage(a, j, SMG_SLOT_PAST + b + 1) + slot, re * v + im * x);
     }

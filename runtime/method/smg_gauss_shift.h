@@ -1,14 +1,17 @@
-/* smidgen method: what a spin's own turning adds to a change of the stages of Gauss collocation, and relaxation (smg_gauss.h).
+/* smidgen method: what a spin's own turning adds to a change of the stages of Gauss collocation, and relaxation
+ * (smg_gauss.h).
  *
- * A change of L by the part of F orthogonal to z comes back: F turns what is orthogonal to z by -i mu, mu = b.p/r. So in the frozen field of
- * the neighbours a residual R of L_i = h b_i F(Z_i), orthogonal to z, is that of the change d with
+ * A change of L by the part of F orthogonal to z comes back: F turns what is orthogonal to z by -i mu, mu = b.p/r. So
+ * in the frozen field of the neighbours a residual R of L_i = h b_i F(Z_i), orthogonal to z, is that of the change d
+ * with
  *
  *     (I + X) d = R,     X = i theta A in the basis of the L_i: X_ij = i theta b_i (a_ij/b_j),     theta = h mu.
  *
- * Colours that take turns with d = (I + X)^-1 R are the iteration of Gauss and Seidel. Parallel neighbours change the field of a spin by at most mu,
- * so that of Jacobi has the eigenvalues c m, -1 <= c <= 1, with m = X/(1 + X) for each eigenvalue of X, on a line through 0. Over such a line
- * (Young, Iterative Solution of Large Linear Systems, 6) relaxation is best with omega = 2/(1 + sqrt(1 - m^2)): errors then fall by |omega - 1|,
- * about m^2/4, a sweep, not by m^2. All eigenvalues at once have theirs by one function of X,
+ * Colours that take turns with d = (I + X)^-1 R are the iteration of Gauss and Seidel. Parallel neighbours change the
+ * field of a spin by at most mu, so that of Jacobi has the eigenvalues c m, -1 <= c <= 1, with m = X/(1 + X) for each
+ * eigenvalue of X, on a line through 0. Over such a line (Young, Iterative Solution of Large Linear Systems, 6)
+ * relaxation is best with omega = 2/(1 + sqrt(1 - m^2)): errors then fall by |omega - 1|, about m^2/4, a sweep, not by
+ * m^2. All eigenvalues at once have theirs by one function of X,
  *
  *     d = omega (I + X)^-1 R = g^2 R,     g = 2/(1 + sqrt(1 + 2 X)),     g = (I + (X/2) g)^-1,
  *
@@ -17,9 +20,11 @@
 #define SMG_GAUSS_SHIFT_H
 
 #define SMG_MOST_TURN 4 /* of theta: beyond, spins turn by more than half a circle a step, and no start is near */
-#define SMG_ROUNDS_OF_G 5 /* each leaves a fifth of its error, where |X| is 1 a third: a hundredth of omega's distance from 1 */
+/* each leaves a fifth of its error, where |X| is 1 a third: a hundredth of omega's distance from 1 */
+#define SMG_ROUNDS_OF_G 5
 
-/* D_ij/r, for a z of size r: the real part, its sum with the imaginary one and what that is more; theta that it is for. */
+/* D_ij/r, for a z of size r: the real part, its sum with the imaginary one and what that is more; theta that it is
+ * for. */
 typedef struct smg_shift_matrix {
   smg_real theta, re[SMG_STAGES][SMG_STAGES], sum[SMG_STAGES][SMG_STAGES], gap[SMG_STAGES][SMG_STAGES];
 } smg_shift_matrix;
@@ -72,7 +77,8 @@ static void smg_shift_end(smg_shift_matrix *d, smg_real r, const smg_shift_rows 
     for (int j = 0; j < SMG_STAGES; ++j) {
       smg_real re = -(smg_real)(i == j), im = 0;
       for (int k = 0; k < SMG_STAGES; ++k) {
-        const smg_real a = g->re[i][SMG_STAGES + k], b = g->im[i][SMG_STAGES + k], x = g->re[k][SMG_STAGES + j], y = g->im[k][SMG_STAGES + j];
+        const smg_real a = g->re[i][SMG_STAGES + k], b = g->im[i][SMG_STAGES + k], x = g->re[k][SMG_STAGES + j],
+                       y = g->im[k][SMG_STAGES + j];
         re += a * x - b * y;
         im += a * y + b * x;
       }

@@ -6,18 +6,30 @@
 
 /* ---- arrays ------------------------------------------------------------------------------- */
 
-/* Numbers of the slots, component after component: w, what it has lost, z; and of every stage p, x = (r/|Z_i|^2) Z_i, L_i, and the L_i before. */
+/* Numbers of the slots, component after component: w, what it has lost, z; and of every stage p, x = (r/|Z_i|^2) Z_i,
+ * L_i, and the L_i before. */
 enum {
-  SMG_SLOT_W = 0, SMG_SLOT_LOST = 3, SMG_SLOT_Z = 6, SMG_SLOT_STAGES = 10,
-  SMG_SLOT_POINT = 0, SMG_SLOT_X = 3, SMG_SLOT_SLOPE = 7, SMG_SLOT_PAST = 11, SMG_SLOT_STAGE = 15,
+  SMG_SLOT_W = 0,
+  SMG_SLOT_LOST = 3,
+  SMG_SLOT_Z = 6,
+  SMG_SLOT_STAGES = 10,
+  SMG_SLOT_POINT = 0,
+  SMG_SLOT_X = 3,
+  SMG_SLOT_SLOPE = 7,
+  SMG_SLOT_PAST = 11,
+  SMG_SLOT_STAGE = 15,
   SMG_SLOT_COMPONENTS = SMG_SLOT_STAGES + SMG_SLOT_STAGE * SMG_STAGES
 };
 
-static inline int64_t smg_stages_size(const smg_coefficients *c) { return SMG_WIDEST + SMG_SLOT_COMPONENTS * smg_pitch(c); }
+static inline int64_t smg_stages_size(const smg_coefficients *c) {
+  return SMG_WIDEST + SMG_SLOT_COMPONENTS * smg_pitch(c);
+}
 
 /* Slot 0 of a component, and of a component of stage i. */
 static inline smg_real *smg_slot_component(const smg_state *s, int64_t k);
-static inline smg_real *smg_slot_stage(const smg_state *s, int i, int64_t k) { return smg_slot_component(s, SMG_SLOT_STAGES + SMG_SLOT_STAGE * i + k); }
+static inline smg_real *smg_slot_stage(const smg_state *s, int i, int64_t k) {
+  return smg_slot_component(s, SMG_SLOT_STAGES + SMG_SLOT_STAGE * i + k);
+}
 
 /* The history: the L_j of the step before, s->history = 1 once there are any. */
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
@@ -27,7 +39,9 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in);
 
 #include "smg_state.h"
 
-static inline smg_real *smg_slot_component(const smg_state *s, int64_t k) { return smg_line_from(s->stages) + SMG_BEFORE + k * smg_pitch(&s->c); }
+static inline smg_real *smg_slot_component(const smg_state *s, int64_t k) {
+  return smg_line_from(s->stages) + SMG_BEFORE + k * smg_pitch(&s->c);
+}
 
 /* One of the numbers of a history on its way between sites and slots. */
 typedef struct smg_past_slots {
@@ -64,7 +78,8 @@ SMG_INLINE void smg_put_four(smg_real *all, int64_t pitch, int64_t slot, const s
 
 /* ---- z and w -------------------------------------------------------------------------------- */
 
-/* A z with w(z) = w, r = |w| (smg_gauss.h): the larger of z_0, z_1 is real and positive, sqrt((r + |w_3|)/2); nothing cancels. */
+/* A z with w(z) = w, r = |w| (smg_gauss.h): the larger of z_0, z_1 is real and positive, sqrt((r + |w_3|)/2); nothing
+ * cancels. */
 SMG_INLINE void smg_lift(const smg_lanes *w, smg_real r, smg_lanes *z) {
   const smg_lanes zero = {0};
   const smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (r + smg_lane_abs(w[2]))), part = (smg_real)0.5 / large;
@@ -76,7 +91,8 @@ SMG_INLINE void smg_lift(const smg_lanes *w, smg_real r, smg_lanes *z) {
   z[3] = smg_lane_select(south, zero, im);
 }
 
-/* w = 2 B(y, d), 2 B(z, z) = 2 w(z): w_1 + i w_2 = 2 conj(z_0) z_1, w_3 = |z_0|^2 - |z_1|^2, made bilinear and symmetric. */
+/* w = 2 B(y, d), 2 B(z, z) = 2 w(z): w_1 + i w_2 = 2 conj(z_0) z_1, w_3 = |z_0|^2 - |z_1|^2, made bilinear and
+ * symmetric. */
 SMG_INLINE void smg_collect(const smg_lanes *y, const smg_lanes *d, smg_lanes *w) {
   w[0] = 2 * ((y[0] * d[2] + y[2] * d[0]) + (y[1] * d[3] + y[3] * d[1]));
   w[1] = 2 * ((y[0] * d[3] + y[3] * d[0]) - (y[1] * d[2] + y[2] * d[1]));

@@ -4,15 +4,22 @@
 
 /* ---- arrays ------------------------------------------------------------------------------- */
 
-/* Where the numbers of a site begin: z, what its steps are scaled by, the four components of (r/|Z_i|^2) Z_i, of L_i, and of the L_i before;
- * a component has one number for every stage. */
+/* Where the numbers of a site begin: z, what its steps are scaled by, the four components of (r/|Z_i|^2) Z_i, of L_i,
+ * and of the L_i before; a component has one number for every stage. */
 enum {
-  SMG_OWN_Z = 0, SMG_OWN_HALF = 4, SMG_OWN_SIZE = 5, SMG_OWN_UP = 6, SMG_OWN_INVERSE = 7, SMG_OWN_STAGES = 8,
-  SMG_OWN_SLOPES = SMG_OWN_STAGES + 4 * SMG_PADDED, SMG_PAST_SLOPES = SMG_OWN_SLOPES + 4 * SMG_PADDED,
+  SMG_OWN_Z = 0,
+  SMG_OWN_HALF = 4,
+  SMG_OWN_SIZE = 5,
+  SMG_OWN_UP = 6,
+  SMG_OWN_INVERSE = 7,
+  SMG_OWN_STAGES = 8,
+  SMG_OWN_SLOPES = SMG_OWN_STAGES + 4 * SMG_PADDED,
+  SMG_PAST_SLOPES = SMG_OWN_SLOPES + 4 * SMG_PADDED,
   SMG_OWN_NUMBERS = SMG_PAST_SLOPES + 4 * SMG_PADDED
 };
 
-/* Numbers of the array s->stages: of every site the above, and three components of p(Z_i) and of dH/dw there, one block of stages. */
+/* Numbers of the array s->stages: of every site the above, and three components of p(Z_i) and of dH/dw there, one block
+ * of stages. */
 #define SMG_STAGES_SIZE(sites) ((SMG_OWN_NUMBERS + 6 * SMG_LANES) * (sites) + SMG_LANES)
 
 /* The array from where vectors may begin. */
@@ -45,14 +52,16 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in);
 
 /* ---- one site: z = (z[0] + i z[1], z[2] + i z[3]) ------------------------------------------- */
 
-/* w = 2 B(y, d), 2 B(z, z) = 2 w(z): w_1 + i w_2 = 2 conj(z_0) z_1, w_3 = |z_0|^2 - |z_1|^2, made bilinear and symmetric. */
+/* w = 2 B(y, d), 2 B(z, z) = 2 w(z): w_1 + i w_2 = 2 conj(z_0) z_1, w_3 = |z_0|^2 - |z_1|^2, made bilinear and
+ * symmetric. */
 SMG_INLINE void smg_collect(const smg_real *y, const smg_real *d, smg_real *w) {
   w[0] = 2 * ((y[0] * d[2] + y[2] * d[0]) + (y[1] * d[3] + y[3] * d[1]));
   w[1] = 2 * ((y[0] * d[3] + y[3] * d[0]) - (y[1] * d[2] + y[2] * d[1]));
   w[2] = 2 * ((y[0] * d[0] + y[1] * d[1]) - (y[2] * d[2] + y[3] * d[3]));
 }
 
-/* A z with w(z) = w, norm = |w|: the larger of z_0, z_1 is real and positive, sqrt((|w| + |w_3|)/2); nothing cancels. */
+/* A z with w(z) = w, norm = |w|: the larger of z_0, z_1 is real and positive, sqrt((|w| + |w_3|)/2); nothing
+ * cancels. */
 static inline void smg_lift(const smg_real *w, smg_real norm, smg_real *z) {
   const smg_real large = SMG_MATH(sqrt)(0.5 * (norm + smg_abs(w[2])));
   const smg_real re = large > 0 ? 0.5 * w[0] / large : 0, im = large > 0 ? 0.5 * w[1] / large : 0;
@@ -80,16 +89,20 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
     (void)smg_place_site(s, k);
     for (int q = 0; q < 4 * SMG_PADDED; ++q) {
       const int b = q / SMG_PADDED, j = q % SMG_PADDED;
-      smg_own(s, k)[SMG_PAST_SLOPES + q] = in[SMG_STAGE_NUMBERS * k + SMG_STAGES * b + (j < SMG_STAGES ? j : SMG_STAGES - 1)];
+      smg_own(s, k)[SMG_PAST_SLOPES + q] =
+          in[SMG_STAGE_NUMBERS * k + SMG_STAGES * b + (j < SMG_STAGES ? j : SMG_STAGES - 1)];
     }
   }
 }
 
-/* to = from (conj(y).x)/size, a phase: |x|^2 = |y|^2 = size and x = e^(i phi) y. What belongs to y then belongs to x. */
-static inline void smg_turn_phase(const smg_real *y, const smg_real *x, smg_real size, const smg_real *from, smg_real *to) {
+/* to = from (conj(y).x)/size, a phase: |x|^2 = |y|^2 = size and x = e^(i phi) y. What belongs to y then belongs to
+ * x. */
+static inline void smg_turn_phase(const smg_real *y, const smg_real *x, smg_real size, const smg_real *from,
+                                  smg_real *to) {
   const smg_real re = (y[0] * x[0] + y[1] * x[1] + (y[2] * x[2] + y[3] * x[3])) / size;
   const smg_real im = (y[0] * x[1] - y[1] * x[0] + (y[2] * x[3] - y[3] * x[2])) / size;
-  for (int q = 0; q < 4 * SMG_PADDED; q += q % SMG_PADDED == SMG_PADDED - SMG_LANES ? SMG_PADDED + SMG_LANES : SMG_LANES) {
+  for (int q = 0; q < 4 * SMG_PADDED;
+       q += q % SMG_PADDED == SMG_PADDED - SMG_LANES ? SMG_PADDED + SMG_LANES : SMG_LANES) {
     const smg_lanes a = smg_lane_load(from + q), b = smg_lane_load(from + SMG_PADDED + q);
     smg_lane_store(to + q, re * a - im * b);
     smg_lane_store(to + SMG_PADDED + q, re * b + im * a);
@@ -104,9 +117,8 @@ SMG_INLINE void smg_combine(const smg_real (*rows)[SMG_PADDED], const smg_real *
   SMG_UNROLL
   for (int q = 0; q < SMG_STAGE_BLOCKS; ++q) sum[q] = x[0] * smg_lane_load(rows[0] + SMG_LANES * q);
   SMG_UNROLL
-  for (int j = 1; j < SMG_STAGES; ++j)
-    SMG_UNROLL
-    for (int q = 0; q < SMG_STAGE_BLOCKS; ++q) sum[q] += x[j] * smg_lane_load(rows[j] + SMG_LANES * q);
+  for (int j = 1; j < SMG_STAGES; ++j) SMG_UNROLL
+  for (int q = 0; q < SMG_STAGE_BLOCKS; ++q) sum[q] += x[j] * smg_lane_load(rows[j] + SMG_LANES * q);
   SMG_UNROLL
   for (int q = 0; q < SMG_STAGE_BLOCKS; ++q) smg_lane_store(out + SMG_LANES * q, from + sum[q]);
 }
@@ -162,7 +174,8 @@ SMG_INLINE void smg_new_slopes(smg_real *own, int i, const smg_lanes *p, const s
     change += smg_lane_abs(next[b] - smg_lane_load(slope + SMG_PADDED * b));
     smg_lane_store(slope + SMG_PADDED * b, next[b]);
   }
-  const smg_lanes strength = smg_lane_abs(a[0]) + smg_lane_abs(a[1]) + smg_lane_abs(a[2]), absolute = 2 * size * up * change;
+  const smg_lanes strength = smg_lane_abs(a[0]) + smg_lane_abs(a[1]) + smg_lane_abs(a[2]),
+                  absolute = 2 * size * up * change;
   moved->relative = smg_lane_larger(moved->relative, change / (size * strength + SMG_LEAST));
   moved->absolute = smg_lane_larger(moved->absolute, absolute);
   moved->rounding_scale = smg_lane_larger(moved->rounding_scale, 2 * size * size * up * strength);
@@ -179,14 +192,16 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
   smg_moved moved = {zero, zero, zero};
   for (smg_real *own = all; own < all + SMG_OWN_NUMBERS * sites; own += SMG_OWN_NUMBERS)
     for (int b = 0; b < 4; ++b)
-      smg_combine(smg_gauss_share, own + SMG_OWN_SLOPES + SMG_PADDED * b, own[b], own + SMG_OWN_STAGES + SMG_PADDED * b);
+      smg_combine(smg_gauss_share, own + SMG_OWN_SLOPES + SMG_PADDED * b, own[b],
+                  own + SMG_OWN_STAGES + SMG_PADDED * b);
   for (int i = 0; i < SMG_PADDED; i += SMG_LANES) {
     for (int64_t k = 0; k < sites; ++k) {
       smg_place_points(all + SMG_OWN_NUMBERS * k, i, points + 3 * k);
       for (int b = 0; b < 3; ++b) gradients[3 * k + b] = zero;
     }
     smg_stage_gradient(s, i, points, gradients);
-    for (int64_t k = 0; k < sites; ++k) smg_new_slopes(all + SMG_OWN_NUMBERS * k, i, points + 3 * k, gradients + 3 * k, &moved);
+    for (int64_t k = 0; k < sites; ++k)
+      smg_new_slopes(all + SMG_OWN_NUMBERS * k, i, points + 3 * k, gradients + 3 * k, &moved);
   }
   return moved;
 }

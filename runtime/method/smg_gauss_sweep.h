@@ -1,5 +1,5 @@
-/* smidgen method: the sweeps of Gauss collocation on lattices (smg_gauss_rows.h). A vector of sites goes through all stages at once: the
- * slopes at the points as they are, what the shift adds to their changes, and the new points. */
+/* smidgen method: the sweeps of Gauss collocation on lattices (smg_gauss_rows.h). A vector of sites goes through all
+ * stages at once: the slopes at the points as they are, what the shift adds to their changes, and the new points. */
 #ifndef SMG_GAUSS_SWEEP_H
 #define SMG_GAUSS_SWEEP_H
 
@@ -20,7 +20,9 @@ typedef struct smg_slot_sweep {
 } smg_slot_sweep;
 
 /* Component k of stage i. */
-SMG_INLINE smg_real *smg_sweep_stage(const smg_slot_sweep *a, int i, int64_t k) { return a->stages + (SMG_SLOT_STAGE * i + k) * a->pitch; }
+SMG_INLINE smg_real *smg_sweep_stage(const smg_slot_sweep *a, int i, int64_t k) {
+  return a->stages + (SMG_SLOT_STAGE * i + k) * a->pitch;
+}
 
 /* conj(-conj z_1, conj z_0).r, what r has orthogonal to z. */
 SMG_INLINE void smg_part_orthogonal(const smg_lanes *z, const smg_lanes *r, smg_lanes *part) {
@@ -36,8 +38,10 @@ SMG_INLINE void smg_add_orthogonal(const smg_lanes *z, smg_lanes re, smg_lanes i
   l[3] += z[0] * im - z[1] * re;
 }
 
-/* L_i by F of the slots of one vector, with its change and that change's part for the shift; the largest change is noted, and what is not a number. */
-SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, const smg_lanes *g, const smg_lanes *z, smg_lanes *l, smg_lanes *part, smg_lanes *change) {
+/* L_i by F of the slots of one vector, with its change and that change's part for the shift; the largest change is
+ * noted, and what is not a number. */
+SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, const smg_lanes *g, const smg_lanes *z,
+                                smg_lanes *l, smg_lanes *part, smg_lanes *change) {
   const int64_t pitch = a->pitch;
   const smg_real half = a->half * smg_gauss_weight[i];
   const smg_lanes t[3] = {half * g[0], half * g[1], half * g[2]};
@@ -48,17 +52,21 @@ SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, co
   smg_turn(t, a->inverse * (p[0] * t[0] + p[1] * t[1] + p[2] * t[2]), x, l);
   for (int b = 0; b < 4; ++b) d[b] = l[b] - d[b];
   smg_part_orthogonal(z, d, part);
-  *change = smg_lane_max(*change, (smg_lane_abs(d[0]) + smg_lane_abs(d[1])) + (smg_lane_abs(d[2]) + smg_lane_abs(d[3])));
+  *change =
+      smg_lane_max(*change, (smg_lane_abs(d[0]) + smg_lane_abs(d[1])) + (smg_lane_abs(d[2]) + smg_lane_abs(d[3])));
 }
 
-/* L_i += (D part)_i/r, three products for each of complex numbers: (x + iy)(p + iq) = x(p + q) - (x + y)q + i (x(p + q) + (y - x)p). */
-SMG_INLINE void smg_shift_slopes(const smg_slot_sweep *a, const smg_lanes *z, const smg_lanes (*part)[2], smg_lanes (*l)[4]) {
+/* L_i += (D part)_i/r, three products for each of complex numbers: (x + iy)(p + iq) = x(p + q) - (x + y)q + i (x(p + q)
+ * + (y - x)p). */
+SMG_INLINE void smg_shift_slopes(const smg_slot_sweep *a, const smg_lanes *z, const smg_lanes (*part)[2],
+                                 smg_lanes (*l)[4]) {
   smg_lanes sum[SMG_STAGES];
   SMG_UNROLL
   for (int j = 0; j < SMG_STAGES; ++j) sum[j] = part[j][0] + part[j][1];
   SMG_UNROLL
   for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_lanes both = a->shift.re[i][0] * sum[0], less = a->shift.sum[i][0] * part[0][1], more = a->shift.gap[i][0] * part[0][0];
+    smg_lanes both = a->shift.re[i][0] * sum[0], less = a->shift.sum[i][0] * part[0][1],
+              more = a->shift.gap[i][0] * part[0][0];
     SMG_UNROLL
     for (int j = 1; j < SMG_STAGES; ++j) {
       both += a->shift.re[i][j] * sum[j];
@@ -69,7 +77,8 @@ SMG_INLINE void smg_shift_slopes(const smg_slot_sweep *a, const smg_lanes *z, co
   }
 }
 
-/* sum_i = z + sum_j (a_ij/b_j) L_j of one component, stages i and i' = s + 1 - i together: half of the products (smg_gauss_table.h). */
+/* sum_i = z + sum_j (a_ij/b_j) L_j of one component, stages i and i' = s + 1 - i together: half of the products
+ * (smg_gauss_table.h). */
 SMG_INLINE void smg_combine_halves(smg_lanes z, int b, const smg_lanes (*l)[4], smg_lanes (*sum)[4]) {
   enum { HALF = SMG_STAGES / 2, ODD = SMG_STAGES % 2 };
   smg_lanes even[HALF + 1], odd[HALF + 1], all = {0}, middle;
@@ -112,11 +121,14 @@ SMG_INLINE void smg_join_slots(const smg_slot_sweep *a, int64_t slot, const smg_
 }
 
 /* L as it was, and no change, in all lanes but the first `in`. */
-SMG_INLINE void smg_only_first(const smg_slot_sweep *a, int64_t slot, int64_t in, smg_lanes (*l)[4], smg_lanes *change) {
+SMG_INLINE void smg_only_first(const smg_slot_sweep *a, int64_t slot, int64_t in, smg_lanes (*l)[4],
+                               smg_lanes *change) {
   const smg_lanes none = {0};
   *change = smg_lane_select(smg_lane_below(in), *change, none);
   for (int i = 0; i < SMG_STAGES; ++i)
-    for (int b = 0; b < 4; ++b) l[i][b] = smg_lane_select(smg_lane_below(in), l[i][b], smg_lane_take(smg_sweep_stage(a, i, SMG_SLOT_SLOPE + b) + slot));
+    for (int b = 0; b < 4; ++b)
+      l[i][b] =
+          smg_lane_select(smg_lane_below(in), l[i][b], smg_lane_take(smg_sweep_stage(a, i, SMG_SLOT_SLOPE + b) + slot));
 }
 
 /* The slots of one vector, k of the piece: `in` of them belong to it, the others stay as they are. */
@@ -168,7 +180,8 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
   smg_real bad = 0; /* or not a number, where a lane is not: among others it may be lost */
   for (int l = 0; l < SMG_LANES; ++l) bad += ((const smg_real *)&change)[l] - ((const smg_real *)&change)[l];
   change += bad;
-  const smg_moved moved = {change / (a->size * a->strength + SMG_LEAST), 2 * a->size * change, smg_lane_of(2 * a->radius * a->strength)};
+  const smg_moved moved = {change / (a->size * a->strength + SMG_LEAST), 2 * a->size * change,
+                           smg_lane_of(2 * a->radius * a->strength)};
   return moved;
 }
 
@@ -178,7 +191,8 @@ SMG_INLINE void smg_ahead_slots(const smg_slot_sweep *a, int64_t slot, int extra
   for (int b = 0; b < 4; ++b) {
     smg_lanes past[SMG_STAGES];
     SMG_UNROLL
-    for (int j = 0; j < SMG_STAGES; ++j) past[j] = extrapolated ? smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_PAST + b) + slot) : smg_lane_of(0);
+    for (int j = 0; j < SMG_STAGES; ++j)
+      past[j] = extrapolated ? smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_PAST + b) + slot) : smg_lane_of(0);
     SMG_UNROLL
     for (int i = 0; i < SMG_STAGES; ++i) {
       l[i][b] = smg_gauss_ahead[0][i] * past[0];
@@ -203,8 +217,8 @@ static void smg_begin_slots(const smg_state *s, const smg_slot_sweep *a, int ext
 
 #define SMG_LOOKS 16 /* spins of a piece that are looked at: theta by their mean is as good as by that of all */
 
-/* What a piece of the first colour tells of the fields: the largest |h b/2|, and theta, the mean h b.p/r, in eighths, so that D is
- * seldom made anew. */
+/* What a piece of the first colour tells of the fields: the largest |h b/2|, and theta, the mean h b.p/r, in eighths,
+ * so that D is seldom made anew. */
 static smg_real smg_look_at_fields(smg_state *s, smg_slot_sweep *a) {
   const smg_real *p = smg_sweep_stage(a, SMG_STAGES / 2, SMG_SLOT_POINT), *g = a->piece.g;
   smg_real sum = 0, most = 0, looks = 0;

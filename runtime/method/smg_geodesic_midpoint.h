@@ -1,13 +1,14 @@
-/* smidgen method: the geodesic midpoint, of order 2. A comparator, NOT symplectic: the great circle from w to W has the direction of X(m) at
- * its middle m, and the length h |X(m)| (McLachlan, Modin, Verdier, A minimal-variable symplectic integrator on spheres, remark 2.2; the
- * spherical midpoint makes the chord that long). With a = (h/2) X(m) and the length r of w,
+/* smidgen method: the geodesic midpoint, of order 2. A comparator, NOT symplectic: the great circle from w to W has the
+ * direction of X(m) at its middle m, and the length h |X(m)| (McLachlan, Modin, Verdier, A minimal-variable symplectic
+ * integrator on spheres, remark 2.2; the spherical midpoint makes the chord that long). With a = (h/2) X(m) and the
+ * length r of w,
  *
  *     w = cos(phi) m - (sin(phi)/phi) a,   W = cos(phi) m + (sin(phi)/phi) a,   phi = |a|/r:
  *
  *     m = r mbar/|mbar|,   mbar = w + (sin(phi)/phi) a,   W - w = 2 (sin(phi)/phi) a.
  *
- * W - w is a multiple of X(m) as that of the spherical midpoint, and keeps quadratic integrals of single sites; but each site has a
- * factor of its own, and momentum is not kept. */
+ * W - w is a multiple of X(m) as that of the spherical midpoint, and keeps quadratic integrals of single sites; but
+ * each site has a factor of its own, and momentum is not kept. */
 #ifndef SMG_GEODESIC_MIDPOINT_H
 #define SMG_GEODESIC_MIDPOINT_H
 

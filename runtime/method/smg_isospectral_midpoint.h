@@ -1,14 +1,17 @@
-/* smidgen method: the isospectral midpoint of so(3): symplectic, of order 2. A comparator. Modin and Viviani, A minimal-variable symplectic
- * integrator for isospectral flows (BIT 60, 2020): with w as the matrix that maps x to w x x, and B as that of -b, so that w' = [B, w],
+/* smidgen method: the isospectral midpoint of so(3): symplectic, of order 2. A comparator. Modin and Viviani, A
+ * minimal-variable symplectic integrator for isospectral flows (BIT 60, 2020): with w as the matrix that maps x to w x
+ * x, and B as that of -b, so that w' = [B, w],
  *
  *     w = (1 - (h/2) B) v (1 + (h/2) B),   W = (1 + (h/2) B) v (1 - (h/2) B),   B taken at v.
  *
- * As vectors, with g = (h/2) b(v), b = (1/kappa) dH/dw: w = v - v x g + (g.v) g and W = v + v x g + (g.v) g. Solved for v,
+ * As vectors, with g = (h/2) b(v), b = (1/kappa) dH/dw: w = v - v x g + (g.v) g and W = v + v x g + (g.v) g. Solved for
+ * v,
  *
  *     v = (w + w x g)/(1 + |g|^2),   W = w + 2/(1 + |g|^2) (w x g + (w x g) x g):
  *
- * a rotation of w about g by the angle whose half has the tangent |g|. v is no point of the sphere: H is taken as its formula has
- * it off the sphere too, which close vortices bear with small steps only (smg_gauss.h). W - w = h v x b(v) keeps momentum where a rotation leaves that formula unchanged. */
+ * a rotation of w about g by the angle whose half has the tangent |g|. v is no point of the sphere: H is taken as its
+ * formula has it off the sphere too, which close vortices bear with small steps only (smg_gauss.h). W - w = h v x b(v)
+ * keeps momentum where a rotation leaves that formula unchanged. */
 #ifndef SMG_ISOSPECTRAL_MIDPOINT_H
 #define SMG_ISOSPECTRAL_MIDPOINT_H
 

@@ -1,11 +1,13 @@
-/* smidgen method: the steps of smg_dop853.h for SMG_LANES states of a single unit sphere at once, one a lane, each with the bits that it has alone.
+/* smidgen method: the steps of smg_dop853.h for SMG_LANES states of a single unit sphere at once, one a lane, each with
+ * the bits that it has alone.
  *
- * The same operations in the same order, of a field that does not depend on time. Each lane has its own place within its step, its own
- * size, and is accepted or refused by itself; a state that has taken all its steps hands its lane to the next one. Steps that fail are
- * left to smg_step(), from the state before them: so what a failure says stands in one place, there.
+ * The same operations in the same order, of a field that does not depend on time. Each lane has its own place within
+ * its step, its own size, and is accepted or refused by itself; a state that has taken all its steps hands its lane to
+ * the next one. Steps that fail are left to smg_step(), from the state before them: so what a failure says stands in
+ * one place, there.
  *
- * The model adds: smg_lane_coefficients, the numbers that its field reads, in lanes; smg_lane_fill(to, l, c) puts those of one state
- * into lane l; smg_lane_motion, q h (1/kappa) grad C(w) x dH/dw. */
+ * The model adds: smg_lane_coefficients, the numbers that its field reads, in lanes; smg_lane_fill(to, l, c) puts those
+ * of one state into lane l; smg_lane_motion, q h (1/kappa) grad C(w) x dH/dw. */
 #ifndef SMG_LANE_DOP853_H
 #define SMG_LANE_DOP853_H
 
@@ -14,18 +16,20 @@
 
 #if SMG_LANES > 1
 
-#define SMG_LANE_GROUPS 2 /* registers full of states that step in turn: while one waits for its control, the processor works on the other; 3: the same */
+/* registers full of states that step in turn: while one waits for its control, the processor works on the other; 3: the
+ * same */
+#define SMG_LANE_GROUPS 2
 
 /* SMG_LANES steps under way, each as smg_pace has it. */
 typedef struct smg_lane_group {
   smg_lanes y[3], carry[3], k[3 * SMG_STAGES_USED];
   smg_lanes done, size, natural, largest;
-  smg_lanes end, u[3], square, factor; /* of the internal step that is tried */
+  smg_lanes end, u[3], square, factor;             /* of the internal step that is tried */
   smg_lanes w[3], compensation[3], natural_before; /* as they were before the step */
   smg_lanes per_allowed;
   smg_lane_coefficients c;
-  smg_lane_mask live, refused; /* no lane is live that repeats another, or has nothing left to do */
-  smg_lane_mask lost, off_leaf; /* what lanes do not do has come up; not yet back on the leaf */
+  smg_lane_mask live, refused;                /* no lane is live that repeats another, or has nothing left to do */
+  smg_lane_mask lost, off_leaf;               /* what lanes do not do has come up; not yet back on the leaf */
   smg_lane_mask tries, accepted, count, left; /* count: steps taken; left: those still to take */
   smg_state *state[SMG_LANES];
 } smg_lane_group;
@@ -36,7 +40,8 @@ typedef struct smg_queue {
   int64_t count;
 } smg_queue;
 
-/* ---- one internal step, as in smg_dop853.h ---------------------------------------------------------------------------------- */
+/* ---- one internal step, as in smg_dop853.h
+ * ---------------------------------------------------------------------------------- */
 SMG_INLINE smg_lane_vec smg_lanes_plus(smg_lane_vec sum, smg_real a, smg_lane_vec k) {
   return a != 0 ? smg_lane_vec_add(sum, smg_lane_vec_scale(smg_lane_of(a), k)) : sum;
 }
@@ -51,7 +56,8 @@ SMG_INLINE smg_lane_vec smg_lanes_weighted(const smg_real *a, int count, const s
 }
 
 SMG_INLINE smg_lane_mask smg_lanes_finite(smg_lane_vec a) {
-  return (smg_lane_mask)(smg_lane_abs(a.x) <= SMG_MAX) & (smg_lane_mask)(smg_lane_abs(a.y) <= SMG_MAX) & (smg_lane_mask)(smg_lane_abs(a.z) <= SMG_MAX);
+  return (smg_lane_mask)(smg_lane_abs(a.x) <= SMG_MAX) & (smg_lane_mask)(smg_lane_abs(a.y) <= SMG_MAX) &
+         (smg_lane_mask)(smg_lane_abs(a.z) <= SMG_MAX);
 }
 
 /* k_1 */
@@ -65,7 +71,8 @@ SMG_INLINE void smg_lanes_first_stage(smg_lane_group *f) {
 SMG_INLINE void smg_lanes_stage(smg_lane_group *f, int i) {
   smg_lane_vec z = smg_lane_vec_load(f->y);
   if (i > 1) z = smg_lane_vec_add(z, smg_lanes_weighted(smg_dop853_a[i], i - 1, f->k));
-  z = smg_lane_vec_add(z, smg_lane_vec_scale(smg_lane_of(smg_dop853_a[i][i - 1]), smg_lane_vec_load(f->k + 3 * (i - 1))));
+  z = smg_lane_vec_add(z,
+                       smg_lane_vec_scale(smg_lane_of(smg_dop853_a[i][i - 1]), smg_lane_vec_load(f->k + 3 * (i - 1))));
   smg_lane_vec_store(f->k + 3 * i, smg_lane_motion(&f->c, z, f->size));
 }
 
@@ -108,13 +115,15 @@ SMG_INLINE void smg_lanes_estimate(smg_lane_group *f) {
   const smg_lanes first = smg_lane_vec_dot(e5, e5), both = first + smg_lane_vec_dot(e3, e3) * (smg_real)0.01;
   smg_lanes square = smg_lane_select((smg_lane_mask)(first > none), first * (first / both), first);
   square = smg_lane_select((smg_lane_mask)(both <= SMG_MAX), square, smg_lane_of(SMG_MAX));
-  f->square = smg_lane_select(smg_lanes_finite(smg_lane_vec_add(smg_lane_vec_load(f->y), u)), square, smg_lane_of((smg_real)NAN));
+  f->square = smg_lane_select(smg_lanes_finite(smg_lane_vec_add(smg_lane_vec_load(f->y), u)), square,
+                              smg_lane_of((smg_real)NAN));
   smg_lane_vec_store(f->u, u);
 }
 
 /* y + carry := y + carry + u in the lanes `which`. */
 SMG_INLINE void smg_lanes_add(smg_lane_group *f, smg_lane_mask which, smg_lane_vec u) {
-  const smg_lane_vec y = smg_lane_vec_load(f->y), carry = smg_lane_vec_load(f->carry), more = smg_lane_vec_add(u, carry), sum = smg_lane_vec_add(y, more);
+  const smg_lane_vec y = smg_lane_vec_load(f->y), carry = smg_lane_vec_load(f->carry),
+                     more = smg_lane_vec_add(u, carry), sum = smg_lane_vec_add(y, more);
   smg_lane_vec_store(f->carry, smg_lane_vec_select(which, smg_lane_vec_sub(more, smg_lane_vec_sub(sum, y)), carry));
   smg_lane_vec_store(f->y, smg_lane_vec_select(which, sum, y));
 }
@@ -131,19 +140,23 @@ SMG_INLINE void smg_lanes_take(smg_lane_group *f, smg_lane_mask good) {
   f->off_leaf = good;
 }
 
-/* A round of smg_back_on_leaf() on the unit sphere, where grad C(y) = y, in the lanes that are off it; returns those that still are. */
+/* A round of smg_back_on_leaf() on the unit sphere, where grad C(y) = y, in the lanes that are off it; returns those
+ * that still are. */
 SMG_INLINE smg_lane_mask smg_lanes_back_on_leaf(smg_lane_group *f) {
   const smg_lane_vec n = smg_lane_vec_load(f->y);
-  const smg_lanes square = smg_lane_vec_dot(n, n), off = 1 - (square + 2 * smg_lane_vec_dot(n, smg_lane_vec_load(f->carry)));
+  const smg_lanes square = smg_lane_vec_dot(n, n),
+                  off = 1 - (square + 2 * smg_lane_vec_dot(n, smg_lane_vec_load(f->carry)));
   f->off_leaf &= (smg_lane_mask)(square > 0) & ~(smg_lane_mask)(smg_lane_abs(off) <= SMG_EPS * square);
   smg_lanes_add(f, f->off_leaf, smg_lane_vec_scale(off / (2 * square), n));
   return f->off_leaf;
 }
 
-/* ---- control of the size ---------------------------------------------------------------------------------------------------- */
+/* ---- control of the size
+ * ---------------------------------------------------------------------------------------------------- */
 SMG_INLINE void smg_lanes_factor(smg_lane_group *f) {
   const smg_lanes most = smg_lane_of(SMG_GROWTH), factor = SMG_SAFETY * smg_lane_of_bits(SMG_SIXTEENTH, f->square, 4);
-  f->factor = smg_lane_select((smg_lane_mask)(f->square > 0), smg_lane_min(most, smg_lane_max(smg_lane_of(SMG_SHRINK), factor)), most);
+  f->factor = smg_lane_select((smg_lane_mask)(f->square > 0),
+                              smg_lane_min(most, smg_lane_max(smg_lane_of(SMG_SHRINK), factor)), most);
 }
 
 SMG_INLINE void smg_lanes_next_end(smg_lane_group *f) {
@@ -155,20 +168,25 @@ SMG_INLINE void smg_lanes_next_end(smg_lane_group *f) {
 
 /* smg_accept() and smg_refuse() */
 SMG_INLINE void smg_lanes_judge(smg_lane_group *f) {
-  const smg_lane_mask finite = (smg_lane_mask)(f->square - f->square == smg_lane_of(0)), good = SMG_FIXED_STEP ? finite : (smg_lane_mask)(f->square <= 1);
-  const smg_lanes grown = smg_lane_select(f->refused, smg_lane_min(smg_lane_of(1), f->factor), f->factor), next = f->size * grown;
-  const smg_lanes kept = smg_lane_select((smg_lane_mask)(grown < SMG_GROWTH) | (smg_lane_mask)(next > f->natural), next, f->natural);
+  const smg_lane_mask finite = (smg_lane_mask)(f->square - f->square == smg_lane_of(0)),
+                      good = SMG_FIXED_STEP ? finite : (smg_lane_mask)(f->square <= 1);
+  const smg_lanes grown = smg_lane_select(f->refused, smg_lane_min(smg_lane_of(1), f->factor), f->factor),
+                  next = f->size * grown;
+  const smg_lanes kept =
+      smg_lane_select((smg_lane_mask)(grown < SMG_GROWTH) | (smg_lane_mask)(next > f->natural), next, f->natural);
   f->natural = smg_lane_select(good, kept, f->size * smg_lane_select(finite, f->factor, smg_lane_of(SMG_SHRINK)));
   f->largest = smg_lane_select(good, smg_lane_max(f->largest, f->square), f->largest);
   f->done = smg_lane_select(good, f->end, f->done);
   f->refused = ~good;
-  f->lost |= f->refused & (smg_lane_all(SMG_FIXED_STEP) | ~(smg_lane_mask)(f->natural >= SMG_LEAST_PART)); /* hopeless */
+  /* hopeless */
+  f->lost |= f->refused & (smg_lane_all(SMG_FIXED_STEP) | ~(smg_lane_mask)(f->natural >= SMG_LEAST_PART));
   f->accepted -= good; /* where a test holds its lane is -1 */
   f->tries += 1;
   smg_lanes_take(f, good);
 }
 
-/* ---- lanes and states ------------------------------------------------------------------------------------------------------- */
+/* ---- lanes and states
+ * ------------------------------------------------------------------------------------------------------- */
 /* The size of the very first internal step of a state. */
 static smg_real smg_first_natural(smg_state *s) {
   for (int b = 0; b < 3; ++b) smg_vector(s, SMG_Y)[b] = s->w[b];
@@ -230,7 +248,8 @@ static void smg_lane_report(const smg_lane_group *f, int l) {
 SMG_COLD static void smg_lanes_end_steps(smg_lane_group *f, smg_lane_mask finished, smg_queue *q) {
   const smg_lanes none = smg_lane_of(0);
   smg_lane_vec_store(f->w, smg_lane_vec_select(finished, smg_lane_vec_load(f->y), smg_lane_vec_load(f->w)));
-  smg_lane_vec_store(f->compensation, smg_lane_vec_select(finished, smg_lane_vec_load(f->carry), smg_lane_vec_load(f->compensation)));
+  smg_lane_vec_store(f->compensation,
+                     smg_lane_vec_select(finished, smg_lane_vec_load(f->carry), smg_lane_vec_load(f->compensation)));
   f->natural_before = smg_lane_select(finished, f->natural, f->natural_before);
   f->natural = smg_lane_select(finished, smg_lane_max(smg_lane_of(SMG_LEAST_PART), f->natural), f->natural);
   f->count -= finished;
@@ -298,7 +317,8 @@ static void smg_groups_try(smg_lane_group *f, int groups, smg_queue *q) {
   for (int k = 0; k < groups; ++k) smg_group_finish(f + k, q);
 }
 
-/* ---- many states ------------------------------------------------------------------------------------------------------------ */
+/* ---- many states
+ * ------------------------------------------------------------------------------------------------------------ */
 /* Is a state left for the first lane? Other lanes that none is left for repeat it. */
 static int smg_group_begin(smg_lane_group *f, smg_queue *q) {
   for (int l = 0; l < SMG_LANES; ++l) {

@@ -1,11 +1,12 @@
-/* smidgen method: the step of smg_extrapolation.h for SMG_LANES states of a single unit sphere at once, one a lane, each with the bits that it has alone.
+/* smidgen method: the step of smg_extrapolation.h for SMG_LANES states of a single unit sphere at once, one a lane,
+ * each with the bits that it has alone.
  *
- * The same operations in the same order. Where the field depends on time, its coefficients at all times of a step are computed before it:
- * once for all states that have the same parameters and the same time. A state that is no number any more is put back to before that
- * step and left to smg_step(), which says so; its lane goes on for nothing.
+ * The same operations in the same order. Where the field depends on time, its coefficients at all times of a step are
+ * computed before it: once for all states that have the same parameters and the same time. A state that is no number
+ * any more is put back to before that step and left to smg_step(), which says so; its lane goes on for nothing.
  *
- * The model adds: smg_lane_coefficients, the numbers that its field reads, in lanes; smg_lane_fill(to, l, c) puts those of one state
- * into lane l, smg_lane_spread(to, c) into all; smg_lane_motion, q h (1/kappa) grad C(w) x dH/dw. */
+ * The model adds: smg_lane_coefficients, the numbers that its field reads, in lanes; smg_lane_fill(to, l, c) puts those
+ * of one state into lane l, smg_lane_spread(to, c) into all; smg_lane_motion, q h (1/kappa) grad C(w) x dH/dw. */
 #ifndef SMG_LANE_EXTRAPOLATION_H
 #define SMG_LANE_EXTRAPOLATION_H
 
@@ -14,8 +15,9 @@
 
 #if SMG_LANES > 1
 
-/* Groups of lanes that step in turn: while one waits for the end of its rows, the processor works on the next, and what depends on time is
- * computed for all of them. Groups whose parameters differ have coefficients of their own, SMG_TABLES of them at most, at SMG_TIMES times. */
+/* Groups of lanes that step in turn: while one waits for the end of its rows, the processor works on the next, and what
+ * depends on time is computed for all of them. Groups whose parameters differ have coefficients of their own,
+ * SMG_TABLES of them at most, at SMG_TIMES times. */
 #define SMG_GROUPS 8
 #if SMG_TIMED
 enum { SMG_TIMES = 1 + SMG_TABLEAU_ROWS * SMG_TABLEAU_ROWS, SMG_TABLES = 1 };
@@ -39,11 +41,14 @@ typedef struct smg_batch {
   int groups, alike;
 } smg_batch;
 
-/* Where the coefficients for t + m h/n stand, n = 2j: row j has 2j - 1 of them, behind the (j - 1)^2 of those before it and those for t. */
+/* Where the coefficients for t + m h/n stand, n = 2j: row j has 2j - 1 of them, behind the (j - 1)^2 of those before it
+ * and those for t. */
 SMG_INLINE int smg_time_of(int j, int m) { return SMG_TIMES > 1 ? (j - 1) * (j - 1) + m : 0; }
 
-/* ---- the step, as in smg_extrapolation.h ------------------------------------------------------------------------------------- */
-SMG_INLINE smg_lane_vec smg_lanes_tableau_row(const smg_lane_coefficients *c, smg_lane_vec w, smg_lane_vec first, int j) {
+/* ---- the step, as in smg_extrapolation.h
+ * ------------------------------------------------------------------------------------- */
+SMG_INLINE smg_lane_vec smg_lanes_tableau_row(const smg_lane_coefficients *c, smg_lane_vec w, smg_lane_vec first,
+                                              int j) {
   const smg_lanes zero = smg_lane_of(-(smg_real)0), part = smg_lane_of((smg_real)1 / (smg_real)j), one = smg_lane_of(1);
   smg_lane_vec older = smg_lane_vec_of(zero, zero, zero), newer = smg_lane_vec_scale(smg_lane_of((smg_real)0.5), first);
   for (int m = 1; m < 2 * j; ++m) {
@@ -61,15 +66,18 @@ SMG_INLINE smg_lane_vec smg_lanes_increment(const smg_lane_coefficients *c, smg_
   smg_lane_vec sum = smg_lane_vec_scale(smg_lane_of(smg_tableau_weights[0]), smg_lanes_tableau_row(c, w, first, 1));
   SMG_UNROLL
   for (int j = 2; j <= SMG_TABLEAU_ROWS; ++j)
-    sum = smg_lane_vec_add(sum, smg_lane_vec_scale(smg_lane_of(smg_tableau_weights[j - 1]), smg_lanes_tableau_row(c, w, first, j)));
+    sum = smg_lane_vec_add(
+        sum, smg_lane_vec_scale(smg_lane_of(smg_tableau_weights[j - 1]), smg_lanes_tableau_row(c, w, first, j)));
   return smg_lane_vec_of(sum.x / unit, sum.y / unit, sum.z / unit);
 }
 
 SMG_INLINE smg_lane_mask smg_lanes_finite(smg_lane_vec a) {
-  return (smg_lane_mask)(smg_lane_abs(a.x) <= SMG_MAX) & (smg_lane_mask)(smg_lane_abs(a.y) <= SMG_MAX) & (smg_lane_mask)(smg_lane_abs(a.z) <= SMG_MAX);
+  return (smg_lane_mask)(smg_lane_abs(a.x) <= SMG_MAX) & (smg_lane_mask)(smg_lane_abs(a.y) <= SMG_MAX) &
+         (smg_lane_mask)(smg_lane_abs(a.z) <= SMG_MAX);
 }
 
-/* ---- lanes and states ------------------------------------------------------------------------------------------------------- */
+/* ---- lanes and states
+ * ------------------------------------------------------------------------------------------------------- */
 static void smg_lane_take_up(smg_group *g, int l, smg_state *s) {
   g->state[l] = s;
   for (int b = 0; b < 3; ++b) {
@@ -108,7 +116,8 @@ SMG_INLINE void smg_group_step(smg_group *g, int64_t taken) {
   smg_lane_vec_store(g->w, sum);
 }
 
-/* ---- coefficients ----------------------------------------------------------------------------------------------------------- */
+/* ---- coefficients
+ * ----------------------------------------------------------------------------------------------------------- */
 /* Those of s at the part `part` of the step that comes after `taken` others. */
 static const smg_coefficients *smg_at_time(smg_state *s, int64_t taken, smg_real part) {
   s->count += taken;
@@ -136,7 +145,8 @@ static void smg_fill_tables(smg_batch *b, int64_t taken) {
   }
 }
 
-/* ---- many states ------------------------------------------------------------------------------------------------------------ */
+/* ---- many states
+ * ------------------------------------------------------------------------------------------------------------ */
 /* The states at s, one a lane, n <= SMG_LANES of them; other lanes repeat the first. */
 static void smg_group_begin(smg_group *g, smg_state *const *s, int n, const smg_lane_coefficients *c) {
   g->live = smg_lane_below(n);

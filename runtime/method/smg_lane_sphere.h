@@ -1,12 +1,14 @@
-/* smidgen method: the step of smg_single_sphere.h for SMG_LANES states at once, one a lane, each with the bits that it has alone.
+/* smidgen method: the step of smg_single_sphere.h for SMG_LANES states at once, one a lane, each with the bits that it
+ * has alone.
  *
- * The same operations in the same order, in lanes: the prediction, one Newton iteration, and what smg_sphere_again() adds where that left
- * too much. What lanes do not do they leave to smg_step(): the lane is put back into its state, steps there, and is taken up again,
- * unless the step failed. So whatever is rare stands in one place, there.
+ * The same operations in the same order, in lanes: the prediction, one Newton iteration, and what smg_sphere_again()
+ * adds where that left too much. What lanes do not do they leave to smg_step(): the lane is put back into its state,
+ * steps there, and is taken up again, unless the step failed. So whatever is rare stands in one place, there.
  *
- * The model adds: smg_lane_coefficients, the numbers that its kernels read, in lanes; smg_lane_fill(to, l, c) puts those of one state into
- * lane l, smg_lane_spread(to, c) into all;
- * smg_lane_motion, smg_lane_radial, smg_lane_derivative, smg_lane_slope_times, smg_lane_slope_minors, smg_lane_slope_sums, as smg_single_sphere.h says. */
+ * The model adds: smg_lane_coefficients, the numbers that its kernels read, in lanes; smg_lane_fill(to, l, c) puts
+ * those of one state into lane l, smg_lane_spread(to, c) into all;
+ * smg_lane_motion, smg_lane_radial, smg_lane_derivative, smg_lane_slope_times, smg_lane_slope_minors,
+ * smg_lane_slope_sums, as smg_single_sphere.h says. */
 #ifndef SMG_LANE_SPHERE_H
 #define SMG_LANE_SPHERE_H
 
@@ -15,8 +17,11 @@
 
 #if SMG_LANES > 1
 
-#define SMG_LANE_ROWS 24 /* rows of history before they are moved back: more leave the nearest cache, fewer are moved more often */
-#define SMG_GROUPS 3      /* groups of lanes that step in turn, for the processor to overlap; with more their histories leave a nearest cache of 32 KB */
+/* rows of history before they are moved back: more leave the nearest cache, fewer are moved more often */
+#define SMG_LANE_ROWS 24
+/* groups of lanes that step in turn, for the processor to overlap; with more their histories leave a nearest cache of
+ * 32 KB */
+#define SMG_GROUPS 3
 
 /* A Newton iteration: the increment, 1/|w + W|, det(1 - E), and the square of the change. */
 typedef struct smg_lane_newton {
@@ -29,7 +34,8 @@ typedef struct smg_group {
   smg_lanes w[3], compensation[3], weights[SMG_HISTORY], rows[4 * SMG_LANE_ROWS], residual;
   smg_lane_newton next;
   smg_lane_coefficients c;
-  smg_lane_mask live, iterations, began; /* no lane is live that repeats another, or whose step failed; began: the count at its beginning */
+  /* no lane is live that repeats another, or whose step failed; began: the count at its beginning */
+  smg_lane_mask live, iterations, began;
   smg_state *state[SMG_LANES];
   int64_t taken; /* steps since then */
   int row, deep; /* the newest of the history; have rows beyond SMG_FEW_ROWS weights? */
@@ -50,7 +56,9 @@ typedef struct smg_lane_found {
 
 /* ---- the step, as in smg_single_sphere.h ---------------------------------------------------- */
 
-SMG_INLINE smg_lane_mask smg_lanes_clear(smg_lanes det) { return (smg_lane_mask)(det > (smg_real)0.4375) & (smg_lane_mask)(det < 5); }
+SMG_INLINE smg_lane_mask smg_lanes_clear(smg_lanes det) {
+  return (smg_lane_mask)(det > (smg_real)0.4375) & (smg_lane_mask)(det < 5);
+}
 SMG_INLINE smg_lane_mask smg_lanes_small(smg_lanes size) { return (smg_lane_mask)(size < SMG_SMALL); }
 
 SMG_INLINE smg_lanes smg_lanes_bound(const smg_lane_coefficients *c, smg_lane_vec m, smg_lanes q) {
@@ -79,34 +87,42 @@ SMG_INLINE smg_lane_vec smg_lanes_image(const smg_lane_coefficients *c, smg_lane
   return smg_lane_motion(c, smg_lane_vec_scale(q, S));
 }
 
-SMG_INLINE smg_lane_newton smg_lanes_newton(const smg_lane_coefficients *c, smg_lane_vec w, smg_lane_vec u, smg_lanes q) {
+SMG_INLINE smg_lane_newton smg_lanes_newton(const smg_lane_coefficients *c, smg_lane_vec w, smg_lane_vec u,
+                                            smg_lanes q) {
   smg_lane_newton found;
-  const smg_lane_vec S = smg_lanes_twice_midpoint(w, u), m = smg_lane_vec_scale(q, S), g0 = smg_lane_motion(c, m), e = smg_lane_radial(c, m, g0);
+  const smg_lane_vec S = smg_lanes_twice_midpoint(w, u), m = smg_lane_vec_scale(q, S), g0 = smg_lane_motion(c, m),
+                     e = smg_lane_radial(c, m, g0);
   const smg_lanes eps = 0.5 - smg_lane_vec_dot(S, S) * (0.5 * q * q), mu = smg_lane_vec_dot(m, u);
   const smg_lane_slope D = smg_lane_derivative(c, m, q);
   const smg_lanes t = 1 + (smg_lane_slope_minors(D) - (q * q) * smg_lane_vec_dot(g0, e)), i = 1 / t;
-  const smg_lane_vec g = smg_lane_vec_add(g0, smg_lane_vec_scale(eps, e)), a = smg_lane_vec_add(g, smg_lane_vec_sub(smg_lane_vec_scale(mu, m), u));
+  const smg_lane_vec g = smg_lane_vec_add(g0, smg_lane_vec_scale(eps, e)),
+                     a = smg_lane_vec_add(g, smg_lane_vec_sub(smg_lane_vec_scale(mu, m), u));
   const smg_lane_vec b = smg_lane_slope_times(D, a), d = smg_lane_slope_times(D, b);
-  const smg_lanes ga = smg_lane_vec_dot(g, a), gb = smg_lane_vec_dot(g, b), l = (q * q) * ga, aa = smg_lane_vec_dot(a, a);
+  const smg_lanes ga = smg_lane_vec_dot(g, a), gb = smg_lane_vec_dot(g, b), l = (q * q) * ga,
+                  aa = smg_lane_vec_dot(a, a);
   found.q = ((q + q * (eps + q * mu)) - (0.5 * q * q * q) * aa) + (q * q * (q * i)) * (ga + gb);
   found.det = t;
   found.size = aa + eps * eps;
-  found.u = smg_lane_vec_add(g, smg_lane_vec_scale(i, smg_lane_vec_add(b, smg_lane_vec_add(d, smg_lane_vec_scale(l, e)))));
+  found.u =
+      smg_lane_vec_add(g, smg_lane_vec_scale(i, smg_lane_vec_add(b, smg_lane_vec_add(d, smg_lane_vec_scale(l, e)))));
   return found;
 }
 
 SMG_INLINE smg_lane_mask smg_lanes_settled(smg_lane_vec v, smg_lane_vec u, smg_lane_vec W) {
-  return (smg_lane_mask)(smg_lane_abs(v.x - u.x) <= SMG_EPS * smg_lane_abs(W.x)) & (smg_lane_mask)(smg_lane_abs(v.y - u.y) <= SMG_EPS * smg_lane_abs(W.y)) &
+  return (smg_lane_mask)(smg_lane_abs(v.x - u.x) <= SMG_EPS * smg_lane_abs(W.x)) &
+         (smg_lane_mask)(smg_lane_abs(v.y - u.y) <= SMG_EPS * smg_lane_abs(W.y)) &
          (smg_lane_mask)(smg_lane_abs(v.z - u.z) <= SMG_EPS * smg_lane_abs(W.z));
 }
 
 /* smg_within_ulp(d, W, v, 1) */
 SMG_INLINE smg_lane_mask smg_lanes_within(smg_lanes d, smg_lanes W, smg_lanes v) {
-  return (smg_lane_mask)(smg_lane_abs(d) <= SMG_EPS * smg_lane_abs(W)) | (smg_lane_mask)(smg_lane_abs(d) <= 8 * SMG_EPS * smg_lane_abs(v));
+  return (smg_lane_mask)(smg_lane_abs(d) <= SMG_EPS * smg_lane_abs(W)) |
+         (smg_lane_mask)(smg_lane_abs(d) <= 8 * SMG_EPS * smg_lane_abs(v));
 }
 
 /* What another Newton iteration makes of the lanes `wanted`; returns those that it settled. */
-SMG_COLD static smg_lane_mask smg_lanes_second(const smg_group *g, smg_lane_mask wanted, smg_lane_newton *n, smg_lane_found *f) {
+SMG_COLD static smg_lane_mask smg_lanes_second(const smg_group *g, smg_lane_mask wanted, smg_lane_newton *n,
+                                               smg_lane_found *f) {
   const smg_lane_vec w = smg_lane_vec_load(g->w);
   const smg_lane_newton next = smg_lanes_newton(&g->c, w, n->u, n->q);
   const smg_lane_vec S = smg_lanes_twice_midpoint(w, next.u);
@@ -127,10 +143,13 @@ SMG_COLD static smg_lane_mask smg_lanes_again(smg_group *g, smg_lane_mask left, 
   smg_lane_mask settled = smg_lane_all(0);
   if (smg_lane_any(wanted)) settled = smg_lanes_second(g, wanted, n, f);
   const smg_lane_vec v = f->v, twice = smg_lane_vec_scale(smg_lane_of(2), compensation);
-  const smg_lane_vec z = smg_lanes_image(&g->c, smg_lanes_twice_midpoint(w, smg_lane_vec_add(v, twice)), f->q), y = smg_lane_vec_add(z, compensation), W = smg_lane_vec_add(w, y);
-  settled |= smg_lanes_within(z.x - v.x, W.x, z.x) & smg_lanes_within(z.y - v.y, W.y, z.y) & smg_lanes_within(z.z - v.z, W.z, z.z);
+  const smg_lane_vec z = smg_lanes_image(&g->c, smg_lanes_twice_midpoint(w, smg_lane_vec_add(v, twice)), f->q),
+                     y = smg_lane_vec_add(z, compensation), W = smg_lane_vec_add(w, y);
+  settled |= smg_lanes_within(z.x - v.x, W.x, z.x) & smg_lanes_within(z.y - v.y, W.y, z.y) &
+             smg_lanes_within(z.z - v.z, W.z, z.z);
   const smg_lanes bound = smg_lanes_bound(&g->c, smg_lane_vec_scale(f->q, smg_lanes_twice_midpoint(w, n->u)), f->q);
-  const smg_lane_mask good = settled & smg_lanes_clear(n->det) & (smg_lane_mask)(bound <= SMG_DAMPS) & smg_lanes_small(n->size) & (smg_lane_mask)(smg_lane_vec_largest(z) <= SMG_MAX);
+  const smg_lane_mask good = settled & smg_lanes_clear(n->det) & (smg_lane_mask)(bound <= SMG_DAMPS) &
+                             smg_lanes_small(n->size) & (smg_lane_mask)(smg_lane_vec_largest(z) <= SMG_MAX);
   f->v = smg_lane_vec_select(left, z, v);
   f->y = smg_lane_vec_select(left, y, f->y);
   f->W = smg_lane_vec_select(left, W, f->W);
@@ -256,7 +275,9 @@ SMG_INLINE void smg_lanes_predict(smg_group *g) {
   g->next.q = smg_lanes_predicted(g, 3);
 }
 
-SMG_INLINE void smg_lanes_correct(smg_group *g) { g->next = smg_lanes_newton(&g->c, smg_lane_vec_load(g->w), g->next.u, g->next.q); }
+SMG_INLINE void smg_lanes_correct(smg_group *g) {
+  g->next = smg_lanes_newton(&g->c, smg_lane_vec_load(g->w), g->next.u, g->next.q);
+}
 
 SMG_INLINE void smg_lanes_finish(smg_group *g) {
   smg_lane_found f;
@@ -267,7 +288,8 @@ SMG_INLINE void smg_lanes_finish(smg_group *g) {
   f.y = smg_lane_vec_add(f.v, smg_lane_vec_load(g->compensation));
   f.W = smg_lane_vec_add(w, f.y);
   f.residual = smg_lane_abs(f.v.x - n.u.x) + smg_lane_abs(f.v.y - n.u.y) + smg_lane_abs(f.v.z - n.u.z);
-  const smg_lane_mask fine = smg_lanes_settled(f.v, n.u, f.W) & smg_lanes_clear(n.det) & smg_lanes_small(n.size) & (smg_lane_mask)(f.residual <= SMG_MAX);
+  const smg_lane_mask fine = smg_lanes_settled(f.v, n.u, f.W) & smg_lanes_clear(n.det) & smg_lanes_small(n.size) &
+                             (smg_lane_mask)(f.residual <= SMG_MAX);
   const smg_lane_mask left = g->live & ~fine;
   g->iterations = smg_lane_all(0) + 1;
   if (smg_lane_any(left)) smg_lanes_unsettled(g, left, &n, &f);
@@ -276,7 +298,8 @@ SMG_INLINE void smg_lanes_finish(smg_group *g) {
 
 /* ---- many states ------------------------------------------------------------------------------ */
 
-/* The states at s, one a lane, n <= SMG_LANES of them; other lanes repeat the first. alike: all have the same parameters. */
+/* The states at s, one a lane, n <= SMG_LANES of them; other lanes repeat the first. alike: all have the same
+ * parameters. */
 static void smg_group_begin(smg_group *g, smg_state *const *s, int n, int alike) {
   g->taken = 0;
   g->row = SMG_LANE_ROWS - SMG_HISTORY;
@@ -313,7 +336,8 @@ static void smg_group_end(smg_group *g) {
 static void smg_batch_time(smg_batch *b) {
   if (b->alike) {
     const smg_group *g = b->group;
-    smg_set_time(&b->c, smg_time_at(g->state[0], (smg_real)(g->began[0] + g->taken - g->state[0]->count) + (smg_real)0.5));
+    smg_set_time(&b->c,
+                 smg_time_at(g->state[0], (smg_real)(g->began[0] + g->taken - g->state[0]->count) + (smg_real)0.5));
     for (int k = 0; k < b->groups; ++k) smg_lane_spread(&b->group[k].c, &b->c);
     return;
   }
@@ -335,7 +359,8 @@ static void smg_batch_steps(smg_state *const *s, int n, int64_t count, int alike
   b.alike = alike;
   b.groups = 0;
   for (int k = 0; k < n; ++k) b.alike &= smg_same_times(s[0], s[k]);
-  for (int k = 0; k < n; k += SMG_LANES) smg_group_begin(b.group + b.groups++, s + k, n - k < SMG_LANES ? n - k : SMG_LANES, b.alike);
+  for (int k = 0; k < n; k += SMG_LANES)
+    smg_group_begin(b.group + b.groups++, s + k, n - k < SMG_LANES ? n - k : SMG_LANES, b.alike);
   for (int64_t k = 0; k < count; ++k) {
 #if SMG_TIMED
     smg_batch_time(&b);
@@ -347,7 +372,8 @@ static void smg_batch_steps(smg_state *const *s, int n, int64_t count, int alike
   for (int g = 0; g < b.groups; ++g) smg_group_end(b.group + g);
 }
 
-/* One step of each state that has none behind it, with all others, where there is such a one; returns how many steps that were. */
+/* One step of each state that has none behind it, with all others, where there is such a one; returns how many steps
+ * that were. */
 static int64_t smg_lane_first_steps(smg_state *s, int64_t members, int64_t count) {
   int fresh = 0;
   for (int64_t k = 0; k < members; ++k) fresh |= s[k].report.status == SMG_OK && s[k].count == s[k].begun;

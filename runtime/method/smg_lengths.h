@@ -1,15 +1,15 @@
 /* smidgen method: the lengths of w, for methods whose step is made of rotations.
  *
- * A rotation keeps |w|; its rounded sine and cosine do not quite, and where the angle is the same in every step what they change |w| by
- * is of one sign: 5e-13 after 1e6 steps of a spin in a constant field. So s->inverse remembers 1/|w|^2, and every step
- * takes a part of what has come up since out again: 2e-16. */
+ * A rotation keeps |w|; its rounded sine and cosine do not quite, and where the angle is the same in every step what
+ * they change |w| by is of one sign: 5e-13 after 1e6 steps of a spin in a constant field. So s->inverse remembers
+ * 1/|w|^2, and every step takes a part of what has come up since out again: 2e-16. */
 #ifndef SMG_LENGTHS_H
 #define SMG_LENGTHS_H
 
 #include "smg_model.h"
 
-/* Part of the error of |w| that a step takes out. What a step adds to it is a small part of an ulp, and the error is known to
- * about one: so a sixteenth leaves less than an ulp of either. */
+/* Part of the error of |w| that a step takes out. What a step adds to it is a small part of an ulp, and the error is
+ * known to about one: so a sixteenth leaves less than an ulp of either. */
 #define SMG_RESTORED (smg_real)0.0625
 
 /* 1/|w|^2 where the trajectory begins, on a sphere by its radius. A site of R^3 that is 0 stays so. */
@@ -24,14 +24,16 @@ SMG_COLD static void smg_begin_lengths(smg_state *s) {
 /* Is an increment a number? An angle so large that tau^2 overflows leaves NaN. */
 SMG_INLINE int smg_is_finite(const smg_real *u) { return smg_abs(u[0]) + smg_abs(u[1]) + smg_abs(u[2]) <= SMG_MAX; }
 
-/* w of site k along itself back to the length that it had at the start, by the part SMG_RESTORED of the way: a part of an ulp, to be added with the next turn. */
+/* w of site k along itself back to the length that it had at the start, by the part SMG_RESTORED of the way: a part of
+ * an ulp, to be added with the next turn. */
 SMG_INLINE void smg_restore_length(smg_state *s, int64_t k) {
   const smg_real *w = s->w + 3 * k;
   const smg_real back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[k] * smg_dot(w, w));
   for (int b = 0; b < 3; ++b) s->compensation[3 * k + b] += back * w[b];
 }
 
-/* w + u of site k, and along v = w + u back to the length that it had at the start, by the part SMG_RESTORED of the way. */
+/* w + u of site k, and along v = w + u back to the length that it had at the start, by the part SMG_RESTORED of the
+ * way. */
 SMG_INLINE void smg_commit_site(smg_state *s, int64_t k, const smg_real *v, const smg_real *u) {
   smg_real *w = s->w + 3 * k;
   const smg_real back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[k] * smg_dot(w, w));

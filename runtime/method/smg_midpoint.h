@@ -15,16 +15,19 @@
 #endif
 
 /* u = h X(m) = (h/kappa) grad C(m) x g, g = dH/dw. */
-static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g, smg_real *u) {
+static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,
+                                 smg_real *u) {
   const smg_real rate = smg_h_over_kappa(c, k, h);
   smg_real n[3];
   smg_normal(c, k, m, n);
-  smg_cross(u, n, g); /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
+  /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
+  smg_cross(u, n, g);
   for (int b = 0; b < 3; ++b) u[b] *= rate;
 }
 
 /* Takes from u its part along grad C at the midpoint of w + compensation, which is round-off of the product h X. */
-static inline void smg_tangential(const smg_coefficients *c, int64_t k, const smg_real *w, const smg_real *compensation, smg_real *u) {
+static inline void smg_tangential(const smg_coefficients *c, int64_t k, const smg_real *w, const smg_real *compensation,
+                                  smg_real *u) {
   smg_real mbar[3], n[3];
   smg_middle(3, w, compensation, u, mbar);
   smg_normal(c, k, mbar, n);
@@ -34,7 +37,8 @@ static inline void smg_tangential(const smg_coefficients *c, int64_t k, const sm
 }
 
 /* The size of the products that u is made of. */
-static inline smg_real smg_product_scale(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g) {
+static inline smg_real smg_product_scale(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m,
+                                         const smg_real *g) {
   smg_real n[3];
   if (smg_kind(c, k) == SMG_NAMBU) smg_normal(c, k, m, n);
   else
@@ -43,7 +47,8 @@ static inline smg_real smg_product_scale(const smg_coefficients *c, int64_t k, s
 }
 
 /* Tangent vectors E of the leaf at m, and dual rows F: F.E = 1, F.m = 0. */
-static inline void smg_tangent_frame(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *n, smg_real *E, smg_real *F) {
+static inline void smg_tangent_frame(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *n,
+                                     smg_real *E, smg_real *F) {
 #if SMG_ONTO_LEAF
   if (smg_kind(c, k) == SMG_NAMBU) {
     smg_leaf_frame(m, n, E, F);
@@ -60,10 +65,14 @@ static inline void smg_tangent_frame(const smg_coefficients *c, int64_t k, const
 #endif
 }
 
-/* Rows G and columns S of Newton's matrix, J = I - (h/2) DX(m) P'(mbar), in the tangent frame of the leaf (or all of R^3):
+/* Rows G and columns S of Newton's matrix, J = I - (h/2) DX(m) P'(mbar), in the tangent frame of the leaf (or all of
+ * R^3):
  *   J_ij = delta_ij + G_i (d2H/dw_i dw_j) S_j^T,  G = -(h/2)(1/kappa) F x grad C(m),  S = s E.
- * own: delta and the part of the diagonal block from the curvature of C, -(h/2)(1/kappa) F.(grad C(S) x g). rhs = F.res. */
-static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, smg_real *G, smg_real *S, smg_real *own, smg_real *rhs) {
+ * own: delta and the part of the diagonal block from the curvature of C, -(h/2)(1/kappa) F.(grad C(S) x g). rhs =
+ * F.res. */
+static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s,
+                                    const smg_real *g, const smg_real *res, smg_real *G, smg_real *S, smg_real *own,
+                                    smg_real *rhs) {
   const smg_real rate = -0.5 * smg_h_over_kappa(c, k, h);
   smg_real E[3 * SMG_BS], F[3 * SMG_BS], n[3];
   smg_normal(c, k, m, n);
@@ -84,7 +93,9 @@ static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_re
 
 /* mbar += E a + gamma m, Newton's correction from its coordinates a in the tangent frame:
  * gamma = N.res + (h/2)(1/kappa) N.(grad C(S a) x g), N = n/(n.m), n = grad C(m). */
-static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s, const smg_real *g, const smg_real *res, const smg_real *S, const smg_real *a, smg_real *mbar) {
+static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s,
+                                      const smg_real *g, const smg_real *res, const smg_real *S, const smg_real *a,
+                                      smg_real *mbar) {
 #if SMG_ONTO_LEAF
   const smg_real rate = 0.5 * smg_h_over_kappa(c, k, h);
   smg_real n[3], v[3], dn[3], turned[3];
@@ -102,7 +113,14 @@ static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_
   const smg_real gamma = (smg_dot(n, res) + rate * smg_dot(n, turned)) / smg_dot(m, n);
   for (int b = 0; b < 3; ++b) mbar[b] += v[b] / s + gamma * m[b];
 #else
-  (void)c; (void)k; (void)h; (void)m; (void)s; (void)g; (void)res; (void)S;
+  (void)c;
+  (void)k;
+  (void)h;
+  (void)m;
+  (void)s;
+  (void)g;
+  (void)res;
+  (void)S;
   for (int b = 0; b < 3; ++b) mbar[b] += a[b];
 #endif
 }

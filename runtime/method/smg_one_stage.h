@@ -1,16 +1,16 @@
-/* smidgen method: a step with one stage in its middle, found by fixed-point iteration over all sites together. Its header defines, for a
- * site at w, of the length r, with the slope a of its stage,
+/* smidgen method: a step with one stage in its middle, found by fixed-point iteration over all sites together. Its
+ * header defines, for a site at w, of the length r, with the slope a of its stage,
  *
  *     smg_stage_point(w, r, a, v)      the point v where the field is taken, at the time t + h/2
  *     smg_stage_slope(v, g, a)         a from the field g = (h/2) b(v), b = (1/kappa) dH/dw
  *     smg_stage_increment(w, r, a, u)  u = W - w
  *     smg_stage_weight(r)              w moves by about twice as much as this times a change of a
  *
- * The iteration begins where the polynomial of degree 2 or less through the slopes of the last steps leads; when that fails, at
- * rest. The lengths of w are kept as smg_lengths.h has it.
+ * The iteration begins where the polynomial of degree 2 or less through the slopes of the last steps leads; when that
+ * fails, at rest. The lengths of w are kept as smg_lengths.h has it.
  *
- * Beside w, compensation and u the state has the arrays s->points, 3 numbers a site, s->slopes, 3, s->past_slopes, 9, and
- * s->inverse, 1. */
+ * Beside w, compensation and u the state has the arrays s->points, 3 numbers a site, s->slopes, 3, s->past_slopes, 9,
+ * and s->inverse, 1. */
 #ifndef SMG_ONE_STAGE_H
 #define SMG_ONE_STAGE_H
 
@@ -27,7 +27,9 @@
 
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 
-static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)((1 + 3 * SMG_HISTORY) * smg_sites(c)); }
+static inline size_t smg_history_size(const smg_coefficients *c) {
+  return (size_t)((1 + 3 * SMG_HISTORY) * smg_sites(c));
+}
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   const int64_t sites = smg_sites(&s->c);
@@ -46,7 +48,7 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
 /* ---- the iteration ---- */
 
 /* Beside this, slopes of a site at rest are nothing: next to it, 0/0 is 0. */
-#define SMG_LEAST (smg_real)DBL_MIN
+#define SMG_LEAST (smg_real) DBL_MIN
 
 SMG_INLINE smg_real smg_sum_of_sizes(const smg_real *a) { return smg_abs(a[0]) + smg_abs(a[1]) + smg_abs(a[2]); }
 
@@ -70,7 +72,8 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
   (void)with;
   const int64_t sites = smg_sites(&s->c);
   smg_moved moved = {0, 0, 0};
-  for (int64_t q = 0; q < 3 * sites; q += 3) smg_stage_point(s->w + q, smg_norm(s->w + q), s->slopes + q, s->points + q);
+  for (int64_t q = 0; q < 3 * sites; q += 3)
+    smg_stage_point(s->w + q, smg_norm(s->w + q), s->slopes + q, s->points + q);
   for (int64_t q = 0; q < 3 * sites; ++q) s->u[q] = 0;
   smg_gradient(&s->c, s->points, s->u);
   for (int64_t k = 0; k < sites; ++k) smg_new_slope(s, k, &moved);

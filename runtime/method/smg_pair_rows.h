@@ -1,21 +1,23 @@
-/* smidgen method: the steps of pair rotations (smg_pair_rotations.h) by rows of a lattice, sites in the lanes of vectors, with the bits of
- * those from bond to bond. The bonds of a class begin in rows of one colour and place; their other ends stand beside them.
+/* smidgen method: the steps of pair rotations (smg_pair_rotations.h) by rows of a lattice, sites in the lanes of
+ * vectors, with the bits of those from bond to bond. The bonds of a class begin in rows of one colour and place; their
+ * other ends stand beside them.
  *
- * A class after the other would pass through all of the memory. So the lattice is cut into layers, the cells of equal s_d in the slowest
- * direction d, and layers of several classes take turns. With o_k the layers from the first ends of class k up to the second, a bond of k in
- * layer x meets one of a later class l in layer y only if
+ * A class after the other would pass through all of the memory. So the lattice is cut into layers, the cells of equal
+ * s_d in the slowest direction d, and layers of several classes take turns. With o_k the layers from the first ends of
+ * class k up to the second, a bond of k in layer x meets one of a later class l in layer y only if
  *
  *     y + min(0, o_l) - max(0, o_k) <= x <= y + max(0, o_l) - min(0, o_k).
  *
- * So class l goes by so many layers, its lag, behind those before it, and on a ring begins so many layers later, that x comes first. */
+ * So class l goes by so many layers, its lag, behind those before it, and on a ring begins so many layers later, that x
+ * comes first. */
 #ifndef SMG_PAIR_ROWS_H
 #define SMG_PAIR_ROWS_H
 
 #include "smg_rows.h"
 #include "smg_row_spin.h"
 
-/* A class, as the model has it: colour and rank of the rows where its bonds begin; which of what is beside them is their other end; whether direction 0
- * is a ring for them; layers from end to end; which term. */
+/* A class, as the model has it: colour and rank of the rows where its bonds begin; which of what is beside them is
+ * their other end; whether direction 0 is a ring for them; layers from end to end; which term. */
 typedef struct smg_row_class {
   int64_t colour, rank, beside, ring, away, term;
 } smg_row_class;
@@ -54,7 +56,8 @@ SMG_INLINE void smg_select_spins(smg_lane_mask test, const smg_lane_spins *b, sm
 }
 
 /* In the lanes of a test alone: the others keep what stands there. */
-SMG_INLINE void smg_put_some_spins(const smg_pair_turning *turn, int64_t slot, smg_lane_mask test, const smg_lane_spins *a) {
+SMG_INLINE void smg_put_some_spins(const smg_pair_turning *turn, int64_t slot, smg_lane_mask test,
+                                   const smg_lane_spins *a) {
   smg_lane_spins here, those = *a;
   smg_take_spins(turn, slot, &here);
   smg_select_spins(test, &here, &those);
@@ -62,7 +65,8 @@ SMG_INLINE void smg_put_some_spins(const smg_pair_turning *turn, int64_t slot, s
 }
 
 /* smg_turn_pair. */
-SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning *turn, int64_t term, smg_lane_spins *v, smg_lane_spins *w) {
+SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning *turn, int64_t term, smg_lane_spins *v,
+                               smg_lane_spins *w) {
   const smg_real kappa = smg_kappa(c, 0);
   smg_lanes g[3], p[3], pg[3];
   const smg_lanes a = turn->half * smg_lane_slope(c, term, smg_lane_dot(v->w, w->w));
@@ -77,8 +81,10 @@ SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning
   }
 }
 
-/* The same where some lanes are no bond: beyond the run, of empty slots, with another end beyond an open one or around a ring. */
-static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *turn, const smg_row_class *all, const smg_run *run, int64_t j, int64_t p) {
+/* The same where some lanes are no bond: beyond the run, of empty slots, with another end beyond an open one or around
+ * a ring. */
+static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *turn, const smg_row_class *all,
+                          const smg_run *run, int64_t j, int64_t p) {
   const smg_beside *b = run->b + all->beside;
   const int64_t slot = run->start + j, in = run->to - j;
   const smg_lane_mask sites = smg_lane_below(in) & (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->sites);
@@ -101,7 +107,8 @@ static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *tur
 }
 
 /* The bonds of a class that begin in a run of rows. */
-static void smg_turn_run(const smg_coefficients *c, const smg_pair_turning turn, const smg_row_class *all, const smg_run *run) {
+static void smg_turn_run(const smg_coefficients *c, const smg_pair_turning turn, const smg_row_class *all,
+                         const smg_run *run) {
   const smg_beside *b = run->b + all->beside;
   const int64_t term = all->term, start = run->start, to = run->to, full = run->sites == run->length;
   for (int64_t j = 0, p = 0; j < to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
@@ -123,13 +130,15 @@ static inline int64_t smg_layers(const smg_coefficients *c) { return SMG_LAYERED
 static inline int64_t smg_layer_rows(const smg_coefficients *c) { return smg_rows(c) / SMG_RANKS / smg_layers(c); }
 
 /* Those that begin in a layer. */
-static void smg_turn_layer(const smg_coefficients *c, smg_besides *known, const smg_pair_turning turn, const smg_row_class *all, int64_t layer) {
+static void smg_turn_layer(const smg_coefficients *c, smg_besides *known, const smg_pair_turning turn,
+                           const smg_row_class *all, int64_t layer) {
   const int64_t length = smg_row_length(c);
   int64_t rows = smg_layer_rows(c);
   smg_lattice_row at = smg_row_of(c, all->colour, (all->rank * smg_layers(c) + layer) * rows);
   while (rows > 0) {
     const int64_t alike = smg_run_of_rows(c, &at, length);
-    const smg_run run = {at.start, at.sub, at.sites, length, 0, alike * length, smg_besides_of(c, &at, known), known->place, NULL, NULL};
+    const smg_run run = {at.start,     at.sub, at.sites, length, 0, alike * length, smg_besides_of(c, &at, known),
+                         known->place, NULL,   NULL};
     if (run.b[all->beside].there) smg_turn_run(c, turn, all, &run);
     smg_after_rows(c, length, alike, &at);
     rows -= alike;
@@ -158,8 +167,8 @@ static void smg_restore_layer(const smg_state *s, const smg_pair_turning turn, i
     }
 }
 
-/* The classes of a stage, there and back, after which lengths are restored: how many layers each goes behind the first, and with which
- * it begins. */
+/* The classes of a stage, there and back, after which lengths are restored: how many layers each goes behind the first,
+ * and with which it begins. */
 #define SMG_TURNED (2 * SMG_ROW_CLASSES - 1)
 typedef struct smg_layer_order {
   int64_t lag[SMG_TURNED + 1], first[SMG_TURNED + 1];
@@ -198,7 +207,8 @@ static void smg_row_stage(const smg_state *s, smg_besides *known, const smg_turn
   for (int64_t at = 0; at < layers + order.lag[turns - 1] + order.first[turns - 1]; ++at)
     for (int64_t k = 0; k < turns; ++k) {
       const int64_t layer = at - order.lag[k];
-      if (layer >= order.first[k] && layer < order.first[k] + layers) smg_turn_in_order(s, known, k, part.h, layer % layers);
+      if (layer >= order.first[k] && layer < order.first[k] + layers)
+        smg_turn_in_order(s, known, k, part.h, layer % layers);
     }
 }
 

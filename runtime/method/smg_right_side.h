@@ -1,4 +1,5 @@
-/* smidgen method: the right-hand side of w' = f(t, w) = (1/kappa) grad C(w) x dH/dw, for methods that know no more of the equation. */
+/* smidgen method: the right-hand side of w' = f(t, w) = (1/kappa) grad C(w) x dH/dw, for methods that know no more of
+ * the equation. */
 #ifndef SMG_RIGHT_SIDE_H
 #define SMG_RIGHT_SIDE_H
 
@@ -22,7 +23,8 @@ static inline void smg_right_side(const smg_coefficients *c, smg_real size, cons
 }
 #else
 /* (p/kappa) grad C(w) x dH/dw; sums begin at -0, to which compilers know better than to add. */
-static inline void smg_right_side(const smg_coefficients *c, smg_real size, const smg_real *SMG_RESTRICT w, smg_real *SMG_RESTRICT k) {
+static inline void smg_right_side(const smg_coefficients *c, smg_real size, const smg_real *SMG_RESTRICT w,
+                                  smg_real *SMG_RESTRICT k) {
   const int64_t sites = smg_sites(c);
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] = -(smg_real)0;
   smg_gradient(c, w, k);

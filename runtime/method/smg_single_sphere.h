@@ -1,7 +1,8 @@
 /* smidgen method: the spherical midpoint of one unit sphere alone, in registers.
  *
  * Unknowns u = W - w and q = 1/|S|, S = w + W = 2w + u; m = q S; the step equation is
- * u = h X(m), X = (1/kappa) m x dH/dw. With e = h DX(m) m, eps = (1 - q^2 |S|^2)/2 and g = h X(m) + eps e, Newton's pair is
+ * u = h X(m), X = (1/kappa) m x dH/dw. With e = h DX(m) m, eps = (1 - q^2 |S|^2)/2 and g = h X(m) + eps e, Newton's
+ * pair is
  *     (1 - E) d = g - u,   E = M (1 - m m^T),   M = h q DX(m),   q <- q (1 + eps - q m.d).
  * As m.X = 0 and div X = 0: m.M v = -q g.v, tr E = 0, E m = 0. With a = (1 - m m^T)(g - u):
  *     E (g - u) = M a =: c,   E c = M c + q^2 (g.a) e,   det(1 - E) = 1 + e2(M) - q^2 g.e,
@@ -10,8 +11,8 @@
  * det(1 - E) <= 0. A determinant in (7/16, 5) keeps all of them clear of 0, where branches meet, and J not far from
  * 1; any other solution is checked by following its branch from h = 0.
  *
- * The model adds: smg_motion(c, m) = h X(m); smg_radial(c, m, g) = e; smg_derivative(c, m, q) = M, of type smg_slope with
- * smg_slope_times(M, v), smg_slope_minors(M) = e2(M) and smg_slope_sums(M), the row sums of abs(M). */
+ * The model adds: smg_motion(c, m) = h X(m); smg_radial(c, m, g) = e; smg_derivative(c, m, q) = M, of type smg_slope
+ * with smg_slope_times(M, v), smg_slope_minors(M) = e2(M) and smg_slope_sums(M), the row sums of abs(M). */
 #ifndef SMG_SINGLE_SPHERE_H
 #define SMG_SINGLE_SPHERE_H
 
@@ -25,15 +26,17 @@
 
 /* The square of a Newton change whose remainder is far below round-off: a larger one would leave a drift. */
 #define SMG_SMALL (SMG_EPS / 64)
-/* The square of a change of a tenth: from a larger one a second iteration here would not settle; Newton with a matrix takes over. */
+/* The square of a change of a tenth: from a larger one a second iteration here would not settle; Newton with a matrix
+ * takes over. */
 #define SMG_SECOND (smg_real)0.01
 /* Newton iterations in a row: from a tenth the changes are 1e-1, 1e-2, 1e-4, 1e-8, 1e-16, and one more. */
 #define SMG_MOST_IN_A_ROW 6
-/* The part of the square of a change that the next one may be: those that fall by less than 4 are not Newton's of one solution. */
+/* The part of the square of a change that the next one may be: those that fall by less than 4 are not Newton's of one
+ * solution. */
 #define SMG_FALLS (smg_real)0.0625
 
-/* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear of 0 by as much
- * as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
+/* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear
+ * of 0 by as much as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
 SMG_INLINE int smg_clear_of_branches(smg_real det) { return (det > (smg_real)0.4375) & (det < 5); }
 
 /* The largest row sum of abs(M), which bounds E: det(1 - E) may be moderate where E is not. */
@@ -53,11 +56,12 @@ static const smg_real smg_sphere_weights[SMG_HISTORY][4 * SMG_HISTORY] = {
     {5, 5, 5, 5, -10, -10, -10, -10, 10, 10, 10, 10, -5, -5, -5, -5, 1, 1, 1, 1},
     {6, 6, 6, 6, -15, -15, -15, -15, 20, 20, 20, 20, -15, -15, -15, -15, 6, 6, 6, 6, -1, -1, -1, -1},
     {7, 7, 7, 7, -21, -21, -21, -21, 35, 35, 35, 35, -35, -35, -35, -35, 21, 21, 21, 21, -7, -7, -7, -7, 1, 1, 1, 1},
-    {8, 8, 8, 8, -28, -28, -28, -28, 56, 56, 56, 56, -70, -70, -70, -70, 56, 56, 56, 56, -28, -28, -28, -28, 8, 8, 8, 8, -1, -1, -1, -1},
-    {9, 9, 9, 9, -36, -36, -36, -36, 84, 84, 84, 84, -126, -126, -126, -126, 126, 126, 126, 126, -84, -84, -84, -84, 36, 36, 36, 36, -9, -9,
-     -9, -9, 1, 1, 1, 1},
-    {10, 10, 10, 10, -45, -45, -45, -45, 120, 120, 120, 120, -210, -210, -210, -210, 252, 252, 252, 252, -210, -210, -210, -210, 120, 120, 120,
-     120, -45, -45, -45, -45, 10, 10, 10, 10, -1, -1, -1, -1}};
+    {8,  8,  8,  8,  -28, -28, -28, -28, 56, 56, 56, 56, -70, -70, -70, -70,
+     56, 56, 56, 56, -28, -28, -28, -28, 8,  8,  8,  8,  -1,  -1,  -1,  -1},
+    {9,   9,   9,   9,   -36, -36, -36, -36, 84, 84, 84, 84, -126, -126, -126, -126, 126, 126,
+     126, 126, -84, -84, -84, -84, 36,  36,  36, 36, -9, -9, -9,   -9,   1,    1,    1,   1},
+    {10,   10,   10,   10,   -45, -45, -45, -45, 120, 120, 120, 120, -210, -210, -210, -210, 252, 252, 252, 252,
+     -210, -210, -210, -210, 120, 120, 120, 120, -45, -45, -45, -45, 10,   10,   10,   10,   -1,  -1,  -1,  -1}};
 
 /* Rows beyond these have weights in polynomials of high degree alone. */
 #define SMG_FEW_ROWS 7
@@ -86,7 +90,8 @@ SMG_INLINE smg_vec smg_twice_midpoint(smg_vec w, smg_vec u) {
 }
 
 /* One Newton iteration from (u, q). *size: the square of the change; the new q is off by an eighth of it. */
-SMG_INLINE smg_vec smg_sphere_newton(const smg_coefficients *c, smg_vec w, smg_vec u, smg_real *inverse, smg_real *det, smg_real *size) {
+SMG_INLINE smg_vec smg_sphere_newton(const smg_coefficients *c, smg_vec w, smg_vec u, smg_real *inverse, smg_real *det,
+                                     smg_real *size) {
   const smg_real q = *inverse;
   const smg_vec S = smg_twice_midpoint(w, u), m = smg_vec_scale(q, S), g0 = smg_motion(c, m), e = smg_radial(c, m, g0);
   const smg_real eps = 0.5 - smg_vec_dot(S, S) * (0.5 * q * q), mu = smg_vec_dot(m, u);
@@ -108,8 +113,9 @@ SMG_INLINE smg_vec smg_image(const smg_coefficients *c, smg_vec S, smg_real q) {
   return smg_motion(c, smg_vec_scale(q, S));
 }
 
-/* h X at the midpoint of w and w + h X(w), and once more with that increment, off by O(h^4); its q by three terms of the roots of |S|^2 =
- * 4 + |h X|^2 and 4 - |u|^2, which Newton makes good. On a free body (h = 2) off by 0.004, where polynomials are by 0.2. */
+/* h X at the midpoint of w and w + h X(w), and once more with that increment, off by O(h^4); its q by three terms of
+ * the roots of |S|^2 = 4 + |h X|^2 and 4 - |u|^2, which Newton makes good. On a free body (h = 2) off by 0.004, where
+ * polynomials are by 0.2. */
 SMG_INLINE smg_vec smg_sphere_explicit(const smg_coefficients *c, smg_vec w, smg_real *q) {
   smg_vec u = smg_motion(c, w);
   smg_real part = -smg_vec_dot(u, u) / 8;
@@ -122,8 +128,8 @@ SMG_INLINE smg_vec smg_sphere_explicit(const smg_coefficients *c, smg_vec w, smg
   return u;
 }
 #if SMG_EXTENDED
-/* The solution to the digits of smg_wide: (u, low) = V + e, V = h X(m) at m = P(w + compensation + v/2), e = E d/(1 - E)
- * = (E + E^2) d/det(1 - E), d = V - v. d is so small that its own digits are plenty. */
+/* The solution to the digits of smg_wide: (u, low) = V + e, V = h X(m) at m = P(w + compensation + v/2), e = E d/(1 -
+ * E) = (E + E^2) d/det(1 - E), d = V - v. d is so small that its own digits are plenty. */
 SMG_INLINE void smg_sphere_widen(smg_state *s, smg_vec v, smg_real q) {
   const smg_coefficients *c = &s->c;
   s->u[0] = v.x;
@@ -206,7 +212,8 @@ SMG_INLINE int smg_within_ulp(smg_real d, smg_real W, smg_real v, int late) {
   return smg_abs(d) <= SMG_EPS * smg_abs(W) || (late && smg_abs(d) <= 8 * SMG_EPS * smg_abs(v));
 }
 
-/* One more evaluation, at the midpoint of w + compensation and w + compensation + v: what is left of the iteration would drift. */
+/* One more evaluation, at the midpoint of w + compensation and w + compensation + v: what is left of the iteration
+ * would drift. */
 SMG_INLINE smg_vec smg_sphere_refine(const smg_state *s, smg_vec v, smg_real q) {
   const smg_vec twice = smg_vec_scale(2, smg_vec_load(s->compensation));
   return smg_image(&s->c, smg_twice_midpoint(smg_vec_load(s->w), smg_vec_add(v, twice)), q);
@@ -214,11 +221,13 @@ SMG_INLINE smg_vec smg_sphere_refine(const smg_state *s, smg_vec v, smg_real q) 
 
 /* u without its part along the midpoint of w + compensation and w + compensation + u: then abs(W) = abs(w). */
 SMG_INLINE smg_vec smg_sphere_tangential(const smg_state *s, smg_vec u) {
-  const smg_vec S = smg_twice_midpoint(smg_vec_load(s->w), smg_vec_add(u, smg_vec_scale(2, smg_vec_load(s->compensation))));
+  const smg_vec S =
+      smg_twice_midpoint(smg_vec_load(s->w), smg_vec_add(u, smg_vec_scale(2, smg_vec_load(s->compensation))));
   return smg_vec_sub(u, smg_vec_scale(smg_vec_dot(u, S) / smg_vec_dot(S, S), S));
 }
 
-/* Newton to stagnation with honest square roots, from the guess u. At round-off plain evaluation and Newton take turns. */
+/* Newton to stagnation with honest square roots, from the guess u. At round-off plain evaluation and Newton take
+ * turns. */
 SMG_COLD static smg_status smg_sphere_iterate(smg_state *s, smg_vec u) {
   const smg_coefficients *c = &s->c;
   const smg_vec w = smg_vec_load(s->w), compensation = smg_vec_load(s->compensation);
@@ -229,17 +238,22 @@ SMG_COLD static smg_status smg_sphere_iterate(smg_state *s, smg_vec u) {
     const smg_real exact = q;
     const smg_vec v = smg_image(c, S, q), W = smg_vec_add(w, smg_vec_add(v, compensation)), d = smg_vec_sub(v, u);
     const int late = it > 6;
-    most = smg_max(most, smg_sphere_bound(c, smg_vec_scale(q, S), q)); /* on the way too: another branch may look as calm */
+    /* on the way too: another branch may look as calm */
+    most = smg_max(most, smg_sphere_bound(c, smg_vec_scale(q, S), q));
     s->report.iterations = it + 1;
     s->report.residual = smg_vec_largest(d);
     if (!(smg_abs(v.x) + smg_abs(v.y) + smg_abs(v.z) <= SMG_MAX)) return SMG_NOT_FINITE;
-    const int done = smg_within_ulp(d.x, W.x, v.x, late) && smg_within_ulp(d.y, W.y, v.y, late) && smg_within_ulp(d.z, W.z, v.z, late);
+    const int done = smg_within_ulp(d.x, W.x, v.x, late) && smg_within_ulp(d.y, W.y, v.y, late) &&
+                     smg_within_ulp(d.z, W.z, v.z, late);
     const smg_vec next = done && it > 0 ? v : smg_sphere_newton(c, w, u, &q, &det, &size);
     if (done) {
       if (!smg_clear_of_branches(det) || !(most <= SMG_CONTRACTS)) return SMG_WRONG_BRANCH;
       /* twice: what the first leaves of the bias is not small at large h */
-      const smg_vec z = smg_sphere_tangential(s, smg_sphere_refine(s, smg_sphere_refine(s, v, exact), exact)), y = smg_vec_add(z, compensation), left = smg_vec_sub(z, v);
-      if (!(smg_within_ulp(left.x, W.x, z.x, 1) && smg_within_ulp(left.y, W.y, z.y, 1) && smg_within_ulp(left.z, W.z, z.z, 1))) return SMG_NO_CONVERGENCE;
+      const smg_vec z = smg_sphere_tangential(s, smg_sphere_refine(s, smg_sphere_refine(s, v, exact), exact)),
+                    y = smg_vec_add(z, compensation), left = smg_vec_sub(z, v);
+      if (!(smg_within_ulp(left.x, W.x, z.x, 1) && smg_within_ulp(left.y, W.y, z.y, 1) &&
+            smg_within_ulp(left.z, W.z, z.z, 1)))
+        return SMG_NO_CONVERGENCE;
       smg_sphere_commit(s, smg_vec_add(w, y), y, z, exact);
       return SMG_OK;
     }
@@ -255,7 +269,8 @@ SMG_COLD static smg_status smg_sphere_hard(smg_state *s, smg_vec u) {
   if (status != SMG_OK) {
     status = smg_site_solve(s, s->c.h, 0);
     if (status == SMG_OK) {
-      const smg_vec w = smg_vec_load(s->w), v = smg_vec_load(s->u), y = smg_vec_add(v, smg_vec_load(s->compensation)), S = smg_twice_midpoint(w, v);
+      const smg_vec w = smg_vec_load(s->w), v = smg_vec_load(s->u), y = smg_vec_add(v, smg_vec_load(s->compensation)),
+                    S = smg_twice_midpoint(w, v);
       smg_sphere_commit(s, smg_vec_add(w, y), y, v, 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S)));
     }
   }
@@ -280,9 +295,11 @@ SMG_INLINE smg_vec smg_sphere_converge(smg_state *s, smg_vec w, smg_vec u, smg_r
   }
 }
 
-/* The first iteration, to u = (x, y, z), left more than a unit of W. Where that is round-off of u, near a zero of W, one more evaluation
- * must confirm it; else more Newton iterations, from u. Numbers come in registers, a vector by way of memory: 8 % of a step. */
-SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_real x, smg_real y, smg_real z, smg_real q, smg_real det, smg_real size) {
+/* The first iteration, to u = (x, y, z), left more than a unit of W. Where that is round-off of u, near a zero of W,
+ * one more evaluation must confirm it; else more Newton iterations, from u. Numbers come in registers, a vector by way
+ * of memory: 8 % of a step. */
+SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_real x, smg_real y, smg_real z, smg_real q, smg_real det,
+                                            smg_real size) {
   const smg_coefficients *c = &s->c;
   const smg_vec w = smg_vec_load(s->w), compensation = smg_vec_load(s->compensation);
   smg_vec u = smg_vec_of(x, y, z), v;
@@ -297,8 +314,12 @@ SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_real x, smg_real y
   } else v = smg_image(c, smg_twice_midpoint(w, u), q);
   const smg_vec r = smg_sphere_refine(s, v, q), total = smg_vec_add(r, compensation), W = smg_vec_add(w, total);
   if (!settled) /* confirmed? */
-    settled = smg_within_ulp(r.x - v.x, W.x, r.x, 1) && smg_within_ulp(r.y - v.y, W.y, r.y, 1) && smg_within_ulp(r.z - v.z, W.z, r.z, 1);
-  if (!(settled && smg_clear_of_branches(det) && smg_sphere_bound(c, smg_vec_scale(q, smg_twice_midpoint(w, u)), q) <= SMG_DAMPS && size < SMG_SMALL && smg_vec_largest(r) <= SMG_MAX)) return smg_sphere_hard(s, r);
+    settled = smg_within_ulp(r.x - v.x, W.x, r.x, 1) && smg_within_ulp(r.y - v.y, W.y, r.y, 1) &&
+              smg_within_ulp(r.z - v.z, W.z, r.z, 1);
+  if (!(settled && smg_clear_of_branches(det) &&
+        smg_sphere_bound(c, smg_vec_scale(q, smg_twice_midpoint(w, u)), q) <= SMG_DAMPS && size < SMG_SMALL &&
+        smg_vec_largest(r) <= SMG_MAX))
+    return smg_sphere_hard(s, r);
   smg_sphere_commit(s, W, total, r, q);
 #if !SMG_COMPOSED
   if (s->count % 16 == 0) smg_sphere_degree(s);
@@ -307,8 +328,8 @@ SMG_COLD static smg_status smg_sphere_again(smg_state *s, smg_real x, smg_real y
   return SMG_OK;
 }
 
-/* The first iteration changed too much: where the history is too short or too coarse, the explicit start may be near enough. The first
- * step has no solution before it to be near to: it is solved from rest. */
+/* The first iteration changed too much: where the history is too short or too coarse, the explicit start may be near
+ * enough. The first step has no solution before it to be near to: it is solved from rest. */
 SMG_COLD static smg_status smg_sphere_afresh(smg_state *s) {
   const smg_coefficients *c = &s->c;
   const smg_vec w = smg_vec_load(s->w);

@@ -1,4 +1,5 @@
-/* smidgen method: the history of a single sphere, SMG_ROWS rows of (u, 1/|w + W|) in one array (of a composition (u, gamma/|w + W|)); s->row is the newest. */
+/* smidgen method: the history of a single sphere, SMG_ROWS rows of (u, 1/|w + W|) in one array (of a composition (u,
+ * gamma/|w + W|)); s->row is the newest. */
 #ifndef SMG_SPHERE_HISTORY_H
 #define SMG_SPHERE_HISTORY_H
 
@@ -24,7 +25,8 @@ static inline void smg_forget_arrays(smg_state *s) {
   for (int k = 0; k < 4 * SMG_ROWS; ++k) s->rows[k] = 0;
 }
 
-/* Rows of the history that are of steps taken, `count` of them in all; those of a composition are counted as they come. */
+/* Rows of the history that are of steps taken, `count` of them in all; those of a composition are counted as they
+ * come. */
 static inline int smg_rows_known(const smg_state *s, int64_t count) {
 #if SMG_COMPOSED
   return (void)count, s->history;

@@ -1,8 +1,9 @@
 /* smidgen method: the first iterate of a stage of a composition, from the increments of the stages before it.
  *
- * Stages differ in size and sign, so no polynomial in time goes through their increments. The weights smg_stage_weights[i][l], l the
- * level, know how an increment depends on the size of its stage and on the error so far: tests/coefficients/compositions.py has the
- * functions for which they are right. The history is one for all stages, the last SMG_HISTORY increments whatever their stage. */
+ * Stages differ in size and sign, so no polynomial in time goes through their increments. The weights
+ * smg_stage_weights[i][l], l the level, know how an increment depends on the size of its stage and on the error so far:
+ * tests/coefficients/compositions.py has the functions for which they are right. The history is one for all stages, the
+ * last SMG_HISTORY increments whatever their stage. */
 #ifndef SMG_STAGE_PREDICTOR_H
 #define SMG_STAGE_PREDICTOR_H
 
@@ -23,11 +24,12 @@ static inline int smg_highest_level(int stages) {
   return level;
 }
 
-/* Is it time to look which level serves best? While the history grows, and then through all stages of every sixteenth step. */
+/* Is it time to look which level serves best? While the history grows, and then through all stages of every sixteenth
+ * step. */
 static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 2; }
 
-/* s->misses: for every level the squared errors of a step's stages so far, and of how many stages they are. After the last stage
- * the level of least error is chosen. */
+/* s->misses: for every level the squared errors of a step's stages so far, and of how many stages they are. After the
+ * last stage the level of least error is chosen. */
 static inline void smg_choose_level(smg_state *s) {
   s->misses[SMG_LEVELS] += 1;
   if (s->misses[SMG_LEVELS] < SMG_COMPOSED) return;
@@ -37,7 +39,8 @@ static inline void smg_choose_level(smg_state *s) {
 }
 
 #if SMG_SINGLE_SPHERE
-/* The row of the stage under way, (u, gamma q), from the rows before it; q = 1/|w + W| depends on the stages as u/gamma does. */
+/* The row of the stage under way, (u, gamma q), from the rows before it; q = 1/|w + W| depends on the stages as u/gamma
+ * does. */
 SMG_INLINE smg_vec smg_sphere_predict(smg_state *s, smg_real *q) {
   const smg_real *row = s->rows + 4 * s->row;
   const double *a = smg_stage_weights[s->stage][s->degree];
@@ -71,7 +74,8 @@ SMG_INLINE void smg_stage_done(smg_state *s) {
 /* Component k of the increment of the stage under way. */
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int level) {
   smg_real sum = 0;
-  for (int j = 0; level >= 0 && j < smg_span(level); ++j) sum += (smg_real)smg_stage_weights[s->stage][level][j] * s->past[j][k];
+  for (int j = 0; level >= 0 && j < smg_span(level); ++j)
+    sum += (smg_real)smg_stage_weights[s->stage][level][j] * s->past[j][k];
   return sum;
 }
 

@@ -1,23 +1,25 @@
-/* smidgen method: each sublattice turned in the frozen field of the others, for H linear in every single site: explicit, of order 2, the
- * energy kept to round-off. It is NOT symplectic: it is made of parts w_k' = w_k x b_k of the motion that are no Hamiltonian motions by
- * themselves, since the others, which H moves too, stand still meanwhile.
+/* smidgen method: each sublattice turned in the frozen field of the others, for H linear in every single site:
+ * explicit, of order 2, the energy kept to round-off. It is NOT symplectic: it is made of parts w_k' = w_k x b_k of the
+ * motion that are no Hamiltonian motions by themselves, since the others, which H moves too, stand still meanwhile.
  *
- * b_k = (1/kappa_k) dH/dw_k depends on the others alone, and H = w_k.dH/dw_k + what w_k is not in: a turn of w_k about b_k by whatever
- * angle keeps H, and the volume. The angle is that whose half has the tangent |h b_k|/2: right to third order, and it needs
- * no more than
+ * b_k = (1/kappa_k) dH/dw_k depends on the others alone, and H = w_k.dH/dw_k + what w_k is not in: a turn of w_k about
+ * b_k by whatever angle keeps H, and the volume. The angle is that whose half has the tangent |h b_k|/2: right to third
+ * order, and it needs no more than
  *
  *     W = w + 2/(1 + |g|^2) (w x g + (w x g) x g),   g = (h/2) b_k.
  *
- * Every turn is added to w with its rounding error carried along; with the last one of a stage the length comes some of the way back to what
- * it was (smg_lengths.h).
+ * Every turn is added to w with its rounding error carried along; with the last one of a stage the length comes some of
+ * the way back to what it was (smg_lengths.h).
  *
- * Sites of one colour do not feel each other, so that their order is of no account. A step is the symmetric splitting: the colours
- * one after the other for h/2, the last for h, and back. With SMG_COMPOSED it is so many of these (smg_explicit_step.h).
+ * Sites of one colour do not feel each other, so that their order is of no account. A step is the symmetric splitting:
+ * the colours one after the other for h/2, the last for h, and back. With SMG_COMPOSED it is so many of these
+ * (smg_explicit_step.h).
  *
- * On a lattice whose sites are alike it goes by rows, sites in lanes (smg_sublattice_rows.h), where SMG_ROW_TURNS says so.
+ * On a lattice whose sites are alike it goes by rows, sites in lanes (smg_sublattice_rows.h), where SMG_ROW_TURNS says
+ * so.
  *
- * Of the model it needs smg_colours(c), smg_each_of_colour(c, colour, context, visit), smg_pull(c, at, all, g): g += dH/dw of the
- * site `at`; and beside w, compensation and u the arrays
+ * Of the model it needs smg_colours(c), smg_each_of_colour(c, colour, context, visit), smg_pull(c, at, all, g): g +=
+ * dH/dw of the site `at`; and beside w, compensation and u the arrays
  * s->points, 3 numbers a site, and s->inverse, 1. */
 #ifndef SMG_SUBLATTICE_ROTATIONS_H
 #define SMG_SUBLATTICE_ROTATIONS_H
@@ -43,7 +45,8 @@ static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
   smg_pull(&s->c, at, s->points, g);
   const smg_real half = 0.5 * smg_h_over_kappa(&s->c, at.k, turning->h);
   for (int b = 0; b < 3; ++b) g[b] *= half;
-  const smg_real scale = 2 / (1 + smg_dot(g, g)), back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[at.k] * smg_dot(v, v));
+  const smg_real scale = 2 / (1 + smg_dot(g, g)),
+                 back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[at.k] * smg_dot(v, v));
   smg_cross(x, v, g);
   smg_cross(xx, x, g);
   for (int b = 0; b < 3; ++b) {

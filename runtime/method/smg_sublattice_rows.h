@@ -1,13 +1,14 @@
-/* smidgen method: the steps of sublattice rotations (smg_sublattice_rotations.h) by rows of a lattice, sites in the lanes of vectors, with
- * the bits of those from site to site. A colour goes in pieces (smg_row_piece.h): the fields of its sites, then their turns. */
+/* smidgen method: the steps of sublattice rotations (smg_sublattice_rotations.h) by rows of a lattice, sites in the
+ * lanes of vectors, with the bits of those from site to site. A colour goes in pieces (smg_row_piece.h): the fields of
+ * its sites, then their turns. */
 #ifndef SMG_SUBLATTICE_ROWS_H
 #define SMG_SUBLATTICE_ROWS_H
 
 #include "smg_row_piece.h"
 #include "smg_row_spin.h"
 
-/* What the turns of a colour work with: w and what it has lost, by slots; 1/radius^2; h/(2 kappa) of the turn that is the last one of a stage,
- * and of another one: 0 where there is none. */
+/* What the turns of a colour work with: w and what it has lost, by slots; 1/radius^2; h/(2 kappa) of the turn that is
+ * the last one of a stage, and of another one: 0 where there is none. */
 typedef struct smg_row_turning {
   smg_real *w, *lost;
   int64_t pitch;
@@ -15,10 +16,12 @@ typedef struct smg_row_turning {
 } smg_row_turning;
 
 /* w of one vector about half its gradient g; last: in this stage. */
-SMG_INLINE void smg_turn_lanes(smg_real half, smg_real inverse, int last, const smg_lanes *gradient, smg_lanes *w, smg_lanes *lost) {
+SMG_INLINE void smg_turn_lanes(smg_real half, smg_real inverse, int last, const smg_lanes *gradient, smg_lanes *w,
+                               smg_lanes *lost) {
   smg_lanes g[3], x[3], xx[3];
   for (int k = 0; k < 3; ++k) g[k] = half * gradient[k];
-  const smg_lanes scale = 2 / (1 + smg_lane_dot(g, g)), back = (smg_real)0.5 * SMG_RESTORED * (1 - inverse * smg_lane_dot(w, w));
+  const smg_lanes scale = 2 / (1 + smg_lane_dot(g, g)),
+                  back = (smg_real)0.5 * SMG_RESTORED * (1 - inverse * smg_lane_dot(w, w));
   smg_lane_cross(x, w, g);
   smg_lane_cross(xx, x, g);
   for (int k = 0; k < 3; ++k) {
@@ -28,12 +31,13 @@ SMG_INLINE void smg_turn_lanes(smg_real half, smg_real inverse, int last, const 
   }
 }
 
-/* The turns of a colour: that which is no stage's last one; that which is; or both, the other one that of the next stage: between them no other
- * site has turned, so that the gradient is the same. */
+/* The turns of a colour: that which is no stage's last one; that which is; or both, the other one that of the next
+ * stage: between them no other site has turned, so that the gradient is the same. */
 enum smg_row_turns { SMG_TURN_OTHER, SMG_TURN_LAST, SMG_TURN_BOTH };
 
 /* The slots of one vector, `in` of them sites of the piece. */
-SMG_INLINE void smg_turn_slots(const smg_row_turning turn, enum smg_row_turns which, int64_t slot, int64_t in, smg_lanes *g) {
+SMG_INLINE void smg_turn_slots(const smg_row_turning turn, enum smg_row_turns which, int64_t slot, int64_t in,
+                               smg_lanes *g) {
   const smg_lanes none = {0};
   smg_lanes w[3], lost[3];
   if (in < SMG_LANES)
@@ -47,7 +51,8 @@ SMG_INLINE void smg_turn_slots(const smg_row_turning turn, enum smg_row_turns wh
 }
 
 /* Those of blocks, vector by vector. */
-SMG_INLINE void smg_turn_blocks(const smg_coefficients *c, const smg_row_turning turn, enum smg_row_turns which, smg_piece *piece) {
+SMG_INLINE void smg_turn_blocks(const smg_coefficients *c, const smg_row_turning turn, enum smg_row_turns which,
+                                smg_piece *piece) {
   smg_run run;
   while (smg_next_blocks(c, piece, &run))
     for (int64_t j = run.from; j < run.to; j += SMG_LANES) {
@@ -58,7 +63,8 @@ SMG_INLINE void smg_turn_blocks(const smg_coefficients *c, const smg_row_turning
 }
 
 /* The share of this thread in a colour. */
-SMG_INLINE void smg_turn_share(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour, enum smg_row_turns which) {
+SMG_INLINE void smg_turn_share(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour,
+                               enum smg_row_turns which) {
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   smg_begin_piece(&s->c, known, gradient, &piece);
@@ -76,13 +82,25 @@ SMG_INLINE void smg_turn_share(const smg_state *s, smg_besides *known, const smg
     }
   }
 }
-static void smg_turn_other(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour) { smg_turn_share(s, known, turn, colour, SMG_TURN_OTHER); }
-static void smg_turn_last(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour) { smg_turn_share(s, known, turn, colour, SMG_TURN_LAST); }
-static void smg_turn_both(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour) { smg_turn_share(s, known, turn, colour, SMG_TURN_BOTH); }
+static void smg_turn_other(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour) {
+  smg_turn_share(s, known, turn, colour, SMG_TURN_OTHER);
+}
+static void smg_turn_last(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour) {
+  smg_turn_share(s, known, turn, colour, SMG_TURN_LAST);
+}
+static void smg_turn_both(const smg_state *s, smg_besides *known, const smg_row_turning turn, int64_t colour) {
+  smg_turn_share(s, known, turn, colour, SMG_TURN_BOTH);
+}
 
 /* A colour by all threads, for the part h of the stage, and for `other` of it or of the next one. */
-static void smg_turn_row_colour(const smg_state *s, smg_besides *known, int64_t colour, smg_real h, smg_real other, enum smg_row_turns which) {
-  const smg_row_turning turn = {s->row_w, s->row_compensation, smg_pitch(&s->c), smg_row_inverse(s), (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h), (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, other)};
+static void smg_turn_row_colour(const smg_state *s, smg_besides *known, int64_t colour, smg_real h, smg_real other,
+                                enum smg_row_turns which) {
+  const smg_row_turning turn = {s->row_w,
+                                s->row_compensation,
+                                smg_pitch(&s->c),
+                                smg_row_inverse(s),
+                                (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h),
+                                (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, other)};
   SMG_TEAM(s->row_team) {
     if (which == SMG_TURN_BOTH) smg_turn_both(s, known, turn, colour);
     else if (which == SMG_TURN_LAST) smg_turn_last(s, known, turn, colour);
@@ -94,11 +112,13 @@ static void smg_turn_row_colour(const smg_state *s, smg_besides *known, int64_t 
 static void smg_row_stage(const smg_state *s, smg_besides *known, const smg_turn_stage part) {
   const int64_t last = SMG_COLOURS - 1;
   const smg_real half = (smg_real)0.5 * part.h;
-  for (int64_t colour = part.after; colour < last; ++colour) smg_turn_row_colour(s, known, colour, half, half, SMG_TURN_OTHER);
+  for (int64_t colour = part.after; colour < last; ++colour)
+    smg_turn_row_colour(s, known, colour, half, half, SMG_TURN_OTHER);
   smg_turn_row_colour(s, known, last, part.h, 0, SMG_TURN_LAST);
   for (int64_t colour = last - 1; colour >= 0; --colour) {
     const int both = colour == 0 && part.before;
-    smg_turn_row_colour(s, known, colour, half, both ? (smg_real)0.5 * part.next : 0, both ? SMG_TURN_BOTH : SMG_TURN_LAST);
+    smg_turn_row_colour(s, known, colour, half, both ? (smg_real)0.5 * part.next : 0,
+                        both ? SMG_TURN_BOTH : SMG_TURN_LAST);
   }
 }
 

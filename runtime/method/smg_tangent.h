@@ -1,8 +1,8 @@
-/* smidgen method: the tangent map of a midpoint step W = w + h X(m), m = P(mbar; leaf(w)), mbar = (w + W)/2. For a tangent vector
- * dw of w
+/* smidgen method: the tangent map of a midpoint step W = w + h X(m), m = P(mbar; leaf(w)), mbar = (w + W)/2. For a
+ * tangent vector dw of w
  *     dm = P' d + z,   d = dw + (h/2) DX(m) dm,   dW = 2 d - dw,
- * with z = (dP/dleaf) dleaf: J d = dw + (h/2) DX z with the matrix J = I - (h/2) DX(m) P' of the step. With n = grad C(m),
- * g = dH/dw(m) and the Hessian B of H: DX dm = (1/kappa) (grad C(dm) x g + n x (B dm)). */
+ * with z = (dP/dleaf) dleaf: J d = dw + (h/2) DX z with the matrix J = I - (h/2) DX(m) P' of the step. With n = grad
+ * C(m), g = dH/dw(m) and the Hessian B of H: DX dm = (1/kappa) (grad C(dm) x g + n x (B dm)). */
 #ifndef SMG_TANGENT_H
 #define SMG_TANGENT_H
 
@@ -15,17 +15,23 @@
 #endif
 
 /* Does the leaf of a site move with w? */
-static inline int smg_lifted(const smg_coefficients *c, int64_t k) { return SMG_ONTO_LEAF && smg_kind(c, k) != SMG_SPHERE; }
+static inline int smg_lifted(const smg_coefficients *c, int64_t k) {
+  return SMG_ONTO_LEAF && smg_kind(c, k) != SMG_SPHERE;
+}
 
 /* P' d = s (d - m (n.d)/(n.m)). */
-static inline void smg_project_change(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real s, const smg_real *d, smg_real *out) {
+static inline void smg_project_change(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real s,
+                                      const smg_real *d, smg_real *out) {
 #if SMG_ONTO_LEAF
   smg_real n[3];
   smg_normal(c, k, m, n);
   const smg_real a = smg_dot(n, d) / smg_dot(n, m);
   for (int b = 0; b < 3; ++b) out[b] = s * (d[b] - a * m[b]);
 #else
-  (void)c; (void)k; (void)m; (void)s;
+  (void)c;
+  (void)k;
+  (void)m;
+  (void)s;
   for (int b = 0; b < 3; ++b) out[b] = d[b];
 #endif
 }
@@ -41,7 +47,8 @@ static inline void smg_lift(const smg_state *s, int64_t k, const smg_real *m, co
 }
 
 /* out = h DX dm from dm and y = B dm. */
-static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g, const smg_real *dm, const smg_real *y, smg_real *out) {
+static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,
+                            const smg_real *dm, const smg_real *y, smg_real *out) {
   const smg_real rate = smg_h_over_kappa(c, k, h);
   smg_real n[3], dn[3], turned[3];
   smg_normal(c, k, m, n);
@@ -61,7 +68,8 @@ static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, co
 
 #if SMG_HAS_ALONE
 /* Solves (1 - (h/2) DX P') d = r for one site; d holds r. 0, or not where it is singular. */
-static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, const smg_real *m, smg_real scale, const smg_real *g, smg_real *d) {
+static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, const smg_real *m, smg_real scale,
+                                   const smg_real *g, smg_real *d) {
   const smg_coefficients *c = &s->c;
   smg_real J[9];
   for (int l = 0; l < 3; ++l) {
@@ -156,7 +164,8 @@ static smg_status smg_push_coupled(smg_variation *q, smg_real *keep) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_real own[SMG_BS * SMG_BS];
-    smg_newton_frame(c, k, q->h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
+    smg_newton_frame(c, k, q->h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k,
+                     s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
   }
   const int64_t bad = smg_solve_kept(s, keep);
   s->report.site = bad > 0 ? smg_site_of(s, bad - 1) : -1;
@@ -208,7 +217,8 @@ static smg_status smg_push_column(smg_state *s, smg_real h, smg_real *v, smg_rea
   (void)mem;
 #endif
 #if SMG_HAS_ALONE
-  for (int64_t n = 0; n < smg_alone(&s->c) && status == SMG_OK; ++n) status = smg_push_alone(s, h, smg_alone_site(&s->c, n), v, dm);
+  for (int64_t n = 0; n < smg_alone(&s->c) && status == SMG_OK; ++n)
+    status = smg_push_alone(s, h, smg_alone_site(&s->c, n), v, dm);
 #else
   (void)dm;
 #endif
@@ -243,7 +253,8 @@ static smg_status smg_leaf_before(smg_state *s, int64_t k) {
 #endif
 }
 
-/* The columns through the step of the size h that has led to s->w by the newest increment, the time of its midpoint in s->c. */
+/* The columns through the step of the size h that has led to s->w by the newest increment, the time of its midpoint in
+ * s->c. */
 static smg_status smg_push_step(smg_state *s, smg_real h, smg_real *v, int64_t columns, smg_real *mem) {
   const int64_t sites = smg_sites(&s->c);
   smg_status status = SMG_OK;

@@ -1,4 +1,5 @@
-/* smidgen method: the state of methods whose turns go by rows of a lattice, sites in the lanes of vectors. No step fails there, so w itself is turned. */
+/* smidgen method: the state of methods whose turns go by rows of a lattice, sites in the lanes of vectors. No step
+ * fails there, so w itself is turned. */
 #ifndef SMG_TURN_STATE_H
 #define SMG_TURN_STATE_H
 
@@ -15,7 +16,8 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   return used + smg_place_beside(s, mem ? mem + used : NULL);
 }
 
-/* A stage: the h of it and of the next one; after: has one gone before in this call? before: does one follow? end: is it the last of a step? */
+/* A stage: the h of it and of the next one; after: has one gone before in this call? before: does one follow? end: is
+ * it the last of a step? */
 typedef struct smg_turn_stage {
   smg_real h, next;
   int after, before, end;

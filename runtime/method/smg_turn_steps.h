@@ -1,5 +1,5 @@
-/* smidgen method: steps whose turns go by rows of a lattice. The header that includes this one defines smg_row_stage(s, known, part), what smg_stage is
- * from site to site, of a field that does not depend on time. */
+/* smidgen method: steps whose turns go by rows of a lattice. The header that includes this one defines smg_row_stage(s,
+ * known, part), what smg_stage is from site to site, of a field that does not depend on time. */
 #ifndef SMG_TURN_STEPS_H
 #define SMG_TURN_STEPS_H
 
@@ -10,7 +10,8 @@ static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) 
   const smg_real h = smg_signed_h(s->h);
   for (int i = 0; i < SMG_STAGES; ++i) {
     const int end = i == SMG_STAGES - 1;
-    const smg_turn_stage part = {smg_gamma[i] * h, smg_gamma[(i + 1) % SMG_STAGES] * h, i > 0 || !first, !end || more, end};
+    const smg_turn_stage part = {smg_gamma[i] * h, smg_gamma[(i + 1) % SMG_STAGES] * h, i > 0 || !first, !end || more,
+                                 end};
     smg_row_stage(s, known, part);
   }
   s->history = 1;

@@ -1,5 +1,5 @@
-/* smidgen runtime: the step of sites that are solved alone, each by Newton on its own midpoint, in the field of its neighbours
- * where it is a tracer. */
+/* smidgen runtime: the step of sites that are solved alone, each by Newton on its own midpoint, in the field of its
+ * neighbours where it is a tracer. */
 #ifndef SMG_ALONE_H
 #define SMG_ALONE_H
 
@@ -35,7 +35,8 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
     return SMG_NO_SOLUTION;
   }
   smg_increment(c, k, h, m, g, u);
-  if (smg_dot(half, half) >= 1) { /* u = 2((m.w/m.m) m - w): the same, but h X would bring the round-off of a strong field */
+  /* u = 2((m.w/m.m) m - w): the same, but h X would bring the round-off of a strong field */
+  if (smg_dot(half, half) >= 1) {
     smg_unit(m, m);
     const smg_real rho = smg_dot(m, s->w + 3 * k) / smg_dot(m, m);
     for (int b = 0; b < 3; ++b) u[b] = 2 * (rho * m[b] - s->w[3 * k + b]);
@@ -48,15 +49,16 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
 #endif
 
 #if SMG_ALONE_NEWTON
-/* The step equation of one site at one midpoint: m = s mbar, g = dH/dw, the residual r, Newton's J and right-hand side a, and
- * curved = B S; of a method that divides h X by q, rate = h/q and root, with which q is found. */
+/* The step equation of one site at one midpoint: m = s mbar, g = dH/dw, the residual r, Newton's J and right-hand side
+ * a, and curved = B S; of a method that divides h X by q, rate = h/q and root, with which q is found. */
 typedef struct smg_site_equation {
   smg_real rate, q, root;
   smg_real s, m[3], g[3], r[3], S[3 * SMG_BS], J[SMG_BS * SMG_BS], a[SMG_BS], curved[3 * SMG_BS];
 } smg_site_equation;
 
 /* m = P(mbar), g there, and u = h X(m). */
-SMG_INLINE void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+SMG_INLINE void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e,
+                               smg_real *u) {
   const smg_coefficients *c = &s->c;
   e->g[0] = e->g[1] = e->g[2] = 0;
   e->s = smg_project(c, k, smg_leaf_value(s, k), mbar, e->m);
@@ -65,7 +67,8 @@ SMG_INLINE void smg_site_field(const smg_state *s, smg_real h, int64_t k, const 
 }
 
 /* The increment of the method at mbar; 0 where it has none. */
-SMG_INLINE int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e, smg_real *u) {
+SMG_INLINE int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e,
+                                 smg_real *u) {
   smg_site_field(s, h, k, mbar, e, u);
   e->rate = h;
 #if SMG_DIVIDED
@@ -90,16 +93,19 @@ SMG_INLINE void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_s
   }
 }
 
-/* Is the residual e->r of this size? u = h X(m), of which the noise is measured where the terms alone do not explain it; twice that, for
- * a formula rounds each product a few times. */
-static int smg_site_is_round_off(const smg_state *s, smg_real h, int64_t k, const smg_site_equation *e, const smg_real *u, smg_real bound) {
-  const smg_real size = smg_largest(s->w + 3 * k), products = smg_product_scale(&s->c, k, h, e->m, e->g), r = smg_largest(e->r);
+/* Is the residual e->r of this size? u = h X(m), of which the noise is measured where the terms alone do not explain
+ * it; twice that, for a formula rounds each product a few times. */
+static int smg_site_is_round_off(const smg_state *s, smg_real h, int64_t k, const smg_site_equation *e,
+                                 const smg_real *u, smg_real bound) {
+  const smg_real size = smg_largest(s->w + 3 * k), products = smg_product_scale(&s->c, k, h, e->m, e->g),
+                 r = smg_largest(e->r);
   if (r <= smg_round_off(size, products, bound, 0, s->scale)) return 1;
   return r <= smg_round_off(size, products, bound, 2 * smg_site_noise(s, h, k, e->m, u), s->scale);
 }
 
 /* Is the increment u right to its round-off? */
-static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_real bound) {
+static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u,
+                                     smg_real bound) {
   smg_site_equation e;
   smg_real x[3];
   smg_site_field(s, h, k, mbar, &e, x);
@@ -108,7 +114,8 @@ static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, 
 }
 
 /* r = w + u/2 - mbar, and how large it is. */
-SMG_INLINE smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u, smg_site_equation *e) {
+SMG_INLINE smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar,
+                                        const smg_real *u, smg_site_equation *e) {
   const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
   smg_change now = {0, 0, 0};
   now.rounding_scale = smg_product_scale(&s->c, k, h, e->m, e->g);
@@ -128,8 +135,8 @@ SMG_INLINE smg_real smg_site_size(const smg_state *s, int64_t k) {
   return s->scale * (smg_norm(w) * smg_norm(n) / SMG_MATH(fabs)(smg_dot(w, n)));
 }
 
-/* The end of a contractive step: evaluations at the midpoint of w + compensation, until a twentieth of the round-off of the
- * iteration is left, which would drift. They move u by round-off alone, but where its field jumps. */
+/* The end of a contractive step: evaluations at the midpoint of w + compensation, until a twentieth of the round-off of
+ * the iteration is left, which would drift. They move u by round-off alone, but where its field jumps. */
 static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
   smg_site_equation e;
   smg_real left = 1, next[3];
@@ -147,7 +154,8 @@ static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 
 /* Newton's matrix of the method at e; returns the largest row sum of abs(J - I). */
-SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u, smg_site_equation *e) {
+SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u,
+                                       smg_site_equation *e) {
   smg_site_matrix(s, e->rate, k, e);
 #if SMG_DIVIDED
   for (int l = 0; l < SMG_BS; ++l) {
@@ -161,8 +169,10 @@ SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k
   return smg_bound(SMG_BS, e->J);
 }
 
-/* The end of a non-contractive step: h X would enlarge what is left, so the midpoint tells u; is it right to its round-off? */
-SMG_COLD static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
+/* The end of a non-contractive step: h X would enlarge what is left, so the midpoint tells u; is it right to its
+ * round-off? */
+SMG_COLD static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u,
+                                              smg_real bound) {
   const smg_real *w = s->w + 3 * k, *compensation = s->compensation + 3 * k;
   for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
   smg_tangential(&s->c, k, w, compensation, u);
@@ -183,7 +193,8 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
     const smg_real size = smg_site_size(s, k);
-    if (smg_kind(c, k) == SMG_NAMBU && !smg_shown(size, s->scale)) return SMG_NO_CONVERGENCE; /* near the cone C = 0 no digit of P is left */
+    /* near the cone C = 0 no digit of P is left */
+    if (smg_kind(c, k) == SMG_NAMBU && !smg_shown(size, s->scale)) return SMG_NO_CONVERGENCE;
     const int done = smg_stagnates(&now, &last, size, it, bound) || smg_tolerated(s, now.absolute) ||
                      (smg_stalls(&now, &last, s->scale, it) && smg_site_is_round_off(s, e.rate, k, &e, u, bound));
     int noncontractive = smg_strong_field(&now, size) || !smg_plain_end_serves(bound);
@@ -214,7 +225,8 @@ typedef struct smg_site_whole {
 } smg_site_whole;
 
 /* Newton's correction a of the midpoint y for the part p of h, and slope, how it changes with p. */
-static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *slope, int *sign) {
+static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *slope,
+                                        int *sign) {
   const smg_site_whole *whole = (const smg_site_whole *)of;
   smg_state *s = whole->s;
   const smg_coefficients *c = &s->c;
@@ -286,7 +298,8 @@ SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, 
 }
 #endif
 
-/* Where Newton begins: w + u/2 with u extrapolated; a single sphere comes here when that has failed, and begins at w. */
+/* Where Newton begins: w + u/2 with u extrapolated; a single sphere comes here when that has failed, and begins at
+ * w. */
 static inline smg_real smg_site_start(const smg_state *s, int64_t q) {
 #if SMG_SINGLE_SPHERE
   return s->w[q];
@@ -320,7 +333,8 @@ static smg_status smg_solve_alone(smg_state *s, smg_real h, int64_t k) {
 #endif
 }
 
-/* The step has failed; of the sites from the n-th on that fail too, the report is that of the one whose solutions end first. */
+/* The step has failed; of the sites from the n-th on that fail too, the report is that of the one whose solutions end
+ * first. */
 SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, smg_status status) {
   const smg_coefficients *c = &s->c;
   smg_report first = s->report;
@@ -338,8 +352,8 @@ SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, sm
   return status;
 }
 
-/* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest whether or
- * not the others have a step. */
+/* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest
+ * whether or not the others have a step. */
 static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status status) {
   const smg_coefficients *c = &s->c;
   int64_t n = 0;

@@ -67,8 +67,8 @@ SMG_INLINE void smg_tri_store(const smg_tri *q, smg_real *work, smg_real *x, int
 }
 
 /* Rows [first, last); returns 0 or 1 + the row whose pivot is singular. */
-SMG_INLINE int64_t smg_tri_rows(smg_tri *q, int64_t first, int64_t last, int border,
-                                const smg_real *A, smg_real *x, smg_real *work, int *ok) {
+SMG_INLINE int64_t smg_tri_rows(smg_tri *q, int64_t first, int64_t last, int border, const smg_real *A, smg_real *x,
+                                smg_real *work, int *ok) {
   for (int64_t i = first; i < last; i++) {
     if (smg_tri_row(q, A + i * 3 * SMG_BB, x + i * SMG_BS, border, ok)) return 1 + i;
     if (border) smg_tri_border(q);
@@ -78,8 +78,7 @@ SMG_INLINE int64_t smg_tri_rows(smg_tri *q, int64_t first, int64_t last, int bor
 }
 
 /* Rows [first, last) upwards: x_i = rhat_i - Uhat_i x_(i+1) - Ehat_i z. */
-SMG_INLINE void smg_tri_back(int64_t first, int64_t last, const smg_real *z, const smg_real *work,
-                             smg_real *x) {
+SMG_INLINE void smg_tri_back(int64_t first, int64_t last, const smg_real *z, const smg_real *work, smg_real *x) {
   for (int64_t i = last - 1; i >= first; i--) {
     const smg_real *row = work + i * 2 * SMG_BB;
     if (z) smg_block_subapply(x + i * SMG_BS, row + SMG_BB, z);
@@ -94,8 +93,7 @@ SMG_INLINE void smg_tri_begin(smg_tri *q) {
 }
 
 /* Open chain: row 0 has no L, row n-1 no U. */
-static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, smg_real *work,
-                                   int *pivots) {
+static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   smg_tri q;
   smg_tri_begin(&q);
   smg_real row[3 * SMG_BB] = {0};
@@ -121,8 +119,7 @@ SMG_INLINE void smg_tri_cut(smg_tri *q, const smg_real *border, const smg_real *
 
 /* The ring's last row before the border: its U meets the border's column, the border's own L
  * its column. */
-SMG_INLINE int smg_tri_join(smg_tri *q, const smg_real *a, const smg_real *border, const smg_real *b,
-                            int *ok) {
+SMG_INLINE int smg_tri_join(smg_tri *q, const smg_real *a, const smg_real *border, const smg_real *b, int *ok) {
   if (smg_tri_row(q, a, b, 1, ok)) return 1;
   smg_block_add(q->E, q->U);
   smg_block_zero(q->U);
@@ -150,8 +147,8 @@ SMG_INLINE int smg_tri_decayed(smg_tri *q) {
 }
 
 /* Ring: rows 0 .. n-2 with the border n-1; the fill is carried up to row `*filled`. */
-static inline int64_t smg_tri_ring_down(smg_tri *q, int64_t n, const smg_real *A, smg_real *x,
-                                        smg_real *work, int *ok, int64_t *filled) {
+static inline int64_t smg_tri_ring_down(smg_tri *q, int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *ok,
+                                        int64_t *filled) {
   const int64_t last = n - 2;
   const smg_real *border = A + (n - 1) * 3 * SMG_BB;
   smg_tri_cut(q, border, x + (n - 1) * SMG_BS);
@@ -169,8 +166,7 @@ static inline int64_t smg_tri_ring_down(smg_tri *q, int64_t n, const smg_real *A
   return 0;
 }
 
-static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, smg_real *work,
-                                   int *pivots) {
+static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   smg_tri q;
   smg_tri_begin(&q);
   int ok = 1;
@@ -223,8 +219,8 @@ SMG_INLINE void smg_band_load(int k, const smg_real *a, const smg_real *b, smg_b
 }
 
 /* Row i of a chain of m near an end: what leaves the chain goes to the border, or nowhere. */
-static inline void smg_band_load_end(int64_t n, int k, int64_t m, int64_t i, const smg_real *A,
-                                  const smg_real *b, smg_band_row *q) {
+static inline void smg_band_load_end(int64_t n, int k, int64_t m, int64_t i, const smg_real *A, const smg_real *b,
+                                     smg_band_row *q) {
   smg_band_load(k, A + i * (2 * k + 1) * SMG_BB, b, q);
   for (int d = -k; d <= k; d++) {
     const int64_t c = i + d;
@@ -235,8 +231,8 @@ static inline void smg_band_load_end(int64_t n, int k, int64_t m, int64_t i, con
 }
 
 /* Subtracts L times each row above: those d = 1..count rows up; `work`, x: row i's places. */
-SMG_INLINE void smg_band_eliminate(int k, int64_t count, int border, const smg_real *work,
-                                   const smg_real *x, smg_band_row *q) {
+SMG_INLINE void smg_band_eliminate(int k, int64_t count, int border, const smg_real *work, const smg_real *x,
+                                   smg_band_row *q) {
   SMG_UNROLL for (int d = k; d >= 1; d--) {
     if (d > count) continue;
     const smg_real *L = q->W[k - d], *U = work - d * 2 * k * SMG_BB, *E = U + k * SMG_BB;
@@ -249,8 +245,7 @@ SMG_INLINE void smg_band_eliminate(int k, int64_t count, int border, const smg_r
 }
 
 /* Uhat, Ehat, rhat = D^-1 (U, E, r) into the work space and the solution's place. */
-SMG_INLINE int smg_band_scale(int k, int border, smg_real *work, smg_real *x, const smg_band_row *q,
-                              int *ok) {
+SMG_INLINE int smg_band_scale(int k, int border, smg_real *work, smg_real *x, const smg_band_row *q, int *ok) {
   smg_real inverse[SMG_BB];
   if (smg_block_inverse(inverse, q->W[k], q->before)) return 1;
   smg_block_pivot(ok, q->W[k]);
@@ -263,8 +258,7 @@ SMG_INLINE int smg_band_scale(int k, int border, smg_real *work, smg_real *x, co
 }
 
 /* The border's rows at column c of the chain: their own blocks, none of them eliminated yet. */
-static inline void smg_band_open_border(int64_t n, int k, int64_t c, const smg_real *A,
-                                     smg_band_border *q) {
+static inline void smg_band_open_border(int64_t n, int k, int64_t c, const smg_real *A, smg_band_border *q) {
   for (int s = 0; s < k; s++)
     for (int j = 0; j <= k; j++) {
       const int64_t column = c + j;
@@ -272,12 +266,10 @@ static inline void smg_band_open_border(int64_t n, int k, int64_t c, const smg_r
     }
 }
 
-static inline void smg_band_cut(int64_t n, int k, const smg_real *A, const smg_real *x,
-                                smg_band_border *q) {
+static inline void smg_band_cut(int64_t n, int k, const smg_real *A, const smg_real *x, smg_band_border *q) {
   smg_band_open_border(n, k, 0, A, q);
   for (int s = 0; s < k; s++) {
-    for (int t = 0; t < k; t++)
-      smg_block_copy(q->S[s][t], A + ((n - k + s) * (2 * k + 1) + t - s + k) * SMG_BB);
+    for (int t = 0; t < k; t++) smg_block_copy(q->S[s][t], A + ((n - k + s) * (2 * k + 1) + t - s + k) * SMG_BB);
     smg_vector_copy(q->s[s], x + (n - k + s) * SMG_BS);
     q->before[s] = smg_block_scale(q->S[s][s]);
   }
@@ -285,8 +277,8 @@ static inline void smg_band_cut(int64_t n, int k, const smg_real *A, const smg_r
 
 /* The border after column i: S -= F Ehat, s -= F rhat, F -= F Uhat, then the window moves on
  * to the columns i+1 .. i+1+k. */
-SMG_INLINE void smg_band_border_step(int64_t n, int k, int64_t i, const smg_real *A,
-                                     const smg_real *work, const smg_real *x, smg_band_border *q) {
+SMG_INLINE void smg_band_border_step(int64_t n, int k, int64_t i, const smg_real *A, const smg_real *work,
+                                     const smg_real *x, smg_band_border *q) {
   const int64_t next = i + 1 + k;
   const int fresh = next >= n - 2 * k && next < n - k;
   SMG_UNROLL for (int s = 0; s < k; s++) {
@@ -304,8 +296,7 @@ SMG_INLINE void smg_band_border_step(int64_t n, int k, int64_t i, const smg_real
 
 /* Rows [first, last) of a chain of m: 0, or 1 + the row whose pivot is singular. */
 static inline int64_t smg_band_rows(int64_t n, int k, int64_t m, int64_t first, int64_t last, int border,
-                                 const smg_real *A, smg_real *x, smg_real *work, smg_band_border *q,
-                                 int *ok) {
+                                    const smg_real *A, smg_real *x, smg_real *work, smg_band_border *q, int *ok) {
   for (int64_t i = first; i < last; i++) {
     smg_band_row row;
     smg_real *out = work + i * 2 * k * SMG_BB, *xi = x + i * SMG_BS;
@@ -338,8 +329,8 @@ static inline int64_t smg_band_close(int k, smg_band_border *q, smg_real *z, int
 }
 
 /* Rows [first, last) of a chain of m upwards: x_i = rhat_i - sum Uhat x_(i+c) - sum Ehat z. */
-SMG_INLINE void smg_band_back(int k, int64_t m, int64_t first, int64_t last, const smg_real *z,
-                              const smg_real *work, smg_real *x) {
+SMG_INLINE void smg_band_back(int k, int64_t m, int64_t first, int64_t last, const smg_real *z, const smg_real *work,
+                              smg_real *x) {
   for (int64_t i = last - 1; i >= first; i--) {
     const smg_real *row = work + i * 2 * k * SMG_BB;
     smg_real *xi = x + i * SMG_BS;
@@ -366,7 +357,7 @@ static inline int smg_band_decayed(int k, int64_t i, const smg_real *work, const
 /* Ring: the chain's rows 0 .. m-1, m = n-k; the fill is carried up to row `*filled`, and again
  * in the last k rows. */
 static inline int64_t smg_band_ring_down(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work,
-                                      smg_band_border *q, int *ok, int64_t *filled) {
+                                         smg_band_border *q, int *ok, int64_t *filled) {
   const int64_t m = n - k, end = m - k;
   int64_t i = 0, failed = 0;
   smg_band_cut(n, k, A, x, q);
@@ -385,8 +376,7 @@ static inline int64_t smg_band_ring_down(int64_t n, int k, const smg_real *A, sm
   return failed ? failed : smg_band_rows(n, k, m, end, m, 1, A, x, work, q, ok);
 }
 
-static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work,
-                                 int *pivots) {
+static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   smg_band_border q;
   const int64_t m = n - k;
   int64_t filled = 0, failed;
@@ -401,8 +391,7 @@ static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_rea
   return 0;
 }
 
-static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work,
-                                 int *pivots) {
+static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   int ok = 1;
   const int64_t failed = smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, &ok);
   if (failed) return failed;
@@ -416,13 +405,11 @@ static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_rea
  * n >= 2k+1 when periodic, n >= 1 otherwise.
  * Returns 0, or 1 + the block row whose pivot is singular to round-off (x is then spoilt).
  * *pivots: 1 when no pivot block has a real eigenvalue <= 0, else 2 or -2, the sign of the determinant. */
-SMG_INLINE int64_t smg_band_solve(int64_t n, int k, int periodic, const smg_real *A, smg_real *x,
-                                  smg_real *work, int *pivots) {
+SMG_INLINE int64_t smg_band_solve(int64_t n, int k, int periodic, const smg_real *A, smg_real *x, smg_real *work,
+                                  int *pivots) {
   *pivots = 0;
-  if (k == 1) return periodic ? smg_tri_ring(n, A, x, work, pivots)
-                              : smg_tri_open(n, A, x, work, pivots);
-  return periodic ? smg_band_ring(n, k, A, x, work, pivots)
-                  : smg_band_open(n, k, A, x, work, pivots);
+  if (k == 1) return periodic ? smg_tri_ring(n, A, x, work, pivots) : smg_tri_open(n, A, x, work, pivots);
+  return periodic ? smg_band_ring(n, k, A, x, work, pivots) : smg_band_open(n, k, A, x, work, pivots);
 }
 
 /* ---- what the matrix of a step shows of its branch ------------------------------------- */

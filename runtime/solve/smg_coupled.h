@@ -1,4 +1,5 @@
-/* smidgen runtime: the step equation of sites that are solved together: residual, predictor, and the words of Newton's loop. */
+/* smidgen runtime: the step equation of sites that are solved together: residual, predictor, and the words of Newton's
+ * loop. */
 #ifndef SMG_COUPLED_H
 #define SMG_COUPLED_H
 

@@ -30,8 +30,7 @@ SMG_INLINE void smg_dense_swap(int64_t n, smg_real *A, smg_real *x, int64_t a, i
  * size the entries of U above it show. */
 SMG_INLINE int smg_dense_singular(int64_t n, const smg_real *A, int64_t c) {
   smg_real largest = 0;
-  for (int64_t i = 0; i < c; i++)
-    largest = smg_abs(A[i * n + c]) > largest ? smg_abs(A[i * n + c]) : largest;
+  for (int64_t i = 0; i < c; i++) largest = smg_abs(A[i * n + c]) > largest ? smg_abs(A[i * n + c]) : largest;
   return !(smg_abs(A[c * n + c]) > (smg_real)n * SMG_EPS * largest);
 }
 

@@ -1,9 +1,10 @@
-/* smidgen runtime: few sites that all feel each other, as arrays for vectors of lanes: x, y and z apart, a site in each lane.
+/* smidgen runtime: few sites that all feel each other, as arrays for vectors of lanes: x, y and z apart, a site in each
+ * lane.
  *
- * An array holds smg_few_pitch numbers, as many as the widest lanes fill; those beyond the last site belong to none. The model gives
- * smg_few_field(c, all, pitch, i, g), g = dH/dw of the sites i .. i + SMG_LANES - 1 with all vectors in `all`, the other sites one after the
- * other, so that every number of lanes has the same bits; and smg_few_norms, the same with a bound on the norms of the Hessian in
- * their rows. */
+ * An array holds smg_few_pitch numbers, as many as the widest lanes fill; those beyond the last site belong to none.
+ * The model gives smg_few_field(c, all, pitch, i, g), g = dH/dw of the sites i .. i + SMG_LANES - 1 with all vectors in
+ * `all`, the other sites one after the other, so that every number of lanes has the same bits; and smg_few_norms, the
+ * same with a bound on the norms of the Hessian in their rows. */
 #ifndef SMG_FEW_H
 #define SMG_FEW_H
 
@@ -12,10 +13,22 @@
 
 #define SMG_FEW_WIDEST 8 /* lanes of the widest registers there are */
 
-/* Arrays of a step: x, y and z of w, of what it has lost to rounding, of u and of m; h/(2 kappa), the radius, and the radius over |mbar|. */
-enum { SMG_FEW_W = 0, SMG_FEW_LOST = 3, SMG_FEW_U = 6, SMG_FEW_M = 9, SMG_FEW_HALF = 12, SMG_FEW_RADIUS, SMG_FEW_ONTO, SMG_FEW_ARRAYS };
+/* Arrays of a step: x, y and z of w, of what it has lost to rounding, of u and of m; h/(2 kappa), the radius, and the
+ * radius over |mbar|. */
+enum {
+  SMG_FEW_W = 0,
+  SMG_FEW_LOST = 3,
+  SMG_FEW_U = 6,
+  SMG_FEW_M = 9,
+  SMG_FEW_HALF = 12,
+  SMG_FEW_RADIUS,
+  SMG_FEW_ONTO,
+  SMG_FEW_ARRAYS
+};
 
-static inline int64_t smg_few_pitch(int64_t sites) { return (sites + SMG_FEW_WIDEST - 1) / SMG_FEW_WIDEST * SMG_FEW_WIDEST; }
+static inline int64_t smg_few_pitch(int64_t sites) {
+  return (sites + SMG_FEW_WIDEST - 1) / SMG_FEW_WIDEST * SMG_FEW_WIDEST;
+}
 #define SMG_FEW_SIZE(sites) (SMG_FEW_ARRAYS * smg_few_pitch(sites))
 
 /* The vectors of the sites i, i + 1, .. in lanes. */

@@ -1,13 +1,15 @@
-/* smidgen runtime: the step of few sites that all feel each other by fixed-point iteration in lanes, u <- h X(P(w + compensation + u/2))
- * for all sites at once, tried before Newton.
+/* smidgen runtime: the step of few sites that all feel each other by fixed-point iteration in lanes, u <- h X(P(w +
+ * compensation + u/2)) for all sites at once, tried before Newton.
  *
- * The iteration ends where one more evaluation would move u by a small part of an ulp, as the rate at which changes shrink tells. That evaluation is
- * still made, and with it sums of bounds on the norms of the Hessian in each row: the rows of J - I are at most
+ * The iteration ends where one more evaluation would move u by a small part of an ulp, as the rate at which changes
+ * shrink tells. That evaluation is still made, and with it sums of bounds on the norms of the Hessian in each row: the
+ * rows of J - I are at most
  *
  *     (h/2)(1/kappa) s (r sum of norms + abs(m.g)/r),
  *
- * (smg_end_site of smg_sweep.h). Newton takes the step instead where such a bound is above SMG_SLOWED, since true changes might then shrink
- * as slowly as those that smg_rest.h takes for round-off, and where the increments are longer than the largest component of the state. */
+ * (smg_end_site of smg_sweep.h). Newton takes the step instead where such a bound is above SMG_SLOWED, since true
+ * changes might then shrink as slowly as those that smg_rest.h takes for round-off, and where the increments are longer
+ * than the largest component of the state. */
 #ifndef SMG_FEW_STEP_H
 #define SMG_FEW_STEP_H
 
@@ -17,12 +19,15 @@
 #include "smg_row_spin.h"
 
 #define SMG_FEW_ROUNDS 32 /* evaluations; more of them cost more than Newton: four vortices 40 ns each, and 1200 */
-/* Ulps of u that the last evaluation may move, as far as the rate tells. Sixteen spins, 1e6 steps: |w|^2 drifts by 2e-20 a step or more
- * with a twentieth of an ulp of w, by 1e-20 with one of u, and by nothing that is seen with this. */
+/* Ulps of u that the last evaluation may move, as far as the rate tells. Sixteen spins, 1e6 steps: |w|^2 drifts by
+ * 2e-20 a step or more with a twentieth of an ulp of w, by 1e-20 with one of u, and by nothing that is seen with
+ * this. */
 #define SMG_FEW_LEFT (SMG_LEFT * SMG_LEFT)
-#define SMG_FEW_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own, as in smg_row_sweep.h */
+/* part of the radius below which a component is watched on its own, as in smg_row_sweep.h */
+#define SMG_FEW_SMALL (smg_real)1e-3
 
-/* How far u/2 moved: the largest square, and the largest part of what a small component of w + u/2 is made of; and the largest square of u. */
+/* How far u/2 moved: the largest square, and the largest part of what a small component of w + u/2 is made of; and the
+ * largest square of u. */
 typedef struct smg_few_motion {
   smg_lanes square, part, size;
 } smg_few_motion;
@@ -41,7 +46,8 @@ static void smg_few_predict(const smg_state *s) {
   }
 }
 
-/* The arrays of a step for the sites of one vector, `in` of them sites of the state: lanes beyond hold a vector that nothing turns. */
+/* The arrays of a step for the sites of one vector, `in` of them sites of the state: lanes beyond hold a vector that
+ * nothing turns. */
 SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, int64_t pitch, int64_t i, int64_t in) {
   smg_real *a = s->few + i;
   smg_lanes rate = {0}, radius = smg_lane_of(1);
@@ -78,9 +84,10 @@ static void smg_few_leave(const smg_state *s) {
     for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
 }
 
-/* m = (w + compensation + u/2)/|..|, as long as the radius: times r/|..| = (r/|..|^2) |..|, so that the root and the division do not wait for each
- * other. Both rounded correctly, they take less time than an inverse root by products, of which each waits for the one before. The inverse from the
- * evaluation before, with a correction, would take less again, but creep by ulps of one sign: |w| of sixteen spins then drifted by 2e-20 a step. */
+/* m = (w + compensation + u/2)/|..|, as long as the radius: times r/|..| = (r/|..|^2) |..|, so that the root and the
+ * division do not wait for each other. Both rounded correctly, they take less time than an inverse root by products, of
+ * which each waits for the one before. The inverse from the evaluation before, with a correction, would take less
+ * again, but creep by ulps of one sign: |w| of sixteen spins then drifted by 2e-20 a step. */
 static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes m[3], lost[3], u[3];
@@ -88,7 +95,8 @@ static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
     smg_few_take(a + SMG_FEW_LOST * pitch, pitch, i, lost);
     smg_few_take(a + SMG_FEW_U * pitch, pitch, i, u);
     for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
-    const smg_lanes square = smg_lane_dot(m, m), s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) / square * smg_lane_sqrt(square);
+    const smg_lanes square = smg_lane_dot(m, m),
+                    s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) / square * smg_lane_sqrt(square);
     for (int k = 0; k < 3; ++k) m[k] *= s;
     smg_few_put(a + SMG_FEW_M * pitch, pitch, i, m);
     smg_lane_put(a + SMG_FEW_ONTO * pitch + i, s);
@@ -96,17 +104,20 @@ static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
 }
 
 /* The part by which a component of w + u/2 moved, to 13 %, where it is small. */
-SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const smg_lanes *u, const smg_lanes *off, smg_few_motion *moved) {
+SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const smg_lanes *u, const smg_lanes *off,
+                              smg_few_motion *moved) {
   const smg_lanes none = {0}, small = SMG_FEW_SMALL * smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
   for (int k = 0; k < 3; ++k) {
-    const smg_lanes made = smg_lane_abs(smg_lane_take(a + (SMG_FEW_W + k) * pitch + i)) + smg_lane_abs((smg_real)0.5 * u[k]);
+    const smg_lanes made =
+        smg_lane_abs(smg_lane_take(a + (SMG_FEW_W + k) * pitch + i)) + smg_lane_abs((smg_real)0.5 * u[k]);
     const smg_lanes part = smg_lane_abs(off[k]) * smg_lane_rough_inverse(made);
     moved->part = smg_lane_max(moved->part, smg_lane_select((smg_lane_mask)(made < small), part, none));
   }
 }
 
 /* u = h X(m) of the sites of one vector, `in` of them sites of the state, and how far that moved it. */
-SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, int small, const smg_lanes *g, smg_few_motion *moved) {
+SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, int small, const smg_lanes *g,
+                             smg_few_motion *moved) {
   const smg_lanes none = {0}, rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
   smg_lanes m[3], u[3], before[3];
   smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
@@ -137,8 +148,8 @@ static smg_few_motion smg_few_evaluate(const smg_state *s, int small) {
   return moved;
 }
 
-/* Would one more evaluation move less than SMG_FEW_LEFT ulps of u, or than the user allows; or do changes shrink no more? That move, along u,
- * changes |w|, with one sign along many an orbit. */
+/* Would one more evaluation move less than SMG_FEW_LEFT ulps of u, or than the user allows; or do changes shrink no
+ * more? That move, along u, changes |w|, with one sign along many an orbit. */
 static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, const smg_rest *part, smg_real square) {
   if (smg_tolerated(s, whole->rate * whole->now) && s->tolerance > 0) return 1;
   const smg_real next = whole->rate * whole->left / (SMG_FEW_LEFT * SMG_EPS);
@@ -161,12 +172,16 @@ static int smg_few_settle(smg_state *s, int small) {
   return 0;
 }
 
-/* Bounds on the rows of J - I of the sites of one vector, and on the squares of the products in h X; 0 beyond the last site. */
-SMG_INLINE void smg_few_rows(const smg_real *a, int64_t pitch, int64_t i, int64_t in, const smg_lanes *g, smg_lanes norms, smg_lanes *row, smg_lanes *products) {
-  const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i), r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+/* Bounds on the rows of J - I of the sites of one vector, and on the squares of the products in h X; 0 beyond the last
+ * site. */
+SMG_INLINE void smg_few_rows(const smg_real *a, int64_t pitch, int64_t i, int64_t in, const smg_lanes *g,
+                             smg_lanes norms, smg_lanes *row, smg_lanes *products) {
+  const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i),
+                  r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
   smg_lanes m[3];
   smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
-  const smg_lanes own = smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) * (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
+  const smg_lanes own = smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) *
+                        (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
   const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(g, g);
   *row = smg_lane_max(*row, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), own, none) : own);
   *products = smg_lane_max(*products, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), square, none) : square);

@@ -1,8 +1,10 @@
-/* smidgen runtime: fixed-point iteration over the stages of all sites together: when it has settled, and whether it contracts.
+/* smidgen runtime: fixed-point iteration over the stages of all sites together: when it has settled, and whether it
+ * contracts.
  *
- * A method defines smg_sweep_stages(s, with), one sweep; `with` is what it works with, or NULL; it says what the sweep has moved: how far w will be moved by the change of the
- * stages, relative to the stages' own size and absolutely, next to the products in them. A step ends where the w of it are right to
- * s->tolerance, as its last two changes tell; 0: where nothing moves but by round-off, as long runs need it. */
+ * A method defines smg_sweep_stages(s, with), one sweep; `with` is what it works with, or NULL; it says what the sweep
+ * has moved: how far w will be moved by the change of the stages, relative to the stages' own size and absolutely, next
+ * to the products in them. A step ends where the w of it are right to s->tolerance, as its last two changes tell; 0:
+ * where nothing moves but by round-off, as long runs need it. */
 #ifndef SMG_FIXED_POINT_H
 #define SMG_FIXED_POINT_H
 
@@ -10,13 +12,14 @@
 #include "smg_site.h"
 #include "smg_tolerances.h"
 
-/* The iteration must contract: from its first change on, times the slack for what grows before it falls, each sweep must leave
- * no more than this part of the one before. Then its solution is the one connected to the state at h = 0. */
+/* The iteration must contract: from its first change on, times the slack for what grows before it falls, each sweep
+ * must leave no more than this part of the one before. Then its solution is the one connected to the state at h = 0. */
 #define SMG_CONTRACTION (smg_real)0.75
 #define SMG_SLACK 32
-#define SMG_MOST_SWEEPS 400 /* twice, from the polynomial and from rest, with the last ones below: fewer than 1000 evaluations of all sites */
-/* The formula of the field may carry so much round-off, relative to the state: below it changes that have found no new least
- * for some sweeps are taken for that. */
+/* twice, from the polynomial and from rest, with the last ones below: fewer than 1000 evaluations of all sites */
+#define SMG_MOST_SWEEPS 400
+/* The formula of the field may carry so much round-off, relative to the state: below it changes that have found no new
+ * least for some sweeps are taken for that. */
 #define SMG_FIELD_NOISE (4194304 * SMG_EPS)
 #define SMG_PATIENCE 8
 
@@ -28,38 +31,42 @@ typedef struct smg_moved {
 /* One sweep: every stage from all as they were. */
 static smg_moved smg_sweep_stages(smg_state *s, void *with);
 
-/* What the sweeps of a step have shown: the change before the last, the least one and how long ago it was, the most that a
- * contraction allows, and how large a change is round-off. */
+/* What the sweeps of a step have shown: the change before the last, the least one and how long ago it was, the most
+ * that a contraction allows, and how large a change is round-off. */
 typedef struct smg_watch {
   smg_change now, last;
   smg_real least, most, size;
   int since;
 } smg_watch;
 
-/* Takes in what a sweep has moved. The products in the increments count only where they could be larger than the state. */
+/* Takes in what a sweep has moved. The products in the increments count only where they could be larger than the
+ * state. */
 SMG_INLINE void smg_look(const smg_state *s, const smg_moved *moved, smg_watch *watch) {
   watch->last = watch->now;
   watch->now.relative = smg_lane_largest(moved->relative);
   watch->now.absolute = smg_lane_largest(moved->absolute);
   watch->size = s->scale;
-  if (watch->now.absolute > 8 * SMG_EPS * s->scale) watch->size = smg_max(s->scale, smg_lane_largest(moved->rounding_scale));
+  if (watch->now.absolute > 8 * SMG_EPS * s->scale)
+    watch->size = smg_max(s->scale, smg_lane_largest(moved->rounding_scale));
 }
 
-/* Is what is left after these two changes, now^2/(last - now) of a geometric sequence, at most that? One that was larger than all that it
- * changed is no part of such a sequence, and tells no more than one as large. */
+/* Is what is left after these two changes, now^2/(last - now) of a geometric sequence, at most that? One that was
+ * larger than all that it changed is no part of such a sequence, and tells no more than one as large. */
 SMG_INLINE int smg_leaves_at_most(smg_real now, smg_real last, smg_real whole, smg_real most) {
   return now * now <= most * (smg_min(last, whole) - now);
 }
 
-/* The accuracy asked for, round-off of the increment or none; stagnation, as smg_settled has it but for every contraction that is
- * allowed; or the round-off of the field. */
+/* The accuracy asked for, round-off of the increment or none; stagnation, as smg_settled has it but for every
+ * contraction that is allowed; or the round-off of the field. */
 SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
   const smg_change *now = &watch->now, *last = &watch->last;
   const smg_real tolerance = s->tolerance * s->scale;
-  if (!(now->absolute <= smg_max(SMG_BLIND * s->scale, tolerance))) return 0; /* beside products so large anything looks like round-off */
+  /* beside products so large anything looks like round-off */
+  if (!(now->absolute <= smg_max(SMG_BLIND * s->scale, tolerance))) return 0;
   if (now->relative <= SMG_EPS || now->absolute <= tolerance) return 1;
   if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, 1, SMG_EPS)) return 1;
-  if (tolerance > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, s->scale, tolerance)) return 1;
+  if (tolerance > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, s->scale, tolerance))
+    return 1;
   if (now->absolute <= 8 * SMG_EPS * watch->size && now->relative >= SMG_CONTRACTION * last->relative) return 1;
   return now->absolute <= SMG_FIELD_NOISE * watch->size && watch->since >= SMG_PATIENCE;
 }
@@ -84,8 +91,8 @@ static int smg_more_sweeps(smg_state *s, void *with, int more) {
   return change <= SMG_MAX;
 }
 
-/* Sweeps until what is left is round-off, one more, and an eighth as many again: what was left is of one sign along many an orbit,
- * a drift. */
+/* Sweeps until what is left is round-off, one more, and an eighth as many again: what was left is of one sign along
+ * many an orbit, a drift. */
 static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
   smg_watch watch = {{SMG_MAX, SMG_MAX, 0}, {SMG_MAX, SMG_MAX, 0}, 0, -1, 0, 0};
   for (int n = 0; n < SMG_MOST_SWEEPS; ++n) {
@@ -93,8 +100,10 @@ static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
     smg_look(s, &moved, &watch);
     ++s->report.iterations;
     s->report.residual = watch.now.absolute;
-    if (!(watch.now.absolute <= SMG_MAX && smg_lane_largest(moved.rounding_scale) <= SMG_MAX)) return SMG_NOT_FINITE; /* beside infinite products every change is small */
-    if (smg_stages_settled(s, &watch)) return smg_more_sweeps(s, with, s->tolerance > 0 ? 0 : 1 + n / 8) ? SMG_OK : SMG_NOT_FINITE;
+    /* beside infinite products every change is small */
+    if (!(watch.now.absolute <= SMG_MAX && smg_lane_largest(moved.rounding_scale) <= SMG_MAX)) return SMG_NOT_FINITE;
+    if (smg_stages_settled(s, &watch))
+      return smg_more_sweeps(s, with, s->tolerance > 0 ? 0 : 1 + n / 8) ? SMG_OK : SMG_NOT_FINITE;
     if (!smg_sweeps_contract(&watch)) break;
   }
   return SMG_NO_CONVERGENCE;

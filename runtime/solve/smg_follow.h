@@ -5,55 +5,71 @@
  *     F(y, p) = w + (p h/2) X(P(y)) - y = 0,     0 <= p <= 1.
  *
  * Their curve (y, p) begins at (w, 0) and is followed by its arclength in units of w and of the natural step,
- * which moves w by its own size; with the tangent (t, q): J t = q dF/dp, J = -dF/dy. Where q changes its sign the curve turns back: a fold, and beyond it
- * the branch has no solution. Nor has it where a midpoint runs into the centre of its sphere, where
- * P has no direction: there the curve ends. Predictor along the tangent, Newton across it; Allgower and Georg,
- * Numerical Continuation Methods (1990), chapter 6. */
+ * which moves w by its own size; with the tangent (t, q): J t = q dF/dp, J = -dF/dy. Where q changes its sign the curve
+ * turns back: a fold, and beyond it the branch has no solution. Nor has it where a midpoint runs into the centre of its
+ * sphere, where P has no direction: there the curve ends. Predictor along the tangent, Newton across it; Allgower and
+ * Georg, Numerical Continuation Methods (1990), chapter 6. */
 #ifndef SMG_FOLLOW_H
 #define SMG_FOLLOW_H
 
 #include "smg_site.h"
 
-/* The thresholds, and what half and twice do to some 1400 first steps from random starts (docs/thresholds.md): the same are found
- * throughout, but some of the others are refused by another status ("refused otherwise"). */
-#define SMG_MAX_POINTS 600 /* points of a curve: those of the models need less than half; a tenth changes the status of 2 % of first steps */
+/* The thresholds, and what half and twice do to some 1400 first steps from random starts (docs/thresholds.md): the same
+ * are found throughout, but some of the others are refused by another status ("refused otherwise"). */
+/* points of a curve: those of the models need less than half; a tenth changes the status of 2 % of first steps */
+#define SMG_MAX_POINTS 600
 #define SMG_CURVE_WORK 6000000 /* numbers: points times n of a large system; seconds */
-#define SMG_STRAIGHT (smg_real)0.2 /* a correction may be this part of the pace, or of the correction before; half: 4 refused otherwise, twice: 3 */
+/* a correction may be this part of the pace, or of the correction before; half: 4 refused otherwise, twice: 3 */
+#define SMG_STRAIGHT (smg_real)0.2
 #define SMG_ALONE (smg_real)1e-5 /* and by so much more when y hardly moves; half or twice: the same */
-#define SMG_ALONG (smg_real)0.95 /* least cosine between the tangents of neighbouring points: 18 degrees; half the distance from 1: 11 refused otherwise, twice: 6 */
+/* least cosine between the tangents of neighbouring points: 18 degrees; half the distance from 1: 11 refused otherwise,
+ * twice: 6 */
+#define SMG_ALONG (smg_real)0.95
 #define SMG_MAX_CORRECTIONS 7 /* of a point, before a smaller pace is tried; half: the same, twice: nothing changes */
 #define SMG_FIRST_PACE (smg_real)0.1 /* of the curve; half: 7 refused otherwise, twice: 3 */
-#define SMG_SHORTER (smg_real)0.25 /* the next pace, of one that failed; half: 2 refused otherwise, twice: 3 */
-#define SMG_LONGER (smg_real)1.5 /* and of one that took no more corrections than SMG_EASY; half the distance from 1: 5 refused otherwise, twice: 4 */
+#define SMG_SHORTER (smg_real)0.25   /* the next pace, of one that failed; half: 2 refused otherwise, twice: 3 */
+/* and of one that took no more corrections than SMG_EASY; half the distance from 1: 5 refused otherwise, twice: 4 */
+#define SMG_LONGER (smg_real)1.5
 #define SMG_EASY 4 /* half: 7 refused otherwise, twice: nothing changes */
-#define SMG_ON_CURVE (smg_real)1e-5 /* the last correction of a point is at most this, or a tenth of the pace; half: 3 refused otherwise, twice: 8 */
+/* the last correction of a point is at most this, or a tenth of the pace; half: 3 refused otherwise, twice: 8 */
+#define SMG_ON_CURVE (smg_real)1e-5
 #define SMG_ON_END (smg_real)1e-9 /* and of the end this: Newton goes on from there; half or twice: the same */
-#define SMG_LEAST (smg_real)1e-9 /* a shorter pace is given up: corrections of SMG_ON_CURVE squared are below it; half or twice: nothing changes */
-#define SMG_CENTRE (smg_real)1e-6 /* a midpoint so near the centre, in radii, is there; without it: one case of tests/test_edges_of_runtime.py */
-#define SMG_INWARD (smg_real)2e-5 /* a midpoint so near the centre, in radii, is there where it moves straight towards it: it would */
-#define SMG_MISS (smg_real)0.01 /* pass at this part of its distance, which is many of the shortest paces. Half of them: 10 and 2 refused */
-                                /* otherwise, twice: none */
-#define SMG_TURNED (smg_real)1e-6 /* a part of h by which p has come back: a fold, no noise; half or twice: nothing changes */
-#define SMG_DIP (smg_real)1e-4 /* a pace at which p may be taken to rise where it nearly stood still; half or twice: nothing changes */
+/* a shorter pace is given up: corrections of SMG_ON_CURVE squared are below it; half or twice: nothing changes */
+#define SMG_LEAST (smg_real)1e-9
+/* a midpoint so near the centre, in radii, is there; without it: one case of tests/test_edges_of_runtime.py */
+#define SMG_CENTRE (smg_real)1e-6
+/* a midpoint so near the centre, in radii, is there where it moves straight towards it: */
+#define SMG_INWARD (smg_real)2e-5
+/* it would pass at this part of its distance, which is many of the shortest paces. Half of them: 10 and 2 refused
+ * otherwise, twice: none */
+#define SMG_MISS (smg_real)0.01
+/* a part of h by which p has come back: a fold, no noise; half or twice: nothing changes */
+#define SMG_TURNED (smg_real)1e-6
+/* a pace at which p may be taken to rise where it nearly stood still; half or twice: nothing changes */
+#define SMG_DIP (smg_real)1e-4
 #define SMG_LOW (smg_real)0.25 /* dp/ds near a fold; half or twice: the same */
-#define SMG_FAR 10 /* a curve on a Nambu leaf that goes so many times as far as the mean of its ends is too bold to be sure of; half or twice: nothing changes */
-#define SMG_FARTHEST 1e6 /* in units of the state: beyond, the curve has left for infinity; half or twice: nothing changes */
+/* a curve on a Nambu leaf that goes so many times as far as the mean of its ends is too bold to be sure of; half or
+ * twice: nothing changes */
+#define SMG_FAR 10
+/* in units of the state: beyond, the curve has left for infinity; half or twice: nothing changes */
+#define SMG_FARTHEST 1e6
 
 /* One curve. `newton` fills a = J^-1 F(y, p) and c = J^-1 dF/dp, n numbers each, and the sign of det J
  * (0: not known), or says why not. */
 typedef struct smg_curve {
   void *of;
   smg_status (*newton)(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *c, int *sign);
-  int (*sign_of)(void *of);   /* that sign at the last point, or 0: asked for where `newton` gives 0; NULL: there is none */
+  /* that sign at the last point, or 0: asked for where `newton` gives 0; NULL: there is none */
+  int (*sign_of)(void *of);
   int64_t n;
-  const smg_real *w;          /* where it begins */
-  smg_real scale;             /* the unit of y */
+  const smg_real *w;           /* where it begins */
+  smg_real scale;              /* the unit of y */
   smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: n numbers each */
-  smg_real slope;             /* dq/ds over the pace before */
-  smg_real p, q, span;        /* part of h, its tangent, and how many natural steps h has: p counts in them */
-  smg_real reached;           /* the part of h up to which it has a solution: the whole, or up to its first fold */
-  int sign;                   /* of det J; 0 where it is not known */
-  int64_t site, partner;      /* the two sites that move most where the branch turns back, or -1 */
+  smg_real slope;              /* dq/ds over the pace before */
+  smg_real p, q, span;         /* part of h, its tangent, and how many natural steps h has: p counts in them */
+  smg_real reached;            /* the part of h up to which it has a solution: the whole, or up to its first fold */
+  int sign;                    /* of det J; 0 where it is not known */
+  int64_t site, partner;       /* the two sites that move most where the branch turns back, or -1 */
 } smg_curve;
 
 /* (t, q) of unit length along (c, 1), on the side of the tangent before; returns the cosine between them. */
@@ -91,7 +107,8 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     *p += dp / f->span;
     const smg_real moved = SMG_MATH(sqrt)(size + dp * dp);
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
-    if (it == 1 && SMG_MATH(sqrt)(size) > pace * SMG_STRAIGHT * SMG_MATH(sqrt)(tt) + SMG_ALONE) return 0; /* of y alone, where p runs far */
+    /* of y alone, where p runs far */
+    if (it == 1 && SMG_MATH(sqrt)(size) > pace * SMG_STRAIGHT * SMG_MATH(sqrt)(tt) + SMG_ALONE) return 0;
     if (moved <= (fixed ? SMG_ON_END : smg_min(SMG_ON_CURVE, smg_max(pace / 10, SMG_LEAST)))) return it;
     last = moved * SMG_STRAIGHT;
   }
@@ -99,8 +116,8 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
 }
 
 /* May p have fallen between two points at which it rises? There q, as a parabola that begins with the slope before,
- * dips below a quarter of its ends: two folds close to each other lie there, or none. Nor is it seen where q is low and not
- * the same to a factor of two. */
+ * dips below a quarter of its ends: two folds close to each other lie there, or none. Nor is it seen where q is low and
+ * not the same to a factor of two. */
 static inline int smg_curve_dips(const smg_curve *f, smg_real q, smg_real s) {
   const smg_real bend = ((f->q - q) / s - f->slope) / s; /* q + slope x + bend x^2 */
   const smg_real least = smg_min(q, f->q);
@@ -159,7 +176,8 @@ static inline int smg_curve_inward(const smg_real *y, const smg_real *t, smg_rea
   smg_cross(across, y, t);
   const smg_real rho2 = smg_dot(y, y), miss2 = smg_dot(across, across), speed2 = smg_dot(t, t);
   if (rho2 < SMG_CENTRE * SMG_CENTRE * radius * radius) return 1;
-  return rho2 < SMG_INWARD * SMG_INWARD * radius * radius && smg_dot(y, t) <= 0 && miss2 <= SMG_MISS * SMG_MISS * rho2 * speed2;
+  return rho2 < SMG_INWARD * SMG_INWARD * radius * radius && smg_dot(y, t) <= 0 &&
+         miss2 <= SMG_MISS * SMG_MISS * rho2 * speed2;
 }
 
 /* Is it there within a small part of the way that p has come? A midpoint like 1/p comes near, but never in. */
@@ -171,7 +189,8 @@ static inline int smg_curve_soon(const smg_curve *f, const smg_real *y, const sm
 /* A curve that no pace can follow any more: does it end in the centre of a sphere? */
 static inline smg_status smg_curve_end(smg_curve *f) {
   for (int64_t k = 0; k < f->n; k += 3)
-    if (smg_curve_inward(f->y + k, f->t + k, SMG_MATH(sqrt)(smg_dot(f->w + k, f->w + k))) && smg_curve_soon(f, f->y + k, f->t + k)) {
+    if (smg_curve_inward(f->y + k, f->t + k, SMG_MATH(sqrt)(smg_dot(f->w + k, f->w + k))) &&
+        smg_curve_soon(f, f->y + k, f->t + k)) {
       f->site = k / 3;
       f->partner = -1;
       return SMG_NO_SOLUTION;
@@ -202,8 +221,8 @@ static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_r
 }
 
 /* From w: SMG_OK with y the midpoints at p = 1; SMG_NO_SOLUTION when the branch turns back before, and goes
- * back to half the part it reached or gives out, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1 lies behind a fold;
- * SMG_NO_CONVERGENCE when it could not be followed, or not surely. */
+ * back to half the part it reached or gives out, ends in a centre, or leaves for infinity; SMG_WRONG_BRANCH when p = 1
+ * lies behind a fold; SMG_NO_CONVERGENCE when it could not be followed, or not surely. */
 static inline smg_status smg_follow(smg_curve *f) {
   smg_real pace = SMG_FIRST_PACE, far = 0;
   int folded = 0, turned = 0, central = 0;

@@ -1,9 +1,9 @@
 /* smidgen runtime: systems A x = b by the products A x alone.
  *
- * GMRES with restarts (Saad and Schultz, SIAM J. Sci. Stat. Comput. 7, 1986): the residual b - A x is made least over the
- * Krylov space of b, by an orthonormal basis V of it (modified Gram-Schmidt), A V = V H, and Givens rotations that make H
- * triangular. Systems of up to SMG_KRYLOV_WHOLE unknowns keep a basis of SMG_KRYLOV_BASIS vectors, larger ones one
- * of SMG_KRYLOV_SHORT. */
+ * GMRES with restarts (Saad and Schultz, SIAM J. Sci. Stat. Comput. 7, 1986): the residual b - A x is made least over
+ * the Krylov space of b, by an orthonormal basis V of it (modified Gram-Schmidt), A V = V H, and Givens rotations that
+ * make H triangular. Systems of up to SMG_KRYLOV_WHOLE unknowns keep a basis of SMG_KRYLOV_BASIS vectors, larger ones
+ * one of SMG_KRYLOV_SHORT. */
 #ifndef SMG_KRYLOV_H
 #define SMG_KRYLOV_H
 
@@ -11,11 +11,12 @@
 
 #define SMG_KRYLOV_BASIS 60
 #define SMG_KRYLOV_SHORT 10
-#define SMG_KRYLOV_WHOLE 20000 /* with the long basis 10 MB of doubles */
-#define SMG_KRYLOV_PRODUCTS 400 /* products before a system is given up; half or twice: nothing changes */
+#define SMG_KRYLOV_WHOLE 20000           /* with the long basis 10 MB of doubles */
+#define SMG_KRYLOV_PRODUCTS 400          /* products before a system is given up; half or twice: nothing changes */
 #define SMG_KRYLOV_LEFT (1000 * SMG_EPS) /* of b, that round-off may leave */
-#define SMG_KRYLOV_DENSE 600 /* unknowns up to which the sign of det A is asked of elimination: 7e7 products, 3 MB of doubles */
-#define SMG_LANCZOS_STEPS 40 /* these two: see smg_krylov_coercive; half or twice: the same */
+/* unknowns up to which the sign of det A is asked of elimination: 7e7 products, 3 MB of doubles */
+#define SMG_KRYLOV_DENSE 600
+#define SMG_LANCZOS_STEPS 40            /* these two: see smg_krylov_coercive; half or twice: the same */
 #define SMG_LANCZOS_PART (smg_real)0.05 /* of the spread of the eigenvalues, that the least Ritz value may miss */
 
 /* A of n unknowns; `times` puts A x into y. work: smg_krylov_worksize(n) numbers. */
@@ -46,7 +47,8 @@ static inline smg_real smg_krylov_dot(int64_t n, const smg_real *a, const smg_re
 
 /* The upper triangle of H by columns, its right-hand side, and the rotations that made it so. */
 typedef struct smg_krylov_small {
-  smg_real H[SMG_KRYLOV_BASIS][SMG_KRYLOV_BASIS + 1], rhs[SMG_KRYLOV_BASIS + 1], cosine[SMG_KRYLOV_BASIS], sine[SMG_KRYLOV_BASIS];
+  smg_real H[SMG_KRYLOV_BASIS][SMG_KRYLOV_BASIS + 1], rhs[SMG_KRYLOV_BASIS + 1], cosine[SMG_KRYLOV_BASIS],
+      sine[SMG_KRYLOV_BASIS];
 } smg_krylov_small;
 
 /* v = A V_j made orthogonal to V_0 .. V_j; the coefficients are column j of H. */
@@ -136,10 +138,10 @@ static inline void smg_krylov_random(int64_t n, smg_real *v) {
   for (int64_t k = 0; k < n; ++k) v[k] /= size;
 }
 
-/* Lanczos: is x.A x >= x.x/4 for all x, A symmetric with its eigenvalues within `spread` of 1? After k steps from a random
- * start of n components the least Ritz value exceeds the least eigenvalue by more than e (max - min) with a chance of at most
- * 1.648 sqrt(n) exp(-sqrt(e) (2k - 1)) (Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13, 1992): for e and k here
- * 4e-8 sqrt(n). The pivots of T - shift are positive where all Ritz values are beyond it. */
+/* Lanczos: is x.A x >= x.x/4 for all x, A symmetric with its eigenvalues within `spread` of 1? After k steps from a
+ * random start of n components the least Ritz value exceeds the least eigenvalue by more than e (max - min) with a
+ * chance of at most 1.648 sqrt(n) exp(-sqrt(e) (2k - 1)) (Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13,
+ * 1992): for e and k here 4e-8 sqrt(n). The pivots of T - shift are positive where all Ritz values are beyond it. */
 static inline int smg_krylov_coercive(const smg_krylov *a, smg_real spread) {
   const int64_t n = a->n;
   const smg_real shift = (smg_real)0.25 + SMG_LANCZOS_PART * 2 * spread;

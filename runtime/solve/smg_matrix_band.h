@@ -1,4 +1,5 @@
-/* smidgen runtime: Newton's matrix of a chain, a band of blocks, SMG_BAND on either side; SMG_CYCLIC where the chain closes. */
+/* smidgen runtime: Newton's matrix of a chain, a band of blocks, SMG_BAND on either side; SMG_CYCLIC where the chain
+ * closes. */
 #ifndef SMG_MATRIX_BAND_H
 #define SMG_MATRIX_BAND_H
 
@@ -36,7 +37,8 @@ static inline smg_real smg_row_bound(const smg_state *s) { return smg_band_bound
 
 static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   smg_real most = 0;
-  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, smg_band_row_sum(SMG_BAND, s->A, r));
+  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r)
+    most = smg_max(most, smg_band_row_sum(SMG_BAND, s->A, r));
   return most;
 }
 

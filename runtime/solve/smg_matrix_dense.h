@@ -36,7 +36,8 @@ static inline smg_real smg_row_bound(const smg_state *s) { return smg_dense_boun
 
 static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   smg_real most = 0;
-  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, smg_dense_row_sum(smg_order(s), s->A, r));
+  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r)
+    most = smg_max(most, smg_dense_row_sum(smg_order(s), s->A, r));
   return most;
 }
 

@@ -1,5 +1,6 @@
-/* smidgen runtime: Newton's matrix by its products with vectors alone: the diagonal blocks D are stored, of the others the row
- * sums of their entries' sizes. J x = D x + G sum_j B_ij S_j^T x_j of each site; systems are solved by GMRES, preconditioned by D. */
+/* smidgen runtime: Newton's matrix by its products with vectors alone: the diagonal blocks D are stored, of the others
+ * the row sums of their entries' sizes. J x = D x + G sum_j B_ij S_j^T x_j of each site; systems are solved by GMRES,
+ * preconditioned by D. */
 #ifndef SMG_MATRIX_FREE_H
 #define SMG_MATRIX_FREE_H
 
@@ -9,8 +10,9 @@
 #include "smg_midpoint.h"
 #include "smg_rules.h"
 
-#define SMG_KRYLOV_TOLERANCE (smg_real)1e-5 /* of a Newton correction, relative: each iteration gains as many digits; half or twice: the same */
-#define SMG_KRYLOV_ROUNDOFF SMG_EPS         /* of a column of the tangent map: to stagnation */
+/* of a Newton correction, relative: each iteration gains as many digits; half or twice: the same */
+#define SMG_KRYLOV_TOLERANCE (smg_real)1e-5
+#define SMG_KRYLOV_ROUNDOFF SMG_EPS /* of a column of the tangent map: to stagnation */
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
 static inline int64_t smg_block_row(int64_t row) { return row; }
@@ -26,8 +28,8 @@ static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column
   else smg_row_sums(SMG_BS, block, s->sums + SMG_BS * row);
 }
 
-/* J_ij += G_i B S_j^T for the Hessian block B of one term, y = B S_j^T. The same block of J^T is S_i B G_j^T, z = B G_j^T, so that
- * (J + J^T)/2 has half the sum of both. */
+/* J_ij += G_i B S_j^T for the Hessian block B of one term, y = B S_j^T. The same block of J^T is S_i B G_j^T, z = B
+ * G_j^T, so that (J + J^T)/2 has half the sum of both. */
 static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y, const smg_real *z) {
   const int64_t row = smg_row(&s->c, i), column = smg_row(&s->c, j);
   smg_real block[SMG_BS * SMG_BS];
@@ -36,12 +38,14 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
   smg_add_block(s, row, column, block);
   if (i == j) return;
   for (int l = 0; l < SMG_BS; ++l)
-    for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = (block[SMG_BS * r + l] + smg_dot(s->S + 3 * (SMG_BS * i + r), z + 3 * l)) / 2;
+    for (int r = 0; r < SMG_BS; ++r)
+      block[SMG_BS * r + l] = (block[SMG_BS * r + l] + smg_dot(s->S + 3 * (SMG_BS * i + r), z + 3 * l)) / 2;
   smg_row_sums(SMG_BS, block, s->mean + SMG_BS * row);
 }
 
 static inline void smg_assembled(const smg_state *s) {
-  for (int64_t i = 0; i < smg_coupled(&s->c); ++i) smg_diagonal_sums(SMG_BS, s->A + SMG_BS * SMG_BS * i, s->sums + SMG_BS * i, s->mean + SMG_BS * i);
+  for (int64_t i = 0; i < smg_coupled(&s->c); ++i)
+    smg_diagonal_sums(SMG_BS, s->A + SMG_BS * SMG_BS * i, s->sums + SMG_BS * i, s->mean + SMG_BS * i);
 }
 
 /* z = D^-1 x with the diagonal block D of one site, or x where it has no inverse. */

@@ -1,5 +1,5 @@
-/* smidgen runtime: Newton's matrix of a graph, sparse blocks in the elimination order smg_lattice_site that the generator found; its
- * pattern is smg_rows, smg_columns, smg_diagonal. */
+/* smidgen runtime: Newton's matrix of a graph, sparse blocks in the elimination order smg_lattice_site that the
+ * generator found; its pattern is smg_rows, smg_columns, smg_diagonal. */
 #ifndef SMG_MATRIX_SPARSE_H
 #define SMG_MATRIX_SPARSE_H
 
@@ -30,11 +30,14 @@ static int64_t smg_factor(const smg_state *s, int *sign) {
 }
 
 /* The largest row sum of abs(J - I), and that of one site. */
-static inline smg_real smg_row_bound(const smg_state *s) { return smg_sparse_bound(SMG_ORDER, smg_rows, smg_diagonal, s->A); }
+static inline smg_real smg_row_bound(const smg_state *s) {
+  return smg_sparse_bound(SMG_ORDER, smg_rows, smg_diagonal, s->A);
+}
 
 static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   smg_real most = 0;
-  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, smg_sparse_row_sum(smg_rows, smg_diagonal, s->A, (int32_t)r));
+  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r)
+    most = smg_max(most, smg_sparse_row_sum(smg_rows, smg_diagonal, s->A, (int32_t)r));
   return most;
 }
 

@@ -1,8 +1,9 @@
 /* smidgen runtime: Newton's method on the midpoints of all coupled sites, and the branch of its solution.
  *
- * J = I - (h/2) DX(m) P'(mbar), SMG_BS unknowns a site. How its blocks are stored and solved is told by the header of the matrix,
- * one of smg_matrix_*.h: smg_clear, smg_add_block, smg_assembled, smg_factor, smg_row_bound, smg_site_row_sum, smg_coercive.
- * smg_block_row(row) is where the row of a site stands after elimination has been ordered; the sparse matrix alone moves rows. */
+ * J = I - (h/2) DX(m) P'(mbar), SMG_BS unknowns a site. How its blocks are stored and solved is told by the header of
+ * the matrix, one of smg_matrix_*.h: smg_clear, smg_add_block, smg_assembled, smg_factor, smg_row_bound,
+ * smg_site_row_sum, smg_coercive. smg_block_row(row) is where the row of a site stands after elimination has been
+ * ordered; the sparse matrix alone moves rows. */
 #ifndef SMG_NEWTON_H
 #define SMG_NEWTON_H
 
@@ -27,7 +28,8 @@ static void smg_assemble(const smg_state *s, smg_real h) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_real own[SMG_BS * SMG_BS];
-    smg_newton_frame(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k, s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
+    smg_newton_frame(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k,
+                     s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
     smg_add_block(s, row, row, own);
   }
   smg_hessian_blocks(s);
@@ -41,7 +43,8 @@ static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     d[3 * k] = d[3 * k + 1] = d[3 * k + 2] = 0;
-    smg_newton_correct(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->S + 3 * SMG_BS * k, s->x + SMG_BS * smg_block_row(row), d + 3 * k);
+    smg_newton_correct(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->S + 3 * SMG_BS * k,
+                       s->x + SMG_BS * smg_block_row(row), d + 3 * k);
   }
 }
 
@@ -52,8 +55,8 @@ static int64_t smg_site_of(const smg_state *s, int64_t place) {
   return smg_site(&s->c, row);
 }
 
-/* d = J^-1 r for the midpoints, by the frames and the matrix of the last evaluation; 0, or 1 + the place of a singular row.
- * *bound: the largest row sum of abs(J - I); *sign, when asked for: that of det J. */
+/* d = J^-1 r for the midpoints, by the frames and the matrix of the last evaluation; 0, or 1 + the place of a singular
+ * row. *bound: the largest row sum of abs(J - I); *sign, when asked for: that of det J. */
 static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *bound, int *sign) {
   smg_assemble(s, h);
   *bound = smg_row_bound(s);
@@ -63,9 +66,9 @@ static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *b
   return 0;
 }
 
-/* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction; or the row sums of J - I are at most
- * SMG_CLEAR, the symmetric part of J is at least 1/4, which keeps it clear of singular matrices, where branches meet, and Newton
- * came straight to it. What is not certain must be followed. */
+/* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction; or the row sums of J - I are at
+ * most SMG_CLEAR, the symmetric part of J is at least 1/4, which keeps it clear of singular matrices, where branches
+ * meet, and Newton came straight to it. What is not certain must be followed. */
 static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_grew) {
   if (smg_contracts(bound)) return 1;
   if (residual_grew || !(bound <= SMG_CLEAR)) return 0;
@@ -73,25 +76,28 @@ static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_
   return smg_coercive(s);
 }
 
-/* Is the increment u, whose plain evaluation left the residuals r, right to the round-off of each site? noise: that of the field,
- * or NULL where it is not known. Increments of others are no better known than their fields, and move the residual of a site by that
- * times its row of J - I: where three vortices collapse, 1 step in 7 next to the fold was refused for it. Rows that sum to more than 1 count
- * as 1: between sites that nearly meet they sum to thousands, and hundreds of times the round-off would pass. */
+/* Is the increment u, whose plain evaluation left the residuals r, right to the round-off of each site? noise: that of
+ * the field, or NULL where it is not known. Increments of others are no better known than their fields, and move the
+ * residual of a site by that times its row of J - I: where three vortices collapse, 1 step in 7 next to the fold was
+ * refused for it. Rows that sum to more than 1 count as 1: between sites that nearly meet they sum to thousands, and
+ * hundreds of times the round-off would pass. */
 static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *noise) {
   const smg_coefficients *c = &s->c;
   smg_real most = 0;
   for (int64_t k = 0; noise && k < smg_sites(c); ++k) most = smg_max(most, noise[k]);
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    const smg_real products = smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k), bound = smg_site_row_sum(s, smg_block_row(row));
+    const smg_real products = smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k),
+                   bound = smg_site_row_sum(s, smg_block_row(row));
     const smg_real own = noise ? 2 * (noise[k] + smg_min(bound, 1) * most) : 0;
-    if (!(smg_largest(s->r + 3 * k) <= smg_round_off(smg_largest(s->w + 3 * k), products, bound, own, s->scale))) return 0;
+    if (!(smg_largest(s->r + 3 * k) <= smg_round_off(smg_largest(s->w + 3 * k), products, bound, own, s->scale)))
+      return 0;
   }
   return 1;
 }
 
-/* The same where the terms of the field cancel: two vortices 1/1000 apart lose a million ulps in it, whatever is done. u: the increments
- * whose evaluation left the residuals s->r; d and what follows it: room for 12 numbers a site. */
+/* The same where the terms of the field cancel: two vortices 1/1000 apart lose a million ulps in it, whatever is done.
+ * u: the increments whose evaluation left the residuals s->r; d and what follows it: room for 12 numbers a site. */
 static int smg_within_noise(smg_state *s, smg_real h, const smg_real *u, smg_real *d) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_real *noise = d + n, *even = d + 2 * n, *up = d + 3 * n;
@@ -104,8 +110,8 @@ static int smg_within_noise(smg_state *s, smg_real h, const smg_real *u, smg_rea
   return smg_within_round_off(s, h, noise);
 }
 
-/* Every increment without its part along grad C, where that is round-off. Without Nambu sites only where the products are beyond
- * the state: in smaller steps it would cost the momentum, which equal and opposite increments keep. */
+/* Every increment without its part along grad C, where that is round-off. Without Nambu sites only where the products
+ * are beyond the state: in smaller steps it would cost the momentum, which equal and opposite increments keep. */
 static void smg_tangential_all(smg_state *s, smg_real rounding_scale) {
   const smg_coefficients *c = &s->c;
   if (!SMG_COUPLED_NAMBU && !(rounding_scale > s->scale)) return;
@@ -129,9 +135,9 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
   }
 }
 
-/* The end of a non-contractive step. Plain evaluations would hardly lessen what is left, or enlarge it, so Newton corrects the increment
- * u itself: at least twice, since what one correction leaves is of one sign along many an orbit, a drift. u = 2 (mbar - w), so it
- * moves by twice what mbar does. */
+/* The end of a non-contractive step. Plain evaluations would hardly lessen what is left, or enlarge it, so Newton
+ * corrects the increment u itself: at least twice, since what one correction leaves is of one sign along many an orbit,
+ * a drift. u = 2 (mbar - w), so it moves by twice what mbar does. */
 static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real rounding_scale) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_real *before = s->curve, *d = s->curve + n;
@@ -152,8 +158,8 @@ static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real roundi
   return smg_within_noise(s, h, before, d) ? SMG_OK : SMG_NO_CONVERGENCE;
 }
 
-/* The end of a contractive step: plain evaluations until a twentieth of the round-off of the iteration is left. They move midpoints by
- * round-off alone, but where the field jumps. */
+/* The end of a contractive step: plain evaluations until a twentieth of the round-off of the iteration is left. They
+ * move midpoints by round-off alone, but where the field jumps. */
 static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg_real rounding_scale) {
   smg_real left = 1;
   for (int n = 0; smg_refines(n, left); ++n) {
@@ -165,7 +171,8 @@ static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg
   return SMG_OK;
 }
 
-/* The way that Newton's loop took: the largest bounds on J - I, now and on the way; is the step non-contractive, has the residual grown? */
+/* The way that Newton's loop took: the largest bounds on J - I, now and on the way; is the step non-contractive, has
+ * the residual grown? */
 typedef struct smg_newton_path {
   smg_real bound, most;
   int noncontractive, residual_grew;
@@ -182,7 +189,8 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
     path->residual_grew = path->residual_grew || smg_residual_grew(now, &last, s->scale);
     path->noncontractive = smg_strong_field(now, s->scale) || !smg_contracts(path->bound) || it > 2 * SMG_LATE;
     const int done = smg_stagnates(now, &last, s->scale, it, path->bound) || smg_tolerated(s, now->absolute);
-    if (it > 0 && (done || (path->noncontractive && now->absolute <= SMG_NEARLY * s->scale))) return SMG_OK; /* its end is another */
+    /* its end is another */
+    if (it > 0 && (done || (path->noncontractive && now->absolute <= SMG_NEARLY * s->scale))) return SMG_OK;
     if (done) { /* the sweeps have solved it */
       smg_assemble(s, h);
       path->bound = smg_row_bound(s);

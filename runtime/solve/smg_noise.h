@@ -1,8 +1,9 @@
-/* smidgen runtime: what rounding does to the formula of the field. Where its terms cancel, as in log(2 - 2 w.w) of two vortices, h X(m) is off
- * by far more than the ulps of its products, and no iteration leaves less: sites d apart lose the part eps/d^2 of their field.
- * Rounding moves products of components by an ulp or so, which is what the same relative change of the components does. So the field
- * is probed at points whose components are changed by SMG_PROBE ulps each, up and down. Where the two do not do opposite things,
- * the formula jumps, or has less than three digits left, and its round-off is not known. */
+/* smidgen runtime: what rounding does to the formula of the field. Where its terms cancel, as in log(2 - 2 w.w) of two
+ * vortices, h X(m) is off by far more than the ulps of its products, and no iteration leaves less: sites d apart lose
+ * the part eps/d^2 of their field. Rounding moves products of components by an ulp or so, which is what the same
+ * relative change of the components does. So the field is probed at points whose components are changed by SMG_PROBE
+ * ulps each, up and down. Where the two do not do opposite things, the formula jumps, or has less than three digits
+ * left, and its round-off is not known. */
 #ifndef SMG_NOISE_H
 #define SMG_NOISE_H
 
@@ -13,10 +14,14 @@
 #include "smg_tolerances.h"
 
 /* The factor of the component b, which goes down where the bits `down` have it. */
-SMG_INLINE smg_real smg_probe_factor(unsigned down, int64_t b) { return 1 + (down >> b & 1 ? -1 : 1) * SMG_PROBE * SMG_EPS; }
+SMG_INLINE smg_real smg_probe_factor(unsigned down, int64_t b) {
+  return 1 + (down >> b & 1 ? -1 : 1) * SMG_PROBE * SMG_EPS;
+}
 
-/* Takes in a site whose h X is u, and `up` and `down` at the changed components: how far it moves, and how much of that is not odd. */
-static inline void smg_probe_take(smg_real *odd, smg_real *even, const smg_real *up, const smg_real *down, const smg_real *u) {
+/* Takes in a site whose h X is u, and `up` and `down` at the changed components: how far it moves, and how much of that
+ * is not odd. */
+static inline void smg_probe_take(smg_real *odd, smg_real *even, const smg_real *up, const smg_real *down,
+                                  const smg_real *u) {
   for (int b = 0; b < 3; ++b) {
     *odd = smg_max(*odd, 0.5 * smg_abs(up[b] - down[b]));
     *even = smg_max(*even, smg_abs(up[b] + down[b] - 2 * u[b]));
@@ -37,7 +42,8 @@ static void smg_probe_site(const smg_state *s, smg_real h, int64_t k, const smg_
 }
 
 /* How far u = h X(m) of a site alone moves, at most, when each component of m does by an ulp of its own. */
-SMG_COLD static smg_real smg_site_noise(const smg_state *s, smg_real h, int64_t k, const smg_real *m, const smg_real *u) {
+SMG_COLD static smg_real smg_site_noise(const smg_state *s, smg_real h, int64_t k, const smg_real *m,
+                                        const smg_real *u) {
   smg_real odd = 0, even = 0;
   for (unsigned down = 0; down < 4; ++down) { /* the other four are their opposites */
     smg_real one[3], other[3];
@@ -52,8 +58,8 @@ SMG_COLD static smg_real smg_site_noise(const smg_state *s, smg_real h, int64_t 
 #if SMG_HAS_COUPLED
 #define SMG_PROBES 8
 
-/* Which components of site k go down: those of the bits 0 to 3 as of a site alone; of every second probe, with half of the sites the
- * other way round, for terms in which changes of like sign cancel. */
+/* Which components of site k go down: those of the bits 0 to 3 as of a site alone; of every second probe, with half of
+ * the sites the other way round, for terms in which changes of like sign cancel. */
 static inline unsigned smg_probe_signs(int64_t k, unsigned probe) {
   const unsigned turned = (unsigned)((uint64_t)k * UINT64_C(0x9E3779B97F4A7C15) >> (60 + probe % 4)) & 1;
   return probe % 4 ^ (probe >= 4 && turned ? 7 : 0);
@@ -75,9 +81,10 @@ static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back) {
   }
 }
 
-/* noise: of every site how far its h X moves, at most, when each component of all midpoints does by an ulp of its own. u: h X at
- * P(s->mbar), where all is evaluated again at the end. up, even: room for 3 numbers a site and for one. */
-SMG_COLD static void smg_noise_of_all(smg_state *s, smg_real h, const smg_real *u, smg_real *up, smg_real *even, smg_real *noise) {
+/* noise: of every site how far its h X moves, at most, when each component of all midpoints does by an ulp of its own.
+ * u: h X at P(s->mbar), where all is evaluated again at the end. up, even: room for 3 numbers a site and for one. */
+SMG_COLD static void smg_noise_of_all(smg_state *s, smg_real h, const smg_real *u, smg_real *up, smg_real *even,
+                                      smg_real *noise) {
   const smg_coefficients *c = &s->c;
   const int64_t n = smg_sites(c);
   for (int64_t k = 0; k < n; ++k) noise[k] = even[k] = 0;

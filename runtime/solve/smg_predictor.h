@@ -1,4 +1,5 @@
-/* smidgen runtime: the first iterate of a step, a polynomial through the increments of the steps before; its degree adapts. */
+/* smidgen runtime: the first iterate of a step, a polynomial through the increments of the steps before; its degree
+ * adapts. */
 #ifndef SMG_PREDICTOR_H
 #define SMG_PREDICTOR_H
 
@@ -12,14 +13,23 @@
 static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 0; }
 
 #define SMG_MOST_HISTORY 12 /* increments that the weights below serve */
-#define SMG_LOOKED 8 /* components that are looked at together, for the compiler to take them in lanes */
+#define SMG_LOOKED 8        /* components that are looked at together, for the compiler to take them in lanes */
 
 /* The polynomial of degree d through the last d + 1 increments, one step on: weights (-1)^j C(d+1, j+1). */
 static inline smg_real smg_weight(int degree, int j) {
   static const smg_real weights[SMG_MOST_HISTORY][SMG_MOST_HISTORY] = {
-      {1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}, {5, -10, 10, -5, 1}, {6, -15, 20, -15, 6, -1}, {7, -21, 35, -35, 21, -7, 1},
-      {8, -28, 56, -70, 56, -28, 8, -1}, {9, -36, 84, -126, 126, -84, 36, -9, 1}, {10, -45, 120, -210, 252, -210, 120, -45, 10, -1},
-      {11, -55, 165, -330, 462, -462, 330, -165, 55, -11, 1}, {12, -66, 220, -495, 792, -924, 792, -495, 220, -66, 12, -1}};
+      {1},
+      {2, -1},
+      {3, -3, 1},
+      {4, -6, 4, -1},
+      {5, -10, 10, -5, 1},
+      {6, -15, 20, -15, 6, -1},
+      {7, -21, 35, -35, 21, -7, 1},
+      {8, -28, 56, -70, 56, -28, 8, -1},
+      {9, -36, 84, -126, 126, -84, 36, -9, 1},
+      {10, -45, 120, -210, 252, -210, 120, -45, 10, -1},
+      {11, -55, 165, -330, 462, -462, 330, -165, 55, -11, 1},
+      {12, -66, 220, -495, 792, -924, 792, -495, 220, -66, 12, -1}};
   return weights[degree][j];
 }
 
@@ -29,9 +39,10 @@ static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree
   return sum;
 }
 
-/* The error that every degree would have made in the components k, k + stride, .. of the step just solved, squared: the backward difference of
- * order d + 1. */
-static inline void smg_predictor_misses(const smg_state *s, int64_t k, int64_t stride, int64_t size, smg_real (*miss)[SMG_LOOKED]) {
+/* The error that every degree would have made in the components k, k + stride, .. of the step just solved, squared: the
+ * backward difference of order d + 1. */
+static inline void smg_predictor_misses(const smg_state *s, int64_t k, int64_t stride, int64_t size,
+                                        smg_real (*miss)[SMG_LOOKED]) {
   smg_real row[SMG_HISTORY + 1][SMG_LOOKED] = {{0}};
   for (int l = 0; l < SMG_LOOKED && k + l * stride < size; ++l) {
     row[0][l] = s->u[k + l * stride];

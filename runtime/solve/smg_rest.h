@@ -4,7 +4,8 @@
 
 #include "smg_rules.h"
 
-/* One quantity on its way to rest: its last change, the factor by which they shrink, and what is left of it beside round-off. */
+/* One quantity on its way to rest: its last change, the factor by which they shrink, and what is left of it beside
+ * round-off. */
 typedef struct smg_rest {
   smg_real now, rate, left;
   int stays; /* is the change round-off, and shrinks no more? */
@@ -21,8 +22,10 @@ static inline void smg_rest_take(smg_rest *rest, smg_real change, int still) {
   rest->now = change;
 }
 
-/* Has it settled? The next change would be a small part of an ulp, since what is left of it is of one sign along many an orbit; or the
- * change is round-off and shrinks no more. */
-static inline int smg_rest_settled(const smg_rest *rest, smg_real ulp) { return rest->rate * rest->left <= SMG_LEFT * ulp || rest->stays; }
+/* Has it settled? The next change would be a small part of an ulp, since what is left of it is of one sign along many
+ * an orbit; or the change is round-off and shrinks no more. */
+static inline int smg_rest_settled(const smg_rest *rest, smg_real ulp) {
+  return rest->rate * rest->left <= SMG_LEFT * ulp || rest->stays;
+}
 
 #endif

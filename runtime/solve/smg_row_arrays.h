@@ -11,7 +11,8 @@ static inline smg_real *smg_place_slots(smg_real **next, size_t size) {
   return first;
 }
 
-/* Those that all such states have, from mem on; where the next one begins. The first one holds w by sites between calls. */
+/* Those that all such states have, from mem on; where the next one begins. The first one holds w by sites between
+ * calls. */
 static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t size) {
   smg_real *next = smg_line_from(mem) + size;
   s->w = mem;

@@ -1,12 +1,14 @@
-/* smidgen runtime: small lattices in SMG_WIDEST blocks that are alike, one in each lane ("virtual nodes": P. Boyle, A. Yamaguchi, G. Cossu and
- * A. Portelli, "Grid: a next generation data parallel C++ QCD library", 2015).
+/* smidgen runtime: small lattices in SMG_WIDEST blocks that are alike, one in each lane ("virtual nodes": P. Boyle, A.
+ * Yamaguchi, G. Cossu and A. Portelli, "Grid: a next generation data parallel C++ QCD library", 2015).
  *
- * Lanes of a vector are the same cell of all blocks. The neighbours of a cell are in another vector, and of those in lane 0 one is in some
- * lane t. All others are then turned alike: the neighbour of lane l is in lane l (+) t, for the lanes are a product of rings, of as many
- * blocks as each direction has. Inside the blocks t = 0: vectors are loaded as they stand, from where lines of the cache begin. So a table is all there is
- * to know, SMG_BESIDES numbers for a vector, and the slots of a colour are one run.
+ * Lanes of a vector are the same cell of all blocks. The neighbours of a cell are in another vector, and of those in
+ * lane 0 one is in some lane t. All others are then turned alike: the neighbour of lane l is in lane l (+) t, for the
+ * lanes are a product of rings, of as many blocks as each direction has. Inside the blocks t = 0: vectors are loaded as
+ * they stand, from where lines of the cache begin. So a table is all there is to know, SMG_BESIDES numbers for a
+ * vector, and the slots of a colour are one run.
  *
- * The next block of a direction begins `shear` cells farther along direction 0, so that it begins with the same colour. */
+ * The next block of a direction begins `shear` cells farther along direction 0, so that it begins with the same
+ * colour. */
 #ifndef SMG_ROW_BLOCKS_H
 #define SMG_ROW_BLOCKS_H
 
@@ -33,21 +35,26 @@ static inline int smg_cut_direction(const smg_coefficients *c, int d, int64_t pa
   if (n % parts > 0) return 0;
   for (int64_t k = 0; k < (d > 0 ? parts : 1); ++k) {
     b->shear[d] = k * around / parts;
-    if (k * around % parts == 0 && (b->shear[d] * smg_weight_of(0) + b->cells[d] * smg_weight_of(d)) % SMG_COLOURS == 0) return 1;
+    if (k * around % parts == 0 && (b->shear[d] * smg_weight_of(0) + b->cells[d] * smg_weight_of(d)) % SMG_COLOURS == 0)
+      return 1;
   }
   return 0;
 }
 
-/* Such blocks, if there are any: cut rather along the fast directions, so that their layers are small, and three of them stay in the nearest cache. */
+/* Such blocks, if there are any: cut rather along the fast directions, so that their layers are small, and three of
+ * them stay in the nearest cache. */
 static int smg_find_blocks(const smg_coefficients *c, smg_blocks *b) {
   for (int64_t k = 1; k <= SMG_WIDEST; k *= 2)
     for (int64_t j = 1; j <= SMG_WIDEST / k; j *= 2)
       for (int64_t i = SMG_WIDEST / k / j; i > 0; i /= 2)
-        if (smg_cut_direction(c, 3, k, b) && smg_cut_direction(c, 2, j, b) && smg_cut_direction(c, 1, i, b) && smg_cut_direction(c, 0, SMG_WIDEST / k / j / i, b)) return 1;
+        if (smg_cut_direction(c, 3, k, b) && smg_cut_direction(c, 2, j, b) && smg_cut_direction(c, 1, i, b) &&
+            smg_cut_direction(c, 0, SMG_WIDEST / k / j / i, b))
+          return 1;
   return 0;
 }
 
-/* Is there room for the table? Midpoints have up to 156 bytes a spin without it where there are two colours, 160 where there are more, and 160 are enough. */
+/* Is there room for the table? Midpoints have up to 156 bytes a spin without it where there are two colours, 160 where
+ * there are more, and 160 are enough. */
 #if SMG_ROW_TURNS
 #define SMG_ROOM_FOR_BESIDE 1
 #else
@@ -60,7 +67,8 @@ static int smg_in_blocks(const smg_coefficients *c, smg_blocks *b) {
   (void)c, (void)b;
   return 0;
 #else
-  return SMG_BLOCKS && SMG_ROOM_FOR_BESIDE && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO && !smg_meet_at_seam(c) && smg_find_blocks(c, b);
+  return SMG_BLOCKS && SMG_ROOM_FOR_BESIDE && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO &&
+         !smg_meet_at_seam(c) && smg_find_blocks(c, b);
 #endif
 }
 
@@ -88,7 +96,8 @@ typedef struct smg_block_vector {
 /* The first cell along direction 0 that has the colour. */
 static inline void smg_begin_block_row(smg_block_vector *v) {
   v->sub = smg_place(v->colour, v->rank);
-  v->cell[0] = smg_left(SMG_TURN_0 * (v->colour - smg_colour_of(v->sub, 0, v->cell[1], v->cell[2], v->cell[3])), SMG_ROW_STEP);
+  v->cell[0] =
+      smg_left(SMG_TURN_0 * (v->colour - smg_colour_of(v->sub, 0, v->cell[1], v->cell[2], v->cell[3])), SMG_ROW_STEP);
 }
 
 static inline smg_block_vector smg_first_vector(void) {
@@ -114,7 +123,8 @@ static inline int smg_next_vector(const smg_blocks *b, smg_block_vector *v) {
 }
 
 /* Every site, and its slot. */
-SMG_INLINE void smg_each_in_blocks(const smg_coefficients *c, const smg_blocks *b, void *context, void (*visit)(void *, int64_t, int64_t)) {
+SMG_INLINE void smg_each_in_blocks(const smg_coefficients *c, const smg_blocks *b, void *context,
+                                   void (*visit)(void *, int64_t, int64_t)) {
   const int64_t n[4] = {smg_cells(c, 0), smg_cells(c, 1), smg_cells(c, 2), smg_cells(c, 3)};
   int64_t along[SMG_WIDEST], cells[SMG_WIDEST];
   for (int64_t lane = 0; lane < SMG_WIDEST; ++lane) {
@@ -141,7 +151,10 @@ SMG_INLINE void smg_each_in_blocks(const smg_coefficients *c, const smg_blocks *
 }
 
 /* The table: of each vector, the slots of what is beside its lane 0. */
-static inline size_t smg_beside_size(const smg_coefficients *c) { return ((size_t)(smg_slots(c) / SMG_WIDEST * SMG_BESIDES) * sizeof(smg_slot_beside) + sizeof(smg_real) - 1) / sizeof(smg_real); }
+static inline size_t smg_beside_size(const smg_coefficients *c) {
+  return ((size_t)(smg_slots(c) / SMG_WIDEST * SMG_BESIDES) * sizeof(smg_slot_beside) + sizeof(smg_real) - 1) /
+         sizeof(smg_real);
+}
 
 static inline void smg_fill_beside(const smg_coefficients *c, const smg_blocks *b, smg_slot_beside *table) {
   smg_offset beside[SMG_BESIDES];

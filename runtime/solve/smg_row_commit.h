@@ -1,4 +1,5 @@
-/* smidgen runtime: the state of a lattice by rows after a step, and the midpoints to begin the next one with, in one go through memory. */
+/* smidgen runtime: the state of a lattice by rows after a step, and the midpoints to begin the next one with, in one go
+ * through memory. */
 #ifndef SMG_ROW_COMMIT_H
 #define SMG_ROW_COMMIT_H
 
@@ -7,8 +8,8 @@
 #include "smg_row_state.h"
 #include "smg_row_team.h"
 
-/* What that works with: increments u of the first colour, and those of all others, from the slot `first` on, of the last steps, newest
- * first; they extrapolate by a polynomial of some degree, with these weights. */
+/* What that works with: increments u of the first colour, and those of all others, from the slot `first` on, of the
+ * last steps, newest first; they extrapolate by a polynomial of some degree, with these weights. */
 typedef struct smg_row_going {
   smg_real *w, *lost, *m;
   const smg_real *u, *past[SMG_ROW_HISTORY];
@@ -19,7 +20,18 @@ typedef struct smg_row_going {
 
 static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
   const int64_t first = smg_colour_slots(&s->c);
-  smg_row_going go = {s->row_w, s->row_compensation, s->row_m, s->row_u, {NULL}, smg_pitch(&s->c), SMG_FIRST_PITCH(&s->c), SMG_LATE_PITCH(&s->c), first, 1, {0}, degree};
+  smg_row_going go = {s->row_w,
+                      s->row_compensation,
+                      s->row_m,
+                      s->row_u,
+                      {NULL},
+                      smg_pitch(&s->c),
+                      SMG_FIRST_PITCH(&s->c),
+                      SMG_LATE_PITCH(&s->c),
+                      first,
+                      1,
+                      {0},
+                      degree};
   go.inverse = 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0));
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) go.past[j] = s->past[j] - first;
   for (int j = 0; j <= degree; ++j) go.weights[j] = smg_weight(degree, j);
@@ -51,9 +63,7 @@ static void smg_predict_share(const smg_row_going go, smg_share part) {
 static void smg_predict_rows(const smg_state *s) {
   const int64_t first = smg_colour_slots(&s->c);
   const smg_row_going go = smg_going_of(s, s->degree);
-  SMG_TEAM(s->row_team) {
-    SMG_COLOURS_AT_ONCE(k, n, 1) smg_predict_share(go, smg_share_of(k * first, n * first));
-  }
+  SMG_TEAM(s->row_team) { SMG_COLOURS_AT_ONCE(k, n, 1) smg_predict_share(go, smg_share_of(k * first, n * first)); }
 }
 
 /* w + compensation + u of the slots of one vector (Kahan). */
@@ -72,8 +82,8 @@ SMG_INLINE void smg_commit_slots(const smg_row_going go, int64_t slot, const smg
   smg_put_slots(go.w, go.pitch, slot, sum);
 }
 
-/* What comes soon is fetched while there is other work: so many streams are more than processors foresee. Without it 100^3 spins take 5 % longer, and
- * lattices that a cache holds as long. */
+/* What comes soon is fetched while there is other work: so many streams are more than processors foresee. Without it
+ * 100^3 spins take 5 % longer, and lattices that a cache holds as long. */
 #define SMG_SOON 16 /* slots */
 SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int degree) {
   for (int k = 0; k < 3; ++k) {
@@ -88,8 +98,8 @@ SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int degree
   }
 }
 
-/* The same of some slots; the increments of the next step are extrapolated, of all colours but the first, by a degree that the compiler
- * knows; none: SMG_NO_DEGREE. */
+/* The same of some slots; the increments of the next step are extrapolated, of all colours but the first, by a degree
+ * that the compiler knows; none: SMG_NO_DEGREE. */
 SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int degree) {
   for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
     smg_lanes u[3], w[3];
@@ -114,8 +124,8 @@ static void smg_go_on(const smg_row_going go, smg_share part) {
   }
 }
 
-/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other across the seam of a
- * ring that is no multiple of the colours. */
+/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other
+ * across the seam of a ring that is no multiple of the colours. */
 static void smg_begin_first_colour(const smg_state *s, smg_share part) {
   const int64_t pitch = smg_pitch(&s->c);
   for (int k = 0; !s->row_alone && k < 3; ++k)

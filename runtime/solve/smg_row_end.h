@@ -1,4 +1,5 @@
-/* smidgen runtime: the increments of a lattice by rows, from settled midpoints, and what the equation of the step leaves. */
+/* smidgen runtime: the increments of a lattice by rows, from settled midpoints, and what the equation of the step
+ * leaves. */
 #ifndef SMG_ROW_END_H
 #define SMG_ROW_END_H
 
@@ -7,8 +8,9 @@
 
 #define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
 
-/* What a sweep works with, at hand in registers: spins, midpoints and, once it is known of which colour, increments by slots; h/(2 kappa), 1/radius^2, the size below which a
- * component is small, and |g|^2 = 1/(36 half^2) from which an increment is made to keep the length of its spin. */
+/* What a sweep works with, at hand in registers: spins, midpoints and, once it is known of which colour, increments by
+ * slots; h/(2 kappa), 1/radius^2, the size below which a component is small, and |g|^2 = 1/(36 half^2) from which an
+ * increment is made to keep the length of its spin. */
 typedef struct smg_turning {
   const smg_real *w, *compensation;
   smg_real *m, *u;
@@ -22,8 +24,18 @@ SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (
 
 static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
   const smg_real half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h);
-  const smg_turning turn = {s->row_w, s->row_compensation, s->row_m, NULL, smg_pitch(&s->c), 0, half, smg_inverse_square(&s->c),
-                            SMG_SMALL * smg_radius(&s->c, 0), s->row_stretched ? 1 / (36 * half * half) : SMG_MAX, s->row_weak, s->row_stretched};
+  const smg_turning turn = {s->row_w,
+                            s->row_compensation,
+                            s->row_m,
+                            NULL,
+                            smg_pitch(&s->c),
+                            0,
+                            half,
+                            smg_inverse_square(&s->c),
+                            SMG_SMALL * smg_radius(&s->c, 0),
+                            s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
+                            s->row_weak,
+                            s->row_stretched};
   return turn;
 }
 
@@ -34,8 +46,10 @@ SMG_INLINE void smg_increments_into(const smg_state *s, int64_t colour, smg_turn
   turn->u_pitch = colour > 0 ? SMG_LATE_PITCH(&s->c) : SMG_FIRST_PITCH(&s->c);
 }
 
-/* u = h X(m) of the slots of one vector, `in` of them sites, whose gradient is g; the largest square of the residual w + u/2 - rho m. */
-SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, const smg_lanes *m, const smg_lanes *g, smg_lanes *most) {
+/* u = h X(m) of the slots of one vector, `in` of them sites, whose gradient is g; the largest square of the residual w
+ * + u/2 - rho m. */
+SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, const smg_lanes *m, const smg_lanes *g,
+                              smg_lanes *most) {
   const smg_lanes none = {0};
   smg_lanes w[3], u[3], e[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
@@ -85,7 +99,8 @@ SMG_INLINE void smg_end_blocks(const smg_coefficients *c, const smg_turning turn
 }
 
 /* The increments of some slots of a colour, and the largest square of their residual. */
-static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning turn, int64_t colour, smg_share part, smg_lanes *most) {
+static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning turn, int64_t colour, smg_share part,
+                         smg_lanes *most) {
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   turn.inverse = smg_inverse_square(&s->c);

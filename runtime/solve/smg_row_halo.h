@@ -1,14 +1,14 @@
 /* smidgen runtime: what the sites of a rank feel of other ranks (smg_row_ranks.h), and the messages that bring it.
  *
- * A part follows the slowest direction, so what another rank reads of it lies near its ends: so many slots from its beginning and so many
- * to its end, the same of x, y and z. Every rank finds what it reads of others, row by row, and tells them; who reads is read, for
- * neighbours feel each other. One message goes each way once those ends of a colour are
- * turned, and is on its way while the others are; requests are made once a call. */
+ * A part follows the slowest direction, so what another rank reads of it lies near its ends: so many slots from its
+ * beginning and so many to its end, the same of x, y and z. Every rank finds what it reads of others, row by row, and
+ * tells them; who reads is read, for neighbours feel each other. One message goes each way once those ends of a colour
+ * are turned, and is on its way while the others are; requests are made once a call. */
 #ifndef SMG_ROW_HALO_H
 #define SMG_ROW_HALO_H
 
-/* Ranks that one can have to do with: two; where a colour has several places in a cell, up to four of each place before and after and as
- * many around a ring. */
+/* Ranks that one can have to do with: two; where a colour has several places in a cell, up to four of each place before
+ * and after and as many around a ring. */
 #define SMG_MPI_PARTNERS (16 * SMG_RANKS)
 
 /* Slots of each colour from the beginning of a part, and to its end. */
@@ -46,10 +46,12 @@ static void smg_mpi_reads(const smg_coefficients *c, int64_t from, int64_t to) {
   while (from < to) {
     const int64_t colour = from / smg_colour_slots(c), first = colour * smg_colour_slots(c);
     const int owner = smg_mpi_owner(c, from);
-    const int64_t begin = first + smg_mpi_from(c, owner), end = first + smg_mpi_from(c, owner + 1), upto = to < end ? to : end;
+    const int64_t begin = first + smg_mpi_from(c, owner), end = first + smg_mpi_from(c, owner + 1),
+                  upto = to < end ? to : end;
     if (owner != smg_mpi_me) {
       smg_mpi_ends *read = &smg_mpi_with(owner)->read;
-      int64_t *ends = upto - begin <= end - from ? read->first : read->last, slots = upto - begin <= end - from ? upto - begin : end - from;
+      int64_t *ends = upto - begin <= end - from ? read->first : read->last,
+              slots = upto - begin <= end - from ? upto - begin : end - from;
       if (slots > ends[colour]) ends[colour] = slots;
     }
     from = upto;
@@ -57,7 +59,8 @@ static void smg_mpi_reads(const smg_coefficients *c, int64_t from, int64_t to) {
 }
 
 /* What the sites from <= j < to of a row read. */
-static void smg_mpi_row_reads(const smg_coefficients *c, const smg_lattice_row *at, const smg_beside *b, int64_t from, int64_t to) {
+static void smg_mpi_row_reads(const smg_coefficients *c, const smg_lattice_row *at, const smg_beside *b, int64_t from,
+                              int64_t to) {
   for (const smg_beside *end = b + SMG_BESIDES; b < end; ++b) {
     if (!b->there) continue;
     const int64_t start = at->start + b->start, around = at->start + b->around;
@@ -93,8 +96,10 @@ static void smg_mpi_tell(void) {
 }
 
 /* The ends of a rank's part in a colour as one thing to send; 0 where they are empty. */
-static int smg_mpi_ends_type(const smg_coefficients *c, int rank, int64_t colour, const smg_mpi_ends *ends, MPI_Datatype *type) {
-  const int64_t first = colour * smg_colour_slots(c), begin = first + smg_mpi_from(c, rank), end = first + smg_mpi_from(c, rank + 1);
+static int smg_mpi_ends_type(const smg_coefficients *c, int rank, int64_t colour, const smg_mpi_ends *ends,
+                             MPI_Datatype *type) {
+  const int64_t first = colour * smg_colour_slots(c), begin = first + smg_mpi_from(c, rank),
+                end = first + smg_mpi_from(c, rank + 1);
   const int whole = ends->first[colour] + ends->last[colour] > end - begin;
   const int64_t low = whole ? end - begin : ends->first[colour], high = whole ? 0 : ends->last[colour];
   int size[6];
@@ -158,7 +163,8 @@ static void smg_send_colour(int64_t colour) {
   if (smg_halo.messages[colour] > 0) MPI_Startall(smg_halo.messages[colour], smg_halo.message[colour]);
 }
 static void smg_await_colour(int64_t colour) {
-  if (smg_halo.messages[colour] > 0) MPI_Waitall(smg_halo.messages[colour], smg_halo.message[colour], MPI_STATUSES_IGNORE);
+  if (smg_halo.messages[colour] > 0)
+    MPI_Waitall(smg_halo.messages[colour], smg_halo.message[colour], MPI_STATUSES_IGNORE);
 }
 
 /* As many of a team as these slots are worth: ends are short. */
@@ -167,14 +173,18 @@ static inline int smg_team_for(smg_share slots, int team) {
   return worth < 1 ? 1 : worth < team ? (int)worth : team;
 }
 
-/* Large messages move only while MPI is called: so it is, after so many slots, some 0.1 ms of work, while there are messages. */
+/* Large messages move only while MPI is called: so it is, after so many slots, some 0.1 ms of work, while there are
+ * messages. */
 #ifndef SMG_MPI_LOOK
 #define SMG_MPI_LOOK 16384
 #endif
-static int64_t smg_mpi_looks(smg_share inner) { return smg_halo.partners > 0 && inner.to - inner.from > SMG_MPI_LOOK ? (inner.to - inner.from) / SMG_MPI_LOOK : 1; }
+static int64_t smg_mpi_looks(smg_share inner) {
+  return smg_halo.partners > 0 && inner.to - inner.from > SMG_MPI_LOOK ? (inner.to - inner.from) / SMG_MPI_LOOK : 1;
+}
 static void smg_look_at_colour(int64_t colour) {
   int all = 0;
-  if (smg_halo.messages[colour] > 0) MPI_Testall(smg_halo.messages[colour], smg_halo.message[colour], &all, MPI_STATUSES_IGNORE);
+  if (smg_halo.messages[colour] > 0)
+    MPI_Testall(smg_halo.messages[colour], smg_halo.message[colour], &all, MPI_STATUSES_IGNORE);
 }
 
 /* Of this rank's slots, those that no other one reads. */

@@ -1,12 +1,14 @@
-/* smidgen runtime: the sites of one colour of a lattice in pieces, with the gradient at their places by smg_slot_gradient of the model.
- * Pieces, and the runs of rows in them, are cut alike for all SMG_LANES, so short that what a sweep works on stays in the nearest cache. */
+/* smidgen runtime: the sites of one colour of a lattice in pieces, with the gradient at their places by
+ * smg_slot_gradient of the model. Pieces, and the runs of rows in them, are cut alike for all SMG_LANES, so short that
+ * what a sweep works on stays in the nearest cache. */
 #ifndef SMG_ROW_PIECE_H
 #define SMG_ROW_PIECE_H
 
 #include "smg_row_team.h"
 
-/* The next sites of a colour, or of a share of it: the slots start .. start + size - 1; done: of those, how many have been gone through as
- * runs; at, from: where the next run begins; end: the slot where they all end; length: slots of a row; g: what there is to keep of each, first of all its gradient. */
+/* The next sites of a colour, or of a share of it: the slots start .. start + size - 1; done: of those, how many have
+ * been gone through as runs; at, from: where the next run begins; end: the slot where they all end; length: slots of a
+ * row; g: what there is to keep of each, first of all its gradient. */
 typedef struct smg_piece {
   smg_lattice_row at;
   int64_t from, start, size, done, room, end, length;
@@ -56,7 +58,8 @@ SMG_INLINE int smg_open_piece(smg_piece *piece) {
 
 /* Of a lattice in blocks: all sites of a place in it. */
 static inline void smg_next_run_of_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
-  const int64_t alike = smg_colour_slots(c) / SMG_RANKS, rank = piece->from / alike, end = piece->from + piece->size - piece->done;
+  const int64_t alike = smg_colour_slots(c) / SMG_RANKS, rank = piece->from / alike,
+                end = piece->from + piece->size - piece->done;
   run->start = piece->at.start;
   run->sub = smg_place(piece->at.colour, rank);
   run->b = NULL;
@@ -102,14 +105,16 @@ static inline int smg_next_blocks(const smg_coefficients *c, smg_piece *piece, s
 }
 
 /* The gradient of one vector of a run, of blocks or not; of empty slots at the ends of rows it is 0. */
-SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, int blocks, const smg_real *m, int64_t pitch, int64_t j, int64_t p, smg_lanes *g) {
+SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, int blocks, const smg_real *m,
+                                 int64_t pitch, int64_t j, int64_t p, smg_lanes *g) {
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_of(0);
   smg_slot_gradient(c, run, blocks, m, pitch, j, p, g);
   if (!blocks) smg_only_sites(run, p, g);
 }
 
 /* The gradients of a run of rows, one after the other from g on. */
-SMG_INLINE void smg_run_gradients(const smg_coefficients *c, const smg_run *run, const smg_real *m, int64_t pitch, smg_real *g) {
+SMG_INLINE void smg_run_gradients(const smg_coefficients *c, const smg_run *run, const smg_real *m, int64_t pitch,
+                                  smg_real *g) {
   for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
     smg_lanes sum[3];
     smg_run_gradient(c, run, 0, m, pitch, j, p, sum);
@@ -122,7 +127,8 @@ static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, s
   const int64_t pitch = smg_pitch(c);
   smg_run run;
   if (!smg_open_piece(piece)) return 0;
-  for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from) smg_run_gradients(c, &run, m, pitch, g);
+  for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from)
+    smg_run_gradients(c, &run, m, pitch, g);
   return 1;
 }
 

@@ -1,9 +1,10 @@
-/* smidgen runtime: lattices by rows on several ranks of MPI, with -DSMG_MPI: which slots are the part of a rank, and what all ranks come
- * to know. Without it nothing is left of this file.
+/* smidgen runtime: lattices by rows on several ranks of MPI, with -DSMG_MPI: which slots are the part of a rank, and
+ * what all ranks come to know. Without it nothing is left of this file.
  *
- * The state is replicated, the step distributed: every rank has all arrays, and works on its part of the slots of each colour; within it
- * threads have their shares. What ranks find together is a largest number, so the bits are those of one rank. Between calls every rank
- * has the whole of w; the other arrays are gathered when a state is saved. All ranks make the same calls. */
+ * The state is replicated, the step distributed: every rank has all arrays, and works on its part of the slots of each
+ * colour; within it threads have their shares. What ranks find together is a largest number, so the bits are those of
+ * one rank. Between calls every rank has the whole of w; the other arrays are gathered when a state is saved. All ranks
+ * make the same calls. */
 #ifndef SMG_ROW_RANKS_H
 #define SMG_ROW_RANKS_H
 
@@ -23,13 +24,15 @@
 #ifndef SMG_MPI_COMM
 #define SMG_MPI_COMM MPI_COMM_WORLD
 #endif
-#ifndef SMG_MPI_SHARE /* slots of a colour that are worth a rank: some 30 microseconds of work, where an exchange and a largest number take 5 to 20 */
+/* slots of a colour that are worth a rank: some 30 microseconds of work, where an exchange and a largest number take 5
+ * to 20 */
+#ifndef SMG_MPI_SHARE
 #define SMG_MPI_SHARE 4096
 #endif
 #define SMG_MPI_NONE ((int64_t)1 << 40) /* the first of so many parts is empty */
 
-/* Ranks of this call: this one, all, and those that have parts; which part of how many is this one's. MPI is called by one thread of a
- * process at a time, and each call begins by setting them. */
+/* Ranks of this call: this one, all, and those that have parts; which part of how many is this one's. MPI is called by
+ * one thread of a process at a time, and each call begins by setting them. */
 static int smg_mpi_me = 0, smg_mpi_size = 1, smg_mpi_parts = 1;
 static int64_t smg_mpi_part = 0, smg_mpi_of = 1;
 
@@ -50,9 +53,11 @@ static inline int64_t smg_mpi_reach(const smg_coefficients *c) {
   return slots + SMG_WIDEST;
 }
 
-/* Ranks that have parts: each no shorter than that, and worth its messages; one where sites of a colour feel each other. */
+/* Ranks that have parts: each no shorter than that, and worth its messages; one where sites of a colour feel each
+ * other. */
 static inline int64_t smg_mpi_fit(const smg_coefficients *c, int64_t ranks) {
-  const int64_t slots = smg_colour_slots(c), worth = slots / SMG_MPI_SHARE, far = slots / smg_mpi_reach(c), most = worth < far ? worth : far;
+  const int64_t slots = smg_colour_slots(c), worth = slots / SMG_MPI_SHARE, far = slots / smg_mpi_reach(c),
+                most = worth < far ? worth : far;
   return most <= 1 || smg_meet_at_seam(c) ? 1 : most < ranks ? most : ranks;
 }
 
@@ -96,7 +101,8 @@ static void smg_largest_of_ranks(smg_real *a, smg_real *b) {
 static MPI_Datatype smg_mpi_block(const smg_coefficients *c, int rank, int64_t pitch, int64_t colours) {
   const int64_t slots = smg_mpi_from(c, rank + 1) - smg_mpi_from(c, rank);
   MPI_Datatype one, all;
-  MPI_Type_create_hvector((int)colours, (int)slots, (MPI_Aint)(smg_colour_slots(c) * (int64_t)sizeof(smg_real)), SMG_MPI_REAL, &one);
+  MPI_Type_create_hvector((int)colours, (int)slots, (MPI_Aint)(smg_colour_slots(c) * (int64_t)sizeof(smg_real)),
+                          SMG_MPI_REAL, &one);
   MPI_Type_create_hvector(3, 1, (MPI_Aint)(pitch * (int64_t)sizeof(smg_real)), one, &all);
   MPI_Type_commit(&all);
   MPI_Type_free(&one);
@@ -109,7 +115,8 @@ static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t p
   for (int k = 0; k < n - 1; ++k) {
     const int mine = (smg_mpi_me + n - k) % n, other = (before + n - k) % n;
     MPI_Datatype sent = smg_mpi_block(c, mine, pitch, colours), received = smg_mpi_block(c, other, pitch, colours);
-    MPI_Sendrecv(array + smg_mpi_from(c, mine), 1, sent, next, 0, array + smg_mpi_from(c, other), 1, received, before, 0, SMG_MPI_COMM, MPI_STATUS_IGNORE);
+    MPI_Sendrecv(array + smg_mpi_from(c, mine), 1, sent, next, 0, array + smg_mpi_from(c, other), 1, received, before,
+                 0, SMG_MPI_COMM, MPI_STATUS_IGNORE);
     MPI_Type_free(&sent);
     MPI_Type_free(&received);
   }

@@ -1,11 +1,11 @@
-/* smidgen runtime: the midpoint of one spin in a frozen field, in closed form, in every lane: the formulas of smg_spin.h without its
- * branches, for fields with k = |g|^2 < 1, g = (h/2) b.
+/* smidgen runtime: the midpoint of one spin in a frozen field, in closed form, in every lane: the formulas of
+ * smg_spin.h without its branches, for fields with k = |g|^2 < 1, g = (h/2) b.
  *
  *     m = r v/|v|,  v = rho (rho w + w x g) + (g.w) g,      rho^2 = ((1-k) + sqrt((1-k)^2 + 4 d^2))/2,  d = g.w/r.
  *
- * rho = w.m/r^2 as well: of the m from the sweep before, it lacks one correction by Newton on x^2 + (k-1) x - d^2 = 0, x = rho^2. That
- * spares two roots, and a rough 1/(2 rho (2x + k-1)) will do: k times its 13 % of the error stay. In weak fields 1/2 is as good:
- * x lies between 1 - k and 1.
+ * rho = w.m/r^2 as well: of the m from the sweep before, it lacks one correction by Newton on x^2 + (k-1) x - d^2 = 0,
+ * x = rho^2. That spares two roots, and a rough 1/(2 rho (2x + k-1)) will do: k times its 13 % of the error stay. In
+ * weak fields 1/2 is as good: x lies between 1 - k and 1.
  *
  * In them 1/|v| is found from near 1/r too: |v|/r = rho (x + k), so |v|^2/r^2 lies between 1 - k and (1 + k)^2. */
 #ifndef SMG_ROW_SPIN_H
@@ -13,7 +13,9 @@
 
 #include "smg_lanes.h"
 
-SMG_INLINE smg_lanes smg_lane_dot(const smg_lanes *a, const smg_lanes *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+SMG_INLINE smg_lanes smg_lane_dot(const smg_lanes *a, const smg_lanes *b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 SMG_INLINE void smg_lane_cross(smg_lanes *c, const smg_lanes *a, const smg_lanes *b) {
   c[0] = a[1] * b[2] - a[2] * b[1];
@@ -43,7 +45,8 @@ SMG_INLINE smg_lanes smg_lane_first_rho(const smg_lanes *w, const smg_lanes *g, 
 }
 
 /* The same from one that is nearly right. */
-SMG_INLINE smg_lanes smg_lane_corrected_rho(const smg_lanes *w, const smg_lanes *g, smg_lanes rho, smg_real inverse, int weak) {
+SMG_INLINE smg_lanes smg_lane_corrected_rho(const smg_lanes *w, const smg_lanes *g, smg_lanes rho, smg_real inverse,
+                                            int weak) {
   const smg_lanes x = rho * rho, above = smg_lane_dot(g, g) - 1, along = smg_lane_dot(w, g);
   const smg_lanes off = x * (x + above) - inverse * (along * along);
   return weak ? rho - (smg_real)0.5 * off : rho - off * smg_lane_rough_inverse(rho * (4 * x + 2 * above));
@@ -56,7 +59,8 @@ SMG_INLINE void smg_lane_along_spin(const smg_lanes *w, const smg_lanes *g, smg_
   for (int k = 0; k < 3; ++k) v[k] = rho * (rho * w[k] + v[k]) + along * g[k];
 }
 
-/* 1/sqrt(1 - e) to two ulps of double for |e| <= 0.0215: y = 1 + e/2 + 3/8 e^2 leaves 1 - (1 - e) y^2 = 5/8 e^3, and that to the second power 0.08 e^9. */
+/* 1/sqrt(1 - e) to two ulps of double for |e| <= 0.0215: y = 1 + e/2 + 3/8 e^2 leaves 1 - (1 - e) y^2 = 5/8 e^3, and
+ * that to the second power 0.08 e^9. */
 SMG_INLINE smg_lanes smg_lane_inverse_root_near_1(smg_lanes x) {
   const smg_lanes e = 1 - x, y = 1 + e * ((smg_real)0.5 + (smg_real)0.375 * e), r = 1 - x * y * y;
   return y + y * r * ((smg_real)0.5 + (smg_real)0.375 * r);
@@ -64,13 +68,15 @@ SMG_INLINE smg_lanes smg_lane_inverse_root_near_1(smg_lanes x) {
 
 /* |v| = r; near: where it nearly is. */
 SMG_INLINE void smg_lane_stretch_to(smg_real inverse, int near, smg_lanes *v) {
-  const smg_lanes square = inverse * smg_lane_dot(v, v), scale = near ? smg_lane_inverse_root_near_1(square) : smg_lane_inverse_root(square);
+  const smg_lanes square = inverse * smg_lane_dot(v, v),
+                  scale = near ? smg_lane_inverse_root_near_1(square) : smg_lane_inverse_root(square);
   for (int k = 0; k < 3; ++k) v[k] *= scale;
 }
 
-/* smg_stretch: u = h m x b becomes longer or shorter by round-off until |w + compensation + u| = |w + compensation|, in the lanes of the
- * mask. 1/size to 3e-4 will do. */
-SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, smg_real inverse, smg_lane_mask where, smg_lanes *u) {
+/* smg_stretch: u = h m x b becomes longer or shorter by round-off until |w + compensation + u| = |w + compensation|, in
+ * the lanes of the mask. 1/size to 3e-4 will do. */
+SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, smg_real inverse,
+                                 smg_lane_mask where, smg_lanes *u) {
   smg_lanes along = {0}, size;
   for (int k = 0; k < 3; ++k) along += u[k] * (2 * (w[k] + compensation[k]) + u[k]);
   size = (smg_real)0.25 + inverse * smg_lane_dot(u, u);

@@ -1,13 +1,15 @@
 /* smidgen runtime: which steps of a lattice go by rows in lanes (smg_row_step.h), and the arrays of such a state.
  *
- * One spin in the field g = (h/2kappa) F of its neighbours has the midpoint m with rho m - m x g = w (smg_spin.h), and a change of g
- * moves m by at most 1/sqrt(rho^2 + (m.g)^2) <= 1/sqrt(1 - |g|^2) of it. With B a bound on the norms of the Hessian in a row, F0 of the
- * field of no spins and x = |h/2kappa|, |g| <= x (B r + F0), so all spins at once are a contraction of the product of spheres by
+ * One spin in the field g = (h/2kappa) F of its neighbours has the midpoint m with rho m - m x g = w (smg_spin.h), and
+ * a change of g moves m by at most 1/sqrt(rho^2 + (m.g)^2) <= 1/sqrt(1 - |g|^2) of it. With B a bound on the norms of
+ * the Hessian in a row, F0 of the field of no spins and x = |h/2kappa|, |g| <= x (B r + F0), so all spins at once are a
+ * contraction of the product of spheres by
  *
  *     x B r / sqrt(1 - x^2 (B r + F0)^2).
  *
- * Where that is below 1, for this h and so for all smaller ones, there is one solution; it moves continuously from W = w at h = 0, and
- * sweeps find it. Neither a branch is to be checked nor a matrix needed: such a state keeps its rows alone. */
+ * Where that is below 1, for this h and so for all smaller ones, there is one solution; it moves continuously from W =
+ * w at h = 0, and sweeps find it. Neither a branch is to be checked nor a matrix needed: such a state keeps its rows
+ * alone. */
 #ifndef SMG_ROW_STATE_H
 #define SMG_ROW_STATE_H
 
@@ -15,12 +17,17 @@
 #include "smg_row_field.h"
 #include "smg_row_ranks.h"
 
-#define SMG_ROW_BOUND (smg_real)0.9 /* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
-#define SMG_ROW_STRONG (smg_real)0.1 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
-/* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to the digits of double. */
+/* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
+#define SMG_ROW_BOUND (smg_real)0.9
+/* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
+#define SMG_ROW_STRONG (smg_real)0.1
+/* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
+ * the digits of double. */
 #define SMG_ROW_WEAK (SMG_EPS < (smg_real)1e-16 ? 0 : (smg_real)0.0104)
-#define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4) /* increments kept, of all colours but the first: with them a spin has at most 160 bytes */
-#define SMG_FIRST_PITCH(c) (smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER) /* of arrays of the first colour, and of all others */
+/* increments kept, of all colours but the first: with them a spin has at most 160 bytes */
+#define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4)
+/* of arrays of the first colour, and of all others */
+#define SMG_FIRST_PITCH(c) (smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
 #define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
 
 /* That factor, or SMG_MAX. */
@@ -47,7 +54,8 @@ static inline void smg_choose_rows(smg_state *s) {
 
 /* Their arrays. */
 static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
-  const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)), late = (size_t)(3 * SMG_LATE_PITCH(&s->c));
+  const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)),
+               late = (size_t)(3 * SMG_LATE_PITCH(&s->c));
   if (mem) {
     smg_real *under = smg_line_from(mem), *next = smg_place_row_arrays(s, mem, size);
     s->row_m = smg_place_slots(&under, size); /* found anew in each call */

@@ -1,4 +1,5 @@
-/* smidgen runtime: steps of a lattice by rows in lanes, where the sweeps are a contraction whatever the state (smg_row_state.h). */
+/* smidgen runtime: steps of a lattice by rows in lanes, where the sweeps are a contraction whatever the state
+ * (smg_row_state.h). */
 #ifndef SMG_ROW_STEP_H
 #define SMG_ROW_STEP_H
 
@@ -14,8 +15,8 @@ static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning 
   } while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
 }
 
-/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves within the tolerance? What sweeps q, q^2, .. of it would still move, twice as
- * large, as W is 2 mbar - w. */
+/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves within the tolerance? What sweeps q, q^2, .. of it
+ * would still move, twice as large, as W is 2 mbar - w. */
 static int smg_row_solved(smg_state *s, smg_real residual) {
   s->report.residual = residual;
   if (residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale) return 1;
@@ -43,8 +44,8 @@ static int64_t smg_slot_by_rows(const smg_coefficients *c, const smg_blocks *b, 
   return smg_slot_in_blocks(c, b, at.sub, cell);
 }
 
-/* The error, squared, that every degree would have made in one slot, the k-th of all colours but the first, of the step just solved: the backward
- * difference of order d + 1. */
+/* The error, squared, that every degree would have made in one slot, the k-th of all colours but the first, of the step
+ * just solved: the backward difference of order d + 1. */
 static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
   const int64_t late = SMG_LATE_PITCH(&s->c);
   smg_real row[SMG_HISTORY + 1][3];
@@ -98,10 +99,11 @@ static void smg_begin_rows(smg_state *s) {
   s->row_due = 0;
 }
 
-/* The passes of the next step that are watched: from those before midpoints have nearly settled on, so that rates are known before round-off; where they had when
- * this step was first looked at, from some earlier ones. */
+/* The passes of the next step that are watched: from those before midpoints have nearly settled on, so that rates are
+ * known before round-off; where they had when this step was first looked at, from some earlier ones. */
 static void smg_watch_from(smg_state *s, const smg_row_sweeping *sweep) {
-  const int64_t last = sweep->passes - SMG_ROW_WATCHED, near = sweep->near - SMG_COLOURS, seen = s->row_from + SMG_COLOURS - 1;
+  const int64_t last = sweep->passes - SMG_ROW_WATCHED, near = sweep->near - SMG_COLOURS,
+                seen = s->row_from + SMG_COLOURS - 1;
   int64_t from = near < last ? near : last;
   if (s->row_from > 0 && sweep->near <= seen && s->row_from - 2 < from) from = s->row_from - 2;
   s->row_from = from < 0 ? 0 : from < SMG_NEWTON_STEPS ? from : SMG_NEWTON_STEPS;
@@ -114,7 +116,8 @@ static void smg_report_sweeps(smg_state *s, const smg_row_sweeping *sweep) {
   s->report.status = sweep->passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE;
 }
 
-/* One step, in slots, from predicted midpoints: what sweeps leave is put into the equation, and more of them follow where its residual is more than round-off. */
+/* One step, in slots, from predicted midpoints: what sweeps leave is put into the equation, and more of them follow
+ * where its residual is more than round-off. */
 static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
   const smg_turning turn = smg_turning_of(s, smg_signed_h(s->h));
   smg_row_sweeping sweep;

@@ -1,8 +1,10 @@
-/* smidgen runtime: sweeps over the colours of a lattice in lanes: every spin solves its own step in the field of its neighbours.
+/* smidgen runtime: sweeps over the colours of a lattice in lanes: every spin solves its own step in the field of its
+ * neighbours.
  *
- * A piece of a colour goes through two loops, so that each is short enough for a processor to overlap its turns and what they share
- * stays in the nearest cache: along its runs of rows the fields of the sites, by smg_slot_gradient of the model, with the directions of their
- * midpoints, since the one waits for memory and the other for products; then the midpoints. Pieces are cut alike for all SMG_LANES. */
+ * A piece of a colour goes through two loops, so that each is short enough for a processor to overlap its turns and
+ * what they share stays in the nearest cache: along its runs of rows the fields of the sites, by smg_slot_gradient of
+ * the model, with the directions of their midpoints, since the one waits for memory and the other for products; then
+ * the midpoints. Pieces are cut alike for all SMG_LANES. */
 #ifndef SMG_ROW_SWEEP_H
 #define SMG_ROW_SWEEP_H
 
@@ -10,13 +12,14 @@
 #include "smg_row_end.h"
 
 #define SMG_LOOK (smg_real)1e-12 /* part of the state by which midpoints move when that begins */
-#define SMG_NEAR_LOOK 10 /* times as far: changes shrink by about that in a pass, so that from step to step it hardly begins a pass earlier */
+/* times as far: changes shrink by about that in a pass, so that from step to step it hardly begins a pass earlier */
+#define SMG_NEAR_LOOK 10
 #ifndef SMG_ROW_PASSES
 #define SMG_ROW_PASSES (500 * SMG_COLOURS) /* of colours: 0.9^k is round-off after 350 sweeps */
 #endif
 
-/* How far midpoints moved: the largest square, and the largest part of what a small component is made of; where the pass may be the last one,
- * the largest square of the residual too. */
+/* How far midpoints moved: the largest square, and the largest part of what a small component is made of; where the
+ * pass may be the last one, the largest square of the residual too. */
 typedef struct smg_motion {
   smg_lanes square, part, residual;
 } smg_motion;
@@ -29,7 +32,8 @@ SMG_INLINE void smg_made_of(const smg_lanes *w, const smg_lanes *g, smg_lanes *m
   }
 }
 
-/* The part of that by which it moved, to 13 %, where that is small: no change of the others shows whether it has settled. */
+/* The part of that by which it moved, to 13 %, where that is small: no change of the others shows whether it has
+ * settled. */
 SMG_INLINE smg_lanes smg_part_moved(smg_real small, smg_lanes d, smg_lanes made) {
   const smg_lanes none = {0};
   return smg_lane_select((smg_lane_mask)(made < small), smg_lane_abs(d) * smg_lane_rough_inverse(made), none);
@@ -37,11 +41,13 @@ SMG_INLINE smg_lanes smg_part_moved(smg_real small, smg_lanes d, smg_lanes made)
 
 /* Is a component of a spin small? What the others are made of is not. */
 SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
-  return smg_lane_any((smg_lane_mask)(smg_lane_abs(w[0]) < small) | (smg_lane_mask)(smg_lane_abs(w[1]) < small) | (smg_lane_mask)(smg_lane_abs(w[2]) < small));
+  return smg_lane_any((smg_lane_mask)(smg_lane_abs(w[0]) < small) | (smg_lane_mask)(smg_lane_abs(w[1]) < small) |
+                      (smg_lane_mask)(smg_lane_abs(w[2]) < small));
 }
 
 /* The largest part by which small components of the slots of one vector moved, by d, in the gradient b. */
-SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_lanes *b, const smg_lanes *d, smg_lanes *part) {
+SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_lanes *b, const smg_lanes *d,
+                                smg_lanes *part) {
   smg_lanes w[3], g[3], made[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
   if (!smg_some_small(turn.small, w)) return;
@@ -53,7 +59,8 @@ SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_
 /* How rho is found: from w.m of the sweep before; where there was none, from k and d; or by its root. */
 enum smg_row_way { SMG_FROM_BEFORE, SMG_FROM_FIELD, SMG_BY_ROOT };
 
-SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_row_way way, const smg_lanes *w, const smg_lanes *g) {
+SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_row_way way, const smg_lanes *w,
+                                const smg_lanes *g) {
   smg_lanes m[3], rho;
   if (way == SMG_BY_ROOT) return smg_lane_rho(w, g, turn.inverse);
   if (way == SMG_FROM_FIELD) rho = smg_lane_first_rho(w, g, turn.inverse);
@@ -73,9 +80,10 @@ SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row
   for (int k = 0; k < 3; ++k) g[k] = v[k];
 }
 
-/* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. watched: is it to be known how far they move? small: small
- * components too? last: are increments found? */
-SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *b, int watched, int small, int last, smg_motion *moved) {
+/* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. watched: is it to be known
+ * how far they move? small: small components too? last: are increments found? */
+SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *b,
+                               int watched, int small, int last, smg_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
   smg_lane_stretch_to(turn.inverse, turn.weak, v);
@@ -90,7 +98,8 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
 }
 
 /* Along the midpoints of a run, kept from k on. */
-SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, int blocks, enum smg_row_way way, int small, int last, smg_piece *piece, int64_t k) {
+SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, const smg_run *run, int blocks,
+                            enum smg_row_way way, int small, int last, smg_piece *piece, int64_t k) {
   for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = blocks ? j : smg_next_place(p, run->length)) {
     smg_lanes v[3];
     smg_run_gradient(c, run, blocks, turn.m, turn.pitch, j, p, v);
@@ -101,7 +110,8 @@ SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, c
 }
 
 /* The spins of a piece. */
-SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece, enum smg_row_way way, int watched, int small, int last, smg_motion *moved) {
+SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece,
+                               enum smg_row_way way, int watched, int small, int last, smg_motion *moved) {
   const int64_t size = piece->size, start = piece->start;
   smg_motion most = *moved;
   smg_run run;
@@ -119,14 +129,14 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   *moved = most;
 }
 
-/* What a colour's pass shows: the largest change, the largest part of a small component (SMG_MAX: not looked at), and the largest square of
- * the residual on this rank. */
+/* What a colour's pass shows: the largest change, the largest part of a small component (SMG_MAX: not looked at), and
+ * the largest square of the residual on this rank. */
 typedef struct smg_moved {
   smg_real whole, part, residual;
 } smg_moved;
 
-/* How a colour is passed: watched: is it to be known how far midpoints move? small: small components too? last: may it be the last pass, and increments
- * are found too? */
+/* How a colour is passed: watched: is it to be known how far midpoints move? small: small components too? last: may it
+ * be the last pass, and increments are found too? */
 typedef struct smg_row_pass {
   int64_t colour;
   enum smg_row_way way;
@@ -145,7 +155,8 @@ SMG_INLINE void smg_join_motion(smg_motion *motion, const smg_motion *more) {
 }
 
 /* Some slots of a colour. */
-SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turning turn, const smg_row_pass pass, smg_share part, enum smg_row_way way, int small, smg_motion *motion) {
+SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turning turn, const smg_row_pass pass,
+                              smg_share part, enum smg_row_way way, int small, smg_motion *motion) {
   smg_motion most = smg_at_rest();
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
@@ -158,12 +169,25 @@ SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turnin
 }
 
 /* The four ways: the first sweep; those that follow it; with a look at small components; and with rho by its root. */
-static void smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion); }
-static void smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion); }
-static void smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion); }
-static void smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass, smg_share part, smg_motion *motion) { smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion); }
+static void smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
+                           smg_share part, smg_motion *motion) {
+  smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion);
+}
+static void smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
+                           smg_share part, smg_motion *motion) {
+  smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion);
+}
+static void smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
+                          smg_share part, smg_motion *motion) {
+  smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion);
+}
+static void smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
+                             smg_share part, smg_motion *motion) {
+  smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion);
+}
 
-SMG_INLINE void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share part, smg_motion *motion) {
+SMG_INLINE void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn,
+                                    const smg_row_pass pass, smg_share part, smg_motion *motion) {
   if (pass.way == SMG_BY_ROOT) smg_turn_exactly(s, known, turn, pass, part, motion);
   else if (pass.way == SMG_FROM_FIELD) smg_turn_first(s, known, turn, pass, part, motion);
   else if (pass.small) smg_turn_late(s, known, turn, pass, part, motion);
@@ -187,7 +211,8 @@ SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_motion *motio
 }
 
 /* Some slots of this rank by all threads. */
-SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass, smg_share slots, smg_moved *moved) {
+SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn,
+                                 const smg_row_pass pass, smg_share slots, smg_moved *moved) {
   const int team = smg_team_for(slots, s->row_team);
   (void)team;
   if (slots.from >= slots.to) return;
@@ -199,8 +224,10 @@ SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const s
 }
 
 /* A colour: first the ends that other ranks read; while those are on their way, what is between. */
-static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass) {
-  const smg_share all = smg_colour_of_rank(&s->c, pass.colour), inner = smg_between_ends(pass.colour, all), first = {all.from, inner.from}, last = {inner.to, all.to};
+static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn,
+                                 const smg_row_pass pass) {
+  const smg_share all = smg_colour_of_rank(&s->c, pass.colour), inner = smg_between_ends(pass.colour, all),
+                  first = {all.from, inner.from}, last = {inner.to, all.to};
   smg_moved moved = smg_not_moved;
   smg_turn_by_team(s, known, turn, pass, first, &moved);
   smg_turn_by_team(s, known, turn, pass, last, &moved);
@@ -214,8 +241,9 @@ static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const s
   return moved;
 }
 
-/* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them; the pass from which small components are nearly
- * looked at; the colour whose increments are known already (-1: none), and the largest square of their residual. */
+/* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them; the pass from which small
+ * components are nearly looked at; the colour whose increments are known already (-1: none), and the largest square of
+ * their residual. */
 typedef struct smg_row_sweeping {
   int64_t passes, near, ended;
   smg_real residual, recent[SMG_COLOURS], parts[SMG_COLOURS];
@@ -239,26 +267,31 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
   return most;
 }
 
-/* The last passes of a step, so many, show at least whether it has ended: the changes of all colours, and those before. */
+/* The last passes of a step, so many, show at least whether it has ended: the changes of all colours, and those
+ * before. */
 #ifndef SMG_ROW_WATCHED
 #define SMG_ROW_WATCHED (SMG_COLOURS + 2)
 #endif
 
-/* The next pass: rho by its root where fields are strong, without midpoints of a sweep before where there was none; small components are looked at
- * once the others have nearly settled. Of sites that do not feel their own colour the gradient stays what it is in the last pass, and
- * gives their increments at once: that is expected to be the pass that was the last one of the step before. Passes that move midpoints
- * too far for an end are not watched (smg_watch_from). */
+/* The next pass: rho by its root where fields are strong, without midpoints of a sweep before where there was none;
+ * small components are looked at once the others have nearly settled. Of sites that do not feel their own colour the
+ * gradient stays what it is in the last pass, and gives their increments at once: that is expected to be the pass that
+ * was the last one of the step before. Passes that move midpoints too far for an end are not watched
+ * (smg_watch_from). */
 SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sweep) {
-  const int64_t unknown = s->row_weak ? SMG_COLOURS : 1; /* an extrapolation may be far off, and midpoints then not near spins */
+  /* an extrapolation may be far off, and midpoints then not near spins */
+  const int64_t unknown = s->row_weak ? SMG_COLOURS : 1;
   const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
   const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
-  const int watched = sweep->passes >= s->row_from, last = watched && s->row_alone && sweep->passes + 1 >= s->row_passes && sweep->passes >= SMG_COLOURS;
+  const int watched = sweep->passes >= s->row_from,
+            last = watched && s->row_alone && sweep->passes + 1 >= s->row_passes && sweep->passes >= SMG_COLOURS;
   const smg_row_pass pass = {sweep->passes % SMG_COLOURS, way, watched, late, last};
   return pass;
 }
 
 /* What it has shown. */
-SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_moved moved, smg_row_sweeping *sweep) {
+SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_moved moved,
+                              smg_row_sweeping *sweep) {
   const int64_t next = (pass.colour + 1) % SMG_COLOURS;
   ++sweep->passes;
   sweep->ended = pass.last ? pass.colour : -1;
@@ -270,13 +303,16 @@ SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const
   const int still = smg_recent(sweep->recent, next) <= SMG_STILL * SMG_EPS * s->scale;
   smg_rest_take(&sweep->whole, smg_recent(sweep->recent, next), still);
   smg_rest_take(&sweep->part, smg_recent(sweep->parts, next), still);
-  if (sweep->passes < sweep->near && sweep->whole.now <= SMG_NEAR_LOOK * SMG_LOOK * s->scale) sweep->near = sweep->passes;
+  if (sweep->passes < sweep->near && sweep->whole.now <= SMG_NEAR_LOOK * SMG_LOOK * s->scale)
+    sweep->near = sweep->passes;
 }
 
 /* Have they come to rest, or is W, which moves by twice as much as midpoints, within the tolerance? */
 static inline int smg_rows_settled(const smg_state *s, const smg_row_sweeping *sweep) {
   if (sweep->passes < SMG_COLOURS) return 0;
-  if (s->tolerance > 0 && 2 * s->row_bound / (1 - s->row_bound) * sweep->whole.rate * sweep->whole.now <= s->tolerance * s->scale) return 1;
+  if (s->tolerance > 0 &&
+      2 * s->row_bound / (1 - s->row_bound) * sweep->whole.rate * sweep->whole.now <= s->tolerance * s->scale)
+    return 1;
   return smg_rest_settled(&sweep->whole, SMG_EPS * s->scale) && smg_rest_settled(&sweep->part, SMG_EPS);
 }
 

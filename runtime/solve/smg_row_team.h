@@ -1,9 +1,9 @@
-/* smidgen runtime: threads for the rows of a lattice. With OpenMP (-fopenmp) they share the slots of a colour, and of an array, or the stages of a
- * wavefront (smg_row_wave.h).
+/* smidgen runtime: threads for the rows of a lattice. With OpenMP (-fopenmp) they share the slots of a colour, and of
+ * an array, or the stages of a wavefront (smg_row_wave.h).
  *
- * Sites of a colour do not feel each other, shares begin where vectors of all widths do, and what shares find together is a largest
- * number: so the bits are those of one thread. Sites of one colour that meet across the seam of a ring go one after the other: there one
- * thread does all. */
+ * Sites of a colour do not feel each other, shares begin where vectors of all widths do, and what shares find together
+ * is a largest number: so the bits are those of one thread. Sites of one colour that meet across the seam of a ring go
+ * one after the other: there one thread does all. */
 #ifndef SMG_ROW_TEAM_H
 #define SMG_ROW_TEAM_H
 
@@ -14,7 +14,8 @@
 #define SMG_PRAGMA(text) _Pragma(#text)
 #define SMG_TEAM(threads) SMG_PRAGMA(omp parallel num_threads(threads))
 #define SMG_ONE_BY_ONE SMG_PRAGMA(omp critical)
-#define SMG_TURNS_OF_TEAM SMG_PRAGMA(omp for schedule(dynamic, 1)) /* of the loop that follows; all of them end before what comes next */
+/* of the loop that follows; all of them end before what comes next */
+#define SMG_TURNS_OF_TEAM SMG_PRAGMA(omp for schedule(dynamic, 1))
 SMG_INLINE int smg_most_threads(void) { return omp_get_max_threads(); }
 SMG_INLINE int smg_thread(void) { return omp_get_thread_num(); }
 SMG_INLINE int smg_threads(void) { return omp_get_num_threads(); }
@@ -35,17 +36,24 @@ SMG_INLINE smg_share smg_part_of(smg_share all, int64_t k, int64_t n) {
   return part;
 }
 
-/* The part of this thread in the slots of its rank; that of this rank in `slots` of them from `first` on; that of this thread of this rank. */
+/* The part of this thread in the slots of its rank; that of this rank in `slots` of them from `first` on; that of this
+ * thread of this rank. */
 SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }
 SMG_INLINE smg_share smg_share_of_rank(int64_t first, int64_t slots) {
   const smg_share all = {first, first + slots};
   return smg_part_of(all, smg_rank_part(), smg_rank_parts());
 }
-SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) { return smg_share_of_thread(smg_share_of_rank(first, slots)); }
+SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) {
+  return smg_share_of_thread(smg_share_of_rank(first, slots));
+}
 
 /* Those of a colour. */
-SMG_INLINE smg_share smg_colour_of_rank(const smg_coefficients *c, int64_t colour) { return smg_share_of_rank(colour * smg_colour_slots(c), smg_colour_slots(c)); }
-SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) { return smg_share_of_thread(smg_colour_of_rank(c, colour)); }
+SMG_INLINE smg_share smg_colour_of_rank(const smg_coefficients *c, int64_t colour) {
+  return smg_share_of_rank(colour * smg_colour_slots(c), smg_colour_slots(c));
+}
+SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) {
+  return smg_share_of_thread(smg_colour_of_rank(c, colour));
+}
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {

@@ -1,23 +1,25 @@
 /* smidgen runtime: the sites of a lattice in rows, for vectors of lanes.
  *
- * Sites of one colour do not feel each other (gen/compile/plan/colouring.py): a colour is (weights . cell + shift of the place) mod
- * SMG_COLOURS. Along direction 0 a row of the lattice holds every SMG_ROW_STEP-th site of a colour, s0 = first + SMG_ROW_STEP j: every
- * SMG_COLOURS-th, or all of them where the place in the cell alone decides. An array
- * holds three times smg_pitch numbers, all x, all y, all z, each in slots: colour after colour, row after row, j after j. Rows have one
- * length; where one has a site less, or is rounded up, its last slots stay empty. So the neighbours of a row of sites lie in a row of slots, and lanes
- * are loaded as they stand, and at the ends of a row from two places.
+ * Sites of one colour do not feel each other (gen/compile/plan/colouring.py): a colour is (weights . cell + shift of
+ * the place) mod SMG_COLOURS. Along direction 0 a row of the lattice holds every SMG_ROW_STEP-th site of a colour, s0 =
+ * first + SMG_ROW_STEP j: every SMG_COLOURS-th, or all of them where the place in the cell alone decides. An array
+ * holds three times smg_pitch numbers, all x, all y, all z, each in slots: colour after colour, row after row, j after
+ * j. Rows have one length; where one has a site less, or is rounded up, its last slots stay empty. So the neighbours of
+ * a row of sites lie in a row of slots, and lanes are loaded as they stand, and at the ends of a row from two places.
  *
- * In a plane, rows that begin alike follow each other: s1 = 0, SMG_ROW_STEP, .., then 1, SMG_ROW_STEP + 1, .. Their neighbours do so too, at the
- * same distance in slots but for s1 near an end. So such rows are one run of slots, and vectors go across from one to the next: rows need not be
- * longer than a vector. Where the lattice is one large plane of long rows, they follow each other as they lie, and feel the next ones alone
- * (smg_row_wave.h). Small lattices stand in blocks instead, one in each lane (smg_row_blocks.h). The order of the slots is the same for all SMG_LANES. */
+ * In a plane, rows that begin alike follow each other: s1 = 0, SMG_ROW_STEP, .., then 1, SMG_ROW_STEP + 1, .. Their
+ * neighbours do so too, at the same distance in slots but for s1 near an end. So such rows are one run of slots, and
+ * vectors go across from one to the next: rows need not be longer than a vector. Where the lattice is one large plane
+ * of long rows, they follow each other as they lie, and feel the next ones alone (smg_row_wave.h). Small lattices stand
+ * in blocks instead, one in each lane (smg_row_blocks.h). The order of the slots is the same for all SMG_LANES. */
 #ifndef SMG_ROWS_H
 #define SMG_ROWS_H
 
 #include "smg_lanes.h"
 #include "smg_model.h"
 
-/* The weights of a colouring and how many cells away neighbours stand, along each direction: 0 where the model does not say. */
+/* The weights of a colouring and how many cells away neighbours stand, along each direction: 0 where the model does not
+ * say. */
 #ifndef SMG_REACH_1
 #define SMG_REACH_1 0
 #endif
@@ -40,14 +42,17 @@
 #define SMG_WEIGHT_3 0
 #endif
 
-#define SMG_BEFORE 8 /* numbers before the first slot and after the last that vectors reach into: gen/compile/plan/rows.py keeps bonds so short */
+/* numbers before the first slot and after the last that vectors reach into: gen/compile/plan/rows.py keeps bonds so
+ * short */
+#define SMG_BEFORE 8
 #define SMG_AFTER 16
-#define SMG_WIDEST 8  /* lanes of the widest registers there are */
+#define SMG_WIDEST 8    /* lanes of the widest registers there are */
 #define SMG_LONG_ROW 64 /* slots from which a row takes whole vectors: at most an eighth stays empty */
 #ifndef SMG_LARGE_PLANE
 #define SMG_LARGE_PLANE 375000 /* slots of all colours; 60 MB of arrays */
 #endif
-/* Slots that a sweep works on at a time: fields, spins and midpoints of 256 are 18 KB; four stages of 64 spins 24 KB. */
+/* Slots that a sweep works on at a time: fields, spins and midpoints of 256 are 18 KB; four stages of 64 spins 24
+ * KB. */
 #if SMG_ROW_STAGES
 #define SMG_PIECE 64
 #else
@@ -55,25 +60,30 @@
 #endif
 #define SMG_PIECE_ROOM (SMG_PIECE + SMG_BEFORE)
 
-/* What the model says: cells of a direction (1 of those beyond); the shift of a place, its number among the SMG_RANKS places of its
- * colour in a row, and the place of that number. */
+/* What the model says: cells of a direction (1 of those beyond); the shift of a place, its number among the SMG_RANKS
+ * places of its colour in a row, and the place of that number. */
 static inline int64_t smg_cells(const smg_coefficients *c, int d);
 static inline int64_t smg_shift(int64_t sub);
 static inline int64_t smg_rank(int64_t sub);
 static inline int64_t smg_place(int64_t colour, int64_t rank);
 
-/* One row: its colour, place and cells; s0 of its first site, how many there are, and the slot of the first; kind: that of all rows with these
- * s2 and s3. */
+/* One row: its colour, place and cells; s0 of its first site, how many there are, and the slot of the first; kind: that
+ * of all rows with these s2 and s3. */
 typedef struct smg_lattice_row {
   int64_t colour, rank, sub, s1, s2, s3, first, sites, start, kind;
 } smg_lattice_row;
 
 /* a/n rounded down and what is left, for |a| < 2^40 n and a known n > 0. */
-SMG_INLINE int64_t smg_down(int64_t a, int64_t n) { return (int64_t)((uint64_t)(a + n * ((int64_t)1 << 40)) / (uint64_t)n) - ((int64_t)1 << 40); }
-SMG_INLINE int64_t smg_left(int64_t a, int64_t n) { return (int64_t)((uint64_t)(a + n * ((int64_t)1 << 40)) % (uint64_t)n); }
+SMG_INLINE int64_t smg_down(int64_t a, int64_t n) {
+  return (int64_t)((uint64_t)(a + n * ((int64_t)1 << 40)) / (uint64_t)n) - ((int64_t)1 << 40);
+}
+SMG_INLINE int64_t smg_left(int64_t a, int64_t n) {
+  return (int64_t)((uint64_t)(a + n * ((int64_t)1 << 40)) % (uint64_t)n);
+}
 
 SMG_INLINE int64_t smg_colour_of(int64_t sub, int64_t s0, int64_t s1, int64_t s2, int64_t s3) {
-  return smg_left(SMG_WEIGHT_0 * s0 + SMG_WEIGHT_1 * s1 + SMG_WEIGHT_2 * s2 + SMG_WEIGHT_3 * s3 + smg_shift(sub), SMG_COLOURS);
+  return smg_left(SMG_WEIGHT_0 * s0 + SMG_WEIGHT_1 * s1 + SMG_WEIGHT_2 * s2 + SMG_WEIGHT_3 * s3 + smg_shift(sub),
+                  SMG_COLOURS);
 }
 
 static inline int64_t smg_weight_of(int d) {
@@ -89,11 +99,17 @@ static inline int64_t smg_row_length(const smg_coefficients *c) {
   const int64_t n = (smg_cells(c, 0) + SMG_ROW_STEP - 1) / SMG_ROW_STEP;
   return n < SMG_LONG_ROW ? n : smg_whole_vectors(n);
 }
-static inline int64_t smg_rows(const smg_coefficients *c) { return SMG_RANKS * smg_cells(c, 1) * smg_cells(c, 2) * smg_cells(c, 3); }
-static inline int64_t smg_colour_slots(const smg_coefficients *c) { return smg_whole_vectors(smg_rows(c) * smg_row_length(c)); }
+static inline int64_t smg_rows(const smg_coefficients *c) {
+  return SMG_RANKS * smg_cells(c, 1) * smg_cells(c, 2) * smg_cells(c, 3);
+}
+static inline int64_t smg_colour_slots(const smg_coefficients *c) {
+  return smg_whole_vectors(smg_rows(c) * smg_row_length(c));
+}
 static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS * smg_colour_slots(c); }
 
-#ifndef SMG_SHARE /* slots of a colour that are worth a thread: some 8 microseconds of work, where to begin and to end a team takes 1 to 2 */
+/* slots of a colour that are worth a thread: some 8 microseconds of work, where to begin and to end a team takes 1 to
+ * 2 */
+#ifndef SMG_SHARE
 #define SMG_SHARE 1024
 #endif
 
@@ -109,47 +125,62 @@ static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg
 /* Do sites of one colour meet across the seam of a ring that is no multiple of the colours? */
 static inline int smg_meet_at_seam(const smg_coefficients *c) {
   int meet = 0;
-  for (int d = 0; d < 4; ++d) meet = meet || ((SMG_RINGS >> d & 1) && smg_weight_of(d) * smg_cells(c, d) % SMG_COLOURS > 0);
+  for (int d = 0; d < 4; ++d)
+    meet = meet || ((SMG_RINGS >> d & 1) && smg_weight_of(d) * smg_cells(c, d) % SMG_COLOURS > 0);
   return meet;
 }
 
 /* From a row of a plane to the next one in memory; at the end of the plane another q begins. */
 SMG_INLINE int64_t smg_plane_step(const smg_coefficients *c, int64_t length) {
   const int64_t step = SMG_ROW_STEP;
-  return smg_cells(c, 2) * smg_cells(c, 3) == 1 && length >= SMG_LONG_ROW && SMG_COLOURS * smg_rows(c) * length >= SMG_LARGE_PLANE && !smg_meet_at_seam(c) ? 1 : step;
+  return smg_cells(c, 2) * smg_cells(c, 3) == 1 && length >= SMG_LONG_ROW &&
+                 SMG_COLOURS * smg_rows(c) * length >= SMG_LARGE_PLANE && !smg_meet_at_seam(c)
+             ? 1
+             : step;
 }
 
 /* Rows of a plane in the q-th turn, and the place of a row among all of its plane. */
-SMG_INLINE int64_t smg_rows_like(const smg_coefficients *c, int64_t step, int64_t q) { return (smg_cells(c, 1) - q + step - 1) / step; }
+SMG_INLINE int64_t smg_rows_like(const smg_coefficients *c, int64_t step, int64_t q) {
+  return (smg_cells(c, 1) - q + step - 1) / step;
+}
 static inline int64_t smg_place_in_plane(const smg_coefficients *c, int64_t s1) {
   const int64_t step = smg_plane_step(c, smg_row_length(c)), q = s1 % step, longer = smg_cells(c, 1) % step;
   return q * (smg_cells(c, 1) / step) + (q < longer ? q : longer) + s1 / step;
 }
 
-static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, int64_t sub, int64_t s1, int64_t s2, int64_t s3) {
-  const int64_t row = ((smg_rank(sub) * smg_cells(c, 3) + s3) * smg_cells(c, 2) + s2) * smg_cells(c, 1) + smg_place_in_plane(c, s1);
+static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, int64_t sub, int64_t s1, int64_t s2,
+                                    int64_t s3) {
+  const int64_t row =
+      ((smg_rank(sub) * smg_cells(c, 3) + s3) * smg_cells(c, 2) + s2) * smg_cells(c, 1) + smg_place_in_plane(c, s1);
   return colour * smg_colour_slots(c) + row * smg_row_length(c);
 }
 
-/* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d of an end, and
- * else not; and on how it begins, and among which rows of its plane it stands. */
+/* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d
+ * of an end, and else not; and on how it begins, and among which rows of its plane it stands. */
 #define SMG_KINDS(reach) (2 * (reach) + 1)
-#define SMG_ROW_KINDS (2 * SMG_REACH_1 + SMG_ROW_STEP) /* of rows in their plane: near its ends each, the others by s1 mod SMG_ROW_STEP */
-#define SMG_KNOWN (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_ROW_KINDS * SMG_ROW_STEP)
-SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) { return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach); }
+/* of rows in their plane: near its ends each, the others by s1 mod SMG_ROW_STEP */
+#define SMG_ROW_KINDS (2 * SMG_REACH_1 + SMG_ROW_STEP)
+#define SMG_KNOWN \
+  (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_ROW_KINDS * SMG_ROW_STEP)
+SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) {
+  return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach);
+}
 
 SMG_INLINE int64_t smg_kind_of_row(int64_t s1, int64_t n) {
   return s1 < SMG_REACH_1 ? s1 : s1 < n - SMG_REACH_1 ? SMG_REACH_1 + s1 % SMG_ROW_STEP : s1 - n + SMG_ROW_KINDS;
 }
 
-SMG_INLINE int64_t smg_sites_from(const smg_coefficients *c, int64_t first) { return smg_down(smg_cells(c, 0) - first + SMG_ROW_STEP - 1, SMG_ROW_STEP); }
+SMG_INLINE int64_t smg_sites_from(const smg_coefficients *c, int64_t first) {
+  return smg_down(smg_cells(c, 0) - first + SMG_ROW_STEP - 1, SMG_ROW_STEP);
+}
 
 /* What follows from the place of a row: weights . cell + shift = colour. SMG_TURN_0 undoes the weight of s0. */
 static inline void smg_row_place(const smg_coefficients *c, smg_lattice_row *at) {
   at->sub = smg_place(at->colour, at->rank);
   at->first = smg_left(SMG_TURN_0 * (at->colour - smg_colour_of(at->sub, 0, at->s1, at->s2, at->s3)), SMG_ROW_STEP);
   at->sites = smg_sites_from(c, at->first);
-  at->kind = (at->colour * SMG_RANKS + at->rank) * SMG_KINDS(SMG_REACH_3) + smg_kind_of_cell(at->s3, smg_cells(c, 3), SMG_REACH_3);
+  at->kind = (at->colour * SMG_RANKS + at->rank) * SMG_KINDS(SMG_REACH_3) +
+             smg_kind_of_cell(at->s3, smg_cells(c, 3), SMG_REACH_3);
   at->kind = at->kind * SMG_KINDS(SMG_REACH_2) + smg_kind_of_cell(at->s2, smg_cells(c, 2), SMG_REACH_2);
 }
 
@@ -164,7 +195,8 @@ static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t c
 /* The row-th of a colour. */
 static inline smg_lattice_row smg_row_of(const smg_coefficients *c, int64_t colour, int64_t row) {
   smg_lattice_row at = smg_first_row(c, colour);
-  const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2), step = smg_plane_step(c, smg_row_length(c));
+  const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2),
+                step = smg_plane_step(c, smg_row_length(c));
   int64_t among = row - above * smg_cells(c, 1);
   while (among >= smg_rows_like(c, step, at.s1)) among -= smg_rows_like(c, step, at.s1++);
   at.s1 += step * among;
@@ -208,7 +240,9 @@ SMG_INLINE void smg_next_row(const smg_coefficients *c, int64_t length, smg_latt
 /* How many rows from this one on are one run: begin alike, with all that is beside them at the same distances. */
 SMG_INLINE int64_t smg_run_of_rows(const smg_coefficients *c, const smg_lattice_row *at, int64_t length) {
   const int64_t end = smg_cells(c, 1) - SMG_REACH_1;
-  return at->s1 >= SMG_REACH_1 && at->s1 < end && smg_plane_step(c, length) == SMG_ROW_STEP ? (end - at->s1 + SMG_ROW_STEP - 1) / SMG_ROW_STEP : 1;
+  return at->s1 >= SMG_REACH_1 && at->s1 < end && smg_plane_step(c, length) == SMG_ROW_STEP
+             ? (end - at->s1 + SMG_ROW_STEP - 1) / SMG_ROW_STEP
+             : 1;
 }
 
 /* The row after some of a run. */
@@ -218,16 +252,17 @@ SMG_INLINE void smg_after_rows(const smg_coefficients *c, int64_t length, int64_
   smg_next_row(c, length, at);
 }
 
-/* The sites beside those of a row, at one distance: that beside the j-th stands `start` slots after its first, and j more, for
- * from <= j < to, SMG_EVERYWHERE where that is all of them; the others, beyond the ends of the row, stand `around`, and j more, after it where
- * direction 0 is a ring. there: do the other directions not end before? */
+/* The sites beside those of a row, at one distance: that beside the j-th stands `start` slots after its first, and j
+ * more, for from <= j < to, SMG_EVERYWHERE where that is all of them; the others, beyond the ends of the row, stand
+ * `around`, and j more, after it where direction 0 is a ring. there: do the other directions not end before? */
 typedef struct smg_beside {
   int64_t start, around, from, to, there;
 } smg_beside;
 
 #define SMG_EVERYWHERE INT64_MAX
 
-/* In blocks: the slots beside lane 0 of a vector, SMG_BESIDES of them; and which lane each takes where lane 0 takes the t-th. */
+/* In blocks: the slots beside lane 0 of a vector, SMG_BESIDES of them; and which lane each takes where lane 0 takes the
+ * t-th. */
 #if defined(__GNUC__)
 typedef int32_t smg_slot_beside __attribute__((may_alias));
 #else
@@ -237,8 +272,9 @@ typedef struct smg_lane_order {
   SMG_LINES int64_t of[SMG_WIDEST];
 } smg_lane_order;
 
-/* Some slots of a run of rows, those from <= j < to: the slot where j = 0; the place of all, and how many sites each row has; slots of a row; what stands
- * beside all of them; of short rows, the places of slots in their rows; beside, order: of a run of blocks. */
+/* Some slots of a run of rows, those from <= j < to: the slot where j = 0; the place of all, and how many sites each
+ * row has; slots of a row; what stands beside all of them; of short rows, the places of slots in their rows; beside,
+ * order: of a run of blocks. */
 typedef struct smg_run {
   int64_t start, sub, sites, length, from, to;
   const smg_beside *b;
@@ -259,7 +295,8 @@ static inline int64_t smg_slot_beyond(const smg_coefficients *c, int64_t sub, in
   return smg_row_start(c, smg_colour_of(sub, x, s[0], s[1], s[2]), sub, s[0], s[1], s[2]) + smg_down(x, SMG_ROW_STEP);
 }
 
-/* Sites at one distance from those of a place: their place, and by how much their cell is away; bit d of ring says whether direction d closes. */
+/* Sites at one distance from those of a place: their place, and by how much their cell is away; bit d of ring says
+ * whether direction d closes. */
 typedef struct smg_offset {
   int64_t sub, cell[4];
   int ring;
@@ -271,10 +308,13 @@ static inline int64_t smg_offsets(int64_t sub, smg_offset *beside);
 /* What stands there beside a row. */
 static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lattice_row *at, const smg_offset *o) {
   const int ring = o->ring;
-  const int64_t x = at->first + o->cell[0], sub = o->sub, n = smg_cells(c, 0), before = -smg_down(x, SMG_ROW_STEP), inside = -smg_down(x - n, SMG_ROW_STEP);
+  const int64_t x = at->first + o->cell[0], sub = o->sub, n = smg_cells(c, 0), before = -smg_down(x, SMG_ROW_STEP),
+                inside = -smg_down(x - n, SMG_ROW_STEP);
   int64_t s[3] = {at->s1, at->s2, at->s3};
   smg_beside b = {0, 0, 0, before > 0 ? smg_row_length(c) : SMG_EVERYWHERE, 1};
-  b.there = smg_step_to(s, o->cell[1], smg_cells(c, 1), ring >> 1 & 1) & smg_step_to(s + 1, o->cell[2], smg_cells(c, 2), ring >> 2 & 1) & smg_step_to(s + 2, o->cell[3], smg_cells(c, 3), ring >> 3 & 1);
+  b.there = smg_step_to(s, o->cell[1], smg_cells(c, 1), ring >> 1 & 1) &
+            smg_step_to(s + 1, o->cell[2], smg_cells(c, 2), ring >> 2 & 1) &
+            smg_step_to(s + 2, o->cell[3], smg_cells(c, 3), ring >> 3 & 1);
   if (!b.there) return b;
   b.start = smg_slot_beyond(c, sub, x, s) - at->start;
   b.around = smg_slot_beyond(c, sub, o->cell[0] < 0 ? x + n : x - n, s) - at->start;
@@ -293,7 +333,8 @@ SMG_INLINE void smg_put_slots(smg_real *all, int64_t pitch, int64_t slot, const 
   for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
 }
 
-/* The places of lanes in their rows, of which the first is the p-th: from memory, or of long rows, where vectors stay within one. */
+/* The places of lanes in their rows, of which the first is the p-th: from memory, or of long rows, where vectors stay
+ * within one. */
 SMG_INLINE smg_lanes smg_lane_places(const smg_run *run, int64_t p) {
   static const smg_real number[SMG_WIDEST] = {0, 1, 2, 3, 4, 5, 6, 7};
   if (run->length < SMG_LONG_ROW) return smg_lane_take(run->place + p);
@@ -305,7 +346,9 @@ SMG_INLINE int64_t smg_next_place(int64_t p, int64_t length) {
 }
 
 /* Do the neighbours of all `in` lanes stand within the row? Those of which do? */
-SMG_INLINE int smg_all_within(const smg_beside *b, int64_t p, int64_t in) { return b->to == SMG_EVERYWHERE || (p >= b->from && p + in <= b->to); }
+SMG_INLINE int smg_all_within(const smg_beside *b, int64_t p, int64_t in) {
+  return b->to == SMG_EVERYWHERE || (p >= b->from && p + in <= b->to);
+}
 SMG_INLINE smg_lane_mask smg_lanes_within(const smg_run *run, const smg_beside *b, int64_t p) {
   const smg_lanes at = smg_lane_places(run, p);
   return (smg_lane_mask)(at >= (smg_real)b->from) & (smg_lane_mask)(at < (smg_real)b->to);
@@ -323,7 +366,8 @@ SMG_INLINE void smg_take_turned(const smg_real *all, int64_t pitch, const int64_
 }
 
 /* The n-th vectors beside the slots from the j-th on of a run of blocks. */
-SMG_INLINE void smg_take_in_blocks(const smg_run *run, int n, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+SMG_INLINE void smg_take_in_blocks(const smg_run *run, int n, const smg_real *all, int64_t pitch, int64_t j,
+                                   smg_lanes *v) {
   const uint64_t slot = (uint64_t)(run->start + j), lane = SMG_LANES < SMG_WIDEST ? slot % SMG_WIDEST : 0;
   const uint64_t beside = (uint64_t)run->beside[slot / SMG_WIDEST * SMG_BESIDES + (uint64_t)n], t = beside % SMG_WIDEST;
   const smg_real *vector = all + (beside - t);
@@ -331,9 +375,10 @@ SMG_INLINE void smg_take_in_blocks(const smg_run *run, int n, const smg_real *al
   else smg_take_turned(vector, pitch, run->order[t].of + lane, v);
 }
 
-/* Those beside the sites from the j-th on of a run, the p-th of its row. around: may they stand around a ring, beyond the ends of the row? That is read for
- * sites of the run alone: that far beyond it there may be no memory. */
-SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int around, int64_t p, const smg_real *all, int64_t pitch, int64_t j, smg_lanes *v) {
+/* Those beside the sites from the j-th on of a run, the p-th of its row. around: may they stand around a ring, beyond
+ * the ends of the row? That is read for sites of the run alone: that far beyond it there may be no memory. */
+SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int around, int64_t p, const smg_real *all,
+                                int64_t pitch, int64_t j, smg_lanes *v) {
   if (blocks) {
     smg_take_in_blocks(run, n, all, pitch, j, v);
     return;
@@ -370,12 +415,13 @@ static inline int64_t smg_piece_room(const smg_coefficients *c) {
   return SMG_PIECE;
 }
 
-/* What stands beside rows of every kind, from memory; and the places of the slots of short rows, so many that vectors may begin at each of them. */
+/* What stands beside rows of every kind, from memory; and the places of the slots of short rows, so many that vectors
+ * may begin at each of them. */
 typedef struct smg_besides {
   smg_beside rows[SMG_KNOWN][SMG_BESIDES];
   int known[SMG_KNOWN];
   smg_real place[SMG_LONG_ROW + SMG_WIDEST];
-  int64_t room;         /* slots of a piece */
+  int64_t room; /* slots of a piece */
   smg_lattice_row first[SMG_COLOURS];
   const smg_slot_beside *beside; /* of blocks; else NULL */
   smg_lane_order order[SMG_WIDEST];
@@ -410,7 +456,8 @@ SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg
 static inline void smg_know_besides(const smg_coefficients *c, smg_besides *all) {
   const int64_t length = smg_row_length(c);
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at)) smg_besides_of(c, &at, all);
+    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
+      smg_besides_of(c, &at, all);
 }
 
 #endif

@@ -12,16 +12,13 @@
 static inline int64_t smg_sparse_worksize(int64_t n) { return n * SMG_BB; }
 
 /* Row i of the matrix into the dense row. */
-SMG_INLINE void smg_sparse_load(int32_t first, int32_t last, const int32_t *col, const smg_real *A,
-                                smg_real *row) {
-  for (int32_t p = first; p < last; p++)
-    smg_block_copy(row + (int64_t)col[p] * SMG_BB, A + (int64_t)p * SMG_BB);
+SMG_INLINE void smg_sparse_load(int32_t first, int32_t last, const int32_t *col, const smg_real *A, smg_real *row) {
+  for (int32_t p = first; p < last; p++) smg_block_copy(row + (int64_t)col[p] * SMG_BB, A + (int64_t)p * SMG_BB);
 }
 
 /* row -= L (Uhat of row j), r -= L rhat_j. */
-SMG_INLINE void smg_sparse_update(int32_t j, const int32_t *rowptr, const int32_t *col,
-                                  const int32_t *diag, const smg_real *A, const smg_real *x,
-                                  smg_real *row, smg_real *r) {
+SMG_INLINE void smg_sparse_update(int32_t j, const int32_t *rowptr, const int32_t *col, const int32_t *diag,
+                                  const smg_real *A, const smg_real *x, smg_real *row, smg_real *r) {
   const smg_real *L = row + (int64_t)j * SMG_BB;
   for (int32_t p = diag[j] + 1; p < rowptr[j + 1]; p++)
     smg_block_submul(row + (int64_t)col[p] * SMG_BB, L, A + (int64_t)p * SMG_BB);
@@ -29,8 +26,8 @@ SMG_INLINE void smg_sparse_update(int32_t j, const int32_t *rowptr, const int32_
 }
 
 /* Uhat = D^-1 U back into the row's place, rhat = D^-1 r. */
-SMG_INLINE int smg_sparse_scale(int32_t i, int32_t diag, int32_t last, const int32_t *col, smg_real *A,
-                                smg_real *r, const smg_real *row, int *ok) {
+SMG_INLINE int smg_sparse_scale(int32_t i, int32_t diag, int32_t last, const int32_t *col, smg_real *A, smg_real *r,
+                                const smg_real *row, int *ok) {
   const smg_real *D = row + (int64_t)i * SMG_BB;
   const smg_real b[3] = {r[0], r[1], r[SMG_BS - 1]};
   smg_real inverse[SMG_BB];
@@ -43,8 +40,8 @@ SMG_INLINE int smg_sparse_scale(int32_t i, int32_t diag, int32_t last, const int
 }
 
 /* x_i = rhat_i - sum Uhat x_c, upwards. */
-static inline void smg_sparse_back(int32_t n, const int32_t *rowptr, const int32_t *col,
-                                   const int32_t *diag, const smg_real *A, smg_real *x) {
+static inline void smg_sparse_back(int32_t n, const int32_t *rowptr, const int32_t *col, const int32_t *diag,
+                                   const smg_real *A, smg_real *x) {
   for (int32_t i = n - 1; i >= 0; i--)
     for (int32_t p = diag[i] + 1; p < rowptr[i + 1]; p++)
       smg_block_subapply(x + (int64_t)i * SMG_BS, A + (int64_t)p * SMG_BB, x + (int64_t)col[p] * SMG_BS);
@@ -55,16 +52,14 @@ static inline void smg_sparse_back(int32_t n, const int32_t *rowptr, const int32
  * smg_sparse_worksize(n) reals.
  * Returns 0, or 1 + the row (in that order) whose pivot is singular to round-off.
  * *pivots: 1 when no pivot block has a real eigenvalue <= 0, else 2 or -2, the sign of the determinant. */
-static inline int32_t smg_sparse_solve(int32_t n, const int32_t *rowptr, const int32_t *col,
-                                       const int32_t *diag, smg_real *A, smg_real *x, smg_real *work,
-                                       int *pivots) {
+static inline int32_t smg_sparse_solve(int32_t n, const int32_t *rowptr, const int32_t *col, const int32_t *diag,
+                                       smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   int ok = 1;
   *pivots = 0;
   for (int32_t i = 0; i < n; i++) {
     smg_real *r = x + (int64_t)i * SMG_BS;
     smg_sparse_load(rowptr[i], rowptr[i + 1], col, A, work);
-    for (int32_t p = rowptr[i]; p < diag[i]; p++)
-      smg_sparse_update(col[p], rowptr, col, diag, A, x, work, r);
+    for (int32_t p = rowptr[i]; p < diag[i]; p++) smg_sparse_update(col[p], rowptr, col, diag, A, x, work, r);
     if (smg_sparse_scale(i, diag[i], rowptr[i + 1], col, A, r, work, &ok)) return 1 + i;
   }
   smg_sparse_back(n, rowptr, col, diag, A, x);

@@ -66,8 +66,9 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   return 1;
 }
 
-/* Stretches u = h m x b until |w + compensation + u| = |w + compensation|, |w| = r, where it is off by round-off: (w + compensation + u/2).u = 0.
- * u stays across b, and w.b as it is. One much shorter than w is left as it is: so is its round-off. */
+/* Stretches u = h m x b until |w + compensation + u| = |w + compensation|, |w| = r, where it is off by round-off: (w +
+ * compensation + u/2).u = 0. u stays across b, and w.b as it is. One much shorter than w is left as it is: so is its
+ * round-off. */
 static inline void smg_stretch(const smg_real *w, const smg_real *compensation, smg_real r, smg_real *u) {
   smg_real along = 0, size = (smg_real)0.25;
   for (int e = 0; e < 3; e++) {

@@ -25,7 +25,8 @@
 #endif
 
 #if SMG_HAS_COUPLED
-/* The coupled sites: from the extrapolated start; when that fails from rest; when that fails by following the branch. */
+/* The coupled sites: from the extrapolated start; when that fails from rest; when that fails by following the
+ * branch. */
 static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
   const int tries = s->degree < 0 ? 1 : 2;
   smg_status status = SMG_OK;
@@ -43,7 +44,8 @@ static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
     if (status == SMG_WRONG_BRANCH) break;
   }
   const smg_status followed = smg_follow_branch(s, h);
-  if (followed == SMG_WRONG_BRANCH || followed == SMG_NO_SOLUTION) return followed; /* whatever Newton found elsewhere */
+  /* whatever Newton found elsewhere */
+  if (followed == SMG_WRONG_BRANCH || followed == SMG_NO_SOLUTION) return followed;
   if (status == SMG_WRONG_BRANCH) status = followed;
   if (followed != SMG_OK && s->report.site < 0) s->report.site = smg_worst_site(s);
   return followed == SMG_OK ? SMG_OK : status;
@@ -86,8 +88,8 @@ static void smg_commit(smg_state *s) {
 #endif
   smg_add_increment(s);
 #if SMG_LEAVES
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-    if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k)); /* open leaves: orbits grow */
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) /* open leaves: orbits grow */
+    if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k));
 #endif
   smg_remember(s);
 }

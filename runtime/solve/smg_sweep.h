@@ -1,5 +1,5 @@
-/* smidgen runtime: sweeps over the coupled sites, tried before Newton: rotations (SMG_ROTATION), each spin exactly in the field of
- * the others, or the plain fixed point. Where they do not settle soon Newton takes over. */
+/* smidgen runtime: sweeps over the coupled sites, tried before Newton: rotations (SMG_ROTATION), each spin exactly in
+ * the field of the others, or the plain fixed point. Where they do not settle soon Newton takes over. */
 #ifndef SMG_SWEEP_H
 #define SMG_SWEEP_H
 
@@ -46,7 +46,8 @@ static inline void smg_relax(void *context, smg_lattice_site at) {
   smg_real g[3] = {0, 0, 0}, next[3];
   smg_gather(c, at, s->m, s->m + 3 * k, g);
   if (!smg_relaxed(s, sweep->h, k, g, next)) { /* as the others stand: no step yet, and not settled */
-    sweep->change.absolute = smg_max(sweep->change.absolute, smg_kind(c, k) == SMG_R3 ? s->scale : smg_leaf_value(s, k));
+    sweep->change.absolute =
+        smg_max(sweep->change.absolute, smg_kind(c, k) == SMG_R3 ? s->scale : smg_leaf_value(s, k));
     sweep->change.relative = smg_max(sweep->change.relative, 1);
     return;
   }
@@ -75,8 +76,8 @@ static void smg_sweep_start(smg_state *s) {
   }
 }
 
-/* What the increments after a sweep show: the largest residual of u - h X(m) and of m - P(w + u/2), a bound on the rows of J - I,
- * and the size of the products in h X. */
+/* What the increments after a sweep show: the largest residual of u - h X(m) and of m - P(w + u/2), a bound on the rows
+ * of J - I, and the size of the products in h X. */
 typedef struct smg_sweep_end {
   smg_state *s;
   smg_real h, residual, row, rounding_scale;
@@ -99,8 +100,8 @@ static inline void smg_reflect(const smg_state *s, int64_t k, smg_sweep_end *end
   }
 }
 
-/* u = h X(m) of one site. J_ij - I has the factors 1/kappa of its row and s of its column; with the s of the row, as diag(s) (J - I) diag(1/s)
- * has it, the rows are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
+/* u = h X(m) of one site. J_ij - I has the factors 1/kappa of its row and s of its column; with the s of the row, as
+ * diag(s) (J - I) diag(1/s) has it, the rows are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
 static inline void smg_end_site(void *context, smg_lattice_site at) {
   smg_sweep_end *end = (smg_sweep_end *)context;
   smg_state *s = end->s;
@@ -113,21 +114,23 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   smg_take(&end->rounding_scale, rounding_scale);
   if (smg_kind(c, k) != SMG_NAMBU) {
     if (rounding_scale > s->scale) smg_reflect(s, k, end);
-    if (3 * rounding_scale > s->scale) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), s->u + 3 * k);
+    if (3 * rounding_scale > s->scale)
+      smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), s->u + 3 * k);
   }
   for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * s->u[3 * k + b];
   const smg_real stretch = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
   for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(m[b] - s->m[3 * k + b]));
 #if SMG_CONSTANT_HESSIAN
   const smg_real r = smg_leaf_value(s, k);
-  smg_take(&end->row, stretch * smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) * (smg_hessian_row_norm(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
+  smg_take(&end->row, stretch * smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) *
+                          (smg_hessian_row_norm(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
 #else
   (void)stretch;
 #endif
 }
 
-/* The increments of the solution that the sweeps left: is the step equation solved to round-off? *row: a bound on the row sums of
- * J - I, where one is known. */
+/* The increments of the solution that the sweeps left: is the step equation solved to round-off? *row: a bound on the
+ * row sums of J - I, where one is known. */
 static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
   smg_sweep_end end = {s, h, 0, 0, 0};
   smg_each(&s->c, &end, smg_end_site);
@@ -186,7 +189,8 @@ static int smg_sweeps_solved(smg_state *s, smg_real h) {
   return 0;
 }
 
-/* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton, and the next SMG_NEWTON_STEPS steps with it. */
+/* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton, and the next SMG_NEWTON_STEPS steps
+ * with it. */
 static smg_status smg_sweeps(smg_state *s, smg_real h) {
   if (s->newton_steps > 0) {
     --s->newton_steps;

@@ -19,9 +19,11 @@ functions of order l and below; the stages before the first are those of the ste
 """
 import itertools
 import sys
+import textwrap
 from functools import lru_cache
 from pathlib import Path
 
+from columns import WIDTH, unformatted
 from mpmath import lu_solve, matrix, mp, mpf, nstr, workdps
 
 DIGITS = 60             # of all that is computed here, whatever mpmath is set to
@@ -57,15 +59,16 @@ SCHEMES = {
 PLAIN = ("suzuki5", "ss11", "ss21", "ss35")     # of each order the one that did best
 
 HEAD = """\
-/* smidgen method: the symmetric composition {title} of {stages} stages, order {order}. Written by tests/coefficients/compositions.py; do
- * not edit.
+/* smidgen method: the symmetric composition {title} of {stages} stages, order {order}.
+ * Written by tests/coefficients/compositions.py; do not edit.
  *
- * {source};
+{source}
  * refined to 1e-32 by its order conditions. See Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.
  *
  *   smg_gamma[i]                  gamma_i: stage i is a step of the size gamma_i h; the sum of all is 1
  *   smg_inverse_gamma[i]          1/gamma_i, for predictions of a single sphere
- *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the stages i - 1 - j */
+ *   smg_stage_weights[i][l][j]    the predictor of level l: u_i is near the sum of these times the increments of the
+ *                                 stages i - 1 - j */
 #ifndef SMG_{guard}_H
 #define SMG_{guard}_H
 
@@ -222,12 +225,12 @@ def header_of(name, order, source, half, guard=None):
     middle = f"1 - 2*({' + '.join(pair(x) for x in half)})" if half else "1"
     gammas = [pair(x) for x in half] + [middle] + [pair(x) for x in reversed(half)]
     table = [braces([row(weights(every, i, level)) for level in range(len(SPAN))]) for i in range(n)]
-    return (HEAD.format(title=title(name), stages=n, order=order, source=source, guard=(guard or name).upper())
-            + f"\nstatic const smg_real smg_gamma[{n}] = {listed(gammas)};\n"
-            f"\n#if SMG_SINGLE_SPHERE\nstatic const double smg_inverse_gamma[{n}] = {listed(repr(float(1 / x)) for x in every)};\n#endif\n"
-            f"\n/* {', '.join(str(x) for x in SPAN)} stages back */\n"
-            f"static const double smg_stage_weights[{n}][{len(SPAN)}][{HISTORY}] = {listed(table)};\n"
-            "\n#endif\n")
+    said = textwrap.fill(f"{source};", WIDTH, initial_indent=" * ", subsequent_indent=" * ")
+    numbers = (f"static const smg_real smg_gamma[{n}] = {listed(gammas)};\n"
+               f"\n#if SMG_SINGLE_SPHERE\nstatic const double smg_inverse_gamma[{n}] = {listed(repr(float(1 / x)) for x in every)};\n#endif\n"
+               f"\n/* {', '.join(str(x) for x in SPAN)} stages back */\n"
+               f"static const double smg_stage_weights[{n}][{len(SPAN)}][{HISTORY}] = {listed(table)};\n")
+    return HEAD.format(title=title(name), stages=n, order=order, source=said, guard=(guard or name).upper()) + f"\n{unformatted(numbers)}\n#endif\n"
 
 
 def header(name):

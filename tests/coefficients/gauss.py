@@ -3,6 +3,7 @@ Differential Equations I, II.7), from 70 digits.
 
     python tests/coefficients/gauss.py > runtime/method/smg_gauss_table.h
 """
+from columns import unformatted
 from mpmath import legendre, lu_solve, matrix, mp, mpf, polyroots, taylor
 
 mp.dps = 70
@@ -11,22 +12,26 @@ MOST = 8
 HEAD = """\
 /* smidgen method: coefficients of Gauss collocation. Written by tests/coefficients/gauss.py; do not edit.
  *
- * Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.7: the nodes c_i are the zeros of the s-th Legendre
- * polynomial on [0, 1], b_j and a_ij the integrals of Lagrange's polynomials l_j over [0, 1] and [0, c_i].
+ * Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.7: the nodes c_i are the zeros of the s-th
+ * Legendre polynomial on [0, 1], b_j and a_ij the integrals of Lagrange's polynomials l_j over [0, 1] and [0, c_i].
  *
  *   smg_gauss_node[i]      c_i, where H depends on time
  *   smg_gauss_weight[i]    b_i
- *   smg_gauss_share[j][i]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference is exact,
- *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to (Antonana,
+ *   smg_gauss_share[j][i]  a_ij / b_j, and what is not below the diagonal as 1 less its mirror image: that difference
+ *                          is exact,
+ *                          so b_i a_ij + b_j a_ji = b_i b_j holds without any error, whatever b was rounded to
+ *                          (Antonana,
  *                          Makazaga, Murua 2017)
- *   smg_gauss_cross[i][j]  (a_ij/b_j + a_ij'/b_j' - 1)/2, j' = s + 1 - j, for i, j in the first half and j in the middle. From the
- *                          symmetries of the nodes, a_ij/b_j - 1/2 is this one plus beta, a_ij'/b_j' - 1/2 this one less beta,
+ *   smg_gauss_cross[i][j]  (a_ij/b_j + a_ij'/b_j' - 1)/2, j' = s + 1 - j, for i, j in the first half and j in the
+ *                          middle. From the
+ *                          symmetries of the nodes, a_ij/b_j - 1/2 is this one plus beta, a_ij'/b_j' - 1/2 this one
+ *                          less beta,
  *                          where beta = -smg_gauss_cross[j][i], and for i' both with the other sign: with these numbers
  *                          b_i a_ij + b_j a_ji = b_i b_j holds without any error too
  *   smg_gauss_ahead[j][i]  (b_i / b_j) l_j(1 + c_i): the polynomial through the stages, one step on
  *
- * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th; where the lanes are
- * sites (SMG_ROW_STAGES) there are as many as they are.
+ * Stages fill whole blocks of SMG_LANES lanes: SMG_PADDED of them, the last one again (SMG_LAST) after the s-th; where
+ * the lanes are sites (SMG_ROW_STAGES) there are as many as they are.
  * SMG_PAIR: high and low part, right to 1e-32; SMG_MIRROR: 1 less that. */
 #ifndef SMG_GAUSS_TABLE_H
 #define SMG_GAUSS_TABLE_H
@@ -138,7 +143,7 @@ def table(s):
 
 
 def header():
-    return HEAD + "".join(table(s) for s in range(1, MOST + 1)) + "\n#endif\n"
+    return f"{HEAD}\n{unformatted(''.join(table(s) for s in range(1, MOST + 1)))}\n#endif\n"
 
 
 if __name__ == "__main__":

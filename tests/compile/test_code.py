@@ -250,7 +250,7 @@ def test_no_text_is_edited_or_searched(path):
 def test_plain_functions_are_those_of_the_header():
     """smg_plain.h defines just what the generator leaves out, each under the macro that a model defines in its place."""
     text = (ROOT / "runtime/core/smg_plain.h").read_text()
-    guarded = {name: " ".join(body.split()) for name, body in re.findall(r"^#if !(SMG_OWN_\w+)\n.*?\{\n(.*?)\n\}\n#endif$", text, re.MULTILINE | re.DOTALL)}
+    guarded = {name: " ".join(body.split()) for name, body in re.findall(r"^#if !(SMG_OWN_\w+)\n.*?\{\s(.*?)\s\}\n#endif$", text, re.MULTILINE | re.DOTALL)}
     assert guarded.keys() == {macro(name) for name in PLAIN}
     for name, body in PLAIN.items():
         statements = " ".join(PRINTERS["scalar"].lines(body)).replace("1.0", "1").replace("0.0", "0")
