@@ -1,4 +1,4 @@
-"""The ranks of MPI that share a run: `mpirun -n 4 smidgen run SPEC` (runtime/solve/smg_row_ranks.h).
+"""The ranks of MPI that share a run: `mpirun -n 4 smidgen run SPEC` (runtime/lattice/smg_row_ranks.h).
 
 Every rank goes the same way through the run, so that all make the same calls of C. Where something decides that way that only one of
 them knows (its clock, Ctrl-C, a file), rank 0 tells the others. It alone speaks and writes. Without mpirun nothing of this is used.

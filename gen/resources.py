@@ -2,6 +2,8 @@
 checkout beside it."""
 from pathlib import Path
 
+# The floors of runtime/, from the lowest: no header includes one that lies above it, or that of another family of methods.
+ROOMS = ("core", "newton", "lattice", "method/tables", "method/midpoint", "method/gauss", "method/explicit", "members")
 HERE = Path(__file__).resolve().parent
 
 
@@ -13,7 +15,7 @@ def folder(name: str) -> Path:
 
 def runtime_folders() -> list[Path]:
     """The folders of runtime/ whose headers generated C includes by name alone."""
-    return [folder("runtime") / name for name in ("core", "solve", "method")]
+    return [folder("runtime") / name for name in ROOMS]
 
 
 def include_flags() -> list[str]:

@@ -43,12 +43,14 @@ static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t use
   return used + size;
 }
 
-#if SMG_ROW_CLASSES
-#include "smg_pair_state.h"
-#elif SMG_ROW_TURNS
-#include "smg_sublattice_state.h"
-#elif SMG_BY_ROWS
-#include "smg_row_state.h"
+#if SMG_BY_ROWS
+/* What a lattice by rows answers; defined by smg_row_state.h, or the smg_*_state.h of an explicit method: does it go by
+ * rows (s->rows)? The table of its blocks; what its steps have lost to rounding, forgotten, saved and restored. */
+static inline void smg_choose_rows(smg_state *s);
+static inline void smg_make_beside(smg_state *s);
+static inline void smg_forget_rows(smg_state *s);
+static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past);
+static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past);
 #endif
 
 /* Bytes, whatever the way of its steps. */

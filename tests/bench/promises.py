@@ -34,10 +34,10 @@ TOLERANCE = 1e-10
 SECONDS = 0.004         # of one measurement
 ROUNDS = 41
 NO_BRANCH = (           # file of the runtime, what decides, what stands there instead
-    ("solve/smg_newton.h", "  if (smg_contracts(bound)) return 1;\n", "  return 1;\n"),
-    ("solve/smg_sweep.h", "if (solved && row < 1) return 1;", "if (solved) return 1;"),
-    ("solve/smg_sweep.h", "(smg_row_bound(s) < 1 ||", "(1 ||"),
-    ("method/smg_single_sphere.h", "{ return (det > (smg_real)0.4375) & (det < 5); }", "{ (void)det; return 1; }"))
+    ("newton/smg_newton.h", "  if (smg_contracts(bound)) return 1;\n", "  return 1;\n"),
+    ("lattice/smg_sweep.h", "if (solved && row < 1) return 1;", "if (solved) return 1;"),
+    ("lattice/smg_sweep.h", "(smg_row_bound(s) < 1 ||", "(1 ||"),
+    ("method/midpoint/smg_single_sphere.h", "{ return (det > (smg_real)0.4375) & (det < 5); }", "{ (void)det; return 1; }"))
 
 
 def variants(spec, method: str, values: dict, work: Path):

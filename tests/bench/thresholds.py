@@ -21,7 +21,7 @@ from smidgen.compile.select import select
 
 HERE = Path(__file__).resolve().parent
 RUNTIME, DOCS = HERE.parents[1] / "runtime", HERE.parents[1] / "docs"
-HEADERS = ("core/smg_site.h", "solve/smg_tolerances.h", "solve/smg_follow.h", "solve/smg_krylov.h", "solve/smg_matrix_free.h")
+HEADERS = ("core/smg_site.h", "core/smg_tolerances.h", "newton/smg_follow.h", "newton/smg_krylov.h", "newton/smg_matrix_free.h")
 FROM_ONE = ("SMG_ALONG", "SMG_LONGER")     # a cosine and a ratio, of which the distance from 1 is halved and doubled
 SIZES = ("SMG_KRYLOV_BASIS", "SMG_KRYLOV_SHORT")     # of arrays: no factor can change them
 DEFINE = re.compile(r"^#define (SMG_[A-Z_]+) +(\([^*/]*\)|\S+)( +/\*|$)", re.M)

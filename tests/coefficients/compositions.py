@@ -1,6 +1,6 @@
-"""Writes runtime/method/smg_<scheme>.h: symmetric compositions, their coefficients and the weights of their predictor.
+"""Writes runtime/method/tables/smg_<scheme>.h: symmetric compositions, their coefficients and the weights of their predictor.
 
-    python tests/coefficients/compositions.py runtime/method
+    python tests/coefficients/compositions.py runtime/method/tables
 
 Coefficients. One step of a symmetric method of order 2 is exp(h Y1 + h^3 Y3 + h^5 Y5 + ..), with vector fields Y_k that obey no
 relation in general. A composition has order p where its product of exponentials, as a series in words of Y1, Y3, .., is that of

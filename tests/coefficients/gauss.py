@@ -1,7 +1,7 @@
-"""Writes runtime/method/smg_gauss_table.h: Gauss collocation with 1 to 8 stages (Hairer, Norsett, Wanner, Solving Ordinary
+"""Writes runtime/method/tables/smg_gauss_table.h: Gauss collocation with 1 to 8 stages (Hairer, Norsett, Wanner, Solving Ordinary
 Differential Equations I, II.7), from 70 digits.
 
-    python tests/coefficients/gauss.py > runtime/method/smg_gauss_table.h
+    python tests/coefficients/gauss.py > runtime/method/tables/smg_gauss_table.h
 """
 from columns import unformatted
 from mpmath import legendre, lu_solve, matrix, mp, mpf, polyroots, taylor

@@ -419,7 +419,7 @@ def test_the_estimate_changes_nothing_else(tmp_path):
 
 @pytest.mark.quick
 def test_the_estimate_knows_what_step_control_aims_at():
-    text = (Path(__file__).parents[2] / "runtime" / "method" / "smg_dop853.h").read_text()
+    text = (Path(__file__).parents[2] / "runtime" / "method" / "explicit" / "smg_dop853.h").read_text()
     said = re.search(r"defined\(SMG_LONG_DOUBLE\)\n#define SMG_TOLERANCE (\S+)\n.*\n.*\n#else\n#define SMG_TOLERANCE (\S+)", text)
     assert TOLERANCE == {"long double": float(said[1]), "double": float(said[2])}
 

@@ -12,7 +12,7 @@ class Model:
     """A spec, the method, and what the step equation needs to know about each family.
 
     families: (count, kind, kappa, radius) in order, as C expressions; share: of all the steps; closed: a linear field of each
-    site by itself, whose one branch is known in closed form (runtime/solve/smg_spin.h).
+    site by itself, whose one branch is known in closed form (runtime/core/smg_spin.h).
     """
     spec: str
     families: tuple

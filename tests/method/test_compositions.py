@@ -34,7 +34,7 @@ def table(scheme):
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_header_is_what_the_script_writes(scheme):
-    assert (folder("runtime") / "method" / SCHEMES[scheme][2]).read_text() == coefficients.header(table(scheme))
+    assert (folder("runtime") / "method" / "tables" / SCHEMES[scheme][2]).read_text() == coefficients.header(table(scheme))
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

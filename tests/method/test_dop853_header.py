@@ -1,4 +1,4 @@
-"""runtime/method/smg_dop853.h by itself: its coefficients, and what it does to the hand-written models of tests/runtime/dop853.c.
+"""runtime/method/explicit/smg_dop853.h by itself: its coefficients, and what it does to the hand-written models of tests/runtime/dop853.c.
 
 No compiler of specs is asked. Judged by the order conditions of Butcher's trees, by solutions in closed form, and by the same
 text in long double and quadruple.
@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
-TABLE = ROOT / "runtime" / "method" / "smg_dop853_table.h"
+TABLE = ROOT / "runtime" / "method" / "tables" / "smg_dop853_table.h"
 SOURCE = ROOT / "tests" / "runtime" / "dop853.c"
 PATHS = [f"-I{ROOT / 'runtime' / part}" for part in ("core", "method", "solve")]
 WARNINGS = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Werror".split()

@@ -1,4 +1,4 @@
-"""Gauss collocation (runtime/method/smg_gauss.h) around models written by hand: order, symplecticity, round-off, refusals.
+"""Gauss collocation (runtime/method/gauss/smg_gauss.h) around models written by hand: order, symplecticity, round-off, refusals.
 
 The filter tests/runtime/gauss.c also compares, in every run, a restored state's bits with those of the state it was saved from.
 """
@@ -42,7 +42,7 @@ def make(tmp_path_factory):
 # ---- coefficients -----------------------------------------------------------------------------
 
 def test_the_table_is_what_the_script_writes():
-    assert (folder("runtime") / "method" / "smg_gauss_table.h").read_text() == coefficients.header()
+    assert (folder("runtime") / "method" / "tables" / "smg_gauss_table.h").read_text() == coefficients.header()
 
 
 @pytest.mark.parametrize("s", range(1, 9))

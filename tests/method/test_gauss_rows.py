@@ -1,4 +1,4 @@
-"""Gauss collocation on lattices, sites in lanes (runtime/method/smg_gauss_rows.h): the step that the equation has, with the same bits."""
+"""Gauss collocation on lattices, sites in lanes (runtime/method/gauss/smg_gauss_rows.h): the step that the equation has, with the same bits."""
 
 import numpy as np
 import pytest

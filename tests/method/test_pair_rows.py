@@ -1,4 +1,4 @@
-"""Pair rotations on lattices, sites in lanes (runtime/method/smg_pair_rows.h): the bits of the steps from bond to bond."""
+"""Pair rotations on lattices, sites in lanes (runtime/method/explicit/smg_pair_rows.h): the bits of the steps from bond to bond."""
 import numpy as np
 import pytest
 import smidgen

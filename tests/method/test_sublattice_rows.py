@@ -1,4 +1,4 @@
-"""Sublattice rotations on lattices, sites in lanes (runtime/method/smg_sublattice_rows.h): the bits of the steps from site to site."""
+"""Sublattice rotations on lattices, sites in lanes (runtime/method/explicit/smg_sublattice_rows.h): the bits of the steps from site to site."""
 import subprocess
 
 import numpy as np

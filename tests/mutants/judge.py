@@ -25,22 +25,22 @@ SHARP = 3       # stages that are run before the quick tier
 MADE_FOR = {"rows": r"test_row(s|_wave|_blocks)|statuses", "method": r"test_(comparators|splittings|compositions|lengths)|edges_of_steps", "branch": r"second_solution|branch|statuses|eigenvalue|pivots|decoupled|bad_steps", "jacobian": r"test_effort|test_tangent",
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"test_tolerance|round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
-            **{f"runtime/method/smg_{word}": made for words, made in (
+            **{f"smg_{word}": made for words, made in (
                 ("one_stage cf4 isospectral geodesic explicit", r"test_comparators|edges_of_steps"), ("axis", r"test_splittings"), ("sublattice", r"test_(splittings|sublattice)"),
                 ("pair_", r"test_(splittings|pair_rows)"), ("turn_", r"test_(sublattice|pair)_rows"),
                 ("compos stage_pred suzuki ss kl", r"test_compositions"), ("gauss", r"test_gauss"), ("dop853", r"test_dop853"),
                 ("extrapolation right_side", r"test_(extrapolation|dop853)"), ("lane_sphere lane_dop853 lane_extrapolation", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
-            "runtime/solve/smg_row": r"test_row(s|_wave)", "runtime/solve/smg_few": r"test_few", "runtime/solve/smg_rest": r"test_(rows|few|gauss_rows)",
-            "runtime/solve/smg_fixed": r"test_(comparators|gauss)", "runtime/solve/smg_matrix": r"band|sparse|dense|newton|krylov",
-            "runtime/solve/smg_krylov": r"krylov", "runtime/solve/smg_predictor": r"effort|few|predict", "runtime/core/smg_ensemble": r"test_ensemble",
+            "runtime/lattice/smg_row": r"test_row(s|_wave)", "runtime/lattice/smg_few": r"test_few", "runtime/newton/smg_rest": r"test_(rows|few|gauss_rows)",
+            "runtime/core/smg_fixed": r"test_(comparators|gauss)", "runtime/newton/smg_matrix": r"band|sparse|dense|newton|krylov",
+            "runtime/newton/smg_krylov": r"krylov", "runtime/newton/smg_predictor": r"effort|few|predict", "runtime/members/smg_ensemble": r"test_ensemble",
             "runtime/core/smg_lane": r"test_(lanes|rows|few|gauss)",
-            "runtime/method/smg_tangent.h": r"test_tangent|test_lyapunov", "runtime/method/smg_extended.h": r"wide|round_off|extended",
-            "runtime/core/smg_saved.h": r"test_(checkpoint|resume|substeps)", "runtime/solve/smg_sweep.h": r"lattice|chain|sweep|glass|bad_steps.*cubic",
-            "runtime/solve/smg_alone.h": r"product|tracers|local|decoupled", "runtime/method/smg_single_sphere.h": r"rigid_body|solo|top",
-            "runtime/solve/smg_newton.h": r"chain|vortices|graph|newton", "runtime/solve/smg_coupled.h": r"edges_of_steps|test_agreement", "runtime/core/smg_state.h": r"test_interface|energy|momentum",
-            "runtime/method/smg_midpoint.h": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable", "templates/ensemble": r"test_ensemble",
-            "runtime/core/smg_site.h": r"units|frame", "runtime/solve/smg_follow.h": r"follow|curve", "runtime/solve/smg_band.h": r"band|branch", "runtime/solve/smg_sparse.h": r"sparse|branch",
-            "runtime/solve/smg_dense.h": r"dense|branch", "runtime/solve/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
+            "runtime/method/midpoint/smg_tangent.h": r"test_tangent|test_lyapunov", "runtime/core/smg_extended.h": r"wide|round_off|extended",
+            "runtime/core/smg_saved.h": r"test_(checkpoint|resume|substeps)", "runtime/lattice/smg_sweep.h": r"lattice|chain|sweep|glass|bad_steps.*cubic",
+            "runtime/newton/smg_alone.h": r"product|tracers|local|decoupled", "runtime/method/midpoint/smg_single_sphere.h": r"rigid_body|solo|top",
+            "runtime/newton/smg_newton.h": r"chain|vortices|graph|newton", "runtime/newton/smg_coupled.h": r"edges_of_steps|test_agreement", "runtime/core/smg_state.h": r"test_interface|energy|momentum",
+            "runtime/newton/smg_midpoint.h": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable", "templates/ensemble": r"test_ensemble",
+            "runtime/core/smg_site.h": r"units|frame", "runtime/newton/smg_follow.h": r"follow|curve", "runtime/newton/smg_band.h": r"band|branch", "runtime/newton/smg_sparse.h": r"sparse|branch",
+            "runtime/newton/smg_dense.h": r"dense|branch", "runtime/core/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
 OTHER_BUILDS = re.compile(r"\[(.*-)?(clang|g\+\+|gcc-long-double)")      # the same again, by another compiler
 SANITIZED = re.compile(r"runs?_clean")     # whole models, built with sanitizers
 LONGEST = 25.0      # seconds: a test that takes longer is left to the other tiers
@@ -59,7 +59,7 @@ def stage(name: str) -> int:
 def order_of(tests: dict, mutant) -> list[list[str]]:
     """The sharp tests; the quick tier's others and models with sanitizers; both in the order of running; of the headers only for a fault there."""
     runtime = mutant.file.startswith("runtime/") or mutant.file == "gen/compile/plan/ordering.py"
-    made = re.compile("|".join(words for of, words in MADE_FOR.items() if of == mutant.kind or mutant.file.startswith(of)) or "(?!)")
+    made = re.compile("|".join(words for of, words in MADE_FOR.items() if of == mutant.kind or mutant.file.startswith(of) or Path(mutant.file).name.startswith(of)) or "(?!)")
     names = [n for n, (seconds, _) in tests.items() if seconds <= LONGEST and (runtime or not RUNTIME.search(n))]
     names.sort(key=lambda n: (not made.search(n), not RUNTIME.search(n), stage(n), tests[n][0]))
     sharp = [n for n in names if (made.search(n) or RUNTIME.search(n) or stage(n) < SHARP) and not OTHER_BUILDS.search(n)]

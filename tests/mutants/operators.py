@@ -12,7 +12,7 @@ from pathlib import Path
 from .masks import code_lines
 from .rules import RULES
 
-STEP = ("templates/*.j2", "runtime/*/*.h")       # the C as it is written
+STEP = ("templates/*.j2", "runtime/**/*.h")       # the C as it is written
 GENERATOR = ("gen/compile/derive/derivatives.py", "gen/compile/lower/lowering.py", "gen/compile/lower/loops.py", "gen/compile/lower/kernels.py", "gen/compile/lower/integers.py", "gen/compile/lower/code.py", "gen/compile/plan/ordering.py",
              "gen/compile/assemble/*.py", "gen/compile/emit/*.py")     # what decides the rest of it
 
@@ -27,11 +27,11 @@ SPARED = (
     ("gen/compile/emit/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
     ("gen/compile/assemble/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
-    ("runtime/solve/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
+    ("runtime/newton/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
     ("templates/abi.c.j2", r"free\(", "memory that is given back late; nobody links this file"),
     ("gen/compile/assemble/buffers.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/compile/test_generated_c.py"),
-    ("runtime/solve/smg_row_ranks.h", r".", "ranks of MPI: nothing else compiles it; tests/runtime/test_ranks.py compares all their bits"),
-    ("runtime/solve/smg_row_halo.h", r".", "the same"),
+    ("runtime/lattice/smg_row_ranks.h", r".", "ranks of MPI: nothing else compiles it; tests/runtime/test_ranks.py compares all their bits"),
+    ("runtime/lattice/smg_row_halo.h", r".", "the same"),
     ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
 )
 

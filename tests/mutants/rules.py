@@ -7,9 +7,9 @@ more is reported by `run.py --list` and by tests/mutants/test_mutants.py.
 
 STEP = "*.[jh]*"      # the headers of runtime/ and the templates
 C = STEP
-MIDPOINT, SPHERE = "runtime/method/smg_midpoint.h", "runtime/method/smg_single_sphere.h"
-NEWTON, ALONE = "runtime/solve/smg_newton.h", "runtime/solve/smg_alone.h"
-BAND, NOISE = "runtime/solve/smg_band.h", "runtime/solve/smg_noise.h"
+MIDPOINT, SPHERE = "runtime/newton/smg_midpoint.h", "runtime/method/midpoint/smg_single_sphere.h"
+NEWTON, ALONE = "runtime/newton/smg_newton.h", "runtime/newton/smg_alone.h"
+BAND, NOISE = "runtime/newton/smg_band.h", "runtime/newton/smg_noise.h"
 
 # The field belongs to t0 + (count + 1/2) h; what depends on time is computed anew every step.
 TIME = (
@@ -43,7 +43,7 @@ JACOBIAN = (
     (NEWTON, r"smg_add_block\(s, smg_row\(&s->c, i\), smg_row\(&s->c, j\), block\)", r"smg_add_block(s, smg_row(&s->c, i), smg_row(&s->c, i), block)"),
     (NEWTON, r"( +)(smg_add_block\(s, smg_row)", r"\1if (i != j) \2"),
     (NEWTON, r"( +)(smg_add_block\(s, smg_row)", r"\1if (i <= j) \2"),
-    ("runtime/solve/smg_matrix_*.h", r"at\[k\] \+= block", r"at[k] = block"),
+    ("runtime/newton/smg_matrix_*.h", r"at\[k\] \+= block", r"at[k] = block"),
     (NEWTON, r"smg_hessian_blocks\(s\);", r""),
     (ALONE, r"e->J\[SMG_BS \* n \+ l\] \+= smg_dot\(G \+ 3 \* n, y\)", r"(void)n"),
     (ALONE, r"e->J\[SMG_BS \* n \+ l\] -= 0\.5 \* u\[n\] \* slope", r"(void)slope"),
@@ -89,12 +89,12 @@ BRANCH = (
     ("runtime/core/smg_small.h", r"\(smg_det2\(D\) > 0\) & ", r""),
     ("runtime/core/smg_small.h", r"if \(!\(c > 0\)\) return 0;", r""),
     ("runtime/core/smg_small.h", r"return s <= 0 \|\| .*;", r"return 1;"),
-    ("runtime/solve/smg_dense.h", r"if \(i == j && !\(sum > 0\)\) return 0;", r"if (i == j && !(sum > 0)) return 1;"),
-    ("runtime/*/smg_*.h", r"return (smg_\w+_solve\(.*\)) == 0 && positive == 1;", r"return \1 == 0;"),
-    ("runtime/solve/smg_follow.h", r"return SMG_(NO_SOLUTION|WRONG_BRANCH);", r"return SMG_OK;"),
-    ("runtime/solve/smg_follow.h", r"return central \|\| far > .* \? SMG_NO_CONVERGENCE : SMG_OK;", r"return SMG_OK;"),
-    ("runtime/solve/smg_follow.h", r" \|\| \(f->sign != 0 && \(f->sign < 0\) != \(f->q < 0\)\)", r""),
-    ("runtime/solve/smg_spin.h", r"if \(k >= 1 && d >= 0 && d <= 0\) return 0;", r""),
+    ("runtime/newton/smg_dense.h", r"if \(i == j && !\(sum > 0\)\) return 0;", r"if (i == j && !(sum > 0)) return 1;"),
+    ("runtime/newton/smg_*.h", r"return (smg_\w+_solve\(.*\)) == 0 && positive == 1;", r"return \1 == 0;"),
+    ("runtime/newton/smg_follow.h", r"return SMG_(NO_SOLUTION|WRONG_BRANCH);", r"return SMG_OK;"),
+    ("runtime/newton/smg_follow.h", r"return central \|\| far > .* \? SMG_NO_CONVERGENCE : SMG_OK;", r"return SMG_OK;"),
+    ("runtime/newton/smg_follow.h", r" \|\| \(f->sign != 0 && \(f->sign < 0\) != \(f->q < 0\)\)", r""),
+    ("runtime/core/smg_spin.h", r"if \(k >= 1 && d >= 0 && d <= 0\) return 0;", r""),
 )
 
 TOLERANCE = (
@@ -120,8 +120,8 @@ WRAP = (
     ("runtime/core/smg_site.h", r"\? r \+ b : r;", r"? r + b - 1 : r;"),
     ("runtime/core/smg_site.h", r"\(r < 0\) != \(b < 0\) \? r \+ b : r", r"(r < 0) != (b < 0) ? r : r"),
     ("runtime/core/smg_site.h", r"\(a - smg_mod\(a, b\)\) / b", r"a / b"),
-    ("runtime/solve/smg_matrix_band.h", r"d -= smg_coupled\(&s->c\);", r"d -= smg_coupled(&s->c) - 1;"),
-    ("runtime/solve/smg_matrix_band.h", r"d \+= smg_coupled\(&s->c\);", r"d += smg_coupled(&s->c) - 1;"),
+    ("runtime/newton/smg_matrix_band.h", r"d -= smg_coupled\(&s->c\);", r"d -= smg_coupled(&s->c) - 1;"),
+    ("runtime/newton/smg_matrix_band.h", r"d \+= smg_coupled\(&s->c\);", r"d += smg_coupled(&s->c) - 1;"),
     ("gen/compile/lower/loops.py", r"cell \+ shift\b(?! )", r"cell"),
     ("gen/compile/lower/loops.py", r'"<", size\) if shift > 0', r'"<", size) if shift < 0'),
     ("gen/compile/lower/loops.py", r"-shift, tests", r"shift, tests"),
@@ -151,7 +151,7 @@ WRAP = (
 
 # Lattices by rows in lanes: which sites stand beside a row, where its ends are, what of it is kept, and when steps may go so.
 ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END, ROW_WAVE, ROW_BLOCKS = (
-    f"runtime/solve/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end", "row_wave", "row_blocks"))
+    f"runtime/lattice/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end", "row_wave", "row_blocks"))
 BY_ROWS = "gen/compile/assemble/rows.py"
 IN_ROWS = (
     (ROWS, r"s < n - reach \? reach :", r"s < n ? reach :"),
@@ -198,8 +198,8 @@ IN_ROWS = (
 )
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
-FEW, FEW_STEP, LANE_SPHERE = "runtime/solve/smg_few.h", "runtime/solve/smg_few_step.h", "runtime/method/smg_lane_sphere.h"
-LANE_STEPS, LANE_ROWS = "runtime/method/smg_lane_dop853.h", "runtime/method/smg_lane_extrapolation.h"
+FEW, FEW_STEP, LANE_SPHERE = "runtime/lattice/smg_few.h", "runtime/lattice/smg_few_step.h", "runtime/members/smg_lane_sphere.h"
+LANE_STEPS, LANE_ROWS = "runtime/members/smg_lane_dop853.h", "runtime/members/smg_lane_extrapolation.h"
 IN_LANES = (
     (FEW, r"smg_lane_select\(own, none, more\[k\]\)", r"more[k]"),
     (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
@@ -224,40 +224,40 @@ IN_LANES = (
 )
 
 # Comparators, splittings and compositions: the order of their parts, the part of h that each has, the length that they keep; and the outputs.
-AXES, CF4, LENGTHS = (f"runtime/method/smg_{name}.h" for name in ("axis_splitting", "cf4", "lengths"))
+AXES, CF4, LENGTHS = (f"runtime/{name}.h" for name in ("method/explicit/smg_axis_splitting", "method/explicit/smg_cf4", "core/smg_lengths"))
 IN_METHODS = (
     (AXES, r"smg_turn_all\(s, 2, h\)", r"smg_turn_all(s, 2, 0.5 * h)"),
     (AXES, r"smg_turn_site\(c, 2, k, whole, v, u\)", r"smg_turn_site(c, 2, k, part, v, u)"),
     (AXES, r"tau \* v\[d\] - square", r"tau * v[d] + square"),
-    ("runtime/method/smg_extrapolation.h", r"return \(smg_real\)m / \(smg_real\)\(2 \* j\)", r"return (smg_real)(m - 1) / (smg_real)(2 * j)"),
-    ("runtime/method/smg_extrapolation.h", r"-66, 84480", r"66, 84480"),
+    ("runtime/method/explicit/smg_extrapolation.h", r"return \(smg_real\)m / \(smg_real\)\(2 \* j\)", r"return (smg_real)(m - 1) / (smg_real)(2 * j)"),
+    ("runtime/method/explicit/smg_extrapolation.h", r"-66, 84480", r"66, 84480"),
     (CF4, r"third\[4\] = \{-0\.5, 0, 1, 0\}", r"third[4] = {0, 0, 1, 0}"),
     (CF4, r"\{first\[3\], first\[1\], first\[2\], first\[0\]\}", r"{first[0], first[1], first[2], first[3]}"),
     (CF4, r"smg_take_turns\(s, 4, h, 1\)", r"smg_take_turns(s, 4, h, (smg_real)0.5)"),
-    ("runtime/method/smg_pair_rotations.h", r"smg_each_pair_back\(", r"smg_each_pair("),
-    ("runtime/method/smg_pair_rotations.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
-    ("runtime/method/smg_pair_rotations.h", r"smg_turn_class\(s, last, h\)", r"smg_turn_class(s, last, 0.5 * h)"),
-    ("runtime/method/smg_pair_rows.h", r"if \(around\) smg_put_some_spins\(.*\);", r";"),
-    ("runtime/method/smg_pair_rows.h", r"behind \+ \(away > 0 \? away : 0\)", r"behind"),
-    ("runtime/method/smg_pair_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
-    ("runtime/method/smg_sublattice_rotations.h", r"smg_turn_colour\(s, last, h, 1\)", r"smg_turn_colour(s, last, 0.5 * h, 1)"),
-    ("runtime/solve/smg_row_spin.h", r"\*lost = y - \(sum - \*w\)", r"*lost = 0 * y"),
-    ("runtime/method/smg_sublattice_rows.h", r"smg_real\)0\.5 \* smg_h_over_kappa\(&s->c, 0, h\)", r"smg_real)0.5 * h"),
-    ("runtime/method/smg_sublattice_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
-    ("runtime/method/smg_geodesic_midpoint.h", r"smg_sinc\(smg_norm\(a\) / r\)", r"smg_sinc(smg_norm(a))"),
-    ("runtime/method/smg_one_stage.h", r"smg_begin_slopes\(s, 0\);", r";"),
+    ("runtime/method/explicit/smg_pair_rotations.h", r"smg_each_pair_back\(", r"smg_each_pair("),
+    ("runtime/method/explicit/smg_pair_rotations.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
+    ("runtime/method/explicit/smg_pair_rotations.h", r"smg_turn_class\(s, last, h\)", r"smg_turn_class(s, last, 0.5 * h)"),
+    ("runtime/method/explicit/smg_pair_rows.h", r"if \(around\) smg_put_some_spins\(.*\);", r";"),
+    ("runtime/method/explicit/smg_pair_rows.h", r"behind \+ \(away > 0 \? away : 0\)", r"behind"),
+    ("runtime/method/explicit/smg_pair_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
+    ("runtime/method/explicit/smg_sublattice_rotations.h", r"smg_turn_colour\(s, last, h, 1\)", r"smg_turn_colour(s, last, 0.5 * h, 1)"),
+    ("runtime/lattice/smg_row_spin.h", r"\*lost = y - \(sum - \*w\)", r"*lost = 0 * y"),
+    ("runtime/method/explicit/smg_sublattice_rows.h", r"smg_real\)0\.5 \* smg_h_over_kappa\(&s->c, 0, h\)", r"smg_real)0.5 * h"),
+    ("runtime/method/explicit/smg_sublattice_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
+    ("runtime/method/midpoint/smg_geodesic_midpoint.h", r"smg_sinc\(smg_norm\(a\) / r\)", r"smg_sinc(smg_norm(a))"),
+    ("runtime/method/midpoint/smg_one_stage.h", r"smg_begin_slopes\(s, 0\);", r";"),
     (LENGTHS, r"\(1 - s->inverse\[k\] \* smg_dot\(w, w\)\)", r"(s->inverse[k] * smg_dot(w, w) - 1)"),
-    ("runtime/method/smg_explicit_step.h", r"done \+ 0\.5 \* smg_gamma\[i\]", r"done"),
-    ("runtime/method/smg_composition.h", r"s->prepared\[1\] == \(smg_real\)s->h", r"1"),
-    ("runtime/method/smg_composition.h", r"s->compensation\[k\] = s->before\[n3 \+ k\];", r";"),
-    ("runtime/method/smg_composition.h", r"for \(int j = 0; j < SMG_HISTORY; \+\+j\) s->past\[j\] = b->past\[j\];", r""),
-    ("runtime/method/smg_composed_tangent.h", r"s->w\[k\] = end\[k\];", r";"),
+    ("runtime/method/explicit/smg_explicit_step.h", r"done \+ 0\.5 \* smg_gamma\[i\]", r"done"),
+    ("runtime/method/midpoint/smg_composition.h", r"s->prepared\[1\] == \(smg_real\)s->h", r"1"),
+    ("runtime/method/midpoint/smg_composition.h", r"s->compensation\[k\] = s->before\[n3 \+ k\];", r";"),
+    ("runtime/method/midpoint/smg_composition.h", r"for \(int j = 0; j < SMG_HISTORY; \+\+j\) s->past\[j\] = b->past\[j\];", r""),
+    ("runtime/method/midpoint/smg_composed_tangent.h", r"s->w\[k\] = end\[k\];", r";"),
     ("runtime/core/smg_outputs.h", r"\*done > 0 \? every : first", r"every"),
     ("runtime/core/smg_outputs.h", r"count - 1, &done", r"count, &done"),
     ("runtime/core/smg_outputs.h", r"rho < \*o->nearest", r"rho > *o->nearest"),
-    ("runtime/solve/smg_fixed_point.h", r"if \(!smg_sweeps_contract\(&watch\)\) break;", r""),
-    ("runtime/method/smg_gauss_stages.h", r"smg_kind\(&s->c, k\) == SMG_SPHERE \? smg_radius\(&s->c, k\) : smg_norm\(w\)", r"smg_norm(w)"),
-    ("runtime/method/smg_gauss_slots.h", r"\(r \+ smg_lane_abs", r"(0 * r + smg_lane_sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + smg_lane_abs"),
+    ("runtime/core/smg_fixed_point.h", r"if \(!smg_sweeps_contract\(&watch\)\) break;", r""),
+    ("runtime/method/gauss/smg_gauss_stages.h", r"smg_kind\(&s->c, k\) == SMG_SPHERE \? smg_radius\(&s->c, k\) : smg_norm\(w\)", r"smg_norm(w)"),
+    ("runtime/method/gauss/smg_gauss_slots.h", r"\(r \+ smg_lane_abs", r"(0 * r + smg_lane_sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + smg_lane_abs"),
 )
 
 KINDS = {"time": TIME, "jacobian": JACOBIAN, "branch": BRANCH, "tolerance": TOLERANCE, "wrap": WRAP, "rows": IN_ROWS, "method": (*IN_METHODS, *IN_LANES)}

@@ -1,4 +1,4 @@
-/* A hand-written model for runtime/method/smg_dop853.h: five kinds of sites, chosen when it runs, and a driver.
+/* A hand-written model for runtime/method/explicit/smg_dop853.h: five kinds of sites, chosen when it runs, and a driver.
  *
  *     dop853 WHAT SITES h t0 TOLERANCE ACTION [numbers]   starts on stdin, as many as there are; one line of output for each
  *

@@ -1,4 +1,4 @@
-"""Few sites that all feel each other, by fixed-point iteration in lanes (runtime/solve/smg_few.h): the step that Newton finds, with the
+"""Few sites that all feel each other, by fixed-point iteration in lanes (runtime/lattice/smg_few.h): the step that Newton finds, with the
 same bits at every width, and no drift of its own."""
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Systems by products alone (runtime/solve/smg_krylov.h), beside numpy: solved, or said not to be; coercive or not; the sign of det A."""
+"""Systems by products alone (runtime/newton/smg_krylov.h), beside numpy: solved, or said not to be; coercive or not; the sign of det A."""
 import numpy as np
 import pytest
 from support.filters import feed, make, random  # noqa: F401

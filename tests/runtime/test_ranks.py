@@ -1,4 +1,4 @@
-"""Lattices by rows on several ranks of MPI (runtime/solve/smg_row_ranks.h): the bits of one, in C and by `smidgen run`, and no rank that waits for ever."""
+"""Lattices by rows on several ranks of MPI (runtime/lattice/smg_row_ranks.h): the bits of one, in C and by `smidgen run`, and no rank that waits for ever."""
 import importlib.util
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Small lattices in blocks, one in each lane (runtime/solve/smg_row_blocks.h): the bits of rows."""
+"""Small lattices in blocks, one in each lane (runtime/lattice/smg_row_blocks.h): the bits of rows."""
 import subprocess
 
 import pytest

@@ -1,4 +1,4 @@
-"""Steps of a large lattice as a wavefront (runtime/solve/smg_row_wave.h): the bits of one colour after the other."""
+"""Steps of a large lattice as a wavefront (runtime/lattice/smg_row_wave.h): the bits of one colour after the other."""
 import os
 import subprocess
 

@@ -1,4 +1,4 @@
-"""Lattices in lanes (runtime/solve/smg_rows.h): at every size, boundary and width the step that the equation has, with the same bits."""
+"""Lattices in lanes (runtime/lattice/smg_rows.h): at every size, boundary and width the step that the equation has, with the same bits."""
 import re
 import subprocess
 

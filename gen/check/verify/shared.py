@@ -25,7 +25,7 @@ NAMES = ("threads", "wavefronts", "ranks")
 CALLS = (1, 2, 5, 30)           # steps of each call
 WORK = {"quick": 10**5, "normal": 10**6}    # steps of single sites
 ALL = 2**31 - 1                 # no threshold
-# the thresholds of runtime/solve/smg_row_wave.h, smg_row_blocks.h and smg_rows.h, and their values as they are
+# the thresholds of runtime/lattice/smg_row_wave.h, smg_row_blocks.h and smg_rows.h, and their values as they are
 FLAGS = ("-DSMG_SHARE=8", "-DSMG_WAVE_BLOCK=8", "-DSMG_WAVE_FROM=smg_seen_wave", "-DSMG_BLOCKS_TO=smg_seen_blocks", "-DSMG_LARGE_PLANE=smg_seen_plane")
 SMALL = ("-DSMG_MPI_SHARE=8", "-DSMG_MPI_LOOK=8")    # parts of a few sites
 TOGETHER = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}   # two, on any machine

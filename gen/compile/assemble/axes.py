@@ -47,7 +47,7 @@ def axes_in_use(model) -> int:
 
 
 def axis_functions(model) -> list:
-    """The kernels, and what runtime/method/smg_axis_splitting.h asks of a model."""
+    """The kernels, and what runtime/method/explicit/smg_axis_splitting.h asks of a model."""
     if model.axes is None:
         return []
     of_sites = slope_of_site if is_separate(model) else slopes_of_all

@@ -1,4 +1,4 @@
-"""Few sites of one family that all feel each other: their field in lanes, a site in each (runtime/solve/smg_few.h).
+"""Few sites of one family that all feel each other: their field in lanes, a site in each (runtime/lattice/smg_few.h).
 
 Terms of single sites and of pairs serve, the latter where both sites enter alike, so that every site feels the others by one formula. What
 belongs to a site by its number must be an entry of an array, w[i] with gamma[i]: lanes hold it as they hold the vectors.
@@ -137,7 +137,7 @@ def one_division(expressions, own: dict, parts: dict) -> tuple:
     return [e.xreplace(replaced) for e in expressions], own, shared
 
 
-# What runtime/solve/smg_few_step.h asks of a model
+# What runtime/lattice/smg_few_step.h asks of a model
 
 def few_functions(model) -> list:
     if model.few is None:

@@ -1,4 +1,4 @@
-"""Bonds of a lattice in lanes: what runtime/method/smg_pair_rows.h asks of a model."""
+"""Bonds of a lattice in lanes: what runtime/method/explicit/smg_pair_rows.h asks of a model."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -52,7 +52,7 @@ def slope_bound(model, low: Lowering):
 
 
 def pair_functions(model) -> list:
-    """The kernels, and what runtime/method/smg_pair_rotations.h asks of a model."""
+    """The kernels, and what runtime/method/explicit/smg_pair_rotations.h asks of a model."""
     if model.pairs is None:
         return []
     there = tuple(line for t in model.effects if t.slots for line in bonds(model, t))

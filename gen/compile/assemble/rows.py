@@ -1,4 +1,4 @@
-"""Rows of a lattice for vectors of lanes: where sites stand, and the gradient of some slots (runtime/solve/smg_rows.h).
+"""Rows of a lattice for vectors of lanes: where sites stand, and the gradient of some slots (runtime/lattice/smg_rows.h).
 
 They serve one family of spheres, alone on a lattice of several colours, all alike: a constant strength and radius, and a quadratic
 energy whose terms are the same in every cell.
@@ -139,7 +139,7 @@ def rest_field(model, low, f):
 # What the model says of them
 
 def row_functions(model) -> list:
-    """What runtime/solve/smg_rows.h and smg_row_state.h ask of a model."""
+    """What runtime/lattice/smg_rows.h and smg_row_state.h ask of a model."""
     found = model.in_rows
     if found is None:
         return []

@@ -14,7 +14,7 @@ PULL = (COEFFICIENTS, Argument("smg_lattice_site", "at"), Argument("const smg_re
 
 
 def sublattice_functions(model) -> list:
-    """What runtime/method/smg_sublattice_rotations.h asks of a model."""
+    """What runtime/method/explicit/smg_sublattice_rotations.h asks of a model."""
     return [pull(model), *colour_functions(model)] if model.method.splitting == "sublattices" else []
 
 

@@ -32,7 +32,7 @@ def wide_kernels(model) -> Wide:
 
 
 def wide_functions(model) -> list:
-    """What runtime/method/smg_extended.h asks of a model."""
+    """What runtime/core/smg_extended.h asks of a model."""
     effects = [t for t in model.effects if t.slots]
     found = [*model.wide.functions, over_all("smg_wide_gradient", sums(model, effects, lambda t: wide_body(model, t)))]
     if not model.solo:

@@ -1,7 +1,7 @@
 """Elimination order and fill of a sparse block matrix, found once, when code is generated.
 
 The matrix has a block wherever two sites share a term (both ways) and on the diagonal. Its
-block LU factors in an order of minimum degree; see runtime/solve/smg_sparse.h for the numbers' side.
+block LU factors in an order of minimum degree; see runtime/newton/smg_sparse.h for the numbers' side.
 """
 from __future__ import annotations
 

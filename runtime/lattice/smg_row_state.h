@@ -16,6 +16,7 @@
 #include "smg_row_arrays.h"
 #include "smg_row_field.h"
 #include "smg_row_ranks.h"
+#include "smg_state.h"
 
 /* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
 #define SMG_ROW_BOUND (smg_real)0.9

@@ -5,6 +5,7 @@
 
 #include "smg_row_arrays.h"
 #include "smg_row_team.h"
+#include "smg_state.h"
 
 #define SMG_FINITE_FIELD (smg_real)1e100 /* |g|^2 up to which no turn overflows, by far */
 
