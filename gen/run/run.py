@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import math
 import os
 import signal
 import threading
@@ -31,7 +30,8 @@ from .record.record import Recorder, columns_of, entry_size
 from .files.safe import SafeSink
 from .settings import Settings, settle
 from .step.start import find_start
-from .step.substeps import RESCUED, substep
+from .step.status import RESCUED
+from .step.substeps import substep
 
 MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
 

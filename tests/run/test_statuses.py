@@ -3,7 +3,6 @@
 WRONG_BRANCH needs a guess on the wrong branch: tests/laws/test_branch.py.
 """
 import ctypes
-import re
 from math import acos, asin, cos, sin, sqrt
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from support.systems import load
 import smidgen
 from smidgen.errors import RunError
 from smidgen.read import load_text
-from smidgen.run.step.status import STATUS
+from smidgen.run.step.status import STATUS, Status
 from smidgen.run.step.start import initial_state
 
 NO_CONVERGENCE, NO_SOLUTION, NOT_FINITE, BAD_PARAMETER, OFF_MANIFOLD = 1, 2, 4, 5, 6
@@ -230,8 +229,11 @@ def test_a_tracer_on_a_vortex_is_refused():
 
 
 @pytest.mark.quick
-def test_python_and_c_say_the_same():
-    """STATUS of gen/run/step/integrator.py and smg_message of runtime/core/smidgen.h."""
-    header = (Path(smidgen.__file__).resolve().parent.parent / "runtime" / "core" / "smidgen.h").read_text()
-    said = re.findall(r'^ +"(.*)"', header[header.index("text[] = {"):], re.M)
-    assert said == ["ok", *(meaning for _, meaning in STATUS.values())]
+def test_statuses_are_those_of_the_header():
+    """Python reads numbers, names and meanings from runtime/core/smidgen.h; no other file of it states them."""
+    assert {number: name for number, (name, _) in STATUS.items()} == {
+        1: "no convergence", 2: "no solution", 3: "wrong branch", 4: "not finite", 5: "bad parameter", 6: "off manifold", 7: "singular"}
+    assert STATUS[Status.NO_CONVERGENCE][1] == "the step equation did not converge" and STATUS[Status.SINGULAR][1] == "the Newton matrix is singular"
+    gen = Path(smidgen.__file__).resolve().parent
+    stated = [meaning for _, meaning in STATUS.values() if meaning != "a value is not finite"]      # which the witness says, too
+    assert [path.name for path in gen.rglob("*.py") for meaning in stated if meaning in path.read_text() and "witness" not in path.parts] == []

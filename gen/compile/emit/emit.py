@@ -20,6 +20,7 @@ from ..plan.plan import Plan, choose
 from ..program import program_of
 from .amalgamate import inline_runtime
 from .interface import abi_slots, banner, header_slots, interface_slots
+from .signatures import heads
 from .settings import headers, in_lanes, method_headers, settings
 from .targets import printed
 
@@ -65,7 +66,7 @@ def emitted(spec: Spec, plan: Plan, features) -> Files:
     model, M, templates = Model(spec, plan, features), spec.name, environment()
 
     def render(template: str, **slots) -> str:
-        return templates.get_template(template).render(M=M, **slots)
+        return templates.get_template(template).render(M=M, **heads(M), **slots)
 
     said, (kept, values) = banner(model), definitions(model)
     files = Files({f"{M}.h": render("model.h.j2", **header_slots(model), **said),

@@ -9,6 +9,7 @@ from ..lower.code import mentions
 from ...language.c_names import in_c
 from .formulas import number
 from .print_scalar import indent
+from .signatures import flat
 from .targets import PRINTERS
 from .text import comment
 
@@ -85,37 +86,6 @@ def abi_slots(model: Model, M: str) -> dict:
              for k, p in enumerate(scalars)]
     lines += [f"a->p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
     effects, observables = [e.name for e in model.spec.effects], [o.name for o in model.spec.observables]
-    return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=prototypes(M, model.features), **features(model),
+    return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(model.features)], **features(model),
                 effects=effects, observables=observables, families=model.families,
                 columns=1 + len(effects) + 3 * len(model.families) + len(observables))
-
-
-def prototypes(M: str, features=()):
-    tangent = [f"int {M}_abi_tangent(void *s, smg_real *v, int64_t columns, int64_t count, int64_t *done)"] if "tangent" in features else []
-    return [*tangent, *(ensemble_prototypes(M) if "ensemble" in features else []), f"void *{M}_abi_new(const double *scalars, const double *const *arrays, const smg_real *w, "
-            "double t0, double h, int *status)",
-            f"int {M}_abi_set_tolerance(void *s, double tolerance)",
-            f"int {M}_abi_take(void *s, smg_real *w)", f"int {M}_abi_go(void *s, smg_real *w, int64_t count, int64_t *done)",
-            f"int {M}_abi_steps(void *s, int64_t count, int64_t *done)", f"double {M}_abi_time(void *s)",
-            f"int64_t {M}_abi_sites(void *s)", f"void {M}_abi_state(void *s, smg_real *w)",
-            f"int64_t {M}_abi_savesize(void *s)", f"void {M}_abi_save(void *s, smg_real *out)",
-            f"int {M}_abi_restore(void *s, const smg_real *in)",
-            f"void {M}_abi_values(void *s, smg_real *out)", f"void {M}_abi_casimirs(void *s, smg_real *out)",
-            f"int {M}_abi_outputs(void *s, int64_t first, int64_t every, int64_t rows, const void *out, int64_t *done)",
-            f"int64_t {M}_abi_count(void *s)",
-            f"void {M}_abi_report(void *s, int *iterations, double *residual, int64_t *site, int64_t *partner, "
-            "double *reached)",
-            f"void {M}_abi_field(void *s, double t, const smg_real *w, smg_real *b)",
-            f"void {M}_abi_energy(void *s, double t, const smg_real *w, smg_real *e)",
-            f"void {M}_abi_free(void *s)"]
-
-
-def ensemble_prototypes(M: str) -> list:
-    return [f"void *{M}_abi_ensemble_new(const double *scalars, const double *const *arrays, int own, int64_t members, const smg_real *w, "
-            "double t0, double h, double tolerance)",
-            f"int64_t {M}_abi_ensemble_steps(void *e, int64_t first, int64_t members, int64_t count)",
-            f"int {M}_abi_ensemble_lanes(void)",
-            f"void {M}_abi_ensemble_reports(void *e, int64_t *count, int *status, int64_t *site, double *reached)",
-            f"void {M}_abi_ensemble_states(void *e, const unsigned char *began, smg_real *w)",
-            f"void {M}_abi_ensemble_energies(void *e, const unsigned char *began, smg_real *energy)",
-            f"void {M}_abi_ensemble_free(void *e)"]

@@ -24,7 +24,7 @@ from ..step.library import functions, loaded, packed
 from ..step.pace import Pace
 from ..step.prepared import Prepared, checked_tolerance, prepare
 from ..step.start import find_start, state_at, wrong_start
-from ..step.status import NO_MEMORY, STATUS
+from ..step.status import NO_MEMORY, STATUS, Status
 from ..settings import settle, whole
 
 BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least some registers full
@@ -146,7 +146,7 @@ class Stepped:
 
     def why(self, status: int, count: int, site: int, reached: float) -> str:
         where = f" at site {site}" if site >= 0 and self.w.shape[1] > 1 else ""
-        far = f"; from there steps exist up to |h| = {abs(self.h) * reached:.6g}" if status == 2 and 0 < reached <= 1 else ""
+        far = f"; from there steps exist up to |h| = {abs(self.h) * reached:.6g}" if status == Status.NO_SOLUTION and 0 < reached <= 1 else ""
         return f"step {count + 1} from t = {self.t0 + count * self.h:.12g}: {': '.join(STATUS[status])}{where}{far}"
 
     def state(self) -> np.ndarray:

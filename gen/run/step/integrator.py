@@ -25,7 +25,7 @@ from .library import functions, loaded, loaded_with_threads, packed, passed
 from .prepared import Prepared, checked_threads, checked_tolerance, choose, prepare
 from .saved import Saved
 from .start import find_start, state_at, wrong_start
-from .status import NO_MEMORY, REFUSED, STATUS, advice, why
+from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, why
 
 
 @public
@@ -219,7 +219,7 @@ class Integrator(ReadOnly):
         self._started()
         saved = np.ascontiguousarray(saved, self.real)
         size = self._c.savesize(self._state)
-        status = self._c.restore(self._state, saved.ctypes.data) if saved.shape == (size,) else 5
+        status = self._c.restore(self._state, saved.ctypes.data) if saved.shape == (size,) else Status.BAD_PARAMETER
         if status:
             raise RunError(f"no saved state of {self.name}: {STATUS[status][1]}", status)
         head = Saved.of(saved)
@@ -295,7 +295,7 @@ class Integrator(ReadOnly):
         self._fail(self._status)
         if status:
             name, meaning = STATUS.get(status - REFUSED, NO_MEMORY)
-            if status - REFUSED == 5:
+            if status - REFUSED == Status.BAD_PARAMETER:
                 meaning = "no step taken since the state was written or restored"
             raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - REFUSED, self.count,
                            site=self.report()["site"])

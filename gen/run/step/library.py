@@ -7,10 +7,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from ...compile.emit.signatures import FLAT, flat
 from ...errors import BuildError
 from .evaluated import Evaluated
 
 SPINS = "5000"
+TYPES = {"void": None, "int": ctypes.c_int, "int64_t": ctypes.c_int64, "double": ctypes.c_double}
+ASKED = {feature: found[0].word for feature, found in FLAT.items() if feature}       # feature -> a function that says that it is there
 
 
 def packed(numbers: Evaluated):
@@ -45,35 +48,20 @@ def loaded_with_threads(path):
         del os.environ["GOMP_SPINCOUNT"]
 
 
-def functions(library, name):
-    """The C functions of <name>_abi.c with their types."""
-    pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
-    types = {
-        "new": (pointer, [pointer, pointer, pointer, real, real, pointer]),
-        "set_tolerance": (ctypes.c_int, [pointer, real]), "take": (ctypes.c_int, [pointer, pointer]),
-        "go": (ctypes.c_int, [pointer, pointer, integer, pointer]),
-        "time": (real, [pointer]), "sites": (integer, [pointer]),
-        "count": (integer, [pointer]),
-        "outputs": (ctypes.c_int, [pointer, integer, integer, integer, pointer, pointer]),
-        "savesize": (integer, [pointer]), "save": (None, [pointer, pointer]),
-        "restore": (ctypes.c_int, [pointer, pointer]),
-        "state": (None, [pointer, pointer]), "values": (None, [pointer, pointer]),
-        "casimirs": (None, [pointer, pointer]), "report": (None, [pointer] * 6),
-        "field": (None, [pointer, real, pointer, pointer]),
-        "energy": (None, [pointer, real, pointer, pointer]), "free": (None, [pointer]),
-    }
-    if hasattr(library, f"{name}_abi_tangent"):
-        types["tangent"] = (ctypes.c_int, [pointer, pointer, integer, integer, pointer])
-    if hasattr(library, f"{name}_abi_ensemble_new"):
-        types |= {"ensemble_new": (pointer, [pointer, pointer, ctypes.c_int, integer, pointer, real, real, real]),
-                  "ensemble_steps": (integer, [pointer, integer, integer, integer]), "ensemble_lanes": (ctypes.c_int, []), "ensemble_reports": (None, [pointer] * 5),
-                  "ensemble_states": (None, [pointer] * 3), "ensemble_energies": (None, [pointer] * 3), "ensemble_free": (None, [pointer])}
+def functions(library, name: str) -> SimpleNamespace:
+    """The C functions of <name>_abi.c with their types, by the words of `signatures`; those of a feature where the library has them."""
+    features = [feature for feature, word in ASKED.items() if hasattr(library, f"{name}_abi_{word}")]
     found = SimpleNamespace()
-    for word, (result, arguments) in types.items():
-        function = getattr(library, f"{name}_abi_{word}", None)
+    for one in flat(features):
+        function = getattr(library, f"{name}_abi_{one.word}", None)
         if function is None:
-            raise BuildError(f"the library of {name} shows no function {name}_abi_{word}: use the compiler without options "
+            raise BuildError(f"the library of {name} shows no function {name}_abi_{one.word}: use the compiler without options "
                              "that hide or rename functions (CC)")
-        function.restype, function.argtypes = result, arguments
-        setattr(found, word, function)
+        function.restype, function.argtypes = type_of(one.result), [type_of(kind) for _, kind in one.arguments]
+        setattr(found, one.word, function)
     return found
+
+
+def type_of(c: str):
+    """The type of ctypes for a C type."""
+    return ctypes.c_void_p if c.endswith("*") else TYPES[c]

@@ -1,16 +1,28 @@
-"""The statuses of steps, as smg_status of runtime/core/smidgen.h numbers them, and what is said of a step that failed."""
+"""The statuses of steps, and what is said of a step that failed. Numbers, names and meanings are those of runtime/core/smidgen.h."""
 from __future__ import annotations
 
-# number -> (name, what happened)
-STATUS = {
-    1: ("no convergence", "the step equation did not converge"),
-    2: ("no solution", "the branch of solutions from this state ends before this step"),
-    3: ("wrong branch", "the solution found is not connected to the state as h goes to 0"),
-    4: ("not finite", "a value is not finite"),
-    5: ("bad parameter", "a parameter or a size is out of range"),
-    6: ("off manifold", "the start is off its sphere or leaf"),
-    7: ("singular", "the Newton matrix is singular"),
-}
+import enum
+import re
+
+from ...resources import runtime_header
+
+
+def numbers_of(header: str) -> dict:
+    """name -> number of smg_status, without `SMG_`."""
+    listed = header[header.index("typedef enum smg_status {"):header.index("} smg_status;")]
+    return {name: int(number) for name, number in re.findall(r"SMG_(\w+) = (\d+)", listed)}
+
+
+def meanings_of(header: str) -> list[str]:
+    """What smg_message says, by number."""
+    return re.findall(r'"([^"]*)"', re.search(r"text\[\] = \{(.*?)\};", header, re.DOTALL)[1])
+
+
+HEADER = runtime_header("smidgen.h").read_text(encoding="utf-8")
+Status = enum.IntEnum("Status", numbers_of(HEADER))
+# number -> (name, what happened) of those that are failures
+STATUS = {int(one): (one.name.lower().replace("_", " "), meanings_of(HEADER)[one]) for one in Status if one != Status.OK}
+RESCUED = (Status.NO_CONVERGENCE, Status.NO_SOLUTION, Status.WRONG_BRANCH, Status.SINGULAR)     # where a smaller step may help
 REFUSED = 100       # a status above: not of a step
 NO_MEMORY = ("no memory", "there is not enough memory")
 
@@ -25,9 +37,9 @@ def why(found: dict) -> str:
 
 def advice(status: int, found: dict, h: float, midpoint: bool) -> str:
     """What to try after a step that failed; `smidgen advise` knows midpoint methods."""
-    if status == 2 and 0 < found["reached"] <= 1:
+    if status == Status.NO_SOLUTION and 0 < found["reached"] <= 1:
         return (f"; from here, and with H as it is at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
                 "take a smaller one")
-    if status not in (1, 2, 3, 7):
+    if status not in RESCUED:
         return ""
     return "; try a smaller step, half of it" + ", or what `smidgen advise` says" * midpoint

@@ -8,7 +8,6 @@ from __future__ import annotations
 from .saved import Saved, retimed
 
 DEEPEST = 10                    # at most 2^10 parts
-RESCUED = (1, 2, 3, 7)          # no convergence, no solution, wrong branch, singular
 
 
 def substep(model) -> int | None:
