@@ -48,7 +48,7 @@ static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t use
  * rows (s->rows)? The table of its blocks; what its steps have lost to rounding, forgotten, saved and restored. */
 static inline void smg_choose_rows(smg_state *s);
 static inline void smg_make_beside(smg_state *s);
-static inline void smg_forget_rows(smg_state *s);
+static inline void smg_forget_rows(const smg_state *s);
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past);
 static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past);
 #endif
