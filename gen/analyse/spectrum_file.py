@@ -6,7 +6,8 @@ import os
 import numpy as np
 
 from ..public import public
-from ..run.files.received import Wrong, checked, count, from_npz, head_of, opened, parsed, refusing, rows_of, text
+from ..run.files.kinds import count, text
+from ..run.files.received import Wrong, checked, from_npz, head_of, opened, parsed, refusing, rows_of
 from .spectrum import COMPONENTS, Spectrum, saved_as
 
 ASKED = {"family": text, "waves": text, "window": text, "parts": count, "in_parts": count}     # beside what a run says of itself

@@ -1,7 +1,7 @@
 """`smidgen advise`: the largest safe step for a run."""
 from __future__ import annotations
 
-from .options import json_option, model_options, spec_argument, whole
+from .options import json_option, model_options, run_option, spec_argument, whole
 from .run import start_of
 from .say import printed
 
@@ -16,8 +16,8 @@ def add(commands):
     spec_argument(parser)
     model_options(parser)
     parser.add_argument("--h", help="the step to compare with; its sign is that of the advice")
-    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
-    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    for name in ("start", "seed"):
+        run_option(parser, name)
     long = parser.add_mutually_exclusive_group()
     long.add_argument("--steps", type=whole, help="how long to look: a number of steps of the run's h")
     long.add_argument("--time", help="how long to look: a duration")

@@ -8,6 +8,7 @@ from pathlib import Path
 from ..compile.features import FEATURES
 from ..errors import UsageError
 from ..read.given import constant
+from ..run.files.options import OPTIONS
 from ..methods import NAMES as METHODS, SOLVERS
 
 
@@ -20,11 +21,22 @@ def spec_argument(parser, **more):
 def model_options(parser):
     """What decides the C: RUN, --method, --solver, --effects, --set."""
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
-    parser.add_argument("--method", choices=METHODS, metavar="NAME", help="the integrator, of `smidgen list --methods`; default: the run's")
-    parser.add_argument("--solver", choices=SOLVERS, help="solver of the step equation")
-    parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
+    for name in ("method", "solver", "effects"):
+        run_option(parser, name)
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="values",
                         metavar="NAME=VALUE", help="a parameter; a list as 1,2,3; repeatable")
+
+
+def run_option(parser, name: str, **other):
+    """--NAME of the choices of a run; other: what is otherwise in this command."""
+    option = next(option for option in OPTIONS if option.name == name)
+    more = {"help": option.help or None, **READS[option.reads], **other}
+    parser.add_argument(f"--{name}", **more, **({"metavar": option.metavar} if option.metavar else {}))
+
+
+def chosen(args, names_) -> dict:
+    """Of these choices those that the command line makes."""
+    return {name: getattr(args, name) for name in names_ if getattr(args, name) is not None}
 
 
 def processor_options(parser):
@@ -40,11 +52,10 @@ def study_options(parser):
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     parser.add_argument("--time", help="how long: a number or a formula; default: as long as the run")
     parser.add_argument("--methods", type=names, metavar="A,B", help="of these only; default: all that serve")
-    parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="values", metavar="NAME=VALUE",
                         help="a parameter; a list as 1,2,3; repeatable")
-    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
-    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    for name in ("effects", "start", "seed"):
+        run_option(parser, name)
     processor_options(parser)
 
 
@@ -110,3 +121,9 @@ def whole(text: str) -> int:
     if value != int(value) or value < 0:
         raise argparse.ArgumentTypeError(f"'{text}' is not an integer from 0 up")
     return int(value)
+
+
+# how argparse reads the text of a choice
+READS = {"start": {}, "formula": {}, "whole": {"type": whole}, "names": {"type": names}, "flag": {"action": "store_true", "default": None},
+         "method": {"choices": METHODS}, "solver": {"choices": SOLVERS}, "real": {"choices": ("double", "long double"), "default": "double"},
+         "number": {"type": lambda text: number(text, "--tolerance")}}

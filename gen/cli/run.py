@@ -8,7 +8,8 @@ from pathlib import Path
 from .. import ranks
 from ..errors import Exit, RunError, UsageError
 from ..run.files.checkpoint import folder_of
-from .options import json_option, model_options, names, number, processor_options, spec_argument, start_of, whole
+from ..run.files.options import OPTIONS
+from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of
 from .say import notes_line, printed, say
 
 EXAMPLES = """  smidgen run heisenberg_chain
@@ -25,35 +26,24 @@ def add(commands):
     parser = commands.add("run", command, "run a spec and write what it gives", EXAMPLES)
     spec_argument(parser, nargs="?")
     model_options(parser)
-    parser.add_argument("--h", help="the step: a number or a formula, such as 2*pi/n; "
-                        "negative runs backward (write --h=-0.1)")
-    long = parser.add_mutually_exclusive_group()
-    long.add_argument("--steps", type=whole, help="number of steps")
-    long.add_argument("--time", help="duration: a multiple of h")
-    often = parser.add_mutually_exclusive_group()
-    often.add_argument("--every", type=whole, metavar="K", help="output each K-th step")
-    often.add_argument("--section", metavar="PERIOD",
-                       help="output at multiples of PERIOD only (a multiple of h)")
-    parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, "
-                        "momentum, casimirs, magnetisation, charge, names of observables")
-    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
-    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    run_option(parser, "h")
+    for pair in (("steps", "time"), ("every", "section")):
+        one = parser.add_mutually_exclusive_group()
+        for name in pair:
+            run_option(one, name)
+    for name in ("what", "start", "seed"):
+        run_option(parser, name)
     processor_options(parser)
-    parser.add_argument("--fast", action="store_true", help="--native, and products and sums in one operation: for whom the same "
-                        "bits on every machine are too dear")
-    parser.add_argument("--threads", type=whole, metavar="N", help="how many may share a step: of lattices by rows, with the same bits")
-    parser.add_argument("--real", choices=("double", "long double"), default="double")
+    for name in ("fast", "threads", "real"):
+        run_option(parser, name)
     parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
-    parser.add_argument("--checkpoint", type=whole, metavar="N", help="write a checkpoint every N steps: "
-                        "a run that is killed goes on from there")
+    run_option(parser, "checkpoint")
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
-    parser.add_argument("--tolerance", type=lambda text: number(text, "--tolerance"), metavar="E", help="of a step, as part of the largest "
-                        "component of w: its iterations end there, or step control aims at it; default: round-off")
+    run_option(parser, "tolerance")
     parser.add_argument("--no-estimate", action="store_true", help="do not repeat the run with larger and with smaller "
                         "steps to estimate its error, which takes 2 to 2.5 times as many steps")
-    parser.add_argument("--substeps", action="store_true", default=None,
-                        help="take a step that fails as up to 1024 smaller ones, and say so")
+    run_option(parser, "substeps")
     json_option(parser)
 
 
@@ -151,14 +141,14 @@ def asked(args):
     return recorded(meta)
 
 
-CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "section", "what",
-           "seed", "checkpoint", "substeps", "tolerance", "threads")
+# what the command line may leave to the run; start, fast, real: `choices`
+CHOICES = tuple(option.name for option in OPTIONS if option.reads and option.name not in ("start", "fast", "real"))
 
 
 def choices(args) -> dict:
     """What the command line chooses, by the names that `run` has for it."""
-    given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
-    given.update(values=dict(args.values), native=args.native, fast=args.fast, real=args.real, estimate=not args.no_estimate)
+    given = chosen(args, CHOICES)
+    given.update(values=dict(args.values), native=args.native, fast=bool(args.fast), real=args.real, estimate=not args.no_estimate)
     if args.start is not None:
         given["start"] = start_of(args.start)
     return given
@@ -166,7 +156,7 @@ def choices(args) -> dict:
 
 def refuse_choices(args, said="--repeat repeats a run as it was: only --out and --json go with it"):
     """A repeated run is the run as it was, and so is one that goes on."""
-    if args.values or args.start or any(getattr(args, w) is not None for w in CHOICES):
+    if args.values or args.start or chosen(args, CHOICES):
         raise UsageError(said)
 
 

@@ -5,7 +5,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from .options import json_option, model_options, processor_options, spec_argument, start_of, whole
+from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen spectrum heisenberg_chain random --q "0 1/2" --time 200 --every 5 --plot chain.png
@@ -30,10 +30,10 @@ def add(commands):
     parser.add_argument("--window", choices=("none", "hann"), default="none", help="in time; default: none")
     parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average the spectra of P equal parts of the run")
     parser.add_argument("--autocorrelation", action="store_true", help="also in time, in a .npz")
-    parser.add_argument("--start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk")
-    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    for name in ("start", "seed"):
+        run_option(parser, name)
     processor_options(parser)
-    parser.add_argument("--threads", type=whole, metavar="N", help="how many may share a step")
+    run_option(parser, "threads")
     parser.add_argument("--out", metavar="FILE", help=".npz or .csv; - for a table on stdout")
     parser.add_argument("--plot", metavar="FILE", help="a heat map along the path: .png, .svg or .pdf")
     json_option(parser)
@@ -71,7 +71,7 @@ def measured(args):
     from ..progress import progress
     from ..read.shipped import load_spec
     from ..run.settings import settle
-    given = {word: getattr(args, word) for word in CHOICES if getattr(args, word) is not None}
+    given = chosen(args, CHOICES)
     given["values"] = dict(args.values)
     if args.start is not None:
         given["start"] = start_of(args.start)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..errors import Exit
 from ..language import limits
-from .options import json_option, names, number, processor_options, spec_argument, whole
+from .options import chosen, json_option, number, processor_options, run_option, spec_argument, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen sweep free_rigid_body --set I3=3:4:11 --out bodies
@@ -28,15 +28,15 @@ def add(commands):
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--processes", type=whole, metavar="N", help="how many at once; default: one a processor")
     where.add_argument("--cluster", metavar="ADDRESS", help="compute on the workers of this Dask scheduler, such as tcp://host:8786")
-    parser.add_argument("--method", metavar="NAME", help="the integrator, of `smidgen list --methods`; default: the run's")
-    parser.add_argument("--solver", help="solver of the step equation")
-    parser.add_argument("--effects", type=names, metavar="A,B", help="keep these effects only")
-    parser.add_argument("--h", help="the step: a number or a formula")
+    for name in ("method", "solver"):
+        run_option(parser, name, choices=None)
+    for name in ("effects", "h"):
+        run_option(parser, name)
     long = parser.add_mutually_exclusive_group()
-    long.add_argument("--steps", type=whole, help="number of steps")
-    long.add_argument("--time", help="duration: a multiple of h")
-    parser.add_argument("--every", type=whole, metavar="K", help="output each K-th step")
-    parser.add_argument("--what", type=names, metavar="A,B", help="outputs: states, energy, momentum, casimirs, magnetisation, charge, names of observables")
+    for name in ("steps", "time"):
+        run_option(long, name)
+    for name in ("every", "what"):
+        run_option(parser, name)
     processor_options(parser)
     json_option(parser)
 
@@ -75,7 +75,7 @@ def command(args):
     from ..progress import progress
     from ..read.shipped import load_spec
     from ..run.many.sweep import sweep
-    given = {w: getattr(args, w) for w in CHOICES if getattr(args, w) is not None}
+    given = chosen(args, CHOICES)
     given |= {"values": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
     axes = {name: value for name, value, swept in args.axes if swept}
     ended, total = [], math.prod(map(len, axes.values()), start=args.starts or 1)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import os
 import signal
 import threading
@@ -24,6 +23,7 @@ from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
 from .step.integrator import Integrator, compiled
 from .step.prepared import prepare
+from .files.options import OPTIONS
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.pace import Pace
 from .record.record import Recorder, columns_of, entry_size
@@ -216,7 +216,7 @@ def _affordable(layout, settings, keep):
 def describe(model: Integrator, settings: Settings, status: str = "running") -> dict:
     """The metadata of a run: all that is needed to repeat it."""
     spec, built = model.spec, model.built
-    facts = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings) if f.name not in ("values", "numbers", "start", "checkpoint")}
+    facts = {option.key: getattr(settings, option.name) for option in OPTIONS if option.kind}
     start, scene = settings.start, model.scene
     if not isinstance(start, str):
         start = find_start(spec, None).name if start is None else np.asarray(start).tolist()
@@ -224,7 +224,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "program": "smidgen", "version": __version__, "generator": built.generator,
         "spec": spec.name, "title": spec.title, "digest": spec.digest,
         "sources": [list(pair) for pair in spec.sources], "orientation": spec.orientation,
-        **facts, "what": list(settings.what), "start": start, "set": _plain(settings.values),
+        "run": settings.run, **facts, "what": list(settings.what), "start": start, "set": _plain(settings.values),
         "values": _plain(model.values_in), "effects": [e.name for e in scene.effects],
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),

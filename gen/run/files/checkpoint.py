@@ -29,8 +29,8 @@ import numpy as np
 from ...errors import OutputError
 from .durable import sync_folder, write_new
 from .output import put_text
-from .received import (Wrong, checked, count, finite_or_not, listed, number, opened, parsed, refusing, sets_of,
-                       table, triple)
+from .kinds import count, finite_or_not, listed, number, table, triple
+from .received import Wrong, checked, opened, parsed, refusing, sets_of
 
 FORMAT = 1          # of the parts; another one is refused
 STATES = 2          # kept: when the last one is damaged, the one before serves

@@ -11,7 +11,6 @@ import json
 import math
 import os
 import stat
-import sys
 import warnings
 import zipfile
 from contextlib import contextmanager
@@ -21,6 +20,8 @@ import numpy as np
 
 from ...errors import UsageError
 from ...language import limits
+from .kinds import VALUE, count, either, flag, listed, finite_or_not, none, number, source, table, text
+from .options import ALWAYS, OPTIONS
 
 AXES = "xyz"
 VECTORS = ("momentum.", "magnetisation.")      # columns of three numbers
@@ -191,69 +192,15 @@ READERS = {".csv": from_csv, ".npz": from_npz, ".h5": from_h5}
 
 # -- the metadata -------------------------------------------------------------------------------
 
-def text(value) -> bool:
-    return isinstance(value, str)
-
-
-def flag(value) -> bool:
-    return isinstance(value, (bool, int)) and value in (0, 1)
-
-
-def number(value) -> bool:
-    """An int or float that is a finite double."""
-    return isinstance(value, (int, float)) and abs(value) <= sys.float_info.max
-
-
-def count(value) -> bool:
-    return isinstance(value, int) and 0 <= value <= limits.INTEGER
-
-
-def seed(value) -> bool:
-    return isinstance(value, int) and value >= 0
-
-
-def finite_or_not(value) -> bool:
-    """A number of a state that may have overflowed."""
-    return number(value) or isinstance(value, float)
-
-
-def either(*kinds):
-    return lambda value: any(kind(value) for kind in kinds)
-
-
-def none(value) -> bool:
-    return value is None
-
-
-def listed(kind):
-    return lambda value: isinstance(value, list) and all(map(kind, value))
-
-
-def table(kind):
-    return lambda value: isinstance(value, dict) and all(map(kind, value.values()))
-
-
-def triple(value) -> bool:
-    """Three finite numbers."""
-    return listed(number)(value) and len(value) == 3
-
-
-def source(value) -> bool:
-    """A file of the spec: its name and its text."""
-    return listed(text)(value) and len(value) == 2
-
-
-VALUE = either(number, text, listed(either(number, text)))
 META = {    # what `run.describe` writes
     "program": text, "version": text, "generator": text, "spec": text, "title": text, "digest": text,
-    "sources": listed(source), "orientation": lambda value: flag(value) or value == -1,
-    "run": text, "start": either(text, listed(listed(finite_or_not))), "method": text, "solver": text,
-    "h": number, "steps": count, "every": count, "section": either(none, number), "what": listed(text),
-    "effects": listed(text), "seed": either(none, seed), "real": text, "native": either(none, flag), "substeps": flag, "estimate": flag, "fast": flag, "threads": either(none, count), "tolerance": either(none, number), "end_error": either(none, number), "end_error_withheld": either(none, text),
-    "set": table(VALUE), "values": table(VALUE), "chosen": table(either(none, VALUE)), "families": table(count),
+    "sources": listed(source), "orientation": lambda value: flag(value) or value == -1, "run": text,
+    **{option.key: option.kind for option in OPTIONS if option.kind}, "end_error": either(none, number), "end_error_withheld": either(none, text),
+    "values": table(VALUE), "chosen": table(either(none, VALUE)), "families": table(count),
     "compiler": text, "flags": listed(text), "status": text, "done": count,
 }
-ADDED = {"substeps": False, "estimate": False, "end_error": None, "end_error_withheld": None, "tolerance": None, "fast": False, "threads": None}     # keys that files of earlier versions lack, and what they meant
+# keys that files of earlier versions lack, and what they meant
+ADDED = {**{option.key: option.older for option in OPTIONS if option.older is not ALWAYS}, "end_error": None, "end_error_withheld": None}
 
 
 def parsed(given: str, kind):

@@ -5,15 +5,12 @@ import tempfile
 from pathlib import Path
 
 from ...errors import UsageError
-
-ASKED = ("start", "method", "solver", "h", "steps", "every", "section", "what", "effects",
-         "seed", "real", "native", "substeps", "estimate", "tolerance", "fast", "threads")
+from .options import OPTIONS
 
 
 def recorded(meta: dict):
     """(spec, run's name, settings) of a result's metadata, as `received.checked` gives it. Raises UsageError, SpecError."""
-    settings = {key: meta[key] for key in ASKED}
-    return spec_of(meta["sources"]), meta["run"] or None, {**settings, "values": meta["set"]}
+    return spec_of(meta["sources"]), meta["run"] or None, {option.name: meta[option.key] for option in OPTIONS if option.kind}
 
 
 def spec_of(sources):

@@ -1,0 +1,53 @@
+"""The choices of a run: keywords of `smidgen.run`, keys of the metadata, options of the command, each in one line."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .kinds import VALUE, count, either, finite_or_not, flag, listed, none, number, seed, table, text
+
+ALWAYS = object()       # every file has it
+
+
+@dataclass(frozen=True)
+class Option:
+    """name: the keyword; kind: what the metadata must hold of it, None where they do not tell it; older: what it was in files of
+    versions that did not have it; help, reads, metavar: of the command, `--name`, where reads says what its text is
+    (`READS` of gen/cli/options.py), "" where the command has it in another way; as_key: its key in the metadata, if not its name."""
+    name: str
+    kind: Callable | None
+    older: object = ALWAYS
+    reads: str = ""
+    help: str = ""
+    metavar: str | None = None
+    as_key: str = ""
+
+    @property
+    def key(self) -> str:
+        return self.as_key or self.name
+
+
+OPTIONS = (
+    Option("start", either(text, listed(listed(finite_or_not))), reads="start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk"),
+    Option("method", text, reads="method", help="the integrator, of `smidgen list --methods`; default: the run's", metavar="NAME"),
+    Option("solver", text, reads="solver", help="solver of the step equation"),
+    Option("h", number, reads="formula", help="the step: a number or a formula, such as 2*pi/n; negative runs backward (write --h=-0.1)"),
+    Option("steps", count, reads="whole", help="number of steps"),
+    Option("time", None, reads="formula", help="duration: a multiple of h"),        # told as `steps`
+    Option("every", count, reads="whole", help="output each K-th step", metavar="K"),
+    Option("section", either(none, number), reads="formula", help="output at multiples of PERIOD only (a multiple of h)", metavar="PERIOD"),
+    Option("what", listed(text), reads="names", metavar="A,B",
+           help="outputs: states, energy, momentum, casimirs, magnetisation, charge, names of observables"),
+    Option("effects", listed(text), reads="names", help="keep these effects only", metavar="A,B"),
+    Option("values", table(VALUE), as_key="set"),
+    Option("seed", either(none, seed), reads="whole", help="seed of a random start"),
+    Option("real", text, reads="real"),
+    Option("native", either(none, flag)),
+    Option("substeps", flag, False, "flag", "take a step that fails as up to 1024 smaller ones, and say so"),
+    Option("checkpoint", None, reads="whole", metavar="N", help="write a checkpoint every N steps: a run that is killed goes on from there"),
+    Option("estimate", flag, False),
+    Option("tolerance", either(none, number), None, "number", metavar="E", help="of a step, as part of the largest component of w: its iterations end there, "
+           "or step control aims at it; default: round-off"),
+    Option("fast", flag, False, "flag", "--native, and products and sums in one operation: for whom the same bits on every machine are too dear"),
+    Option("threads", either(none, count), None, "whole", "how many may share a step: of lattices by rows, with the same bits", "N"),
+)
