@@ -6,7 +6,7 @@
 #include "smg_row_piece.h"
 #include "smg_row_spin.h"
 
-#define SMG_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
+#define SMG_ROW_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
 
 /* What a sweep works with, at hand in registers: spins, midpoints and, once it is known of which colour, increments by
  * slots; h/(2 kappa), 1/radius^2, the size below which a component is small, and |g|^2 = 1/(36 half^2) from which an
@@ -32,7 +32,7 @@ static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
                             0,
                             half,
                             smg_inverse_square(&s->c),
-                            SMG_SMALL * smg_radius(&s->c, 0),
+                            SMG_ROW_SMALL * smg_radius(&s->c, 0),
                             s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
                             s->row_weak,
                             s->row_stretched};

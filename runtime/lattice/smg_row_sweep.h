@@ -20,9 +20,9 @@
 
 /* How far midpoints moved: the largest square, and the largest part of what a small component is made of; where the
  * pass may be the last one, the largest square of the residual too. */
-typedef struct smg_motion {
+typedef struct smg_row_motion {
   smg_lanes square, part, residual;
-} smg_motion;
+} smg_row_motion;
 
 /* |w_k| + |g_k| + |w_i g_j| + |w_j g_i|, what component k of a midpoint is made of. */
 SMG_INLINE void smg_made_of(const smg_lanes *w, const smg_lanes *g, smg_lanes *made) {
@@ -83,7 +83,7 @@ SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row
 /* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. watched: is it to be known
  * how far they move? small: small components too? last: are increments found? */
 SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *b,
-                               int watched, int small, int last, smg_motion *moved) {
+                               int watched, int small, int last, smg_row_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
   smg_lane_stretch_to(turn.inverse, turn.weak, v);
@@ -111,9 +111,9 @@ SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, c
 
 /* The spins of a piece. */
 SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece,
-                               enum smg_row_way way, int watched, int small, int last, smg_motion *moved) {
+                               enum smg_row_way way, int watched, int small, int last, smg_row_motion *moved) {
   const int64_t size = piece->size, start = piece->start;
-  smg_motion most = *moved;
+  smg_row_motion most = *moved;
   smg_run run;
   for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) {
     if (SMG_BLOCKS && run.beside) smg_aim_run(c, turn, &run, 1, way, small, last, piece, k);
@@ -131,9 +131,9 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
 
 /* What a colour's pass shows: the largest change, the largest part of a small component (SMG_MAX: not looked at), and
  * the largest square of the residual on this rank. */
-typedef struct smg_moved {
+typedef struct smg_row_moved {
   smg_real whole, part, residual;
-} smg_moved;
+} smg_row_moved;
 
 /* How a colour is passed: watched: is it to be known how far midpoints move? small: small components too? last: may it
  * be the last pass, and increments are found too? */
@@ -143,12 +143,12 @@ typedef struct smg_row_pass {
   int watched, small, last;
 } smg_row_pass;
 
-SMG_INLINE smg_motion smg_at_rest(void) {
+SMG_INLINE smg_row_motion smg_at_rest(void) {
   const smg_lanes none = {0};
-  const smg_motion motion = {none, none, none};
+  const smg_row_motion motion = {none, none, none};
   return motion;
 }
-SMG_INLINE void smg_join_motion(smg_motion *motion, const smg_motion *more) {
+SMG_INLINE void smg_join_motion(smg_row_motion *motion, const smg_row_motion *more) {
   motion->square = smg_lane_max(motion->square, more->square);
   motion->part = smg_lane_max(motion->part, more->part);
   motion->residual = smg_lane_max(motion->residual, more->residual);
@@ -156,8 +156,8 @@ SMG_INLINE void smg_join_motion(smg_motion *motion, const smg_motion *more) {
 
 /* Some slots of a colour. */
 SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turning turn, const smg_row_pass pass,
-                              smg_share part, enum smg_row_way way, int small, smg_motion *motion) {
-  smg_motion most = smg_at_rest();
+                              smg_share part, enum smg_row_way way, int small, smg_row_motion *motion) {
+  smg_row_motion most = smg_at_rest();
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
   turn.inverse = smg_inverse_square(&s->c);
@@ -170,24 +170,24 @@ SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turnin
 
 /* The four ways: the first sweep; those that follow it; with a look at small components; and with rho by its root. */
 static void smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                           smg_share part, smg_motion *motion) {
+                           smg_share part, smg_row_motion *motion) {
   smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion);
 }
 static void smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                           smg_share part, smg_motion *motion) {
+                           smg_share part, smg_row_motion *motion) {
   smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion);
 }
 static void smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                          smg_share part, smg_motion *motion) {
+                          smg_share part, smg_row_motion *motion) {
   smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion);
 }
 static void smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                             smg_share part, smg_motion *motion) {
+                             smg_share part, smg_row_motion *motion) {
   smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion);
 }
 
 SMG_INLINE void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn,
-                                    const smg_row_pass pass, smg_share part, smg_motion *motion) {
+                                    const smg_row_pass pass, smg_share part, smg_row_motion *motion) {
   if (pass.way == SMG_BY_ROOT) smg_turn_exactly(s, known, turn, pass, part, motion);
   else if (pass.way == SMG_FROM_FIELD) smg_turn_first(s, known, turn, pass, part, motion);
   else if (pass.small) smg_turn_late(s, known, turn, pass, part, motion);
@@ -201,10 +201,10 @@ static inline smg_real smg_most_of(smg_lanes a) {
   return most;
 }
 
-static const smg_moved smg_not_moved = {0, 0, 0};
+static const smg_row_moved smg_not_moved = {0, 0, 0};
 
 /* What a pass shows, with what some of its slots do. */
-SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_motion *motion, smg_moved *moved) {
+SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_row_motion *motion, smg_row_moved *moved) {
   moved->whole = smg_max(moved->whole, smg_lane_largest(motion->square));
   moved->part = pass.small ? smg_max(moved->part, smg_lane_largest(motion->part)) : SMG_MAX;
   if (pass.last) smg_take(&moved->residual, smg_most_of(motion->residual));
@@ -212,23 +212,23 @@ SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_motion *motio
 
 /* Some slots of this rank by all threads. */
 SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn,
-                                 const smg_row_pass pass, smg_share slots, smg_moved *moved) {
+                                 const smg_row_pass pass, smg_share slots, smg_row_moved *moved) {
   const int team = smg_team_for(slots, s->row_team);
   (void)team;
   if (slots.from >= slots.to) return;
   SMG_TEAM(team) {
-    smg_motion motion = smg_at_rest();
+    smg_row_motion motion = smg_at_rest();
     smg_turn_some_slots(s, known, turn, pass, smg_share_of_thread(slots), &motion);
     SMG_ONE_BY_ONE smg_take_motion(pass, &motion, moved);
   }
 }
 
 /* A colour: first the ends that other ranks read; while those are on their way, what is between. */
-static smg_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn,
-                                 const smg_row_pass pass) {
+static smg_row_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn,
+                                     const smg_row_pass pass) {
   const smg_share all = smg_colour_of_rank(&s->c, pass.colour), inner = smg_between_ends(pass.colour, all),
                   first = {all.from, inner.from}, last = {inner.to, all.to};
-  smg_moved moved = smg_not_moved;
+  smg_row_moved moved = smg_not_moved;
   smg_turn_by_team(s, known, turn, pass, first, &moved);
   smg_turn_by_team(s, known, turn, pass, last, &moved);
   smg_send_colour(pass.colour);
@@ -290,7 +290,7 @@ SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping
 }
 
 /* What it has shown. */
-SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_moved moved,
+SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_row_moved moved,
                               smg_row_sweeping *sweep) {
   const int64_t next = (pass.colour + 1) % SMG_COLOURS;
   ++sweep->passes;

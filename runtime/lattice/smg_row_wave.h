@@ -41,7 +41,7 @@
 typedef struct smg_row_wave {
   int64_t passes, blocks, stages, lag, later;
   smg_row_pass pass[SMG_WAVE_PASSES];
-  smg_motion motion[SMG_WAVE_PASSES];
+  smg_row_motion motion[SMG_WAVE_PASSES];
   smg_lanes residual;
 } smg_row_wave;
 
@@ -167,7 +167,7 @@ static void smg_run_wave(const smg_state *s, smg_besides *known, const smg_turni
 /* Have the passes shown what they would have one by one, without being more than that? */
 static int smg_judge_wave(const smg_state *s, const smg_row_wave *wave, smg_row_sweeping *sweep) {
   for (int64_t k = 0; k < wave->passes; ++k) {
-    smg_moved moved = smg_not_moved;
+    smg_row_moved moved = smg_not_moved;
     smg_row_pass pass = smg_next_pass(s, sweep);
     if (smg_rows_settled(s, sweep) || (pass.small && !wave->pass[k].small)) return 0;
     pass.last = wave->pass[k].last;

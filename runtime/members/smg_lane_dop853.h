@@ -166,7 +166,7 @@ SMG_INLINE void smg_lanes_next_end(smg_lane_group *f) {
   f->size = f->end - f->done;
 }
 
-/* smg_accept() and smg_refuse() */
+/* smg_accept() and smg_refuse_step() */
 SMG_INLINE void smg_lanes_judge(smg_lane_group *f) {
   const smg_lane_mask finite = (smg_lane_mask)(f->square - f->square == smg_lane_of(0)),
                       good = SMG_FIXED_STEP ? finite : (smg_lane_mask)(f->square <= 1);
@@ -320,7 +320,7 @@ static void smg_groups_try(smg_lane_group *f, int groups, smg_queue *q) {
 /* ---- many states
  * ------------------------------------------------------------------------------------------------------------ */
 /* Is a state left for the first lane? Other lanes that none is left for repeat it. */
-static int smg_group_begin(smg_lane_group *f, smg_queue *q) {
+static int smg_dop853_lanes_begin(smg_lane_group *f, smg_queue *q) {
   for (int l = 0; l < SMG_LANES; ++l) {
     smg_lane_next(f, l, q);
     if (!smg_lane_holds(f->live, 0)) return 0;
@@ -336,7 +336,7 @@ static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int ali
   int groups = 0, busy = count > 0;
   (void)alike;
   for (int k = 0; k < SMG_LANE_GROUPS && busy; ++k) {
-    busy = smg_group_begin(f + k, &q);
+    busy = smg_dop853_lanes_begin(f + k, &q);
     groups += busy;
   }
   for (busy = groups > 0; busy;) {

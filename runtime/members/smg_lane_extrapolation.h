@@ -18,28 +18,28 @@
 /* Groups of lanes that step in turn: while one waits for the end of its rows, the processor works on the next, and what
  * depends on time is computed for all of them. Groups whose parameters differ have coefficients of their own,
  * SMG_TABLES of them at most, at SMG_TIMES times. */
-#define SMG_GROUPS 8
+#define SMG_TABLEAU_GROUPS 8
 #if SMG_TIMED
 enum { SMG_TIMES = 1 + SMG_TABLEAU_ROWS * SMG_TABLEAU_ROWS, SMG_TABLES = 1 };
 #else
-enum { SMG_TIMES = 1, SMG_TABLES = SMG_GROUPS };
+enum { SMG_TIMES = 1, SMG_TABLES = SMG_TABLEAU_GROUPS };
 #endif
 
 /* SMG_LANES states under way. */
-typedef struct smg_group {
+typedef struct smg_tableau_group {
   smg_lanes w[3], compensation[3];
   smg_lane_mask live; /* no lane is live that repeats another, or whose step failed */
   smg_state *state[SMG_LANES];
   const smg_lane_coefficients *c;
-} smg_group;
+} smg_tableau_group;
 
 /* Groups that step in turn. alike: all have the same parameters and times, and those of `clock`. */
-typedef struct smg_batch {
-  smg_group group[SMG_GROUPS];
+typedef struct smg_tableau_batch {
+  smg_tableau_group group[SMG_TABLEAU_GROUPS];
   smg_lane_coefficients c[SMG_TABLES][SMG_TIMES];
   smg_state clock;
   int groups, alike;
-} smg_batch;
+} smg_tableau_batch;
 
 /* Where the coefficients for t + m h/n stand, n = 2j: row j has 2j - 1 of them, behind the (j - 1)^2 of those before it
  * and those for t. */
@@ -78,7 +78,7 @@ SMG_INLINE smg_lane_mask smg_lanes_finite(smg_lane_vec a) {
 
 /* ---- lanes and states
  * ------------------------------------------------------------------------------------------------------- */
-static void smg_lane_take_up(smg_group *g, int l, smg_state *s) {
+static void smg_lane_take_up(smg_tableau_group *g, int l, smg_state *s) {
   g->state[l] = s;
   for (int b = 0; b < 3; ++b) {
     smg_lane_set(g->w + b, l, s->w[b]);
@@ -87,7 +87,7 @@ static void smg_lane_take_up(smg_group *g, int l, smg_state *s) {
 }
 
 /* Lane l as a state, after `taken` steps. */
-static void smg_lane_put_back(const smg_group *g, int l, int64_t taken) {
+static void smg_lane_put_back(const smg_tableau_group *g, int l, int64_t taken) {
   smg_state *s = g->state[l];
   for (int b = 0; b < 3; ++b) {
     s->w[b] = smg_lane_get(g->w + b, l);
@@ -97,7 +97,7 @@ static void smg_lane_put_back(const smg_group *g, int l, int64_t taken) {
 }
 
 /* The step of the lanes `lost` by smg_step(), where it fails. */
-SMG_COLD static void smg_lanes_lost(smg_group *g, smg_lane_mask lost, int64_t taken) {
+SMG_COLD static void smg_lanes_lost(smg_tableau_group *g, smg_lane_mask lost, int64_t taken) {
   for (int l = 0; l < SMG_LANES; ++l) {
     if (!smg_lane_holds(lost, l)) continue;
     smg_lane_put_back(g, l, taken);
@@ -107,7 +107,7 @@ SMG_COLD static void smg_lanes_lost(smg_group *g, smg_lane_mask lost, int64_t ta
 }
 
 /* One step, after `taken` others. */
-SMG_INLINE void smg_group_step(smg_group *g, int64_t taken) {
+SMG_INLINE void smg_group_step(smg_tableau_group *g, int64_t taken) {
   const smg_lane_vec w = smg_lane_vec_load(g->w), u = smg_lanes_increment(g->c, w);
   const smg_lane_mask lost = g->live & ~smg_lanes_finite(smg_lane_vec_add(w, u));
   if (smg_lane_any(lost)) smg_lanes_lost(g, lost, taken);
@@ -127,14 +127,14 @@ static const smg_coefficients *smg_at_time(smg_state *s, int64_t taken, smg_real
 }
 
 /* The same in lanes, of group k. */
-static void smg_fill_time(smg_batch *b, int k, smg_lane_coefficients *to, int64_t taken, smg_real part) {
+static void smg_fill_time(smg_tableau_batch *b, int k, smg_lane_coefficients *to, int64_t taken, smg_real part) {
   if (b->alike) smg_lane_spread(to, smg_at_time(&b->clock, taken, part));
   else
     for (int l = 0; l < SMG_LANES; ++l) smg_lane_fill(to, l, smg_at_time(b->group[k].state[l], taken, part));
 }
 
 /* All tables, for one step. */
-static void smg_fill_tables(smg_batch *b, int64_t taken) {
+static void smg_fill_tables(smg_tableau_batch *b, int64_t taken) {
   const int tables = b->alike ? 1 : b->groups;
   for (int k = 0; k < tables; ++k) {
     smg_fill_time(b, k, b->c[k], taken, 0);
@@ -148,14 +148,14 @@ static void smg_fill_tables(smg_batch *b, int64_t taken) {
 /* ---- many states
  * ------------------------------------------------------------------------------------------------------------ */
 /* The states at s, one a lane, n <= SMG_LANES of them; other lanes repeat the first. */
-static void smg_group_begin(smg_group *g, smg_state *const *s, int n, const smg_lane_coefficients *c) {
+static void smg_tableau_group_begin(smg_tableau_group *g, smg_state *const *s, int n, const smg_lane_coefficients *c) {
   g->live = smg_lane_below(n);
   g->c = c;
   for (int l = 0; l < SMG_LANES; ++l) smg_lane_take_up(g, l, s[l < n ? l : 0]);
 }
 
 /* All lanes that have not failed are states again. */
-static void smg_group_end(smg_group *g, int64_t taken) {
+static void smg_tableau_group_end(smg_tableau_group *g, int64_t taken) {
   for (int l = 0; l < SMG_LANES; ++l) {
     if (!smg_lane_holds(g->live, l)) continue;
     smg_lane_put_back(g, l, taken);
@@ -164,18 +164,19 @@ static void smg_group_end(smg_group *g, int64_t taken) {
 }
 
 /* count steps of n states, of as many as a batch holds at most. */
-static void smg_batch_steps(smg_state *const *s, int n, int64_t count, int alike) {
-  smg_batch b;
+static void smg_tableau_batch_steps(smg_state *const *s, int n, int64_t count, int alike) {
+  smg_tableau_batch b;
   b.clock = *s[0];
   b.alike = alike;
   b.groups = 0;
   for (int k = 0; k < n; k += SMG_LANES, ++b.groups)
-    smg_group_begin(b.group + b.groups, s + k, n - k < SMG_LANES ? n - k : SMG_LANES, b.c[alike ? 0 : b.groups]);
+    smg_tableau_group_begin(b.group + b.groups, s + k, n - k < SMG_LANES ? n - k : SMG_LANES,
+                            b.c[alike ? 0 : b.groups]);
   for (int64_t taken = 0; taken < count; ++taken) {
     if (SMG_TIMES > 1 || taken == 0) smg_fill_tables(&b, taken);
     for (int k = 0; k < b.groups; ++k) smg_group_step(b.group + k, taken);
   }
-  for (int k = 0; k < b.groups; ++k) smg_group_end(b.group + k, count);
+  for (int k = 0; k < b.groups; ++k) smg_tableau_group_end(b.group + k, count);
 }
 
 /* Are all those at the same time that have not failed, with the same h? */
@@ -191,13 +192,13 @@ static int smg_all_at_once(const smg_state *s, int64_t members) {
 
 /* count steps of those states that have not failed; alike: all have the same parameters. */
 static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int alike) {
-  smg_state *some[SMG_GROUPS * SMG_LANES];
-  const int same = alike && smg_all_at_once(s, members), most = (same ? SMG_GROUPS : SMG_TABLES) * SMG_LANES;
+  smg_state *some[SMG_TABLEAU_GROUPS * SMG_LANES];
+  const int same = alike && smg_all_at_once(s, members), most = (same ? SMG_TABLEAU_GROUPS : SMG_TABLES) * SMG_LANES;
   int n = 0;
   for (int64_t k = 0; k < members; ++k) {
     if (s[k].report.status == SMG_OK) some[n++] = s + k;
     if (n == most || (n > 0 && k + 1 == members)) {
-      smg_batch_steps(some, n, count, same);
+      smg_tableau_batch_steps(some, n, count, same);
       n = 0;
     }
   }

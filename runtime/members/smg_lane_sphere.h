@@ -115,7 +115,7 @@ SMG_INLINE smg_lane_mask smg_lanes_settled(smg_lane_vec v, smg_lane_vec u, smg_l
 }
 
 /* smg_within_ulp(d, W, v, 1) */
-SMG_INLINE smg_lane_mask smg_lanes_within(smg_lanes d, smg_lanes W, smg_lanes v) {
+SMG_INLINE smg_lane_mask smg_lanes_close(smg_lanes d, smg_lanes W, smg_lanes v) {
   return (smg_lane_mask)(smg_lane_abs(d) <= SMG_EPS * smg_lane_abs(W)) |
          (smg_lane_mask)(smg_lane_abs(d) <= 8 * SMG_EPS * smg_lane_abs(v));
 }
@@ -145,8 +145,8 @@ SMG_COLD static smg_lane_mask smg_lanes_again(smg_group *g, smg_lane_mask left, 
   const smg_lane_vec v = f->v, twice = smg_lane_vec_scale(smg_lane_of(2), compensation);
   const smg_lane_vec z = smg_lanes_image(&g->c, smg_lanes_twice_midpoint(w, smg_lane_vec_add(v, twice)), f->q),
                      y = smg_lane_vec_add(z, compensation), W = smg_lane_vec_add(w, y);
-  settled |= smg_lanes_within(z.x - v.x, W.x, z.x) & smg_lanes_within(z.y - v.y, W.y, z.y) &
-             smg_lanes_within(z.z - v.z, W.z, z.z);
+  settled |= smg_lanes_close(z.x - v.x, W.x, z.x) & smg_lanes_close(z.y - v.y, W.y, z.y) &
+             smg_lanes_close(z.z - v.z, W.z, z.z);
   const smg_lanes bound = smg_lanes_bound(&g->c, smg_lane_vec_scale(f->q, smg_lanes_twice_midpoint(w, n->u)), f->q);
   const smg_lane_mask good = settled & smg_lanes_clear(n->det) & (smg_lane_mask)(bound <= SMG_DAMPS) &
                              smg_lanes_small(n->size) & (smg_lane_mask)(smg_lane_vec_largest(z) <= SMG_MAX);

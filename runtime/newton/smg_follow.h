@@ -35,7 +35,7 @@
 #define SMG_ON_CURVE (smg_real)1e-5
 #define SMG_ON_END (smg_real)1e-9 /* and of the end this: Newton goes on from there; half or twice: the same */
 /* a shorter pace is given up: corrections of SMG_ON_CURVE squared are below it; half or twice: nothing changes */
-#define SMG_LEAST (smg_real)1e-9
+#define SMG_LEAST_PACE (smg_real)1e-9
 /* a midpoint so near the centre, in radii, is there; without it: one case of tests/test_edges_of_runtime.py */
 #define SMG_CENTRE (smg_real)1e-6
 /* a midpoint so near the centre, in radii, is there where it moves straight towards it: */
@@ -44,7 +44,7 @@
  * otherwise, twice: none */
 #define SMG_MISS (smg_real)0.01
 /* a part of h by which p has come back: a fold, no noise; half or twice: nothing changes */
-#define SMG_TURNED (smg_real)1e-6
+#define SMG_TURNED_BACK (smg_real)1e-6
 /* a pace at which p may be taken to rise where it nearly stood still; half or twice: nothing changes */
 #define SMG_DIP (smg_real)1e-4
 #define SMG_LOW (smg_real)0.25 /* dp/ds near a fold; half or twice: the same */
@@ -109,7 +109,7 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
     /* of y alone, where p runs far */
     if (it == 1 && SMG_MATH(sqrt)(size) > pace * SMG_STRAIGHT * SMG_MATH(sqrt)(tt) + SMG_ALONE) return 0;
-    if (moved <= (fixed ? SMG_ON_END : smg_min(SMG_ON_CURVE, smg_max(pace / 10, SMG_LEAST)))) return it;
+    if (moved <= (fixed ? SMG_ON_END : smg_min(SMG_ON_CURVE, smg_max(pace / 10, SMG_LEAST_PACE)))) return it;
     last = moved * SMG_STRAIGHT;
   }
   return 0;
@@ -242,7 +242,7 @@ static inline smg_status smg_follow(smg_curve *f) {
     const int its = smg_curve_pace(f, pace);
     if (its == 0) {
       pace *= SMG_SHORTER;
-      if (pace < SMG_LEAST) return turned ? SMG_NO_SOLUTION : smg_curve_end(f);
+      if (pace < SMG_LEAST_PACE) return turned ? SMG_NO_SOLUTION : smg_curve_end(f);
       continue;
     }
     if (its <= SMG_EASY) pace *= SMG_LONGER;
@@ -252,7 +252,7 @@ static inline smg_status smg_follow(smg_curve *f) {
       f->site = smg_curve_mover(f, -1);
       f->partner = smg_curve_mover(f, f->site);
     }
-    turned = turned || (folded && f->p < f->reached * (1 - SMG_TURNED));
+    turned = turned || (folded && f->p < f->reached * (1 - SMG_TURNED_BACK));
     far = smg_max(far, smg_curve_size(f->n, f->y));
     central = central || smg_curve_central(f);
     if (f->p >= 1) return smg_curve_arrived(f, folded, far, central);

@@ -40,7 +40,7 @@ def lane_slope(model) -> Function:
     """That of the term-th effect of bonds."""
     *first, last = [Return(Call(named(f"{t.prefix}_slope"), (Name("c"), *[ZERO] * len(t.over.bound), Name(PRODUCT.name)))) for t in joint(model)]
     tests = [If((compare(Index("term"), "==", whole(k)),), (value,)) for k, value in enumerate(first)]
-    return Function("smg_lanes", "smg_lane_slope", (COEFFICIENTS, Argument("int64_t", "term"), LANES), (*tests, last), wanted=True, inlined="always")
+    return Function("smg_lanes", "smg_lane_bond_slope", (COEFFICIENTS, Argument("int64_t", "term"), LANES), (*tests, last), wanted=True, inlined="always")
 
 
 def joint(model) -> list:

@@ -30,7 +30,7 @@
 
 /* R v for v, and (R - 1) v more for u: the rotation R about an axis that w' = w x b makes of b along it,
  * (R - 1) v = sin (v x axis) - (1 - cos) v across it. */
-SMG_INLINE void smg_turn(int axis, smg_real tau, smg_real *v, smg_real *u) {
+SMG_INLINE void smg_turn_about_axis(int axis, smg_real tau, smg_real *v, smg_real *u) {
   const int b = (axis + 1) % 3, d = (axis + 2) % 3;
   const smg_real square = tau * tau, scale = 2 / (1 + square);
   const smg_real x = scale * (tau * v[d] - square * v[b]), y = scale * (tau * v[b] + square * v[d]);
@@ -50,7 +50,7 @@ SMG_INLINE smg_real smg_slope(const smg_coefficients *c, int axis, int64_t k, co
 
 /* About one axis; half = h/(2 kappa) times its part of the step. */
 SMG_INLINE void smg_turn_site(const smg_coefficients *c, int axis, int64_t k, smg_real half, smg_real *v, smg_real *u) {
-  if (SMG_HAS_AXIS(axis)) smg_turn(axis, half * smg_slope(c, axis, k, v), v, u);
+  if (SMG_HAS_AXIS(axis)) smg_turn_about_axis(axis, half * smg_slope(c, axis, k, v), v, u);
 }
 
 /* A stage of site k. */
@@ -81,7 +81,7 @@ SMG_INLINE void smg_turn_all(smg_state *s, int axis, smg_real h) {
   if (axis == 2) smg_slopes_z(&s->c, s->points, s->slopes);
   for (int64_t k = 0; k < sites; ++k) {
     const smg_real half = 0.5 * smg_h_over_kappa(&s->c, k, h) * s->slopes[k];
-    smg_turn(axis, SMG_MATH(tan)(half), s->points + 3 * k, s->u + 3 * k);
+    smg_turn_about_axis(axis, SMG_MATH(tan)(half), s->points + 3 * k, s->u + 3 * k);
   }
 }
 

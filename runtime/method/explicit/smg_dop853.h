@@ -118,7 +118,7 @@ SMG_INLINE smg_real smg_weighted(const smg_real *a, int count, const smg_real *k
 
 /* z = y + sum_j a_ij k_j, j < i: only the last term waits for the stage before. What y has lost to rounding is less
  * than what z loses. */
-SMG_INLINE void smg_stage_point(int i, const smg_real *y, const smg_real *k, int64_t n, smg_real *SMG_RESTRICT z) {
+SMG_INLINE void smg_dop853_point(int i, const smg_real *y, const smg_real *k, int64_t n, smg_real *SMG_RESTRICT z) {
   for (int64_t q = 0; q < n; ++q) {
     const smg_real older = i > 1 ? y[q] + smg_weighted(smg_dop853_a[i], i - 1, k + q, n) : y[q];
     z[q] = older + smg_dop853_a[i][i - 1] * k[(i - 1) * n + q];
@@ -126,29 +126,30 @@ SMG_INLINE void smg_stage_point(int i, const smg_real *y, const smg_real *k, int
 }
 
 /* k_(i+1), i = 1 .. 11, of the internal step of the part `size` of h from the part `from` of it. */
-SMG_INLINE void smg_stage(smg_state *s, int i, smg_real from, smg_real size) {
-  smg_stage_point(i, smg_vector(s, SMG_Y), s->stages, 3 * smg_sites(&s->c), s->u);
+SMG_INLINE void smg_dop853_stage(smg_state *s, int i, smg_real from, smg_real size) {
+  smg_dop853_point(i, smg_vector(s, SMG_Y), s->stages, 3 * smg_sites(&s->c), s->u);
   smg_set_time_at(&s->c, s, from + smg_dop853_c[i] * size);
   smg_right_side(&s->c, size, s->u, smg_vector(s, i));
 }
 
 /* k_2 .. k_12. */
 static inline void smg_later_stages(smg_state *s, smg_real from, smg_real size) {
-  smg_stage(s, 1, from, size);
-  smg_stage(s, 2, from, size);
-  smg_stage(s, 3, from, size);
-  smg_stage(s, 4, from, size);
-  smg_stage(s, 5, from, size);
-  smg_stage(s, 6, from, size);
-  smg_stage(s, 7, from, size);
-  smg_stage(s, 8, from, size);
-  smg_stage(s, 9, from, size);
-  smg_stage(s, 10, from, size);
-  smg_stage(s, 11, from, size);
+  smg_dop853_stage(s, 1, from, size);
+  smg_dop853_stage(s, 2, from, size);
+  smg_dop853_stage(s, 3, from, size);
+  smg_dop853_stage(s, 4, from, size);
+  smg_dop853_stage(s, 5, from, size);
+  smg_dop853_stage(s, 6, from, size);
+  smg_dop853_stage(s, 7, from, size);
+  smg_dop853_stage(s, 8, from, size);
+  smg_dop853_stage(s, 9, from, size);
+  smg_dop853_stage(s, 10, from, size);
+  smg_dop853_stage(s, 11, from, size);
 }
 
 /* out = r sum_j a_j k_j of all stages. */
-SMG_INLINE void smg_combine(const smg_real *a, smg_real r, const smg_real *k, int64_t n, smg_real *SMG_RESTRICT out) {
+SMG_INLINE void smg_combine_slopes(const smg_real *a, smg_real r, const smg_real *k, int64_t n,
+                                   smg_real *SMG_RESTRICT out) {
   for (int64_t q = 0; q < n; ++q) out[q] = r * smg_weighted(a, SMG_STAGES_USED, k + q, n);
 }
 
@@ -182,10 +183,10 @@ static inline void smg_estimate(smg_state *s, smg_pace *pace) {
   const int64_t sites = smg_sites(&s->c);
   const smg_real r = pace->per_allowed;
   smg_real most = 0;
-  smg_combine(smg_dop853_b, 1, s->stages, 3 * sites, s->u);
+  smg_combine_slopes(smg_dop853_b, 1, s->stages, 3 * sites, s->u);
   /* where k_2 and k_3 were, which are in none of them */
-  smg_combine(smg_dop853_e5, r, s->stages, 3 * sites, smg_vector(s, SMG_E5));
-  smg_combine(smg_dop853_e3, r, s->stages, 3 * sites, smg_vector(s, SMG_E3));
+  smg_combine_slopes(smg_dop853_e5, r, s->stages, 3 * sites, smg_vector(s, SMG_E5));
+  smg_combine_slopes(smg_dop853_e3, r, s->stages, 3 * sites, smg_vector(s, SMG_E3));
   for (int64_t k = 0; k < sites && most == most; ++k) {
     const smg_real error = smg_site_error(s, k);
     if (error <= most) continue;
@@ -219,7 +220,7 @@ static inline void smg_back_on_leaf(const smg_state *s, int64_t k, smg_real *y, 
 #endif
 
 /* The increment u is taken: y + u with its rounding error carried along, and back on the leaves. */
-static inline void smg_take(smg_state *s) {
+static inline void smg_take_step(smg_state *s) {
   smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION),
            *before = smg_vector(s, SMG_Y_BEFORE);
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) {
@@ -261,7 +262,7 @@ static inline smg_real smg_sixteenth(smg_real x) {
 #endif
 
 /* The error of a step of size p goes as p^8: the factor at which it meets the tolerance, within its limits. */
-static inline smg_real smg_factor(smg_real square) {
+static inline smg_real smg_step_factor(smg_real square) {
   if (!(square > 0)) return SMG_GROWTH;
   return smg_min(SMG_GROWTH, smg_max(SMG_SHRINK, SMG_SAFETY * smg_sixteenth(square)));
 }
@@ -310,8 +311,8 @@ static inline int smg_too_far(const smg_pace *pace) {
 
 /* The step is good. A size that the end of h cut short says little of the natural one when its error vanishes. */
 static inline void smg_accept(smg_state *s, smg_pace *pace, smg_real end) {
-  const smg_real factor = pace->refused ? smg_min(1, smg_factor(pace->square)) : smg_factor(pace->square);
-  smg_take(s);
+  const smg_real factor = pace->refused ? smg_min(1, smg_step_factor(pace->square)) : smg_step_factor(pace->square);
+  smg_take_step(s);
   pace->largest = smg_max(pace->largest, pace->square);
   if (factor < SMG_GROWTH || pace->size * factor > pace->natural) pace->natural = pace->size * factor;
   smg_kept(s)[SMG_LAST_FROM] = pace->done;
@@ -321,9 +322,9 @@ static inline void smg_accept(smg_state *s, smg_pace *pace, smg_real end) {
 }
 
 /* It is not: again from the same place, with a smaller size, as long as that is one. */
-static inline smg_status smg_refuse(smg_pace *pace) {
+static inline smg_status smg_refuse_step(smg_pace *pace) {
   const int finite = pace->square - pace->square == 0;
-  pace->natural = pace->size * (finite ? smg_factor(pace->square) : SMG_SHRINK);
+  pace->natural = pace->size * (finite ? smg_step_factor(pace->square) : SMG_SHRINK);
   pace->refused = 1;
   if (!SMG_FIXED_STEP && pace->natural >= SMG_LEAST_PART) return SMG_OK;
   return finite ? SMG_NO_CONVERGENCE : SMG_NOT_FINITE;
@@ -343,14 +344,14 @@ static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
     smg_later_stages(s, pace->done, pace->size);
     smg_estimate(s, pace);
     if (SMG_FIXED_STEP ? pace->square - pace->square == 0 : pace->square <= 1) smg_accept(s, pace, end);
-    else status = smg_refuse(pace);
+    else status = smg_refuse_step(pace);
     if (status == SMG_OK && smg_too_far(pace)) return SMG_NO_CONVERGENCE;
   }
   return status;
 }
 
 /* The state after the step. */
-static void smg_commit(smg_state *s, const smg_pace *pace) {
+static void smg_commit_steps(smg_state *s, const smg_pace *pace) {
   const smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION);
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
     for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
@@ -380,7 +381,7 @@ static smg_status smg_step(smg_state *s) {
   s->report.iterations = pace.accepted;
   s->report.residual = SMG_MATH(sqrt)(pace.largest) * allowed;
   s->report.reached = s->report.status == SMG_OK ? 0 : pace.done; /* where it could go no further */
-  if (s->report.status == SMG_OK) smg_commit(s, &pace);
+  if (s->report.status == SMG_OK) smg_commit_steps(s, &pace);
   return s->report.status;
 }
 

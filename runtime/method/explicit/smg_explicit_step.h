@@ -48,7 +48,7 @@ static inline void smg_begin_step(smg_state *s) {
 }
 
 /* The new state of a site. */
-static inline void smg_end_site(smg_state *s, int64_t k) {
+static inline void smg_end_turned_site(smg_state *s, int64_t k) {
 #if SMG_TURNS_ADDED
   for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
     s->w[q] = s->points[q];
@@ -74,7 +74,7 @@ static inline int64_t smg_move(smg_state *s) {
   }
   for (int64_t k = 0; k < sites; ++k)
     if (!smg_is_finite(s->u + 3 * k)) return k;
-  for (int64_t k = 0; k < sites; ++k) smg_end_site(s, k);
+  for (int64_t k = 0; k < sites; ++k) smg_end_turned_site(s, k);
   return -1;
 }
 #endif

@@ -67,7 +67,7 @@ SMG_INLINE smg_vec smg_tableau_row(smg_state *s, smg_vec w, smg_vec first, int j
 }
 
 /* u = sum_j W_j/j D_n */
-static inline void smg_increment(smg_state *s) {
+static inline void smg_tableau_increment(smg_state *s) {
   const smg_vec w = smg_vec_load(s->w);
   smg_set_time_at(&s->c, s, 0);
   const smg_vec first = smg_motion(&s->c, w, 1);
@@ -109,7 +109,7 @@ static void smg_tableau_row(smg_state *s, int j) {
   for (int64_t q = 0; q < n; ++q) s->u[q] += smg_tableau_weights[j - 1] * even[q];
 }
 
-static inline void smg_increment(smg_state *s) {
+static inline void smg_tableau_increment(smg_state *s) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_set_time_at(&s->c, s, 0);
   smg_right_side(&s->c, 1, s->w, smg_tableau_vector(s, SMG_FIRST));
@@ -131,7 +131,7 @@ static inline int64_t smg_lost_site(const smg_state *s) {
 }
 
 static smg_status smg_step(smg_state *s) {
-  smg_increment(s);
+  smg_tableau_increment(s);
   s->report.partner = -1;
   s->report.site = smg_lost_site(s);
   s->report.status = s->report.site < 0 ? SMG_OK : SMG_NOT_FINITE;

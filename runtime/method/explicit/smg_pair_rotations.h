@@ -38,14 +38,14 @@
 #include "smg_explicit.h"
 
 /* What a visit works on: the state, and h. */
-typedef struct smg_turning {
+typedef struct smg_bond_turning {
   smg_state *s;
   smg_real h;
-} smg_turning;
+} smg_bond_turning;
 
 /* One bond; slope = f'. */
 static inline void smg_turn_pair(void *context, int64_t i, int64_t j, smg_real slope) {
-  const smg_turning *turning = (const smg_turning *)context;
+  const smg_bond_turning *turning = (const smg_bond_turning *)context;
   smg_state *s = turning->s;
   smg_real *v = s->points + 3 * i, *w = s->points + 3 * j, *v_lost = s->u + 3 * i, *w_lost = s->u + 3 * j, g[3], p[3],
            pg[3];
@@ -63,7 +63,7 @@ static inline void smg_turn_pair(void *context, int64_t i, int64_t j, smg_real s
 }
 
 static inline void smg_turn_class(smg_state *s, int64_t which, smg_real h) {
-  smg_turning turning;
+  smg_bond_turning turning;
   turning.s = s;
   turning.h = h;
   smg_each_of_class(&s->c, which, s->points, &turning, smg_turn_pair);
@@ -71,7 +71,7 @@ static inline void smg_turn_class(smg_state *s, int64_t which, smg_real h) {
 
 /* Bond after bond, and back. */
 static inline void smg_turn_bonds(smg_state *s, smg_real h) {
-  smg_turning turning;
+  smg_bond_turning turning;
   turning.s = s;
   turning.h = h;
   smg_each_pair(&s->c, s->points, &turning, smg_turn_pair);

@@ -13,6 +13,7 @@
 #ifndef SMG_PAIR_ROWS_H
 #define SMG_PAIR_ROWS_H
 
+#include "smg_pair_state.h"
 #include "smg_rows.h"
 #include "smg_row_spin.h"
 
@@ -65,11 +66,11 @@ SMG_INLINE void smg_put_some_spins(const smg_pair_turning *turn, int64_t slot, s
 }
 
 /* smg_turn_pair. */
-SMG_INLINE void smg_turn_lanes(const smg_coefficients *c, const smg_pair_turning *turn, int64_t term, smg_lane_spins *v,
-                               smg_lane_spins *w) {
+SMG_INLINE void smg_turn_bonds_in_lanes(const smg_coefficients *c, const smg_pair_turning *turn, int64_t term,
+                                        smg_lane_spins *v, smg_lane_spins *w) {
   const smg_real kappa = smg_kappa(c, 0);
   smg_lanes g[3], p[3], pg[3];
-  const smg_lanes a = turn->half * smg_lane_slope(c, term, smg_lane_dot(v->w, w->w));
+  const smg_lanes a = turn->half * smg_lane_bond_slope(c, term, smg_lane_dot(v->w, w->w));
   for (int b = 0; b < 3; ++b) g[b] = a * (kappa * v->w[b] + kappa * w->w[b]);
   const smg_lanes scale = 2 / (1 + smg_lane_dot(g, g)) * a;
   smg_lane_cross(p, v->w, w->w);
@@ -99,7 +100,7 @@ static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *tur
     smg_select_spins(within, &far, &w);
   }
   before = v;
-  smg_turn_lanes(c, turn, all->term, &v, &w);
+  smg_turn_bonds_in_lanes(c, turn, all->term, &v, &w);
   smg_select_spins(around ? sites : within, &before, &v);
   smg_put_spins(turn, slot, &v);
   smg_put_some_spins(turn, slot + b->start, within, &w);
@@ -119,7 +120,7 @@ static void smg_turn_run(const smg_coefficients *c, const smg_pair_turning turn,
     smg_lane_spins v, w;
     smg_take_spins(&turn, start + j, &v);
     smg_take_spins(&turn, start + b->start + j, &w);
-    smg_turn_lanes(c, &turn, term, &v, &w);
+    smg_turn_bonds_in_lanes(c, &turn, term, &v, &w);
     smg_put_spins(&turn, start + j, &v);
     smg_put_spins(&turn, start + b->start + j, &w);
   }

@@ -31,15 +31,15 @@
 #include "smg_explicit.h"
 
 /* What a visit works on: the state, and h; last: of the turns of a stage, which brings lengths back as well. */
-typedef struct smg_turning {
+typedef struct smg_sublattice_turning {
   smg_state *s;
   smg_real h;
   int last;
-} smg_turning;
+} smg_sublattice_turning;
 
 /* One site about the field of the others. */
 static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
-  const smg_turning *turning = (const smg_turning *)context;
+  const smg_sublattice_turning *turning = (const smg_sublattice_turning *)context;
   const smg_state *s = turning->s;
   smg_real g[3] = {0, 0, 0}, x[3], xx[3], *v = s->points + 3 * at.k, *lost = s->u + 3 * at.k;
   smg_pull(&s->c, at, s->points, g);
@@ -57,8 +57,8 @@ static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
 }
 
 /* All sites of a colour, for the part h of the step; last: in this stage. */
-static inline void smg_turn_colour(smg_state *s, int64_t colour, smg_real h, int last) {
-  smg_turning turning;
+static inline void smg_rotate_colour(smg_state *s, int64_t colour, smg_real h, int last) {
+  smg_sublattice_turning turning;
   turning.s = s;
   turning.h = h;
   turning.last = last;
@@ -67,9 +67,9 @@ static inline void smg_turn_colour(smg_state *s, int64_t colour, smg_real h, int
 
 static inline void smg_stage(smg_state *s, smg_real h) {
   const int64_t last = smg_colours(&s->c) - 1;
-  for (int64_t colour = 0; colour < last; ++colour) smg_turn_colour(s, colour, 0.5 * h, 0);
-  smg_turn_colour(s, last, h, 1);
-  for (int64_t colour = last - 1; colour >= 0; --colour) smg_turn_colour(s, colour, 0.5 * h, 1);
+  for (int64_t colour = 0; colour < last; ++colour) smg_rotate_colour(s, colour, 0.5 * h, 0);
+  smg_rotate_colour(s, last, h, 1);
+  for (int64_t colour = last - 1; colour >= 0; --colour) smg_rotate_colour(s, colour, 0.5 * h, 1);
 }
 
 #include "smg_explicit_step.h"

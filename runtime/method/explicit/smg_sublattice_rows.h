@@ -6,6 +6,7 @@
 
 #include "smg_row_piece.h"
 #include "smg_row_spin.h"
+#include "smg_sublattice_state.h"
 
 /* What the turns of a colour work with: w and what it has lost, by slots; 1/radius^2; h/(2 kappa) of the turn that is
  * the last one of a stage, and of another one: 0 where there is none. */
@@ -36,8 +37,8 @@ SMG_INLINE void smg_turn_lanes(smg_real half, smg_real inverse, int last, const 
 enum smg_row_turns { SMG_TURN_OTHER, SMG_TURN_LAST, SMG_TURN_BOTH };
 
 /* The slots of one vector, `in` of them sites of the piece. */
-SMG_INLINE void smg_turn_slots(const smg_row_turning turn, enum smg_row_turns which, int64_t slot, int64_t in,
-                               smg_lanes *g) {
+SMG_INLINE void smg_rotate_slots(const smg_row_turning turn, enum smg_row_turns which, int64_t slot, int64_t in,
+                                 smg_lanes *g) {
   const smg_lanes none = {0};
   smg_lanes w[3], lost[3];
   if (in < SMG_LANES)
@@ -58,7 +59,7 @@ SMG_INLINE void smg_turn_blocks(const smg_coefficients *c, const smg_row_turning
     for (int64_t j = run.from; j < run.to; j += SMG_LANES) {
       smg_lanes g[3];
       smg_run_gradient(c, &run, 1, turn.w, turn.pitch, j, j, g);
-      smg_turn_slots(turn, which, run.start + j, SMG_LANES, g);
+      smg_rotate_slots(turn, which, run.start + j, SMG_LANES, g);
     }
 }
 
@@ -78,7 +79,7 @@ SMG_INLINE void smg_turn_share(const smg_state *s, smg_besides *known, const smg
     for (int64_t k = 0; k < size; k += SMG_LANES) {
       smg_lanes g[3];
       smg_take_slots(gradient, SMG_PIECE_ROOM, k, g);
-      smg_turn_slots(turn, which, start + k, size - k, g);
+      smg_rotate_slots(turn, which, start + k, size - k, g);
     }
   }
 }

@@ -4,6 +4,7 @@
 #define SMG_TURN_STEPS_H
 
 #include "smg_rows.h"
+#include "smg_turn_state.h"
 
 /* more: does another step follow in this call? */
 static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) {

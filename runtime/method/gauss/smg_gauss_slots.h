@@ -3,7 +3,6 @@
 #define SMG_GAUSS_SLOTS_H
 
 #include "smg_row_slots.h"
-#include "smg_row_state.h"
 
 /* ---- arrays ------------------------------------------------------------------------------- */
 

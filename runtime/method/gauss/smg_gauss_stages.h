@@ -268,7 +268,7 @@ static inline void smg_add_to_site(smg_state *s, int64_t k) {
 }
 
 /* u = 2 B(z + dz/2, dz) and the state after the step; the L_j stay, with the phase of the next step's z. */
-static void smg_commit_site(smg_state *s, int64_t k) {
+static void smg_commit_collective(smg_state *s, int64_t k) {
   smg_real *z = smg_own(s, k), *slopes = z + SMG_OWN_SLOPES;
   smg_real dz[4], middle[4], end[4];
   for (int b = 0; b < 4; ++b) {
@@ -289,7 +289,7 @@ static smg_status smg_step(smg_state *s) {
   s->report.status = smg_solve_stages(s);
   s->report.site = s->report.status != SMG_OK ? smg_most_moved(s) : -1;
   if (s->report.status != SMG_OK) return s->report.status;
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_commit_site(s, k);
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_commit_collective(s, k);
   s->history = 1;
   ++s->count;
   return SMG_OK;

@@ -245,14 +245,14 @@ static smg_status smg_settle_slots(smg_state *s, smg_slot_sweep *a, int extrapol
 }
 
 /* The site that moves most, or is no number. */
-typedef struct smg_most_moved {
+typedef struct smg_slots_moved {
   const smg_real *marks;
   smg_real most;
   int64_t site;
-} smg_most_moved;
+} smg_slots_moved;
 
 SMG_INLINE void smg_look_at_mark(void *context, int64_t site, int64_t slot) {
-  smg_most_moved *found = (smg_most_moved *)context;
+  smg_slots_moved *found = (smg_slots_moved *)context;
   if (found->marks[slot] <= found->most) return;
   found->most = found->marks[slot];
   found->site = site;
@@ -260,7 +260,7 @@ SMG_INLINE void smg_look_at_mark(void *context, int64_t site, int64_t slot) {
 
 /* After a step that failed: by one more sweep, with marks in place of z, which the next step lifts anew. */
 static int64_t smg_moving_site(smg_state *s, smg_slot_sweep *a) {
-  smg_most_moved found = {a->z, -1, -1};
+  smg_slots_moved found = {a->z, -1, -1};
   for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) a->z[slot] = 0;
   a->marks = a->z;
   (void)smg_sweep_stages(s, a);

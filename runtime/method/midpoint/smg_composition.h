@@ -71,7 +71,7 @@ SMG_COLD static void smg_prepare_stages(smg_state *s) {
   s->prepared[1] = (smg_real)s->h;
 }
 
-static inline smg_status smg_solve_stage(smg_state *s, smg_real middle) {
+static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle) {
   s->c = smg_prepared(s)[s->stage <= SMG_COMPOSED / 2 ? s->stage : SMG_COMPOSED - 1 - s->stage];
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, middle));
@@ -130,7 +130,7 @@ static inline void smg_stage_done(smg_state *s) {
   ++s->stage;
 }
 
-static inline smg_status smg_solve_stage(smg_state *s, smg_real middle) {
+static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle) {
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, middle));
 #else
@@ -143,14 +143,14 @@ static inline smg_status smg_solve_stage(smg_state *s, smg_real middle) {
 #endif
 
 /* All stages, or those up to one that fails; s->stage counts them. */
-static inline smg_status smg_solve_stages(smg_state *s) {
+static inline smg_status smg_solve_all_stages(smg_state *s) {
   smg_status status = SMG_OK;
   smg_real done = 0, residual = 0;
   int iterations = 0;
   for (int l = 0; l <= SMG_LEVELS; ++l) s->misses[l] = 0;
   for (s->stage = 0; s->stage < SMG_COMPOSED && status == SMG_OK;) {
     const smg_real gamma = smg_gamma[s->stage];
-    status = smg_solve_stage(s, done + 0.5 * gamma);
+    status = smg_solve_composed_stage(s, done + 0.5 * gamma);
     done += gamma;
     iterations += s->report.iterations;
     residual = smg_max(residual, s->report.residual);
@@ -168,7 +168,7 @@ static smg_status smg_step(smg_state *s) {
   if (!(s->prepared[0] == 1 && s->prepared[1] == (smg_real)s->h)) smg_prepare_stages(s);
 #endif
   smg_hold(s, &before);
-  const smg_status status = smg_solve_stages(s);
+  const smg_status status = smg_solve_all_stages(s);
   if (status == SMG_OK) ++s->count;
   else {
     smg_give_back(s, &before);

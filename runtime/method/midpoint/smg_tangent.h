@@ -37,7 +37,7 @@ static inline void smg_project_change(const smg_coefficients *c, int64_t k, cons
 }
 
 /* z = m (grad C(w).dw)/(n.m), w the state before the step: the leaf moves with w. */
-static inline void smg_lift(const smg_state *s, int64_t k, const smg_real *m, const smg_real *dw, smg_real *z) {
+static inline void smg_lift_column(const smg_state *s, int64_t k, const smg_real *m, const smg_real *dw, smg_real *z) {
   smg_real w[3], before[3], n[3];
   for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - smg_last_increment(s, k)[b];
   smg_normal(&s->c, k, w, before);
@@ -91,7 +91,7 @@ static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *
   const smg_real scale = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
   smg_gather(c, smg_at(k), s->m, m, g);
   if (smg_lifted(c, k)) {
-    smg_lift(s, k, m, v + 3 * k, z);
+    smg_lift_column(s, k, m, v + 3 * k, z);
     smg_site_hessian_vector(c, smg_at(k), s->m, m, z, y);
   }
   smg_bend(c, smg_at(k), s->m, m, dm, y);
@@ -139,7 +139,7 @@ static void smg_load_changes(smg_variation *q) {
       q->dm[3 * k + b] = 0;
       s->r[3 * k + b] = q->v[3 * k + b];
     }
-    if (smg_lifted(c, k)) smg_lift(s, k, s->m + 3 * k, q->v + 3 * k, q->dm + 3 * k);
+    if (smg_lifted(c, k)) smg_lift_column(s, k, s->m + 3 * k, q->v + 3 * k, q->dm + 3 * k);
   }
 #if SMG_COUPLED_LIFTED
   smg_each(c, q, smg_load_change);
@@ -152,7 +152,7 @@ static inline void smg_midpoint_change(smg_variation *q, int64_t k) {
   smg_real z[3] = {0, 0, 0};
   smg_project_change(&s->c, k, s->m + 3 * k, s->s[k], q->d + 3 * k, q->dm + 3 * k);
   if (!smg_lifted(&s->c, k)) return;
-  smg_lift(s, k, s->m + 3 * k, q->v + 3 * k, z);
+  smg_lift_column(s, k, s->m + 3 * k, q->v + 3 * k, z);
   for (int b = 0; b < 3; ++b) q->dm[3 * k + b] += z[b];
 }
 
