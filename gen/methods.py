@@ -37,7 +37,8 @@ class Method:
     variant: sweeps over all methods leave it out, since another one of its kind and order does better.
     symmetric: a step of -h undoes a step of h.
     splitting: what an explicit splitting of H takes apart (`compile.plan.splitting`, which looks at Hessians); keeps_linear: it keeps momentum and the
-    linear integrals of sites; keeps_energy: the energy, whatever else it keeps; equivariant: it commutes with the rotations
+    linear integrals of sites; keeps_energy: the energy, whatever else it keeps; responds: it has a step for sites that do more than precess in
+    their field (`compile.plan.contributions.Response`); equivariant: it commutes with the rotations
     that leave H unchanged.
     """
     name: str
@@ -75,6 +76,7 @@ class Method:
     symmetric: bool = True
     keeps_linear: bool = True
     keeps_energy: bool = False
+    responds: bool = True
     equivariant: bool = True
 
     @property
@@ -107,24 +109,24 @@ MIDPOINT_METHODS = (
     Method("classical-midpoint", "the classical midpoint", "classical midpoint", "classical midpoint (comparator: not symplectic on spheres)", 2,
            "smg_classical_midpoint.h"),
     Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
-           "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, solvers=SOLVERS, asks=(ENERGY, GRADIENT, HESSIAN)))
+           "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, responds=False, solvers=SOLVERS, asks=(ENERGY, GRADIENT, HESSIAN)))
 SPLITTINGS = (
     Method("axis-splitting", "the axis splitting", "axis splitting", "rotations about the axes in turn (symplectic, explicit, order 2)", 2,
            "smg_axis_splitting.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
-           asks=(GRADIENT, HESSIAN), midpoint=False, splitting="axes", keeps_linear=False, equivariant=False,
+           asks=(GRADIENT, HESSIAN), midpoint=False, responds=False, splitting="axes", keeps_linear=False, equivariant=False,
            how=("explicit", "rotations about x, y, z, y, x"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("slopes", 1, 0, "dH/dw along one axis"),
                    ("inverse", 1, 0, "1/|w|^2 of the start"))),
     Method("sublattice-rotations", "the method of sublattice rotations", "sublattice rotations",
            "each sublattice turned in the field of the others (energy exact, not symplectic; explicit, order 2)", 2,
            "smg_sublattice_rotations.h", keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
-           asks=(SITE_GRADIENT, HESSIAN), midpoint=False, splitting="sublattices", keeps_linear=False, keeps_energy=True,
+           asks=(SITE_GRADIENT, HESSIAN), midpoint=False, responds=False, splitting="sublattices", keeps_linear=False, keeps_energy=True,
            how=("explicit", "sublattice after sublattice, and back"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))),
     Method("pair-rotations", "the method of pair rotations", "pair rotations",
            "both spins of a bond turned about their momentum, bond after bond (symplectic, momentum exact; explicit, order 2)", 2,
            "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
-           asks=(GRADIENT, HESSIAN), midpoint=False, splitting="pairs", needs=(), how=("explicit", "bond after bond, and back"), history=1,
+           asks=(GRADIENT, HESSIAN), midpoint=False, responds=False, splitting="pairs", needs=(), how=("explicit", "bond after bond, and back"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
 ONE_STAGE = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "asks": (GRADIENT,), "midpoint": False, "history": 3,
              "how": ("fixed-point", "the points of all sites together, by fixed-point iteration"),

@@ -35,6 +35,8 @@
  *              smg_check_sizes(c)                 SMG_BAD_PARAMETER where a size or an index does not fit
  *              smg_prepare(&c)                    what they alone decide; 0 where one is not finite
  *              smg_family_end(c, f)               the site after the last of the f-th family
+ *   response   smg_response(c, k, r)              r = f, q, F0, Q0: how site k moves in its field (smg_respond.h),
+ *                                                 where SMG_RESPONDS says so
  *   splitting  smg_slope_x(c, k, v), _y, _z       dH/dx of site k at the vector v, where no term joins two sites
  *                                                 (SMG_SEPARATE)
  *              smg_slopes_x(c, w, g), _y, _z      g[k] += dH/dx of site k, for all sites

@@ -14,6 +14,7 @@
 #define SMG_FEW_STEP_H
 
 #include "smg_few.h"
+#include "smg_lane_respond.h"
 #include "smg_newton.h"
 #include "smg_rest.h"
 #include "smg_row_spin.h"
@@ -116,13 +117,14 @@ SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const
 }
 
 /* u = h X(m) of the sites of one vector, `in` of them sites of the state, and how far that moved it. */
-SMG_INLINE void smg_few_turn(smg_real *a, int64_t pitch, int64_t i, int64_t in, int small, const smg_lanes *g,
-                             smg_few_motion *moved) {
+SMG_INLINE void smg_few_turn(const smg_told *told, smg_real *a, int64_t pitch, int64_t i, int64_t in, int small,
+                             const smg_lanes *g, smg_few_motion *moved) {
   const smg_lanes none = {0}, rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
-  smg_lanes m[3], u[3], before[3];
+  smg_lanes m[3], u[3], before[3], room[3];
   smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
   smg_few_take(a + SMG_FEW_U * pitch, pitch, i, before);
-  smg_lane_cross(u, m, g); /* the rate last, as in smg_increment */
+  const smg_lanes *R = smg_lane_respond(told, m, g, room);
+  smg_lane_cross(u, m, R); /* the rate last, as in smg_increment */
   for (int k = 0; k < 3; ++k) {
     u[k] *= rate;
     if (in < SMG_LANES) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
@@ -139,11 +141,12 @@ static smg_few_motion smg_few_evaluate(const smg_state *s, int small) {
   const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
   const smg_lanes none = {0};
   smg_few_motion moved = {none, none, none};
+  const smg_told told = smg_told_of(&s->c, 0);
   smg_few_midpoints(s->few, sites, pitch);
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes g[3] = {none, none, none};
     smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
-    smg_few_turn(s->few, pitch, i, sites - i, small, g, &moved);
+    smg_few_turn(&told, s->few, pitch, i, sites - i, small, g, &moved);
   }
   return moved;
 }
@@ -172,17 +175,32 @@ static int smg_few_settle(smg_state *s, int small) {
   return 0;
 }
 
+/* smg_respond_norm */
+SMG_INLINE smg_lanes smg_few_norm(const smg_told *told, const smg_lanes *m, const smg_lanes *g, smg_lanes r,
+                                  smg_lanes norms) {
+#if SMG_RESPONDS
+  smg_lanes F[3], Q[3];
+  smg_lane_respond_parts(told, g, F, Q);
+  return (smg_abs(told->r[0]) + r * smg_abs(told->r[1])) * norms * r + smg_lane_abs(smg_lane_dot(m, F)) / r +
+         smg_lane_abs(smg_lane_dot(m, Q));
+#else
+  (void)told;
+  return r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r;
+#endif
+}
+
 /* Bounds on the rows of J - I of the sites of one vector, and on the squares of the products in h X; 0 beyond the last
  * site. */
-SMG_INLINE void smg_few_rows(const smg_real *a, int64_t pitch, int64_t i, int64_t in, const smg_lanes *g,
-                             smg_lanes norms, smg_lanes *row, smg_lanes *products) {
+SMG_INLINE void smg_few_rows(const smg_told *told, const smg_real *a, int64_t pitch, int64_t i, int64_t in,
+                             const smg_lanes *g, smg_lanes norms, smg_lanes *row, smg_lanes *products) {
   const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i),
                   r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
-  smg_lanes m[3];
+  smg_lanes m[3], room[3];
   smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
-  const smg_lanes own = smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) *
-                        (r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r);
-  const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(g, g);
+  const smg_lanes *R = smg_lane_respond(told, m, g, room);
+  const smg_lanes own =
+      smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) * smg_few_norm(told, m, g, r, norms);
+  const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(R, R);
   *row = smg_lane_max(*row, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), own, none) : own);
   *products = smg_lane_max(*products, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), square, none) : square);
 }
@@ -193,12 +211,13 @@ static int smg_few_solved(smg_state *s) {
   const smg_lanes none = {0};
   smg_few_motion moved = {none, none, none};
   smg_lanes row = none, products = none;
+  const smg_told told = smg_told_of(&s->c, 0);
   smg_few_midpoints(s->few, sites, pitch);
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes g[4] = {none, none, none, none};
     smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
-    smg_few_rows(s->few, pitch, i, sites - i, g, g[3], &row, &products);
-    smg_few_turn(s->few, pitch, i, sites - i, 0, g, &moved);
+    smg_few_rows(&told, s->few, pitch, i, sites - i, g, g[3], &row, &products);
+    smg_few_turn(&told, s->few, pitch, i, sites - i, 0, g, &moved);
   }
   s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
   const int solved = s->report.residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale || smg_tolerated(s, s->report.residual);

@@ -5,6 +5,7 @@
 
 #include "smg_row_piece.h"
 #include "smg_row_spin.h"
+#include "smg_lane_respond.h"
 
 #define SMG_ROW_SMALL (smg_real)1e-3 /* part of the radius below which a component is watched on its own */
 
@@ -17,6 +18,9 @@ typedef struct smg_turning {
   int64_t pitch, u_pitch;
   smg_real half, inverse, small, weakest;
   int weak, stretched; /* are fields so weak that midpoints are near spins? are there such increments? */
+#if SMG_RESPONDS
+  smg_told told;
+#endif
 } smg_turning;
 
 /* 1/radius^2: of a radius that the compiler knows, no number to multiply by where it is 1. */
@@ -24,19 +28,30 @@ SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (
 
 static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
   const smg_real half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h);
-  const smg_turning turn = {s->row_w,
-                            s->row_compensation,
-                            s->row_m,
-                            NULL,
-                            smg_pitch(&s->c),
-                            0,
-                            half,
-                            smg_inverse_square(&s->c),
-                            SMG_ROW_SMALL * smg_radius(&s->c, 0),
-                            s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
-                            s->row_weak,
-                            s->row_stretched};
+  smg_turning turn = {s->row_w,
+                      s->row_compensation,
+                      s->row_m,
+                      NULL,
+                      smg_pitch(&s->c),
+                      0,
+                      half,
+                      smg_inverse_square(&s->c),
+                      SMG_ROW_SMALL * smg_radius(&s->c, 0),
+                      s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
+                      s->row_weak,
+                      s->row_stretched};
+#if SMG_RESPONDS
+  turn.told = smg_told_of(&s->c, 0);
+#endif
   return turn;
+}
+
+SMG_INLINE const smg_told *smg_told_to(const smg_turning *turn) {
+#if SMG_RESPONDS
+  return &turn->told;
+#else
+  return (void)turn, (const smg_told *)0;
+#endif
 }
 
 /* Where the increments of a colour are. */
@@ -51,14 +66,15 @@ SMG_INLINE void smg_increments_into(const smg_state *s, int64_t colour, smg_turn
 SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, const smg_lanes *m, const smg_lanes *g,
                               smg_lanes *most) {
   const smg_lanes none = {0};
-  smg_lanes w[3], u[3], e[3];
+  smg_lanes w[3], u[3], e[3], room[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
-  smg_lane_cross(u, m, g); /* the rate last: pairs of spins turn each other by exactly opposite amounts */
+  const smg_lanes *R = smg_lane_respond(smg_told_to(&turn), m, g, room);
+  smg_lane_cross(u, m, R); /* the rate last: pairs of spins turn each other by exactly opposite amounts */
   for (int k = 0; k < 3; ++k) u[k] *= 2 * turn.half;
   if (turn.stretched) {
     smg_lanes lost[3];
     smg_take_slots(turn.compensation, turn.pitch, slot, lost);
-    smg_lane_stretch(w, lost, turn.inverse, (smg_lane_mask)(smg_lane_dot(g, g) >= turn.weakest), u);
+    smg_lane_stretch(w, lost, turn.inverse, (smg_lane_mask)(smg_lane_dot(R, R) >= turn.weakest), u);
   }
   const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
   for (int k = 0; k < 3; ++k) e[k] = w[k] + (smg_real)0.5 * u[k] - rho * m[k];

@@ -2,14 +2,36 @@
 #ifndef SMG_ROW_FIELD_H
 #define SMG_ROW_FIELD_H
 
-#include "smg_model.h"
+#include "smg_respond.h"
 
 /* x^2 (B r + F0)^2, a bound on |g|^2, g = (h/2kappa) dH/dw: x = |h/2kappa|, B a bound on the norms of the Hessian in a
- * row, F0 of the field of no spins. */
+ * row, F0 of the field of no spins. With a response |G|^2 + 2 r |P|: then w - r^2 P has a square of at least
+ * r^2 (1 - 2 r |P|), and where the sum is below 1, s is more than r |P| and rho = s + m.P positive
+ * (smg_own_response.h). */
 static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
   const smg_real g = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) *
                      (smg_hessian_row_norm(c, 0) * smg_radius(c, 0) + smg_rest_field_norm(c, 0));
+#if SMG_RESPONDS
+  const smg_real x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_response(c, 0, r);
+  const smg_real G = smg_abs(r[0]) * g + x * smg_norm(r + SMG_RESPONSE_F0),
+                 P = smg_abs(r[1]) * g + x * smg_norm(r + SMG_RESPONSE_Q0);
+  return G * G + 2 * smg_radius(c, 0) * P;
+#else
   return g * g;
+#endif
+}
+
+/* sqrt(f^2 + r^2 q^2): how much m x (f y + q m x y) is larger than r |y|, at most. */
+static inline smg_real smg_row_gain(const smg_coefficients *c) {
+#if SMG_RESPONDS
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_response(c, 0, r);
+  return SMG_MATH(sqrt)(r[0] * r[0] + smg_radius(c, 0) * smg_radius(c, 0) * r[1] * r[1]);
+#else
+  return (void)c, (smg_real)1;
+#endif
 }
 
 #endif

@@ -30,9 +30,9 @@ SMG_INLINE void smg_lane_add_compensated(smg_lanes *w, smg_lanes *lost, smg_lane
   *w = sum;
 }
 
-/* rho by its root. */
-SMG_INLINE smg_lanes smg_lane_rho(const smg_lanes *w, const smg_lanes *g, smg_real inverse) {
-  const smg_lanes below = 1 - smg_lane_dot(g, g), along = smg_lane_dot(w, g);
+/* rho by its root; one: |w|^2/r^2. */
+SMG_INLINE smg_lanes smg_lane_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_real inverse) {
+  const smg_lanes below = one - smg_lane_dot(g, g), along = smg_lane_dot(w, g);
   const smg_lanes square = below * below + 4 * inverse * (along * along);
   const smg_lanes rho2 = (smg_real)0.5 * (below + square * smg_lane_inverse_root(square));
   return rho2 * smg_lane_inverse_root(rho2);
@@ -45,9 +45,9 @@ SMG_INLINE smg_lanes smg_lane_first_rho(const smg_lanes *w, const smg_lanes *g, 
 }
 
 /* The same from one that is nearly right. */
-SMG_INLINE smg_lanes smg_lane_corrected_rho(const smg_lanes *w, const smg_lanes *g, smg_lanes rho, smg_real inverse,
-                                            int weak) {
-  const smg_lanes x = rho * rho, above = smg_lane_dot(g, g) - 1, along = smg_lane_dot(w, g);
+SMG_INLINE smg_lanes smg_lane_corrected_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_lanes rho,
+                                            smg_real inverse, int weak) {
+  const smg_lanes x = rho * rho, above = smg_lane_dot(g, g) - one, along = smg_lane_dot(w, g);
   const smg_lanes off = x * (x + above) - inverse * (along * along);
   return weak ? rho - (smg_real)0.5 * off : rho - off * smg_lane_rough_inverse(rho * (4 * x + 2 * above));
 }

@@ -7,6 +7,8 @@
  *
  *     x B r / sqrt(1 - x^2 (B r + F0)^2).
  *
+ * and of spins with a response sqrt(f^2 + r^2 q^2) times that (smg_row_field.h).
+ *
  * Where that is below 1, for this h and so for all smaller ones, there is one solution; it moves continuously from W =
  * w at h = 0, and sweeps find it. Neither a branch is to be checked nor a matrix needed: such a state keeps its rows
  * alone. */
@@ -31,10 +33,17 @@
 #define SMG_FIRST_PITCH(c) (smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
 #define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
 
+#if SMG_RESPONDS
+#define SMG_TOLD 1
+#else
+#define SMG_TOLD 0
+#endif
+
 /* That factor, or SMG_MAX. */
 static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
   const smg_real field = smg_row_field(c, h), x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
-  return field < 1 ? x * smg_hessian_row_norm(c, 0) * smg_radius(c, 0) / SMG_MATH(sqrt)(1 - field) : SMG_MAX;
+  return field < 1 ? x * smg_hessian_row_norm(c, 0) * smg_radius(c, 0) * smg_row_gain(c) / SMG_MATH(sqrt)(1 - field)
+                   : SMG_MAX;
 }
 
 /* Do the steps of this state go by rows? */
@@ -47,7 +56,7 @@ static inline void smg_choose_rows(smg_state *s) {
   s->rows = s->row_bound <= SMG_ROW_BOUND;
 #endif
   s->row_strong = field > SMG_ROW_STRONG;
-  s->row_weak = field <= SMG_ROW_WEAK;
+  s->row_weak = !SMG_TOLD && field <= SMG_ROW_WEAK; /* a response leaves spins of another length to turn */
   s->row_passes = s->row_fewest = s->row_from = s->row_near = s->row_reach = 0;
   s->row_due = 0;
   s->row_stretched = 36 * field > 1; /* |h b| > 1/3 may be, as in smg_end_site */

@@ -45,13 +45,39 @@ SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
                       (smg_lane_mask)(smg_lane_abs(w[2]) < small));
 }
 
+/* The spin w and the field g = (h/2 kappa) b of precession, from w and the gradient b; with a response w - r^2 P and G
+ * (smg_own_response.h). */
+SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) {
+#if SMG_RESPONDS
+  smg_lanes F[3], Q[3];
+  smg_lane_respond_parts(&turn.told, g, F, Q);
+  for (int k = 0; k < 3; ++k) {
+    g[k] = turn.half * F[k];
+    w[k] -= turn.half / turn.inverse * Q[k];
+  }
+#else
+  (void)w;
+  for (int k = 0; k < 3; ++k) g[k] *= turn.half;
+#endif
+}
+
+/* |w|^2/r^2 of such a spin. */
+SMG_INLINE smg_lanes smg_precessing(const smg_turning turn, const smg_lanes *w) {
+#if SMG_RESPONDS
+  return turn.inverse * smg_lane_dot(w, w);
+#else
+  return (void)turn, (void)w, smg_lane_of(1);
+#endif
+}
+
 /* The largest part by which small components of the slots of one vector moved, by d, in the gradient b. */
 SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_lanes *b, const smg_lanes *d,
                                 smg_lanes *part) {
   smg_lanes w[3], g[3], made[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
   if (!smg_some_small(turn.small, w)) return;
-  for (int k = 0; k < 3; ++k) g[k] = turn.half * b[k];
+  for (int k = 0; k < 3; ++k) g[k] = b[k];
+  smg_precess(turn, w, g);
   smg_made_of(w, g, made);
   for (int k = 0; k < 3; ++k) *part = smg_lane_larger(*part, smg_part_moved(turn.small, d[k], made[k]));
 }
@@ -62,20 +88,21 @@ enum smg_row_way { SMG_FROM_BEFORE, SMG_FROM_FIELD, SMG_BY_ROOT };
 SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_row_way way, const smg_lanes *w,
                                 const smg_lanes *g) {
   smg_lanes m[3], rho;
-  if (way == SMG_BY_ROOT) return smg_lane_rho(w, g, turn.inverse);
+  const smg_lanes one = smg_precessing(turn, w);
+  if (way == SMG_BY_ROOT || (SMG_TOLD && way == SMG_FROM_FIELD)) return smg_lane_rho(one, w, g, turn.inverse);
   if (way == SMG_FROM_FIELD) rho = smg_lane_first_rho(w, g, turn.inverse);
   else {
     smg_take_slots(turn.m, turn.pitch, slot, m);
     rho = turn.inverse * smg_lane_dot(w, m);
   }
-  return smg_lane_corrected_rho(w, g, rho, turn.inverse, turn.weak);
+  return smg_lane_corrected_rho(one, w, g, rho, turn.inverse, turn.weak);
 }
 
 /* v, along the midpoints of the slots of one vector, in place of their gradient g. */
 SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row_way way, smg_lanes *g) {
   smg_lanes w[3], v[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
-  for (int k = 0; k < 3; ++k) g[k] *= turn.half;
+  smg_precess(turn, w, g);
   smg_lane_along_spin(w, g, smg_rho_of(turn, slot, way, w, g), v);
   for (int k = 0; k < 3; ++k) g[k] = v[k];
 }

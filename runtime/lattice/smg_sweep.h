@@ -32,9 +32,14 @@ static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_rea
     (void)smg_project(c, k, smg_leaf_value(s, k), mbar, next);
     return 1;
   }
+#if SMG_RESPONDS
+  smg_real square;
+  return smg_own_response(c, k, h, s->w + 3 * k, smg_leaf_value(s, k), g, next, &square);
+#else
   const smg_real half = 0.5 * smg_h_over_kappa(c, k, h);
   for (int b = 0; b < 3; ++b) g[b] *= half;
   return smg_own_spin(s->w + 3 * k, smg_leaf_value(s, k), g, next);
+#endif
 }
 
 /* One spin solves its own step exactly in the field that the others, as they stand, make at its place. */
@@ -123,7 +128,7 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
 #if SMG_CONSTANT_HESSIAN
   const smg_real r = smg_leaf_value(s, k);
   smg_take(&end->row, stretch * smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) *
-                          (smg_hessian_row_norm(c, k) * r + smg_abs(smg_dot(s->m + 3 * k, g)) / r));
+                          smg_respond_norm(c, k, s->m + 3 * k, g, r, smg_hessian_row_norm(c, k)));
 #else
   (void)stretch;
 #endif

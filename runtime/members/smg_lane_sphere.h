@@ -59,6 +59,23 @@ typedef struct smg_lane_found {
 SMG_INLINE smg_lane_mask smg_lanes_clear(smg_lanes det) {
   return (smg_lane_mask)(det > (smg_real)0.4375) & (smg_lane_mask)(det < 5);
 }
+/* smg_sphere_trace and smg_sphere_determinant */
+SMG_INLINE smg_lanes smg_lanes_trace(smg_lane_slope D) {
+#if SMG_RESPONDS
+  return smg_lane_slope_trace(D);
+#else
+  return (void)D, smg_lane_of(0);
+#endif
+}
+SMG_INLINE smg_lanes smg_lanes_determinant(smg_lanes det, smg_lanes t) {
+#if SMG_RESPONDS
+  const smg_lane_mask known = (smg_lane_mask)(det + t < 5) & (smg_lane_mask)(smg_lane_abs(t) < 1);
+  return smg_lane_select(known, det + (smg_real)0.25 * t, smg_lane_of(0));
+#else
+  return (void)t, det;
+#endif
+}
+
 SMG_INLINE smg_lane_mask smg_lanes_small(smg_lanes size) { return (smg_lane_mask)(size < SMG_SMALL); }
 
 SMG_INLINE smg_lanes smg_lanes_bound(const smg_lane_coefficients *c, smg_lane_vec m, smg_lanes q) {
@@ -94,17 +111,18 @@ SMG_INLINE smg_lane_newton smg_lanes_newton(const smg_lane_coefficients *c, smg_
                      e = smg_lane_radial(c, m, g0);
   const smg_lanes eps = 0.5 - smg_lane_vec_dot(S, S) * (0.5 * q * q), mu = smg_lane_vec_dot(m, u);
   const smg_lane_slope D = smg_lane_derivative(c, m, q);
-  const smg_lanes t = 1 + (smg_lane_slope_minors(D) - (q * q) * smg_lane_vec_dot(g0, e)), i = 1 / t;
+  const smg_lanes trace = smg_lanes_trace(D), kept = 1 - trace,
+                  t = kept + (smg_lane_slope_minors(D) - (q * q) * smg_lane_vec_dot(g0, e)), i = 1 / t;
   const smg_lane_vec g = smg_lane_vec_add(g0, smg_lane_vec_scale(eps, e)),
                      a = smg_lane_vec_add(g, smg_lane_vec_sub(smg_lane_vec_scale(mu, m), u));
   const smg_lane_vec b = smg_lane_slope_times(D, a), d = smg_lane_slope_times(D, b);
   const smg_lanes ga = smg_lane_vec_dot(g, a), gb = smg_lane_vec_dot(g, b), l = (q * q) * ga,
                   aa = smg_lane_vec_dot(a, a);
-  found.q = ((q + q * (eps + q * mu)) - (0.5 * q * q * q) * aa) + (q * q * (q * i)) * (ga + gb);
-  found.det = t;
+  found.q = ((q + q * (eps + q * mu)) - (0.5 * q * q * q) * aa) + (q * q * (q * i)) * (kept * ga + gb);
+  found.det = smg_lanes_determinant(t, 1 - kept);
   found.size = aa + eps * eps;
-  found.u =
-      smg_lane_vec_add(g, smg_lane_vec_scale(i, smg_lane_vec_add(b, smg_lane_vec_add(d, smg_lane_vec_scale(l, e)))));
+  found.u = smg_lane_vec_add(g, smg_lane_vec_scale(i, smg_lane_vec_add(smg_lane_vec_scale(kept, b),
+                                                                       smg_lane_vec_add(d, smg_lane_vec_scale(l, e)))));
   return found;
 }
 

@@ -19,29 +19,51 @@ static inline smg_lattice_site smg_at(int64_t k) {
 }
 
 #if SMG_ALONE_LINEAR
+/* The midpoint of a site in the field of the gradient g; 0 where it has none. *square: that of (h/2 kappa) g. */
+static inline int smg_own_midpoint(const smg_state *s, smg_real h, int64_t k, const smg_real *g, smg_real *m,
+                                   smg_real *square) {
+  const smg_real *w = s->w + 3 * k, r = smg_leaf_value(s, k);
+#if SMG_RESPONDS
+  return smg_own_response(&s->c, k, h, w, r, g, m, square);
+#else
+  smg_real half[3];
+  for (int b = 0; b < 3; ++b) half[b] = 0.5 * smg_h_over_kappa(&s->c, k, h) * g[b];
+  if (!(smg_dot(half, half) <= SMG_MAX)) smg_shorten(half);
+  *square = smg_dot(half, half);
+  return smg_own_spin(w, r, half, m);
+#endif
+}
+
+/* The part of h up to which it has steps; across its field a spin has them below h |b| = 2. */
+static inline smg_real smg_end_of_steps(const smg_state *s, smg_real h, int64_t k, const smg_real *g) {
+#if SMG_RESPONDS
+  return smg_own_reach(&s->c, k, h, s->w + 3 * k, smg_leaf_value(s, k), g);
+#else
+  return 2 / smg_abs(smg_h_over_kappa(&s->c, k, h) * smg_norm(g));
+#endif
+}
+
 /* A linear field turns each site exactly: the step equation in closed form. */
 static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
   const smg_coefficients *c = &s->c;
-  smg_real g[3] = {0, 0, 0}, half[3], m[3], *u = s->u + 3 * k;
+  smg_real g[3] = {0, 0, 0}, m[3], square, *u = s->u + 3 * k;
   smg_gather(c, smg_at(k), s->m, s->w + 3 * k, g);
-  for (int b = 0; b < 3; ++b) half[b] = 0.5 * smg_h_over_kappa(c, k, h) * g[b];
   s->report.iterations = 0;
   s->report.residual = 0;
   if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) return SMG_OK;
-  if (!(smg_dot(half, half) <= SMG_MAX)) smg_shorten(half);
-  if (!smg_own_spin(s->w + 3 * k, smg_leaf_value(s, k), half, m)) { /* across its field: steps exist below h |b| = 2 */
+  if (!smg_own_midpoint(s, h, k, g, m, &square)) {
     s->report.site = k;
-    s->report.reached = 2 / smg_abs(smg_h_over_kappa(c, k, h) * smg_norm(g));
+    s->report.reached = smg_end_of_steps(s, h, k, g);
     return SMG_NO_SOLUTION;
   }
   smg_increment(c, k, h, m, g, u);
   /* u = 2((m.w/m.m) m - w): the same, but h X would bring the round-off of a strong field */
-  if (smg_dot(half, half) >= 1) {
+  if (square >= 1) {
     smg_unit(m, m);
     const smg_real rho = smg_dot(m, s->w + 3 * k) / smg_dot(m, m);
     for (int b = 0; b < 3; ++b) u[b] = 2 * (rho * m[b] - s->w[3 * k + b]);
   }
-  if (smg_dot(half, half) >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), u);
+  if (square >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), u);
   if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
   s->report.site = k;
   return SMG_NOT_FINITE;

@@ -1,9 +1,11 @@
 /* smidgen method: what the midpoint methods share, one site at a time. They solve W - w = h X(m), m = P(mbar),
- * mbar = (w + W)/2, with a P of their own (smg_project) and X(m) = (1/kappa) grad C(m) x dH/dw(m). */
+ * mbar = (w + W)/2, with a P of their own (smg_project) and X(m) = (1/kappa) grad C(m) x R,
+ * R = dH/dw(m) where sites only precess (smg_respond.h). */
 #ifndef SMG_MIDPOINT_H
 #define SMG_MIDPOINT_H
 
 #include "smg_leaf.h"
+#include "smg_own_response.h"
 #include "smg_spin.h"
 
 #if SMG_BS == 2
@@ -14,14 +16,14 @@
 #define smg_det_block smg_det3
 #endif
 
-/* u = h X(m) = (h/kappa) grad C(m) x g, g = dH/dw. */
+/* u = h X(m) = (h/kappa) grad C(m) x R, g = dH/dw. */
 static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,
                                  smg_real *u) {
   const smg_real rate = smg_h_over_kappa(c, k, h);
-  smg_real n[3];
+  smg_real n[3], room[3];
   smg_normal(c, k, m, n);
   /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
-  smg_cross(u, n, g);
+  smg_cross(u, n, smg_respond(c, k, m, g, room));
   for (int b = 0; b < 3; ++b) u[b] *= rate;
 }
 
@@ -39,11 +41,11 @@ static inline void smg_tangential(const smg_coefficients *c, int64_t k, const sm
 /* The size of the products that u is made of. */
 static inline smg_real smg_product_scale(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m,
                                          const smg_real *g) {
-  smg_real n[3];
+  smg_real n[3], room[3];
   if (smg_kind(c, k) == SMG_NAMBU) smg_normal(c, k, m, n);
   else
     for (int b = 0; b < 3; ++b) n[b] = m[b];
-  return smg_abs(smg_h_over_kappa(c, k, h)) * smg_largest(n) * smg_largest(g);
+  return smg_abs(smg_h_over_kappa(c, k, h)) * smg_largest(n) * smg_largest(smg_respond(c, k, m, g, room));
 }
 
 /* Tangent vectors E of the leaf at m, and dual rows F: F.E = 1, F.m = 0. */
@@ -74,14 +76,17 @@ static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_re
                                     const smg_real *g, const smg_real *res, smg_real *G, smg_real *S, smg_real *own,
                                     smg_real *rhs) {
   const smg_real rate = -0.5 * smg_h_over_kappa(c, k, h);
-  smg_real E[3 * SMG_BS], F[3 * SMG_BS], n[3];
+  smg_real E[3 * SMG_BS], F[3 * SMG_BS], n[3], room[3];
+  const smg_real *R = smg_respond(c, k, m, g, room);
   smg_normal(c, k, m, n);
   smg_tangent_frame(c, k, m, n, E, F);
   for (int l = 0; l < SMG_BS; ++l) {
     smg_real dn[3], turned[3], row[3];
     smg_normal(c, k, E + 3 * l, dn);
-    smg_cross(turned, dn, g);
+    smg_cross(turned, dn, R);
+    smg_respond_turn(c, k, m, g, E + 3 * l, turned);
     smg_cross(row, F + 3 * l, n);
+    smg_respond_row(c, k, m, row);
     for (int a = 0; a < 3; ++a) {
       S[3 * l + a] = s * E[3 * l + a];
       G[3 * l + a] = rate * row[a];
@@ -98,11 +103,11 @@ static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_
                                       smg_real *mbar) {
 #if SMG_ONTO_LEAF
   const smg_real rate = 0.5 * smg_h_over_kappa(c, k, h);
-  smg_real n[3], v[3], dn[3], turned[3];
+  smg_real n[3], v[3], dn[3], turned[3], room[3];
   smg_normal(c, k, m, n);
   for (int b = 0; b < 3; ++b) v[b] = S[b] * a[0] + S[3 + b] * a[1];
   smg_normal(c, k, v, dn);
-  smg_cross(turned, dn, g);
+  smg_cross(turned, dn, smg_respond(c, k, m, g, room));
   if (smg_kind(c, k) == SMG_R3) {
     if (!(s > 0)) return;
     smg_unit(m, n); /* m may be too small to be squared */

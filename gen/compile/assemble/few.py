@@ -19,6 +19,7 @@ from ..lower.lowering import index_names
 from ...language.c_names import in_c
 from ..plan.splitting import of_the_product
 from .norms import spectral_bound
+from .response import indexed
 
 BY_LANES = "few sites: fixed-point iteration in lanes while it settles soon, else dense Newton"
 VECTOR, OUT = "const smg_lanes *", "smg_lanes *"
@@ -38,7 +39,7 @@ def few(model, low):
     """The pulls of all terms, or None where a term, a factor or a feature does not allow it."""
     if not (model.plan.lanes and len(model.families) == 1 and model.families[0].kind == "sphere"):
         return None
-    if model.method.stages > 1 or {"extended", "tangent"} & set(model.features) or not all(serves(low, t) for t in model.effects):
+    if any(map(indexed, model.responses.values())) or model.method.stages > 1 or {"extended", "tangent"} & set(model.features) or not all(serves(low, t) for t in model.effects):
         return None
     return tuple(pull(low, t, model.unit_radius()) for t in model.effects)
 

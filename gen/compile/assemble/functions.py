@@ -8,6 +8,7 @@ from .lanes import has_lanes, lane_functions
 from .parameters import parameter_functions
 from .pair_rows import pair_row_functions
 from .pairs import pair_functions
+from .response import response_functions
 from .rows import row_functions
 from .sublattices import sublattice_functions
 from .sums import site_sums, sum_functions, sums, value_body
@@ -27,7 +28,7 @@ def value_sums(model) -> list:
 def definitions(model) -> tuple[list, list]:
     """(tables, types and functions; `value_sums`): what nothing mentions is left out, arguments that nothing reads too."""
     kernels = [f for t in (*model.effects, *model.observables) for f in t.functions]
-    functions = [*parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *sum_functions(model),
+    functions = [*parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *response_functions(model), *sum_functions(model),
                  *site_sums(model), *visits(model), *(model.solo or ()), *((model.motion,) if model.motion else ()), *(model.lane_sphere or ()), *axis_functions(model), *sublattice_functions(model), *pair_functions(model), *row_functions(model), *pair_row_functions(model), *few_functions(model),
                  *(wide_functions(model) if model.wide else ()), *(lane_functions(model) if has_lanes(model) else ())]
     values = value_sums(model)

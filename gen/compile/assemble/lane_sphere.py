@@ -8,7 +8,7 @@ from ..lower.integers import Whole
 
 KINDS = {"smg_vec": "smg_lane_vec", "smg_slope": "smg_lane_slope", "smg_real": "smg_lanes", "const smg_coefficients *": "const smg_lane_coefficients *"}
 IN_LANES = {f"smg_{name}": f"smg_lane_{name}" for name in (
-    "vec", "slope", "motion", "radial", "derivative", "slope_times", "slope_minors", "slope_sums", "abs", "vec_of", "vec_cross", "vec_scale")}
+    "vec", "slope", "motion", "radial", "derivative", "slope_times", "slope_minors", "slope_sums", "slope_trace", "abs", "vec_of", "vec_cross", "vec_scale")}
 TO = Argument("smg_lane_coefficients *", "to")
 ONE_STATE = Argument("const smg_coefficients *", "c")
 

@@ -15,7 +15,7 @@ from ..lower.integers import Index, Int, total
 from ..lower.kernels import term_kernels
 from ..lower.loops import Loops
 from ..lower.lowering import Lowering
-from ..plan.contributions import contributions_of, require
+from ..plan.contributions import contributions_of, require, responses_of
 from ..plan.plan import Plan, require_free_body
 from .axes import axis_kernels
 from .families import FamilyCode, family_codes
@@ -23,6 +23,7 @@ from .few import BY_LANES, few
 from .lane_sphere import lane_sphere
 from .norms import edge_norms, reach
 from .pairs import pair_kernels
+from .response import response_kernels
 from .rows import BY_ROWS, BY_STAGE_ROWS, BY_TURN_ROWS, one_lattice, rows
 from .solo import lone_motion, solo_kernels
 from .wide import wide_kernels
@@ -32,18 +33,21 @@ class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
     families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None; motion: its field alone, or None; lane_sphere: the same in lanes, where an ensemble has them, or None;
-    wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None; few: of few sites in lanes, or None.
+    responses, responding: of families whose sites do more than precess in their field, and their kernels; wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None; few: of few sites in lanes, or None.
     """
 
-    def __init__(self, spec: Spec, plan: Plan, features=()):
+    def __init__(self, spec: Spec, plan: Plan, features=(), contributions=None):
         self.spec, self.plan, self.method = safe_indices(one_site(spec)), plan, METHODS[plan.method]
         self.features = chosen_features(features)
+        self.contributions = contributions_of(spec) if contributions is None else contributions
+        self.responses = responses_of(self.contributions)
         self.refuse_what_the_method_has_not()
         low = Lowering(self.spec)
         self.families = family_codes(low, self.spec.families, plan.coupled)
         self.by_name = {f.name: f for f in self.families}
         self.effects = tuple(term_kernels(low, e, "effect") for e in self.spec.effects)
         self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
+        self.responding = response_kernels(self, low)
         self.loops = Loops(low, lambda family: self.by_name[family].count)
         self.reach = reach(self, low) if plan.rotation else None
         self.edge_norms = edge_norms(self, low) if self.reach is not None else {}
@@ -66,7 +70,9 @@ class Model:
         if missing:
             raise UsageError(f"method {self.plan.method} has no feature '{missing[0]}'")
         for feature in self.features:
-            require(contributions_of(self.spec), ASKS.get(feature, ()), f"feature {feature}")
+            require(self.contributions, ASKS.get(feature, ()), f"feature {feature}")
+        if self.responses and "extended" in self.features:
+            raise UsageError("feature extended is for sites that precess in their field alone")
         if self.method.free_body:
             require_free_body(self.spec, self.plan.method)
 

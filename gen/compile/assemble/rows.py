@@ -21,6 +21,7 @@ from ..plan.splitting import bond_classes, sublattices
 from .lanes import in_lanes, named
 from .norms import block_norm, row_sums
 from .pairs import slope_bound
+from .response import indexed
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
@@ -58,6 +59,8 @@ class Rows:
 def rows(model, low):
     """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
     f = model.families[0]
+    if model.responses and (model.method.stage_rows or not steady(model, low)):
+        return None
     if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
         return None
     if index_names(f.family.kappa) or f.radius.values or index_names(f.family.radius) or f.kappa.values:
@@ -72,6 +75,12 @@ def rows(model, low):
     found = Rows(over, colouring(model.lattices(f.name)), rest, norm)
     bounded = model.method.stage_rows or (rest is not None and (norm is not None or not turned(model)))
     return found if bounded and fits(found, model.lattices(f.name)) else None
+
+
+def steady(model, low) -> bool:
+    """Are the responses the same for all sites at all times?"""
+    numbers = [x for kernel in model.responding.values() for x in kernel.results]
+    return not any(map(indexed, model.responses.values())) and all(low.when(x.expr) <= PREPARE for x in numbers)
 
 
 def one_lattice(overs):

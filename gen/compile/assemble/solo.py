@@ -11,6 +11,7 @@ from ..lower.code import Argument, Assign, Call, Component, Function, Local, Nam
 from ..lower.integers import ONE, ZERO, Field
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import SITE, Lowering
+from .response import formulas, indexed
 
 M, SLOPE = Argument("smg_vec", "m"), Argument("smg_slope", "D")
 OWN = {**{f"v0{axis}": Component("m", a) for a, axis in enumerate("xyz")}, "q": Local("q")}      # the vector m by value
@@ -38,7 +39,8 @@ def solo_kernels(model, low: Lowering):
     if not field.entries:
         return None
     return (motion(low, field), radial(low, field), Struct("smg_slope", tuple(f"e{a}{b}" for a, b in field.entries) or ("none",)),
-            derivative(low, field), slope_times(field.entries), slope_minors(field.entries), slope_sums(field.entries))
+            derivative(low, field), slope_times(field.entries), slope_minors(field.entries), slope_sums(field.entries),
+            *((slope_trace(field.entries),) if model.responses else ()))
 
 
 def lone_motion(model, low: Lowering) -> Function | None:
@@ -77,7 +79,7 @@ def is_lone(model, low: Lowering) -> bool:
     """One unit sphere whose field depends on itself."""
     f = model.families[0]
     return (len(model.families) == 1 and f.count == ONE and f.unit
-            and not model.closed_form(f) and not any(t.derived.parts for t in model.effects)
+            and not model.closed_form(f) and not any(indexed(r) for r in model.responses.values()) and not any(t.derived.parts for t in model.effects)
             and all(low.level(s.name) < SITE for t in model.effects for b in t.derived.hessian.values()
                     for s in b.free_symbols if s.name[0] != "v"))
 
@@ -87,9 +89,18 @@ def solo_field(model, low: Lowering) -> SoloField:
     kappa, leaves = scalar(model.families[0].family.kappa)
     low.leaves.update(leaves)
     b = sp.Matrix([sum(t.derived.gradient[0][a] for t in model.effects if t.slots) for a in range(3)])
+    b = in_its_field(low, b, m, model.responses.get(model.families[0].name))
     b = (b * low.step_size() / kappa).applyfunc(low.number_values).applyfunc(lambda e: shorter(e, m))
     X = m.cross(b).applyfunc(lambda e: shorter(e, m))
     return SoloField(m, b, X, X.jacobian(m).applyfunc(lambda e: shorter(e, m)))
+
+
+def in_its_field(low: Lowering, g, m, response):
+    """The vector R of a motion m x R: g, or with a response F + m x Q."""
+    if response is None:
+        return g
+    f, q, *rest = (formula for formula, leaves in map(scalar, formulas(response)) if low.leaves.update(leaves) is None)
+    return f * g + sp.Matrix(rest[:3]) + m.cross(q * g + sp.Matrix(rest[3:]))
 
 
 def solo_function(kind: str, name: str, arguments, body) -> Function:
@@ -165,6 +176,15 @@ def slope_minors(entries) -> Function:
         if (a, b) in entries and (b, a) in entries:
             terms.append(("-", entry(a, b), entry(b, a)))
     return Function("smg_real", "smg_slope_minors", (SLOPE,), (Return(added(terms)),), target="value", wanted=True)
+
+
+def slope_trace(entries) -> Function:
+    """tr D."""
+    found = ZERO
+    for a, b in entries:
+        if a == b:
+            found = entry(a, b) if found is ZERO else Ordered("+", found, entry(a, b))
+    return Function("smg_real", "smg_slope_trace", (SLOPE,), (Return(found),), target="value", wanted=True)
 
 
 def slope_sums(entries) -> Function:

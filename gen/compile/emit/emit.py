@@ -62,8 +62,9 @@ def generate_program(spec: Spec, method: str, solver: str, features=()) -> Files
     return emitted(program_of(spec), choose(spec, method, solver), features)
 
 
-def emitted(spec: Spec, plan: Plan, features) -> Files:
-    model, M, templates = Model(spec, plan, features), spec.name, environment()
+def emitted(spec: Spec, plan: Plan, features, contributions=None) -> Files:
+    """contributions: what moves the sites, as the plan was made for; None: the effects of the spec."""
+    model, M, templates = Model(spec, plan, features, contributions), spec.name, environment()
 
     def render(template: str, **slots) -> str:
         return templates.get_template(template).render(M=M, **heads(M), **slots)

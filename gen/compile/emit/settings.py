@@ -23,7 +23,7 @@ def settings(model: Model) -> list:
     turned = plan.swept and plan.rotation
     found = {
         "SMG_BS": plan.block, "SMG_HISTORY": history(model), "SMG_FAMILIES": len(model.families),
-        "SMG_ORIENTATION": 1 if model.spec.orientation > 0 else -1, "SMG_TIMED": model.coefficients.timed,
+        "SMG_ORIENTATION": 1 if model.spec.orientation > 0 else -1, "SMG_TIMED": model.coefficients.timed, "SMG_RESPONDS": bool(model.responses),
         "SMG_SINGLE_SPHERE": bool(model.solo), "SMG_HAS_MOTION": bool(model.motion), "SMG_HAS_COUPLED": bool(coupled), "SMG_HAS_ALONE": bool(alone),
         "SMG_LEAVES": model.method.of_midpoints and any(f.kind != "sphere" for f in model.families),
         "SMG_ALONE_LINEAR": any(model.closed_form(f) for f in alone),

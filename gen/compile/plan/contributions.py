@@ -6,20 +6,39 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...errors import UsageError
-from ...language.expr import slots_of
+from ...language.expr import Expr, Num, slots_of
 from ...language.spec import Spec
 from ...methods import METHODS, OFFERS, Method
+
+
+NONE = (Num(0),) * 3
+
+
+@dataclass(frozen=True)
+class Response:
+    """How the sites of a family move in the gradient g = dH/dw, o the orientation of the bracket:
+
+        w' = (o/kappa) (w x F + w x (w x Q)),   F = f g + F0,   Q = q g + Q0.
+
+    f, q: formulas of parameters, time and the number Idx('i') of the site in its family; F0, Q0: three of them each. Without a
+    response f = 1 and the rest is 0."""
+    f: Expr = Num(1)
+    q: Expr = Num(0)
+    F0: tuple = NONE
+    Q0: tuple = NONE
 
 
 @dataclass(frozen=True)
 class Contribution:
     """name; slots: the sites (family, slot) that one term joins; over: its index family, None where it is no sum of terms;
-    offers: words of `methods.OFFERS`; conservative: is it the gradient of an energy?"""
+    offers: words of `methods.OFFERS`; conservative: is it the gradient of an energy? response: of the family of its slots, where it is
+    no energy but tells how that one moves."""
     name: str
     slots: tuple
     over: object = None
     offers: frozenset = OFFERS
     conservative: bool = True
+    response: Response | None = None
 
     def lacks(self, asked) -> list:
         """What of `asked` it does not offer."""
@@ -29,6 +48,28 @@ class Contribution:
 def contributions_of(spec: Spec) -> tuple:
     """The effects of a spec: energies of one representative term, whose derivatives are known."""
     return tuple(Contribution(e.name, slots_of(e.value), e.over) for e in spec.effects)
+
+
+def responses_of(contributions) -> dict:
+    """Family -> its `Response`, of those that have one. Raises UsageError where a family has two."""
+    found = {}
+    for c in contributions:
+        for family in dict.fromkeys(family for family, _ in c.slots if c.response is not None):
+            if family in found:
+                raise UsageError(f"'{c.name}' is a second law by which '{family}' moves in its field; there can be one")
+            found[family] = c.response
+    return found
+
+
+def require_of_responses(spec: Spec, contributions, method: Method) -> None:
+    """Raises UsageError where sites move in their field in a way that the method or their space has no step for."""
+    responses = responses_of(contributions)
+    if responses and not method.responds:
+        fitting = [m.name for m in METHODS.values() if m.responds and m.symmetric and m.stages == 1]
+        raise UsageError(f"method {method.name} is for sites that precess in their field alone; use {' or '.join(fitting[:3])}")
+    strange = [f.name for f in spec.families if f.name in responses and f.kind == "nambu"]
+    if strange:
+        raise UsageError(f"sites that do more than precess in their field are on spheres or in R^3, not on Nambu leaves, as '{strange[0]}' is")
 
 
 def all_offer(contributions, asked) -> bool:

@@ -13,7 +13,7 @@ from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, walk
 from ...language.spec import Graph, Lattice, Spec
 from ...language.tracers import moves_tracers
-from .contributions import all_offer, contributions_of, require, require_of_method
+from .contributions import all_offer, contributions_of, require, require_of_method, require_of_responses
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
 DENSE_SMALL = 24           # below this nothing beats a dense factorisation
@@ -119,6 +119,7 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
     local = tuple(f.name for f in spec.families if f.name not in coupled)
     check_space(spec, METHODS[method])
     require_of_method(contributions, METHODS[method])
+    require_of_responses(spec, contributions, METHODS[method])
     if METHODS[method].splitting:
         from .splitting import require_splitting        # sympy is imported for those alone
         require_splitting(spec, METHODS[method])

@@ -21,6 +21,7 @@
 #define SMG_ONTO_LEAF 1
 
 #include "smg_model.h"
+#include "smg_respond.h"
 #include "smg_rotation.h"
 #include "smg_explicit.h"
 
@@ -42,6 +43,7 @@ static void smg_take_turns(smg_state *s, int i, smg_real h, smg_real part) {
 #endif
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] = 0;
   smg_gradient(&s->c, s->points, k);
+  smg_respond_all(&s->c, s->points, k);
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] *= smg_h_over_kappa(&s->c, q / 3, h);
 }
 

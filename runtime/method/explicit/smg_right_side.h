@@ -3,6 +3,7 @@
 #ifndef SMG_RIGHT_SIDE_H
 #define SMG_RIGHT_SIDE_H
 
+#include "smg_respond.h"
 #include "smg_state.h"
 
 /* What depends on time, at the part `part` of the step that s->count tells. */
@@ -28,6 +29,7 @@ static inline void smg_right_side(const smg_coefficients *c, smg_real size, cons
   const int64_t sites = smg_sites(c);
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] = -(smg_real)0;
   smg_gradient(c, w, k);
+  smg_respond_all(c, w, k);
   for (int64_t i = 0; i < sites; ++i) {
     const smg_real over_kappa = smg_h_over_kappa(c, i, c->h * size);
     smg_real n[3], f[3];

@@ -2,6 +2,8 @@
 #ifndef SMG_GAUSS_STAGES_H
 #define SMG_GAUSS_STAGES_H
 
+#include "smg_lane_respond.h"
+
 /* ---- arrays ------------------------------------------------------------------------------- */
 
 /* Where the numbers of a site begin: z, what its steps are scaled by, the four components of (r/|Z_i|^2) Z_i, of L_i,
@@ -159,6 +161,20 @@ SMG_INLINE void smg_stage_gradient(smg_state *s, int i, const smg_lanes *points,
 #endif
 }
 
+/* R = F + p x Q in place of the gradient of all sites, one stage a lane (smg_respond.h). */
+SMG_INLINE void smg_respond_stages(const smg_coefficients *c, const smg_lanes *points, smg_lanes *gradients) {
+#if SMG_RESPONDS
+  for (int64_t k = 0; k < smg_sites(c); ++k) {
+    const smg_told told = smg_told_of(c, k);
+    smg_lanes room[3];
+    (void)smg_lane_respond(&told, points + 3 * k, gradients + 3 * k, room);
+    for (int b = 0; b < 3; ++b) gradients[3 * k + b] = room[b];
+  }
+#else
+  (void)c, (void)points, (void)gradients;
+#endif
+}
+
 /* L_i = h b_i F(Z_i) of a site and the stages of one block, from p and dH/dw there. Its change is measured in w, as
  * 2 |z| |change of L|, next to the products in it. It ends up where Z_i was, for a report. */
 SMG_INLINE void smg_new_slopes(smg_real *own, int i, const smg_lanes *p, const smg_lanes *g, smg_moved *moved) {
@@ -200,6 +216,7 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
       for (int b = 0; b < 3; ++b) gradients[3 * k + b] = zero;
     }
     smg_stage_gradient(s, i, points, gradients);
+    smg_respond_stages(&s->c, points, gradients);
     for (int64_t k = 0; k < sites; ++k)
       smg_new_slopes(all + SMG_OWN_NUMBERS * k, i, points + 3 * k, gradients + 3 * k, &moved);
   }

@@ -16,6 +16,7 @@
 
 #include "smg_fixed_point.h"
 #include "smg_lengths.h"
+#include "smg_respond.h"
 
 #if SMG_HISTORY != 3 || SMG_EXTENDED || SMG_PLAIN_SUMS || SMG_COMPOSED
 #error "smg_one_stage.h: SMG_HISTORY 3, and neither SMG_EXTENDED nor SMG_PLAIN_SUMS nor SMG_COMPOSED"
@@ -76,6 +77,7 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
     smg_stage_point(s->w + q, smg_norm(s->w + q), s->slopes + q, s->points + q);
   for (int64_t q = 0; q < 3 * sites; ++q) s->u[q] = 0;
   smg_gradient(&s->c, s->points, s->u);
+  smg_respond_all(&s->c, s->points, s->u);
   for (int64_t k = 0; k < sites; ++k) smg_new_slope(s, k, &moved);
   return moved;
 }

@@ -4,10 +4,11 @@
  * u = h X(m), X = (1/kappa) m x dH/dw. With e = h DX(m) m, eps = (1 - q^2 |S|^2)/2 and g = h X(m) + eps e, Newton's
  * pair is
  *     (1 - E) d = g - u,   E = M (1 - m m^T),   M = h q DX(m),   q <- q (1 + eps - q m.d).
- * As m.X = 0 and div X = 0: m.M v = -q g.v, tr E = 0, E m = 0. With a = (1 - m m^T)(g - u):
- *     E (g - u) = M a =: c,   E c = M c + q^2 (g.a) e,   det(1 - E) = 1 + e2(M) - q^2 g.e,
- * e2 the sum of the principal minors, and by Cayley and Hamilton (1 - E)^-1 = 1 + (E + E^2)/det(1 - E): no matrix is
- * factored. J = 1 - E has the eigenvalues 1, 1 +- sqrt(-e2(E)); one of them is real and <= 0 exactly when
+ * As m.X = 0: m.M v = -q g.v, E m = 0, t = tr E = tr M; as div X = 0 where sites only precess, t = 0 there. With
+ * a = (1 - m m^T)(g - u):
+ *     E (g - u) = M a =: c,   E c = M c + q^2 (g.a) e,   det(1 - E) = 1 - t + e2(M) - q^2 g.e,
+ * e2 the sum of the principal minors, and by Cayley and Hamilton (1 - E)^-1 = 1 + ((1 - t) E + E^2)/det(1 - E): no matrix
+ * is factored. J = 1 - E has for t = 0 the eigenvalues 1, 1 +- sqrt(-e2(E)); one of them is real and <= 0 exactly when
  * det(1 - E) <= 0. A determinant in (7/16, 5) keeps all of them clear of 0, where branches meet, and J not far from
  * 1; any other solution is checked by following its branch from h = 0.
  *
@@ -38,6 +39,26 @@
 /* Is det(1 - E) in (7/16, 5)? The eigenvalues 1 +- sqrt(-e2) of J are real where det <= 1, then at least 1 - 3/4: clear
  * of 0 by as much as a contraction with SMG_CONTRACTS is; det < 5 keeps abs(J - 1) below 2, not far from 1. */
 SMG_INLINE int smg_clear_of_branches(smg_real det) { return (det > (smg_real)0.4375) & (det < 5); }
+
+/* tr E: 0 of sites that only precess. */
+SMG_INLINE smg_real smg_sphere_trace(smg_slope D) {
+#if SMG_RESPONDS
+  return smg_slope_trace(D);
+#else
+  return (void)D, (smg_real)0;
+#endif
+}
+
+/* What stands for det(1 - E) = 1 - t + e2 in smg_clear_of_branches, t = tr E. The eigenvalues of J beside 1, the roots x
+ * of x^2 - (2 - t) x + det, are at least 1/4 where they are real, det + t/4 >= 7/16 and t <= 3/2; those of E are below 2
+ * where det + t < 5 and abs(t) < 1. */
+SMG_INLINE smg_real smg_sphere_determinant(smg_real det, smg_real t) {
+#if SMG_RESPONDS
+  return det + t < 5 && smg_abs(t) < 1 ? det + (smg_real)0.25 * t : 0;
+#else
+  return (void)t, det;
+#endif
+}
 
 /* The largest row sum of abs(M), which bounds E: det(1 - E) may be moderate where E is not. */
 SMG_INLINE smg_real smg_sphere_bound(const smg_coefficients *c, smg_vec m, smg_real q) {
@@ -96,16 +117,17 @@ SMG_INLINE smg_vec smg_sphere_newton(const smg_coefficients *c, smg_vec w, smg_v
   const smg_vec S = smg_twice_midpoint(w, u), m = smg_vec_scale(q, S), g0 = smg_motion(c, m), e = smg_radial(c, m, g0);
   const smg_real eps = 0.5 - smg_vec_dot(S, S) * (0.5 * q * q), mu = smg_vec_dot(m, u);
   const smg_slope D = smg_derivative(c, m, q);
-  const smg_real t = 1 + (smg_slope_minors(D) - (q * q) * smg_vec_dot(g0, e)), i = 1 / t;
+  const smg_real kept = 1 - smg_sphere_trace(D), t = kept + (smg_slope_minors(D) - (q * q) * smg_vec_dot(g0, e)),
+                 i = 1 / t;
   const smg_vec g = smg_vec_add(g0, smg_vec_scale(eps, e)), a = smg_vec_add(g, smg_vec_sub(smg_vec_scale(mu, m), u));
   const smg_vec b = smg_slope_times(D, a), d = smg_slope_times(D, b);
   const smg_real ga = smg_vec_dot(g, a), gb = smg_vec_dot(g, b), l = (q * q) * ga;
   const smg_real aa = smg_vec_dot(a, a);
   /* the term in aa is of second order: without it 1/|S + change| is biased, and the energy drifts */
-  *inverse = ((q + q * (eps + q * mu)) - (0.5 * q * q * q) * aa) + (q * q * (q * i)) * (ga + gb);
-  *det = t;
+  *inverse = ((q + q * (eps + q * mu)) - (0.5 * q * q * q) * aa) + (q * q * (q * i)) * (kept * ga + gb);
+  *det = smg_sphere_determinant(t, 1 - kept);
   *size = aa + eps * eps;
-  return smg_vec_add(g, smg_vec_scale(i, smg_vec_add(b, smg_vec_add(d, smg_vec_scale(l, e)))));
+  return smg_vec_add(g, smg_vec_scale(i, smg_vec_add(smg_vec_scale(kept, b), smg_vec_add(d, smg_vec_scale(l, e)))));
 }
 
 /* h X(m), m = q S */

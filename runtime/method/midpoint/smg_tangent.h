@@ -50,11 +50,12 @@ static inline void smg_lift_column(const smg_state *s, int64_t k, const smg_real
 static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,
                             const smg_real *dm, const smg_real *y, smg_real *out) {
   const smg_real rate = smg_h_over_kappa(c, k, h);
-  smg_real n[3], dn[3], turned[3];
+  smg_real n[3], dn[3], turned[3], room[3], change[3];
   smg_normal(c, k, m, n);
   smg_normal(c, k, dm, dn);
-  smg_cross(turned, dn, g);
-  smg_cross(out, n, y);
+  smg_cross(turned, dn, smg_respond(c, k, m, g, room));
+  smg_respond_turn(c, k, m, g, dm, turned);
+  smg_cross(out, n, smg_respond_change(c, k, m, y, change));
 #if SMG_DIVIDED
   /* u = h X/q: on top of h DX dm/q comes h X d(1/q) */
   smg_real X[3], root;

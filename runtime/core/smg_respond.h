@@ -1,0 +1,119 @@
+/* smidgen runtime: from the gradient g = dH/dw of a site to its motion:
+ *
+ *     W - w = (h/kappa) (m x F + m x (m x Q)) = (h/kappa) m x R,   R = F + m x Q,   F = f g + F0,   Q = q g + Q0.
+ *
+ * Sites that precess in their field and do nothing else have R = g, and nothing of this is compiled. Others
+ * (SMG_RESPONDS) have a function smg_response(c, k, r) in their model, r = f, q, F0, Q0, which depend on no vector: so
+ * the step of one spin in the field of others keeps its closed form (smg_own_response.h). */
+#ifndef SMG_RESPOND_H
+#define SMG_RESPOND_H
+
+#include "smg_model.h"
+
+#if SMG_RESPONDS
+enum { SMG_RESPONSE_F0 = 2, SMG_RESPONSE_Q0 = 5, SMG_RESPONSE_SIZE = 8 };
+
+static inline void smg_response(const smg_coefficients *c, int64_t k, smg_real *r);
+
+/* F and Q. */
+SMG_INLINE void smg_respond_parts(const smg_coefficients *c, int64_t k, const smg_real *g, smg_real *F, smg_real *Q) {
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_response(c, k, r);
+  for (int b = 0; b < 3; ++b) {
+    F[b] = r[0] * g[b] + r[SMG_RESPONSE_F0 + b];
+    Q[b] = r[1] * g[b] + r[SMG_RESPONSE_Q0 + b];
+  }
+}
+
+/* R = F + m x Q, in `room`. */
+SMG_INLINE const smg_real *smg_respond(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
+                                       smg_real *room) {
+  smg_real F[3], Q[3];
+  smg_respond_parts(c, k, g, F, Q);
+  smg_cross(room, m, Q);
+  for (int b = 0; b < 3; ++b) room[b] += F[b];
+  return room;
+}
+
+/* The change f y + q m x y of R, y that of g, in `room`. */
+SMG_INLINE const smg_real *smg_respond_change(const smg_coefficients *c, int64_t k, const smg_real *m,
+                                              const smg_real *y, smg_real *room) {
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_response(c, k, r);
+  smg_cross(room, m, y);
+  for (int b = 0; b < 3; ++b) room[b] = r[0] * y[b] + r[1] * room[b];
+  return room;
+}
+
+/* The same for a row v of a matrix: v.(m x (f y + q m x y)) = x.y, x = f v x m + q (v x m) x m in place of v x m. */
+SMG_INLINE void smg_respond_row(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real *row) {
+  smg_real r[SMG_RESPONSE_SIZE], x[3];
+  smg_response(c, k, r);
+  smg_cross(x, row, m);
+  for (int b = 0; b < 3; ++b) row[b] = r[0] * row[b] + r[1] * x[b];
+}
+
+/* turned += m x (d x Q), the change of m x R with m in R by d. */
+SMG_INLINE void smg_respond_turn(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
+                                 const smg_real *d, smg_real *turned) {
+  smg_real F[3], Q[3], x[3], y[3];
+  smg_respond_parts(c, k, g, F, Q);
+  smg_cross(x, d, Q);
+  smg_cross(y, m, x);
+  for (int b = 0; b < 3; ++b) turned[b] += y[b];
+}
+
+/* (kappa/h) times a bound on a row of the derivative of h X, where the norms of the Hessian in it add up to `norm`: of
+ * m x (f y + q m x y) and, of m itself in m x F and m x (m x Q), m.F/r and m.Q. */
+SMG_INLINE smg_real smg_respond_norm(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
+                                     smg_real radius, smg_real norm) {
+  smg_real r[SMG_RESPONSE_SIZE], F[3], Q[3];
+  smg_response(c, k, r);
+  smg_respond_parts(c, k, g, F, Q);
+  return (smg_abs(r[0]) + radius * smg_abs(r[1])) * norm * radius + smg_abs(smg_dot(m, F)) / radius +
+         smg_abs(smg_dot(m, Q));
+}
+
+/* R of all sites in place of g, at the points w. */
+static inline void smg_respond_all(const smg_coefficients *c, const smg_real *w, smg_real *g) {
+  for (int64_t k = 0; k < smg_sites(c); ++k) {
+    smg_real room[3];
+    (void)smg_respond(c, k, w + 3 * k, g + 3 * k, room);
+    for (int b = 0; b < 3; ++b) g[3 * k + b] = room[b];
+  }
+}
+
+#else
+SMG_INLINE const smg_real *smg_respond(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
+                                       smg_real *room) {
+  (void)c, (void)k, (void)m, (void)room;
+  return g;
+}
+
+SMG_INLINE const smg_real *smg_respond_change(const smg_coefficients *c, int64_t k, const smg_real *m,
+                                              const smg_real *y, smg_real *room) {
+  (void)c, (void)k, (void)m, (void)room;
+  return y;
+}
+
+SMG_INLINE void smg_respond_row(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real *row) {
+  (void)c, (void)k, (void)m, (void)row;
+}
+
+SMG_INLINE void smg_respond_turn(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
+                                 const smg_real *d, smg_real *turned) {
+  (void)c, (void)k, (void)m, (void)g, (void)d, (void)turned;
+}
+
+SMG_INLINE smg_real smg_respond_norm(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
+                                     smg_real radius, smg_real norm) {
+  (void)c, (void)k;
+  return norm * radius + smg_abs(smg_dot(m, g)) / radius;
+}
+
+SMG_INLINE void smg_respond_all(const smg_coefficients *c, const smg_real *w, smg_real *g) {
+  (void)c, (void)w, (void)g;
+}
+#endif
+
+#endif
