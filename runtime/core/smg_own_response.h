@@ -6,8 +6,8 @@
 #include "smg_spin.h"
 
 #if SMG_RESPONDS
-/* Does a step by the part p <= 1 of h come to u.G = 0 with |G| >= |u|, u = w - r^2 P? There s = 0, and midpoints jump to
- * the other side. */
+/* Does a step by the part p <= 1 of h come to u.G = 0 with |G| >= |u|, u = w - r^2 P? There s = 0, and midpoints jump
+ * to the other side. */
 SMG_INLINE int smg_response_ends(const smg_real *w, smg_real r, const smg_real *G, const smg_real *P) {
   const smg_real part = smg_dot(w, G) / (r * r * smg_dot(P, G));
   smg_real u[3];
