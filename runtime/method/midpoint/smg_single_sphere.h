@@ -8,9 +8,10 @@
  * a = (1 - m m^T)(g - u):
  *     E (g - u) = M a =: c,   E c = M c + q^2 (g.a) e,   det(1 - E) = 1 - t + e2(M) - q^2 g.e,
  * e2 the sum of the principal minors, and by Cayley and Hamilton (1 - E)^-1 = 1 + ((1 - t) E + E^2)/det(1 - E): no
- * matrix is factored. J = 1 - E has for t = 0 the eigenvalues 1, 1 +- sqrt(-e2(E)); one of them is real and <= 0 exactly when
- * det(1 - E) <= 0. A determinant in (7/16, 5) keeps all of them clear of 0, where branches meet, and J not far from
- * 1; any other solution is checked by following its branch from h = 0.
+ * matrix is factored. J = 1 - E has for t = 0 the eigenvalues 1, 1 +- sqrt(-e2(E)); one of them is real and <= 0
+ * exactly when det(1 - E) <= 0. A determinant in (7/16, 5) keeps all of them clear of 0, where branches meet, and J
+ * not far from 1;
+ * any other solution is checked by following its branch from h = 0.
  *
  * The model adds: smg_motion(c, m) = h X(m); smg_radial(c, m, g) = e; smg_derivative(c, m, q) = M, of type smg_slope
  * with smg_slope_times(M, v), smg_slope_minors(M) = e2(M) and smg_slope_sums(M), the row sums of abs(M). */
@@ -49,9 +50,9 @@ SMG_INLINE smg_real smg_sphere_trace(smg_slope D) {
 #endif
 }
 
-/* What stands for det(1 - E) = 1 - t + e2 in smg_clear_of_branches, t = tr E. The eigenvalues of J beside 1, the roots
- * x of x^2 - (2 - t) x + det, are at least 1/4 where they are real, det + t/4 >= 7/16 and t <= 3/2; those of E are below
- * 2 where det + t < 5 and abs(t) < 1. */
+/* What stands for det(1 - E) = 1 - t + e2 in smg_clear_of_branches, t = tr E. The eigenvalues of J beside 1, the
+ * roots x of x^2 - (2 - t) x + det, are at least 1/4 where they are real, det + t/4 >= 7/16 and t <= 3/2; those of E
+ * are below 2 where det + t < 5 and abs(t) < 1. */
 SMG_INLINE smg_real smg_sphere_determinant(smg_real det, smg_real t) {
 #if SMG_RESPONDS
   return det + t < 5 && smg_abs(t) < 1 ? det + (smg_real)0.25 * t : 0;
