@@ -10,8 +10,7 @@
  * e2 the sum of the principal minors, and by Cayley and Hamilton (1 - E)^-1 = 1 + ((1 - t) E + E^2)/det(1 - E): no
  * matrix is factored. J = 1 - E has for t = 0 the eigenvalues 1, 1 +- sqrt(-e2(E)); one of them is real and <= 0
  * exactly when det(1 - E) <= 0. A determinant in (7/16, 5) keeps all of them clear of 0, where branches meet, and J
- * not far from 1;
- * any other solution is checked by following its branch from h = 0.
+ * not far from 1; any other solution is checked by following its branch from h = 0.
  *
  * The model adds: smg_motion(c, m) = h X(m); smg_radial(c, m, g) = e; smg_derivative(c, m, q) = M, of type smg_slope
  * with smg_slope_times(M, v), smg_slope_minors(M) = e2(M) and smg_slope_sums(M), the row sums of abs(M). */
