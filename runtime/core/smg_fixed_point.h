@@ -9,7 +9,7 @@
 #define SMG_FIXED_POINT_H
 
 #include "smg_lanes.h"
-#include "smg_site.h"
+#include "smg_model.h"
 #include "smg_tolerances.h"
 
 /* The iteration must contract: from its first change on, times the slack for what grows before it falls, each sweep

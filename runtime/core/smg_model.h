@@ -69,6 +69,9 @@
 #ifndef SMG_MODEL_H
 #define SMG_MODEL_H
 
+#ifndef SMG_FAMILIES
+#include "smg_stub_model.h"
+#endif
 #include "smg_site.h"
 
 /* What the model says of itself by macros, 0 where it says nothing: SMG_BS unknowns a site of Newton's matrix,
@@ -101,6 +104,9 @@ typedef struct smg_lattice_site {
 } smg_lattice_site;
 
 #include "smg_plain.h"
+#ifdef SMG_STUB_MODEL_H
+#include "smg_stub_functions.h"
+#endif
 
 #if SMG_HAS_COUPLED
 /* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: defined by

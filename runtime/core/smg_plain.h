@@ -5,6 +5,8 @@
 #ifndef SMG_PLAIN_H
 #define SMG_PLAIN_H
 
+#include "smg_model.h"
+
 static inline int64_t smg_sites(const smg_coefficients *c);
 static inline void smg_gradient(const smg_coefficients *c, const smg_real *w, smg_real *g);
 

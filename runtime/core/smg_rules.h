@@ -4,7 +4,7 @@
 #ifndef SMG_RULES_H
 #define SMG_RULES_H
 
-#include "smg_site.h"
+#include "smg_model.h"
 #include "smg_tolerances.h"
 
 /* Is J - I a contraction? Then no eigenvalue of J is near 0, where branches meet, and plain evaluations damp what is

@@ -7,6 +7,8 @@
 #ifndef SMG_ROW_HALO_H
 #define SMG_ROW_HALO_H
 
+#include "smg_row_ranks.h"
+
 /* Ranks that one can have to do with: two; where a colour has several places in a cell, up to four of each place before
  * and after and as many around a ring. */
 #define SMG_MPI_PARTNERS (16 * SMG_RANKS)

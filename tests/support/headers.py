@@ -9,6 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 RUNTIME = ROOT / "runtime"
+STUBS = ("smg_stub_model.h", "smg_stub_functions.h")      # for editors: they compile into no program
 ASIDE = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'", re.DOTALL)
 MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 FUNCTION = re.compile(r"(\w+)\s*\([^;{}@]*\)\s*@")
@@ -47,19 +48,23 @@ def defined(text: str) -> set:
     return names - set(re.findall(r"^#ifndef (\w+_H)$", text, re.MULTILINE)[:1])
 
 
+def headers() -> list:
+    return sorted(path for path in RUNTIME.rglob("*.h") if path.name not in STUBS)
+
+
 def shared() -> dict:
     """name -> the headers that define it, where there are several."""
     found = defaultdict(set)
-    for path in sorted(RUNTIME.rglob("*.h")):
+    for path in headers():
         for name in defined(path.read_text()):
             found[name].add(path.stem)
-    return {name: headers for name, headers in found.items() if len(headers) > 1}
+    return {name: where for name, where in found.items() if len(where) > 1}
 
 
 def counts() -> dict:
     """folder of runtime/ -> its statements."""
     found = defaultdict(int)
-    for path in sorted(RUNTIME.rglob("*.h")):
+    for path in headers():
         found[path.parent.relative_to(RUNTIME).as_posix()] += statements(path.read_text())
     return dict(found)
 

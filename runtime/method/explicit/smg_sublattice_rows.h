@@ -4,6 +4,7 @@
 #ifndef SMG_SUBLATTICE_ROWS_H
 #define SMG_SUBLATTICE_ROWS_H
 
+#include "smg_explicit_step.h"
 #include "smg_row_piece.h"
 #include "smg_row_spin.h"
 #include "smg_sublattice_state.h"

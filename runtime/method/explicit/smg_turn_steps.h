@@ -3,6 +3,7 @@
 #ifndef SMG_TURN_STEPS_H
 #define SMG_TURN_STEPS_H
 
+#include "smg_explicit_step.h"
 #include "smg_rows.h"
 #include "smg_turn_state.h"
 

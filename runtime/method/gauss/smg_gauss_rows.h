@@ -7,6 +7,8 @@
 #ifndef SMG_GAUSS_ROWS_H
 #define SMG_GAUSS_ROWS_H
 
+#include "smg_gauss.h"
+
 #include "smg_gauss_sweep.h"
 
 /* w + u of the slots of one vector, with the rounding error of w carried along. */

@@ -2,6 +2,7 @@
 #ifndef SMG_GAUSS_STAGES_H
 #define SMG_GAUSS_STAGES_H
 
+#include "smg_gauss.h"
 #include "smg_lane_respond.h"
 
 /* ---- arrays ------------------------------------------------------------------------------- */

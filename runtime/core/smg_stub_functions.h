@@ -1,0 +1,19 @@
+/* smidgen runtime: the functions of a model that smg_plain.h has not, for editors (smg_stub_model.h). */
+#ifndef SMG_STUB_FUNCTIONS_H
+#define SMG_STUB_FUNCTIONS_H
+
+#include "smg_model.h"
+
+void smg_sizes(smg_coefficients *c, const smg_params *p);
+smg_status smg_check_sizes(const smg_coefficients *c);
+void smg_hessian_blocks(const smg_state *s);
+void smg_hessian_vector(const smg_state *s);
+void smg_gather(const smg_coefficients *c, smg_lattice_site at, const smg_real *all, const smg_real *own, smg_real *g);
+void smg_site_hessian_vector(const smg_coefficients *c, smg_lattice_site at, const smg_real *all, const smg_real *own,
+                             const smg_real *v, smg_real *y);
+void smg_each(const smg_coefficients *c, void *context, void (*visit)(void *context, smg_lattice_site at));
+void smg_each_coloured(const smg_coefficients *c, void *context, void (*visit)(void *context, smg_lattice_site at));
+smg_real smg_hessian_row_norm(const smg_coefficients *c, int64_t k);
+smg_real smg_slope_bound(const smg_coefficients *c, smg_real size);
+
+#endif
