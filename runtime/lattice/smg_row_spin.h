@@ -12,6 +12,7 @@
 #define SMG_ROW_SPIN_H
 
 #include "smg_lanes.h"
+#include "smg_spin.h"
 
 SMG_INLINE smg_lanes smg_lane_dot(const smg_lanes *a, const smg_lanes *b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -73,17 +74,27 @@ SMG_INLINE void smg_lane_stretch_to(smg_real inverse, int near, smg_lanes *v) {
   for (int k = 0; k < 3; ++k) v[k] *= scale;
 }
 
-/* smg_stretch: u = h m x b becomes longer or shorter by round-off until |w + compensation + u| = |w + compensation|, in
- * the lanes of the mask. 1/size to 3e-4 will do. */
-SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, smg_real inverse,
-                                 smg_lane_mask where, smg_lanes *u) {
-  smg_lanes along = {0}, size;
-  for (int k = 0; k < 3; ++k) along += u[k] * (2 * (w[k] + compensation[k]) + u[k]);
-  size = (smg_real)0.25 + inverse * smg_lane_dot(u, u);
-  smg_lanes part = smg_lane_rough_inverse(size);
-  for (int k = 0; k < 2; ++k) part *= 2 - size * part;
-  part *= inverse * along;
-  for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(where, u[k] - part * u[k], u[k]);
+/* 1/x to 3e-4: of corrections by round-off no more is needed. */
+SMG_INLINE smg_lanes smg_lane_near_inverse(smg_lanes x) {
+  smg_lanes y = smg_lane_rough_inverse(x);
+  for (int k = 0; k < 2; ++k) y *= 2 - x * y;
+  return y;
+}
+
+/* smg_stretch in the lanes where |b|^2 >= weakest, of |h b| = 1/3; strong: short_of where |h b| >= 1. inverse =
+ * 1/r^2. */
+SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, const smg_lanes *b,
+                                 smg_real inverse, smg_real weakest, smg_real strong, smg_lanes *u) {
+  const smg_lanes square = smg_lane_dot(b, b), off = smg_lane_dot(b, u) * smg_lane_near_inverse(square);
+  const smg_lane_mask some = (smg_lane_mask)(square >= weakest), all = (smg_lane_mask)(square >= 9 * weakest);
+  const smg_lanes short_of = smg_lane_select(all, smg_lane_of(strong), smg_lane_of((smg_real)0.25));
+  smg_lanes across[3], along = {0};
+  for (int k = 0; k < 3; ++k) {
+    across[k] = u[k] - off * b[k];
+    along += across[k] * (2 * (w[k] + compensation[k]) + across[k]);
+  }
+  const smg_lanes part = inverse * along * smg_lane_near_inverse(short_of + inverse * smg_lane_dot(across, across));
+  for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(some, across[k] - part * across[k], u[k]);
 }
 
 #endif

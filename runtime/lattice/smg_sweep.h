@@ -112,7 +112,7 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   smg_state *s = end->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
-  smg_real g[3] = {0, 0, 0}, mbar[3], m[3];
+  smg_real g[3] = {0, 0, 0}, mbar[3], m[3], room[3];
   smg_gather(c, at, s->m, s->m + 3 * k, g);
   smg_increment(c, k, end->h, s->m + 3 * k, g, s->u + 3 * k);
   const smg_real rounding_scale = smg_product_scale(c, k, end->h, s->m + 3 * k, g);
@@ -120,7 +120,8 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   if (smg_kind(c, k) != SMG_NAMBU) {
     if (rounding_scale > s->scale) smg_reflect(s, k, end);
     if (3 * rounding_scale > s->scale)
-      smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), s->u + 3 * k);
+      smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), smg_respond(c, k, s->m + 3 * k, g, room),
+                  SMG_SHORT_INCREMENT(s, 2 * rounding_scale > s->scale), s->u + 3 * k);
   }
   for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * s->u[3 * k + b];
   const smg_real stretch = smg_project(c, k, smg_leaf_value(s, k), mbar, m);

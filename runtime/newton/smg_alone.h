@@ -46,7 +46,7 @@ static inline smg_real smg_end_of_steps(const smg_state *s, smg_real h, int64_t 
 /* A linear field turns each site exactly: the step equation in closed form. */
 static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
   const smg_coefficients *c = &s->c;
-  smg_real g[3] = {0, 0, 0}, m[3], square, *u = s->u + 3 * k;
+  smg_real g[3] = {0, 0, 0}, m[3], room[3], square, *u = s->u + 3 * k;
   smg_gather(c, smg_at(k), s->m, s->w + 3 * k, g);
   s->report.iterations = 0;
   s->report.residual = 0;
@@ -57,13 +57,14 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
     return SMG_NO_SOLUTION;
   }
   smg_increment(c, k, h, m, g, u);
+  const smg_real *R = smg_respond(c, k, m, g, room);
   /* u = 2((m.w/m.m) m - w): the same, but h X would bring the round-off of a strong field */
   if (square >= 1) {
     smg_unit(m, m);
     const smg_real rho = smg_dot(m, s->w + 3 * k) / smg_dot(m, m);
     for (int b = 0; b < 3; ++b) u[b] = 2 * (rho * m[b] - s->w[3 * k + b]);
   }
-  if (square >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), u);
+  if (square >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), R, SMG_EPS, u);
   if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
   s->report.site = k;
   return SMG_NOT_FINITE;

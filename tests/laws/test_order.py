@@ -8,6 +8,7 @@ import smidgen
 from smidgen.check.witness import Witness, splittings
 from smidgen.methods import METHODS
 from smidgen.run.record.computed import film_of
+from smidgen.run.step.evaluated import Evaluated
 from smidgen.show.plot import facts
 from support.lattices import random_spins
 
@@ -134,7 +135,7 @@ def test_what_pictures_and_charges_take_for_the_lattice():
     effects = [effect(k, over, 0.3) for k, over in enumerate(("square(6, 5, periodic)", "square(5, 6, periodic)", "chain(30, open)"))]
     for order in itertools.permutations(effects):
         spec = spec_of(30, order)
-        bonds.add(facts.bonds(spec, {}, {e.name for e in spec.effects})["w"].tobytes())
+        bonds.add(facts.bonds(Evaluated(spec), {e.name for e in spec.effects})["w"].tobytes())
         charged.add(film_of(smidgen.build(spec), "w"))
     assert len(bonds) == 1 and charged == {None}
     assert film_of(smidgen.build(spec_of(30, effects[::2])), "w").size == (6, 5)
