@@ -53,6 +53,12 @@ def test_an_arrow_upward_and_a_circle_are_seen():
     assert imports.reduced({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == {"a": {"b"}, "b": {"c"}, "c": set()}
 
 
+def test_files_of_tests_have_names_of_their_own():
+    """pytest imports them by name alone."""
+    names = [path.name for path in (ROOT / "tests").rglob("test_*.py")]
+    assert {name for name in names if names.count(name) > 1} == set()
+
+
 def test_the_name_of_a_method_stands_in_the_registry_alone():
     """Beside it: the witness, which knows its own, its tests, documents, and an example in the help of a command."""
     spared = {"methods.py", "cli/gen.py", "show/plot/figures.py"}

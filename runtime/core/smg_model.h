@@ -104,7 +104,7 @@ typedef struct smg_lattice_site {
 } smg_lattice_site;
 
 #include "smg_plain.h"
-#ifdef SMG_STUB_MODEL_H
+#if SMG_STUB_MODEL
 #include "smg_stub_functions.h"
 #endif
 

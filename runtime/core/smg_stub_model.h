@@ -7,6 +7,7 @@
 
 #include "smidgen.h"
 
+#define SMG_STUB_MODEL 1
 #define SMG_FAMILIES 1
 #define SMG_ORIENTATION 1
 #define SMG_HAS_LANES 1

@@ -14,10 +14,12 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from smidgen.resources import include_flags
+
 ROOT = Path(__file__).parents[2]
 TABLE = ROOT / "runtime" / "method" / "tables" / "smg_dop853_table.h"
 SOURCE = ROOT / "tests" / "runtime" / "dop853.c"
-PATHS = [f"-I{ROOT / 'runtime' / part}" for part in ("core", "method", "solve")]
+PATHS = include_flags()
 WARNINGS = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Werror".split()
 COMPILERS = {"gcc": ["gcc", "-std=c11"], "clang": ["clang", "-std=c11"], "g++": ["g++", "-x", "c++", "-std=c++17"],
              "clang++": ["clang++", "-x", "c++", "-std=c++17"]}
