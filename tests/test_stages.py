@@ -1,5 +1,6 @@
 """The shape of the sources: no room imports one that lies above it, a method's name stands in one place, functions are short."""
 import ast
+import fnmatch
 import re
 from pathlib import Path
 
@@ -57,6 +58,13 @@ def test_files_of_tests_have_names_of_their_own():
     """pytest imports them by name alone."""
     names = [path.name for path in (ROOT / "tests").rglob("test_*.py")]
     assert {name for name in names if names.count(name) > 1} == set()
+
+
+def test_no_folder_of_tests_is_left_out(request):
+    """pytest passes by folders of some names, `build` among them, unless it is told otherwise."""
+    left_out = request.config.getini("norecursedirs")
+    folders = {part for path in (ROOT / "tests").rglob("test_*.py") for part in path.relative_to(ROOT).parts[:-1]}
+    assert {name for name in folders if any(fnmatch.fnmatch(name, pattern) for pattern in left_out)} == set()
 
 
 def test_the_name_of_a_method_stands_in_the_registry_alone():
