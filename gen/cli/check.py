@@ -50,8 +50,8 @@ def facts(word: str) -> dict:
     idle = unused(spec)
     text = f"{word}: good. {spec.title or spec.name}: " + ", ".join(
         [f"{plural(count, 'site')} {name}" for name, count in families.items()]
-        + [f"effects {', '.join(e.name for e in spec.effects)}",
+        + [f"effects {', '.join(spec.effect_names)}",
            f"runs {', '.join(steps) or 'none'}"])
     text += "".join(f"\n  warning: nothing uses the parameter '{name}'" for name in idle)
     return {"spec": word, "ok": True, "name": spec.name, "families": families,
-            "effects": [e.name for e in spec.effects], "runs": steps, "unused": idle, "text": text}
+            "effects": list(spec.effect_names), "runs": steps, "unused": idle, "text": text}

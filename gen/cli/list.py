@@ -34,7 +34,7 @@ def command(args):
 def facts(name, path, spec) -> dict:
     """What the list says of a spec."""
     return {"name": name, "title": spec.title, "runs": [r.name for r in spec.runs],
-            "effects": [e.name for e in spec.effects], "path": str(path)}
+            "effects": list(spec.effect_names), "path": str(path)}
 
 
 def list_methods(args):

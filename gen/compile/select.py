@@ -30,14 +30,18 @@ def select(spec: Spec, effects=None, values=None) -> Spec:
 def with_effects(spec: Spec, names) -> Spec:
     if names is None:
         return spec
-    known = [e.name for e in spec.effects]
+    known = spec.effect_names
     if not names:
         raise UsageError("no effect is named; there are: " + ", ".join(known))
     for name in names:
         if name not in known:
             raise UsageError(f"there is no effect `{name}` in {spec.name}: "
                              + nearest(name, known))
-    return replace(spec, effects=tuple(e for e in spec.effects if e.name in set(names)))
+    kept = replace(spec, effects=tuple(e for e in spec.effects if e.name in set(names)),
+                   dampings=tuple(d for d in spec.dampings if d.name in set(names)))
+    if not kept.effects:
+        raise UsageError(f"damping alone moves nothing: name an energy too, such as {spec.effects[0].name}")
+    return kept
 
 
 def with_defaults(spec: Spec, given: dict) -> Spec:
@@ -99,6 +103,7 @@ def formulas(spec: Spec):
     for term in spec.effects + spec.observables:
         yield term.value
         yield from term.over.size if isinstance(term.over, Lattice) else ()
+    yield from (d.alpha for d in spec.dampings)
     for start in spec.starts:
         for part in start.families:
             yield from part.value if part.kind == "formula" else ()

@@ -114,7 +114,7 @@ def nearest(rows: list[Row], name: str) -> Row | None:
 
 def along(case: Case, row: Row, times: float) -> list[tuple]:
     """Energy errors at times spaced evenly in their logarithm."""
-    if case.timed:
+    if case.energy_changes:
         return []
     model = case.model(row.method).start(case.w.copy(), h=row.h, tolerance=asked(row))
     first, found = sample(model)[1], []

@@ -82,8 +82,8 @@ def choose(spec: Spec, name: str | None = None, *, error: float | None = None, e
     asked, methods = asked_errors(error, energy), known_methods(methods)
     settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native)
     case = Case(spec, settings, asked_time(spec, settings, time))
-    if case.timed and energy is not None:
-        raise UsageError("H depends on time: ask for an end error")
+    if case.energy_changes and energy is not None:
+        raise UsageError("the energy is not conserved, for H depends on time or sites are damped: ask for an end error")
     progress("reference", 0.0)
     known = reference(case, min(1e-13, (error or 1e-6) / 1000))
     if error is not None and not known.error <= error / 3:

@@ -106,3 +106,12 @@ def walk(e: Expr):
 def slots_of(e: Expr) -> tuple:
     """The distinct (family, slot) pairs of an expression, in order of appearance."""
     return tuple(dict.fromkeys((n.family, n.slot) for n in walk(e) if isinstance(n, Spin)))
+
+
+def with_index(e: Expr, name: str, number: Expr) -> Expr:
+    """`e` with `number` in place of the index `name`."""
+    if isinstance(e, Idx):
+        return number if e.name == name else e
+    if isinstance(e, Elem):
+        return Elem(e.name, with_index(e.index, name, number))
+    return Op(e.op, tuple(with_index(a, name, number) for a in e.args)) if isinstance(e, Op) else e

@@ -142,6 +142,27 @@ class Term:
     unit: str = ""
 
 
+FORMS = ("gilbert", "ll")     # of a damping: Gilbert's, and that of Landau and Lifshitz
+
+
+@dataclass(frozen=True)
+class Damping:
+    """An effect that is no energy: the sites of `over` lose energy on their spheres.
+
+    alpha: dimensionless, a formula of parameters and of the site's number Idx(over.index). With b = (1/kappa) dH/dw,
+    r the radius, o the orientation and s the sign of kappa, form 'll' moves a site by
+
+        w' = o w x b + s (alpha/r) w x (w x b),
+
+    and 'gilbert', w' = o w x b + o s (alpha/r) w x w', by the same divided by 1 + alpha^2.
+    """
+    name: str
+    over: Sites
+    alpha: Expr
+    form: str = "gilbert"
+    meaning: str = ""
+
+
 @dataclass(frozen=True)
 class FamilyStart:
     """Where one family starts.
@@ -201,8 +222,14 @@ class Spec:
     path: str = ""
     digest: str = ""             # sha256 of the text and of the files it names
     sources: tuple[tuple[str, str], ...] = ()
+    dampings: tuple[Damping, ...] = ()
+
+    @property
+    def effect_names(self) -> tuple[str, ...]:
+        """Those of the energies, then those of the dampings: all that a scene may call for."""
+        return tuple(e.name for e in (*self.effects, *self.dampings))
 
     def __repr__(self) -> str:
-        held = ("parameters", "families", "effects", "observables", "starts", "runs")
+        held = ("parameters", "families", "effects", "dampings", "observables", "starts", "runs")
         parts = [f"{name} {few(x.name for x in getattr(self, name))}" for name in held if getattr(self, name)]
         return f"<Spec {self.name}: {'; '.join(parts)}>"

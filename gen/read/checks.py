@@ -15,8 +15,8 @@ from ..methods import METHODS, others
 from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate
-from ..language.expr import Elem, Idx, Num, Op, Par, Spin, walk
-from ..language.spec import Family, Graph, Lattice, Run, Spec, Term
+from ..language.expr import Elem, Idx, Num, Op, Par, Spin, walk, with_index
+from ..language.spec import Damping, Family, Graph, Lattice, Run, Spec, Term
 from . import codes
 from .names import plural
 from .terms import families_of
@@ -66,6 +66,7 @@ def sound(spec: Spec, troubles) -> Spec:
     return replace(spec, parameters=tuple(p for p in spec.parameters if p.name not in lost),
                    families=tuple(without(f, lost) for f in spec.families if f.name not in lost),
                    effects=tuple(e for e in spec.effects if not named(e) & lost),
+                   dampings=tuple(d for d in spec.dampings if not (elements(d.alpha) | {d.over.family}) & lost),
                    observables=tuple(e for e in spec.observables if not named(e) & lost),
                    starts=tuple(replace(s, families=tuple(p for p in s.families if not used(p, spec) & leafless))
                                 for s in spec.starts))
@@ -107,6 +108,19 @@ def terms(spec: Spec, values: dict) -> Iterator[Trouble]:
                                 ("observables", "value", spec.observables)):
         for term in terms:
             yield from term_fits(spec, term, (section, term.name), key, values)
+    for damping in spec.dampings:
+        yield from damping_fits(spec, damping, values)
+
+
+def damping_fits(spec: Spec, d: Damping, values: dict) -> Iterator[Trouble]:
+    """Entries of arrays, and alpha >= 0 at every site."""
+    path, family = ("effects", d.name), next(f for f in spec.families if f.name == d.over.family)
+    found = list(term_fits(spec, Term(d.name, d.over, d.alpha), path, "damping", values))
+    yield from found
+    bad = () if found else first_bad(with_index(d.alpha, d.over.index, Idx("i")), family, values, lambda a: ~(np.isfinite(a) & (a >= 0)))
+    if bad:
+        yield Trouble(path + ("damping",), codes.VALUE, f"the damping of `{family.name}[{bad[0]}]` is {bad[1]:g}",
+                      "a damping is finite and not negative: energy falls")
 
 
 # Sizes

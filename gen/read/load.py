@@ -9,7 +9,7 @@ from typing import Optional
 
 from ..errors import Diagnostic, SpecError
 from ..language import limits
-from ..language.spec import Spec
+from ..language.spec import Damping, Spec, Term
 from ..public import public
 from . import checks, codes
 from .files import Files
@@ -125,7 +125,7 @@ class Reader:
         self.declarations()
         over = self.index_families()
         terms = TermReader(self.declared, self.formulas, over, self.problems)
-        effects = self.guarded(lambda: terms.read(self.effects(), "energy", "effect"))
+        effects = self.guarded(lambda: terms.effects(self.effects()))
         observables = self.guarded(lambda: terms.read(
             self.section("observables", limits.OBSERVABLES), "value", "observable",
             {e.name for e in effects}))
@@ -203,9 +203,10 @@ class Reader:
     def assemble(self, head: dict, effects, observables, starts, runs) -> Spec:
         sources = (("", self.text),) + tuple(sorted(self.files.texts.items()))
         return Spec(head["name"], head["title"], tuple(self.declared.parameters.values()),
-                    tuple(f for f in self.declared.families.values() if f.name not in self.declared.unread), effects, observables,
+                    tuple(f for f in self.declared.families.values() if f.name not in self.declared.unread),
+                    tuple(e for e in effects if isinstance(e, Term)), observables,
                     tuple(self.declared.tables.items()), starts, runs, head["orientation"],
-                    self.path, digest(sources), sources)
+                    self.path, digest(sources), sources, tuple(e for e in effects if isinstance(e, Damping)))
 
     # What depends on values
 

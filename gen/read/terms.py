@@ -3,8 +3,9 @@ from __future__ import annotations
 
 from ..language import limits
 from ..language.expr import Op, Spin, walk
-from ..language.spec import Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
+from ..language.spec import Damping, Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
 from . import codes
+from .damping import DampingReader
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .over import OverReader
@@ -23,6 +24,17 @@ class TermReader:
                  problems: Problems):
         self.declared, self.formulas, self.over_reader = declared, formulas, over
         self.problems = problems
+
+    def effects(self, section: Node) -> tuple[Term | Damping, ...]:
+        """Energies and dampings."""
+        found, dampings = [], DampingReader(self)
+        for node in section.table().items():
+            with self.problems.guard():
+                damps = isinstance(node.raw, dict) and node.has("damping")
+                found.append(dampings.read(node) if damps else self.term(node, "energy", "effect", ()))
+        if found and not any(isinstance(e, Term) for e in found):
+            section.wrong(codes.MISSING, "no effect has an energy", 'a damping acts in the field of energies: give one, `energy = "..."`')
+        return tuple(found)
 
     def read(self, section: Node, key: str, what: str, taken=()) -> tuple[Term, ...]:
         terms = []

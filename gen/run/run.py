@@ -225,7 +225,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "spec": spec.name, "title": spec.title, "digest": spec.digest,
         "sources": [list(pair) for pair in spec.sources], "orientation": spec.orientation,
         "run": settings.run, **facts, "what": list(settings.what), "start": start, "set": _plain(settings.values),
-        "values": _plain(model.values_in), "effects": [e.name for e in scene.effects],
+        "values": _plain(model.values_in), "effects": list(scene.effect_names),
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),
         "status": status, "done": model.count, "end_error": None, "end_error_withheld": None,

@@ -29,7 +29,8 @@ class Report:
     values of the parameters; integrals: what is conserved; energy_changes: H depends on time;
     signs: sign patterns (sx, sy, sz) of all vectors under which H is unchanged; undecided: what
     could not be settled; splittings: explicit method -> what of H stands in its way, or None;
-    searched: the classes of integrals that were looked for."""
+    searched: the classes of integrals that were looked for; damped: the families whose sites lose energy, of which no integrals but
+    their lengths are looked for."""
     spec: str
     method: str
     families: tuple
@@ -46,6 +47,7 @@ class Report:
     algebras: dict = field(default_factory=dict)
     splittings: dict = field(default_factory=dict)
     searched: tuple = ()
+    damped: tuple = ()
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -63,7 +65,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "words": self.words()}
 
 
 @public
@@ -81,14 +83,17 @@ def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
     turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families), seen)
     rotations, always, mixed = _rotations(asked, turns, seen, undecided)
     changes = time_dependent(asked)
-    integrals = [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided), *joint_quadratic(asked, method, undecided),
-                 *energy_integral(asked, method, changes), *_casimirs(asked, METHODS[method].keeps_leaf)]
+    damped = tuple(d.over.family for d in scene.dampings)
+    integrals = [] if damped else [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
+                                   *joint_quadratic(asked, method, undecided), *energy_integral(asked, method, changes)]
+    integrals += _casimirs(asked, METHODS[method].keeps_leaf)
     if changes is None:
         undecided.append("whether H depends on time")
     return Report(scene.name, method, tuple(asked.families), {n: c for n, (_, c) in asked.places.items()},
                   _parameters(asked), rotations, always,
-                  mixed, _unique(integrals), changes, parity(asked), undecided,
-                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), attempt(lambda: splittings(scene)) or {}, tuple(looked_for(asked)))
+                  mixed, _unique(integrals), changes, [] if damped else parity(asked), undecided,
+                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if damped else attempt(lambda: splittings(scene)) or {},
+                  () if damped else tuple(looked_for(asked)), damped)
 
 
 def _parameters(asked: Asked) -> dict:

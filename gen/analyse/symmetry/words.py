@@ -8,8 +8,8 @@ from .names import axis_name
 
 
 def sentences(r) -> list[str]:
-    """One fact a line: rotations, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
-    return [*_rotations(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
+    """One fact a line: rotations, damping, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
+    return [*_rotations(r), *_damping(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
             *(f"Not decided: {text}." for text in r.undecided)]
 
 
@@ -48,6 +48,15 @@ def _rotations(r):
         yield "No rotation leaves H unchanged, of all vectors or of one family."
 
 
+def _damping(r):
+    """What damping gives up, and what holds."""
+    if r.damped:
+        falls = "" if r.energy_changes else " Along the flow the energy falls until every damped site is parallel to its field; over a step it falls for small h."
+        yield (f"The sites of {' and '.join(r.damped)} are damped: no step is symplectic, and neither energy nor momentum is conserved."
+               f"{falls} The step stays symmetric." if METHODS[r.method].symmetric else f"The sites of {' and '.join(r.damped)} are damped: "
+               f"neither energy nor momentum is conserved.{falls}")
+
+
 def _numbers(count: int) -> str:
     return "1 number" if count == 1 else f"{count} numbers"
 
@@ -69,7 +78,7 @@ def _linear(r):
         each = " of every site" if i.name.endswith("of every site") else ""
         head = "Total momentum" if not each else "Linear integral"
         yield f"{head}, {name}{each} ({_numbers(total)}): {_kept(r, i)}{_scope(r, i.always)}."
-    if not found and not any("linear" in u for u in r.undecided):
+    if not found and not r.damped and not any("linear" in u for u in r.undecided):
         yield "No linear integral."
 
 

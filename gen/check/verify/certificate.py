@@ -170,7 +170,7 @@ def facts_of(case: Case, tier, features=()) -> dict:
     s = case.settings
     return {"spec": case.spec.name, "spec_digest": case.spec.digest, "run": s.run, "method": s.method,
             "solver": s.solver, "features": sorted(features), "fingerprint": fingerprint(case.scene, s.method, s.solver, features),
-            "effects": [e.name for e in case.scene.effects], "values": plain(s.values), "h": s.h,
+            "effects": list(case.scene.effect_names), "values": plain(s.values), "h": s.h,
             "probe": case.probe, "steps": s.steps, "start": s.start if isinstance(s.start, str) else None,
             "sites": case.sites, "tier": tier, "generator": __version__, "generator_digest": generator_digest()}
 

@@ -18,11 +18,14 @@ from .row import MOST, NO, Row, at_most, not_applicable
 DEFECT = 1e-12
 WIDTHS = (1e-3, 1e-4, 1e-5)     # angles of a difference: the wider has less round-off, the narrower less error
 FRAMES = {"quick": 4, "normal": 12}     # sites whose two tangent vectors are taken; neighbours stay together
+DAMPED = "damped sites lose area"
 GLOBAL = 4                      # random tangent vectors of all sites at once
 
 
 def symplectic(case: Case, subject) -> list[Row]:
     """The defect of all sites that act on others, and of the tracers among themselves."""
+    if case.scene.dampings:
+        return [not_applicable("symplectic", DAMPED)]
     if not case.tracers.any():
         return [defect_row(case, subject, "symplectic", np.arange(case.sites), "")]
     why = "tracers act on nothing: with what carries them they are no Hamiltonian system"

@@ -11,7 +11,7 @@ from ...extremes import smallest
 from .case import EPS, Case
 from .leaves import LONG
 from .row import Row, at_most, not_applicable
-from .symplectic import WIDTHS, columns, form_defect, tangents
+from .symplectic import DAMPED, WIDTHS, columns, form_defect, tangents
 
 DERIVATIVE = 1e-9
 ULPS = 256              # of the symplectic form, in double precision
@@ -27,7 +27,8 @@ def tangent(case: Case, subject) -> list[Row]:
         why = "this integrator has no tangent map"
         return [not_applicable("tangent map", why), not_applicable("tangent symplectic", why)]
     apart, defect = np.max(found, axis=0)
-    return [at_most("tangent map", apart, DERIVATIVE), at_most("tangent symplectic", defect, ULPS * EPS)]
+    form = not_applicable("tangent symplectic", DAMPED) if case.scene.dampings else at_most("tangent symplectic", defect, ULPS * EPS)
+    return [at_most("tangent map", apart, DERIVATIVE), form]
 
 
 def compared(case: Case, subject, w, t, h, sites):

@@ -16,7 +16,8 @@ import functools
 import numpy as np
 
 from ...errors import RunError, UsageError
-from ...language.spec import Spec
+from ...language.evaluate import evaluate
+from ...language.spec import Spec, Term
 from ...run.step.evaluated import Evaluated
 from . import collocation, compositions, extrapolation, lie, native, splittings
 from .program import compile_term
@@ -62,7 +63,9 @@ class Witness:
         self.sites = sum(count for _, count in self.families.values())
         self.kappa = self.numbers.kappas
         self._c = native.load()
-        self.effects = {e.name: self._program(e) for e in _chosen(spec.effects, effects)}
+        chosen = _chosen((*spec.effects, *spec.dampings), effects)
+        self.effects = {e.name: self._program(e) for e in chosen if isinstance(e, Term)}
+        self.dampings = [d for d in chosen if not isinstance(d, Term)]
         self.terms = {o.name: self._program(o) for o in spec.observables}
         self._system = self._whole()
 
@@ -81,6 +84,10 @@ class Witness:
     def field(self, w, t: float = 0.0) -> np.ndarray:
         """b = (1/kappa) dH/dw, shape (sites, 3); a tracer's effects count on tracers only."""
         return self._evaluate(self._c.witness_field, w, t)
+
+    def turning(self, w, t: float = 0.0) -> np.ndarray:
+        """R with w' = orientation * grad C(w) x R, shape (sites, 3): b, and what damping adds to it."""
+        return self._evaluate(self._c.witness_turning, w, t)
 
     def vector_field(self, w, t: float = 0.0) -> np.ndarray:
         """X = w' = orientation * grad C(w) x b, shape (sites, 3); grad C = w on spheres."""
@@ -180,12 +187,22 @@ class Witness:
         radius = self.numbers.radii
         self._arrays = [np.ascontiguousarray(a, dtype=float) for a in (
             self.kappa, self.numbers.casimir_matrices,
-            radius * radius / 2)]
+            radius * radius / 2, *self._damped())]
         system = native.SystemStruct(
             self.sites, len(programs), ctypes.addressof(self._structs),
             *(a.ctypes.data for a in self._arrays), self.spec.orientation)
         self._system_pointer = ctypes.addressof(system)
         return system
+
+    def _damped(self):
+        """(alpha, and what the motion is multiplied by), each of shape (sites,)."""
+        alpha, share = np.zeros(self.sites), np.ones(self.sites)
+        for d in self.dampings:
+            first, count = self.families[d.over.family]
+            here = slice(first, first + count)
+            alpha[here] = evaluate(d.alpha, {**self.values, d.over.index: np.arange(count)})
+            share[here] = 1 / (1 + alpha[here]**2) if d.form == "gilbert" else 1
+        return alpha, share
 
     def _sum(self, one, w, t):
         w, total = self._state(w), ctypes.c_double(0)

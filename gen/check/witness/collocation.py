@@ -44,7 +44,7 @@ def along_rays(witness, w, r, t: float) -> np.ndarray:
     """The field of the Hamiltonian that is constant along rays, 0 at sites of length 0."""
     size = np.linalg.norm(w, axis=1, keepdims=True)
     n = np.divide(w, size, out=np.zeros_like(w), where=size > 0)
-    b = witness.field(r * n, t)
+    b = witness.turning(r * n, t)
     return np.divide(r, size, out=np.zeros_like(size), where=size > 0) * (b - n * np.sum(n * b, axis=1, keepdims=True))
 
 

@@ -57,26 +57,48 @@ static void cross(const real a[3], const real b[3], real x[3]) {
   x[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* X_i = orientation * (A_i w_i) x b_i */
+/* orientation s alpha/r, r^2/2 the value of C */
+static real loss(const system_t *s, int64_t i) {
+  return s->alpha[i] == 0 ? 0 : s->orientation * copysign(s->alpha[i], s->kappa[i]) / sqrtl(2 * (real)s->leaf[i]);
+}
+
+/* R = share (b + loss w x b) of one site */
+void turning(const system_t *s, int64_t i, const real *w, const real *b, real R[3]) {
+  real across[3];
+  const real c = loss(s, i);
+  cross(w, b, across);
+  for (int k = 0; k < 3; k++) R[k] = c == 0 ? b[k] : s->share[i] * (b[k] + c * across[k]);
+}
+
+/* X_i = orientation * (A_i w_i) x R_i */
 void turn(const system_t *s, const real *w, const real *b, real *x) {
   for (int64_t i = 0; i < s->sites; i++) {
-    real g[3];
+    real g[3], R[3];
     leaf_normal(s, i, w + 3 * i, g);
-    cross(g, b + 3 * i, x + 3 * i);
+    turning(s, i, w + 3 * i, b + 3 * i, R);
+    cross(g, R, x + 3 * i);
   }
 }
 
-/* column k of one site: (A_i w_i) x Db_ik, and for k within the site (A_i e_k) x b_i too */
-static void turn_column(const system_t *s, int64_t i, const real g[3], const real *b,
+/* column k of one site: (A_i w_i) x DR_ik, and for k within the site (A_i e_k) x R_i too;
+ * DR = share (Db + loss w x Db), and for k within the site share loss e_k x b too */
+static void turn_column(const system_t *s, int64_t i, const real *w, const real g[3], const real *b,
                         double *db, int64_t k) {
   const int64_t rows = 3 * s->sites;
-  real column[3], x[3], y[3] = {0, 0, 0}, unit[3] = {0, 0, 0}, normal[3];
+  const real lost = s->share[i] * loss(s, i);
+  real column[3], R[3], x[3], y[3] = {0, 0, 0}, unit[3] = {0, 0, 0}, normal[3], own[3];
   for (int c = 0; c < 3; c++) column[c] = db[(3 * i + c) * rows + k];
-  cross(g, column, x);
+  turning(s, i, w + 3 * i, column, R);
   if (k / 3 == i) {
     unit[k % 3] = 1;
+    cross(unit, b + 3 * i, own);
+    for (int c = 0; c < 3; c++) R[c] += lost * own[c];
+  }
+  cross(g, R, x);
+  if (k / 3 == i) {
     leaf_normal(s, i, unit, normal);
-    cross(normal, b + 3 * i, y);
+    turning(s, i, w + 3 * i, b + 3 * i, R);
+    cross(normal, R, y);
   }
   for (int c = 0; c < 3; c++) db[(3 * i + c) * rows + k] = (double)(x[c] + y[c]);
 }
@@ -86,6 +108,6 @@ void turn_derivative(const system_t *s, const real *w, const real *b, double *db
   for (int64_t i = 0; i < s->sites; i++) {
     real g[3];
     leaf_normal(s, i, w + 3 * i, g);
-    for (int64_t k = 0; k < 3 * s->sites; k++) turn_column(s, i, g, b, db, k);
+    for (int64_t k = 0; k < 3 * s->sites; k++) turn_column(s, i, w, g, b, db, k);
   }
 }

@@ -29,6 +29,19 @@ int witness_field(const system_t *s, double t, const double *w, double *b) {
   return through(field, s, t, w, b);
 }
 
+static int turnings(const system_t *s, real t, const real *w, real *R) {
+  const int status = field(s, t, w, R);
+  for (int64_t i = 0; i < s->sites && status == OK; i++) {
+    const real b[3] = {R[3 * i], R[3 * i + 1], R[3 * i + 2]};
+    turning(s, i, w + 3 * i, b, R + 3 * i);
+  }
+  return status;
+}
+
+int witness_turning(const system_t *s, double t, const double *w, double *R) {
+  return through(turnings, s, t, w, R);
+}
+
 int witness_vector_field(const system_t *s, double t, const double *w, double *x) {
   return through(vector_field, s, t, w, x);
 }

@@ -15,7 +15,7 @@ def by(turn, w):
 def cf4(witness, w, t: float, h: float):
     """Celledoni, Marthinsen, Owren 2003: the classical Runge-Kutta method with rotations in place of sums."""
     def turn(x, part):
-        return witness.spec.orientation * h * witness.field(x, t + part * h)
+        return witness.spec.orientation * h * witness.turning(x, t + part * h)
     one = turn(w, 0)
     second = by(one / 2, w)
     two = turn(second, 1 / 2)
@@ -54,7 +54,7 @@ def isospectral(witness, w, t: float, h: float):
     start = matrices(w)
 
     def factors(V):
-        half = -witness.spec.orientation * h / 2 * matrices(witness.field(np.stack([V[:, 2, 1], V[:, 0, 2], V[:, 1, 0]], 1), t + h / 2))
+        half = -witness.spec.orientation * h / 2 * matrices(witness.turning(np.stack([V[:, 2, 1], V[:, 0, 2], V[:, 1, 0]], 1), t + h / 2))
         return np.eye(3) - half, np.eye(3) + half
 
     def stage(V):

@@ -27,11 +27,12 @@ class SystemStruct(ctypes.Structure):
     """struct system of witness.h."""
     _fields_ = [("sites", INTEGER), ("effects", INTEGER), ("effect", POINTER),
                 ("kappa", POINTER), ("casimir", POINTER), ("leaf", POINTER),
-                ("orientation", REAL)]
+                ("alpha", POINTER), ("share", POINTER), ("orientation", REAL)]
 
 
 TYPES = {
     "witness_field": [POINTER, REAL, POINTER, POINTER],
+    "witness_turning": [POINTER, REAL, POINTER, POINTER],
     "witness_vector_field": [POINTER, REAL, POINTER, POINTER],
     "witness_jacobian": [POINTER, REAL, POINTER, POINTER, POINTER],
     "witness_sum": [POINTER, INTEGER, REAL, POINTER, POINTER],

@@ -4,6 +4,11 @@
  * emits code. Arrays belong to the caller. A state has 3*sites numbers.
  *
  *   X_i = orientation * grad C_i(w_i) x b_i,   b_i = (1/kappa_i) dH/dw_i,   C_i = w.(A_i w)/2
+ *
+ * Damped sites (on spheres, of radius r) turn about R in place of b:
+ *
+ *   X_i = w x b + s (alpha/r) w x (w x b) over 1 (Landau and Lifshitz) or 1 + alpha^2 (Gilbert), s the sign of kappa
+ *       = orientation * w x R,   R = share (b + orientation s (alpha/r) w x b)
  */
 #ifndef WITNESS_H
 #define WITNESS_H
@@ -38,6 +43,8 @@ typedef struct system {
   const double *kappa;   /* sites */
   const double *casimir; /* sites x 9: A_i */
   const double *leaf;    /* sites: C on the leaf if it is fixed (r^2/2), else NaN */
+  const double *alpha;   /* sites: damping, 0 for none */
+  const double *share;   /* sites: 1, or 1/(1 + alpha^2) */
   double orientation;
 } system_t;
 
@@ -54,6 +61,7 @@ int term_hessian(const program *p, real t, const real *w, real *gradient, real *
 int field(const system_t *s, real t, const real *w, real *b);
 int field_derivative(const system_t *s, real t, const real *w, real *b, double *db,
                      real *b_dt);
+void turning(const system_t *s, int64_t i, const real *w, const real *b, real R[3]);
 void turn(const system_t *s, const real *w, const real *b, real *x);
 void turn_derivative(const system_t *s, const real *w, const real *b, double *db);
 

@@ -69,9 +69,9 @@ def banner(model: Model) -> dict:
     counts = [f"{t.derived.term.name} {t.operations[1]}" for t in model.effects]
     return dict(
         title=comment(spec.title or spec.name), version=VERSION, digest=spec.digest[:16] or "(no file)",
-        method_text=model.method.summary, solver_text=comment(f"{plan.solver}: {plan.reason}"),
-        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw",
-        effects_text=comment(", ".join(e.name for e in spec.effects) or "none"),
+        method_text=model.method.summary + "; damped sites: not symplectic" * bool(model.responses and model.method.symplectic), solver_text=comment(f"{plan.solver}: {plan.reason}"),
+        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(f", damped by {d.name} ({d.form})") for d in spec.dampings),
+        effects_text=comment(", ".join(spec.effect_names) or "none"),
         extended=model.wide is not None, **features(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
         families_text=comment(", ".join(f.name for f in model.families)),

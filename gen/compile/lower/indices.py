@@ -6,7 +6,7 @@ from dataclasses import replace
 from ...language.c_names import index_in_c
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Elem, Idx, Num, Op, Spin
-from ...language.spec import Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, Term
+from ...language.spec import Damping, Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, Term
 from ...read.terms import families_of
 
 
@@ -36,9 +36,13 @@ def rename_term(term: Term) -> Term:
     return replace(term, over=rename_over(term.over), value=rename(term.value))
 
 
+def rename_damping(d: Damping) -> Damping:
+    return replace(d, over=rename_over(d.over), alpha=rename(d.alpha))
+
+
 def safe_indices(spec: Spec) -> Spec:
     """The same spec; only the index names inside its effects and observables may differ."""
-    return replace(spec, effects=tuple(map(rename_term, spec.effects)),
+    return replace(spec, effects=tuple(map(rename_term, spec.effects)), dampings=tuple(map(rename_damping, spec.dampings)),
                    observables=tuple(map(rename_term, spec.observables)))
 
 
@@ -63,5 +67,8 @@ def one_site(spec: Spec) -> Spec:
     def term(t: Term) -> Term:
         return replace(t, value=at_zero(t.value, {i for i, f in families_of(t.over).items() if f in alone}))
 
-    return replace(spec, families=tuple(map(family, spec.families)), effects=tuple(map(term, spec.effects)),
+    def damping(d: Damping) -> Damping:
+        return replace(d, alpha=at_zero(d.alpha, {d.over.index} if d.over.family in alone else set()))
+
+    return replace(spec, families=tuple(map(family, spec.families)), effects=tuple(map(term, spec.effects)), dampings=tuple(map(damping, spec.dampings)),
                    observables=tuple(map(term, spec.observables)))

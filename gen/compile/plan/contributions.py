@@ -6,8 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...errors import UsageError
-from ...language.expr import Expr, Num, slots_of
-from ...language.spec import Spec
+from ...language.expr import Expr, Idx, Num, Op, slots_of, with_index
+from ...language.spec import Damping, Spec
 from ...methods import METHODS, OFFERS, Method
 
 
@@ -46,8 +46,18 @@ class Contribution:
 
 
 def contributions_of(spec: Spec) -> tuple:
-    """The effects of a spec: energies of one representative term, whose derivatives are known."""
-    return tuple(Contribution(e.name, slots_of(e.value), e.over) for e in spec.effects)
+    """The effects of a spec: energies of one representative term, whose derivatives are known, and dampings."""
+    return (*(Contribution(e.name, slots_of(e.value), e.over) for e in spec.effects),
+            *(Contribution(d.name, ((d.over.family, d.over.index),), d.over, conservative=False, response=damped(spec, d)) for d in spec.dampings))
+
+
+def damped(spec: Spec, damping: Damping) -> Response:
+    """Landau and Lifshitz: f = 1, q = o s alpha/r, s the sign of kappa; Gilbert: both divided by 1 + alpha^2."""
+    family = next(f for f in spec.families if f.name == damping.over.family)
+    alpha = with_index(damping.alpha, damping.over.index, Idx("i"))
+    side = Op("if", (Op(">", (family.kappa, Num(0))), Num(spec.orientation), Num(-spec.orientation)))
+    f = Num(1) if damping.form == "ll" else Op("/", (Num(1), Op("+", (Num(1), Op("*", (alpha, alpha))))))
+    return Response(f, Op("*", (f, Op("*", (side, Op("/", (alpha, family.radius)))))))
 
 
 def responses_of(contributions) -> dict:

@@ -6,11 +6,10 @@ import functools
 import numpy as np
 
 from ...errors import BuildError, RunError, SmidgenError, UsageError
-from ...language.expr import Time, walk
 from ...language.spec import Spec
 from ...methods import METHODS
 from ...read.given import formula
-from ...run.record.conserved import with_tracers
+from ...run.record.conserved import driven, with_tracers
 from ...run.step.integrator import Integrator, build
 from ...run.settings import Settings, number
 from ...run.step.start import state_at
@@ -35,7 +34,7 @@ class Case:
         any_model.start(self.w.copy(), h=settings.h)
         self.rate = float(np.linalg.norm(np.asarray(any_model.field(), float), axis=1).max())
         self.size = float(np.linalg.norm(self.w, axis=1).max())
-        self.timed = any(isinstance(node, Time) for e in any_model.scene.effects for node in walk(e.value))
+        self.energy_changes, self.damped = driven(any_model.scene), bool(any_model.scene.dampings)
 
     def _start(self) -> np.ndarray:
         s = self.settings
@@ -61,7 +60,7 @@ class Case:
     def meter(self) -> Integrator | None:
         """A model whose energy is that of the effects that no tracer feels; None where there are none."""
         model = self.model(self.settings.method)
-        kept = [e.name for e in model.scene.effects if e.name not in with_tracers(model.scene)]
+        kept = [name for name in model.scene.effect_names if name not in with_tracers(model.scene)]
         if not kept:
             return None
         return build(self.spec, self.settings.method, kept, self.settings.values, self.settings.solver).start(self.w.copy(), h=self.settings.h)

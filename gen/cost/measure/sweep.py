@@ -166,7 +166,7 @@ def kept(case: Case, row: Row, samples) -> None:
     momenta, casimirs = np.array([s[2] for s in samples], float), np.array([s[3] for s in samples], float)
     row.momentum = float(np.abs(momenta - momenta[0]).max()) / case.size
     row.casimir = float((np.abs(casimirs - casimirs[0]) / np.maximum(np.abs(casimirs[0]), 1e-300)).max())
-    if case.timed:
+    if case.energy_changes:
         return
     row.energy = float(np.abs(energy - energy[0]).max())
     if len(t) > 3:

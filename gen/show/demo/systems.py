@@ -125,7 +125,7 @@ def losses(model, spec, result):
     if error > KEPT * max(1.0, parts):
         faults.append(f"momentum changes by {error:.1e}")
     if result.meta["driven"]:
-        notes.append("H depends on time")
+        notes.append("energy not conserved")
     if result.meta["unconserved"]:
         notes.append("energy without the tracers")
     return faults, notes + axes_note(model, spec)

@@ -6,7 +6,7 @@ import dataclasses
 import numpy as np
 
 from ...language.spec import Graph, Lattice
-from ...run.record.conserved import driven, energy_of, with_tracers
+from ...run.record.conserved import driven, energy_of, of_time, with_tracers
 from ...run.step.evaluated import Evaluated
 
 BONDED = 20_000     # most sites of a family whose bonds are drawn
@@ -17,8 +17,8 @@ def with_facts(result):
 
     casimirs: family -> matrix A of C = w.(A w)/2, of Nambu families; bonds: family -> (m, 2)
     numbers of joined sites; grids: family -> cells in each direction and sites of a cell,
-    where one lattice joins them; unconserved: names of the effects that tracers feel; driven: does
-    the energy of the others depend on time? A result without its spec is drawn from its numbers
+    where one lattice joins them; unconserved: names of the effects that tracers feel; driven: why
+    the energy of the others is not conserved, or False. A result without its spec is drawn from its numbers
     alone. Raises SpecError when the spec is spoilt.
     """
     meta = result.meta
@@ -30,7 +30,12 @@ def with_facts(result):
     numbers = Evaluated(spec, {n: v for n, v in (meta.get("values") or {}).items() if n in known})
     return dataclasses.replace(result, meta={
         **meta, "casimirs": matrices(numbers), "bonds": bonds(numbers, called), "grids": grids(numbers, called),
-        "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called)})
+        "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called) and why_driven(spec, called)})
+
+
+def why_driven(spec, called) -> str:
+    """Why the energy of these effects is not conserved, in words."""
+    return ", ".join(["H depends on time"] * of_time(spec, called) + ["sites are damped"] * any(d.name in called for d in spec.dampings))
 
 
 def bonds(numbers: Evaluated, called) -> dict:
@@ -68,5 +73,5 @@ def conserved_energy(result) -> tuple[np.ndarray | None, str]:
     energy = energy_of(result.values, without)
     if energy is None:
         return None, ""
-    notes = ["without tracers"] * bool(without) + ["H depends on time"] * bool(result.meta.get("driven"))
-    return np.asarray(energy, float), ", ".join(notes)
+    notes = ["without tracers" if without else "", result.meta.get("driven") or ""]
+    return np.asarray(energy, float), ", ".join(filter(None, notes))
