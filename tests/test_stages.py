@@ -1,7 +1,9 @@
 """The shape of the sources: no room imports one that lies above it, a method's name stands in one place, functions are short."""
 import ast
 import fnmatch
+import io
 import re
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -116,3 +118,49 @@ def test_tests_stand_in_the_order_of_the_sources():
     folders = {path.parent.name for path in (ROOT / "tests").glob("*/test_*.py")}
     assert folders - STAGES == {"runtime", "method", "laws", "linking", "fuzz", "frozen", "hard", "mutants"} and STAGES <= folders
     assert [path.name for path in (ROOT / "tests").glob("test_*.py")] == ["test_stages.py"]
+
+
+# A path from the root, or the name of a header or of a file of tests
+FILE = re.compile(r"(?<![\w./-])((?:gen|runtime|templates|tests|docs|specs)/[\w./-]*\w\.[a-z]\w*)|\b((?:smg|test)_\w+\.(?:h|py))\b")
+DATED = {"docs/mutants.md"}       # a record: it names files as they were when the faults were planted
+
+
+def explained(path: Path) -> str:
+    """What a file says to its readers: comments and docstrings; of a document or a template all of it."""
+    text = path.read_text()
+    if path.suffix == ".h":
+        return "\n".join(re.findall(r"/\*.*?\*/", text, re.DOTALL))
+    if path.suffix != ".py":
+        return text
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    return "\n".join(k.string for k in tokens if k.type == tokenize.COMMENT or k.type == tokenize.STRING and '"""' in k.string[:4])
+
+
+def missing(text: str, names: set) -> list:
+    """The files that it names and that are not there; `names`: of all that are."""
+    return [path or name for path, name in FILE.findall(text) if not (name in names if name else (ROOT / path).exists())]
+
+
+def test_files_that_comments_and_documents_name_are_there():
+    folders = [ROOT / name for name in ("gen", "runtime", "templates", "tests", "docs")]
+    names = {path.name for folder in folders for path in folder.rglob("*.*")}
+    told = [*modules(), *(ROOT / "runtime").rglob("*.h"), *(ROOT / "templates").rglob("*.j2"), *(ROOT / "docs").glob("*.md"), ROOT / "README.md"]
+    found = {str(path.relative_to(ROOT)): missing(explained(path), names) for path in told}
+    assert len(told) > 200 and {path: files for path, files in found.items() if files and path not in DATED} == {}
+    assert missing("as gen/attic/old.py and smg_gone.h say, not smg_step.h of runtime/core", names) == ["gen/attic/old.py", "smg_gone.h"]
+
+
+def unused(text: str) -> list:
+    """Names that a module imports and does not use; those of `# noqa` are for others."""
+    tree, lines = ast.parse(text), text.splitlines()
+    told = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}       # annotations, __all__
+    used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)} | {word for text in told for word in re.findall(r"\w+", text) if len(text) < 80}
+    named = [(node, (alias.asname or alias.name).split(".")[0]) for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom))
+             and getattr(node, "module", None) != "__future__" for alias in node.names]
+    return [name for node, name in named if name not in used and not any("noqa" in line for line in lines[node.lineno - 1:node.end_lineno])]
+
+
+def test_what_is_imported_is_used():
+    found = {str(path.relative_to(ROOT)): unused(path.read_text()) for path in modules() if path.name != "__init__.py"}
+    assert {path: names for path, names in found.items() if names} == {}
+    assert unused("import ast\nimport re\nfrom a import b, c as d\nre.match(d)") == ["ast", "b"]

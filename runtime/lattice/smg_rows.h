@@ -42,7 +42,7 @@
 #define SMG_WEIGHT_3 0
 #endif
 
-/* numbers before the first slot and after the last that vectors reach into: gen/compile/plan/rows.py keeps bonds so
+/* numbers before the first slot and after the last that vectors reach into: gen/compile/assemble/rows.py keeps bonds so
  * short */
 #define SMG_BEFORE 8
 #define SMG_AFTER 16

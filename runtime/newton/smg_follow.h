@@ -36,7 +36,7 @@
 #define SMG_ON_END (smg_real)1e-9 /* and of the end this: Newton goes on from there; half or twice: the same */
 /* a shorter pace is given up: corrections of SMG_ON_CURVE squared are below it; half or twice: nothing changes */
 #define SMG_LEAST_PACE (smg_real)1e-9
-/* a midpoint so near the centre, in radii, is there; without it: one case of tests/test_edges_of_runtime.py */
+/* a midpoint so near the centre, in radii, is there; without it: one case of tests/runtime/test_edges_of_runtime.py */
 #define SMG_CENTRE (smg_real)1e-6
 /* a midpoint so near the centre, in radii, is there where it moves straight towards it: */
 #define SMG_INWARD (smg_real)2e-5

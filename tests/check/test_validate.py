@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 from support.systems import QUICK, tiers
-from support.witness_models import body, one_term, op, precession, pulsed, sphere
+from support.witness_models import body, precession, pulsed, sphere
 
 import smidgen
 from smidgen.errors import UsageError, ValidationError

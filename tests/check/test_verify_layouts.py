@@ -5,7 +5,6 @@ import pytest
 from support.runtime_faults import FAULTS, examined, plant
 
 from smidgen.check.verify.along import along
-from smidgen.check.verify.certificate import certify
 from smidgen.check.verify.contraction import contraction
 from smidgen.check.verify.effort import effort
 from smidgen.check.verify.members import members

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from smidgen.language import limits
-from smidgen.compile.derive.derivatives import NoRealValue, absolute, derive, floor_, greater, lesser, power, signum
+from smidgen.compile.derive.derivatives import NoRealValue, derive
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, SpecError, UsageError
 from smidgen.language.expr import Op, walk

@@ -15,7 +15,7 @@ from support.measure import start_points
 from support.systems import begin, model
 
 from .case import EPS, Row, attempt, below, case, same_bits
-from .geometry import build, largest, polar
+from .geometry import build, polar
 
 
 @case("axis-aligned spins, zero components, zero fields")

@@ -1,7 +1,6 @@
 """Pair rotations on lattices, sites in lanes (runtime/method/explicit/smg_pair_rows.h): the bits of the steps from bond to bond."""
 import numpy as np
 import pytest
-import smidgen
 from smidgen.check.witness import Witness, splittings
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError

@@ -1,5 +1,4 @@
 """Stop and go on: a saved state has all the bits, and a run that is killed ends as an unbroken one."""
-import os
 import signal
 import time
 

@@ -161,7 +161,7 @@ phi = 0.2
 @pytest.mark.parametrize("method", ["spherical-midpoint", "gauss-4", "dop853", "extrapolation-12", "cf4"])
 def test_a_splitting_with_a_map_of_the_user(method):
     """Strang: half a turn in the field, a step of the rest, half a turn. Halving h divides the error by 4, against the whole by an integrator of order 12."""
-    spec, w, T = smidgen.load_text(FIELD), None, 2.0
+    spec, T = smidgen.load_text(FIELD), 2.0
     exact = smidgen.build(spec, "extrapolation-12").start("a", h=T / 200).steps(200).w
     model, errors = smidgen.build(spec, method, effects=["rotation", "coupling"]), []
     for steps in (20, 40, 80):

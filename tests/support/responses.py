@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import smidgen
 from smidgen.build.binary import build_library
 from smidgen.compile.emit.emit import emitted
 from smidgen.compile.plan.contributions import Contribution, Response, contributions_of

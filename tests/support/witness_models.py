@@ -1,6 +1,6 @@
 """Small specs written as `Spec` objects, for the tests of the witness."""
-from smidgen.language.expr import Idx, Num, Op, Par, Spin, Time
-from smidgen.language.spec import Family, Once, Pairs, Sites, Spec, Term
+from smidgen.language.expr import Num, Op, Spin, Time
+from smidgen.language.spec import Family, Once, Pairs, Spec, Term
 
 ONE = Num(1.0)
 

@@ -111,7 +111,7 @@ def connected(case: Case, w, d, t, h) -> bool | None:
     def equation(d, p):     # the field stays that of t + h/2
         return case.witness.equation(w, d, t + (1 - p) * h / 2, p * h, case.settings.method)
     reach = np.maximum(lengths(w), np.finfo(float).tiny)[:, None]
-    part, pace, change = 1.0, 1 / 16, np.zeros_like(d)
+    part, pace = 1.0, 1 / 16
     point = newton(equation, d, part, reach)
     for _ in range(PACES):
         if point is None:

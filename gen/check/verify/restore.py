@@ -5,7 +5,6 @@ what it saves at once is what it was given.
 """
 from __future__ import annotations
 
-import numpy as np
 
 from ...errors import RunError
 from .case import Case

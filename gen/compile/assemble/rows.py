@@ -12,7 +12,7 @@ import sympy as sp
 
 from ...language.spec import Lattice, Sites
 from ..derive.derivatives import switched
-from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Variable, Zeros, mentions, where
+from ..lower.code import Argument, Assign, Braces, Call, Function, If, Let, Name, Return, Variable, Zeros, mentions, where
 from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import PREPARE, index_names

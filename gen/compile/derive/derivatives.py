@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from ...errors import UsageError
-from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
+from ...language.expr import Expr, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
 from ...language.spec import Term
 from .parts import SCALAR, Parts, TooLarge, Whole
 from .pieces import chosen
