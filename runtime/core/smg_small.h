@@ -60,6 +60,7 @@ SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
 /* The smaller and the larger; what is not a number stays so. */
 SMG_INLINE smg_real smg_min(smg_real a, smg_real b) { return a <= b || a != a ? a : b; }
 SMG_INLINE smg_real smg_max(smg_real a, smg_real b) { return a >= b || a != a ? a : b; }
+SMG_INLINE void smg_take(smg_real *most, smg_real x) { *most = smg_max(*most, x); }
 
 /* |a|, also where the squares leave the range of a double; within 1e+-280 they have all their digits. */
 SMG_INLINE smg_real smg_norm(const smg_real *a) {

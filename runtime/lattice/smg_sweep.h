@@ -88,11 +88,6 @@ typedef struct smg_sweep_end {
   smg_real h, residual, row, rounding_scale;
 } smg_sweep_end;
 
-/* *most = the larger of both; NaN comes in and stays. */
-static inline void smg_take(smg_real *most, smg_real x) {
-  if (!(x <= *most)) *most = x;
-}
-
 /* u = 2((n.w/n.n) n - w), n along m: free of the round-off of h X. */
 static inline void smg_reflect(const smg_state *s, int64_t k, smg_sweep_end *end) {
   smg_real n[3];

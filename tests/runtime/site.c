@@ -1,6 +1,7 @@
 /* In: count, then count times a, b, then as many integers x, n.
  * Out: the lengths of the messages of the statuses -1 .. 9; per pair: min, max, the largest of (a, b, a), the
- * change after a and then b of sizes 1 and 2 (relative, absolute), settled after it, the sum and compensation of a + b;
+ * change after a and then b of sizes 1 and 2 (relative, absolute), settled after it, the sum and compensation of a + b,
+ * and what has taken in a and then b;
  * per pair of integers: wrap, remainder, quotient. */
 #include <string.h>
 
@@ -10,7 +11,7 @@
 static void pair(smg_real a, smg_real b) {
   const smg_real three[3] = {a, b, a};
   smg_change change = {0, 0, 0}, last = {1, 1, 0};
-  smg_real w = a, compensation = 0;
+  smg_real w = a, compensation = 0, most = a;
   pipe_put((double)smg_min(a, b));
   pipe_put((double)smg_max(a, b));
   pipe_put((double)smg_largest(three));
@@ -22,6 +23,8 @@ static void pair(smg_real a, smg_real b) {
   smg_add_compensated(&w, &compensation, b);
   pipe_put((double)w);
   pipe_put((double)compensation);
+  smg_take(&most, b);
+  pipe_put((double)most);
 }
 
 int main(void) {
