@@ -109,6 +109,17 @@ static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
   return x >= least && x <= most && x == (smg_real)(int64_t)x;
 }
 
+/* The highest degree of the predictor with so many steps known; methods without one have SMG_NO_DEGREE. */
+#ifndef SMG_MOST_DEGREE
+#define SMG_MOST_DEGREE(history) ((void)(history), SMG_NO_DEGREE)
+#endif
+
+/* A degree that the predictor may have. Of no history it is not read: a state that forgets its history keeps it. */
+static inline int smg_good_degree(smg_real degree, smg_real history) {
+  const int known = history > 0 ? (int)history : SMG_HISTORY;
+  return smg_integer_in(degree, history > 0 && SMG_MOST_DEGREE(known) >= 0 ? 0 : SMG_NO_DEGREE, SMG_MOST_DEGREE(known));
+}
+
 /* Steps from which time would no longer be known: t0 + count h is found in doubles, and no run gets there. */
 #define SMG_MOST_COUNT_HIGH 1073741823 /* count < 2^62: as many steps again do not overflow it */
 
@@ -132,7 +143,7 @@ static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
          smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, SMG_MOST_COUNT_HIGH) &&
          smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) &&
          smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
-         smg_integer_in(in[SMG_SAVED_DEGREE], SMG_NO_DEGREE, SMG_HISTORY - 1) &&
+         smg_good_degree(in[SMG_SAVED_DEGREE], in[SMG_SAVED_HISTORY]) &&
          smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) &&
          in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
 }

@@ -24,6 +24,8 @@ static inline int smg_highest_level(int stages) {
   return level;
 }
 
+#define SMG_MOST_DEGREE(history) smg_highest_level(history)
+
 /* Is it time to look which level serves best? While the history grows, and then through all stages of every sixteenth
  * step. */
 static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 2; }
