@@ -29,7 +29,7 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
   smg_real most = sweep->ended < 0 ? 0 : sweep->residual;
   SMG_TEAM(s->row_team) {
     const smg_lanes squares = smg_end_share(s, known, turn, sweep->ended);
-    SMG_ONE_BY_ONE smg_take(&most, smg_most_of(squares));
+    SMG_ONE_BY_ONE smg_take(&most, smg_lane_largest(squares));
   }
   smg_largest_of_ranks(&most, &most);
   return smg_row_solved(s, SMG_MATH(sqrt)(most));

@@ -221,20 +221,13 @@ SMG_INLINE void smg_turn_some_slots(const smg_state *s, smg_besides *known, cons
   else smg_turn_usual(s, known, turn, pass, part, motion);
 }
 
-/* The largest lane, or what is not a number. */
-static inline smg_real smg_most_of(smg_lanes a) {
-  smg_real most = 0;
-  for (int l = 0; l < SMG_LANES; ++l) smg_take(&most, smg_lane_get(&a, l));
-  return most;
-}
-
 static const smg_row_moved smg_not_moved = {0, 0, 0};
 
 /* What a pass shows, with what some of its slots do. */
 SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_row_motion *motion, smg_row_moved *moved) {
   moved->whole = smg_max(moved->whole, smg_lane_largest(motion->square));
   moved->part = pass.small ? smg_max(moved->part, smg_lane_largest(motion->part)) : SMG_MAX;
-  if (pass.last) smg_take(&moved->residual, smg_most_of(motion->residual));
+  if (pass.last) smg_take(&moved->residual, smg_lane_largest(motion->residual));
 }
 
 /* Some slots of this rank by all threads. */

@@ -197,7 +197,7 @@ static int smg_sweep_in_wave(smg_state *s, smg_besides *known, const smg_turning
     return 0;
   }
   if (!smg_rows_settled(s, sweep)) return 0;
-  smg_take(&sweep->residual, smg_most_of(wave->residual));
+  smg_take(&sweep->residual, smg_lane_largest(wave->residual));
   return 1;
 }
 

@@ -13,7 +13,7 @@
 static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 0; }
 
 /* the highest degree that so many increments serve */
-#define SMG_MOST_DEGREE(history) ((history) - 1)
+#define SMG_MOST_DEGREE(history) ((history)-1)
 #define SMG_MOST_HISTORY 12 /* increments that the weights below serve */
 #define SMG_LOOKED 8        /* components that are looked at together, for the compiler to take them in lanes */
 

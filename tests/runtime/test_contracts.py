@@ -21,7 +21,7 @@ CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("a stage by rows (smg_turn_steps.h)", "smg_pair_rows smg_sublattice_rows"),
     ("the matrix of Newton's method", "smg_matrix_band smg_matrix_dense smg_matrix_free smg_matrix_sparse smg_newton"),
     ("a matrix that is kept for the steps after, or not", "smg_matrix_dense smg_matrix_sparse smg_matrix_unkept"),
-    ("the predictor, of steps or of stages", "smg_predictor smg_stage_predictor smg_single_sphere smg_composition"),
+    ("the predictor, of steps, of stages or none", "smg_predictor smg_stage_predictor smg_single_sphere smg_composition smg_saved"),
     ("a lattice by rows", "smg_row_state smg_turn_state smg_pair_state smg_sublattice_state"),
     ("steps by rows", "smg_row_step smg_turn_steps"),
     ("what ranks tell each other, where there are several", "smg_row_halo smg_row_ranks"),

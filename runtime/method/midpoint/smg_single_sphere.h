@@ -69,7 +69,7 @@ SMG_INLINE smg_real smg_sphere_bound(const smg_coefficients *c, smg_vec m, smg_r
 #include "smg_stage_predictor.h"
 #else
 /* The highest degree that smg_sphere_degree finds in so many rows. */
-#define SMG_MOST_DEGREE(history) ((history) > 2 ? (history) - 2 : 0)
+#define SMG_MOST_DEGREE(history) ((history) > 2 ? (history)-2 : 0)
 
 /* The polynomial of degree d through the last d + 1 rows, one step on: weights (-1)^j C(d+1, j+1), four times each. */
 static const smg_real smg_sphere_weights[SMG_HISTORY][4 * SMG_HISTORY] = {
