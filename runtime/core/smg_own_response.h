@@ -45,8 +45,8 @@ static inline int smg_own_response(const smg_coefficients *c, int64_t k, smg_rea
 }
 
 /* The part of h up to which such a spin has steps. */
-SMG_COLD static smg_real smg_own_reach(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *w, smg_real r,
-                                       const smg_real *g) {
+static inline smg_real smg_own_reach(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *w, smg_real r,
+                                     const smg_real *g) {
   smg_real from = 0, to = 1, m[3], square;
   for (int n = 0; n < 50; ++n) {
     const smg_real part = (smg_real)0.5 * (from + to);

@@ -29,22 +29,24 @@ SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (
 
 static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
   const smg_real half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h);
-  smg_turning turn = {s->row_w,
-                      s->row_compensation,
-                      s->row_m,
-                      NULL,
-                      smg_pitch(&s->c),
-                      0,
-                      half,
-                      smg_inverse_square(&s->c),
-                      SMG_ROW_SMALL * smg_radius(&s->c, 0),
-                      s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
-                      SMG_SHORT_INCREMENT(s, 1),
-                      s->row_weak,
-                      s->row_stretched};
+  smg_turning turn = {
+    s->row_w,
+    s->row_compensation,
+    s->row_m,
+    NULL,
+    smg_pitch(&s->c),
+    0,
+    half,
+    smg_inverse_square(&s->c),
+    SMG_ROW_SMALL * smg_radius(&s->c, 0),
+    s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
+    SMG_SHORT_INCREMENT(s, 1),
+    s->row_weak,
+    s->row_stretched,
 #if SMG_RESPONDS
-  turn.told = smg_told_of(&s->c, 0);
+    smg_told_of(&s->c, 0)
 #endif
+  };
   return turn;
 }
 

@@ -425,6 +425,9 @@ static inline void smg_lanes_of_one(smg_lane_coefficients *to, const smg_coeffic
   (void)smg_lane_radial(to, m, smg_lane_motion(to, smg_lane_slope_times(D, m)));
   (void)smg_lane_slope_minors(D);
   (void)smg_lane_slope_sums(D);
+#if SMG_RESPONDS
+  (void)smg_lane_slope_trace(D);
+#endif
 }
 
 #endif

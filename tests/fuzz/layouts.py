@@ -7,7 +7,10 @@ What a layout needs is all that its spec is held to: how a model goes in the end
 """
 from __future__ import annotations
 
-from smidgen.methods import METHODS
+import re
+
+from smidgen.language.spec import FORMS
+from smidgen.methods import DEFAULT, METHODS
 
 from .drawn import COMPOSED, FREE, SINGLE, SPLIT, comments
 from .invent import Inventor, any_space, quoted
@@ -16,9 +19,26 @@ PARAMETERS = ("a = {{ default = 0.4{} }}", "J = {{ default = {{J}}{} }}", "kap =
               "B = {{ default = [0.3, -0.5, 0.8], vector = true{} }}")
 
 
+DAMPINGS = ("0.3", "q", "abs(a)", "0.1*(1 + mod(k, 2))")
+
+
 def spec_text(dice) -> str:
-    """The text of a random spec: nearly half are of any space, the others of one layout."""
-    return dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice)
+    """The text of a random spec: nearly half are of any space, the others of one layout; a fourth of those that can be are damped."""
+    text = dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice)
+    return damped(dice, text) if dice.randint(0, 3) == 0 else text
+
+
+def damped(dice, text) -> str:
+    """With damped sites, where the method has a step for them and a family is on spheres."""
+    names = re.findall(r'^(\w+) = \{ sphere = (?!.*tracer)', text, re.MULTILINE)
+    method = re.search(r'^method = "(.*)"', text, re.MULTILINE)
+    wanted = re.search(r"^# features: .*extended", text, re.MULTILINE)
+    if not names or wanted or not METHODS[method[1] if method else DEFAULT].responds:
+        return text
+    effects = (f'[effects.d{k}]\nover = "site(k) of {name}"\ndamping = "{dice.choice(DAMPINGS)}"\nform = "{dice.choice(FORMS)}"\n'
+               for k, name in enumerate(dice.sample(names, dice.randint(1, len(names)))))
+    found = re.sub(r"^(?=\[starts)", lambda _: "".join(effects), text, count=1, flags=re.MULTILINE)
+    return re.sub(r"^effects = \[", 'effects = ["d0", ', found, flags=re.MULTILINE)
 
 
 def assembled(dice, first, space, parameters, more, effects, start, method, solver, h=0.01, given="") -> str:

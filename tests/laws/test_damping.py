@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support.strict import COMPILERS, OPTIMISED, READ, REALS, compile_all
 
 import smidgen
+from smidgen.build.binary import write_files
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
@@ -244,3 +246,15 @@ def test_its_certificate_passes(few_states):
     found = smidgen.verify(spec, tier="quick")
     found.check()
     assert {name: found.row(name).note for name in ("symplectic", "energy")} == {"symplectic": "damped sites lose area", "energy": "damped sites lose energy"}
+
+
+@pytest.mark.parametrize("compiler, real", [("gcc", "double"), ("clang++", "long double"), *(pytest.param(c, r, marks=pytest.mark.long) for c in COMPILERS for r in REALS)])
+@pytest.mark.parametrize("name, features", [("axis", ("ensemble",)), ("pairs", ("tangent",)), ("chain", ())])
+def test_no_compiler_complains(tmp_path, name, features, compiler, real):
+    """A single sphere and its ensemble, few in lanes and Newton, a chain by rows."""
+    if compiler not in COMPILERS:
+        pytest.skip("no such compiler")
+    files = generate(spec_of(name, alpha="0.1" if name == "chain" else "alpha"), features=features)
+    write_files(files, tmp_path)
+    how = OPTIMISED if compiler == "gcc" else READ
+    assert not compile_all(tmp_path, [f for f in files if f.endswith(".c")], compiler, real=real, how=how)
