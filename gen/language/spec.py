@@ -154,7 +154,8 @@ class Damping:
 
         w' = o w x b + s (alpha/r) w x (w x b),
 
-    and 'gilbert', w' = o w x b + o s (alpha/r) w x w', by the same divided by 1 + alpha^2.
+    and 'gilbert', w' = o w x b + o s (alpha/r) w x w', by the same divided by 1 + alpha^2. In R^3, where r is the state's, the form is
+    'll' and r is 1: alpha has the unit of 1/|w|.
     """
     name: str
     over: Sites

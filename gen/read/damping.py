@@ -19,35 +19,39 @@ class DampingReader:
         if node.has("energy"):
             node.get("damping").wrong(codes.CONFLICT, f"`{node.label}` has an energy and a damping", "write two effects, an energy and a damping")
         node.table(*KEYS)
-        name, (over, alpha), form, said = self.problems.together(
-            lambda: self.terms.name(node, "effect", ()), lambda: self.law(node), lambda: self.form(node), lambda: meaning(node, "meaning"))
+        name, (over, alpha, form), said = self.problems.together(
+            lambda: self.terms.name(node, "effect", ()), lambda: self.law(node), lambda: meaning(node, "meaning"))
         return Damping(name, over, alpha, form, said)
 
     def law(self, node: Node):
-        """(the sites, alpha)."""
+        """(the sites, alpha, the form)."""
         over = self.sites(node)
-        return over, self.terms.formulas.free(node.get("damping"), "a damping", over.index)
+        return (over, *self.problems.together(lambda: self.terms.formulas.free(node.get("damping"), "a damping", over.index),
+                                              lambda: self.form(node, self.terms.declared.families[over.family].kind)))
 
     def sites(self, node: Node) -> Sites:
-        """Those of one family on spheres, that no other effect damps."""
+        """Those of one family on spheres or in R^3, that no other effect damps."""
         over = self.terms.over(node, "damping")
         at = node.get("over") if node.has("over") else node
         if not isinstance(over, Sites):
             at.wrong(codes.OVER, "a damping acts on the sites of a family", 'write `over = "site(i) of w"`')
         self.terms.known({over.family})
         family = self.terms.declared.families[over.family]
-        if family.kind != "sphere" or family.tracer:
-            what = "are tracers, which follow what carries them" if family.tracer else "are not on spheres"
-            at.wrong(codes.NOT_HERE, f"the sites of `{family.name}` {what}", "a damping is for spins on spheres")
+        if family.kind == "nambu" or family.tracer:
+            what = "are tracers, which follow what carries them" if family.tracer else "are on Nambu leaves"
+            at.wrong(codes.NOT_HERE, f"the sites of `{family.name}` {what}", "a damping is for sites on spheres or in R^3")
         if over.family in self.damped:
             at.wrong(codes.CONFLICT, f"`{self.damped[over.family]}` damps the sites of `{over.family}` already", "write one damping with the sum of both")
         self.damped[over.family] = node.name
         return over
 
-    def form(self, node: Node) -> str:
+    def form(self, node: Node, kind: str) -> str:
+        """Gilbert's unless another is given; in R^3 that of Landau and Lifshitz alone, where alpha is in units of 1/|w|."""
         if not node.has("form"):
-            return FORMS[0]
+            return FORMS[kind == "r3"]
         form = node.get("form").string()
+        if kind == "r3" and form == FORMS[0]:
+            node.get("form").wrong(codes.CHOICE, "Gilbert's damping is for spheres", 'in R^3, where |w| is that of the start, write `form = "ll"`')
         if form not in FORMS:
             node.get("form").wrong(codes.CHOICE, f"`{form}` is no form of damping", " or ".join(f'`"{x}"`' for x in FORMS))
         return form

@@ -30,13 +30,13 @@ def spec_text(dice) -> str:
 
 def damped(dice, text) -> str:
     """With damped sites, where the method has a step for them and a family is on spheres."""
-    names = re.findall(r'^(\w+) = \{ sphere = (?!.*tracer)', text, re.MULTILINE)
+    names = re.findall(r'^(\w+) = \{ (sphere|r3) = (?!.*tracer)', text, re.MULTILINE)
     method = re.search(r'^method = "(.*)"', text, re.MULTILINE)
     wanted = re.search(r"^# features: .*extended", text, re.MULTILINE)
     if not names or wanted or not METHODS[method[1] if method else DEFAULT].responds:
         return text
-    effects = (f'[effects.d{k}]\nover = "site(k) of {name}"\ndamping = "{dice.choice(DAMPINGS)}"\nform = "{dice.choice(FORMS)}"\n'
-               for k, name in enumerate(dice.sample(names, dice.randint(1, len(names)))))
+    effects = (f'[effects.d{k}]\nover = "site(k) of {name}"\ndamping = "{dice.choice(DAMPINGS)}"\n' + f'form = "{dice.choice(FORMS)}"\n' * (kind == "sphere")
+               for k, (name, kind) in enumerate(dice.sample(names, dice.randint(1, len(names)))))
     found = re.sub(r"^(?=\[starts)", lambda _: "".join(effects), text, count=1, flags=re.MULTILINE)
     return re.sub(r"^effects = \[", 'effects = ["d0", ', found, flags=re.MULTILINE)
 

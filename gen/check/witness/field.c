@@ -57,9 +57,10 @@ static void cross(const real a[3], const real b[3], real x[3]) {
   x[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* orientation s alpha/r, r^2/2 the value of C */
+/* orientation s alpha/r, r^2/2 the value of C; r = 1 where no leaf is fixed, in R^3 */
 static real loss(const system_t *s, int64_t i) {
-  return s->alpha[i] == 0 ? 0 : s->orientation * copysign(s->alpha[i], s->kappa[i]) / sqrtl(2 * (real)s->leaf[i]);
+  const real r = isnan(s->leaf[i]) ? 1 : sqrtl(2 * (real)s->leaf[i]);
+  return s->alpha[i] == 0 ? 0 : s->orientation * copysign(s->alpha[i], s->kappa[i]) / r;
 }
 
 /* R = share (b + loss w x b) of one site */

@@ -52,12 +52,12 @@ def contributions_of(spec: Spec) -> tuple:
 
 
 def damped(spec: Spec, damping: Damping) -> Response:
-    """Landau and Lifshitz: f = 1, q = o s alpha/r, s the sign of kappa; Gilbert: both divided by 1 + alpha^2."""
+    """Landau and Lifshitz: f = 1, q = o s alpha/r, s the sign of kappa, r = 1 in R^3; Gilbert: both divided by 1 + alpha^2."""
     family = next(f for f in spec.families if f.name == damping.over.family)
     alpha = with_index(damping.alpha, damping.over.index, Idx("i"))
     side = Op("if", (Op(">", (family.kappa, Num(0))), Num(spec.orientation), Num(-spec.orientation)))
     f = Num(1) if damping.form == "ll" else Op("/", (Num(1), Op("+", (Num(1), Op("*", (alpha, alpha))))))
-    return Response(f, Op("*", (f, Op("*", (side, Op("/", (alpha, family.radius)))))))
+    return Response(f, Op("*", (f, Op("*", (side, Op("/", (alpha, family.radius or Num(1))))))))
 
 
 def responses_of(contributions) -> dict:
