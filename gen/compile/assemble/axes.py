@@ -3,10 +3,11 @@ from __future__ import annotations
 
 from ...language.spec import Once, Sites
 from ..lower.code import Argument, Component, Element, Function, Name, Return, Zeros
-from ..lower.integers import ZERO
+from ..lower.integers import ZERO, Whole
 from ..lower.kernels import COEFFICIENTS, TermKernels, additions
 from ..lower.lowering import Lowering
 from .families import SITE, by_family
+from .part import Part, where_true
 from .solo import shorter
 from .sums import W, gathered, sums
 
@@ -74,3 +75,18 @@ def slope_of_site(model, axis: int) -> Function:
         return (Zeros("g", 1), *found, Return(Element("g", 0))) if found else (Return(ZERO),)
     arguments = (*SITE, Argument("const smg_real *", "v"))
     return by_family("smg_real", f"smg_slope_{AXES[axis]}", arguments, body, model.families, index="site", wanted=True)
+
+
+class Axes(Part):
+    """Slopes along each axis, for the axis splitting."""
+    name = "axes"
+
+    def made(self, model, low):
+        return axis_kernels(model, low) if model.method.splitting == "axes" else None
+
+    def functions(self, model):
+        return axis_functions(model)
+
+    def settings(self, model):
+        separate = is_separate(model)
+        return {"SMG_AXES": axes_in_use(model), **where_true(SMG_SEPARATE=separate, SMG_ONE_SITE=separate and model.total == Whole(1))}

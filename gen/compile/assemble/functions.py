@@ -1,20 +1,11 @@
 """All definitions of a model, in an order in which each follows what it mentions."""
 from __future__ import annotations
 
-from .axes import axis_functions
 from .families import number_functions, site_functions
-from .few import few_functions
-from .lanes import has_lanes, lane_functions
 from .parameters import parameter_functions
-from .pair_rows import pair_row_functions
-from .pairs import pair_functions
-from .response import response_functions
-from .rows import row_functions
-from .sublattices import sublattice_functions
 from .sums import site_sums, sum_functions, sums, value_body
 from .sweeps import visits
 from .tables import tables
-from .wide import wide_functions
 from ..lower.code import mentions, needed
 from ..lower.trim import trim
 
@@ -28,9 +19,8 @@ def value_sums(model) -> list:
 def definitions(model) -> tuple[list, list]:
     """(tables, types and functions; `value_sums`): what nothing mentions is left out, arguments that nothing reads too."""
     kernels = [f for t in (*model.effects, *model.observables) for f in t.functions]
-    functions = [*parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *response_functions(model), *sum_functions(model),
-                 *site_sums(model), *visits(model), *(model.solo or ()), *((model.motion,) if model.motion else ()), *(model.lane_sphere or ()), *axis_functions(model), *sublattice_functions(model), *pair_functions(model), *row_functions(model), *pair_row_functions(model), *few_functions(model),
-                 *(wide_functions(model) if model.wide else ()), *(lane_functions(model) if has_lanes(model) else ())]
+    functions = [*parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *sum_functions(model), *site_sums(model),
+                 *visits(model), *(f for part in model.parts for f in part.functions(model))]
     values = value_sums(model)
     kept, bodies = trim(needed([*tables(model), *functions], called(values)), [body for _, _, body in values])
     values = [(kind, name, body) for (kind, name, _), body in zip(values, bodies)]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from ..lower.code import Argument, Call, Component, Constant, Entry, Function, Held, Local, Member, Name, Parameter, Real, Struct, Unary, Variable, real_of, walk
 from ..lower.integers import Whole
+from .part import MOST_LANES, Part
 
 KINDS = {"smg_vec": "smg_lane_vec", "smg_slope": "smg_lane_slope", "smg_real": "smg_lanes", "const smg_coefficients *": "const smg_lane_coefficients *"}
 IN_LANES = {f"smg_{name}": f"smg_lane_{name}" for name in (
@@ -73,3 +74,26 @@ def in_lanes(d):
     arguments = tuple(replace(a, kind=KINDS[a.kind]) for a in d.arguments)
     body = tuple(replace(s, kind=KINDS[s.kind]) if isinstance(s, Variable) else s for s in d.body)
     return replace(d, kind=KINDS[d.kind], name=IN_LANES[d.name], arguments=arguments, body=body, target=TARGET)
+
+
+class MembersInLanes(Part):
+    """Members of an ensemble of single spheres, one in each lane."""
+    name = "lane_sphere"
+
+    def made(self, model, low):
+        return lane_sphere(model, low) if "ensemble" in model.features else None
+
+    def functions(self, model):
+        return [*model.lane_sphere]
+
+    def headers(self, model):
+        return ["smg_lane_vec.h"]
+
+    def settings(self, model):
+        return {"SMG_LANE_SPHERE": 1}
+
+    def member_headers(self, model):
+        return [model.method.lane_header]
+
+    def lanes(self, model):
+        return MOST_LANES

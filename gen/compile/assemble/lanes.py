@@ -4,14 +4,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..lower.code import Call, Function
+from .part import Part
 from .sums import gradient_body, sum_gradient, sums
 
 VECTORS = {"const smg_real *": "const smg_lanes *", "smg_real *": "smg_lanes *"}
-
-
-def has_lanes(model) -> bool:
-    """Does the method take several gradients at once, and may all states share one time? Where it goes by rows, it does not."""
-    return model.in_rows is None and model.method.lanes > 1 and not model.coefficients.timed
 
 
 def lane_functions(model) -> list:
@@ -33,3 +29,21 @@ def renamed(statement):
 
 def named(kernel: str) -> str:
     return f"lane_{kernel}"
+
+
+class GradientsInLanes(Part):
+    """Gradients of several states at once, for the stages of Gauss collocation."""
+    name = "lane_gradient"
+
+    def made(self, model, low):
+        """Where the method takes several gradients at once, and all states may share one time; where it goes by rows, it does not."""
+        return True if model.in_rows is None and model.method.lanes > 1 and not low.is_timed() else None
+
+    def functions(self, model):
+        return lane_functions(model)
+
+    def headers(self, model):
+        return ["smg_lanes.h"]
+
+    def lanes(self, model):
+        return model.method.lanes

@@ -1,8 +1,6 @@
 """A model as data: its kernels, its plan, and what the functions over its sites ask of them."""
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
 from ...language.tracers import moves_tracers
@@ -17,23 +15,21 @@ from ..lower.loops import Loops
 from ..lower.lowering import Lowering
 from ..plan.contributions import contributions_of, require, responses_of
 from ..plan.plan import Plan, require_free_body
-from .axes import axis_kernels
 from .families import FamilyCode, family_codes
-from .few import BY_LANES, few
-from .lane_sphere import lane_sphere
 from .norms import edge_norms, reach
-from .pairs import pair_kernels
-from .response import response_kernels
-from .rows import BY_ROWS, BY_STAGE_ROWS, BY_TURN_ROWS, one_lattice, rows
-from .solo import lone_motion, solo_kernels
-from .wide import wide_kernels
+from .parts import FIRST, PARTS
+from .rows import one_lattice
+
+
+HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
 
 
 class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
-    families: sizes, strengths and leaves; effects, observables: kernels of one term; solo: of a single unit sphere, or None; motion: its field alone, or None; lane_sphere: the same in lanes, where an ensemble has them, or None;
-    responses, responding: of families whose sites do more than precess in their field, and their kernels; wide: in extended precision, or None; axes: slopes along each axis, or None; pairs: slopes of functions of scalar products, or None; reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; in_rows: of a lattice in lanes, or None; few: of few sites in lanes, or None.
+    families: sizes, strengths and leaves; effects, observables: kernels of one term; responses: laws of families whose sites do more than precess;
+    reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; parts: those of `parts.py` that it has, each also an
+    attribute by its name, what it is made of or None.
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=(), contributions=None):
@@ -47,23 +43,28 @@ class Model:
         self.by_name = {f.name: f for f in self.families}
         self.effects = tuple(term_kernels(low, e, "effect") for e in self.spec.effects)
         self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
-        self.responding = response_kernels(self, low)
+        self.parts = ()
+        self.add(FIRST, low)
         self.loops = Loops(low, lambda family: self.by_name[family].count)
         self.reach = reach(self, low) if plan.rotation else None
         self.edge_norms = edge_norms(self, low) if self.reach is not None else {}
-        self.in_rows = rows(self, low)
-        if self.in_rows:
-            self.plan = self.plan.also(BY_ROWS if self.method.of_midpoints else BY_TURN_ROWS if self.method.splitting else BY_STAGE_ROWS)
-        self.few = few(self, low)
-        if self.few is not None:
-            self.plan = replace(self.plan, reason=BY_LANES)
-        self.solo = solo_kernels(self, low)
-        self.motion = lone_motion(self, low)
-        self.lane_sphere = lane_sphere(self, low) if "ensemble" in self.features else None
-        self.axes = axis_kernels(self, low) if self.method.splitting == "axes" else None
-        self.pairs = pair_kernels(self, low) if self.method.splitting == "pairs" else None
-        self.wide = wide_kernels(self) if "extended" in self.features else None
+        self.add(PARTS[len(FIRST):], low)
         self.low, self.coefficients = low, low.finished()
+
+    def add(self, parts, low):
+        """Each under its name; those that the model has are its `parts`."""
+        for part in parts:
+            found = part.made(self, low)
+            setattr(self, part.name, found)
+            if found is not None:
+                self.parts += (part,)
+                self.plan = part.planned(self.plan, self)
+
+    @property
+    def history(self) -> int:
+        """Steps that are remembered."""
+        own = max((part.history(self) for part in self.parts), default=0)
+        return own or (HISTORY if self.method.midpoint else self.method.history)
 
     def refuse_what_the_method_has_not(self):
         missing = [name for name in self.features if name not in (*EVERYWHERE, *self.method.features)]

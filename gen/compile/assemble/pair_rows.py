@@ -9,6 +9,7 @@ from ..lower.kernels import COEFFICIENTS
 from ..plan.splitting import bond_classes
 from .lanes import named
 from .pairs import PRODUCT
+from .part import Part
 from .rows import Beside, neighbours
 
 LANES = Argument("smg_lanes", PRODUCT.name)
@@ -61,3 +62,17 @@ def class_row(model, one) -> tuple:
     away = offset[-1] if len(offset) > 2 else 0
     rank = sub if model.in_rows.step > 1 else model.in_rows.rank(sub)
     return one.colour, rank, there, int(t.over.periodic[0]), away, number
+
+
+class PairsByRows(Part):
+    """The same by rows of a lattice, a class of bonds after the other."""
+    name = "pair_rows"
+
+    def made(self, model, low):
+        return True if model.in_rows and model.pairs else None
+
+    def functions(self, model):
+        return pair_row_functions(model)
+
+    def settings(self, model):
+        return pair_row_settings(model)

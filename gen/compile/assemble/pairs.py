@@ -13,6 +13,7 @@ from ..lower.kernels import COEFFICIENTS, TermKernels
 from ..lower.lowering import PREPARE, Lowering
 from ..plan.colouring import one_colour
 from ..plan.splitting import bond_classes, of_the_product, sublattices
+from .part import Part
 from .sublattices import fitting
 
 PRODUCT = sp.Symbol("product", real=True)       # w_i.w_j
@@ -119,3 +120,14 @@ def of_bond(model, group) -> If:
         return If((compare(here, "==", whole(start)),), lines)
     tests = (compare(here, ">=", whole(start)), compare(here, "<", whole(start + len(group))))
     return If(tests, (Let("colour", here - start if start else here), *lines))
+
+
+class PairsOfSites(Part):
+    """Slopes of functions of scalar products, for pair rotations."""
+    name = "pairs"
+
+    def made(self, model, low):
+        return pair_kernels(model, low) if model.method.splitting == "pairs" else None
+
+    def functions(self, model):
+        return pair_functions(model)

@@ -6,6 +6,7 @@ from ..lower.code import Argument, Assign, Element
 from ..lower.lowering import Kernel, index_names
 from ..plan.contributions import Response
 from .families import SITE, by_family
+from .part import Part
 
 
 def formulas(response: Response) -> tuple:
@@ -40,3 +41,17 @@ def response_kernel(low, response: Response) -> Kernel:
 
 def stored(kernel: Kernel) -> tuple:
     return (*kernel.values, *(Assign(Element("r", a), value) for a, value in enumerate(kernel.results)))
+
+
+class Responses(Part):
+    """Sites that do more than precess: the kernels of their families."""
+    name = "responding"
+
+    def made(self, model, low):
+        return response_kernels(model, low) or None
+
+    def functions(self, model):
+        return response_functions(model)
+
+    def settings(self, model):
+        return {"SMG_RESPONDS": 1}

@@ -12,8 +12,8 @@ import sympy as sp
 
 from ...language.spec import Lattice, Sites
 from ..derive.derivatives import switched
-from ..lower.code import Argument, Assign, Braces, Call, Function, If, Let, Name, Return, Variable, Zeros, mentions, where
-from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
+from ..lower.code import Argument, Assign, Braces, Call, Function, If, Let, Member, Name, Return, Variable, Zeros, mentions, where
+from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import PREPARE, index_names
 from ..plan.colouring import Colouring, colouring
@@ -21,12 +21,14 @@ from ..plan.splitting import bond_classes, sublattices
 from .lanes import in_lanes, named
 from .norms import block_norm, row_sums
 from .pairs import slope_bound
+from .part import MOST_LANES, Part, buffer
 from .response import indexed
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 BY_STAGE_ROWS = "sites of a row in lanes"
 BY_TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
+ZERO_UNLESS_SAID = {"SMG_TANGENT", *(f"SMG_{word}_{d}" for word in ("REACH", "WEIGHT") for d in range(4))}      # by smg_rows.h
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
@@ -308,3 +310,57 @@ def rings(model) -> int:
 def reach_of(model, d: int) -> int:
     """How far the farthest stands in direction d."""
     return max([abs(one.offset[d]) for sub in range(model.in_rows.over.sites) for one in neighbours(model, sub)], default=0)
+
+
+class ByRows(Part):
+    """Lattices by rows, sites in lanes."""
+    name = "in_rows"
+
+    def made(self, model, low):
+        return rows(model, low)
+
+    def planned(self, plan, model):
+        return plan.also(BY_ROWS if model.method.of_midpoints else BY_TURN_ROWS if model.method.splitting else BY_STAGE_ROWS)
+
+    def functions(self, model):
+        return row_functions(model)
+
+    def headers(self, model):
+        return ["smg_rows.h"]
+
+    def settings(self, model):
+        said = row_settings(model)
+        return {name: value for name, value in said.items() if value or name not in ZERO_UNLESS_SAID}
+
+    def members(self, model):
+        return [] if model.method.stage_rows else row_members(model.method.of_midpoints)
+
+    def instead(self, model):
+        """Gauss by rows keeps all by slots."""
+        size = Computed("smg_stages_size", (Index("c"),))
+        return [buffer("stages", size, "components by slots: w, z, points, stages and slopes")] if model.method.stage_rows else []
+
+    def laid_out(self, model):
+        """Where steps go by rows, with no other arrays than those."""
+        by_rows = If((Member("s", "rows"),), (Return(Call("smg_row_layout", (Name("s"), Name("mem")))),))
+        return () if model.method.stage_rows else (by_rows,)
+
+    def lanes(self, model):
+        return MOST_LANES
+
+
+def row_members(swept: bool) -> list:
+    """swept: by sweeps, of midpoints."""
+    of_sweeps = [("int row_strong, row_weak, row_stretched", "in strong fields? in weak ones?"),
+                 ("int row_alone", "do their sites feel neither themselves nor others of their colour?"),
+                 ("int row_due", "are the increments of the step before still to be added to row_w?"),
+                 ("int64_t row_passes, row_fewest", "passes of colours in the last step, and in one of the last two"),
+                 ("int64_t row_from", "the pass from which it is watched how far midpoints move"),
+                 ("int64_t row_near, row_reach", "the pass from which small components were nearly looked at, and how many slots away a site feels others"),
+                 ("smg_real row_bound", "the factor by which a sweep shrinks all errors at least, where it is below 1")]
+    later = [("smg_real *row_u, *row_late", "increments of the step under way, of the first colour and of the others")]
+    return [("int rows, row_team", "do steps go by rows of the lattice, in lanes, without other arrays than these? threads that share them, with OpenMP"),
+            *(of_sweeps if swept else []),
+            ("int32_t *row_beside", "where the lattice stands in blocks: the slots beside each vector, else NULL"),
+            ("smg_real *row_w, *row_compensation" + ", *row_m" * swept,
+             "the same by rows, where between calls w is up to date" + ", in the place of row_m" * swept), *(later if swept else [])]

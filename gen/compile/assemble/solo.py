@@ -8,11 +8,15 @@ import sympy as sp
 from ..derive.derivatives import scalar
 from ..derive.parts import expanded, functions_apart, is_short
 from ..lower.code import Argument, Assign, Call, Component, Function, Local, Name, Number, Ordered, Return, Struct, Unary, Variable
-from ..lower.integers import ONE, ZERO, Field
+from ..lower.integers import ONE, ZERO, Computed, Field, whole
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import SITE, Lowering
+from .part import Part, buffer
 from .response import formulas, indexed
 
+HISTORY = 10        # increments kept; another row costs less than another iteration
+STAGES = 8          # the same of compositions: stages
+ROWS = 64           # rows of history before they are moved back
 M, SLOPE = Argument("smg_vec", "m"), Argument("smg_slope", "D")
 OWN = {**{f"v0{axis}": Component("m", a) for a, axis in enumerate("xyz")}, "q": Local("q")}      # the vector m by value
 
@@ -224,3 +228,55 @@ def work(e, m) -> int:
     rest = e.replace(lambda x: isinstance(x, sp.Expr) and not x.is_Atom and not (x.free_symbols & set(m)), lambda x: sp.Dummy())
     return int(sp.count_ops(rest))
 
+
+
+class SingleSphere(Part):
+    """One unit sphere, whose step is in registers."""
+    name = "solo"
+
+    def made(self, model, low):
+        return solo_kernels(model, low)
+
+    def functions(self, model):
+        return [*model.solo]
+
+    def headers(self, model):
+        return ["smg_vec.h"]
+
+    def settings(self, model):
+        return {"SMG_SINGLE_SPHERE": 1}
+
+    def buffers(self, model):
+        rows = buffer("rows", 4 * ROWS, "history: increment and 1/|w + W| of each step, newest first")
+        prepared = buffer("prepared", Computed("smg_prepared_size", (whole(model.method.stages),)), "coefficients for every size of stage, after 1 and the h that they are for")
+        return [rows] if model.method.stages == 1 else [rows, prepared]
+
+    def members(self, model):
+        return [("int row", "newest row of the history"), ("int64_t begun", "the count at which the history began"),
+                ("smg_real older[4]", "part of the prediction that needs the older rows alone")]
+
+    def history(self, model):
+        return HISTORY if model.method.stages == 1 else STAGES
+
+    def own_history(self, model):
+        return True
+
+    def step(self, model):
+        return "smg_single_sphere.h"
+
+
+class LoneMotion(Part):
+    """The field of one unit sphere in one formula, for methods that ask for nothing else."""
+    name = "motion"
+
+    def made(self, model, low):
+        return lone_motion(model, low)
+
+    def functions(self, model):
+        return [model.motion]
+
+    def headers(self, model):
+        return ["smg_vec.h"]
+
+    def settings(self, model):
+        return {"SMG_HAS_MOTION": 1}

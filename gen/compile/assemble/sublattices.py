@@ -7,6 +7,7 @@ from ..lower.kernels import COEFFICIENTS
 from ..lower.loops import SITE
 from ..plan.splitting import sublattices
 from .families import by_family
+from .part import Part
 from .sums import COORDINATES, G, gathered, own
 
 VISIT = (COEFFICIENTS, Argument("int64_t", "colour"), Argument("void *", "context"), Argument("void", "visit", "void *context, smg_lattice_site at"))
@@ -83,3 +84,14 @@ def placed_alone(found, model) -> tuple:
     cells = [Index(f"s{d}") for d in range(len(found.over.size))]
     place = model.loops.cell_of_site(found.over)
     return (Let("site", Index("colour")), *place, *called(Index("sub") if found.over.sites > 1 else ZERO, cells))
+
+
+class Sublattices(Part):
+    """The sites of each colour, for sublattice rotations."""
+    name = "sublattices"
+
+    def made(self, model, low):
+        return True if model.method.splitting == "sublattices" else None
+
+    def functions(self, model):
+        return sublattice_functions(model)

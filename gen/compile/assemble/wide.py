@@ -10,6 +10,7 @@ from ..lower.kernels import COEFFICIENTS, gradient_function
 from ..lower.lowering import CLOCK, PREPARE, Coefficients, Lowering
 from .families import by_family, normal_kernel, returned
 from .families import normal_body as normal_of
+from .part import Part, buffer, where_true
 from .sums import held, sums
 
 WIDE = Argument("const smg_wide_coefficients *", "wide")
@@ -114,3 +115,25 @@ def number(low: Lowering, formula, value) -> tuple:
 
 def normal_body(low: Lowering, f) -> tuple:
     return normal_of(normal_kernel(low, f.family) if f.kind == "nambu" else None)
+
+
+class Extended(Part):
+    """The last evaluation of a step in extended precision."""
+    name = "wide"
+
+    def made(self, model, low):
+        return wide_kernels(model) if "extended" in model.features else None
+
+    def functions(self, model):
+        return wide_functions(model)
+
+    def settings(self, model):
+        return {"SMG_EXTENDED": 1, **where_true(SMG_WIDE_TIMED=model.wide.coefficients.timed, SMG_UNIT_RADIUS=model.method.onto_leaf and model.unit_radius())}
+
+    def buffers(self, model):
+        """Pairs of numbers: three high parts and three low ones for each site."""
+        n = model.total
+        return [buffer("low", 3 * n, "low parts of u"), buffer("wide_m", 6 * n, "midpoints m, high and low parts"),
+                buffer("wide_g", 6 * n, "dH/dw there"), buffer("wide_v", 6 * n, "h X there"), buffer("wide_d", 3 * n, "what u lacks of it"),
+                buffer("wide_e", 3 * n, "what v lacks of the solution"),
+                buffer("wide_s", 0 if model.solo else n, "m = s mbar"), buffer("wide_y", 0 if model.solo else 3 * n, "change of dH/dw")]

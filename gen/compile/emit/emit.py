@@ -21,7 +21,7 @@ from ..program import program_of
 from .amalgamate import inline_runtime
 from .interface import abi_slots, banner, header_slots, interface_slots
 from .signatures import heads
-from .settings import headers, in_lanes, method_headers, settings
+from .settings import headers, method_headers, most_lanes, settings
 from .targets import printed
 
 
@@ -74,7 +74,7 @@ def emitted(spec: Spec, plan: Plan, features, contributions=None) -> Files:
                    f"{M}.c": render("model.c.j2", **source_slots(model, kept), interface=render("interface.c.j2", **interface_slots(model, M, values)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
-                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": in_lanes(model), "threads": model.in_rows is not None and not model.method.stage_rows and not model.pairs,
+                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "threads": model.in_rows is not None and not model.method.stage_rows and not model.pairs,
                    "ranks": model.in_rows is not None and model.method.of_midpoints}
     return files
 

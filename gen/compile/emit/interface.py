@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from ...version import __version__ as VERSION
-from ..assemble.buffers import buffers, history
+from ..assemble.buffers import buffers, keeps_history
 from ..assemble.model import Model
 from ..assemble.parameters import run_time
 from ..lower.code import mentions
@@ -51,10 +51,11 @@ def defaults(model: Model):
 def header_slots(model: Model) -> dict:
     """Of model.h.j2."""
     return dict(
-        params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=history(model), solo=bool(model.solo), midpoint=model.method.of_midpoints, composed=model.method.of_midpoints and model.method.stages > 1,
+        params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=model.history, keeps_history=keeps_history(model), composed=model.method.stages > 1,
+        members=[member for part in model.parts for member in part.members(model)],
         integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.effects],
         hoisted_names=model.coefficients.names, observables=[o.name for o in model.spec.observables],
-        rows=model.in_rows is not None and not model.method.stage_rows, swept_rows=model.in_rows is not None and model.method.of_midpoints, wide_names=model.wide.coefficients.names if model.wide else [])
+        wide_names=model.wide.coefficients.names if model.wide else [])
 
 
 def declare(p) -> dict:

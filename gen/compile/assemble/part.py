@@ -1,0 +1,86 @@
+"""A part: what a layout, a method, a feature or an effect adds to the C of a model. `parts.py` lists them; nothing else knows one by its name."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..lower.integers import Int, whole
+
+MOST_LANES = 8      # of a row or an ensemble: the widest registers there are
+
+
+@dataclass(frozen=True)
+class Buffer:
+    """An array of the state: how many numbers, and what they mean."""
+    name: str
+    size: Int
+    meaning: str
+
+
+def buffer(name: str, size, meaning: str) -> Buffer:
+    return Buffer(name, whole(size), meaning)
+
+
+class Part:
+    """A model that has the part holds what `made` found under `name`, None without it; all else is asked of models that have it."""
+    name = ""
+
+    def made(self, model, low):
+        """What the part is made of, its kernels first; None where the model has no use for it. low: where what is computed before steps is kept."""
+        raise NotImplementedError
+
+    def planned(self, plan, model):
+        """The plan of a model with it."""
+        return plan
+
+    def functions(self, model) -> list:
+        """Definitions, each behind those that it mentions."""
+        return []
+
+    def headers(self, model) -> list:
+        """Of the runtime, that its functions are written with."""
+        return []
+
+    def settings(self, model) -> dict:
+        """Macros that are not 0, and those that C itself reads, whatever they are."""
+        return {}
+
+    def buffers(self, model) -> list:
+        """Arrays of the state."""
+        return []
+
+    def members(self, model) -> list:
+        """Other members of the state, (declaration, meaning)."""
+        return []
+
+    def instead(self, model) -> list:
+        """Arrays in place of those of the method."""
+        return []
+
+    def laid_out(self, model) -> tuple:
+        """Statements before the arrays are laid out one after the other."""
+        return ()
+
+    def history(self, model) -> int:
+        """Increments that are kept; 0: as the method has it."""
+        return 0
+
+    def own_history(self, model) -> bool:
+        """Does the history stand in a buffer of the part, in place of rows of its own?"""
+        return False
+
+    def step(self, model) -> str:
+        """The header of the step of a midpoint; "": as others have it."""
+        return ""
+
+    def member_headers(self, model) -> list:
+        """What takes the members of an ensemble at once."""
+        return []
+
+    def lanes(self, model) -> int:
+        """The most lanes that its functions take; 0: none."""
+        return 0
+
+
+def where_true(**settings) -> dict:
+    """Those that are not 0."""
+    return {name: value for name, value in settings.items() if value}

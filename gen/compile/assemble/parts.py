@@ -1,0 +1,19 @@
+"""All parts, in the order in which they are made; the functions of each may mention those of parts before it."""
+from __future__ import annotations
+
+from .axes import Axes
+from .composed import Composed
+from .few import FewInLanes
+from .lane_sphere import MembersInLanes
+from .lanes import GradientsInLanes
+from .pair_rows import PairsByRows
+from .pairs import PairsOfSites
+from .response import Responses
+from .rows import ByRows
+from .solo import LoneMotion, SingleSphere
+from .sublattices import Sublattices
+from .wide import Extended
+
+FIRST = (Responses(),)      # before bounds of the Hessian are found
+PARTS = (*FIRST, ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
+         Extended(), GradientsInLanes())
