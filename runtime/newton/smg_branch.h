@@ -35,6 +35,9 @@ static smg_status smg_follow_branch(smg_state *s, smg_real h) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_whole whole;
   smg_curve f;
+#if SMG_MATRIX_FREE
+  SMG_PRODUCTS_LEFT(s) = SMG_MAX; /* its own bounds are those of the curve */
+#endif
   whole.s = s;
   whole.h = h;
   f.of = &whole;

@@ -54,13 +54,12 @@ static smg_change smg_refine(smg_state *s, smg_real h) {
 static int64_t smg_worst_site(const smg_state *s) {
   int64_t worst = 0;
   smg_real most = -1;
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) {
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c) && !(most != most); ++k) {
     const smg_real r = SMG_MATH(fabs)(s->r[k]);
     if (r > most || r != r) {
       most = r;
       worst = k / 3;
     }
-    if (r != r) break;
   }
   return worst;
 }

@@ -11,8 +11,12 @@
 
 #define SMG_KRYLOV_BASIS 60
 #define SMG_KRYLOV_SHORT 10
-#define SMG_KRYLOV_WHOLE 20000           /* with the long basis 10 MB of doubles */
-#define SMG_KRYLOV_PRODUCTS 400          /* products before a system is given up; half or twice: nothing changes */
+#define SMG_KRYLOV_WHOLE 20000  /* with the long basis 10 MB of doubles */
+#define SMG_KRYLOV_PRODUCTS 400 /* products before a system is given up; half or twice: nothing changes */
+/* products that the iterations of a step may take together: with 200 sweeps before, 60 Newton iterations and what one
+ * more basis or Lanczos takes, fewer than 1000 evaluations of all sites. The curve, and tangent maps, have no such
+ * bound */
+#define SMG_KRYLOV_A_STEP 600
 #define SMG_KRYLOV_LEFT (1000 * SMG_EPS) /* of b, that round-off may leave */
 /* unknowns up to which the sign of det A is asked of elimination: 7e7 products, 3 MB of doubles */
 #define SMG_KRYLOV_DENSE 600
@@ -33,10 +37,10 @@ static inline int smg_krylov_basis(int64_t n) {
   return n < most ? (int)n : most;
 }
 
-/* The basis and one more vector of it, b, and x; or a matrix and a vector. */
+/* The basis and one more vector of it, b, and x; or a matrix and a vector; after them how many products are left. */
 static inline size_t smg_krylov_worksize(int64_t n) {
   const int64_t vectors = smg_krylov_basis(n) + 3;
-  return (size_t)((n <= SMG_KRYLOV_DENSE && n >= vectors ? n + 1 : vectors) * n);
+  return (size_t)((n <= SMG_KRYLOV_DENSE && n >= vectors ? n + 1 : vectors) * n + 1);
 }
 
 static inline smg_real smg_krylov_dot(int64_t n, const smg_real *a, const smg_real *b) {
@@ -94,8 +98,8 @@ static inline int smg_krylov_add(int64_t n, const smg_real *V, smg_krylov_small 
 }
 
 /* x holds b and receives the solution, to a residual of `tolerance` times that of x = 0. Returns 0, or 1 where
- * it was not reached: A is singular to round-off, or too few products were allowed. */
-static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real tolerance) {
+ * it was not reached: A is singular to round-off, or too few products were allowed: no basis is begun after `limit`. */
+static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real tolerance, smg_real limit) {
   const int64_t n = a->n;
   const int most = smg_krylov_basis(n);
   smg_real *V = a->work, *b = V + (most + 1) * n, *y = b + n;
@@ -108,7 +112,7 @@ static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real to
   }
   const smg_real size = SMG_MATH(sqrt)(smg_krylov_dot(n, b, b)), goal = tolerance * size;
   smg_krylov_small q;
-  for (int products = 0; products < SMG_KRYLOV_PRODUCTS; ++products) {
+  for (int products = 0; products < limit; ++products) {
     int j = 0;
     q.rhs[0] = SMG_MATH(sqrt)(smg_krylov_dot(n, V, V));
     if (!(q.rhs[0] > goal) || !(q.rhs[0] <= last)) break; /* solved, or round-off */

@@ -13,6 +13,8 @@
 /* of a Newton correction, relative: each iteration gains as many digits; half or twice: the same */
 #define SMG_KRYLOV_TOLERANCE (smg_real)1e-5
 #define SMG_KRYLOV_ROUNDOFF SMG_EPS /* of a column of the tangent map: to stagnation */
+/* products with J that the iterations of this step may still take */
+#define SMG_PRODUCTS_LEFT(s) (s)->work[smg_krylov_worksize(smg_order(s)) - 1]
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
 static inline int64_t smg_block_row(int64_t row) { return row; }
@@ -66,6 +68,7 @@ static void smg_undo_all(const smg_state *s, const smg_real *x, smg_real *z) {
 static void smg_apply(const smg_state *s, int transposed, const smg_real *z, smg_real *y) {
   const smg_coefficients *c = &s->c;
   const smg_real *from = transposed ? s->G : s->S, *to = transposed ? s->S : s->G;
+  SMG_PRODUCTS_LEFT(s) -= 1;
   const int across = transposed ? 1 : SMG_BS, down = transposed ? SMG_BS : 1;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
@@ -113,9 +116,9 @@ static int64_t smg_worst_row(const smg_state *s) {
 }
 
 /* s->x = J^-1 s->x by GMRES; 0, or 1 + a row where that may have failed. */
-static int64_t smg_solve_free(const smg_state *s, smg_real tolerance) {
+static int64_t smg_solve_free(const smg_state *s, smg_real tolerance, smg_real products) {
   const smg_krylov a = {(void *)(uintptr_t)s, smg_times, smg_order(s), s->work};
-  if (smg_krylov_solve(&a, s->x, tolerance)) return 1 + smg_worst_row(s);
+  if (smg_krylov_solve(&a, s->x, tolerance, smg_min(SMG_KRYLOV_PRODUCTS, products))) return 1 + smg_worst_row(s);
   smg_undo_all(s, s->x, s->x);
   return 0;
 }
@@ -123,7 +126,7 @@ static int64_t smg_solve_free(const smg_state *s, smg_real tolerance) {
 /* The same to a Newton correction's accuracy. *sign, when asked for: 0, it is not known. */
 static int64_t smg_factor(const smg_state *s, int *sign) {
   if (sign) *sign = 0;
-  return smg_solve_free(s, SMG_KRYLOV_TOLERANCE);
+  return smg_solve_free(s, SMG_KRYLOV_TOLERANCE, SMG_PRODUCTS_LEFT(s));
 }
 
 /* The sign of det J at the last point. */
@@ -142,17 +145,17 @@ static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   return most;
 }
 
-/* Is x.J x >= x.x/4 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos. */
+/* Is x.J x >= x.x/4 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos, while products are left. */
 static inline int smg_coercive(const smg_state *s) {
   const smg_real mean = smg_curve_size(smg_order(s), s->mean);
   const smg_krylov a = {(void *)(uintptr_t)s, smg_times_mean, smg_order(s), s->work};
-  return smg_contracts(mean) || smg_krylov_coercive(&a, mean);
+  return smg_contracts(mean) || (SMG_PRODUCTS_LEFT(s) > 0 && smg_krylov_coercive(&a, mean));
 }
 
 /* The matrix for many right-hand sides: nothing is kept. */
 static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
   (void)keep;
-  return smg_solve_free(s, SMG_KRYLOV_ROUNDOFF);
+  return smg_solve_free(s, SMG_KRYLOV_ROUNDOFF, SMG_KRYLOV_PRODUCTS);
 }
 
 #endif

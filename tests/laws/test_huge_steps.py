@@ -5,6 +5,7 @@ import smidgen
 from smidgen.errors import RunError
 from smidgen.methods import METHODS as METHODS_BY_NAME
 from smidgen.run.step.saved import H
+from support.runtime_faults import Fault, plant
 from support.systems import tiers
 from test_set_state import LATE, LAYOUTS, SOME, bits, spec_of, start_of
 
@@ -102,3 +103,43 @@ def test_members_in_lanes_end_where_they_end_alone(method):
             done = alone.advance(2)
             assert found.steps[k] == done and bits(found.w[k]) == bits(alone.state())
         assert np.isfinite(found.w).all() and (h != 300 or method != "dop853" or 0 < np.count_nonzero(found.status) < 13)
+
+
+# -- evaluations of all sites, counted: sweeps, midpoints, products with Newton's matrix; not those of the curve of solutions
+
+COUNTED = Fault("", "smg_small.h", "/* The smaller and the larger;", "static int smg_counted, smg_counts = 1;\n/* The smaller and the larger;", (), more=(
+    ("smg_matrix_free.h", "  smg_hessian_vector(s);\n", "  smg_counted += smg_counts;\n  smg_hessian_vector(s);\n"),
+    ("smg_coupled.h", "  smg_project_all(s);\n", "  smg_counted += smg_counts;\n  smg_project_all(s);\n"),
+    ("smg_sweep.h", "  smg_each_coloured(&s->c, &sweep, smg_relax);", "  smg_counted += smg_counts;\n  smg_each_coloured(&s->c, &sweep, smg_relax);"),
+    ("smg_sweep.h", "  smg_each(&s->c, &end, smg_end_site);", "  smg_counted += smg_counts;\n  smg_each(&s->c, &end, smg_end_site);"),
+    ("smg_step.h", "  const smg_status followed = smg_follow_branch(s, h);", "  smg_counts = 0;\n  const smg_status followed = smg_follow_branch(s, h);\n  smg_counts = 1;"),
+    ("smg_step.h", "  s->report.status = smg_solve_step(s, h);", "  smg_counted = 0;\n  s->report.status = smg_solve_step(s, h);\n  s->report.iterations = smg_counted;")))
+SQUARE = """
+[model]
+name = "square_in_field"
+[space]
+w = { sphere = "n*n" }
+[parameters]
+n = 12
+[effects.exchange]
+over = "bond(i, j) of square(n, n, periodic, periodic)"
+energy = "-dot(w[i], w[j])"
+[effects.cubic]
+over = "site(i) of w"
+energy = "w[i].x^3"
+[starts.a]
+random = 4
+"""
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", pytest.param("classical-midpoint", marks=pytest.mark.long)])
+def test_iterations_end_after_a_thousand_evaluations(method, monkeypatch, tmp_path):
+    """Sweeps, two tries of Newton with GMRES, and the ends of steps together, near the largest steps that there are: without a bound up to 3249 of them."""
+    plant(monkeypatch, tmp_path, COUNTED)
+    model, found = smidgen.build(smidgen.load_text(SQUARE), method), []
+    for h in (0.7, 0.8, 0.9):
+        for seed in range(3):
+            model.start("a", h=h, seed=seed)
+            stepped(model)
+            found.append(model.report()["iterations"])
+    assert 600 < max(found) <= 1000, found

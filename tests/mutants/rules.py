@@ -80,7 +80,7 @@ BRANCH = (
     (STEP, r"return \(det > .*;", r"return det > 0;"),
     (STEP, r"solved && row < 1", r"solved"),
     (STEP, r"solved && ", r""),
-    (STEP, r"smg_contracts\(mean\) \|\| smg_krylov_coercive\(&a, mean\)", r"1"),
+    (STEP, r"smg_contracts\(mean\) \|\| \(SMG_PRODUCTS_LEFT\(s\) > 0 && smg_krylov_coercive\(&a, mean\)\)", r"1"),
     (STEP, r"if \(status == SMG_WRONG_BRANCH\) break;", r"if (status == SMG_WRONG_BRANCH) return SMG_OK;"),
     (STEP, r"status = followed;", r"status = SMG_OK;"),
     ("runtime/core/smg_block.h", r"&& \*pivots == 1\) \*pivots = 2;", r"&& *pivots == 1) *pivots = 1;"),

@@ -22,7 +22,7 @@ int main(void) {
   pipe_take(n, x);
   matrix m = {n, A};
   const smg_krylov a = {&m, times, n, work};
-  pipe_put(smg_krylov_solve(&a, x, tolerance));
+  pipe_put(smg_krylov_solve(&a, x, tolerance, SMG_KRYLOV_PRODUCTS));
   pipe_give(n, x);
   pipe_put(smg_krylov_coercive(&a, 2));
   pipe_put(smg_krylov_sign(&a, &a, 2));

@@ -25,11 +25,14 @@
 #endif
 
 #if SMG_HAS_COUPLED
-/* The coupled sites: from the extrapolated start; when that fails from rest; when that fails by following the
- * branch. */
+/* The coupled sites: from the extrapolated start; when that fails from rest; when that fails, or has taken all products
+ * with J that it may, by following the branch. */
 static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
   const int tries = s->degree < 0 ? 1 : 2;
   smg_status status = SMG_OK;
+#if SMG_MATRIX_FREE
+  SMG_PRODUCTS_LEFT(s) = SMG_KRYLOV_A_STEP;
+#endif
 #if SMG_SWEPT
   status = smg_sweeps(s, h);
   if (status == SMG_OK) return SMG_OK;
@@ -43,6 +46,9 @@ static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
     if (status == SMG_OK) return SMG_OK;
     if (status == SMG_WRONG_BRANCH) break;
   }
+#if SMG_MATRIX_FREE
+  if (status == SMG_SINGULAR && SMG_PRODUCTS_LEFT(s) <= 0) status = SMG_NO_CONVERGENCE;
+#endif
   const smg_status followed = smg_follow_branch(s, h);
   /* whatever Newton found elsewhere */
   if (followed == SMG_WRONG_BRANCH || followed == SMG_NO_SOLUTION) return followed;
