@@ -8,6 +8,7 @@ from pathlib import Path
 from .. import ranks
 from ..errors import Exit, RunError, UsageError
 from ..run.files.checkpoint import folder_of
+from ..run.estimate import SHORT
 from ..run.files.options import OPTIONS
 from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of
 from .say import notes_line, printed, say
@@ -41,8 +42,10 @@ def add(commands):
     run_option(parser, "checkpoint")
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
     run_option(parser, "tolerance")
-    parser.add_argument("--no-estimate", action="store_true", help="do not repeat the run with larger and with smaller "
-                        "steps to estimate its error, which takes 2 to 2.5 times as many steps")
+    one = parser.add_mutually_exclusive_group()
+    one.add_argument("--estimate", action="store_const", const=True, help="repeat the run with larger and with smaller steps to estimate its error, "
+                     f"which takes 2 to 2.5 times as many steps; default: where the run took less than {SHORT:g} s")
+    one.add_argument("--no-estimate", action="store_const", const=False, dest="estimate", help="do not")
     run_option(parser, "substeps")
     json_option(parser)
 
@@ -148,7 +151,7 @@ CHOICES = tuple(option.name for option in OPTIONS if option.reads and option.nam
 def choices(args) -> dict:
     """What the command line chooses, by the names that `run` has for it."""
     given = chosen(args, CHOICES)
-    given.update(values=dict(args.values), native=args.native, fast=bool(args.fast), real=args.real, estimate=not args.no_estimate)
+    given.update(values=dict(args.values), native=args.native, fast=bool(args.fast), real=args.real, estimate=args.estimate)
     if args.start is not None:
         given["start"] = start_of(args.start)
     return given
@@ -156,7 +159,7 @@ def choices(args) -> dict:
 
 def refuse_choices(args, said="--repeat repeats a run as it was: only --out and --json go with it"):
     """A repeated run is the run as it was, and so is one that goes on."""
-    if args.values or args.start or chosen(args, CHOICES):
+    if args.values or args.start or args.estimate is not None or chosen(args, CHOICES):
         raise UsageError(said)
 
 
@@ -211,6 +214,8 @@ VAGUE = 0.1     # an estimate beyond this tells that the end is not known
 def estimate_lines(result):
     """How far the end is from the exact solution."""
     error, withheld = result.meta.get("end_error"), result.meta.get("end_error_withheld")
+    if result.summary.get("estimate_left_out"):
+        yield "error of the final state: not estimated, for it would take some 2.5 times as long as the run did; --estimate asks for it"
     if withheld:
         yield f"error of the final state: not estimated: {withheld}"
     if error is None:

@@ -20,7 +20,7 @@ from ..public import public
 from ..version import __version__
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
-from .estimate import end_error
+from .estimate import SHORT, end_error
 from .step.integrator import Integrator, compiled
 from .step.prepared import prepare
 from .files.options import OPTIONS
@@ -53,7 +53,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
         out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None, real: str = "double",
-        native: bool | None = None, estimate: bool = False, tolerance: float | None = None, fast: bool = False,
+        native: bool | None = None, estimate: bool | None = False, tolerance: float | None = None, fast: bool = False,
         threads: int | None = None) -> Result:
     """Run `spec` and return a Result.
 
@@ -70,6 +70,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     `out`; progress: a function of the steps done; real: "double" or "long double"; native:
     compile for this processor (None: as `build` does); estimate: repeat the run with larger and smaller steps, and estimate from the
     differences the error of the final state, `meta["end_error"]`, in units of the largest |w|, or None and in `meta["end_error_withheld"]` why;
+    None: where the run took less than 2 s, as `meta["estimate"]` then says;
     tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation; threads: as for `build`.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
     Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
@@ -241,15 +242,17 @@ def _plain(values: dict) -> dict:
 def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
     meta, extras, t = describe(model, settings, status), {"final": model.state()}, model.t
-    if settings.estimate and status == "complete":
-        meta["end_error"], meta["end_error_withheld"] = estimated(model, settings, extras["final"])
+    if status == "complete":
+        meta["estimate"] = settings.estimate if settings.estimate is not None else ranks.on_first(lambda: clock.perf_counter() - began < SHORT)
+        if meta["estimate"]:
+            meta["end_error"], meta["end_error_withheld"] = estimated(model, settings, extras["final"])
     if settings.substeps:
         extras["substeps"] = np.array(recorder.substeps, float).reshape(-1, 3)
     memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
     summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
-               "nearest": recorder.block.near_centre(model), "seconds": clock.perf_counter() - began}
+               "estimate_left_out": settings.estimate is None and meta["estimate"] is False, "nearest": recorder.block.near_centre(model), "seconds": clock.perf_counter() - began}
     return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
 
 

@@ -48,7 +48,7 @@ class Settings:
     native: bool | None = None
     substeps: bool = False
     checkpoint: int | None = None
-    estimate: bool = False
+    estimate: bool | None = False
     tolerance: float | None = None
     fast: bool = False
     threads: int | None = None
@@ -84,7 +84,7 @@ def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solv
         chosen_outputs(spec, tuple(what or base.what)),
         base.effects if effects is None else tuple(effects), values, numbers,
         None if seed is None else whole(seed, "a seed"), real, native,
-        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), bool(estimate),
+        bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), None if estimate is None else bool(estimate),
         None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads)
 
 

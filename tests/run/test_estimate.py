@@ -1,14 +1,17 @@
 """The estimate of a run's error is withheld where step sizes disagree about it, and metadata say why."""
 import math
+import sys
 
 import numpy as np
 import pytest
 import smidgen
+from smidgen.cli import main
 from smidgen.language.spec import LOOSEST
 from smidgen.methods import METHODS
 from smidgen.run.estimate import Other, judged
 
 EPS = float(np.finfo(float).eps)
+module = sys.modules["smidgen.run.run"]
 ROTATING = """
 [model]
 name = "stirred"
@@ -103,3 +106,35 @@ def test_the_reason_is_in_the_metadata_and_is_repeated(tmp_path, command):
 def test_the_loosest_tolerance_has_an_estimate_or_a_reason():
     meta = smidgen.run(smidgen.load("free_rigid_body"), method="dop853", h=1, steps=4, tolerance=LOOSEST, estimate=True).meta
     assert (meta["end_error"] is None) != (meta["end_error_withheld"] is None)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("longest, words, taken, said", [(0.0, [], False, "--estimate asks for it"), (np.inf, [], True, "estimated error of the end: "),
+                                                         (0.0, ["--estimate"], True, "estimated error of the end: "), (np.inf, ["--no-estimate"], False, None)])
+def test_a_long_run_is_repeated_where_that_is_asked_for(monkeypatch, capsys, tmp_path, longest, words, taken, said):
+    """`longest`: the seconds up to which a run is short. The file says what was done, and its repetition, on a machine of any speed, has its bytes."""
+    monkeypatch.setattr(module, "SHORT", longest)
+    one, two = tmp_path / "one.npz", tmp_path / "two.npz"
+    assert main(["run", "free_rigid_body", "--steps", "80", "--out", str(one), *words]) == 0
+    told = capsys.readouterr().out
+    assert said in told if said else "estimate" not in told
+    meta = smidgen.load_result(one).meta
+    assert meta["estimate"] is taken and (meta["end_error"] is not None) is taken and meta["end_error_withheld"] is None
+    monkeypatch.setattr(module, "SHORT", np.inf if longest == 0 else 0.0)
+    assert main(["run", "--repeat", str(one), "--out", str(two)]) == 0 and one.read_bytes() == two.read_bytes()
+    assert main(["run", "--repeat", str(one), "--estimate"]) == 2
+
+
+@pytest.mark.quick
+def test_a_run_that_goes_on_decides_at_its_end(monkeypatch, tmp_path, capsys):
+    """Its time is that of all its parts; what it was begun with is what it is asked to go on with."""
+    monkeypatch.setattr(module, "SHORT", 0.0)
+    spec, out = smidgen.load("free_rigid_body"), tmp_path / "a.npz"
+
+    def stop(done):
+        if done >= 40:
+            raise KeyError
+    with pytest.raises(KeyError):
+        smidgen.run(spec, steps=80, checkpoint=20, estimate=None, out=out, progress=stop)
+    assert main(["run", "--resume", str(out), "--json"]) == 0
+    assert '"estimate_left_out": true' in capsys.readouterr().out and smidgen.load_result(out).meta["estimate"] is False

@@ -45,7 +45,7 @@ OPTIONS = (
     Option("native", either(none, flag)),
     Option("substeps", flag, False, "flag", "take a step that fails as up to 1024 smaller ones, and say so"),
     Option("checkpoint", None, reads="whole", metavar="N", help="write a checkpoint every N steps: a run that is killed goes on from there"),
-    Option("estimate", flag, False),
+    Option("estimate", either(none, flag), False),
     Option("tolerance", either(none, number), None, "number", metavar="E", help="of a step, as part of the largest component of w: its iterations end there, "
            "or step control aims at it; default: round-off"),
     Option("fast", flag, False, "flag", "--native, and products and sums in one operation: for whom the same bits on every machine are too dear"),
