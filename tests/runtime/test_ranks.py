@@ -14,7 +14,7 @@ from smidgen.errors import MissingTool
 from smidgen.resources import include_flags
 from smidgen.run.step.start import initial_state
 from support.strict import COMPILERS, WARNINGS
-from test_rows import EXCHANGE, FIELD, PLANES, SPECS, lattice
+from test_rows import DM, EXCHANGE, FIELD, FOUR, HONEY, PLANES, SKEW, SPECS, lattice
 
 MISSING = [name for name in ("mpicc", "mpirun") if not shutil.which(name)]
 needs_mpi = pytest.mark.skipif(bool(MISSING), reason=f"no {', '.join(MISSING)}: apt-get install libopenmpi-dev openmpi-bin")
@@ -72,8 +72,8 @@ int main(int argc, char **argv) {{
 """
 
 
-def mpirun(count, *words, cwd, **environment):
-    return subprocess.run(["mpirun", "-n", str(count), *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=LIMIT, env={**os.environ, **MPI, **environment})
+def mpirun(count, *words, cwd, limit=LIMIT, **environment):
+    return subprocess.run(["mpirun", "-n", str(count), *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=limit, env={**os.environ, **MPI, **environment})
 
 
 def programs(where, spec, *more, right="", wrong=""):
@@ -97,6 +97,14 @@ def check_bits(where, counts):
         assert [(where / f"of{n}.{k}").read_bytes() == wanted for k in range(n)] == [True] * n
 
 
+LONG = {  # along their slowest direction, so that four ranks have parts of them and send each other messages; most of SPECS are too small for that
+    "long cubic": lattice("long_cubic", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE),
+    "long open cubic": lattice("long_open_cubic", "cubic(5, 3, n, open)", 31, "15*n"),
+    "ring of 600": lattice("ring", "chain(n, periodic)", 600, "n", EXCHANGE + FIELD + DM),
+    "further neighbours of 900": lattice("further", "chain(n, periodic, 2)", 900, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")),
+    "long honeycomb": lattice("long_honeycomb", "honey.all", 40, "12*n", lattice=HONEY.replace('["n", 3]', '[6, "n"]')),
+    "three colours along": lattice("long_skew", "skew.near", 41, "7*n", EXCHANGE + DM, SKEW.replace('["n", 4]', '[7, "n"]').replace('"periodic"', '"open"')),
+    "long in four dimensions": lattice("long_four", "four.near", 20, "48*n", EXCHANGE + DM, FOUR.replace('["n", 3, 4, 2]', '[4, 3, 4, "n"]'))}
 C_CASES = {"odd cubic": (2,), "plain cubic": (2, 3, 4), "open cubic": (3,), "honeycomb": (2, 3), "ladder": (3,), "ring of 601": (4,), "open chain of 35": (2,), "further neighbours of 50": (2,),
            "three colours": (3,), "odd square": (3,), "four dimensions": (4,), "far": (2,)}
 
@@ -107,6 +115,14 @@ def test_ranks_have_the_same_bits(tmp_path, name):
     """Each rank has the whole state, with what rounding cut off and the history; restored, it goes on."""
     programs(tmp_path, SPECS[name], *SMALL)
     check_bits(tmp_path, C_CASES[name])
+
+
+@needs_mpi
+@pytest.mark.parametrize("name", [n if n == "long cubic" else pytest.param(n, marks=pytest.mark.long) for n in LONG])
+def test_ranks_that_send_messages_have_the_same_bits(tmp_path, name):
+    """tests/runtime/test_late_messages.py counts the messages."""
+    programs(tmp_path, LONG[name], *SMALL)
+    check_bits(tmp_path, (2, 3, 4))
 
 
 @needs_mpi
