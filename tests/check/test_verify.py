@@ -223,7 +223,7 @@ def test_a_frozen_time_shows_where_it_is_weak():
 def test_a_reversed_bracket_is_refused():
     spec = load("point_vortices")
     certificate = certify(spec, tier=SHORT, subject=wrong.compiled(spec, wrong.turned_round))
-    assert {"order", "step", "residual", "run", "whole space", "sums"} == said(certificate, NO)
+    assert {"order", "step", "residual", "run", "whole space", "sums", "refusals"} == said(certificate, NO)
     assert said(certificate, YES) >= {"symplectic", "reversible", "momentum", "field", "tangent map"}
 
 

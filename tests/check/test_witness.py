@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -388,7 +389,8 @@ def test_the_c_is_free_of_warnings(compiler, tmp_path):
 
 SANITIZED = """
 import sys
-sys.path.insert(0, {tests!r})
+from pathlib import Path
+sys.path[:0] = {tests!r}
 import test_witness as t
 t.test_errors_of_the_free_body((1, 2, 4), 3)
 t.test_tracers_feel_and_do_not_act()
@@ -402,7 +404,7 @@ def test_the_c_passes_sanitizers(monkeypatch, tmp_path, root):
     library = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True,
                              text=True, check=True).stdout.strip()
     code = "import smidgen.check.witness.native as n; n.FLAGS += ('-g', '-fsanitize=address,undefined'," \
-           " '-fno-sanitize-recover=all')" + SANITIZED.format(tests=str(root / "tests"))
+           " '-fno-sanitize-recover=all')" + SANITIZED.format(tests=[str(root / "tests"), str(Path(__file__).parent)])
     monkeypatch.setenv("LD_PRELOAD", library)
     monkeypatch.setenv("ASAN_OPTIONS", "detect_leaks=0")
     monkeypatch.setenv("CC", "gcc")

@@ -154,10 +154,11 @@ def test_every_row_is_whole(table):
 
 @pytest.mark.usefixtures("as_shipped")
 def test_runs_without_a_known_end_go_to_a_tolerance_by_their_energy():
-    """Half the energy error, in fewer iterations; a single sphere's midpoints have none to end."""
+    """Twice the energy error at most, in fewer iterations, where steps resolve the motion (with 57 of them, h = 5.3, what an iteration leaves
+    is not in proportion to what it does); a single sphere's midpoints have none to end."""
     found = smidgen.cost(smidgen.load("irreversible_rigid_body"), time=300, methods=("gauss-8", "spherical-midpoint"), seconds=1, ends=False, long=False)
     exact = {row.steps: row for row in found.rows if row.method == "gauss-8" and row.tolerance != row.tolerance}
-    loose = [row for row in found.rows if row.tolerance == row.tolerance]
+    loose = [row for row in found.rows if row.tolerance == row.tolerance and exact[row.steps].energy < 1e-2]
     assert len(loose) > 5 and {row.method for row in loose} == {"gauss-8"}
     assert all(row.energy < 2 * exact[row.steps].energy and row.iterations < 0.9 * exact[row.steps].iterations for row in loose)
 
@@ -267,7 +268,7 @@ def test_general_integrators_get_to_the_same_end(name):
     for peer in found:
         row = one_of_peers(case, peer, known, 1e-9, 1000.0)
         assert row.status == "" and row.steps > 0 and row.seconds > 0 and row.end_error < 1e-4, (peer, row)
-        assert case.timed or row.energy < 1e-4, (peer, row)
+        assert case.energy_changes or row.energy < 1e-4, (peer, row)
 
 
 @pytest.mark.parametrize("name, values", [("free_rigid_body", {"I2": 1.7}), ("irreversible_rigid_body", {"sigma": 0.3}),

@@ -18,7 +18,7 @@ from .clock import processor_seconds
 
 class Case:
     """spec and settings of a run; time: how long; w: its start, (sites, 3); rate: the fastest turning at the start,
-    max |(1/kappa) dH/dw|; size: the largest |w|; timed: does H depend on time? peers: general integrators beside
+    max |(1/kappa) dH/dw|; size: the largest |w|; energy_changes: does H depend on time, or are sites damped? peers: general integrators beside
     the methods, name -> integrator (`peers.of_case`)"""
 
     def __init__(self, spec: Spec, settings: Settings, time: float | None = None):
