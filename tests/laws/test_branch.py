@@ -40,6 +40,9 @@ int main(void) {{
   if (pairs_init(&s, &p, mem, w, 0, {h}) != SMG_OK) return 2;
   smg_set_time(&s.c, 0);
   memcpy(s.mbar, guess, sizeof guess);
+#if SMG_MATRIX_FREE
+  SMG_PRODUCTS_LEFT(&s) = SMG_KRYLOV_A_STEP;
+#endif
   const int status = smg_newton(&s, {h});
   double moved = 0;
   for (int k = 0; k < (int)(sizeof w / sizeof *w); ++k) moved = fmax(moved, fabs(s.w[k] - w[k]) + fabs(s.compensation[k]));

@@ -1,4 +1,7 @@
 """Hard cases: what a step does at the edges of what it can do."""
+import os
+import subprocess
+import sys
 import numpy as np
 import pytest
 from support import texts
@@ -203,3 +206,9 @@ def test_zero_components_and_zero_fields(method):
         assert largest(one.start(w.copy(), h=0.3).steps(20).w - w) < 1e-13
     weak = model(begin("forced_rigid_body", eps=0.0), method)
     assert np.array_equal(weak.start(np.array([[0.0, 0, -1]]), h=0.3).steps(20).w, [[0, 0, -1]])
+
+
+@pytest.mark.quick
+def test_make_hard_finds_all_that_it_imports(root):
+    """With no other path than the one it gets from the Makefile."""
+    subprocess.run([sys.executable, "-c", "import hard.table"], cwd=root, env={**os.environ, "PYTHONPATH": "tests"}, check=True)
