@@ -31,10 +31,11 @@ typedef struct smg_moved {
 /* One sweep: every stage from all as they were. */
 static smg_moved smg_sweep_stages(smg_state *s, void *with);
 
-/* What the sweeps of a step have shown: the change before the last, the least one and how long ago it was, the most
- * that a contraction allows, and how large a change is round-off. */
+/* What the sweeps of a step have shown: the last change and the two before it, the least one and how long ago it was,
+ * the most that a contraction allows, and how large a change is round-off. */
 typedef struct smg_watch {
   smg_change now, last;
+  smg_real before;
   smg_real least, most, size;
   int since;
 } smg_watch;
@@ -42,6 +43,7 @@ typedef struct smg_watch {
 /* Takes in what a sweep has moved. The products in the increments count only where they could be larger than the
  * state. */
 SMG_INLINE void smg_look(const smg_state *s, const smg_moved *moved, smg_watch *watch) {
+  watch->before = watch->last.absolute;
   watch->last = watch->now;
   watch->now.relative = smg_lane_largest(moved->relative);
   watch->now.absolute = smg_lane_largest(moved->absolute);
@@ -56,6 +58,16 @@ SMG_INLINE int smg_leaves_at_most(smg_real now, smg_real last, smg_real whole, s
   return now * now <= most * (smg_min(last, whole) - now);
 }
 
+/* The same of the accuracy asked for, by the last two ratios of changes. Of h X the derivative at a point of a sphere
+ * has its eigenvalues in pairs of both signs, so that large and small changes alternate: a small one tells nothing by
+ * itself. */
+SMG_INLINE int smg_leaves_tolerance(const smg_watch *watch, smg_real whole, smg_real tolerance) {
+  const smg_real now = watch->now.absolute, last = watch->last.absolute;
+  if (smg_max(now, last) <= tolerance) return 1;
+  return tolerance > 0 && watch->most >= 0 && smg_leaves_at_most(now, last, whole, tolerance) &&
+         now * last <= tolerance * (smg_min(watch->before, whole) - last);
+}
+
 /* The accuracy asked for, round-off of the increment or none; stagnation, as smg_settled has it but for every
  * contraction that is allowed; or the round-off of the field. */
 SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
@@ -63,10 +75,8 @@ SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
   const smg_real tolerance = s->tolerance * s->scale;
   /* beside products so large anything looks like round-off */
   if (!(now->absolute <= smg_max(SMG_BLIND * s->scale, tolerance))) return 0;
-  if (now->relative <= SMG_EPS || now->absolute <= tolerance) return 1;
+  if (now->relative <= SMG_EPS || smg_leaves_tolerance(watch, s->scale, tolerance)) return 1;
   if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, 1, SMG_EPS)) return 1;
-  if (tolerance > 0 && watch->most >= 0 && smg_leaves_at_most(now->absolute, last->absolute, s->scale, tolerance))
-    return 1;
   if (now->absolute <= 8 * SMG_EPS * watch->size && now->relative >= SMG_CONTRACTION * last->relative) return 1;
   return now->absolute <= SMG_FIELD_NOISE * watch->size && watch->since >= SMG_PATIENCE;
 }
@@ -94,7 +104,7 @@ static int smg_more_sweeps(smg_state *s, void *with, int more) {
 /* Sweeps until what is left is round-off, one more, and an eighth as many again: what was left is of one sign along
  * many an orbit, a drift. */
 static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
-  smg_watch watch = {{SMG_MAX, SMG_MAX, 0}, {SMG_MAX, SMG_MAX, 0}, 0, -1, 0, 0};
+  smg_watch watch = {{SMG_MAX, SMG_MAX, 0}, {SMG_MAX, SMG_MAX, 0}, SMG_MAX, 0, -1, 0, 0};
   for (int n = 0; n < SMG_MOST_SWEEPS; ++n) {
     const smg_moved moved = smg_sweep_stages(s, with);
     smg_look(s, &moved, &watch);

@@ -5,6 +5,7 @@ import pytest
 import smidgen
 from smidgen.errors import UsageError
 from smidgen.methods import METHODS
+from smidgen.run.step.saved import HISTORY, TOLERANCE
 
 ITERATED = [("heisenberg_chain", "spherical-midpoint", "newton"), ("heisenberg_chain", "spherical-midpoint", "auto"), ("point_vortices", "spherical-midpoint", "auto"),
             ("point_vortices", "spherical-midpoint", "rotation"), ("two_bodies", "classical-midpoint", "auto"), ("nambu_a31", "spherical-midpoint", "auto"),
@@ -32,6 +33,24 @@ def test_iterations_end_at_the_tolerance(name, method, solver):
             assert model.report()["residual"] <= tolerance * np.abs(model.w).max()
         assert np.abs(found - exact).max() < 300 * tolerance
     assert not np.array_equal(found, exact)
+
+
+@pytest.mark.parametrize("name, h", [("point_vortices", 0.3), ("irreversible_rigid_body", 0.1)])
+@pytest.mark.parametrize("method", ["isospectral-midpoint", "geodesic-midpoint"])
+def test_one_stage_leaves_a_few_tolerances_at_most(name, h, method):
+    """Also where a change is small because changes alternate between large and small: with the slopes of steps before, and from rest."""
+    spec = smidgen.load(name)
+    model, exact = (smidgen.build(spec, method).start(spec.runs[0].start, h=h) for _ in range(2))
+    for _ in range(12):
+        exact.step()
+        before, after = exact.save(), exact.step().state()
+        for tolerance in 10.0 ** -np.arange(3, 11, 0.5):
+            asked = model.start(exact.w.copy(), h=h, tolerance=tolerance).save()[TOLERANCE]
+            for history in (before[HISTORY], 0):
+                saved = before.copy()
+                saved[TOLERANCE], saved[HISTORY] = asked, history
+                left = np.abs(model.restore(saved).step().w - after).max()
+                assert left <= 4 * tolerance * np.abs(after).max()
 
 
 def test_step_control_aims_at_it():
