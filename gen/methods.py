@@ -142,7 +142,10 @@ COMPARATORS = (
     Method("isospectral-midpoint", "the isospectral midpoint", "isospectral midpoint", "isospectral midpoint of so(3) (comparator: symplectic, order 2)", 2,
            "smg_isospectral_midpoint.h", symplectic=True, keeps_quadratic=False, **ONE_STAGE),
     Method("geodesic-midpoint", "the geodesic midpoint", "geodesic midpoint", "geodesic midpoint (comparator: not symplectic, order 2)", 2,
-           "smg_geodesic_midpoint.h", onto_leaf=True, keeps_linear=False, **ONE_STAGE))
+           "smg_geodesic_midpoint.h", onto_leaf=True, keeps_linear=False, **ONE_STAGE),
+    Method("exponential-midpoint", "the Lie-group method with the exponential map", "exponential midpoint",
+           "Lie-group method with the exponential map on T*SU(2), reduced (comparator: symplectic, order 2)", 2,
+           "smg_exponential_midpoint.h", symplectic=True, keeps_quadratic=False, responds=False, **ONE_STAGE))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",

@@ -33,7 +33,8 @@
     defined(SMG_SUBLATTICE_ROTATIONS_H) || defined(SMG_EXPLICIT_H) || defined(SMG_EXPLICIT_STEP_H) || \
     defined(SMG_GAUSS_H)
 #define SMG_HISTORY 1
-#elif defined(SMG_ONE_STAGE_H) || defined(SMG_GEODESIC_MIDPOINT_H) || defined(SMG_ISOSPECTRAL_MIDPOINT_H)
+#elif defined(SMG_ONE_STAGE_H) || defined(SMG_GEODESIC_MIDPOINT_H) || defined(SMG_ISOSPECTRAL_MIDPOINT_H) || \
+    defined(SMG_EXPONENTIAL_MIDPOINT_H)
 #define SMG_HISTORY 3
 #elif !defined(SMG_DOP853_H) && !defined(SMG_EXTRAPOLATION_H)
 #define SMG_HISTORY 7
@@ -42,8 +43,8 @@
 #endif
 #endif
 #if !defined(SMG_AXIS_SPLITTING_H) && !defined(SMG_CLASSICAL_MIDPOINT_H) && !defined(SMG_DOP853_H) && \
-    !defined(SMG_EXTRAPOLATION_H) && !defined(SMG_GAUSS_H) && !defined(SMG_ISOSPECTRAL_MIDPOINT_H) && \
-    !defined(SMG_PAIR_ROTATIONS_H) && !defined(SMG_SUBLATTICE_ROTATIONS_H)
+    !defined(SMG_EXPONENTIAL_MIDPOINT_H) && !defined(SMG_EXTRAPOLATION_H) && !defined(SMG_GAUSS_H) && \
+    !defined(SMG_ISOSPECTRAL_MIDPOINT_H) && !defined(SMG_PAIR_ROTATIONS_H) && !defined(SMG_SUBLATTICE_ROTATIONS_H)
 #define SMG_ONTO_LEAF 1
 #endif
 #ifndef SMG_CLASSICAL_MIDPOINT_H

@@ -15,7 +15,7 @@ from support.compositions import SPECS, STARTS, compile_model, run
 from support.triples import apart
 from support.strict import COMMANDS, WARNINGS
 
-COMPARED = ("cf4", "isospectral-midpoint", "geodesic-midpoint")
+COMPARED = ("cf4", "isospectral-midpoint", "geodesic-midpoint", "exponential-midpoint")
 BODY, VORTICES, FREE = SPECS["irreversible body"], SPECS["vortices"], smidgen.load("free_rigid_body")
 CHAIN = smidgen.load("heisenberg_chain")
 # a drive, R^3 beside spheres of another radius, strengths of both signs, the other orientation, tracers
@@ -85,6 +85,7 @@ def test_the_witness_takes_the_same_steps(name, method):
 # method -> rows that say no on a body and on vortices; rows that say yes on vortices
 CLAIMED = {"cf4": ({"symplectic", "reversible"}, {"order", "equivariant", "casimirs", "step"}),
            "isospectral-midpoint": (set(), {"order", "symplectic", "reversible", "equivariant", "momentum", "casimirs", "step"}),
+           "exponential-midpoint": (set(), {"order", "symplectic", "reversible", "equivariant", "momentum", "casimirs", "step", "tolerance"}),
            "geodesic-midpoint": ({"symplectic"}, {"order", "reversible", "equivariant", "casimirs", "step"})}
 
 
@@ -104,7 +105,7 @@ def test_the_certificate_measures_what_is_kept_and_what_is_given_up(name, method
 
 
 # method -> is the momentum of a chain shown to be kept, the energy of the free body?
-SHOWN = {"cf4": (False, False), "isospectral-midpoint": (True, False), "geodesic-midpoint": (False, True)}
+SHOWN = {"cf4": (False, False), "isospectral-midpoint": (True, False), "geodesic-midpoint": (False, True), "exponential-midpoint": (True, False)}
 
 
 @pytest.mark.quick
@@ -151,11 +152,22 @@ def test_a_constant_field_does_not_wear_a_sphere_down(method):
 
 
 @pytest.mark.quick
-def test_a_constant_field_is_turned_about_exactly():
-    integrator = smidgen.build(CONSTANT, "cf4").start("a", h=0.3)
-    before, axis, angle = integrator.w.copy(), np.array([0.1, 0, 0.3]) / np.hypot(0.1, 0.3), 0.3 * np.hypot(0.1, 0.3)
+@pytest.mark.parametrize("method, h", [("cf4", 0.3), ("exponential-midpoint", 0.3), ("exponential-midpoint", 19.8)])
+def test_a_constant_field_is_turned_about_exactly(method, h):
+    integrator = smidgen.build(CONSTANT, method).start("a", h=h)
+    before, axis, angle = integrator.w.copy(), np.array([0.1, 0, 0.3]) / np.hypot(0.1, 0.3), h * np.hypot(0.1, 0.3)
     along = np.outer(before @ axis, axis)
-    assert np.abs(integrator.step().w - (along + np.cos(angle) * (before - along) + np.sin(angle) * np.cross(before, axis))).max() < 3e-16
+    assert np.abs(integrator.step().w - (along + np.cos(angle) * (before - along) + np.sin(angle) * np.cross(before, axis))).max() < 3e-16 * max(1, angle)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("h", [19.9, -19.9, 1e100])
+def test_the_exponential_map_serves_turns_below_two_pi(h):
+    integrator = smidgen.build(CONSTANT, "exponential-midpoint").start("a", h=h)
+    before = integrator.w.copy()
+    with pytest.raises(RunError) as refused:
+        integrator.step()
+    assert refused.value.status == 1 and np.array_equal(integrator.w, before)
 
 
 @pytest.mark.quick
@@ -175,13 +187,55 @@ def test_a_step_that_is_no_number_leaves_the_state(name, method, h):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("method, error", [("geodesic-midpoint", 5.926e-6), ("isospectral-midpoint", 2.723e-4), ("cf4", 6.751e-10), ("moser-veselov", 1.325e-4)])
+@pytest.mark.parametrize("method, error", [("geodesic-midpoint", 5.926e-6), ("isospectral-midpoint", 2.723e-4), ("cf4", 6.751e-10), ("moser-veselov", 1.325e-4),
+                                           ("exponential-midpoint", 1.0486e-5)])
 def test_the_errors_of_the_free_body_are_those_of_the_page(method, error):
     one, exact = (smidgen.build(FREE, m).start("paper", h=2**-5) for m in (method, "gauss-16"))
     assert max(np.linalg.norm(one.step().w - exact.step().w, axis=1).max() for _ in range(320)) == pytest.approx(error, rel=2e-3)
 
 
-@pytest.mark.parametrize("method, at, low, high", [("geodesic-midpoint", 1e5, 0.04, 0.06), ("cf4", 5000, -0.02, -0.01), ("isospectral-midpoint", 2e4, -5e-3, 3.5e-3)])
+ONE = """
+[model]
+name = "one"
+[space]
+w = {{ sphere = 1 }}
+[effects.h]
+energy = "{}"
+[starts.a]
+theta = "pi/2 - 1.1"
+phi = 0
+"""
+# H of one site -> largest component errors on [0, 10], h = 2^-5, by steps of these equations in another program
+ERRORS = {"w[0].x^2/2 + w[0].y^2/4 + w[0].z^2/8": {"spherical-midpoint": 1.213e-5, "isospectral-midpoint": 2.710e-4, "exponential-midpoint": 8.209e-6},
+          "w[0].x^2/2 + 3*w[0].y^2/8 + w[0].z^2/4": {"spherical-midpoint": 3.879e-7, "isospectral-midpoint": 3.928e-4, "exponential-midpoint": 1.563e-5},
+          "(w[0].x^4 + w[0].y^4 + w[0].z^4)/4": {"spherical-midpoint": 6.501e-5, "isospectral-midpoint": 1.072e-3, "exponential-midpoint": 2.646e-5},
+          "w[0].x*w[0].y*w[0].z": {"spherical-midpoint": 1.281e-5, "isospectral-midpoint": 8.357e-6, "exponential-midpoint": 1.119e-5}}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("H", ERRORS)
+def test_errors_of_four_hamiltonians(H):
+    spec = smidgen.load_text(ONE.format(H))
+    exact = smidgen.build(spec, "gauss-16").start("a", h=2**-5)
+    exact = [exact.step().w.copy() for _ in range(320)]
+    for method, error in ERRORS[H].items():
+        one = smidgen.build(spec, method).start("a", h=2**-5)
+        assert max(np.abs(one.step().w - w).max() for w in exact) == pytest.approx(error, rel=5e-4)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("method", [m for m in COMPARED if METHODS[m].symmetric])
+@pytest.mark.parametrize("name", MODELS)
+def test_a_step_of_minus_h_undoes_a_step(name, method):
+    model = smidgen.build(MODELS[name], method).start("a", h=STEPS[name])
+    w = model.w.copy()
+    after = model.step().state()
+    back = model.start(after.copy(), h=-STEPS[name], t0=STEPS[name]).step()
+    assert np.abs(after - w).max() > 1e-3 and np.abs(back.w - w).max() < 4e-15
+
+
+@pytest.mark.parametrize("method, at, low, high", [("geodesic-midpoint", 1e5, 0.04, 0.06), ("cf4", 5000, -0.02, -0.01), ("isospectral-midpoint", 2e4, -5e-3, 3.5e-3),
+                                                     ("exponential-midpoint", 2e4, -2e-3, 1.8e-3)])
 def test_the_energy_drifts_where_the_method_is_not_symplectic(method, at, low, high):
     spec = smidgen.load("irreversible_rigid_body")
     integrator = smidgen.build(spec, method).start(spec.runs[0].start, h=0.5)

@@ -34,6 +34,7 @@ STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)},
             "extrapolation-12": functools.partial(extrapolation.step, rows=6), "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
             "pair-rotations": splittings.pairs, "cf4": lie.cf4, "isospectral-midpoint": lie.isospectral, "geodesic-midpoint": lie.geodesic,
+            "exponential-midpoint": lie.exponential,
             **{f"{base}-{scheme}": functools.partial(compositions.step, base=base, scheme=scheme)
                for base in (*EQUATIONS, "axis-splitting", "sublattice-rotations", "pair-rotations") for scheme in compositions.HALVES}}
 METHODS = (*EQUATIONS, *STEPPERS)

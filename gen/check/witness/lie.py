@@ -85,3 +85,19 @@ def geodesic(witness, w, t: float, h: float):
         return across * np.linalg.norm(x, axis=1)[:, None] / np.where(size > 0, size, 1)
     direction = at_rest(velocity, np.zeros_like(w))
     return None if direction is None else along(direction, 1)
+
+
+def exponential(witness, w, t: float, h: float):
+    """w = v - v x x/2 + k ((x.v) x - a^2 v), W = w + v x x, with x = h b at v, a = |x|, k = (1 - (a/2) cot(a/2))/a^2: linear equations for v."""
+    def turn(v):
+        return witness.spec.orientation * h * witness.turning(v, t + h / 2)
+
+    def stage(v):
+        x = turn(v)
+        square = np.sum(x * x, axis=1)
+        half = np.sqrt(square) / 2
+        k = np.divide(1 - half / np.tan(half), square, out=np.full_like(half, 1 / 12), where=half > 1e-4)[:, None, None]
+        outer = x[:, :, None] * x[:, None, :] - square[:, None, None] * np.eye(3)
+        return np.linalg.solve(np.eye(3) + matrices(x) / 2 + k * outer, w[:, :, None])[:, :, 0]
+    v = at_rest(stage, w)
+    return None if v is None else w + np.cross(v, turn(v))

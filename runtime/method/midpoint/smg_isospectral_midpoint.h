@@ -43,6 +43,8 @@ SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_rea
 
 SMG_INLINE smg_real smg_stage_weight(smg_real r) { return r; }
 
+SMG_INLINE int smg_stage_serves(const smg_real *a) { return (void)a, 1; }
+
 #include "smg_one_stage.h"
 
 #endif

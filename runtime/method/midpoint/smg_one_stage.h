@@ -5,6 +5,7 @@
  *     smg_stage_slope(v, g, a)         a from the field g = (h/2) b(v), b = (1/kappa) dH/dw
  *     smg_stage_increment(w, r, a, u)  u = W - w
  *     smg_stage_weight(r)              w moves by about twice as much as this times a change of a
+ *     smg_stage_serves(a)              is the method defined for a slope so large?
  *
  * The iteration begins where the polynomial of degree 2 or less through the slopes of the last steps leads; when that
  * fails, at rest. The lengths of w are kept as smg_lengths.h has it.
@@ -130,6 +131,13 @@ static int64_t smg_take_increments(smg_state *s) {
   return -1;
 }
 
+/* The first site with a slope for which the method is not defined, or -1. */
+static int64_t smg_slope_too_large(const smg_state *s) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    if (!smg_stage_serves(s->slopes + 3 * k)) return k;
+  return -1;
+}
+
 static smg_status smg_refuse(smg_state *s, smg_status status, int64_t site) {
   s->report.site = site;
   return s->report.status = status;
@@ -143,6 +151,8 @@ static smg_status smg_step(smg_state *s) {
 #endif
   const smg_status status = smg_solve_stage(s);
   if (status != SMG_OK) return smg_refuse(s, status, smg_most_moved(s));
+  const int64_t large = smg_slope_too_large(s);
+  if (large >= 0) return smg_refuse(s, SMG_NO_CONVERGENCE, large);
   const int64_t lost = smg_take_increments(s);
   if (lost >= 0) return smg_refuse(s, SMG_NOT_FINITE, lost);
   if (s->history == 0) smg_begin_lengths(s);
