@@ -66,35 +66,27 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   return 1;
 }
 
-/* Takes from u = h m x b its part along b: round-off of products that may be far larger than u. Of a spin along its
- * field it is along w, and the same in every step. */
-static inline void smg_across(const smg_real *b, smg_real *u) {
-  smg_real n[3];
-  smg_unit(b, n);
-  const smg_real off = smg_dot(n, u) / smg_dot(n, n);
-  for (int e = 0; e < 3; e++) u[e] -= off * n[e];
+/* Takes from v its part along n, |n| = 1 to round-off. */
+SMG_INLINE void smg_across(const smg_real *n, smg_real *v) {
+  const smg_real along = smg_dot(n, v) / smg_dot(n, n);
+  for (int e = 0; e < 3; e++) v[e] -= along * n[e];
 }
 
-/* (|u|/r)^2 from which an increment is stretched to keep |w|. In strong fields, |h b| of 1/2 to 1 and more, where
- * errors of |w| would be of one sign, down to where w.u is small itself; below, and where a tolerance leaves more
- * than round-off, short ones stay as they are: increments of neighbours that cancel do so to the bit, and sums of w
- * walk half as far. */
-#define SMG_SHORT_INCREMENT(s, strong) ((strong) && !((s)->tolerance > 0) ? SMG_EPS : (smg_real)0.25)
-
-/* Stretches u = h m x b, less its part along b, until |w + u| = |w|, w with its compensation, |w| = r, where it is
- * off by round-off: (w + u/2).u = 0. w.b stays as it is. With |h b| > 1/3 the part of w across b is at most some 3
- * |u|, so that what is asked of u is round-off, however short it is; short_of: (|u|/r)^2 below which little is asked
- * of it. */
+/* Takes from u = h m x b its part along b, which is round-off, and changes the rest until |W| = |w|, W = w + u, w with
+ * its compensation, |w| = r, where it is off by round-off: (w + W).u = 0. It is the least change that keeps W.b: along
+ * the part of W across b, which is at least |u|/2. Without it round-off of a spin along its field would be along w, and
+ * the same in every step. */
 static inline void smg_stretch(const smg_real *w, const smg_real *compensation, smg_real r, const smg_real *b,
-                               smg_real short_of, smg_real *u) {
-  smg_real along = 0, size = short_of;
-  smg_across(b, u);
+                               smg_real *u) {
+  smg_real n[3], W[3], along = 0;
+  smg_unit(b, n);
+  smg_across(n, u);
   for (int e = 0; e < 3; e++) {
-    const smg_real x = u[e] / r;
-    along += x * (2 * (w[e] + compensation[e]) / r + x);
-    size += x * x;
+    W[e] = (w[e] + u[e]) / r;
+    along += u[e] / r * (2 * (w[e] + compensation[e]) + u[e]);
   }
-  for (int e = 0; e < 3; e++) u[e] -= along / size * u[e];
+  smg_across(n, W);
+  for (int e = 0; e < 3; e++) u[e] -= along / (2 * smg_dot(W, W) + SMG_EPS) * W[e];
 }
 
 #endif

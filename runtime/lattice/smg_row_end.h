@@ -11,13 +11,12 @@
 
 /* What a sweep works with, at hand in registers: spins, midpoints and, once it is known of which colour, increments by
  * slots; h/(2 kappa), 1/radius^2, the size below which a component is small, |g|^2 = 1/(36 half^2) from which an
- * increment is made to keep the length of its spin, and (|u|/radius)^2 from which
- * it does so in full where fields are strong. */
+ * increment is made to keep the length of its spin. */
 typedef struct smg_turning {
   const smg_real *w, *compensation;
   smg_real *m, *u;
   int64_t pitch, u_pitch;
-  smg_real half, inverse, small, weakest, short_of;
+  smg_real half, inverse, small, weakest;
   int weak, stretched; /* are fields so weak that midpoints are near spins? are there such increments? */
 #if SMG_RESPONDS
   smg_told told;
@@ -40,7 +39,6 @@ static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
     smg_inverse_square(&s->c),
     SMG_ROW_SMALL * smg_radius(&s->c, 0),
     s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
-    SMG_SHORT_INCREMENT(s, 1),
     s->row_weak,
     s->row_stretched,
 #if SMG_RESPONDS
@@ -78,7 +76,7 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
   if (turn.stretched) {
     smg_lanes lost[3];
     smg_take_slots(turn.compensation, turn.pitch, slot, lost);
-    smg_lane_stretch(w, lost, R, turn.inverse, turn.weakest, turn.short_of, u);
+    smg_lane_stretch(w, lost, R, turn.inverse, turn.weakest, u);
   }
   const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
   for (int k = 0; k < 3; ++k) e[k] = w[k] + (smg_real)0.5 * u[k] - rho * m[k];

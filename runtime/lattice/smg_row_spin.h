@@ -74,27 +74,26 @@ SMG_INLINE void smg_lane_stretch_to(smg_real inverse, int near, smg_lanes *v) {
   for (int k = 0; k < 3; ++k) v[k] *= scale;
 }
 
-/* 1/x to 3e-4: of corrections by round-off no more is needed. */
-SMG_INLINE smg_lanes smg_lane_near_inverse(smg_lanes x) {
-  smg_lanes y = smg_lane_rough_inverse(x);
-  for (int k = 0; k < 2; ++k) y *= 2 - x * y;
-  return y;
+/* Takes from v its part along b; inverse = 1/|b|^2. */
+SMG_INLINE void smg_lane_across(const smg_lanes *b, smg_lanes inverse, smg_lanes *v) {
+  const smg_lanes along = smg_lane_dot(b, v) * inverse;
+  for (int k = 0; k < 3; ++k) v[k] -= along * b[k];
 }
 
-/* smg_stretch in the lanes where |b|^2 >= weakest, of |h b| = 1/3; strong: short_of where |h b| >= 1. inverse =
- * 1/r^2. */
+/* smg_stretch in the lanes where |b|^2 >= weakest, of |h b| = 1/3; inverse = 1/r^2. */
 SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, const smg_lanes *b,
-                                 smg_real inverse, smg_real weakest, smg_real strong, smg_lanes *u) {
-  const smg_lanes square = smg_lane_dot(b, b), off = smg_lane_dot(b, u) * smg_lane_near_inverse(square);
-  const smg_lane_mask some = (smg_lane_mask)(square >= weakest), all = (smg_lane_mask)(square >= 9 * weakest);
-  const smg_lanes short_of = smg_lane_select(all, smg_lane_of(strong), smg_lane_of((smg_real)0.25));
-  smg_lanes across[3], along = {0};
+                                 smg_real inverse, smg_real weakest, smg_lanes *u) {
+  const smg_lanes square = smg_lane_dot(b, b), over = 1 / square;
+  const smg_lane_mask some = (smg_lane_mask)(square >= weakest);
+  smg_lanes v[3] = {u[0], u[1], u[2]}, W[3], along = {0};
+  smg_lane_across(b, over, v);
   for (int k = 0; k < 3; ++k) {
-    across[k] = u[k] - off * b[k];
-    along += across[k] * (2 * (w[k] + compensation[k]) + across[k]);
+    W[k] = w[k] + v[k];
+    along += v[k] * (2 * (w[k] + compensation[k]) + v[k]);
   }
-  const smg_lanes part = inverse * along * smg_lane_near_inverse(short_of + inverse * smg_lane_dot(across, across));
-  for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(some, across[k] - part * across[k], u[k]);
+  smg_lane_across(b, over, W);
+  const smg_lanes part = inverse * along / (2 * inverse * smg_lane_dot(W, W) + SMG_EPS);
+  for (int k = 0; k < 3; ++k) u[k] = smg_lane_select(some, v[k] - part * W[k], u[k]);
 }
 
 #endif

@@ -116,7 +116,7 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
     if (rounding_scale > s->scale) smg_reflect(s, k, end);
     if (3 * rounding_scale > s->scale)
       smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), smg_respond(c, k, s->m + 3 * k, g, room),
-                  SMG_SHORT_INCREMENT(s, 2 * rounding_scale > s->scale), s->u + 3 * k);
+                  s->u + 3 * k);
   }
   for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * s->u[3 * k + b];
   const smg_real stretch = smg_project(c, k, smg_leaf_value(s, k), mbar, m);

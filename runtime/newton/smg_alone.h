@@ -64,7 +64,7 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
     const smg_real rho = smg_dot(m, s->w + 3 * k) / smg_dot(m, m);
     for (int b = 0; b < 3; ++b) u[b] = 2 * (rho * m[b] - s->w[3 * k + b]);
   }
-  if (square >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), R, SMG_EPS, u);
+  if (square >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), R, u);
   if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
   s->report.site = k;
   return SMG_NOT_FINITE;

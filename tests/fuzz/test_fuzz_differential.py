@@ -2,6 +2,7 @@
 import random
 import re
 
+import numpy as np
 import pytest
 import smidgen
 from fuzz import differential
@@ -20,6 +21,18 @@ def test_generated_c_agrees_with_the_witness(seed):
 @pytest.mark.parametrize("seed", range(100, 130))
 def test_more_of_them_agree(seed):
     check(*random_spec(random.Random(seed)), seed)
+
+
+def test_a_spin_nearly_along_a_strong_field_is_where_the_step_equation_has_it():
+    """Errors of single steps at |h b| > 1, in units of 2^-53: what keeps |w| to round-off moves no spin by more."""
+    found, dice = [], np.random.default_rng(121)
+    pair = differential.Pair(*random_spec(random.Random(121)), dice)
+    for _ in range(100):
+        w, t = differential.random_state(pair.spec, pair.values, dice), float(dice.uniform(0, 3))
+        h = pair.step_size(w, t)
+        pair.model.start(w.copy(), t0=t, h=h)
+        found.append(np.abs(pair.model.step().w - pair.witness.steps(w, t, h, 1)[1]).max() * 2**53)
+    assert np.median(found) < 2.5 and max(found) < 30
 
 
 ONE = """[model]
