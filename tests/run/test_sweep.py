@@ -221,6 +221,26 @@ def test_an_interrupt_begins_no_more_cells_and_keeps_what_ends(path, whom):
     assert written <= files and len(files - written) <= 2       # those that were interrupted on their way
 
 
+def test_an_interrupt_is_raised_between_outcomes(path):
+    """Not from within whatever goes on when it comes, as a pool that holds a lock; it is none of the processes' either."""
+    folder, after = path.parent / "cells", []
+
+    def tell(outcome):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.01)
+        after.append(outcome["cell"])
+    with pytest.raises(KeyboardInterrupt):
+        sweep(smidgen.load(path), "demo", {"a": [k / 60 for k in range(40)]}, folder, processes=2, tell=tell)
+    assert 1 <= len(after) < 10 and sorted(after) == sorted(line["cell"] for line in lines(folder))
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_an_interrupt_of_the_last_outcome_is_raised(path):
+    with pytest.raises(KeyboardInterrupt):
+        sweep(smidgen.load(path), "demo", {"a": [0.0]}, path.parent / "cells", tell=lambda outcome: os.kill(os.getpid(), signal.SIGINT))
+    assert len(lines(path.parent / "cells")) == 1
+
+
 def test_no_process_outlives_a_sweep_that_is_killed(path):
     """SIGKILL of the sweep alone: its processes end, nobody holds its files, and what they had begun to write goes with the end of the sweep."""
     folder = path.parent / "cells"

@@ -5,6 +5,7 @@ import contextlib
 import importlib.util
 import multiprocessing
 import os
+import signal
 import socket
 import threading
 import uuid
@@ -15,7 +16,7 @@ from concurrent.futures.process import BrokenProcessPool
 from ...errors import UsageError
 
 CONNECT = 10.0      # seconds for an answer: schedulers on a network take one at most
-_stop = None        # of a process of this machine: the event that all of them share
+_stop = None        # of a process of this machine: not 0 in any is not 0 in all. It has no lock: handlers of signals set it
 
 
 class Workers:
@@ -39,14 +40,17 @@ def executor(processes: int, cluster: str | None) -> Iterator[Workers]:
 @contextlib.contextmanager
 def _here(processes: int) -> Iterator[Workers]:
     context = multiprocessing.get_context("fork")
-    event, (life, held) = context.Event(), os.pipe()
+    told, (life, held) = context.RawValue("b", 0), os.pipe()
+
+    def stop() -> None:
+        told.value = 1
 
     def end() -> None:
         for process in multiprocessing.active_children():
             process.terminate()
     try:
-        with ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(event, life, held)) as pool:
-            yield Workers(pool, event.set, end)
+        with ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(told, life, held)) as pool:
+            yield Workers(pool, stop, end)
     finally:
         os.close(held)
         os.close(life)
@@ -60,10 +64,12 @@ def _elsewhere(cluster: str) -> Iterator[Workers]:
         yield Workers(pool, Event(token, connected).set, lambda: None, token)
 
 
-def _begin(event, life: int, held: int) -> None:
-    """In a new process. The end `held` of the pipe is open in the process that began the sweep alone: when that ends, by whatever, so does this one."""
+def _begin(told, life: int, held: int) -> None:
+    """In a new process. The end `held` of the pipe is open in the process that began the sweep alone: when that ends, by whatever, so does this one.
+    Between cells, where it holds locks of the pool, an interrupt tells it to begin no more, and raises nothing."""
     global _stop
-    _stop = event
+    _stop = told
+    signal.signal(signal.SIGINT, lambda *_: stop())
     os.close(held)
     threading.Thread(target=_end_with, args=(life,), daemon=True).start()
 
@@ -79,13 +85,13 @@ def stopped(token: str) -> bool:
     if token:
         from distributed import Event
         return Event(token).is_set()
-    return _stop is not None and _stop.is_set()
+    return _stop is not None and _stop.value != 0
 
 
 def stop() -> None:
     """All processes beside this one begin no more."""
     if _stop is not None:
-        _stop.set()
+        _stop.value = 1
 
 
 def client(cluster: str):

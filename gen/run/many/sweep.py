@@ -10,7 +10,6 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Mapping
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from ...errors import OutputError, RunError, UsageError
 from ...language import limits
 from ...language.spec import Spec
 from . import cluster as workers
+from . import interrupts
 from .cluster import check, executor, lost
 from ..files.durable import write_new
 from ..step.integrator import build
@@ -80,8 +80,8 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
     build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
     left = [cell for cell in cells if cell.number not in ended]
     if left:
-        with executor(_processes(processes, len(left)), cluster) as found:
-            computed(found, spec, name, left, folder, given, ended, tell)
+        with interrupts.counted() as seen, executor(_processes(processes, len(left)), cluster) as found:
+            computed(found, seen, spec, name, left, folder, given, ended, tell)
     tidy(folder)
     return [ended[cell.number] for cell in cells]
 
@@ -124,7 +124,7 @@ def parsed(text: str):
         return None
 
 
-def computed(found, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
+def computed(found, seen, spec, name, cells, folder: Path, given, ended: dict, tell) -> None:
     """The outcomes of `cells` into `ended`, and a line each into the folder as they come."""
     waiting = []        # cells that are not taken
 
@@ -145,10 +145,10 @@ def computed(found, spec, name, cells, folder: Path, given, ended: dict, tell) -
                 lines.write(b"\n")
             waiting += [found.pool.submit(one, spec, name, cell, folder, given, generator_name(), found.token) for cell in cells]
             try:
-                for done in as_completed(list(waiting)):
+                for done in seen.completed(waiting):
                     take(done)
             except KeyboardInterrupt:
-                ending(found, [cell for cell in waiting if found.token or not cell.cancel()], take)
+                ending(found, seen, [cell for cell in waiting if found.token or not cell.cancel()], take)
                 raise
     except lost():
         raise RunError(f"a process of the sweep {folder}, or its cluster, was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
@@ -167,12 +167,12 @@ def was_cut(lines) -> bool:
     return lines.read(1) != b"\n"
 
 
-def ending(found, under_way: list, take) -> None:
+def ending(found, seen, under_way: list, take) -> None:
     """No cell begins any more; those under way that come to their end are taken. A second interrupt ends their processes. What a cluster has
     taken can be cancelled while it is under way, and would be lost: its workers ask before they begin (`stopped`)."""
     found.stop()
     try:
-        for done in as_completed(under_way):
+        for done in seen.completed(under_way):
             if done.exception() is None:
                 take(done)
     except KeyboardInterrupt:
@@ -198,18 +198,19 @@ def one(spec, name, cell: Cell, folder: Path, given, generator: str, token: str 
     None: the workers of a cluster have been told to begin no more."""
     if generator_name() != generator:
         raise UsageError(f"a worker of the cluster has another smidgen: {generator_name()} in place of {generator}")
-    if workers.stopped(token):
-        if token:
-            return None
-        raise KeyboardInterrupt
     outcome = {"cell": cell.number, "values": cell.values, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
-    try:
-        run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "values": {**given.get("values", {}), **cell.values}})
-    except Interrupted:
-        workers.stop()
-        raise KeyboardInterrupt from None
-    except (RunError, UsageError) as error:
-        outcome |= {"status": "failed", "error": str(error), "file": cell.file if (folder / cell.file).exists() else None}
+    with interrupts.raised():
+        if workers.stopped(token):
+            if token:
+                return None
+            raise KeyboardInterrupt
+        try:
+            run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "values": {**given.get("values", {}), **cell.values}})
+        except Interrupted:
+            workers.stop()
+            raise KeyboardInterrupt from None
+        except (RunError, UsageError) as error:
+            outcome |= {"status": "failed", "error": str(error), "file": cell.file if (folder / cell.file).exists() else None}
     return outcome
 
 
