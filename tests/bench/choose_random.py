@@ -43,6 +43,7 @@ ANGLE = 20.0            # of the fastest site of the start over a run
 ERRORS = -10.0, -3.0    # powers of ten that are asked for
 STEPS = 0.05, 0.5       # turns in a step of the run by the default method, in radians
 SWEEP = 0.05            # seconds that a run of the sweep takes at most
+ROUND_OFF = 1e-14       # errors below it count as this
 LIMIT = 600             # seconds of the clock for one Hamiltonian, of which nearly all are the compiler's
 REFUSED = "choose refuses:"     # where the end is known: a failure
 
@@ -94,14 +95,20 @@ def chosen(spec, case: Case, asked: float, known, row: dict, methods) -> None:
     best = min((n for n in times if times[n] == times[n]), key=times.get, default="")
     row.update(method=pick.row.method, h=pick.row.h, steps=pick.row.steps, tolerance=pick.settings.get("tolerance", ""), status="ok",
                error=case.distance(run.final, known.end), seconds=pick.row.seconds, best=best, best_seconds=times.get(best, math.nan),
-               estimate=run.meta["end_error"])
+               estimate=in_units_of(case, run))
 
 
 def estimated(spec, case: Case, turn: float, known, row: dict) -> None:
     """The default method with a random step."""
     steps = case.fewest(turn)
     run = smidgen.run(spec, h=case.time / steps, steps=steps, method="spherical-midpoint", estimate=True)
-    row.update(plain_h=case.time / steps, plain_error=case.distance(run.final, known.end), plain_estimate=run.meta["end_error"])
+    row.update(plain_h=case.time / steps, plain_error=case.distance(run.final, known.end), plain_estimate=in_units_of(case, run))
+
+
+def in_units_of(case: Case, run) -> float | None:
+    """The estimate of a run, which is in units of the largest |w| of its end, in those of the case, of its start."""
+    found = run.meta["end_error"]
+    return None if found is None else found * float(np.linalg.norm(run.final, axis=1).max()) / case.size
 
 
 def too_long(*_):
@@ -144,6 +151,12 @@ def rows_of(path: Path) -> list[dict]:
         return list(csv.DictReader(lines))
 
 
+def ratio_of(row: dict, estimate: str, error: str) -> float:
+    """The estimate by the error, each at least ROUND_OFF and what the reference is off by."""
+    mine, true = (max(float(row[name]), float(row["known"]), ROUND_OFF) for name in (estimate, error))
+    return mine / true
+
+
 def words(rows) -> str:
     """What they show."""
     good, failed = ([r for r in rows if r["status"].startswith(word)] for word in ("ok", REFUSED))
@@ -156,8 +169,9 @@ def words(rows) -> str:
             f"cost at most 1.5 times the best of the sweep: {sum(c <= 1.5 for c in costs)} of {of}"
             + (f" (median {np.median(costs):.2f}, largest {max(costs):.2f}; in {len(good) - len(costs)} the sweep has no row that is good enough)" if costs else "")]
     for what, error, estimate in (("the chosen run", "error", "estimate"), ("the default method", "plain_error", "plain_estimate")):
-        ratios = [max(float(r[estimate]), float(r["known"])) / max(float(r[error]), float(r["known"])) if r[estimate] else math.inf for r in good if r[error]]
-        said.append(f"estimate within a factor of 3, {what}: {sum(1 / 3 <= x <= 3 for x in ratios)} of {len(ratios)}")
+        ratios = [ratio_of(r, estimate, error) for r in good if r[error] and r[estimate]]
+        said.append(f"estimate of the error of {what}: within a factor of 3 in {sum(1 / 3 <= x <= 3 for x in ratios)} of {len(ratios)}, "
+                    f"the least and greatest ratio {min(ratios):.2g} and {max(ratios):.2g}; withheld in {sum(not r[estimate] for r in good if r[error])}")
     return "\n".join(f"- {line}" for line in said)
 
 
