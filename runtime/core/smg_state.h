@@ -29,6 +29,15 @@ static inline smg_real smg_time_at(const smg_state *s, smg_real part) {
   return (smg_real)s->t0 + ((smg_real)s->count + part) * (smg_real)s->h;
 }
 
+/* What depends on time, at that of a part more than the steps taken. */
+static inline void smg_set_time_at(smg_coefficients *c, const smg_state *s, smg_real part) {
+#if SMG_TIMED
+  smg_set_time(c, smg_time_at(s, part));
+#else
+  (void)c, (void)s, (void)part;
+#endif
+}
+
 /* Are two states at the same time, with the same h? */
 static inline int smg_same_times(const smg_state *a, const smg_state *b) {
   return a->count == b->count && smg_abs((smg_real)(a->t0 - b->t0)) + smg_abs((smg_real)(a->h - b->h)) <= 0;

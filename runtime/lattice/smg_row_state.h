@@ -42,7 +42,7 @@
 /* That factor, or SMG_MAX. */
 static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
   const smg_real field = smg_row_field(c, h), x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
-  return field < 1 ? x * smg_hessian_row_norm(c, 0) * smg_radius(c, 0) * smg_row_gain(c) / SMG_MATH(sqrt)(1 - field)
+  return field < 1 ? x * SMG_HESSIAN_EVER(c, 0) * smg_radius(c, 0) * smg_row_gain(c) / SMG_MATH(sqrt)(1 - field)
                    : SMG_MAX;
 }
 

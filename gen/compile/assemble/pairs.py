@@ -10,9 +10,10 @@ from ...language.spec import Lattice
 from ..lower.code import Argument, Block, Call, Declaration, For, Function, If, Let, Name, Return, tidy
 from ..lower.integers import ZERO, Index, compare, whole
 from ..lower.kernels import COEFFICIENTS, TermKernels
-from ..lower.lowering import PREPARE, Lowering
+from ..lower.lowering import CLOCK, Lowering
 from ..plan.colouring import one_colour
 from ..plan.splitting import bond_classes, of_the_product, sublattices
+from .extent import largest_ever
 from .part import Part
 from .sublattices import fitting
 
@@ -38,16 +39,18 @@ def slope_kernel(low: Lowering, t: TermKernels) -> Function:
 
 
 def slope_bound(model, low: Lowering):
-    """A function that bounds |f'| of every bond where |w_i.w_j| is at most `product`; None where it is no polynomial, or cells or times differ."""
+    """A function that bounds |f'| of every bond at all times where |w_i.w_j| is at most `product`; None where it is no polynomial, cells differ, or there is
+    no such bound."""
     total = sp.S.Zero
     for t in model.effects:
         slope = slope_of(t) if t.slots else sp.S.Zero
         if not slope.is_polynomial(PRODUCT):
             return None
         values = [low.number_values(x) for x in sp.Poly(slope, PRODUCT).all_coeffs()[::-1]]
-        if any(low.when(x) > PREPARE for x in values):
+        sizes = [None if low.when(x) > CLOCK else largest_ever(low, abs(x)) for x in values]
+        if None in sizes:
             return None
-        total += sum(abs(x) * PRODUCT ** k for k, x in enumerate(values))
+        total += sum(x * PRODUCT ** k for k, x in enumerate(sizes))
     kernel = low.kernel([total], {})
     return Function("smg_real", "smg_slope_bound", (COEFFICIENTS, Argument("smg_real", PRODUCT.name)), (*kernel.values, Return(kernel.results[0])), wanted=True)
 

@@ -1,7 +1,8 @@
 """Rows of a lattice for vectors of lanes: where sites stand, and the gradient of some slots (runtime/lattice/smg_rows.h).
 
 They serve one family of spheres, alone on a lattice of several colours, all alike: a constant strength and radius, and a quadratic
-energy whose terms are the same in every cell.
+energy whose terms are the same in every cell. They may depend on time where a bound is known that holds at all times: a state goes by
+rows or it does not, whatever the time is.
 """
 from __future__ import annotations
 
@@ -15,9 +16,11 @@ from ..derive.derivatives import switched
 from ..lower.code import Argument, Assign, Braces, Call, Function, If, Let, Member, Name, Return, Variable, Zeros, mentions, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
-from ..lower.lowering import PREPARE, index_names
+from ..lower.lowering import CLOCK, PREPARE, index_names
 from ..plan.colouring import Colouring, colouring
 from ..plan.splitting import bond_classes, sublattices
+from .extent import in_time, largest_ever
+from .families import SITE
 from .lanes import in_lanes, named
 from .norms import block_norm, row_sums
 from .pairs import slope_bound
@@ -28,13 +31,13 @@ KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of t
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 BY_STAGE_ROWS = "sites of a row in lanes"
 BY_TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
-ZERO_UNLESS_SAID = {"SMG_TANGENT", *(f"SMG_{word}_{d}" for word in ("REACH", "WEIGHT") for d in range(4))}      # by smg_rows.h
+ZERO_UNLESS_SAID = {"SMG_TANGENT", "SMG_ROW_HESSIAN", *(f"SMG_{word}_{d}" for word in ("REACH", "WEIGHT") for d in range(4))}      # by smg_rows.h
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
 @dataclass(frozen=True)
 class Rows:
-    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, where no solver has it; of the slopes of bonds."""
+    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds."""
     over: Lattice
     colours: Colouring
     rest: object
@@ -72,10 +75,8 @@ def rows(model, low):
         return pair_rows(model, low, over)
     if over is None or not all(alike(low, t) for t in model.effects):
         return None
-    rest = None if model.method.stage_rows else rest_field(model, low, f)
-    norm = row_sums(model, low, f, lambda t, k: block_norm(low, t, k)) if turned(model) else None
-    found = Rows(over, colouring(model.lattices(f.name)), rest, norm)
-    bounded = model.method.stage_rows or (rest is not None and (norm is not None or not turned(model)))
+    found = Rows(over, colouring(model.lattices(f.name)), *((None, None) if model.method.stage_rows else (rest_field(model, low, f), hessian(model, low, f))))
+    bounded = model.method.stage_rows or None not in (found.rest, found.norm)
     return found if bounded and fits(found, model.lattices(f.name)) else None
 
 
@@ -115,12 +116,12 @@ def midpoint_rows(model, f) -> bool:
 
 
 def alike(low, t) -> bool:
-    """Is the term the same in every cell, and its Hessian at all times?"""
+    """Is the term the same in every cell, and quadratic?"""
     gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
     values = [low.number_values(x) for block in t.derived.hessian.values() for x in block]
     if t.derived.parts or switched(t.derived):
         return False
-    return isinstance(t.over, (Lattice, Sites)) and not set(t.over.bound) & mentions(*gradient.body) and all(low.when(x) <= PREPARE for x in values)
+    return isinstance(t.over, (Lattice, Sites)) and not set(t.over.bound) & mentions(*gradient.body) and all(low.when(x) <= CLOCK for x in values)
 
 
 def fits(found: Rows, lattices) -> bool:
@@ -139,12 +140,37 @@ def known_rows(found: Rows, lattices) -> int:
 
 
 def rest_field(model, low, f):
-    """A bound on the norm of the field where all w are 0, as `reach` is one of the Hessian; None where time or the site decides it."""
+    """A bound on the norm of the field where all w are 0, at all times; None where there is none, or the site decides it."""
     def norm(t, k):
         origin = {v: 0 for vector in t.derived.vectors for v in vector}
         values = [low.number_values(sp.sympify(x).subs(origin)) for x in t.derived.gradient[k]]
-        return None if any(low.when(x) > PREPARE for x in values) else sp.sqrt(sum(x ** 2 for x in values))
+        return None if any(low.when(x) > CLOCK for x in values) else largest_ever(low, sp.sqrt(sum(x ** 2 for x in values)))
     return row_sums(model, low, f, norm)
+
+
+def hessian(model, low, f):
+    """The same of the norms of the Hessian's blocks in a row."""
+    return row_sums(model, low, f, lambda t, k: block_norm(low, t, k) if not moving(low, t) else moving_norm(low, t, k))
+
+
+def moving(low, t) -> bool:
+    """Does time enter the Hessian?"""
+    return any(in_time(low, x) for block in t.derived.hessian.values() for x in block)
+
+
+def moving_norm(low, t, k):
+    """`block_norm` at all times, entry by entry; None where one has no bound."""
+    parts = [largest_norm(low, block.applyfunc(low.number_values)) for (a, _), block in t.derived.hessian.items() if a == k]
+    return None if None in parts else sum(parts)
+
+
+def largest_norm(low, block):
+    """As `spectral_bound`: of the symmetric part, and of the antisymmetric one."""
+    even, odd = (block + block.T) / 2, (block - block.T) / 2
+    alike = even == even[0, 0] * sp.eye(3)
+    entries = [[even[0, 0]] if alike else list(even), [odd[0, 1], odd[0, 2], odd[1, 2]]]
+    sizes = [[largest_ever(low, sp.Abs(x)) for x in part] for part in entries]
+    return None if None in sizes[0] + sizes[1] else sum(sp.sqrt(sum(x ** 2 for x in part)) for part in sizes)
 
 
 # What the model says of them
@@ -161,13 +187,24 @@ def row_functions(model) -> list:
     return [looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
-            place_function(found), *rest_function(found), offsets(model), *gradient]
+            place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
 
 
-def rest_function(found: Rows) -> list:
-    """The bounds that midpoints and turns ask for."""
-    return [Function("smg_real", name, (COEFFICIENTS, Argument("int64_t", "k")), (Return(bound),), wanted=True)
-            for name, bound in (("smg_rest_field_norm", found.rest), ("smg_hessian_row_norm", found.norm)) if bound is not None]
+def bounds_of_a_row(model) -> list:
+    """Those that midpoints and turns ask for: of the field of no spins; of the Hessian, where sweeps from site to site have another one or none."""
+    found = model.in_rows
+    said = (("smg_rest_field_norm", found.rest), ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm))
+    return [Function("smg_real", name, SITE, (Return(bound),), wanted=True) for name, bound in said if bound is not None and (name, bound) != swept(model)]
+
+
+def swept(model) -> tuple:
+    """The bound that sweeps from site to site have, at the time of their step."""
+    return "smg_hessian_row_norm", (model.reach or {}).get(model.families[0].name)
+
+
+def bounded_apart(model) -> bool:
+    """Do those sweeps have another one?"""
+    return model.reach is not None and model.in_rows.norm not in (None, swept(model)[1])
 
 
 def looked_up(name: str, arguments, index: str, values, beyond=None) -> Function:
@@ -194,7 +231,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 

@@ -16,21 +16,12 @@
 static const smg_real smg_gamma[SMG_STAGES] = {1};
 #endif
 
-/* The time in the middle of stage i, where the stages before it have done `done` of the step. */
-SMG_INLINE void smg_set_stage_time(smg_state *s, int i, smg_real done) {
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, done + 0.5 * smg_gamma[i]));
-#else
-  (void)s, (void)i, (void)done;
-#endif
-}
-
 #if SMG_ONE_SITE
 /* All in registers; the site that is no number, or -1. */
 static inline int64_t smg_move(smg_state *s) {
   smg_real v[3] = {s->w[0], s->w[1], s->w[2]}, u[3] = {0, 0, 0}, done = 0;
   for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_set_stage_time(s, i, done);
+    smg_set_time_at(&s->c, s, done + (smg_real)0.5 * smg_gamma[i]);
     smg_stage(s, smg_gamma[i] * smg_signed_h(s->h), v, u);
     done += smg_gamma[i];
   }
@@ -68,7 +59,7 @@ static inline int64_t smg_move(smg_state *s) {
   smg_real done = 0;
   smg_begin_step(s);
   for (int i = 0; i < SMG_STAGES; ++i) {
-    smg_set_stage_time(s, i, done);
+    smg_set_time_at(&s->c, s, done + (smg_real)0.5 * smg_gamma[i]);
     smg_stage(s, smg_gamma[i] * smg_signed_h(s->h));
     done += smg_gamma[i];
   }

@@ -6,17 +6,6 @@
 #include "smg_respond.h"
 #include "smg_state.h"
 
-/* What depends on time, at the part `part` of the step that s->count tells. */
-static inline void smg_set_time_at(smg_coefficients *c, const smg_state *s, smg_real part) {
-#if SMG_TIMED
-  smg_set_time(c, smg_time_at(s, part));
-#else
-  (void)c;
-  (void)s;
-  (void)part;
-#endif
-}
-
 /* k = p f of every site, p the part `size` of h; one that is alone has it in fewer operations. */
 #if SMG_HAS_MOTION
 static inline void smg_right_side(const smg_coefficients *c, smg_real size, const smg_real *w, smg_real *k) {

@@ -1,5 +1,5 @@
 /* smidgen method: steps whose turns go by rows of a lattice. The header that includes this one defines smg_row_stage(s,
- * known, part), what smg_stage is from site to site, of a field that does not depend on time. */
+ * known, part), what smg_stage is from site to site. */
 #ifndef SMG_TURN_STEPS_H
 #define SMG_TURN_STEPS_H
 
@@ -7,14 +7,23 @@
 #include "smg_rows.h"
 #include "smg_turn_state.h"
 
+/* Stages that follow each other share a turn (SMG_TURN_BOTH), but where each has its own time, and so its own field. */
+#if SMG_TIMED
+#define SMG_STAGES_MEET 0
+#else
+#define SMG_STAGES_MEET 1
+#endif
+
 /* more: does another step follow in this call? */
 static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) {
-  const smg_real h = smg_signed_h(s->h);
+  smg_real h = smg_signed_h(s->h), done = 0;
   for (int i = 0; i < SMG_STAGES; ++i) {
-    const int end = i == SMG_STAGES - 1;
-    const smg_turn_stage part = {smg_gamma[i] * h, smg_gamma[(i + 1) % SMG_STAGES] * h, i > 0 || !first, !end || more,
-                                 end};
+    const int end = i == SMG_STAGES - 1, after = SMG_STAGES_MEET && (i > 0 || !first),
+              before = SMG_STAGES_MEET && (!end || more);
+    const smg_turn_stage part = {smg_gamma[i] * h, smg_gamma[(i + 1) % SMG_STAGES] * h, after, before, end};
+    smg_set_time_at(&s->c, s, done + (smg_real)0.5 * smg_gamma[i]);
     smg_row_stage(s, known, part);
+    done += smg_gamma[i];
   }
   s->history = 1;
   ++s->count;
