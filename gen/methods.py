@@ -145,7 +145,12 @@ COMPARATORS = (
            "smg_geodesic_midpoint.h", onto_leaf=True, keeps_linear=False, **ONE_STAGE),
     Method("exponential-midpoint", "the Lie-group method with the exponential map", "exponential midpoint",
            "Lie-group method with the exponential map on T*SU(2), reduced (comparator: symplectic, order 2)", 2,
-           "smg_exponential_midpoint.h", symplectic=True, keeps_quadratic=False, responds=False, **ONE_STAGE))
+           "smg_exponential_midpoint.h", symplectic=True, keeps_quadratic=False, responds=False, **ONE_STAGE),
+    Method("rattle", "RATTLE on T*S^3", "RATTLE", "RATTLE on T*S^3, reduced (comparator: symplectic, order 2)", 2,
+           "smg_rattle.h", symplectic=True, keeps_quadratic=False, responds=False, **ONE_STAGE | {
+               "how": ("fixed-point", "both points of all sites together, by fixed-point iteration"),
+               "arrays": (("points", 7, 0, "where the field is taken, twice, and e (s - sigma)"), ("slopes", 8, 0, "h b/2 at both, e s and e sigma"),
+                          ("past_slopes", 24, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",

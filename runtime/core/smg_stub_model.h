@@ -34,17 +34,23 @@
     defined(SMG_GAUSS_H)
 #define SMG_HISTORY 1
 #elif defined(SMG_ONE_STAGE_H) || defined(SMG_GEODESIC_MIDPOINT_H) || defined(SMG_ISOSPECTRAL_MIDPOINT_H) || \
-    defined(SMG_EXPONENTIAL_MIDPOINT_H)
+    defined(SMG_EXPONENTIAL_MIDPOINT_H) || defined(SMG_RATTLE_H) || defined(SMG_SLOPES_H)
 #define SMG_HISTORY 3
+#undef SMG_HAS_LANES
+#define SMG_HAS_LANES 0
+#ifdef SMG_SLOPES_H
+#define SMG_SLOPES 3
+#endif
 #elif !defined(SMG_DOP853_H) && !defined(SMG_EXTRAPOLATION_H)
 #define SMG_HISTORY 7
 #if !defined(SMG_SPHERE_HISTORY_H) && !defined(SMG_SINGLE_SPHERE_H) && !defined(SMG_LANE_SPHERE_H)
 #define SMG_NO_DEGREE -1
 #endif
 #endif
-#if !defined(SMG_AXIS_SPLITTING_H) && !defined(SMG_CLASSICAL_MIDPOINT_H) && !defined(SMG_DOP853_H) && \
-    !defined(SMG_EXPONENTIAL_MIDPOINT_H) && !defined(SMG_EXTRAPOLATION_H) && !defined(SMG_GAUSS_H) && \
-    !defined(SMG_ISOSPECTRAL_MIDPOINT_H) && !defined(SMG_PAIR_ROTATIONS_H) && !defined(SMG_SUBLATTICE_ROTATIONS_H)
+#if !defined(SMG_AXIS_SPLITTING_H) && !defined(SMG_CLASSICAL_MIDPOINT_H) && !defined(SMG_DOP853_H) &&   \
+    !defined(SMG_EXPONENTIAL_MIDPOINT_H) && !defined(SMG_EXTRAPOLATION_H) && !defined(SMG_GAUSS_H) &&   \
+    !defined(SMG_ISOSPECTRAL_MIDPOINT_H) && !defined(SMG_PAIR_ROTATIONS_H) && !defined(SMG_RATTLE_H) && \
+    !defined(SMG_SUBLATTICE_ROTATIONS_H)
 #define SMG_ONTO_LEAF 1
 #endif
 #ifndef SMG_CLASSICAL_MIDPOINT_H

@@ -27,7 +27,7 @@ random = 4
 """
 METHODS = ("spherical-midpoint", "spherical-midpoint-6", "classical-midpoint", "gauss-2", "gauss-8", "dop853", "dop853-projected", "axis-splitting", "sublattice-rotations", "sublattice-rotations-4",
            "pair-rotations", "pair-rotations-6", "cf4", "isospectral-midpoint", "geodesic-midpoint",
-           "exponential-midpoint", "extrapolation-12")
+           "exponential-midpoint", "rattle", "extrapolation-12")
 
 KINDS = {}      # (spec, family) -> what its sites are
 

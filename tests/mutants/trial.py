@@ -18,7 +18,8 @@ SPHERICAL, CLASSICAL, VESELOV = METHODS
 MODELS = tuple("/".join(words) for words in (
     *((name, method, "auto") for name, method in (
         ("free_rigid_body", "axis-splitting"), ("free_rigid_body", "dop853-projected"), ("free_rigid_body", "cf4"), ("free_rigid_body", "spherical-midpoint-8"),
-        ("free_rigid_body", "isospectral-midpoint"), ("free_rigid_body", "exponential-midpoint"), ("heisenberg_chain", "gauss-6"), ("heisenberg_chain", "sublattice-rotations"),
+        ("free_rigid_body", "isospectral-midpoint"), ("free_rigid_body", "exponential-midpoint"), ("free_rigid_body", "rattle"),
+        ("heisenberg_chain", "gauss-6"), ("heisenberg_chain", "sublattice-rotations"),
         ("heisenberg_chain", "pair-rotations"), ("heisenberg_chain", "spherical-midpoint-4"), ("point_vortices", "gauss-10"),
         ("point_vortices", "geodesic-midpoint"))),
     ("free_rigid_body", SPHERICAL, "auto"), ("free_rigid_body", VESELOV, "auto"), ("product", SPHERICAL, "rotation"),

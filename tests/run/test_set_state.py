@@ -32,7 +32,7 @@ LAYOUTS = {
     "pairs by rows": (PAIRS["square"], "pair-rotations", 0.1), "pairs": (lattice("pentagon", "chain(n, periodic)", 5, "n", EXCHANGE), "pair-rotations", 0.1),
     "axes": ("free_rigid_body", "axis-splitting", 0.2), "gauss": (MIX, "gauss-6", 0.1), "gauss by rows": (TURNS["square"], "gauss-6", 0.1),
     "dop853": (MIX, "dop853", 0.3), "dop853 alone": ("free_rigid_body", "dop853-projected", 1.0), "extrapolation": (MIX, "extrapolation-12", 0.1),
-    "one stage": (MIX, "isospectral-midpoint", 0.1), "explicit": (MIX, "cf4", 0.1),
+    "one stage": (MIX, "isospectral-midpoint", 0.1), "two points": (MIX, "rattle", 0.1), "explicit": (MIX, "cf4", 0.1),
 }
 LATE = ("rows", "three colours", "composed", "nambu", "sublattices composed", "divided", "explicit")
 SOME = ("single sphere", "few in lanes", "ring by rows", "pairs by rows", "gauss by rows", "dop853", "one stage")

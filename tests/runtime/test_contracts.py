@@ -7,15 +7,15 @@ from support.headers import RUNTIME, counts, defined, headers, shared, statement
 pytestmark = pytest.mark.quick
 TABLES = "smg_kl17a smg_kl9a smg_ss11 smg_ss13 smg_ss21 smg_ss35 smg_suzuki5"
 EXPLICIT = "smg_axis_splitting smg_cf4 smg_pair_rotations smg_sublattice_rotations"
-METHODS = f"smg_classical_midpoint smg_spherical_midpoint smg_geodesic_midpoint smg_isospectral_midpoint smg_exponential_midpoint smg_dop853 smg_extrapolation smg_gauss {EXPLICIT}"
+METHODS = f"smg_classical_midpoint smg_spherical_midpoint smg_geodesic_midpoint smg_isospectral_midpoint smg_exponential_midpoint smg_rattle smg_dop853 smg_extrapolation smg_gauss {EXPLICIT}"
 # (what is asked for, the headers that answer it, of which a program has one, or a default and one)
 CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
-    ("what a method says of itself", f"smg_block smg_state smg_history smg_sphere_history smg_one_stage smg_explicit {METHODS}"),
-    ("the step, and many of them", "smg_composition smg_dop853 smg_explicit_step smg_extrapolation smg_gauss_rows smg_gauss_stages smg_one_stage smg_single_sphere smg_step smg_steps"),
-    ("the history of a method", "smg_dop853 smg_explicit smg_extrapolation smg_gauss_slots smg_gauss_stages smg_history smg_one_stage smg_sphere_history"),
+    ("what a method says of itself", f"smg_block smg_state smg_history smg_sphere_history smg_one_stage smg_slopes smg_explicit {METHODS}"),
+    ("the step, and many of them", "smg_composition smg_dop853 smg_explicit_step smg_extrapolation smg_gauss_rows smg_gauss_stages smg_slopes smg_single_sphere smg_step smg_steps"),
+    ("the history of a method", "smg_dop853 smg_explicit smg_extrapolation smg_gauss_slots smg_gauss_stages smg_history smg_slopes smg_sphere_history"),
     ("the midpoint of a method", "smg_classical_midpoint smg_spherical_midpoint"),
-    ("the point and the motion of one implicit stage", "smg_exponential_midpoint smg_geodesic_midpoint smg_isospectral_midpoint"),
-    ("a pass over the stages of an iteration (smg_fixed_point.h)", "smg_gauss_stages smg_gauss_sweep smg_one_stage"),
+    ("the points and the motion of implicit stages", "smg_exponential_midpoint smg_geodesic_midpoint smg_isospectral_midpoint smg_rattle"),
+    ("a pass over the stages of an iteration (smg_fixed_point.h)", "smg_gauss_stages smg_gauss_sweep smg_one_stage smg_rattle"),
     ("the stages of Gauss collocation, of sites or of slots", "smg_gauss_slots smg_gauss_stages"),
     ("a stage of an explicit method (smg_explicit_step.h)", EXPLICIT),
     ("a stage by rows (smg_turn_steps.h)", "smg_pair_rows smg_sublattice_rows"),
@@ -29,7 +29,7 @@ CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("states in lanes", "smg_lane_dop853 smg_lane_extrapolation smg_lane_sphere"),
     ("coefficients", f"smg_dop853_table smg_gauss_table smg_explicit_step {TABLES}")))
 # Counted when it was last lowered; `python tests/support/headers.py` counts.
-MOST_STATEMENTS = 7212
+MOST_STATEMENTS = 7281
 
 
 def unexplained(names: dict) -> dict:

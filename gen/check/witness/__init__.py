@@ -19,7 +19,7 @@ from ...errors import RunError, UsageError
 from ...language.evaluate import evaluate
 from ...language.spec import Spec, Term
 from ...run.step.evaluated import Evaluated
-from . import collocation, compositions, extrapolation, lie, native, splittings
+from . import collocation, compositions, extrapolation, lie, native, rattle, splittings
 from .program import compile_term
 
 
@@ -34,7 +34,7 @@ STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)},
             "extrapolation-12": functools.partial(extrapolation.step, rows=6), "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
             "pair-rotations": splittings.pairs, "cf4": lie.cf4, "isospectral-midpoint": lie.isospectral, "geodesic-midpoint": lie.geodesic,
-            "exponential-midpoint": lie.exponential,
+            "exponential-midpoint": lie.exponential, "rattle": rattle.step,
             **{f"{base}-{scheme}": functools.partial(compositions.step, base=base, scheme=scheme)
                for base in (*EQUATIONS, "axis-splitting", "sublattice-rotations", "pair-rotations") for scheme in compositions.HALVES}}
 METHODS = (*EQUATIONS, *STEPPERS)

@@ -1,0 +1,154 @@
+/* smidgen method: a step that follows from slopes a, SMG_SLOPES numbers a site, found by fixed-point iteration over all
+ * sites together. A method defines its sweep, smg_sweep_stages of smg_fixed_point.h, which renews them by
+ * smg_renew_slopes, and, for a site at w of the length r,
+ *
+ *     smg_stage_increment(w, r, a, u)  u = W - w
+ *     smg_stage_serves(a)              is the method defined for slopes so large?
+ *
+ * The iteration begins where the polynomial of degree 2 or less through the slopes of the last steps leads; when that
+ * fails, at rest. The lengths of w are kept as smg_lengths.h has it.
+ *
+ * Beside w, compensation and u the state has the arrays s->points, for the sweeps, 3 numbers a site at least,
+ * s->slopes, s->past_slopes, 3 times as many, and s->inverse, 1. */
+#ifndef SMG_SLOPES_H
+#define SMG_SLOPES_H
+
+#include "smg_fixed_point.h"
+#include "smg_lengths.h"
+
+#if SMG_HISTORY != 3 || SMG_EXTENDED || SMG_PLAIN_SUMS || SMG_COMPOSED
+#error "smg_slopes.h: SMG_HISTORY 3, and neither SMG_EXTENDED nor SMG_PLAIN_SUMS nor SMG_COMPOSED"
+#endif
+
+#define SMG_NO_DEGREE 0
+
+/* ---- the history: 1/|w|^2 of the start, and the slopes of the last s->history steps, newest first ---- */
+
+static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
+
+static inline size_t smg_history_size(const smg_coefficients *c) {
+  return (size_t)((1 + SMG_SLOPES * SMG_HISTORY) * smg_sites(c));
+}
+
+static inline void smg_save_history(const smg_state *s, smg_real *out) {
+  const int64_t sites = smg_sites(&s->c);
+  for (int64_t k = 0; k < sites; ++k) out[k] = s->history > 0 ? s->inverse[k] : 0;
+  for (int64_t q = 0; q < SMG_SLOPES * SMG_HISTORY * sites; ++q) out[sites + q] = s->past_slopes[q];
+}
+
+static inline void smg_restore_history(smg_state *s, const smg_real *in) {
+  const int64_t sites = smg_sites(&s->c);
+  for (int64_t k = 0; k < sites; ++k) s->inverse[k] = in[k];
+  for (int64_t q = 0; q < SMG_SLOPES * SMG_HISTORY * sites; ++q) s->past_slopes[q] = in[sites + q];
+}
+
+#include "smg_state.h"
+
+/* ---- the iteration ---- */
+
+/* Beside this, slopes of a site at rest are nothing: next to it, 0/0 is 0. */
+#define SMG_LEAST (smg_real) DBL_MIN
+
+SMG_INLINE smg_real smg_sum_of_sizes(const smg_real *a, int count) {
+  smg_real sum = 0;
+  for (int b = 0; b < count; ++b) sum += smg_abs(a[b]);
+  return sum;
+}
+
+/* The slopes of site k become these; w moves by about twice `weight` times their change, and the products in W - w are
+ * about 2 |w| `factors`. How far it moves is kept in s->u. */
+static inline void smg_renew_slopes(smg_state *s, int64_t k, const smg_real *next, smg_real weight, smg_real factors,
+                                    smg_moved *moved) {
+  smg_real *a = s->slopes + SMG_SLOPES * k, change[SMG_SLOPES];
+  const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
+  for (int b = 0; b < SMG_SLOPES; ++b) change[b] = next[b] - a[b];
+  for (int b = 0; b < SMG_SLOPES; ++b) a[b] = next[b];
+  const smg_real by = smg_sum_of_sizes(change, SMG_SLOPES), absolute = 2 * up * weight * by;
+  moved->relative = smg_max(moved->relative, by / (smg_sum_of_sizes(next, SMG_SLOPES) + SMG_LEAST));
+  moved->absolute = smg_max(moved->absolute, absolute);
+  moved->rounding_scale = smg_max(moved->rounding_scale, 2 * up * smg_norm(w) * factors);
+  s->u[3 * k] = absolute;
+}
+
+/* The slopes that it begins with: extrapolated from those of so many steps, or 0. */
+static void smg_begin_slopes(smg_state *s, int steps) {
+  static const smg_real weights[SMG_HISTORY + 1][SMG_HISTORY] = {{0, 0, 0}, {1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
+  const int64_t size = SMG_SLOPES * smg_sites(&s->c);
+  for (int64_t q = 0; q < size; ++q) {
+    s->slopes[q] = 0;
+    for (int j = 0; j < steps; ++j) s->slopes[q] += weights[steps][j] * s->past_slopes[size * j + q];
+  }
+}
+
+static smg_status smg_solve_stage(smg_state *s) {
+  s->report.iterations = 0;
+  smg_begin_slopes(s, s->history);
+  if (s->history > 0 && smg_sweep_to_rest(s, NULL) == SMG_OK) return SMG_OK;
+  smg_begin_slopes(s, 0);
+  return smg_sweep_to_rest(s, NULL);
+}
+
+/* The site that the last sweep moved most, or made no number. */
+static int64_t smg_most_moved(const smg_state *s) {
+  int64_t site = 0;
+  for (int64_t k = 1; k < smg_sites(&s->c); ++k)
+    if (!(s->u[3 * k] <= s->u[3 * site])) site = k;
+  return site;
+}
+
+/* ---- the step ---- */
+
+/* The slopes become the newest of the past. */
+static void smg_remember_slopes(smg_state *s) {
+  const int64_t size = SMG_SLOPES * smg_sites(&s->c);
+  for (int64_t q = SMG_HISTORY * size - 1; q >= size; --q) s->past_slopes[q] = s->past_slopes[q - size];
+  for (int64_t q = 0; q < size; ++q) s->past_slopes[q] = s->slopes[q];
+  if (s->history < SMG_HISTORY) ++s->history;
+}
+
+/* u of all sites, and w + u in s->points; the first that is no number, or -1. */
+static int64_t smg_take_increments(smg_state *s) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
+    const smg_real *w = s->w + 3 * k;
+    smg_real *u = s->u + 3 * k;
+    smg_stage_increment(w, smg_norm(w), s->slopes + SMG_SLOPES * k, u);
+    if (!smg_is_finite(u)) return k;
+    for (int b = 0; b < 3; ++b) s->points[3 * k + b] = w[b] + u[b];
+  }
+  return -1;
+}
+
+/* The first site with a slope for which the method is not defined, or -1. */
+static int64_t smg_slope_too_large(const smg_state *s) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    if (!smg_stage_serves(s->slopes + SMG_SLOPES * k)) return k;
+  return -1;
+}
+
+static smg_status smg_refuse(smg_state *s, smg_status status, int64_t site) {
+  s->report.site = site;
+  return s->report.status = status;
+}
+
+static smg_status smg_step(smg_state *s) {
+  s->report.partner = -1;
+  s->report.reached = 0;
+#if SMG_TIMED
+  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
+#endif
+  const smg_status status = smg_solve_stage(s);
+  if (status != SMG_OK) return smg_refuse(s, status, smg_most_moved(s));
+  const int64_t large = smg_slope_too_large(s);
+  if (large >= 0) return smg_refuse(s, SMG_NO_CONVERGENCE, large);
+  const int64_t lost = smg_take_increments(s);
+  if (lost >= 0) return smg_refuse(s, SMG_NOT_FINITE, lost);
+  if (s->history == 0) smg_begin_lengths(s);
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_commit_site(s, k, s->points + 3 * k, s->u + 3 * k);
+  smg_remember_slopes(s);
+  ++s->count;
+  return smg_refuse(s, SMG_OK, -1);
+}
+
+#include "smg_steps.h"
+
+#endif
