@@ -121,9 +121,10 @@ def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: in
     if steps < 1 or points < 1:
         raise UsageError("validate needs at least one step and one point")
     case = Case(settle(spec, run, steps=steps, every=1, start=start, method=method, solver=solver, h=h,
-                       effects=effects, values=values, seed=seed, real=real, native=native), spec, points)
+                       effects=effects, values=values, seed=seed, real=real, native=native), spec.calm, points)
     lines = [*field_lines(case), *value_lines(case)]
     step_lines, growth = case.guarded(f"{steps} steps", lambda: compare_steps(case), math.nan)
+    step_lines = [*step_lines, *case.guarded("noise", lambda: (compare_noise(case, spec, growth), None), None)[0]]
     flow_lines, _ = case.guarded("order of convergence", lambda: (compare_flow(case), None), None)
     s = case.settings
     return Report(spec.name, s.run, s.method, s.h, case.witness.sites, steps, growth,
@@ -284,6 +285,18 @@ def compare_steps(case: Case):
     allowed = (FLOOR if METHODS[s.method].controlled else ROUND_OFF) * scale * (growth if growth > SENSITIVE else 1.0)
     note = f"tangent map grows {growth:.3g}" + (", allowed for" if growth > SENSITIVE else "")
     return [agreement(f"{s.steps} steps", difference(compiled, mine), allowed, note)], growth
+
+
+def compare_noise(case, spec, growth) -> list[Line]:
+    """The same steps with thermal noise, which stretches no distance. The other lines are those of the step without it."""
+    s, one = case.settings, Witness(spec, case.settings.values, case.settings.effects, seed=case.settings.seed or 0)
+    if one.diffusion is None or one.sites > DENSE:
+        return []
+    mine = one.steps(case.w, 0.0, s.h, s.steps, s.method)
+    model = build(spec, s.method, s.effects, s.values, s.solver, s.real, s.native).start(np.array(case.w), h=s.h, seed=s.seed)
+    found = np.array([mine[0], *(np.array(model.step().w, float) for _ in range(s.steps))])
+    allowed = (FLOOR if METHODS[s.method].controlled else ROUND_OFF) * size(mine) * (growth if growth > SENSITIVE else 1.0)
+    return [agreement(f"{s.steps} steps with noise", difference(found, mine), allowed)]
 
 
 def compare_residuals(case):

@@ -190,6 +190,7 @@ def lines(args, result):
     yield from deviation_lines(result.summary)
     yield from estimate_lines(result)
     yield from split_lines(result)
+    yield from halved_lines(result)
     yield from near_lines(result)
     if meta["status"] != "complete":
         yield f"status: {meta['status'] if meta['status'] == 'interrupted' else 'failed'}"
@@ -224,6 +225,13 @@ def estimate_lines(result):
         yield f"estimated error of the end: {error:.2g} of |w| (by two more runs with other steps; --no-estimate leaves it out)"
     else:
         yield "the end is not known: with other steps it is another one (h is too large, or the motion is chaotic)"
+
+
+def halved_lines(result):
+    """Steps of a thermal run that had no midpoint."""
+    if result.summary.get("halved"):
+        yield (f"{result.summary['halved']} of {result.meta['done']} steps did not exist at this h from the state that noise had made: "
+               "each was taken as two of h/2, between the same noise")
 
 
 def split_lines(result):

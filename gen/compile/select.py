@@ -103,7 +103,7 @@ def formulas(spec: Spec):
     for term in spec.effects + spec.observables:
         yield term.value
         yield from term.over.size if isinstance(term.over, Lattice) else ()
-    yield from (d.alpha for d in spec.dampings)
+    yield from (e for d in spec.dampings for e in d.formulas.values())
     for start in spec.starts:
         for part in start.families:
             yield from part.value if part.kind == "formula" else ()

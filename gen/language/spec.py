@@ -5,7 +5,7 @@ shape (sites, 3). `Expr` fields marked [int] are integer formulas in int paramet
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from typing import Optional, Union
@@ -156,12 +156,21 @@ class Damping:
 
     and 'gilbert', w' = o w x b + o s (alpha/r) w x w', by the same divided by 1 + alpha^2. In R^3, where r is the state's, the form is
     'll' and r is 1: alpha has the unit of 1/|w|.
+
+    kT: of a heat bath in the unit of the energy, a formula of the same kind, or None: noise then turns the sites, and the distribution
+    exp(-H/kT) is stationary.
     """
     name: str
     over: Sites
     alpha: Expr
     form: str = "gilbert"
     meaning: str = ""
+    kT: Optional[Expr] = None
+
+    @property
+    def formulas(self) -> dict[str, Expr]:
+        """Those that it has, by their keys."""
+        return {"damping": self.alpha} if self.kT is None else {"damping": self.alpha, "kT": self.kT}
 
 
 @dataclass(frozen=True)
@@ -229,6 +238,16 @@ class Spec:
     def effect_names(self) -> tuple[str, ...]:
         """Those of the energies, then those of the dampings: all that a scene may call for."""
         return tuple(e.name for e in (*self.effects, *self.dampings))
+
+    @property
+    def heated(self) -> tuple[str, ...]:
+        """The families whose sites noise turns."""
+        return tuple(d.over.family for d in self.dampings if d.kT is not None)
+
+    @property
+    def calm(self) -> "Spec":
+        """The same without noise: what is between its two halves in a step."""
+        return replace(self, dampings=tuple(replace(d, kT=None) for d in self.dampings)) if self.heated else self
 
     def __repr__(self) -> str:
         held = ("parameters", "families", "effects", "dampings", "observables", "starts", "runs")

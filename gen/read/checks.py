@@ -66,7 +66,7 @@ def sound(spec: Spec, troubles) -> Spec:
     return replace(spec, parameters=tuple(p for p in spec.parameters if p.name not in lost),
                    families=tuple(without(f, lost) for f in spec.families if f.name not in lost),
                    effects=tuple(e for e in spec.effects if not named(e) & lost),
-                   dampings=tuple(d for d in spec.dampings if not (elements(d.alpha) | {d.over.family}) & lost),
+                   dampings=tuple(d for d in spec.dampings if not {d.over.family}.union(*map(elements, d.formulas.values())) & lost),
                    observables=tuple(e for e in spec.observables if not named(e) & lost),
                    starts=tuple(replace(s, families=tuple(p for p in s.families if not used(p, spec) & leafless))
                                 for s in spec.starts))
@@ -113,14 +113,15 @@ def terms(spec: Spec, values: dict) -> Iterator[Trouble]:
 
 
 def damping_fits(spec: Spec, d: Damping, values: dict) -> Iterator[Trouble]:
-    """Entries of arrays, and alpha >= 0 at every site."""
+    """Entries of arrays; alpha >= 0 and kT >= 0 at every site."""
     path, family = ("effects", d.name), next(f for f in spec.families if f.name == d.over.family)
-    found = list(term_fits(spec, Term(d.name, d.over, d.alpha), path, "damping", values))
-    yield from found
-    bad = () if found else first_bad(with_index(d.alpha, d.over.index, Idx("i")), family, values, lambda a: ~(np.isfinite(a) & (a >= 0)))
-    if bad:
-        yield Trouble(path + ("damping",), codes.VALUE, f"the damping of `{family.name}[{bad[0]}]` is {bad[1]:g}",
-                      "a damping is finite and not negative: energy falls")
+    for key, formula in d.formulas.items():
+        found = list(term_fits(spec, Term(d.name, d.over, formula), path, key, values))
+        yield from found
+        bad = () if found else first_bad(with_index(formula, d.over.index, Idx("i")), family, values, lambda a: ~(np.isfinite(a) & (a >= 0)))
+        if bad:
+            yield Trouble(path + (key,), codes.VALUE, f"the {key} of `{family.name}[{bad[0]}]` is {bad[1]:g}",
+                          "a damping is finite and not negative: energy falls" if key == "damping" else "a temperature is finite and not negative")
 
 
 # Sizes

@@ -1,4 +1,4 @@
-"""[effects]: those that damp the sites of a family, with the key `damping`."""
+"""[effects]: those that damp the sites of a family, with the key `damping`, and `kT` where they are in a heat bath."""
 from __future__ import annotations
 
 from ..language.spec import FORMS, Damping, Sites
@@ -6,7 +6,7 @@ from . import codes
 from .text import meaning
 from .tree import Node
 
-KEYS = ("over", "damping", "form", "meaning")
+KEYS = ("over", "damping", "kT", "form", "meaning")
 
 
 class DampingReader:
@@ -17,17 +17,25 @@ class DampingReader:
 
     def read(self, node: Node) -> Damping:
         if node.has("energy"):
-            node.get("damping").wrong(codes.CONFLICT, f"`{node.label}` has an energy and a damping", "write two effects, an energy and a damping")
+            node.get(next(key for key in ("damping", "kT") if node.has(key))).wrong(
+                codes.CONFLICT, f"`{node.label}` has an energy and a damping", "write two effects, an energy and a damping")
+        if not node.has("damping"):
+            node.get("kT").wrong(codes.MISSING, f"`{node.label}` has a `kT` and no `damping`",
+                                 "noise alone heats without end, damping balances it: write `damping = 0.1` beside it")
         node.table(*KEYS)
-        name, (over, alpha, form), said = self.problems.together(
+        name, (over, alpha, form, kT), said = self.problems.together(
             lambda: self.terms.name(node, "effect", ()), lambda: self.law(node), lambda: meaning(node, "meaning"))
-        return Damping(name, over, alpha, form, said)
+        return Damping(name, over, alpha, form, said, kT)
 
     def law(self, node: Node):
-        """(the sites, alpha, the form)."""
+        """(the sites, alpha, the form, kT or None)."""
         over = self.sites(node)
         return (over, *self.problems.together(lambda: self.terms.formulas.free(node.get("damping"), "a damping", over.index),
-                                              lambda: self.form(node, self.terms.declared.families[over.family].kind)))
+                                              lambda: self.form(node, self.terms.declared.families[over.family].kind),
+                                              lambda: self.temperature(node, over.index)))
+
+    def temperature(self, node: Node, index: str):
+        return self.terms.formulas.free(node.get("kT"), "a temperature", index) if node.has("kT") else None
 
     def sites(self, node: Node) -> Sites:
         """Those of one family on spheres or in R^3, that no other effect damps."""

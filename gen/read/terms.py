@@ -30,7 +30,7 @@ class TermReader:
         found, dampings = [], DampingReader(self)
         for node in section.table().items():
             with self.problems.guard():
-                damps = isinstance(node.raw, dict) and node.has("damping")
+                damps = isinstance(node.raw, dict) and (node.has("damping") or node.has("kT"))
                 found.append(dampings.read(node) if damps else self.term(node, "energy", "effect", ()))
         if found and not any(isinstance(e, Term) for e in found):
             section.wrong(codes.MISSING, "no effect has an energy", 'a damping acts in the field of energies: give one, `energy = "..."`')

@@ -46,6 +46,8 @@ def end_error(model: Integrator, settings, final: np.ndarray, stopped=lambda: Fa
 
     model: the compiled model of the run; it is begun anew. Both are None for no steps and after Ctrl-C (`stopped`).
     """
+    if model.scene.heated:
+        return None, "with thermal noise another number of steps is another path"
     off, found = [], others(model, settings)
     for other in found:
         end = ended(model, settings, other, stopped)

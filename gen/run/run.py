@@ -25,6 +25,7 @@ from .step.integrator import Integrator, compiled
 from .step.prepared import prepare
 from .files.options import OPTIONS
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
+from .step.noise import refuse_with_noise
 from .step.pace import Pace
 from .record.record import Recorder, columns_of, entry_size
 from .files.safe import SafeSink
@@ -63,7 +64,7 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     between outputs, or section: the time between them; h, time and section in the unit of
     time of the spec, numbers or formulas of its parameters such as "2*pi/n"; what: names of
     outputs (states, energy, momentum, casimirs, magnetisation, charge, observables); effects: names of those to keep;
-    values: parameter name -> number, or a sequence for an array; seed: of random starts;
+    values: parameter name -> number, or a sequence for an array; seed: of random starts, and of thermal noise;
     checkpoint: steps between two checkpoints (needs `out`); substeps: take a step that fails
     as up to 2^10 smaller ones.
     out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
@@ -101,6 +102,8 @@ def begun(spec: Spec, settings: Settings) -> Integrator:
     """The model of a run, at its start."""
     s = settings
     prepared = prepare(spec, s.method, s.effects, s.values, s.solver, s.numbers)
+    if s.substeps:
+        refuse_with_noise(prepared.scene, "no substeps", "a step that fails is taken as two of h/2 with the same noise anyway")
     model = compiled(prepared, s.real, s.native, fast=s.fast, threads=s.threads)
     return model.start(s.own_start, h=s.h, seed=s.seed, tolerance=s.tolerance)
 
@@ -243,7 +246,7 @@ def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
     meta, extras, t = describe(model, settings, status), {"final": model.state()}, model.t
     if status == "complete":
-        meta["estimate"] = settings.estimate if settings.estimate is not None else ranks.on_first(lambda: clock.perf_counter() - began < SHORT)
+        meta["estimate"] = settings.estimate if settings.estimate is not None else bool(model.scene.heated) or ranks.on_first(lambda: clock.perf_counter() - began < SHORT)
         if meta["estimate"]:
             meta["end_error"], meta["end_error_withheld"] = estimated(model, settings, extras["final"])
     if settings.substeps:
@@ -251,7 +254,7 @@ def _finish(model, settings, recorder, status, error, began):
     memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
-    summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps),
+    summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps), "halved": model.halved,
                "estimate_left_out": settings.estimate is None and meta["estimate"] is False, "nearest": recorder.block.near_centre(model), "seconds": clock.perf_counter() - began}
     return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
 

@@ -37,6 +37,8 @@
  *              smg_family_end(c, f)               the site after the last of the f-th family
  *   response   smg_response(c, k, r)              r = f, q, F0, Q0: how site k moves in its field (smg_respond.h),
  *                                                 where SMG_RESPONDS says so
+ *   noise      smg_diffusion(c, k)                D of site k, the rate at which noise turns it (smg_thermal.h), where
+ *                                                 SMG_THERMAL says so
  *   splitting  smg_slope_x(c, k, v), _y, _z       dH/dx of site k at the vector v, where no term joins two sites
  *                                                 (SMG_SEPARATE)
  *              smg_slopes_x(c, w, g), _y, _z      g[k] += dH/dx of site k, for all sites

@@ -17,6 +17,12 @@ enum {
   SMG_SAVED_NEWTON_STEPS,
   SMG_SAVED_SCALE,
   SMG_SAVED_TOLERANCE,
+#if SMG_THERMAL
+  SMG_SAVED_SEED_HIGH,
+  SMG_SAVED_SEED_LOW,
+  SMG_SAVED_MEMBER,
+  SMG_SAVED_HALVED,
+#endif
   SMG_SAVED_HEAD
 };
 
@@ -88,6 +94,22 @@ static inline int smg_steps_known(const smg_state *s) {
 #endif
 }
 
+#if SMG_THERMAL
+/* Which noise it has. */
+static void smg_save_noise(const smg_state *s, smg_real *out) {
+  out[SMG_SAVED_SEED_HIGH] = (smg_real)(s->seed >> 32);
+  out[SMG_SAVED_SEED_LOW] = (smg_real)(s->seed & 0xFFFFFFFFu);
+  out[SMG_SAVED_MEMBER] = (smg_real)s->member;
+  out[SMG_SAVED_HALVED] = (smg_real)s->halved;
+}
+
+static void smg_restore_noise(smg_state *s, const smg_real *in) {
+  s->seed = (uint64_t)in[SMG_SAVED_SEED_HIGH] << 32 | (uint64_t)in[SMG_SAVED_SEED_LOW];
+  s->member = (uint32_t)in[SMG_SAVED_MEMBER];
+  s->halved = (int64_t)in[SMG_SAVED_HALVED];
+}
+#endif
+
 static void smg_save_state(const smg_state *s, smg_real *out) {
   const size_t n3 = (size_t)(3 * smg_sites(&s->c));
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c.p);
@@ -101,6 +123,9 @@ static void smg_save_state(const smg_state *s, smg_real *out) {
   out[SMG_SAVED_NEWTON_STEPS] = (smg_real)smg_newton_steps(s);
   out[SMG_SAVED_SCALE] = s->scale;
   out[SMG_SAVED_TOLERANCE] = s->tolerance;
+#if SMG_THERMAL
+  smg_save_noise(s, out);
+#endif
   smg_copy(out + SMG_SAVED_HEAD, s->w, n3);
   smg_save_sites(s, out + SMG_SAVED_HEAD + n3, out + smg_saved_past(&s->c));
 }
@@ -137,6 +162,16 @@ static inline smg_real smg_saved_off_sphere(const smg_real *in) {
 #endif
 }
 
+#if SMG_THERMAL
+static int smg_good_noise(const smg_real *in) {
+  const smg_real most = 4294967295;
+  return smg_integer_in(in[SMG_SAVED_SEED_HIGH], 0, most) && smg_integer_in(in[SMG_SAVED_SEED_LOW], 0, most) &&
+         smg_integer_in(in[SMG_SAVED_MEMBER], 0, most) && smg_integer_in(in[SMG_SAVED_HALVED], 0, 281474976710656);
+}
+#else
+#define smg_good_noise(in) 1
+#endif
+
 /* Are the numbers of the head within their ranges? */
 static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
   return in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) &&
@@ -145,7 +180,7 @@ static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
          smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
          smg_good_degree(in[SMG_SAVED_DEGREE], in[SMG_SAVED_HISTORY]) &&
          smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) &&
-         in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1;
+         in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1 && smg_good_noise(in);
 }
 
 /* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does
@@ -175,6 +210,9 @@ static void smg_restore_head(smg_state *s, const smg_real *in) {
   s->degree = s->history > 0 ? (int)in[SMG_SAVED_DEGREE] : SMG_NO_DEGREE;
   s->scale = in[SMG_SAVED_SCALE];
   s->tolerance = in[SMG_SAVED_TOLERANCE];
+#if SMG_THERMAL
+  smg_restore_noise(s, in);
+#endif
   s->c.h = smg_signed_h(s->h);
   (void)smg_prepare(&s->c); /* some of its values have h in them */
 #if SMG_EXTENDED

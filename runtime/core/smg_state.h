@@ -80,6 +80,10 @@ static smg_status smg_check_sites(const smg_coefficients *c) {
   for (int64_t k = 0; k < smg_sites(c); ++k) {
     const smg_real kappa = smg_kappa(c, k);
     if (!(kappa != 0) || !(SMG_MATH(fabs)(kappa) <= SMG_MAX)) return SMG_BAD_PARAMETER;
+#if SMG_THERMAL
+    const smg_real diffusion = smg_diffusion(c, k);
+    if (!(diffusion >= 0 && diffusion <= SMG_MAX)) return SMG_BAD_PARAMETER;
+#endif
     if (smg_kind(c, k) != SMG_SPHERE) continue;
     const smg_real radius = smg_radius(c, k);
     if (!(radius > 0 && radius <= SMG_MAX)) return SMG_BAD_PARAMETER;
@@ -100,9 +104,12 @@ static smg_status smg_check_params(const smg_params *p) {
   return smg_check_prepared(&c);
 }
 
-/* A time and a step. A denormal h has too few digits. */
+/* A time and a step. A denormal h has too few digits; noise has no step backward. */
 static inline smg_status smg_check_times(double t0, double h) {
   if (!(t0 - t0 == 0 && h - h == 0)) return SMG_NOT_FINITE;
+#if SMG_THERMAL
+  if (h < 0) return SMG_BAD_PARAMETER;
+#endif
   return h != 0 && h < DBL_MIN && h > -DBL_MIN ? SMG_BAD_PARAMETER : SMG_OK;
 }
 
@@ -171,6 +178,11 @@ static void smg_blank(smg_state *s, const smg_params *p, double t0, double h) {
   s->history = 0;
   s->scale = 0;
   s->tolerance = (smg_real)SMG_TOLERANCE;
+#if SMG_THERMAL
+  s->seed = 0;
+  s->member = 0;
+  s->halved = 0;
+#endif
   s->w = NULL;
   s->c.h = smg_signed_h(h);
 #if SMG_BY_ROWS

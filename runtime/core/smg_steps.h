@@ -3,14 +3,21 @@
 #define SMG_STEPS_H
 
 #include "smg_model.h"
+#if SMG_THERMAL
+#include "smg_thermal.h"
+#endif
 
 /* count steps, or fewer: the first that fails is the last. */
 static smg_status smg_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
+#if SMG_THERMAL
+  for (; count > 0 && status == SMG_OK; --count) status = smg_thermal_step(s);
+#else
 #if SMG_BY_ROWS
   if (s->rows) return smg_row_steps(s, count);
 #endif
   for (; count > 0 && status == SMG_OK; --count) status = smg_step(s);
+#endif
   return status;
 }
 

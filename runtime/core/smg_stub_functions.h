@@ -14,6 +14,7 @@ void smg_site_hessian_vector(const smg_coefficients *c, smg_lattice_site at, con
 void smg_each(const smg_coefficients *c, void *context, void (*visit)(void *context, smg_lattice_site at));
 void smg_each_coloured(const smg_coefficients *c, void *context, void (*visit)(void *context, smg_lattice_site at));
 smg_real smg_hessian_row_norm(const smg_coefficients *c, int64_t k);
+smg_real smg_diffusion(const smg_coefficients *c, int64_t k);
 smg_real smg_slope_bound(const smg_coefficients *c, smg_real size);
 
 #endif

@@ -114,7 +114,10 @@ typedef struct smg_state {
   smg_real *w, *compensation, *u, *m, *mbar, *g, *r, *s, *G, *S, *x, *A, *work, *curve, *sums, *mean, *v, *hessian_v;
   smg_real *product, *few, *misses, *prepared, *before, *increments, *leaf_value, *points, *slopes, *inverse, *stages;
   smg_real *tableau, *turns, *past_slopes, *low, *wide_m, *wide_g, *wide_v, *wide_d, *wide_e, *wide_s, *wide_y;
-  smg_real tolerance, scale;
+  uint64_t seed;
+  uint32_t member;
+  int64_t halved;
+  smg_real *unturned, tolerance, scale;
   smg_report report;
 } smg_state;
 

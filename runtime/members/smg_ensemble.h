@@ -57,6 +57,9 @@ static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own,
     const size_t size = smg_member_memory(its);
     if (size > 0 && smg_sites_of(its) == sites) (void)smg_begin_state(e->member + k, its, at, w + 3 * sites * k, t0, h);
     else smg_blank(e->member + k, its, t0, h); /* with SMG_BAD_PARAMETER */
+#if SMG_THERMAL
+    e->member[k].member = (uint32_t)k;
+#endif
     at += size;
   }
   return smg_ensemble_failed(e, 0, members);

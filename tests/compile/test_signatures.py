@@ -35,10 +35,14 @@ def test_ctypes_knows_the_types_of_all():
 
 
 def test_a_library_shows_what_is_listed():
-    """One with all features has all functions, one without them has those that are always there."""
+    """One with all features has all functions but those of noise, one with noise has these, one without either those that are always there."""
     import smidgen
     spec = load("free_rigid_body")
     plain, all_ = smidgen.build(spec), smidgen.build(spec, features=("tangent", "ensemble"))
-    assert set(vars(plain._c)) == {one.word for one in flat(())} and set(vars(all_._c)) == {one.word for one in flat(signatures.FLAT)}
+    assert set(vars(plain._c)) == {one.word for one in flat(())} and set(vars(all_._c)) == {one.word for one in flat(("tangent", "ensemble"))}
+    warm = smidgen.load_text('[model]\nname = "warm"\n[space]\nw = { sphere = 1 }\n[effects.body]\nenergy = "w.x^2"\n'
+                             '[effects.bath]\nover = "site(i) of w"\ndamping = 1\nkT = 1\n')
+    heated = smidgen.build(warm, features=("ensemble",))
+    assert set(vars(heated._c)) == {one.word for one in flat([name for name in signatures.FLAT if name != "tangent"])}
     assert vars(functions(plain._library, plain.name)).keys() == vars(plain._c).keys()
     assert plain._c.report.argtypes == [ctypes.c_void_p] * 6 and plain._c.time.restype is ctypes.c_double

@@ -104,6 +104,7 @@ damping = 0.2
 LONG = {  # along their slowest direction, so that four ranks have parts of them and send each other messages; most of SPECS are too small for that
     "long cubic": lattice("long_cubic", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE),
     "damped cubic": lattice("damped_cubic", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE + BATH),
+    "warm cubic": lattice("warm_cubic", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE + BATH + "kT = 0.4\n"),
     "long open cubic": lattice("long_open_cubic", "cubic(5, 3, n, open)", 31, "15*n"),
     "ring of 600": lattice("ring", "chain(n, periodic)", 600, "n", EXCHANGE + FIELD + DM),
     "further neighbours of 900": lattice("further", "chain(n, periodic, 2)", 900, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")),

@@ -88,7 +88,7 @@ def advise(spec, run: str | None = None, *, start=None, method: str | None = Non
                effects=effects, values=values, seed=seed)
     if not METHODS[s.method].midpoint:
         raise UsageError(f"advise follows the step equation of a midpoint method; {METHODS[s.method].title} has another")
-    model = build(spec, s.method, s.effects, s.values, s.solver)
+    model = build(spec.calm, s.method, s.effects, s.values, s.solver)
     w = model.start(s.own_start, h=s.h, seed=s.seed).w.copy()
     return advice_for(model, w, 0.0, s.h, s.run, stated,
                       duration(spec, base, s, steps, time) if stated or time is not None else None, STEPS if steps is None else steps)

@@ -30,7 +30,7 @@ class Report:
     signs: sign patterns (sx, sy, sz) of all vectors under which H is unchanged; undecided: what
     could not be settled; splittings: explicit method -> what of H stands in its way, or None;
     searched: the classes of integrals that were looked for; damped: the families whose sites lose energy, of which no integrals but
-    their lengths are looked for."""
+    their lengths are looked for; heated: those that thermal noise turns."""
     spec: str
     method: str
     families: tuple
@@ -48,6 +48,7 @@ class Report:
     splittings: dict = field(default_factory=dict)
     searched: tuple = ()
     damped: tuple = ()
+    heated: tuple = ()
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -65,7 +66,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "words": self.words()}
 
 
 @public
@@ -93,7 +94,7 @@ def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
                   _parameters(asked), rotations, always,
                   mixed, _unique(integrals), changes, [] if damped else parity(asked), undecided,
                   tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if damped else attempt(lambda: splittings(scene)) or {},
-                  () if damped else tuple(looked_for(asked)), damped)
+                  () if damped else tuple(looked_for(asked)), damped, scene.heated)
 
 
 def _parameters(asked: Asked) -> dict:

@@ -51,10 +51,14 @@ def _rotations(r):
 def _damping(r):
     """What damping gives up, and what holds."""
     if r.damped:
-        falls = "" if r.energy_changes else " Along the flow the energy falls until every damped site is parallel to its field; over a step it falls for small h."
+        stays = " without its noise is" if r.heated else " stays"
+        falls = "" if r.energy_changes or r.heated else " Along the flow the energy falls until every damped site is parallel to its field; over a step it falls for small h."
         yield (f"The sites of {' and '.join(r.damped)} are damped: no step is symplectic, and neither energy nor momentum is conserved."
-               f"{falls} The step stays symmetric." if METHODS[r.method].symmetric else f"The sites of {' and '.join(r.damped)} are damped: "
+               f"{falls} The step{stays} symmetric." if METHODS[r.method].symmetric else f"The sites of {' and '.join(r.damped)} are damped: "
                f"neither energy nor momentum is conserved.{falls}")
+    if r.heated:
+        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} before and after each step; their lengths stay. Where all have one kT, H depends on no "
+               "time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order h^2 whatever the method. A path is that of its seed and its h.")
 
 
 def _numbers(count: int) -> str:

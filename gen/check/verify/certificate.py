@@ -7,6 +7,7 @@ import json
 from ...version import __version__
 from ...build.binary import compiler_version, find_compiler, generator_digest
 from ...compile.features import chosen_features
+from ...compile.select import select
 from ...errors import RunError, UsageError, ValidationError
 from ...language.spec import Spec
 from ...run.settings import settle
@@ -19,6 +20,7 @@ from .effort import effort
 from .equivariant import equivariant
 from .integrals import integrals, known_integrals
 from .members import members
+from .noise import noise
 from .order import order
 from .outputs import outputs
 from .refusals import refusals
@@ -121,10 +123,11 @@ def certify(spec: Spec, run=None, *, tier="normal", features=(), layouts=False, 
     if not (tier in STATES or isinstance(tier, int) and not isinstance(tier, bool) and tier >= 1000):
         raise UsageError("tier is \"quick\", \"normal\" or a number of steps from 1000 up")
     settings = settle(spec, run, **lengthened(spec, run, given))
+    noisy, spec = spec, spec.calm
     case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks, tier, features, layouts)
     subject = emitted(spec, settings, chosen_features(features)) if subject is None else subject
-    rows = tuple(rows_of(case, subject))
-    return Certificate(rows, {**facts_of(case, tier, features), **compiled_with(subject), "not_looked_at": case.unseen})
+    rows = (*rows_of(case, subject), *noise(noisy, case))
+    return Certificate(rows, {**facts_of(case, tier, features, noisy), **compiled_with(subject), "not_looked_at": case.unseen})
 
 
 def lengthened(spec, run, given) -> dict:
@@ -165,11 +168,12 @@ def guarded(name, check):
         return [refused(name, str(error))]
 
 
-def facts_of(case: Case, tier, features=()) -> dict:
-    """What was examined and with what."""
+def facts_of(case: Case, tier, features=(), noisy=None) -> dict:
+    """What was examined and with what. noisy: the spec with its noise, where it has any."""
     s = case.settings
+    scene = select(noisy, s.effects, s.values) if noisy is not None and noisy.heated else case.scene
     return {"spec": case.spec.name, "spec_digest": case.spec.digest, "run": s.run, "method": s.method,
-            "solver": s.solver, "features": sorted(features), "fingerprint": fingerprint(case.scene, s.method, s.solver, features),
+            "solver": s.solver, "features": sorted(features), "fingerprint": fingerprint(scene, s.method, s.solver, features),
             "effects": list(case.scene.effect_names), "values": plain(s.values), "h": s.h,
             "probe": case.probe, "steps": s.steps, "start": s.start if isinstance(s.start, str) else None,
             "sites": case.sites, "tier": tier, "generator": __version__, "generator_digest": generator_digest()}

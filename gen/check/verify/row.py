@@ -44,10 +44,12 @@ CLAIMS = {
     "threads": "threads share steps, and change no bit",
     "wavefronts": "so do wavefronts, by which large lattices step",
     "ranks": "and the ranks of MPI",
+    "noise": "steps with thermal noise are those of the independent interpreter, with its noise",
+    "noise restored": "and after a restart they have the bits of the unbroken run",
 }
 # row -> unit of what is measured
 UNITS = {"reversible": "ulp", "equivariant": "ulp", "momentum": "ulp", "quadratic integrals": "ulp",
-         "energy": "ulp", "casimirs": "ulp", "step": "ulp", "residual": "ulp",
+         "noise": "ulp", "energy": "ulp", "casimirs": "ulp", "step": "ulp", "residual": "ulp",
          "run": "ulp", "whole space": "ulp", "round-off size": "ulp", "settled": "ulp"}
 
 

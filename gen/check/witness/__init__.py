@@ -19,7 +19,7 @@ from ...errors import RunError, UsageError
 from ...language.evaluate import evaluate
 from ...language.spec import Spec, Term
 from ...run.step.evaluated import Evaluated
-from . import collocation, compositions, extrapolation, lie, native, rattle, splittings
+from . import collocation, compositions, extrapolation, lie, native, rattle, splittings, thermal
 from .program import compile_term
 
 
@@ -52,13 +52,13 @@ MEANING = {
 class Witness:
     """The system of `spec` for parameter values `values`, with the effects named.
 
-    States are float64 arrays of shape (sites, 3). Every method raises UsageError for a
+    seed, member: of thermal noise. States are float64 arrays of shape (sites, 3). Every method raises UsageError for a
     wrong name or shape and RunError (with a status of runtime/core/smidgen.h) where the numbers
     do not exist.
     """
 
-    def __init__(self, spec: Spec, values: dict | None = None, effects=None):
-        self.spec = spec
+    def __init__(self, spec: Spec, values: dict | None = None, effects=None, seed: int = 0, member: int = 0):
+        self.spec, self.seed, self.member, self._given = spec, seed, member, (values, effects)
         self.numbers = Evaluated(spec, values)
         self.values, self.families = self.numbers.values, self.numbers.places
         self.sites = sum(count for _, count in self.families.values())
@@ -67,6 +67,7 @@ class Witness:
         chosen = _chosen((*spec.effects, *spec.dampings), effects)
         self.effects = {e.name: self._program(e) for e in chosen if isinstance(e, Term)}
         self.dampings = [d for d in chosen if not isinstance(d, Term)]
+        self.diffusion = self._diffusion()
         self.terms = {o.name: self._program(o) for o in spec.observables}
         self._system = self._whole()
 
@@ -109,12 +110,14 @@ class Witness:
 
     def steps(self, w, t0: float, h: float, count: int, method: str = "spherical-midpoint",
               every: int = 1) -> np.ndarray:
-        """States after 0, every, 2*every, .. steps: shape (count//every + 1, sites, 3).
+        """States after 0, every, 2*every, .. steps: shape (count//every + 1, sites, 3); with the noise of kT, that of the steps from 0 on.
 
         The step equation is solved to the last bit and the state is kept in extended
         precision between the steps. Raises RunError with the number of steps done.
         """
         self._small()
+        if self.diffusion is not None:
+            return self._heated(w, t0, h, count, method, every)
         if method in STEPPERS:
             return self._stepped(w, t0, h, count, method, every)
         number = _choose("method", method, EQUATIONS)
@@ -126,6 +129,17 @@ class Witness:
                                        every, out.ctypes.data, ctypes.byref(done))
         _check(status, f"step {done.value + 1}", done.value)
         return out
+
+    def _heated(self, w, t0, h, count, method, every):
+        """Steps of the system without noise between its two halves."""
+        found, calm = [self._state(w)], Witness(self.spec.calm, *self._given)
+        for k in range(count):
+            w = thermal.heat(self._state(w), self.diffusion, h, self.seed, k, 0, self.member)
+            w = calm.step(w, t0 + k * h, h, method)
+            w = thermal.heat(w, self.diffusion, h, self.seed, k, 1, self.member)
+            if (k + 1) % every == 0:
+                found.append(w)
+        return np.array(found)
 
     def _stepped(self, w, t0, h, count, method, every):
         found = [self._state(w)]
@@ -204,6 +218,18 @@ class Witness:
             alpha[here] = evaluate(d.alpha, {**self.values, d.over.index: np.arange(count)})
             share[here] = 1 / (1 + alpha[here]**2) if d.form == "gilbert" else 1
         return alpha, share
+
+    def _diffusion(self):
+        """D of every site, (sites,); None without noise."""
+        if all(d.kT is None for d in self.dampings):
+            return None
+        (alpha, share), found = self._damped(), np.zeros(self.sites)
+        for d in (d for d in self.dampings if d.kT is not None):
+            first, count = self.families[d.over.family]
+            here, radius = slice(first, first + count), self.numbers.radii[first:first + count]
+            kT = evaluate(d.kT, {**self.values, d.over.index: np.arange(count)})
+            found[here] = share[here] * alpha[here] * kT / (np.abs(self.kappa[here]) * np.where(np.isnan(radius), 1, radius))
+        return found
 
     def _sum(self, one, w, t):
         w, total = self._state(w), ctypes.c_double(0)

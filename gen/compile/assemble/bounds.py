@@ -27,7 +27,7 @@ class Bounds:
         """Statements that refuse sizes for which an index leaves its array."""
         tests = [test for t in (*spec.effects, *spec.observables) for e in entries(t.value)
                  for test in self.interval_tests(e, families_of(t.over))]
-        tests += [test for d in spec.dampings for e in entries(d.alpha) for test in self.interval_tests(e, families_of(d.over))]
+        tests += [test for d in spec.dampings for formula in d.formulas.values() for e in entries(formula) for test in self.interval_tests(e, families_of(d.over))]
         tests += [test for f in spec.families for formula in (f.kappa, f.radius, *sum(f.casimir or (), ()))
                   for e in entries(formula) for test in self.site_tests(e, f)]
         return (*(Value(symbol.name, self.real(e)) for e, symbol in self.products.items()), *tests)

@@ -1,14 +1,24 @@
 """The buffers of a state: the arrays that the caller's memory holds."""
 from __future__ import annotations
 
-from ..lower.code import Argument, Assign, Call, Function, Member, Name, Return, Unary, Variable
+from ..lower.code import Argument, Assign, Call, Function, Name, Return, Variable
 from ..lower.integers import ZERO, Computed, Int, times, whole
-from .part import buffer
+from .part import buffer, placed
 from .sums import held
 
 
 def buffers(model) -> list:
     """The arrays of the state, in their order in memory."""
+    return [*of_steps(model), *around_steps(model)]
+
+
+def around_steps(model) -> list:
+    """Those of maps around the step."""
+    return [b for part in model.parts for b in part.around(model)]
+
+
+def of_steps(model) -> list:
+    """Those of the step itself."""
     n = model.total
     found = [buffer("w", 3 * n, "the state: 3 numbers per site"), buffer("compensation", 3 * n, "what w has lost to rounding"),
              buffer("u", 3 * n, "increment W - w of the step under way")]
@@ -68,9 +78,8 @@ def work_size(model) -> Int:
 def layout(model) -> Function:
     """The arrays one after the other in mem; how many numbers they take."""
     used = Name("used")
-    placed = [Assign(used, Call("smg_place_array", (Unary("&", Member("s", b.name)), Name("mem"), used, Unary("(size_t)", b.size))))
-              for b in buffers(model)]
+    arrays = [Assign(used, placed(b, used)) for b in buffers(model)]
     before = [statement for part in model.parts for statement in part.laid_out(model)]
     last = Call("smg_place_history", (Name("s"), Name("mem"), used)) if keeps_history(model) else used
     return Function("size_t", "smg_layout", (Argument("smg_state *", "s"), Argument("smg_real *", "mem")),
-                    (*held(placed, "c", "smg_coefficients"), *before, Variable("size_t", "used", ZERO), *placed, Return(last)), inlined="never")
+                    (*held(arrays, "c", "smg_coefficients"), *before, Variable("size_t", "used", ZERO), *arrays, Return(last)), inlined="never")

@@ -13,7 +13,7 @@ from ..lower.integers import Index, Int, total
 from ..lower.kernels import term_kernels
 from ..lower.loops import Loops
 from ..lower.lowering import Lowering
-from ..plan.contributions import contributions_of, require, responses_of
+from ..plan.contributions import contributions_of, diffusions_of, require, responses_of
 from ..plan.plan import Plan, require_free_body
 from .families import FamilyCode, family_codes
 from .norms import edge_norms, reach
@@ -74,6 +74,8 @@ class Model:
             require(self.contributions, ASKS.get(feature, ()), f"feature {feature}")
         if self.responses and "extended" in self.features:
             raise UsageError("feature extended is for sites that precess in their field alone")
+        if diffusions_of(self.contributions) and "tangent" in self.features:
+            raise UsageError("feature tangent is for motion without noise: leave kT out")
         if self.method.free_body:
             require_free_body(self.spec, self.plan.method)
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..lower.code import Call, Member, Name, Unary
 from ..lower.integers import Int, whole
 
 MOST_LANES = 8      # of a row or an ensemble: the widest registers there are
@@ -18,6 +19,11 @@ class Buffer:
 
 def buffer(name: str, size, meaning: str) -> Buffer:
     return Buffer(name, whole(size), meaning)
+
+
+def placed(b: Buffer, used) -> Call:
+    """It begins behind `used` numbers; how many there are with it."""
+    return Call("smg_place_array", (Unary("&", Member("s", b.name)), Name("mem"), used, Unary("(size_t)", b.size)))
 
 
 class Part:
@@ -50,6 +56,10 @@ class Part:
 
     def members(self, model) -> list:
         """Other members of the state, (declaration, meaning)."""
+        return []
+
+    def around(self, model) -> list:
+        """Arrays of a map around the step, whatever that is and by whatever layout."""
         return []
 
     def instead(self, model) -> list:

@@ -12,8 +12,9 @@ from .response import Responses
 from .rows import ByRows
 from .solo import LoneMotion, SingleSphere
 from .sublattices import Sublattices
+from .thermal import Thermal
 from .wide import Extended
 
-FIRST = (Responses(),)      # before bounds of the Hessian are found
+FIRST = (Responses(), Thermal())      # before bounds of the Hessian are found
 PARTS = (*FIRST, ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
          Extended(), GradientsInLanes())

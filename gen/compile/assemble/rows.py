@@ -24,7 +24,7 @@ from .families import SITE
 from .lanes import in_lanes, named
 from .norms import block_norm, row_sums
 from .pairs import slope_bound
-from .part import MOST_LANES, Part, buffer
+from .part import MOST_LANES, Part, buffer, placed
 from .response import indexed
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
@@ -379,7 +379,10 @@ class ByRows(Part):
 
     def laid_out(self, model):
         """Where steps go by rows, with no other arrays than those."""
-        by_rows = If((Member("s", "rows"),), (Return(Call("smg_row_layout", (Name("s"), Name("mem")))),))
+        used = Call("smg_row_layout", (Name("s"), Name("mem")))
+        for b in (b for part in model.parts for b in part.around(model)):
+            used = placed(b, used)
+        by_rows = If((Member("s", "rows"),), (Return(used),))
         return () if model.method.stage_rows else (by_rows,)
 
     def lanes(self, model):

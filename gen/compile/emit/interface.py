@@ -30,7 +30,13 @@ def value_slots(kind: str, name: str, body) -> dict:
 
 def features(model: Model) -> dict:
     """Which functions are there because they were asked for."""
-    return {name: name in model.features for name in ("tangent", "ensemble")}
+    return {"thermal": model.thermal is not None, **{name: name in model.features for name in ("tangent", "ensemble")}}
+
+
+def asked(model: Model) -> tuple:
+    """What functions of the ABI are there for."""
+    heated = ("thermal", *("thermal " + name for name in model.features)) if model.thermal else ()
+    return (*model.features, *heated)
 
 
 def defaults(model: Model):
@@ -71,7 +77,7 @@ def banner(model: Model) -> dict:
     return dict(
         title=comment(spec.title or spec.name), version=VERSION, digest=spec.digest[:16] or "(no file)",
         method_text=model.method.summary + "; damped sites: not symplectic" * bool(model.responses and model.method.symplectic), solver_text=comment(f"{plan.solver}: {plan.reason}"),
-        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(f", damped by {d.name} ({d.form})") for d in spec.dampings),
+        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(f", damped by {d.name} ({d.form}{', with thermal noise' * (d.kT is not None)})") for d in spec.dampings),
         effects_text=comment(", ".join(spec.effect_names) or "none"),
         extended=model.wide is not None, **features(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
@@ -87,6 +93,6 @@ def abi_slots(model: Model, M: str) -> dict:
              for k, p in enumerate(scalars)]
     lines += [f"a->p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
     effects, observables = [e.name for e in model.spec.effects], [o.name for o in model.spec.observables]
-    return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(model.features)], **features(model),
+    return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(asked(model))], **features(model),
                 effects=effects, observables=observables, families=model.families,
                 columns=1 + len(effects) + 3 * len(model.families) + len(observables))

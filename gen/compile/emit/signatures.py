@@ -65,6 +65,7 @@ PUBLIC = (
     of(STATUS, "steps", s=STATE, count=LONG),
     of(DOUBLE, "time", s=CONST_STATE),
     of(STATUS, "set_state", s=STATE, w=CONST_REALS),
+    of(VOID, "set_seed", s=STATE, seed="uint64_t", member="uint32_t"),
     of(SIZE, "savesize", p=PARAMS),
     of(VOID, "save", s=CONST_STATE, out=REALS),
     of(STATUS, "restore", s=STATE, **{"in": CONST_REALS}),
@@ -93,6 +94,13 @@ FLAT = {
         of(VOID, "ensemble_states", e=POINTER, began=FLAGS, w=REALS),
         of(VOID, "ensemble_energies", e=POINTER, began=FLAGS, energy=REALS),
         of(VOID, "ensemble_free", e=POINTER),
+    ),
+    "thermal": (
+        of(VOID, "set_seed", s=POINTER, seed=LONG, member=LONG),
+        of(LONG, "halved", s=POINTER),
+    ),
+    "thermal ensemble": (
+        of(VOID, "ensemble_set_seed", e=POINTER, seed=LONG),
     ),
     "": (        # always
         of(POINTER, "new", scalars=CONST_DOUBLES, arrays=ARRAYS, w=CONST_REALS, t0=DOUBLE, h=DOUBLE, status=INTS),

@@ -37,7 +37,7 @@ def rename_term(term: Term) -> Term:
 
 
 def rename_damping(d: Damping) -> Damping:
-    return replace(d, over=rename_over(d.over), alpha=rename(d.alpha))
+    return replace(d, over=rename_over(d.over), alpha=rename(d.alpha), kT=d.kT and rename(d.kT))
 
 
 def safe_indices(spec: Spec) -> Spec:
@@ -68,7 +68,8 @@ def one_site(spec: Spec) -> Spec:
         return replace(t, value=at_zero(t.value, {i for i, f in families_of(t.over).items() if f in alone}))
 
     def damping(d: Damping) -> Damping:
-        return replace(d, alpha=at_zero(d.alpha, {d.over.index} if d.over.family in alone else set()))
+        none = {d.over.index} if d.over.family in alone else set()
+        return replace(d, alpha=at_zero(d.alpha, none), kT=d.kT and at_zero(d.kT, none))
 
     return replace(spec, families=tuple(map(family, spec.families)), effects=tuple(map(term, spec.effects)), dampings=tuple(map(damping, spec.dampings)),
                    observables=tuple(map(term, spec.observables)))

@@ -32,13 +32,15 @@ class Response:
 class Contribution:
     """name; slots: the sites (family, slot) that one term joins; over: its index family, None where it is no sum of terms;
     offers: words of `methods.OFFERS`; conservative: is it the gradient of an energy? response: of the family of its slots, where it is
-    no energy but tells how that one moves."""
+    no energy but tells how that one moves; diffusion: the rate D at which noise turns these sites, a formula as in a `Response`, where there is
+    noise."""
     name: str
     slots: tuple
     over: object = None
     offers: frozenset = OFFERS
     conservative: bool = True
     response: Response | None = None
+    diffusion: Expr | None = None
 
     def lacks(self, asked) -> list:
         """What of `asked` it does not offer."""
@@ -48,7 +50,8 @@ class Contribution:
 def contributions_of(spec: Spec) -> tuple:
     """The effects of a spec: energies of one representative term, whose derivatives are known, and dampings."""
     return (*(Contribution(e.name, slots_of(e.value), e.over) for e in spec.effects),
-            *(Contribution(d.name, ((d.over.family, d.over.index),), d.over, conservative=False, response=damped(spec, d)) for d in spec.dampings))
+            *(Contribution(d.name, ((d.over.family, d.over.index),), d.over, conservative=False, response=damped(spec, d),
+                           diffusion=None if d.kT is None else diffusion(spec, d)) for d in spec.dampings))
 
 
 def damped(spec: Spec, damping: Damping) -> Response:
@@ -58,6 +61,21 @@ def damped(spec: Spec, damping: Damping) -> Response:
     side = Op("if", (Op(">", (family.kappa, Num(0))), Num(spec.orientation), Num(-spec.orientation)))
     f = Num(1) if damping.form == "ll" else Op("/", (Num(1), Op("+", (Num(1), Op("*", (alpha, alpha))))))
     return Response(f, Op("*", (f, Op("*", (side, Op("/", (alpha, family.radius or Num(1))))))))
+
+
+def diffusion(spec: Spec, damping: Damping) -> Expr:
+    """D = alpha kT/(|kappa| r), for Gilbert's form divided by 1 + alpha^2; r = 1 in R^3. The components of a unit vector then forget where they were as
+    exp(-2 D t), and exp(-H/kT) is stationary."""
+    family = next(f for f in spec.families if f.name == damping.over.family)
+    alpha, kT = (with_index(e, damping.over.index, Idx("i")) for e in (damping.alpha, damping.kT))
+    size = Op("*", (Op("abs", (family.kappa,)), family.radius or Num(1)))
+    rate = Op("/", (Op("*", (alpha, kT)), size))
+    return rate if damping.form == "ll" else Op("/", (rate, Op("+", (Num(1), Op("*", (alpha, alpha))))))
+
+
+def diffusions_of(contributions) -> dict:
+    """Family -> its D, of those with noise."""
+    return {family: c.diffusion for c in contributions if c.diffusion is not None for family, _ in c.slots}
 
 
 def responses_of(contributions) -> dict:

@@ -12,6 +12,8 @@ from ...read.given import formula
 from ...run.record.conserved import driven, with_tracers
 from ...run.step.integrator import Integrator, build
 from ...run.settings import Settings, number
+from ...run.step.noise import refuse_with_noise
+from ...run.step.prepared import scene_of
 from ...run.step.start import state_at
 from .clock import processor_seconds
 
@@ -27,6 +29,7 @@ class Case:
         if not self.time:
             raise UsageError("a time that is not 0 is needed")
         self.models, self.refused, self.compiled, self.peers = {}, {}, {}, {}
+        refuse_with_noise(scene_of(spec, settings.effects, settings.values), "no cost and no choice", "errors are those of one path")
         self.w = self._start()
         any_model = self.model(settings.method)
         if any_model is None:

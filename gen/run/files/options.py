@@ -40,7 +40,7 @@ OPTIONS = (
            help="outputs: states, energy, momentum, casimirs, magnetisation, charge, names of observables"),
     Option("effects", listed(text), reads="names", help="keep these effects only", metavar="A,B"),
     Option("values", table(VALUE), as_key="set"),
-    Option("seed", either(none, seed), reads="whole", help="seed of a random start"),
+    Option("seed", either(none, seed), reads="whole", help="seed of a random start, and of thermal noise"),
     Option("real", text, reads="real"),
     Option("native", either(none, flag)),
     Option("substeps", flag, False, "flag", "take a step that fails as up to 1024 smaller ones, and say so"),

@@ -21,6 +21,7 @@ from ...language.spec import Spec
 from ...public import few, public
 from ..step.evaluated import Evaluated
 from ..step.library import functions, loaded, packed
+from ..step.noise import noise_of
 from ..step.pace import Pace
 from ..step.prepared import Prepared, checked_tolerance, prepare
 from ..step.start import find_start, state_at, wrong_start
@@ -61,7 +62,7 @@ class Ensemble:
 def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = None, h: float | str | None = None, steps: int | None = None,
              time: float | str | None = None, run: str | None = None, method: str | None = None, solver: str | None = None,
              effects: Iterable[str] | None = None, every: int | None = None, what: Iterable[str] = (), t0: float = 0.0,
-             tolerance: float | None = None, native: bool | None = None, threads: int | None = None) -> Ensemble:
+             tolerance: float | None = None, native: bool | None = None, threads: int | None = None, seed: int | None = None) -> Ensemble:
     """Take the same steps from many starts, or with many values of parameters; returns an Ensemble.
 
     starts: an array of shape (members, sites, 3), of (members, 3) for one site, or for all members the name of a start (None: the
@@ -69,7 +70,8 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
     (members,) or (members, size), one for each; integer parameters and fixed ones are the same for all. run: of the spec, by default its
     first; in place of what it says: h, steps or time, method, solver, effects, tolerance, as for `run` (formulas take the values of member 0);
     t0: the time of the start; what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is
-    given; native: compile for this processor, whose registers hold more members at once (None: where members go in lanes); threads: how many, by default one a processor.
+    given; native: compile for this processor, whose registers hold more members at once (None: where members go in lanes); threads: how many, by default one a processor; seed: of a random start
+    and of thermal noise, of which each member has its own: that of `start(..., seed=seed, member=k)`.
 
     Each member has the bits that it has alone. A single sphere's members step in lanes, those of other models one by one (`lanes`). A member whose
     step fails, or that cannot begin, stays where it is, and `failures` names it; the others go on. Raises UsageError for what does not
@@ -79,13 +81,14 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
     own = {name: value for name, value in values.items() if _is_own(spec, name, value)}
     members = _members(None if given is None or isinstance(given, str) else given, own)
     first = {**values, **{name: np.asarray(value)[0] for name, value in own.items()}}
-    s = settle(spec, run, start=given if isinstance(given, str) else None, method=method, solver=solver, h=h, steps=steps, time=time,
+    s = settle(spec, run, start=given if isinstance(given, str) else None, seed=seed, method=method, solver=solver, h=h, steps=steps, time=time,
                every=every or 1, what=(), effects=effects, values=first, tolerance=tolerance)
     prepared = prepare(spec, s.method, s.effects, s.values, s.solver, s.numbers)
-    w = _states(prepared, s.start if given is None else given, own, members)
+    noise = noise_of(prepared.scene, s.h, seed)
+    w = _states(prepared, s.start if given is None else given, own, members, seed)
     built = build_library(prepared.scene, s.method, s.solver, "double", native, ("ensemble",), plan=prepared.plan)
     rows = _rows(s.steps, None if every is None else s.every)
-    stepped = Stepped(prepared, built, own, w, float(t0), s.h, checked_tolerance(s.tolerance), _threads(threads))
+    stepped = Stepped(prepared, built, own, w, float(t0), s.h, checked_tolerance(s.tolerance), _threads(threads), noise)
     try:
         return stepped.outputs(rows, _chosen(what, len(rows), w.nbytes))
     finally:
@@ -95,7 +98,7 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
 class Stepped:
     """The members in C, and the threads that step them."""
 
-    def __init__(self, prepared, built, own, w, t0, h, tolerance, threads):
+    def __init__(self, prepared, built, own, w, t0, h, tolerance, threads, noise=None):
         self.c, self.w, self.t0, self.h, self.threads = functions(loaded(built.binary), prepared.scene.name), w, t0, h, threads
         self.members, self.pace, self.stop = len(w), threading.local(), threading.Event()
         self.block = max(LEAST, min(BLOCK, -(-self.members // (threads * LEAST)) * LEAST))
@@ -106,6 +109,8 @@ class Stepped:
         self.at = self.c.ensemble_new(scalars.ctypes.data, pointers, bool(self.own), self.members, w.ctypes.data, t0, h, tolerance)
         if not self.at:
             raise RunError(f"an ensemble of {self.members} members: {NO_MEMORY[1]}", -1)
+        if noise:
+            self.c.ensemble_set_seed(self.at, noise[0])
         self.began = (self.reports()[1] == 0).astype(np.uint8)
 
     def close(self):
@@ -227,7 +232,7 @@ def _numbers_of(prepared: Prepared, own: dict, k: int) -> Evaluated:
     return prepared.with_values({name: value[k] for name, value in _known(prepared, own).items()}).numbers if own else prepared.numbers
 
 
-def _states(prepared: Prepared, start, own, members) -> np.ndarray:
+def _states(prepared: Prepared, start, own, members, seed=None) -> np.ndarray:
     """The start of each member, shape (members, sites, 3)."""
     if isinstance(start, np.ndarray):
         total = sum(count for _, count in prepared.numbers.places.values())
@@ -235,7 +240,7 @@ def _states(prepared: Prepared, start, own, members) -> np.ndarray:
             raise UsageError(f"a state of {prepared.scene.name} has {total} sites, and the starts have {start.shape[1]}")
         return start
     find_start(prepared.spec, start)
-    w = [state_at(_numbers_of(prepared, own, k), start) for k in (range(members) if own else [0])]
+    w = [state_at(_numbers_of(prepared, own, k), start, seed) for k in (range(members) if own else [0])]
     return np.ascontiguousarray(np.broadcast_to(np.array(w), (members, *w[0].shape)))
 
 

@@ -22,6 +22,7 @@ from ...methods import DEFAULT, METHODS
 from ...public import ReadOnly, few, public
 from .block import Block
 from .library import functions, loaded, loaded_with_threads, packed, passed
+from .noise import noise_of
 from .prepared import Prepared, checked_threads, checked_tolerance, choose, prepare
 from .saved import Saved
 from .start import find_start, state_at, wrong_start
@@ -117,11 +118,13 @@ class Integrator(ReadOnly):
         return sum(count for _, count in self.families.values())
 
     @public
-    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None, tolerance: float | None = None) -> Integrator:
+    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None, tolerance: float | None = None,
+              member: int = 0) -> Integrator:
         """Begin a trajectory at time t0 with step h (negative: backward).
 
         w: an array of shape (sites, 3), which the steps change in place (of two integrators with one array each goes on
-        from what the other has made of it), the name of a start of the spec, or None for its only one; seed replaces the seed of random starts; tolerance: of a
+        from what the other has made of it), the name of a start of the spec, or None for its only one; seed replaces the seed of random starts, and is that of
+        thermal noise (None: 0), of which each member has its own; tolerance: of a
         step, as part of the largest component of w, where its iterations end or its step control
         aims (None: to round-off, and what step control has by default). Raises
         UsageError for a wrong shape, a start off its sphere or no h, RunError for what the C
@@ -129,10 +132,18 @@ class Integrator(ReadOnly):
         """
         if h is None or not math.isfinite(h) or h == 0:
             raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")
+        noise = noise_of(self.scene, h, seed, member)
         self.close()
         self._now(w=self._array(w, seed), h=float(h), t0=float(t0), count=0)
         self._new(checked_tolerance(tolerance))
+        if noise:
+            self._c.set_seed(self._state, *noise)
         return self
+
+    @property
+    def halved(self) -> int:
+        """Steps since the start that were taken as two of h/2 with the same noise, since there was none of h."""
+        return self._c.halved(self._state) if self._state and self.scene.heated else 0
 
     def step(self) -> Integrator:
         """One step; w is changed in place. Raises RunError, then w is as before."""

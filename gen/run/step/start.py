@@ -35,7 +35,7 @@ def initial_state(spec: Spec, start: str | Start | None = None, values: dict | N
 def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | None = None) -> np.ndarray:
     """The state at a start of the spec of these numbers, shape (sites, 3).
 
-    `seed` replaces the seed of every random family. The first family of [space] takes
+    `seed` replaces the seed of every random family (that of noise is drawn from elsewhere). The first family of [space] takes
     numpy's PCG64(seed), family k PCG64([seed, k]): with one seed they are independent. Raises UsageError
     when the shape is wrong, a number is not finite or a point is off its sphere by more
     than 1e-12 of the radius (unless the start says normalise).
@@ -43,8 +43,8 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
     spec, env = numbers.spec, numbers.values
     start = find_start(spec, start)
     given = {s.family: s for s in start.families}
-    if seed is not None and all(s.kind != "random" for s in start.families):
-        raise UsageError(f"a seed is for random starts, and nothing of start '{start.name}' is random")
+    if seed is not None and all(s.kind != "random" for s in start.families) and not spec.heated:
+        raise UsageError(f"a seed is for random starts and for noise, and nothing of start '{start.name}' is random")
     parts = []
     for number, family in enumerate(spec.families):
         if family.name not in given:

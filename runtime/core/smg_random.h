@@ -1,0 +1,85 @@
+/* smidgen runtime: random numbers that a counter gives, without a state: Philox4x32-10 (Salmon, Moraes, Dror, Shaw,
+ * "Parallel random numbers: as easy as 1, 2, 3", SC 2011), and normals from them by Box and Muller with a logarithm,
+ * cosine and sine made of sums and products alone, so that every compiler and every libm gives the same bits. */
+#ifndef SMG_RANDOM_H
+#define SMG_RANDOM_H
+
+#include "smidgen.h"
+
+/* What numbers are drawn for: the field `use` of the counter, 8 bits. A number is never given twice. */
+enum { SMG_USE_NOISE = 0 }; /* 0 to 63: two halves of a step, 32 turns each */
+
+typedef struct smg_philox {
+  uint32_t word[4];
+} smg_philox;
+
+static inline smg_philox smg_philox_round(smg_philox x, uint32_t key0, uint32_t key1) {
+  const uint64_t a = (uint64_t)0xD2511F53u * x.word[0], b = (uint64_t)0xCD9E8D57u * x.word[2];
+  const smg_philox next = {
+      {(uint32_t)(b >> 32) ^ x.word[1] ^ key0, (uint32_t)b, (uint32_t)(a >> 32) ^ x.word[3] ^ key1, (uint32_t)a}};
+  return next;
+}
+
+/* Four random words: ten rounds of the counter under the key. */
+static inline smg_philox smg_philox_of(smg_philox counter, uint64_t key) {
+  uint32_t key0 = (uint32_t)key, key1 = (uint32_t)(key >> 32);
+  for (int k = 0; k < 10; ++k, key0 += 0x9E3779B9u, key1 += 0xBB67AE85u)
+    counter = smg_philox_round(counter, key0, key1);
+  return counter;
+}
+
+/* The counter: step 48 bits, site 40, use 8, member 32. */
+static inline smg_philox smg_counter(int64_t step, int64_t site, int use, uint32_t member) {
+  const uint64_t n = (uint64_t)step, k = (uint64_t)site;
+  const smg_philox counter = {{(uint32_t)n, (uint32_t)((n >> 32 & 0xFFFFu) | (k & 0xFFFFu) << 16),
+                               (uint32_t)((k >> 16 & 0xFFFFFFu) | (uint64_t)use << 24), member}};
+  return counter;
+}
+
+/* -2 ln((k + 1/2)/2^32). With u = m/2^e, m from sqrt(1/2) to sqrt(2), and f = (m - 1)/(m + 1),
+ * ln u = 2 (f + f^3/3 + f^5/5 + ..) - e ln 2. */
+static inline double smg_minus_two_log(uint32_t k) {
+  double m = ((double)k + 0.5) / 4294967296.0, e = 0;
+  for (; m < 0.70710678118654752; e += 1) m *= 2;
+  const double f = (m - 1) / (m + 1), y = f * f;
+  const double series =
+      1 + y * (1.0 / 3 +
+               y * (1.0 / 5 +
+                    y * (1.0 / 7 +
+                         y * (1.0 / 9 +
+                              y * (1.0 / 11 + y * (1.0 / 13 + y * (1.0 / 15 + y * (1.0 / 17 + y * (1.0 / 19)))))))));
+  return 1.3862943611198906 * e - 4 * f * series;
+}
+
+/* 1 - cos x and sin(x)/x from y = x^2 up to 0.9, by their series. */
+static inline double smg_one_minus_cos(double y) {
+  return y / 2 *
+         (1 -
+          y / 12 *
+              (1 -
+               y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132 * (1 - y / 182 * (1 - y / 240 * (1 - y / 306))))))));
+}
+static inline double smg_sine_ratio(double y) {
+  return 1 -
+         y / 6 *
+             (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110 * (1 - y / 156 * (1 - y / 210 * (1 - y / 272)))))));
+}
+
+/* (a, b) = r (cos, sin)(2 pi k/2^32): the angle is a whole number of quarters and at most an eighth of a turn more. */
+static inline void smg_polar(double r, uint32_t k, double *a, double *b) {
+  const int64_t quarters = ((int64_t)k + 536870912) / 1073741824;                        /* 2^29, 2^30 */
+  const double x = (double)((int64_t)k - quarters * 1073741824) * 1.4629180792671596e-9; /* 2 pi/2^32 */
+  const double c = r * (1 - smg_one_minus_cos(x * x)), s = r * (x * smg_sine_ratio(x * x));
+  const double p = quarters % 2 ? s : c, q = quarters % 2 ? c : s;
+  *a = quarters % 4 == 1 || quarters % 4 == 2 ? -p : p;
+  *b = quarters % 4 >= 2 ? -q : q;
+}
+
+/* Three independent normal numbers, of mean 0 and variance 1. */
+static inline void smg_three_normals(smg_philox random, double *x) {
+  double left;
+  smg_polar(sqrt(smg_minus_two_log(random.word[0])), random.word[1], x, x + 1);
+  smg_polar(sqrt(smg_minus_two_log(random.word[2])), random.word[3], x + 2, &left);
+}
+
+#endif

@@ -1,0 +1,109 @@
+/* smidgen runtime: thermal noise, a map around the whole step of any method:
+ *
+ *     N(h/2) o step o N(h/2).
+ *
+ * N(h/2) turns the vector of each site about a Gaussian vector whose components have the variance 2 x',
+ * x' = x - x^2/6, x = D h/2: the means of spherical harmonics of degree l then fall by exp(-l (l + 1) x) up to terms of
+ * x^3, as those of Brownian motion on the sphere do, so that the whole is of weak order 2 and keeps exp(-H/kT) up to
+ * h^2. x' serves to x = 1; beyond, there are several turns.
+ * D = smg_diffusion(c, k) = alpha kT/(|kappa| r), of Gilbert's form divided by 1 + alpha^2.
+ *
+ * The numbers are those of the step, the site and the half in it, whoever asks for them and when: threads, ranks, saves
+ * and restores change no bit. A turn of w is no increment of the motion: history and compensation begin anew. */
+#ifndef SMG_THERMAL_H
+#define SMG_THERMAL_H
+
+#include "smg_random.h"
+#include "smg_set_state.h"
+
+#define SMG_MOST_TURNS 32                 /* x beyond: directions are forgotten to e^-64, as they are at 32 */
+#define SMG_THERMAL_STEPS 281474976710656 /* 2^48: steps that a counter tells apart */
+
+static inline void smg_set_seed(smg_state *s, uint64_t seed, uint32_t member) {
+  s->seed = seed;
+  s->member = member;
+}
+
+/* w turned about theta by |theta|. The quaternion (q, p theta) of the angle |theta|/8, which needs no root, is squared
+ * three times; the product with w is divided by its length, so that |w| stays whatever q and p are rounded to. */
+static inline void smg_turn_about(const double *theta, smg_real *w) {
+  const double y = (theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2]) / 256;
+  double less = smg_one_minus_cos(y), p = smg_sine_ratio(y) / 16; /* less = 1 - q */
+  for (int k = 0; k < 3; ++k) {
+    p = 2 * p * (1 - less);
+    less = 2 * less * (2 - less);
+  }
+  const smg_real v[3] = {p * theta[0], p * theta[1], p * theta[2]}, q = 1 - less, part = 2 / (q * q + smg_dot(v, v));
+  smg_real a[3], b[3];
+  smg_cross(a, v, w);
+  smg_cross(b, v, a);
+  for (int j = 0; j < 3; ++j) w[j] += part * (q * a[j] + b[j]);
+}
+
+/* The noise of one half of a step at site k. */
+static void smg_heat_site(smg_state *s, int64_t k, int64_t step, int half) {
+  const double x = (double)smg_min(SMG_MOST_TURNS - (smg_real)0.5, smg_diffusion(&s->c, k) * (smg_real)(s->h / 2));
+  const int turns = (int)x + 1;
+  const double part = x / turns, deviation = sqrt(2 * (part - part * part / 6));
+  for (int j = 0; x > 0 && j < turns; ++j) {
+    double theta[3];
+    smg_three_normals(smg_philox_of(smg_counter(step, k, SMG_USE_NOISE + 2 * j + half, s->member), s->seed), theta);
+    for (int b = 0; b < 3; ++b) theta[b] *= deviation;
+    smg_turn_about(theta, s->w + 3 * k);
+  }
+}
+
+/* N(h/2) of all sites. */
+static void smg_heat(smg_state *s, int64_t step, int half) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_heat_site(s, k, step, half);
+  smg_forget_history(s);
+  smg_forget_compensation(s);
+}
+
+/* Another step, at the same time. */
+static void smg_retime(smg_state *s, double h, int64_t count) {
+  s->h = h;
+  s->count = count;
+  s->c.h = smg_signed_h(h);
+  (void)smg_prepare(&s->c);
+#if SMG_EXTENDED
+  smg_wide_prepare(&s->wide, &s->c);
+#endif
+  smg_forget_history(s);
+}
+
+/* Where a smaller step may help. */
+static inline int smg_may_halve(smg_status status) {
+  return status == SMG_NO_CONVERGENCE || status == SMG_NO_SOLUTION || status == SMG_WRONG_BRANCH ||
+         status == SMG_SINGULAR;
+}
+
+/* A rare state that heat has made has no step of this size: two of half of it, between the same noise. */
+static smg_status smg_two_halves(smg_state *s) {
+  const double h = s->h;
+  const int64_t count = s->count;
+  smg_retime(s, h / 2, 2 * count);
+  smg_status status = smg_step(s);
+  if (status == SMG_OK) status = smg_step(s);
+  smg_retime(s, h, count + (status == SMG_OK));
+  s->halved += status == SMG_OK;
+  return status;
+}
+
+/* The state is as it was before a step that fails. */
+static smg_status smg_thermal_step(smg_state *s) {
+  const int64_t step = s->count;
+  if (step >= SMG_THERMAL_STEPS) return s->report.status = SMG_BAD_PARAMETER;
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->unturned[k] = s->w[k];
+  smg_heat(s, step, 0);
+  smg_status status = smg_step(s);
+  if (smg_may_halve(status)) status = smg_two_halves(s);
+  if (status == SMG_OK) smg_heat(s, step, 1);
+  else {
+    for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->w[k] = s->unturned[k];
+    smg_forget_compensation(s);
+  }
+  return status;
+}
+
+#endif
