@@ -15,6 +15,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
+from support import constants      # noqa: E402
 from support.bodies import STEPS, TENSORS, band, drift, largest_error, ratios_over_starts, start_length      # noqa: E402
 from support.measure import casimirs, defect, energy, hundred_steps, scatter, start_points      # noqa: E402
 from support.systems import (CLASSICAL, FREE_BODIES, SHORT, SPECS, SPHERICAL, VESELOV, begin,   # noqa: E402
@@ -27,6 +28,7 @@ METHODS = (SPHERICAL, CLASSICAL, VESELOV)
 TIMES = (1000, 2000, 5000, 20000)
 ANGLES = np.linspace(0.02, np.pi / 2 - 0.02, 60)
 COUNTS = (100_000, 1_000_000, 10_000_000)
+RANDOM_STARTS = 100
 SCATTERED = {"free_rigid_body": 16, "nambu_a39": 1, "two_bodies": 1}
 
 TRACER_PARTS = {"vortices": range(3), "tracers": range(3, 23)}
@@ -38,7 +40,7 @@ WHY = {"nambu_a31": "C = w_x², and w_x is constant: C(m̄) = C(w), m = m̄, one
 @dataclass
 class Row:
     """One measured number."""
-    table: str          # error, energy, agreement, defect or round-off
+    table: str          # error, starts, energy, constants, agreement, defect or round-off
     system: str
     method: str
     at: str             # step, time or number of steps
@@ -72,6 +74,15 @@ def energy_rows():
         for side, value in zip(("smallest", "largest"), band(t)):
             yield Row("energy", "irreversible_rigid_body", "SM", str(t), side, value)
     yield Row("energy", "irreversible_rigid_body", "", "0", "length", start_length()[0])
+
+
+def constant_rows():
+    """Errors of methods of order 2 over ten Hamiltonians, and from how many random starts that of RATTLE is the larger one."""
+    for name in constants.HAMILTONIANS:
+        for method, value in {**constants.errors(name), "RATTLE, c = 1": constants.with_c_1(name)}.items():
+            yield Row("constants", name, method, "2^-5", "error", value)
+        for quantity, value in zip(("larger", "starts"), constants.larger_for_rattle(name, RANDOM_STARTS)):
+            yield Row("constants", name, "RATTLE/SM", "2^-5", quantity, value)
 
 
 def methods_of(name):
@@ -115,7 +126,7 @@ def round_off_rows():
 
 def measure():
     """All rows, with a line on stderr as each comes."""
-    for part in (error_rows, start_rows, energy_rows, agreement_rows, defect_rows, round_off_rows):
+    for part in (error_rows, start_rows, energy_rows, constant_rows, agreement_rows, defect_rows, round_off_rows):
         for row in part():
             print(*astuple(row), file=sys.stderr, flush=True)
             yield row
@@ -183,6 +194,16 @@ def energy_table(rows):
                      for at in map(str, TIMES)])
 
 
+def constant_table(rows):
+    t = Table(rows, "constants")
+    methods, lines = ("SM", "RATTLE", "RATTLE, c = 1", "isospectral", "exponential"), []
+    for name in t.systems():
+        found = [t(name, m, "2^-5", "error") for m in methods]
+        larger, starts = (t(name, "RATTLE/SM", "2^-5", q) for q in ("larger", "starts"))
+        lines.append([name, *(f"{error:.3e}" for error in found), f"{found[1] / found[0]:.2f}", f"{larger:.0f} of {starts:.0f}"])
+    return markdown(["H", "SM", "RATTLE, c = 1/4", *methods[2:], "RATTLE / SM", "RATTLE larger"], lines)
+
+
 def agreement_table(rows):
     t = Table(rows, "agreement")
     return markdown(["system", "method", "farthest apart", "allowed", "growth of the tangent map"],
@@ -213,7 +234,7 @@ def page(rows) -> str:
     """The text of docs/numbers.md."""
     errors, ratios = error_table(rows)
     return Template(PROSE.read_text()).substitute(
-        errors=errors, ratios=ratios, starts=start_text(rows), energies=energy_table(rows), agreement=agreement_table(rows),
+        errors=errors, ratios=ratios, starts=start_text(rows), energies=energy_table(rows), constants=constant_table(rows), agreement=agreement_table(rows),
         defects=defect_table(rows), round_off=round_off_table(rows),
         length=f"{Table(rows, 'energy')('irreversible_rigid_body', '', '0', 'length'):.8f}")
 
