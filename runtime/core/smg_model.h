@@ -56,6 +56,7 @@
  *                                                 lanes
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k at w = 0, at all times
  *              smg_row_hessian_norm(c, k)         as smg_hessian_row_norm at all times, where SMG_ROW_HESSIAN says so
+ *              smg_site_value(c, n, k)            the n-th of SMG_SITE_VALUES numbers that differ from site to site
  *              smg_row_classes[], smg_lane_bond_slope(c, term, products), smg_slope_bound(c, size)  bonds in classes
  *                                                 (smg_pair_rows.h): which they are; in lanes the derivative of a
  *                                                 bond's energy by the scalar product of its ends; a bound on it where

@@ -54,9 +54,9 @@ static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t use
 
 #if SMG_BY_ROWS
 /* What a lattice by rows answers; defined by smg_row_state.h, or the smg_*_state.h of an explicit method: does it go by
- * rows (s->rows)? The table of its blocks; what its steps have lost to rounding, forgotten, saved and restored. */
+ * rows (s->rows)? Its tables; what its steps have lost to rounding, forgotten, saved and restored. */
 static inline void smg_choose_rows(smg_state *s);
-static inline void smg_make_beside(smg_state *s);
+static inline void smg_make_tables(smg_state *s);
 static inline void smg_forget_rows(const smg_state *s);
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past);
 static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past);
@@ -196,7 +196,7 @@ static void smg_clear_arrays(smg_state *s, smg_real *mem) {
   const size_t used = smg_layout(s, mem);
   for (size_t k = 0; k < used; ++k) mem[k] = 0;
 #if SMG_BY_ROWS
-  smg_make_beside(s);
+  smg_make_tables(s);
 #endif
 }
 

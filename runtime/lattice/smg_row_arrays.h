@@ -21,12 +21,18 @@ static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t
   return next;
 }
 
-/* Numbers that the table of neighbours takes, of a lattice in blocks. */
-static inline size_t smg_place_beside(smg_state *s, smg_real *mem) {
+/* Numbers that tables take: of neighbours, of a lattice in blocks; of what differs from site to site. */
+static inline size_t smg_place_tables(smg_state *s, smg_real *mem) {
   smg_blocks blocks;
   const int there = smg_in_blocks(&s->c, &blocks);
+  const size_t used = there ? smg_beside_size(&s->c) : 0;
   s->row_beside = there && mem ? (smg_slot_beside *)(void *)mem : NULL;
-  return there ? smg_beside_size(&s->c) : 0;
+#if SMG_SITE_VALUES
+  s->row_values = mem ? smg_line_from(mem + used) + SMG_BEFORE : NULL;
+  return used + SMG_WIDEST + (size_t)(SMG_SITE_VALUES * smg_pitch(&s->c));
+#else
+  return used;
+#endif
 }
 
 /* Nothing is lost to rounding: in empty slots nothing ever is. */
@@ -36,10 +42,13 @@ static inline void smg_forget_rows(const smg_state *s) {
     for (int64_t slot = 0; slot < slots; ++slot) s->row_compensation[k * pitch + slot] = 0;
 }
 
-/* The table. */
-static inline void smg_make_beside(smg_state *s) {
+/* What is in them. */
+static inline void smg_make_tables(smg_state *s) {
   smg_blocks blocks;
   if (s->rows && smg_in_blocks(&s->c, &blocks)) smg_fill_beside(&s->c, &blocks, s->row_beside);
+#if SMG_SITE_VALUES
+  if (s->rows) smg_fill_values(s);
+#endif
 }
 
 /* The blocks of a state, or NULL. */
@@ -54,6 +63,9 @@ static inline void smg_begin_besides(const smg_state *s, smg_besides *known) {
   const smg_blocks *blocks = smg_blocks_of(s, &found);
   smg_forget_besides(&s->c, known);
   known->beside = s->row_beside;
+#if SMG_SITE_VALUES
+  known->values = s->row_values;
+#endif
   if (blocks) smg_order_lanes(blocks, known->order);
 }
 

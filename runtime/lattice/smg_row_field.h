@@ -11,13 +11,25 @@
 #define SMG_HESSIAN_EVER smg_hessian_row_norm
 #endif
 
+/* The largest of a bound at all sites, one where all are alike. */
+#if SMG_SITE_VALUES
+static smg_real smg_at_all_sites(const smg_coefficients *c, smg_real (*bound)(const smg_coefficients *c, int64_t k)) {
+  smg_real most = 0;
+  for (int64_t k = 0; k < smg_sites(c); ++k) smg_take(&most, bound(c, k));
+  return most;
+}
+#else
+#define smg_at_all_sites(c, bound) bound(c, 0)
+#endif
+
 /* x^2 (B r + F0)^2, a bound on |g|^2, g = (h/2kappa) dH/dw: x = |h/2kappa|, B a bound on the norms of the Hessian in a
  * row, F0 of the field of no spins. With a response |G|^2 + 2 r |P|: then w - r^2 P has a square of at least
  * r^2 (1 - 2 r |P|), and where the sum is below 1, s is more than r |P| and rho = s + m.P positive
  * (smg_own_response.h). */
 static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
-  const smg_real g = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) *
-                     (SMG_HESSIAN_EVER(c, 0) * smg_radius(c, 0) + smg_rest_field_norm(c, 0));
+  const smg_real g =
+      smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) *
+      (smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_radius(c, 0) + smg_at_all_sites(c, smg_rest_field_norm));
 #if SMG_RESPONDS
   const smg_real x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
   smg_real r[SMG_RESPONSE_SIZE];

@@ -77,6 +77,9 @@ static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_
   const int64_t room = piece->size - piece->done, length = piece->length;
   if (room <= 0) return 0;
   run->place = piece->known->place;
+#if SMG_SITE_VALUES
+  run->values = piece->known->values;
+#endif
   if (SMG_BLOCKS && piece->known->beside) {
     smg_next_run_of_blocks(c, piece, run);
     return 1;

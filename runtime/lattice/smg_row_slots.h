@@ -28,6 +28,16 @@ SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot
     }
 }
 
+#if SMG_SITE_VALUES
+/* The numbers of sites, by slots. */
+SMG_INLINE void smg_put_values(void *context, int64_t site, int64_t slot) {
+  const smg_state *s = (const smg_state *)context;
+  for (int64_t n = 0; n < SMG_SITE_VALUES; ++n)
+    s->row_values[n * smg_pitch(&s->c) + slot] = smg_site_value(&s->c, n, site);
+}
+static void smg_fill_values(smg_state *s) { smg_each_slot(&s->c, s, smg_put_values); }
+#endif
+
 /* Vectors between an array by sites and one by slots: from one to the other. */
 typedef struct smg_carried {
   const smg_real *from;

@@ -42,7 +42,8 @@
 /* That factor, or SMG_MAX. */
 static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
   const smg_real field = smg_row_field(c, h), x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
-  return field < 1 ? x * SMG_HESSIAN_EVER(c, 0) * smg_radius(c, 0) * smg_row_gain(c) / SMG_MATH(sqrt)(1 - field)
+  return field < 1 ? x * smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_radius(c, 0) * smg_row_gain(c) /
+                         SMG_MATH(sqrt)(1 - field)
                    : SMG_MAX;
 }
 
@@ -74,7 +75,7 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
     for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
   }
   const size_t used = SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + 1) * late;
-  return used + smg_place_beside(s, mem ? mem + used : NULL);
+  return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 
 /* What a saved state has; of the increments those of the first colour are 0. */

@@ -29,6 +29,9 @@
 #ifndef SMG_REACH_3
 #define SMG_REACH_3 0
 #endif
+#ifndef SMG_SITE_VALUES /* numbers that differ from site to site */
+#define SMG_SITE_VALUES 0
+#endif
 #ifndef SMG_WEIGHT_0
 #define SMG_WEIGHT_0 0
 #endif
@@ -273,12 +276,15 @@ typedef struct smg_lane_order {
 } smg_lane_order;
 
 /* Some slots of a run of rows, those from <= j < to: the slot where j = 0; the place of all, and how many sites each
- * row has; slots of a row; what stands beside all of them; of short rows, the places of slots in their rows; beside,
- * order: of a run of blocks. */
+ * row has; slots of a row; what stands beside all of them; of short rows, the places of slots in their rows; numbers of
+ * sites; beside, order: of a run of blocks. */
 typedef struct smg_run {
   int64_t start, sub, sites, length, from, to;
   const smg_beside *b;
   const smg_real *place;
+#if SMG_SITE_VALUES
+  const smg_real *values;
+#endif
   const smg_slot_beside *beside;
   const smg_lane_order *order;
 } smg_run;
@@ -332,6 +338,13 @@ SMG_INLINE void smg_take_slots(const smg_real *all, int64_t pitch, int64_t slot,
 SMG_INLINE void smg_put_slots(smg_real *all, int64_t pitch, int64_t slot, const smg_lanes *v) {
   for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
 }
+
+#if SMG_SITE_VALUES
+/* The n-th numbers of the sites from the j-th on of a run. */
+SMG_INLINE smg_lanes smg_take_value(const smg_run *run, int64_t n, int64_t pitch, int64_t j) {
+  return smg_lane_take(run->values + n * pitch + run->start + j);
+}
+#endif
 
 /* The places of lanes in their rows, of which the first is the p-th: from memory, or of long rows, where vectors stay
  * within one. */
@@ -423,6 +436,9 @@ typedef struct smg_besides {
   smg_real place[SMG_LONG_ROW + SMG_WIDEST];
   int64_t room; /* slots of a piece */
   smg_lattice_row first[SMG_COLOURS];
+#if SMG_SITE_VALUES
+  const smg_real *values; /* of sites, by slots */
+#endif
   const smg_slot_beside *beside; /* of blocks; else NULL */
   smg_lane_order order[SMG_WIDEST];
 } smg_besides;

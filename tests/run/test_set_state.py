@@ -17,6 +17,7 @@ from test_methods import MIX
 from test_row_blocks import SPECS as BLOCKS
 from test_pair_rows import SPECS as PAIRS
 from test_rows import EXCHANGE, SPECS as ROWS, lattice
+from test_rows_by_site import BLOCKS as SITED_BLOCKS, SOME as SITED
 from test_sublattice_rows import SPECS as TURNS
 
 # name -> (spec, method, h): one a layout
@@ -28,6 +29,7 @@ LAYOUTS = {
     "rows": (ROWS["odd cubic"], "spherical-midpoint", 0.05), "ring by rows": (ROWS["ring of 33"], "spherical-midpoint", 0.05),
     "sweeps, then Newton": (ROWS["ring of 17"], "spherical-midpoint", 1.0), "blocks": (BLOCKS["ring"][0], "spherical-midpoint", 0.1),
     "three colours": (ROWS["three colours"], "spherical-midpoint", 0.05),
+    "rows by site, in time": (SITED, "spherical-midpoint", 0.05), "blocks by site, in time": (SITED_BLOCKS, "spherical-midpoint", 0.05), "gauss by site": (SITED, "gauss-4", 0.05),
     "sublattices by rows": (TURNS["square"], "sublattice-rotations", 0.1), "sublattices composed": (TURNS["square"], "sublattice-rotations-4", 0.1),
     "pairs by rows": (PAIRS["square"], "pair-rotations", 0.1), "pairs": (lattice("pentagon", "chain(n, periodic)", 5, "n", EXCHANGE), "pair-rotations", 0.1),
     "axes": ("free_rigid_body", "axis-splitting", 0.2), "gauss": (MIX, "gauss-6", 0.1), "gauss by rows": (TURNS["square"], "gauss-6", 0.1),

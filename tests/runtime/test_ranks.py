@@ -14,6 +14,8 @@ from smidgen.errors import MissingTool
 from smidgen.resources import include_flags
 from smidgen.run.step.start import initial_state
 from support.strict import COMPILERS, WARNINGS
+from test_rows_by_site import BLOCKS as SITED_BLOCKS, KINDS, SOME as SITED
+from test_rows_in_time import field
 from test_rows import DM, EXCHANGE, FIELD, FOUR, HONEY, PLANES, SKEW, SPECS, lattice
 
 MISSING = [name for name in ("mpicc", "mpirun") if not shutil.which(name)]
@@ -111,7 +113,9 @@ LONG = {  # along their slowest direction, so that four ranks have parts of them
     "long honeycomb": lattice("long_honeycomb", "honey.all", 40, "12*n", lattice=HONEY.replace('["n", 3]', '[6, "n"]')),
     "three colours along": lattice("long_skew", "skew.near", 41, "7*n", EXCHANGE + DM, SKEW.replace('["n", 4]', '[7, "n"]').replace('"periodic"', '"open"')),
     "long in four dimensions": lattice("long_four", "four.near", 20, "48*n", EXCHANGE + DM, FOUR.replace('["n", 3, 4, 2]', '[4, 3, 4, "n"]'))}
-C_CASES = {"odd cubic": (2,), "plain cubic": (2, 3, 4), "open cubic": (3,), "honeycomb": (2, 3), "ladder": (3,), "ring of 601": (4,), "open chain of 35": (2,), "further neighbours of 50": (2,),
+LONG["in time, by site"] = lattice("driven", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE + field(KINDS["a wave"]).replace("omega", "2") + field(KINDS["staggered"], "more"))
+SPECS = {**SPECS, "by site": SITED, "blocks by site": SITED_BLOCKS}
+C_CASES = {"by site": (3,), "blocks by site": (2,), "odd cubic": (2,), "plain cubic": (2, 3, 4), "open cubic": (3,), "honeycomb": (2, 3), "ladder": (3,), "ring of 601": (4,), "open chain of 35": (2,), "further neighbours of 50": (2,),
            "three colours": (3,), "odd square": (3,), "four dimensions": (4,), "far": (2,)}
 
 
@@ -162,8 +166,8 @@ def test_planes_whose_rows_follow_as_they_lie(tmp_path, name):
 @needs_mpi
 @pytest.mark.long
 def test_too_few_sites_for_all_ranks(tmp_path):
-    """Some have no part, or one does all alike; so where a field drives the spins and no step goes by rows."""
-    driven = FIELD.replace("0.3*w[i].x", "0.3*cos(t)*w[i].x")
+    """Some have no part, or one does all alike; so where a field grows for ever and no step goes by rows."""
+    driven = FIELD.replace("0.3*w[i].x", "0.3*t*w[i].x")
     for n, spec in enumerate((SPECS["ring of 33"], SPECS["ring of 5"], lattice("driven", "square(n, 6, periodic)", 6, "6*n", EXCHANGE + driven))):
         (tmp_path / str(n)).mkdir()
         programs(tmp_path / str(n), spec, *SMALL)

@@ -6,6 +6,7 @@ import pytest
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 from test_rows import DM, EXCHANGE, FIELD, lattice
+from test_rows_in_time import field
 
 LAYERS = """[lattices.layers]
 size = ["n", 6, 60]
@@ -18,6 +19,7 @@ SPECS = {
     "cubic": lattice("cubic", "cubic(n, 4, 60, periodic)", 6, "240*n", EXCHANGE + DM),
     "open cubic": lattice("open_cubic", "cubic(n, 5, 60, open)", 6, "300*n", EXCHANGE + DM),
     "plane": lattice("plane", "square(n, 60, periodic)", 128, "60*n", EXCHANGE + DM),
+    "in time, by site": lattice("driven", "cubic(n, 4, 80, periodic)", 6, "320*n", EXCHANGE + field("0.4*cos(2*t + 0.3*i)*w[i].y + 0.2*mod(i, 3)*w[i].z")),
     "own field": lattice("own_field", "cubic(n, 4, 80, periodic)", 6, "320*n", EXCHANGE + FIELD),
     "three colours": lattice("layers", "layers.near", 6, "360*n", EXCHANGE.replace("0.7", "0.4"), LAYERS),
     "three colours, a ring": lattice("further", "chain(n, periodic, 2)", 1800, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")),

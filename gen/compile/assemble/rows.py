@@ -6,43 +6,49 @@ rows or it does not, whatever the time is.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import prod
 
 import sympy as sp
 
 from ...language.spec import Lattice, Sites
 from ..derive.derivatives import switched
-from ..lower.code import Argument, Assign, Braces, Call, Function, If, Let, Member, Name, Return, Variable, Zeros, mentions, where
+from ..lower.code import Argument, Assign, Braces, Call, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, mentions, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
-from ..lower.lowering import CLOCK, PREPARE, index_names
+from ..lower.lowering import PREPARE, index_names
 from ..plan.colouring import Colouring, colouring
 from ..plan.splitting import bond_classes, sublattices
 from .extent import in_time, largest_ever
 from .families import SITE
 from .lanes import in_lanes, named
-from .norms import block_norm, row_sums
+from .norms import row_sums, spectral_bound
 from .pairs import slope_bound
 from .part import MOST_LANES, Part, buffer, placed
 from .response import indexed
+from .site_values import MOST, count, differs, names, sited, value_function, with_sites
+from .site_values import taken as taken_values
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 BY_STAGE_ROWS = "sites of a row in lanes"
 BY_TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
-ZERO_UNLESS_SAID = {"SMG_TANGENT", "SMG_ROW_HESSIAN", *(f"SMG_{word}_{d}" for word in ("REACH", "WEIGHT") for d in range(4))}      # by smg_rows.h
+ZERO_UNLESS_SAID = {"SMG_TANGENT", "SMG_ROW_HESSIAN", "SMG_SITE_VALUES", *(f"SMG_{word}_{d}" for word in ("REACH", "WEIGHT") for d in range(4))}      # by smg_rows.h
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
 @dataclass(frozen=True)
 class Rows:
-    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds."""
+    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds.
+
+    sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room.
+    """
     over: Lattice
     colours: Colouring
     rest: object
     norm: object = None
     slopes: object = None
+    sited: dict = field(default_factory=dict, compare=False)
 
     @property
     def step(self) -> int:
@@ -73,11 +79,15 @@ def rows(model, low):
     over = one_lattice(model.lattices(f.name))
     if over is not None and paired(model):
         return pair_rows(model, low, over)
-    if over is None or not all(alike(low, t) for t in model.effects):
+    apart = [t for t in model.effects if differs(t)]
+    if over is None or not all(quadratic(low, t) for t in model.effects) or count(low, apart) > MOST:
         return None
+    bounds = {t.prefix: (None, None) if model.method.stage_rows else (rest_norm(low, t, 0), hessian_norm(low, t, 0)) for t in apart}
     found = Rows(over, colouring(model.lattices(f.name)), *((None, None) if model.method.stage_rows else (rest_field(model, low, f), hessian(model, low, f))))
-    bounded = model.method.stage_rows or None not in (found.rest, found.norm)
-    return found if bounded and fits(found, model.lattices(f.name)) else None
+    bounded = model.method.stage_rows or None not in (found.rest, found.norm, *(e for ends in bounds.values() for e in ends))
+    if not bounded or not fits(found, model.lattices(f.name)):
+        return None
+    return replace(found, sited=sited(low, apart, lambda t: bounds[t.prefix]))
 
 
 def steady(model, low) -> bool:
@@ -112,16 +122,17 @@ def pair_rows(model, low, over):
 def midpoint_rows(model, f) -> bool:
     """May midpoints be swept by rows, under a bound that tells for which h sweeps converge?"""
     swept = model.plan.rotation and model.plan.coupled == (f.name,) and model.method.onto_leaf
-    return swept and "extended" not in model.features and model.method.stages == 1 and model.reach is not None
+    return swept and "extended" not in model.features and model.method.stages == 1
 
 
-def alike(low, t) -> bool:
-    """Is the term the same in every cell, and quadratic?"""
-    gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
-    values = [low.number_values(x) for block in t.derived.hessian.values() for x in block]
-    if t.derived.parts or switched(t.derived):
+def quadratic(low, t) -> bool:
+    """Is its Hessian free of vectors, and the term the same in every cell, or one of single sites?"""
+    blocks = [x for block in t.derived.hessian.values() for x in block]
+    if t.derived.parts or switched(t.derived) or not isinstance(t.over, (Lattice, Sites)):
         return False
-    return isinstance(t.over, (Lattice, Sites)) and not set(t.over.bound) & mentions(*gradient.body) and all(low.when(x) <= CLOCK for x in values)
+    gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
+    same = differs(t) or not set(t.over.bound) & mentions(*gradient.body)
+    return same and not any(x.free_symbols & {v for vector in t.derived.vectors for v in vector} for x in blocks)
 
 
 def fits(found: Rows, lattices) -> bool:
@@ -140,28 +151,27 @@ def known_rows(found: Rows, lattices) -> int:
 
 
 def rest_field(model, low, f):
-    """A bound on the norm of the field where all w are 0, at all times; None where there is none, or the site decides it."""
-    def norm(t, k):
-        origin = {v: 0 for vector in t.derived.vectors for v in vector}
-        values = [low.number_values(sp.sympify(x).subs(origin)) for x in t.derived.gradient[k]]
-        return None if any(low.when(x) > CLOCK for x in values) else largest_ever(low, sp.sqrt(sum(x ** 2 for x in values)))
-    return row_sums(model, low, f, norm)
+    """A bound on the norm of the field where all w are 0, at all times, of what all sites have alike; None where there is none."""
+    return row_sums(model, low, f, lambda t, k: 0 if differs(t) else rest_norm(low, t, k))
+
+
+def rest_norm(low, t, k):
+    """That of one term."""
+    origin = {v: 0 for vector in t.derived.vectors for v in vector}
+    values = [low.number_values(sp.sympify(x).subs(origin)) for x in t.derived.gradient[k]]
+    return largest_ever(low, sp.sqrt(sum(x ** 2 for x in values)))
 
 
 def hessian(model, low, f):
     """The same of the norms of the Hessian's blocks in a row."""
-    return row_sums(model, low, f, lambda t, k: block_norm(low, t, k) if not moving(low, t) else moving_norm(low, t, k))
+    return row_sums(model, low, f, lambda t, k: 0 if differs(t) else hessian_norm(low, t, k))
 
 
-def moving(low, t) -> bool:
-    """Does time enter the Hessian?"""
-    return any(in_time(low, x) for block in t.derived.hessian.values() for x in block)
-
-
-def moving_norm(low, t, k):
-    """`block_norm` at all times, entry by entry; None where one has no bound."""
-    parts = [largest_norm(low, block.applyfunc(low.number_values)) for (a, _), block in t.derived.hessian.items() if a == k]
-    return None if None in parts else sum(parts)
+def hessian_norm(low, t, k):
+    """That of one term; where time enters, entry by entry."""
+    blocks = [block.applyfunc(low.number_values) for (a, _), block in t.derived.hessian.items() if a == k]
+    norms = [largest_norm(low, b) if any(in_time(low, x) for x in b) else spectral_bound(b) for b in blocks]
+    return None if None in norms else sum(norms, sp.S.Zero)
 
 
 def largest_norm(low, block):
@@ -182,9 +192,10 @@ def row_functions(model) -> list:
         return []
     places = range(found.over.sites)
     size = [model.low.size(n) for n in found.over.size]
-    kernels = [in_lanes(f) for t in model.effects for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    apart = [f for one in found.sited.values() for f in one.functions]
+    kernels = [in_lanes(f) for t in model.effects if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
-    return [looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+    return [*apart, *value_function(found.sited.values()), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
@@ -192,9 +203,10 @@ def row_functions(model) -> list:
 
 def bounds_of_a_row(model) -> list:
     """Those that midpoints and turns ask for: of the field of no spins; of the Hessian, where sweeps from site to site have another one or none."""
-    found = model.in_rows
-    said = (("smg_rest_field_norm", found.rest), ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm))
-    return [Function("smg_real", name, SITE, (Return(bound),), wanted=True) for name, bound in said if bound is not None and (name, bound) != swept(model)]
+    found, apart = model.in_rows, model.in_rows.sited.values()
+    said = (("smg_rest_field_norm", found.rest, [one.rest for one in apart]),
+            ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm, [one.norm for one in apart]))
+    return [Function("smg_real", name, SITE, (Return(with_sites(bound, some)),), wanted=True) for name, bound, some in said if bound is not None and (name, bound) != swept(model)]
 
 
 def swept(model) -> tuple:
@@ -231,7 +243,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": sum(len(one.values) for one in found.sited.values()), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
@@ -288,7 +300,13 @@ def row_part(model, sub: int) -> tuple:
     """The terms of the sites of a place."""
     beside = neighbours(model, sub)
     own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Pointed("run", "start") + Index("j"), Name("own"))))
-    return (*own, *(line for t, k in model.roles(model.families[0].name) for bond in bonds_of(t, k, sub) for line in term_of_row(t, k, bond, beside)))
+    return (*own, *(line for t, k in model.roles(model.families[0].name) for bond in bonds_of(t, k, sub) for line in one_term(model, t, k, bond, beside)))
+
+
+def one_term(model, t, k: int, bond, known: list) -> list:
+    """Of a term that differs from site to site, with its values."""
+    one = model.in_rows.sited.get(t.prefix)
+    return term_of_row(t, k, bond, known) if one is None else [Scope((*taken_values(one), *term_of_row(t, k, bond, known, names(one))))]
 
 
 ALL = (Name("all"), Index("pitch"))
@@ -302,14 +320,14 @@ def bonds_of(t, k: int, sub: int) -> list:
     return [bond for bond in t.over.bonds if bond[position][0] == sub]
 
 
-def term_of_row(t, k: int, bond, known: list) -> list:
-    """The statements that add the gradient of one term."""
+def term_of_row(t, k: int, bond, known: list, values=()) -> list:
+    """The statements that add the gradient of one term; values: names of what differs from site to site."""
     others = [q for q in range(len(t.slots)) if q != k]
     found = [(q, beside(t, bond, k, q)) for q in others]
     points = [Name("own" if q == k else f"v{q}") for q in range(len(t.slots))]
     outputs = [Name("sum" if q == k else f"o{q}") for q in range(len(t.slots))]
     lines = [line for q, one in found for line in (Variable("smg_lanes", f"v{q}[3]"), Zeros(f"o{q}", 3), taken(one, known.index(one), f"v{q}"))]
-    lines.append(Call(named(f"{t.prefix}_gradient"), (Name("c"), *[ZERO] * len(t.over.bound), *points, *outputs)))
+    lines.append(Call(named(f"{t.prefix}_gradient"), (Name("c"), *[ZERO] * len(t.over.bound), *points, *outputs, *map(Name, values))))
     there = tuple(Pointed("run", f"b[{known.index(one)}].there") for _, one in found if any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset) if d))
     return [where(there, (*kept_beyond(found, known, lines),))] if found else lines
 
@@ -370,7 +388,8 @@ class ByRows(Part):
         return {name: value for name, value in said.items() if value or name not in ZERO_UNLESS_SAID}
 
     def members(self, model):
-        return [] if model.method.stage_rows else row_members(model.method.of_midpoints)
+        values = [("smg_real *row_values", "numbers of sites by slots, one after the other")] if model.in_rows.sited else []
+        return values + ([] if model.method.stage_rows else row_members(model.method.of_midpoints))
 
     def instead(self, model):
         """Gauss by rows keeps all by slots."""

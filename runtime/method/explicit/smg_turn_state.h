@@ -14,7 +14,7 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c);
   if (mem) (void)smg_place_row_arrays(s, mem, size);
   const size_t used = SMG_WIDEST + 3 * size;
-  return used + smg_place_beside(s, mem ? mem + used : NULL);
+  return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 
 /* A stage: the h of it and of the next one; after: has one gone before in this call? before: does one follow? end: is

@@ -78,7 +78,7 @@ static smg_status smg_slot_step(smg_state *s, smg_slot_sweep *a) {
   return SMG_OK;
 }
 
-static void smg_begin_sweep(const smg_state *s, smg_slot_sweep *a) {
+static void smg_begin_sweep(smg_state *s, smg_slot_sweep *a) {
   a->w = smg_slot_component(s, SMG_SLOT_W);
   a->z = smg_slot_component(s, SMG_SLOT_Z);
   a->stages = smg_slot_component(s, SMG_SLOT_STAGES);
@@ -90,6 +90,10 @@ static void smg_begin_sweep(const smg_state *s, smg_slot_sweep *a) {
   a->marks = NULL;
   a->shift.theta = 0;
   smg_forget_besides(&s->c, &a->known);
+#if SMG_SITE_VALUES
+  a->known.values = s->row_values = smg_slot_component(s, SMG_SLOT_COMPONENTS);
+  smg_fill_values(s);
+#endif
   smg_begin_piece(&s->c, &a->known, a->gradient, &a->piece);
 }
 

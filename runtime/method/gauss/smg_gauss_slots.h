@@ -7,7 +7,7 @@
 /* ---- arrays ------------------------------------------------------------------------------- */
 
 /* Numbers of the slots, component after component: w, what it has lost, z; and of every stage p, x = (r/|Z_i|^2) Z_i,
- * L_i, and the L_i before. */
+ * L_i, and the L_i before; then what differs from site to site. */
 enum {
   SMG_SLOT_W = 0,
   SMG_SLOT_LOST = 3,
@@ -22,7 +22,7 @@ enum {
 };
 
 static inline int64_t smg_stages_size(const smg_coefficients *c) {
-  return SMG_WIDEST + SMG_SLOT_COMPONENTS * smg_pitch(c);
+  return SMG_WIDEST + (SMG_SLOT_COMPONENTS + SMG_SITE_VALUES) * smg_pitch(c);
 }
 
 /* Slot 0 of a component, and of a component of stage i. */
