@@ -194,7 +194,7 @@ IN_ROWS = (
     (BY_ROWS, r"return closed and ", r"return "),
     (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
     (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),
-    (BY_ROWS, r" and not set\(t\.over\.bound\) & mentions\(\*gradient\.body\)", r""),
+    (BY_ROWS, r"differs\(t\) or not set\(t\.over\.bound\) & mentions\(\*gradient\.body\)", r"True"),
 )
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
@@ -252,7 +252,8 @@ IN_METHODS = (
     ("runtime/method/midpoint/smg_exponential_midpoint.h", r" \+ 4 \* c \* xx\[b\]", r""),
     ("runtime/method/midpoint/smg_exponential_midpoint.h", r"< SMG_HALF_TURN", r"< SMG_MAX"),
     (LENGTHS, r"\(1 - s->inverse\[k\] \* smg_dot\(w, w\)\)", r"(s->inverse[k] * smg_dot(w, w) - 1)"),
-    ("runtime/method/explicit/smg_explicit_step.h", r"done \+ 0\.5 \* smg_gamma\[i\]", r"done"),
+    ("runtime/method/explicit/smg_explicit_step.h", r"done \+ \(smg_real\)0\.5 \* smg_gamma\[i\]", r"done"),
+    ("runtime/method/explicit/smg_turn_steps.h", r"done \+ \(smg_real\)0\.5 \* smg_gamma\[i\]", r"done"),
     ("runtime/method/midpoint/smg_composition.h", r"s->prepared\[1\] == \(smg_real\)s->h", r"1"),
     ("runtime/method/midpoint/smg_composition.h", r"s->compensation\[k\] = s->before\[n3 \+ k\];", r";"),
     ("runtime/method/midpoint/smg_composition.h", r"for \(int j = 0; j < SMG_HISTORY; \+\+j\) s->past\[j\] = b->past\[j\];", r""),

@@ -16,6 +16,7 @@ from .past import another
 from .row import Row, at_most, not_applicable
 
 SITES = 6               # whose couplings are summed, beside two
+TIMES = 8               # at most, of an H that depends on time
 BEYOND = (1.0001, 1.05) # times the h where the factor is 1
 NEARLY = 0.999          # of the h where no bound is left
 
@@ -53,17 +54,22 @@ def by_rows(one, case: Case, h) -> bool | None:
 
 
 def slopes(case: Case) -> tuple[float, float]:
-    """(B r, F) over kappa: of some sites, the first and others."""
-    none = np.zeros_like(case.w)
-    still = case.witness.field(none, 0.0)
-    radius = float(lengths(case.w).max())
+    """(B r, F) over kappa: of some sites, the first and others, at some times."""
     sites = {0, case.sites // 2, *case.dice.integers(0, case.sites, SITES).tolist()}
+    found = [slopes_at(case, t, sites) for t in case.times()[:TIMES]]
+    return largest(*(rate for rate, _ in found)), largest(*(own for _, own in found))
+
+
+def slopes_at(case: Case, t: float, sites) -> tuple[float, float]:
+    none = np.zeros_like(case.w)
+    still = case.witness.field(none, t)
+    radius = float(lengths(case.w).max())
     rows = []
     for k in sites:
         columns = []
         for axis in range(3):
             moved = none.copy()
             moved[k, axis] = 1.0
-            columns.append(case.witness.field(moved, 0.0) - still)
+            columns.append(case.witness.field(moved, t) - still)
         rows.append(float(np.linalg.norm(np.stack(columns, axis=-1), 2, axis=(1, 2)).sum()))
     return largest(*rows) * radius, float(lengths(still).max())
