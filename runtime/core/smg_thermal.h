@@ -53,9 +53,19 @@ static void smg_heat_site(smg_state *s, int64_t k, int64_t step, int half) {
   }
 }
 
+/* The part of all sites that one of several threads has. */
+static void smg_heat_share(smg_state *s, int64_t step, int half, int thread, int threads) {
+  const int64_t sites = smg_sites(&s->c);
+  for (int64_t k = sites * thread / threads; k < sites * (thread + 1) / threads; ++k) smg_heat_site(s, k, step, half);
+}
+
 /* N(h/2) of all sites. */
 static void smg_heat(smg_state *s, int64_t step, int half) {
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_heat_site(s, k, step, half);
+#if SMG_BY_ROWS
+  SMG_TEAM(smg_row_team(&s->c)) { smg_heat_share(s, step, half, smg_thread(), smg_threads()); }
+#else
+  smg_heat_share(s, step, half, 0, 1);
+#endif
   smg_forget_history(s);
   smg_forget_compensation(s);
 }

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 from scipy.integrate import quad
+from support.strict import COMPILERS, OPTIMISED, READ, REALS, compile_all
 
 import smidgen
 from smidgen.build.binary import write_files
@@ -18,10 +19,11 @@ from smidgen.check.witness import Witness
 from smidgen.check.witness.thermal import philox
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
-from smidgen.errors import UsageError
+from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
 from smidgen.resources import include_flags
 from smidgen.run.step.integrator import build
+from smidgen.run.step.saved import COUNT_HIGH
 
 quick = pytest.mark.quick
 SPIN = """[effects.field]
@@ -200,13 +202,13 @@ def test_the_bias_of_the_mean_of_a_spin_in_a_field(form, biases):
 
 
 def test_the_mean_that_is_sampled():
-    """4000 spins of one seed: the mean over spins and times within four standard errors, found from the spins, which are independent, of coth 2 - 1/2."""
-    one = build(spec_of(SPIN, 4000)).start("a", h=0.1, seed=1)
-    one.steps(200)
-    heights = np.mean([one.steps(20).w[:, 2].copy() for _ in range(40)], axis=0)
+    """1000 spins of one seed: the mean over spins and times within four standard errors, found from the spins, which are independent, of coth 2 - 1/2."""
+    one = build(spec_of(SPIN, 1000)).start("a", h=0.1, seed=1)
+    one.steps(100)
+    heights = np.mean([one.steps(20).w[:, 2].copy() for _ in range(30)], axis=0)
     exact = 1 / np.tanh(2) - 0.5 - 2.23332e-4
     assert abs(heights.mean() - exact) < 4 * heights.std(ddof=1) / np.sqrt(len(heights))
-    assert heights.std(ddof=1) / np.sqrt(len(heights)) < 2e-3
+    assert heights.std(ddof=1) / np.sqrt(len(heights)) < 4e-3
 
 
 # --- bits
@@ -253,12 +255,12 @@ def test_members_of_an_ensemble_have_the_noise_that_they_have_alone(effects, sit
 
 
 def test_threads_change_no_bit():
-    spec = spec_of(CUBE, 0, space='sphere = "n*n*n"', values="n = 12\nkT = 0.5\nalpha = 0.2")
+    spec = spec_of(CUBE, 0, space='sphere = "n*n*n"', values="n = 32\nkT = 0.5\nalpha = 0.2")
     assert "by rows" in build(spec).notes["reason"]
-    assert np.array_equal(build(spec).start("a", h=0.05).steps(10).w, build(spec, threads=2).start("a", h=0.05).steps(10).w)
+    assert np.array_equal(build(spec).start("a", h=0.05).steps(3).w, build(spec, threads=2).start("a", h=0.05).steps(3).w)
 
 
-@pytest.mark.parametrize("effects, sites, space", [(AXIS, 1, "sphere = 1"), (PAIRS, 4, "sphere = 4")])
+@pytest.mark.parametrize("effects, sites, space", [(AXIS, 1, "sphere = 1"), pytest.param(PAIRS, 4, "sphere = 4", marks=pytest.mark.long)])
 def test_compilers_give_the_same_states(tmp_path, effects, sites, space):
     """gcc and clang, -O0 and -O2."""
     files, found = generate(spec_of(effects, sites, space=space)), []
@@ -294,8 +296,8 @@ def test_a_step_that_does_not_exist_is_taken_as_two_halves():
     spec = spec_of(PAIRS + AXIS[len(SPIN):].replace("0.4", "1.5"), 6, values="n = 6\nkT = 2.0\nalpha = 0.05")
     one = build(spec).start("a", h=1.0, seed=1)
     calm = build(spec.calm)
-    one.steps(300)
-    assert 0 < one.halved < 300
+    one.steps(100)
+    assert 0 < one.halved < 100
     again = build(spec).start("a", h=1.0).restore(one.save())
     assert again.halved == one.halved and np.array_equal(again.steps(5).w, one.steps(5).w)
     assert calm.start("a", h=1.0).halved == 0
@@ -331,6 +333,11 @@ def test_what_does_not_go_with_noise_is_refused():
         build(spec, values={"kT": -1.0})
     with pytest.raises(UsageError, match="precess in their field alone"):
         build(spec, "axis-splitting")
+    one = build(spec).start("a", h=0.1)
+    late = one.save()
+    late[COUNT_HIGH] = 2**16
+    with pytest.raises(RunError, match="a parameter or a size is out of range"):
+        one.restore(late).step()        # from 2^48 steps on the counter would repeat itself
     result = smidgen.run(spec, estimate=True)
     assert result.meta["end_error"] is None and "another path" in result.meta["end_error_withheld"]
 
@@ -352,3 +359,15 @@ def test_its_certificate_passes(few_states):
     found = smidgen.verify(spec, tier="quick")
     found.check()
     assert found.row("noise").verdict == found.row("noise restored").verdict == "yes"
+
+
+@pytest.mark.parametrize("compiler, real", [("gcc", "double"), ("clang++", "long double"), *(pytest.param(c, r, marks=pytest.mark.long) for c in COMPILERS for r in REALS)])
+@pytest.mark.parametrize("effects, sites, method, features", [(AXIS, 1, "spherical-midpoint", ("ensemble",)), (PAIRS, 4, "spherical-midpoint-4", ()), pytest.param(CUBE, 216, "spherical-midpoint", (), marks=pytest.mark.long),
+                                                              (PAIRS, 4, "dop853", ("ensemble",))])
+def test_no_compiler_complains(tmp_path, effects, sites, method, features, compiler, real):
+    """A single sphere and its ensemble, a composition, a lattice by rows, step control."""
+    if compiler not in COMPILERS:
+        pytest.skip("no such compiler")
+    files = generate(spec_of(effects, sites, space='sphere = "n*n*n"' if effects is CUBE else f"sphere = {sites}"), method, features=features)
+    write_files(files, tmp_path)
+    assert not compile_all(tmp_path, [f for f in files if f.endswith(".c")], compiler, real=real, how=OPTIMISED if compiler == "gcc" else READ)

@@ -26,7 +26,7 @@ SUBLATTICES = "sublattice-rotations"
 CASES = {"shares": (LONG["long cubic"], "spherical-midpoint", SMALL), "shares with a field": (LONG["long open cubic"], "spherical-midpoint", SMALL),
          "blocks": (SPECS["plain cubic"], "spherical-midpoint", SMALL), "wavefront of a ring": (LONG["ring of 600"], "spherical-midpoint", WAVE),
          "wavefront of planes": (LONG["long cubic"], "spherical-midpoint", WAVE), "three colours": (LONG["three colours along"], "spherical-midpoint", SMALL),
-         "damped shares": (LONG["damped cubic"], "spherical-midpoint", SMALL), "damped wavefront": (LONG["damped cubic"], "spherical-midpoint", WAVE),
+         "damped shares": (LONG["damped cubic"], "spherical-midpoint", SMALL), "warm shares": (LONG["warm cubic"], "spherical-midpoint", SMALL), "damped wavefront": (LONG["damped cubic"], "spherical-midpoint", WAVE),
          "sublattices": (LONG["long cubic"], SUBLATTICES, SMALL)}
 # what is wrong -> (the case, the line, what stands there instead)
 FAULTS = {"a maximum without a lock": ("shares", "#define SMG_ONE_BY_ONE SMG_PRAGMA(omp critical)", "#define SMG_ONE_BY_ONE"),
