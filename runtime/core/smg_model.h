@@ -76,21 +76,23 @@
 #ifndef SMG_FAMILIES
 #include "smg_stub_model.h"
 #endif
+#include "smg_defaults.h"
 #include "smg_site.h"
 
-/* What the model says of itself by macros, 0 where it says nothing: SMG_BS unknowns a site of Newton's matrix,
- * SMG_HISTORY increments kept, SMG_FAMILIES, SMG_ORIENTATION of the bracket (1 or -1), SMG_TIMED: H depends on time;
- * SMG_HAS_COUPLED, SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those whose field does not
- * depend on themselves, and the others; SMG_LEAVES: leaves are kept in s->leaf_value; SMG_COUPLED_NAMBU: some coupled
- * sites are Nambu factors; SMG_COUPLED_LIFTED: the leaf of some moves with w. The matrix: SMG_MATRIX_FREE, or SMG_BAND
- * blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an elimination order. SMG_SWEPT: sweeps come before Newton;
- * SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice, with SMG_COLOURS and what else smg_rows.h
- * asks for, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES: that takes bonds in so many classes, in layers along
- * the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once in lanes; SMG_TRIED_SWEEPS of them at most, where
- * the model says it. SMG_COMPOSED: stages of a composition, SMG_STAGES_KEPT: their increments are kept, for the tangent
- * map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no term joins two sites, SMG_ONE_SITE: there is but one.
- * Features: SMG_EXTENDED, SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of which a
- * method asks the field alone; SMG_FEW: the coupled sites are a few, and their number is known. */
+/* What the model says of itself by macros, 0 where neither it nor smg_defaults.h says anything: SMG_BS unknowns a site
+ * of Newton's matrix, SMG_HISTORY increments kept, SMG_FAMILIES, SMG_ORIENTATION of the bracket (1 or -1), SMG_TIMED:
+ * H depends on time; SMG_HAS_COUPLED, SMG_HAS_ALONE: sites of both kinds; SMG_ALONE_LINEAR, SMG_ALONE_NEWTON: those
+ * whose field does not depend on themselves, and the others; SMG_LEAVES: leaves are kept in s->leaf_value;
+ * SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED: the leaf of some moves with w. The
+ * matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an elimination order.
+ * SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice,
+ * with SMG_COLOURS and what else smg_rows.h asks for, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES: that
+ * takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once
+ * in lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a composition,
+ * SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4;
+ * SMG_SEPARATE: no term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED, SMG_PLAIN_SUMS;
+ * SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of which a method asks the field alone; SMG_FEW: the
+ * coupled sites are a few, and their number is known. */
 
 /* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are
  * known. */

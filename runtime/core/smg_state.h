@@ -219,10 +219,11 @@ static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, 
 }
 
 /* The coefficients for a call that has no state. */
-static void smg_begin(smg_coefficients *c, const smg_params *p, smg_real t) {
+static const smg_coefficients *smg_begin(smg_coefficients *c, const smg_params *p, smg_real t) {
   smg_sizes(c, p);
   (void)smg_prepare(c);
   smg_set_time(c, t);
+  return c;
 }
 
 static inline int64_t smg_sites_of(const smg_params *p) {

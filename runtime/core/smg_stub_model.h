@@ -8,14 +8,12 @@
 #include "smidgen.h"
 
 #define SMG_STUB_MODEL 1
+#define SMG_PUBLIC(word) stub_##word
 #define SMG_FAMILIES 1
-#define SMG_ORIENTATION 1
 #define SMG_HAS_LANES 1
 #define SMG_MOST_LANES 8
 #define SMG_STAGES 2
 #define SMG_COLOURS 2
-#define SMG_PLACES 1
-#define SMG_RANKS 1
 #define SMG_ROW_STEP 2
 #define SMG_TURN_0 1
 #define SMG_RINGS 1
@@ -25,7 +23,6 @@
 #define SMG_BAND 1
 #define SMG_CYCLIC 1
 #define SMG_AXES 7
-#define SMG_COUPLED_NAMBU 0
 #define SMG_CONSTANT_HESSIAN 1
 
 /* What methods ask of a model, and what they say of themselves, by the header that is compiled. */

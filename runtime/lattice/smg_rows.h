@@ -18,33 +18,6 @@
 #include "smg_lanes.h"
 #include "smg_model.h"
 
-/* The weights of a colouring and how many cells away neighbours stand, along each direction: 0 where the model does not
- * say. */
-#ifndef SMG_REACH_1
-#define SMG_REACH_1 0
-#endif
-#ifndef SMG_REACH_2
-#define SMG_REACH_2 0
-#endif
-#ifndef SMG_REACH_3
-#define SMG_REACH_3 0
-#endif
-#ifndef SMG_SITE_VALUES /* numbers that differ from site to site */
-#define SMG_SITE_VALUES 0
-#endif
-#ifndef SMG_WEIGHT_0
-#define SMG_WEIGHT_0 0
-#endif
-#ifndef SMG_WEIGHT_1
-#define SMG_WEIGHT_1 0
-#endif
-#ifndef SMG_WEIGHT_2
-#define SMG_WEIGHT_2 0
-#endif
-#ifndef SMG_WEIGHT_3
-#define SMG_WEIGHT_3 0
-#endif
-
 /* numbers before the first slot and after the last that vectors reach into: gen/compile/assemble/rows.py keeps bonds so
  * short */
 #define SMG_BEFORE 8

@@ -105,7 +105,9 @@ def test_a_scope_stays_where_a_deeper_name_would_be_hidden():
 
 def test_loops_and_tests():
     body = (Call("f", (At(Name("w"), 3 * I), At(Name("g"), ZERO, True))),)
-    assert lines(For("i", ZERO, N, body)) == ["for (int64_t i = 0; i < c->n0; ++i) {", "  f(w + 3*i, g);", "}"]
+    assert lines(For("i", ZERO, N, body)) == ["for (int64_t i = 0; i < c->n0; ++i) f(w + 3*i, g);"]
+    assert lines(For("j", ZERO, N, (For("i", ZERO, N, body),))) == ["for (int64_t j = 0; j < c->n0; ++j)", "  for (int64_t i = 0; i < c->n0; ++i) f(w + 3*i, g);"]
+    assert lines(For("i", ZERO, N, (*body, *body))) == ["for (int64_t i = 0; i < c->n0; ++i) {", "  f(w + 3*i, g);", "  f(w + 3*i, g);", "}"]
     assert lines(For("i", J, N, (), step=2))[0] == "for (int64_t i = j; i < c->n0; i += 2) {"
     assert lines(where([compare(I, "<", N), compare(I, "<", N)], body))[0] == "if (i < c->n0) {"
     assert lines(where([True], body)) == ["{", "  f(w + 3*i, g);", "}"]

@@ -28,8 +28,9 @@ CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("the tangent map, of a step or of a composition", "smg_tangent smg_composed_tangent"),
     ("states in lanes", "smg_lane_dop853 smg_lane_extrapolation smg_lane_sphere"),
     ("coefficients", f"smg_dop853_table smg_gauss_table smg_explicit_step {TABLES}")))
-# Counted when it was last lowered, and for thermal noise, which took 113, and numbers of sites by rows, which took 20; `python tests/support/headers.py` counts.
-MOST_STATEMENTS = 7415
+# Counted when it was last lowered, and for thermal noise, which took 113, numbers of sites by rows, which took 20, and the public
+# functions, 17, that each model had in its own file; `python tests/support/headers.py` counts.
+MOST_STATEMENTS = 7433
 
 
 def unexplained(names: dict) -> dict:

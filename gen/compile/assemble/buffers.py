@@ -78,8 +78,9 @@ def work_size(model) -> Int:
 def layout(model) -> Function:
     """The arrays one after the other in mem; how many numbers they take."""
     used = Name("used")
-    arrays = [Assign(used, placed(b, used)) for b in buffers(model)]
+    first, *others = buffers(model)
+    arrays = [Variable("size_t", "used", placed(first, ZERO)), *(Assign(used, placed(b, used)) for b in others)]
     before = [statement for part in model.parts for statement in part.laid_out(model)]
     last = Call("smg_place_history", (Name("s"), Name("mem"), used)) if keeps_history(model) else used
     return Function("size_t", "smg_layout", (Argument("smg_state *", "s"), Argument("smg_real *", "mem")),
-                    (*held(arrays, "c", "smg_coefficients"), *before, Variable("size_t", "used", ZERO), *arrays, Return(last)), inlined="never")
+                    (*held(arrays, "c", "smg_coefficients"), *before, *arrays, Return(last)), inlined="never")

@@ -17,7 +17,7 @@ C = Argument("smg_coefficients *", "c")
 def parameter_functions(model) -> list:
     """smg_sizes, smg_check_sizes, smg_prepare and smg_set_time."""
     sizes = [Assign(Member("c", name), size) for name, size in model.coefficients.sizes]
-    start = (Assign(Member("c", "p"), Unary("*", Name("p"))), Assign(Member("c", "t"), ZERO), Assign(Member("c", "h"), ZERO))
+    start = (Assign(Member("c", "p"), Unary("*", Name("p"))), Assign(Member("c", "t"), Assign(Member("c", "h"), ZERO)))
     checks = dict.fromkeys([*checks_of(model), *Bounds(model.low, lambda f: model.by_name[f].count).checks(model.spec)])
     return [Function("void", "smg_sizes", (C, Argument("const smg_params *", "p")), (*start, *sizes), wanted=True),
             Function("smg_status", "smg_check_sizes", (COEFFICIENTS,), (*checks, Return(Name("SMG_OK"))), wanted=True),

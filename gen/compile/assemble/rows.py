@@ -13,7 +13,7 @@ import sympy as sp
 
 from ...language.spec import Lattice, Sites
 from ..derive.derivatives import switched
-from ..lower.code import Argument, Assign, Braces, Call, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, mentions, where
+from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, mentions, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import PREPARE, index_names
@@ -33,7 +33,6 @@ KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of t
 BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 BY_STAGE_ROWS = "sites of a row in lanes"
 BY_TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
-ZERO_UNLESS_SAID = {"SMG_TANGENT", "SMG_ROW_HESSIAN", "SMG_SITE_VALUES", *(f"SMG_{word}_{d}" for word in ("REACH", "WEIGHT") for d in range(4))}      # by smg_rows.h
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
@@ -277,9 +276,11 @@ def neighbours(model, sub: int) -> list:
 def offsets(model) -> Function:
     """beside = what stands beside the sites of a place; how many that are."""
     def body(sub: int):
-        found = neighbours(model, sub)
-        lines = (Let(f"o{n}", Braces((total(one.sub), Braces(tuple(map(total, one.offset))), total(one.ring))), "const smg_offset") for n, one in enumerate(found))
-        return (*lines, *(Assign(Name(f"beside[{n}]"), Name(f"o{n}")) for n in range(len(found))), Return(whole(len(found))))
+        found = tuple(Braces((total(one.sub), Braces(tuple(map(total, one.offset))), total(one.ring))) for one in neighbours(model, sub))
+        if not found:
+            return (Return(ZERO),)
+        copies = For("n", ZERO, whole(len(found)), (Assign(Name("beside[n]"), Name("all[n]")),), over="entries")
+        return (Let("all[]", Braces(found), "const smg_offset"), copies, Return(whole(len(found))))
     *first, last = [body(sub) for sub in range(model.in_rows.over.sites)]
     tests = [If((compare(Index("sub"), "==", total(sub)),), lines) for sub, lines in enumerate(first)]
     return Function("int64_t", "smg_offsets", (Argument("int64_t", "sub"), Argument("smg_offset *", "beside")), (*tests, *last), wanted=True)
@@ -384,8 +385,7 @@ class ByRows(Part):
         return ["smg_rows.h"]
 
     def settings(self, model):
-        said = row_settings(model)
-        return {name: value for name, value in said.items() if value or name not in ZERO_UNLESS_SAID}
+        return row_settings(model)
 
     def members(self, model):
         values = [("smg_real *row_values", "numbers of sites by slots, one after the other")] if model.in_rows.sited else []

@@ -39,8 +39,8 @@ def colour_functions(model) -> list:
     colours, and where there is no lattice, every site is a colour of its own."""
     found = sublattices(model.spec)
     if found is None and all(len(t.slots) < 2 for t in model.effects):
-        return [colours(Return(ONE)), each_of_colour(For("site", ZERO, model.total, called(ZERO, ())))]
-    alone = (Let("site", Index("colour")), *called(ZERO, ()))
+        return [colours(Return(ONE)), each_of_colour(For("site", ZERO, model.total, called(SITE, ZERO, ())))]
+    alone = called(Index("colour"), ZERO, ())
     if found is None:
         return [colours(Return(model.total)), each_of_colour(*alone)]
     number, lines, alone = Return(total(found.colours.colours)), coloured(model, found), placed_alone(found, model)
@@ -59,9 +59,9 @@ def each_of_colour(*body) -> Function:
     return Function("void", "smg_each_of_colour", VISIT, body, wanted=True, inlined="always")
 
 
-def called(sub, cells) -> tuple:
-    """The visit of `site`."""
-    at = Braces((SITE, sub, *cells, *[ZERO] * (4 - len(cells))))
+def called(site, sub, cells) -> tuple:
+    """The visit of a site."""
+    at = Braces((site, sub, *cells, *[ZERO] * (4 - len(cells))))
     return Let("at", at, "const smg_lattice_site"), Call("visit", (Name("context"), Name("at")))
 
 
@@ -76,14 +76,14 @@ def coloured(model, found) -> tuple:
     """All sites of one colour."""
     cells = [Index(f"s{d}") for d in range(len(found.over.size))]
     return tuple(line for sub in range(found.over.sites)
-                 for line in model.loops.one_place(found.over, found.colours, sub, lambda sub: called(total(sub), cells)))
+                 for line in model.loops.one_place(found.over, found.colours, sub, lambda site, sub: called(site, total(sub), cells)))
 
 
 def placed_alone(found, model) -> tuple:
     """The site of the number `colour`, and where it stands."""
     cells = [Index(f"s{d}") for d in range(len(found.over.size))]
     place = model.loops.cell_of_site(found.over)
-    return (Let("site", Index("colour")), *place, *called(Index("sub") if found.over.sites > 1 else ZERO, cells))
+    return (Let("site", Index("colour")), *place, *called(SITE, Index("sub") if found.over.sites > 1 else ZERO, cells))
 
 
 class Sublattices(Part):

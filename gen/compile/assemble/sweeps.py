@@ -28,12 +28,12 @@ def visit(model, name: str, coloured: bool) -> Function:
 
 def visit_family(model, f, coloured: bool) -> tuple:
     """Calls of `visit` for all sites of a family."""
-    def call(sub: int, cells):
-        at = Braces((f.first + Index("site"), total(sub), *cells, *[ZERO] * (4 - len(cells))))
+    def call(site, sub: int, cells):
+        at = Braces((f.first + site, total(sub), *cells, *[ZERO] * (4 - len(cells))))
         return Let("at", at, "const smg_lattice_site"), Call("visit", (Name("context"), Name("at")))
     lattice = model.lattice(f.name)
     if lattice is None:
-        return (For("site", ZERO, f.count, call(0, ())),)
+        return (For("site", ZERO, f.count, call(Index("site"), 0, ())),)
     colours = colouring(model.lattices(f.name)) if coloured else one_colour(lattice)
     cells = [Index(f"s{d}") for d in range(len(lattice.size))]
-    return model.loops.by_colour(lattice, colours, lambda sub: call(sub, cells))
+    return model.loops.by_colour(lattice, colours, lambda site, sub: call(site, sub, cells))

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from sympy.logic.boolalg import Boolean
 
-from ..lower.code import Either, Return, mentions
+from ..lower.code import Either, For, Return, mentions
 from ..lower.integers import Int, Product, Whole, times
 from ...language.c_names import in_c
 from .formulas import ATOM, PRODUCT, SUM, TEST, Formulas, number
 
 STRENGTH = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT, "==": TEST}
+LINE = 110      # columns of a statement that stands beside its head, before it is indented
 LINKAGE = {"usual": "static inline", "always": "SMG_INLINE", "never": "static"}
 
 
@@ -141,6 +142,9 @@ class Scalar:
     def show_braces(self, n):
         return f"{{{self.args(n.args)}}}", ATOM
 
+    def show_assign(self, s):
+        return f"{self(s.target)} {s.op} {self(s.value)}", TEST
+
     # -- tests --------------------------------------------------------------------------------
     def show_compare(self, t):
         return f"{self(t.left)} {t.op} {self(t.right)}", TEST
@@ -172,7 +176,7 @@ class Scalar:
         return [f"smg_real {s.name}[{s.size}] = {{{', '.join('0' * s.size)}}};"]
 
     def do_assign(self, s):
-        return [f"{self(s.target)} {s.op} {self(s.value)};"]
+        return [f"{self(s)};"]
 
     def do_add(self, s):
         e = s.value.expr
@@ -190,7 +194,15 @@ class Scalar:
         if s.step == -1:
             return block(f"for (int64_t {s.index} = {self(s.end)}; {s.index}-- > {self(s.start)};)", self.lines(s.body))
         step = f"++{s.index}" if s.step == 1 else f"{s.index} += {s.step if isinstance(s.step, int) else self(s.step)}"
-        return block(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", self.lines(s.body))
+        return self.short(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", s.body)
+
+    def short(self, head: str, body) -> list:
+        """A single statement that is no block stands beside its head where there is room."""
+        lines = self.lines(body)
+        one = f"{head} {lines[0]}" if len(body) == len(lines) == 1 else ""
+        if one and isinstance(body[0], For):
+            return [head, *indent(lines)]
+        return [one] if one and len(one) <= LINE else block(head, lines)
 
     def do_if(self, s):
         head = f"if ({' && '.join(self.one_of(s.tests, test) for test in s.tests)})"
@@ -212,9 +224,11 @@ class Scalar:
     def define_function(self, f):
         """An argument that the body does not mention is said to be unused."""
         known = mentions(*f.body)
-        unused = [f"(void){a.name};" for a in f.arguments if a.name not in known]
+        unused = ", ".join(f"(void){a.name}" for a in f.arguments if a.name not in known)
         arguments = ", ".join(f"{a.kind} (*{a.name})({a.signature})" if a.signature else declared(a.kind, a.name) for a in f.arguments)
-        return block(f"{LINKAGE[f.inlined]} {declared(f.kind, f.name)}({arguments})", [*unused, *self.lines(f.body)])
+        head, lines = f"{LINKAGE[f.inlined]} {declared(f.kind, f.name)}({arguments})", [f"{unused};"] * bool(unused) + self.lines(f.body)
+        one = f"{head} {{ {lines[0]} }}" if len(f.body) == len(lines) == 1 and isinstance(f.body[0], Return) else ""
+        return [one] if one and len(one) <= LINE else block(head, lines)
 
     def define_struct(self, d):
         return [f"typedef struct {d.name} {{", f"  {self.real} {', '.join(d.members)};", f"}} {d.name};"]

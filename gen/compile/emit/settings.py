@@ -1,8 +1,12 @@
 """What a model says of itself by macros, and the headers that its method is made of."""
 from __future__ import annotations
 
+from functools import cache
+
+from ...resources import runtime_header
 from ..assemble.model import Model
 from ..lower.integers import Whole
+from .includes import macros_of
 from .print_wide import elementary
 
 FEW = 4      # sites of which each gets its own copy of a loop's body: with two a step takes 6 or 7 % fewer instructions, with three 0.5 %
@@ -10,7 +14,7 @@ MATRICES = {"dense": "smg_matrix_dense.h", "band": "smg_matrix_band.h", "sparse"
 
 
 def settings(model: Model) -> list:
-    """(name, value) of every macro that is not 0, or that C itself reads."""
+    """(name, value) of every macro that is not what smg_defaults.h has, or else 0."""
     coupled, alone, plan = model.coupled, model.alone, model.plan
     turned = plan.swept and plan.rotation
     found = {
@@ -28,9 +32,15 @@ def settings(model: Model) -> list:
         "SMG_FEW": bool(coupled) and isinstance(model.rows, Whole) and model.rows.value <= FEW,
         "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0, "SMG_PLAIN_SUMS": "plain-sums" in model.features,
         "SMG_HAS_LANES": most_lanes(model) > 0, "SMG_MOST_LANES": most_lanes(model), **dict(model.method.defines)}
-    read = {"SMG_COUPLED_NAMBU": coupled, "SMG_CONSTANT_HESSIAN": turned, "SMG_CYCLIC": plan.solver == "band"}     # by C itself, not by #if alone
     said = {name: value for part in model.parts for name, value in part.settings(model).items()}
-    return [(name, int(value)) for name, value in found.items() if value or read.get(name)] + [(name, int(value)) for name, value in said.items()]
+    usual = defaults()
+    return [(name, int(value)) for name, value in (*found.items(), *said.items()) if int(value) != usual.get(name, 0)]
+
+
+@cache
+def defaults() -> dict:
+    """Macro -> its value where a model does not say it."""
+    return macros_of(runtime_header("smg_defaults.h").read_text())
 
 
 def headers(model: Model) -> list:
@@ -55,9 +65,9 @@ def method_headers(model: Model) -> list:
     members = [name for part in model.parts for name in part.member_headers(model)]
     ensemble = [*members, "smg_ensemble.h"] if "ensemble" in model.features else []
     if not model.method.of_midpoints:
-        return [*names, "smg_saved.h", *ensemble]
+        return [*names, *ensemble]
     if model.plan.coupled:
         names.append(MATRICES.get(model.plan.solver, "smg_matrix_free.h"))
     steps = [step for part in model.parts if (step := part.step(model))]
     names.append(steps[-1] if steps else "smg_step.h")
-    return [*names, "smg_saved.h", *(["smg_tangent.h"] if "tangent" in model.features else []), *ensemble]
+    return [*names, *(["smg_tangent.h"] if "tangent" in model.features else []), *ensemble]

@@ -94,10 +94,11 @@ def real_of(leaf: Node) -> Real:
 
 @dataclass(frozen=True)
 class Name(Node):
+    """A variable, or an entry of one: `sum[0]`."""
     text: str
 
     def names(self):
-        return (self.text,)
+        return (self.text.partition("[")[0],)
 
 
 @dataclass(frozen=True)
@@ -202,6 +203,7 @@ class Zeros(Declaration):
 
 @dataclass(frozen=True)
 class Assign(Node):
+    """A statement; also a value, what has been assigned."""
     target: Node
     value: Node
     op: str = "="
@@ -273,7 +275,12 @@ def tidy(body) -> tuple:
     names = [declared(statement) for statement in body]
     times = Counter(name for each in names for name in each)
     return tuple(inner for statement, each in zip(body, names)
-                 for inner in (statement.body if isinstance(statement, Scope) and all(times[name] == 1 for name in each) else (statement,)))
+                 for inner in (statement.body if isinstance(statement, Scope) and (apart(statement) or all(times[name] == 1 for name in each)) else (statement,)))
+
+
+def apart(scope) -> bool:
+    """Has each of its statements a scope of its own?"""
+    return all(isinstance(one, Block) for one in scope.body)
 
 
 def declared(statement) -> set:

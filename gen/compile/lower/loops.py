@@ -148,14 +148,14 @@ class Loops:
 
     # -- all sites in an order --------------------------------------------------------------
     def by_colour(self, over: Lattice, colours, body) -> tuple:
-        """All sites of a lattice, colour after colour; `body(sub)` finds site, s0, s1, .. set."""
+        """All sites of a lattice, colour after colour; `body(site, sub)` finds s0, s1, .. set."""
         lines = tuple(line for sub in range(over.sites) for line in self.one_place(over, colours, sub, body))
         return (For("colour", ZERO, total(colours.colours), lines, over="colours"),) if colours.colours > 1 else lines
 
     def one_place(self, over: Lattice, colours, sub: int, body):
         """The sites `sub` of the cells of a colour."""
         cells = [Index(f"s{d}") for d in range(len(over.size))]
-        return self.cells_of_colour(over, colours, sub, (self.site(over, "site", sub, (0,) * len(cells), cells, []), *body(sub)))
+        return self.cells_of_colour(over, colours, sub, body(self.site(over, "site", sub, (0,) * len(cells), cells, []).value, sub))
 
     def cells_of_colour(self, over: Lattice, colours, sub: int, inner):
         """The cells s0, s1, .. whose site `sub` has a colour: those with (weights . cell + shift) mod colours = colour."""

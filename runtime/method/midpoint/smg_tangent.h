@@ -13,6 +13,7 @@
 #else
 #include "smg_step.h"
 #endif
+#include "smg_saved.h"
 
 /* Does the leaf of a site move with w? */
 static inline int smg_lifted(const smg_coefficients *c, int64_t k) {

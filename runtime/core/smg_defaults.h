@@ -1,0 +1,70 @@
+/* smidgen runtime: what C itself reads of the macros of smg_model.h, where a model does not say it. The others are read
+ * by #if alone, and are 0 there. gen/compile/emit/settings.py reads this file: generated C says what differs. */
+#ifndef SMG_DEFAULTS_H
+#define SMG_DEFAULTS_H
+
+/* ---- the bracket, and Newton ------------------------------------------------------------- */
+#ifndef SMG_ORIENTATION
+#define SMG_ORIENTATION 1
+#endif
+#ifndef SMG_COUPLED_NAMBU
+#define SMG_COUPLED_NAMBU 0
+#endif
+#ifndef SMG_CONSTANT_HESSIAN
+#define SMG_CONSTANT_HESSIAN 0
+#endif
+#ifndef SMG_CYCLIC
+#define SMG_CYCLIC 0
+#endif
+
+/* ---- rows: weights of the colouring, and how many cells away neighbours stand, by direction */
+#ifndef SMG_LAYERED
+#define SMG_LAYERED 0
+#endif
+#ifndef SMG_TANGENT
+#define SMG_TANGENT 0
+#endif
+#ifndef SMG_PLACES
+#define SMG_PLACES 1
+#endif
+#ifndef SMG_RANKS
+#define SMG_RANKS 1
+#endif
+#ifndef SMG_TURN_0
+#define SMG_TURN_0 0
+#endif
+#ifndef SMG_RINGS
+#define SMG_RINGS 0
+#endif
+#ifndef SMG_BLOCKS
+#define SMG_BLOCKS 0
+#endif
+#ifndef SMG_OWN_FIELD
+#define SMG_OWN_FIELD 0
+#endif
+#ifndef SMG_SITE_VALUES
+#define SMG_SITE_VALUES 0
+#endif
+#ifndef SMG_REACH_1
+#define SMG_REACH_1 0
+#endif
+#ifndef SMG_REACH_2
+#define SMG_REACH_2 0
+#endif
+#ifndef SMG_REACH_3
+#define SMG_REACH_3 0
+#endif
+#ifndef SMG_WEIGHT_0
+#define SMG_WEIGHT_0 0
+#endif
+#ifndef SMG_WEIGHT_1
+#define SMG_WEIGHT_1 0
+#endif
+#ifndef SMG_WEIGHT_2
+#define SMG_WEIGHT_2 0
+#endif
+#ifndef SMG_WEIGHT_3
+#define SMG_WEIGHT_3 0
+#endif
+
+#endif
