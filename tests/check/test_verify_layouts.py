@@ -2,12 +2,13 @@
 import shutil
 
 import pytest
-from support.runtime_faults import FAULTS, examined, plant
+from support.runtime_faults import FAULTS, examined, plant, spec_of
 
 from smidgen.check.verify.along import along
 from smidgen.check.verify.contraction import contraction
 from smidgen.check.verify.effort import effort
 from smidgen.check.verify.members import members
+from smidgen.check.verify.noise import noise
 from smidgen.check.verify.refusals import refusals
 from smidgen.check.verify.restore import restore
 from smidgen.check.verify.row import NO, YES
@@ -31,7 +32,8 @@ def as_root(monkeypatch):
 def looked(fault, layouts=True):
     """(verdict of the row that looks at a fault, all that was not looked at)."""
     case, subject = examined(fault, layouts)
-    rows = {row.name: row for row in CHECKS[fault.row](case, subject)}
+    found = noise(spec_of(fault), case) if fault.row.startswith("noise") else CHECKS[fault.row](case, subject)
+    rows = {row.name: row for row in found}
     print(*rows.values(), *case.unseen, sep="\n")
     return rows[fault.row].verdict, case.unseen
 

@@ -21,7 +21,7 @@ LEAST = 0.99
 # The tests of the headers, and of steps that come to their edges; without other compilers and copies with faults.
 RUN = re.compile(r"edges_of|test_(runtime|krylov|band|sparse|follow|shown|units|statuses|tolerance|compositions|splittings|(gauss|dop853)_header|tangent"
                  r"|sites_alone|accepted_steps|branch|interface|extended|one_site|newton_at_large_steps|bad_steps|nearness|loops|round_off|lanes"
-                 r"|(gauss_|pair_|sublattice_)?rows|row_wave|row_blocks|few|states|ensemble|comparators|extrapolation|checkpoint|run)")
+                 r"|(gauss_|pair_|sublattice_)?rows|row_wave|row_blocks|set_state|damping|noise|few|states|ensemble|comparators|extrapolation|checkpoint|run)")
 DESELECTED = "not mutants and not clang and not g++"
 
 
@@ -51,6 +51,11 @@ def reasons() -> dict:
     return {entry["code"]: entry["reason"] for entry in tomllib.loads((HERE / "reasons.toml").read_text()).get("branch", [])}
 
 
+def reason_of(line: str, known: dict) -> str | None:
+    """That of a statement of which it is a line, or of the line itself."""
+    return next((reason for code, reason in known.items() if line in code), None)
+
+
 def rows(found: dict) -> list:
     """(header, taken, branches, per cent) of every header of the runtime; one that nothing includes has no branch."""
     table_rows = []
@@ -67,7 +72,8 @@ def page(found: dict) -> tuple[str, float, list]:
     per_header = rows(found)
     taken, total = (sum(r[k] for r in per_header) for k in (1, 2))
     lacking = [(h, *m) for h in sorted(found) for m in missing(h, found[h])]
-    why = reasons()
+    known = reasons()
+    why = {line: reason for _, _, line, _, _ in lacking if (reason := reason_of(line, known))}
     text = [
         "# Branch coverage of the runtime\n",
         "Written by `make coverage`: gcov's counts over the generated models and the test programs that the tests build, "

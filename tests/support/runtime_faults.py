@@ -14,12 +14,30 @@ from smidgen.run.step.integrator import build
 from smidgen.run.settings import settle
 
 BODY, CHAIN, CUBIC = ("free_rigid_body", {}), ("heisenberg_chain", {"n": 40}), ("cubic_lattice", {})
+WARM = """
+[model]
+name = "warm"
+[space]
+w = { sphere = 2 }
+[effects.pair]
+energy = "dot(w[0], w[1]) + 0.4*w[0].z^2"
+[effects.bath]
+over = "site(i) of w"
+damping = 0.3
+kT = 0.5
+[starts.a]
+random = 3
+[runs.a]
+start = "a"
+h = 0.05
+steps = 20
+"""
 RING = ("heisenberg_chain", {"n": 640})      # long enough for wavefronts of the smallest blocks
 
 
 @dataclass(frozen=True)
 class Fault:
-    """row: the name of the one that says no; system: a shipped spec and its values; settings: of the run."""
+    """row: the name of the one that says no; system: a shipped spec, or the text of one, and its values; settings: of the run."""
     row: str
     file: str
     right: str
@@ -63,18 +81,26 @@ FAULTS = {
     "a bound on the turn of a site": Fault("refusals", "smg_single_sphere.h", "if (!smg_clear_of_branches(det) || !(most <= SMG_CONTRACTS)) return SMG_WRONG_BRANCH;", "if (!smg_clear_of_branches(det) || !(most <= SMG_CONTRACTS)) return SMG_WRONG_BRANCH;\n      if (most > (smg_real)0.3) return SMG_NO_CONVERGENCE;", BODY,
                                            more=(("smg_single_sphere.h", "    status = smg_site_solve(s, s->c.h, 0);", "    status = SMG_NO_CONVERGENCE;"),)),
     "a solver that gives up": Fault("refusals", "smg_step.h", "  const int tries = s->degree < 0 ? 1 : 2;", "  const int tries = s->degree < 0 ? 1 : 2;\n  if (smg_abs(h) > (smg_real)0.5) return SMG_NO_CONVERGENCE;", ("two_bodies", {})),
+    "the variance of noise": Fault("noise", "smg_thermal.h", "sqrt(2 * (part - part * part / 6))", "sqrt(2 * part)", (WARM, {})),
+    "the seed of a save": Fault("noise restored", SAVED, "  s->seed = ", "  s->seed = 1 + ", (WARM, {})),
     "ghost cells": Fault("ranks", HALO, "  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);", "  for (int64_t colour = 1; colour + 1 < SMG_COLOURS; ++colour) smg_send_colour(colour);", RING),
 }
 
 
 def examined(fault: Fault, layouts: bool):
     """(case, subject) of the run that shows a fault; the subject has no library in extended precision."""
-    name, values = fault.system
-    spec = smidgen.load(name)
+    values = fault.system[1]
+    spec = spec_of(fault).calm
     s = settle(spec, None, values=values, **fault.settings)
     subject = Emitted(build(spec, s.method, s.effects, s.values, s.solver, features=fault.features), None)
     subject.generated = True
     return Case(spec, s, 2, tier="quick", features=fault.features, layouts=layouts), subject
+
+
+def spec_of(fault: Fault):
+    """With its noise, where it has any."""
+    name = fault.system[0]
+    return smidgen.load_text(name) if "\n" in name else smidgen.load(name)
 
 
 def plant(monkeypatch, place, fault: Fault | None) -> None:
