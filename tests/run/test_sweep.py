@@ -221,6 +221,15 @@ def test_an_interrupt_begins_no_more_cells_and_keeps_what_ends(path, whom):
     assert written <= files and len(files - written) <= 2       # those that were interrupted on their way
 
 
+@pytest.fixture
+def listens():
+    """Ctrl-C raises KeyboardInterrupt here; what is started in the background may be told to ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("listens")
 def test_an_interrupt_is_raised_between_outcomes(path):
     """Not from within whatever goes on when it comes, as a pool that holds a lock; it is none of the processes' either."""
     folder, after = path.parent / "cells", []
@@ -235,6 +244,7 @@ def test_an_interrupt_is_raised_between_outcomes(path):
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.usefixtures("listens")
 def test_an_interrupt_of_the_last_outcome_is_raised(path):
     with pytest.raises(KeyboardInterrupt):
         sweep(smidgen.load(path), "demo", {"a": [0.0]}, path.parent / "cells", tell=lambda outcome: os.kill(os.getpid(), signal.SIGINT))
