@@ -76,8 +76,8 @@ def test_the_order_in_quadruple_precision(quad, name, steps, method):
     assert abs(log(errors[0] / errors[1], 2) - METHODS[method].order) < 0.1
 
 
-@pytest.mark.parametrize("name", MODELS)
-@pytest.mark.parametrize("method", COMPARED)
+@pytest.mark.parametrize("name, method", [pytest.param(name, method, marks=pytest.mark.long if method == "rattle" and name in ("mixture", "vortices") else ())
+                                          for method in COMPARED for name in MODELS])
 def test_the_witness_takes_the_same_steps(name, method):
     report = smidgen.validate(MODELS[name], method=method, h=STEPS[name], steps=20)
     assert report.passed, [line for line in report.lines if not line.passed]

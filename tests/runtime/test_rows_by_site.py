@@ -99,6 +99,7 @@ def test_order(method, order):
     assert abs(np.log2(ratio) - order) < 0.25
 
 
+@pytest.mark.long
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch):
     def built(lanes, spec=SOME, method=MIDPOINT, compiler="gcc"):
         monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
