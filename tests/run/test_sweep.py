@@ -202,6 +202,15 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.fixture
+def listens():
+    """Ctrl-C raises KeyboardInterrupt here and in what is started from here, in the background too, where it may be ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("listens")
 @pytest.mark.parametrize("whom", ["group", pytest.param("parent", marks=pytest.mark.long)])
 def test_an_interrupt_begins_no_more_cells_and_keeps_what_ends(path, whom):
     """Sent once the first cell has ended; none of the others can have ended by then."""
@@ -219,14 +228,6 @@ def test_an_interrupt_begins_no_more_cells_and_keeps_what_ends(path, whom):
     assert len(ended) == 1 if whom == "group" else 1 <= len(ended) < 10         # the parent's: beside the first, those under way
     files, written = set(folder.glob("cell-*.npz")), {folder / line["file"] for line in ended}
     assert written <= files and len(files - written) <= 2       # those that were interrupted on their way
-
-
-@pytest.fixture
-def listens():
-    """Ctrl-C raises KeyboardInterrupt here; what is started in the background may be told to ignore it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.usefixtures("listens")
