@@ -21,7 +21,7 @@ LEAST = 0.99
 # The tests of the headers, and of steps that come to their edges; without other compilers and copies with faults.
 RUN = re.compile(r"edges_of|test_(runtime|krylov|band|sparse|follow|shown|units|statuses|tolerance|compositions|splittings|(gauss|dop853)_header|tangent"
                  r"|sites_alone|accepted_steps|branch|interface|extended|one_site|newton_at_large_steps|bad_steps|nearness|loops|round_off|lanes"
-                 r"|(gauss_|pair_|sublattice_)?rows|row_wave|row_blocks|set_state|damping|noise|few|states|ensemble|comparators|extrapolation|checkpoint|run)")
+                 r"|(gauss_|pair_|sublattice_)?rows|row_wave|row_blocks|set_state|damping|noise|response|few|states|ensemble|comparators|extrapolation|checkpoint|run)")
 DESELECTED = "not mutants and not clang and not g++"
 
 

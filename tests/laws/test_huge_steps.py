@@ -51,7 +51,7 @@ def stepped(model, most=1000):
     return 0
 
 
-@pytest.mark.parametrize("name", tiers(LAYOUTS, SOME, [n for n in LAYOUTS if n not in LATE]))
+@pytest.mark.parametrize("name", tiers(LAYOUTS, SOME, [n for n in LAYOUTS if n not in (*LATE, "blocks by site, in time")]))
 def test_a_huge_step(name):
     """The first of a trajectory, and one after others, which begins with their history."""
     one, method, small = LAYOUTS[name]
@@ -134,6 +134,7 @@ random = 4
 
 
 @pytest.mark.parametrize("method", ["spherical-midpoint", pytest.param("classical-midpoint", marks=pytest.mark.long)])
+@pytest.mark.usefixtures("optimised_here")
 def test_iterations_end_after_a_thousand_evaluations(method, monkeypatch, tmp_path):
     """Sweeps, two tries of Newton with GMRES, and the ends of steps together, near the largest steps that there are: without a bound up to 3249 of them."""
     plant(monkeypatch, tmp_path, COUNTED)

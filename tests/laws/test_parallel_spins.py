@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 import smidgen
+from support.systems import tiers
 
 LATTICES = {"square(n, n, periodic)": (16, 4), "cubic(n, n, n, periodic)": (64, 6)}     # sites with n = 4, neighbours
 SPEC = """
@@ -49,8 +50,8 @@ def test_spins_at_rest_keep_their_length(lattice, strength):
     assert np.abs(changes(lattice, 0, strength, 1000)).max() < 3
 
 
-@pytest.mark.parametrize("strength", [0.8, 1.2, 1.7, 2.8])
-@pytest.mark.parametrize("lattice", LATTICES)
+@pytest.mark.parametrize("strength", [0.8, 1.2, pytest.param(1.7, marks=pytest.mark.long), 2.8])
+@pytest.mark.parametrize("lattice", tiers(LATTICES, (), ("square(n, n, periodic)",)))
 def test_lengths_walk_where_the_spins_turn_about_a_field(lattice, strength):
     """Half a unit in the last place a step, each of its own sign, would be sqrt(N)/2."""
     found = changes(lattice, 1, strength, 1000)

@@ -91,7 +91,7 @@ CLAIMED = {"cf4": ({"symplectic", "reversible"}, {"order", "equivariant", "casim
            "geodesic-midpoint": ({"symplectic"}, {"order", "reversible", "equivariant", "casimirs", "step"})}
 
 
-@pytest.mark.parametrize("method", COMPARED)
+@pytest.mark.parametrize("method", [m if m == "rattle" else pytest.param(m, marks=pytest.mark.long) for m in COMPARED])
 @pytest.mark.parametrize("name", ["vortices", pytest.param("body", marks=pytest.mark.long)])
 @pytest.mark.usefixtures("few_states", "optimised_here")
 def test_the_certificate_measures_what_is_kept_and_what_is_given_up(name, method):

@@ -2,6 +2,7 @@
 import subprocess
 
 import pytest
+from support.systems import tiers
 from smidgen.compile.emit.emit import generate
 from smidgen.resources import include_flags
 from test_rows import DM, EXCHANGE, FIELD, lattice
@@ -203,7 +204,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("what", WRONG)
+@pytest.mark.parametrize("what", tiers(WRONG, (), ("the lane", "nothing")))
 def test_what_the_bits_depend_on(tmp_path, what):
     found = bits_agree(built(tmp_path, SPECS["cubic"][0], right=WRONG[what][0], wrong=WRONG[what][1]), "0.2", "0")
     assert found.returncode == {"nothing": 0, "the passes that are not watched": 5}.get(what, 4)

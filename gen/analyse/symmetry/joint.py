@@ -11,6 +11,7 @@ sites, sums of them, Casimirs, the energy where it is a quadratic form.
 """
 from __future__ import annotations
 
+import functools
 import itertools
 
 import numpy as np
@@ -31,7 +32,7 @@ SHOWN = 12          # terms of a form that its text has
 
 class Joint:
     """The question for one spec. places: (family, site) of each site that is no tracer; entries: the unknowns, pairs of
-    components (site, axis)."""
+    components (site, axis), made for few sites alone."""
 
     def __init__(self, asked: Asked):
         self.asked = asked
@@ -39,10 +40,17 @@ class Joint:
         self.places = [(name, k) for name, (_, count) in asked.places.items() if name not in tracers for k in range(count)]
         self.first = {name: first for name, (first, _) in asked.places.items()}
         self.components = [(k, c) for k in range(len(self.places)) for c in range(3)]
-        self.entries = list(itertools.combinations_with_replacement(range(len(self.components)), 2))
-        self.at = {pair: q for q, pair in enumerate(self.entries)}
         strength = kappas(asked.spec, asked.values)
         self.rates = [1 / number(strength[self.first[name] + k]) for name, k in self.places]
+
+    @functools.cached_property
+    def entries(self) -> list:
+        return list(itertools.combinations_with_replacement(range(len(self.components)), 2))
+
+    @functools.cached_property
+    def at(self) -> dict:
+        """The place of each pair among the entries."""
+        return {pair: q for q, pair in enumerate(self.entries)}
 
     @property
     def small(self) -> bool:
