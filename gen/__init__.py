@@ -28,7 +28,7 @@ from .read import load_text
 from .run.run import Interrupted, repeat, run
 from .run.resume import resume
 from .run.files.checkpoint import CheckpointError
-from .read.shipped import load
+from .read.shipped import flat, load
 from .language.spec import Spec
 from .check.validate import validate
 from .check.verify import verify
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "UsageError", "ValidationError",
-           "advise", "build", "choose", "cost", "ensemble", "explain", "lattice", "load", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
+           "advise", "build", "choose", "cost", "ensemble", "explain", "flat", "lattice", "load", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
            "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "validate", "verify"]
 
 

@@ -27,3 +27,8 @@ def runtime_header(name: str) -> Path | None:
     """The file of a header of runtime/, whatever its folder; None where there is no such."""
     found = (place / name for place in runtime_folders())
     return next((path for path in found if path.is_file()), None)
+
+
+def shipped() -> dict[str, Path]:
+    """name -> path of every spec that comes with smidgen."""
+    return {p.stem: p for p in sorted(folder("specs").rglob("*.toml"))}

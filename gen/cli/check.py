@@ -20,7 +20,7 @@ def add(commands):
 
 def command(args):
     """All specs are read; the exit code is the first error's."""
-    reports = [examine(word) for word in args.spec]
+    reports = [examine(word, args.library) for word in args.spec]
     if args.json:
         printed([{k: v for k, v in r.items() if k != "text"} for r in reports])
     for report in reports:
@@ -31,20 +31,20 @@ def command(args):
     return next((r["error"]["exit_code"] for r in reports if "error" in r), Exit.OK)
 
 
-def examine(word: str) -> dict:
+def examine(word: str, library) -> dict:
     """Facts of one spec, or its error."""
     try:
-        return facts(word)
+        return facts(word, library)
     except SmidgenError as error:
         return {"spec": word, "ok": False, "error": describe(error), "text": str(error)}
 
 
-def facts(word: str) -> dict:
+def facts(word: str, library) -> dict:
     """Load, settle every run, and count."""
     from ..run.settings import settle
     from ..read.shipped import load_spec
     from ..run.step.evaluated import sizes
-    spec = load_spec(word)
+    spec = load_spec(word, library)
     families = {name: count for name, (_, count) in sizes(spec).items()}
     steps = {run.name: settle(spec, run.name).steps for run in spec.runs}
     idle = unused(spec)

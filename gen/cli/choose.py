@@ -31,7 +31,7 @@ def command(args):
     from ..cost import choose
     from ..progress import progress
     from ..read.shipped import load_spec
-    spec = load_spec(args.spec)
+    spec = load_spec(args.spec, args.library)
     with progress(1000, "choose") as tick:
         choice = choose(spec, args.run, error=args.error, energy=args.energy, symplectic=args.symplectic, **study_choices(args),
                         progress=lambda what, done: tick(int(1000 * done)))

@@ -50,5 +50,5 @@ def measured(args):
     if args.spec is None:
         raise UsageError("a spec to measure, or --from FILE")
     with progress(1000, "cost") as tick:
-        return cost(load_spec(args.spec), args.run, **study_choices(args), seconds=args.seconds, long=not args.no_long,
+        return cost(load_spec(args.spec, args.library), args.run, **study_choices(args), seconds=args.seconds, long=not args.no_long,
                     ends=not args.no_ends, peers=args.peers, progress=lambda what, done: tick(int(1000 * done)))

@@ -22,7 +22,7 @@ def command(args):
     from ..run.settings import find_run
     from ..read.shipped import load_spec
     from ..analyse.symmetry import explain
-    spec = load_spec(args.spec)
+    spec = load_spec(args.spec, args.library)
     run = find_run(spec, args.run)
     report = explain(spec, {**dict(run.values), **dict(args.values)}, args.method or run.method,
                      run.effects if args.effects is None else args.effects)

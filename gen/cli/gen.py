@@ -40,7 +40,7 @@ def scene_of(args):
     from ..run.settings import find_run
     from ..read.shipped import load_spec
     from ..run.step.evaluated import parameter_values
-    spec = load_spec(args.spec)
+    spec = load_spec(args.spec, args.library)
     run = find_run(spec, args.run)
     values = {**dict(run.values), **dict(args.values)}
     parameter_values(spec, values)

@@ -13,9 +13,11 @@ from ..methods import NAMES as METHODS, SOLVERS
 
 
 def spec_argument(parser, **more):
-    """SPEC."""
+    """SPEC, --library."""
     parser.add_argument("spec", metavar="SPEC", **more,
                         help="a .toml file, or the name of a shipped spec (`smidgen list`)")
+    parser.add_argument("--library", action="append", default=[], metavar="DIR", help="a folder in which files that the spec names are looked for, "
+                        "after its own; repeatable")
 
 
 def model_options(parser):

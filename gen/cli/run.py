@@ -130,7 +130,7 @@ def asked(args):
         if args.spec is None:
             raise UsageError("which spec? `smidgen list` shows those that come with it")
         from ..read.shipped import load_spec
-        return load_spec(args.spec), args.run, choices(args)
+        return load_spec(args.spec, args.library), args.run, choices(args)
     if args.spec is not None:
         raise UsageError("--repeat takes the spec from the file: leave SPEC out")
     from ..build.binary import generator_name

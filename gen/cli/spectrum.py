@@ -75,7 +75,7 @@ def measured(args):
     given["values"] = dict(args.values)
     if args.start is not None:
         given["start"] = start_of(args.start)
-    spec = load_spec(args.spec)
+    spec = load_spec(args.spec, args.library)
     total = settle(spec, args.run, **{k: given[k] for k in ("h", "steps", "time", "every", "values") if k in given}).steps
     with progress(total, spec.name) as tick:
         return spectrum(spec, args.run, progress=tick, **given)

@@ -29,7 +29,7 @@ def command(args):
     """A table a run; exit code 5 when a line fails."""
     from ..read.shipped import load_spec
     from ..check.validate import validate
-    spec = load_spec(args.spec)
+    spec = load_spec(args.spec, args.library)
     runs = [r.name for r in spec.runs] if args.all and spec.runs else [args.run]
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
              if getattr(args, w) is not None}

@@ -15,6 +15,7 @@ def _limit(name: str, value, meaning: str):
 
 ERRORS = _limit("ERRORS", 10, "errors reported at once")
 FILE_BYTES = _limit("FILE_BYTES", 1 << 20, "bytes of a spec file")
+BASES = _limit("BASES", 16, "specs that a scene builds on, one on the other")
 TABLE_BYTES = _limit("TABLE_BYTES", 1 << 26, "bytes of a graph or start file that a spec names")
 META = _limit("META", 1 << 27, "characters of the metadata of a result, and of a state beside it in a .csv")
 CSV_COLUMNS = _limit("CSV_COLUMNS", 30_000, "columns of a result in a .csv")

@@ -1,4 +1,8 @@
-"""Files that a spec names: tables of numbers inside the spec's own folder, nothing else."""
+"""Files that a spec names: specs that it builds on and tables of numbers, by one rule.
+
+A file is looked for in the folder of the spec that names it, then in the folders that the user has given (`--library`). It lies there or
+below, and nowhere else. Specs that come with smidgen are bases by their names alone.
+"""
 from __future__ import annotations
 
 import os
@@ -7,20 +11,64 @@ import stat
 from pathlib import Path, PurePosixPath
 
 from ..language import limits
+from ..resources import shipped
 from . import codes
+from .problems import nearest
 from .tree import Node, number_trouble
 
+LIBRARY = ".library"        # no file of a spec has such a name
 CELL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\Z", re.ASCII)
 PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*\Z", re.ASCII)
-HOME = "name a file that lies beside the spec or in a folder below it, such as `tables/edges.csv`"
+HOME = "name a file that lies beside the spec or in a folder below it, such as `tables/edges.csv`, or give its folder with --library"
 
 
 class Files:
-    """Reads tables for one spec; `texts` keeps what was read, by name, for the digest."""
+    """Reads files for one spec; `texts` keeps what was read, by name, for the digest.
 
-    def __init__(self, folder: str):
-        self.folder = folder
+    folder: that of the spec, "" where it has no file; library: further folders, of the user.
+    """
+
+    def __init__(self, folder: str, library=()):
+        self.library = [os.path.abspath(os.fspath(place)) for place in library]
         self.texts: dict[str, str] = {}
+        self.names = {**dict.fromkeys(self.library, LIBRARY), folder: ""}       # of folders, in the names of `texts`
+
+    # Specs
+
+    def spec(self, node: Node) -> tuple[str, str, str]:
+        """Of the spec that `node` names: what messages call it, its folder, its text."""
+        word = node.string()
+        folder, name = self.place(node) if word.endswith(".toml") else self.by_name(node, word)
+        path = Path(folder, name)
+        try:
+            text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+        except (OSError, UnicodeDecodeError) as e:
+            node.wrong(codes.PATH, f"`{word}` cannot be read: {reason(e)}", "a base is a spec, a TOML file in UTF-8")
+        self.keep(folder, name, text)
+        self.names.setdefault(str(path.parent), os.path.dirname(self.name(folder, name)))
+        return shown(path), str(path.parent), text
+
+    def by_name(self, node: Node, word: str) -> tuple[str, str]:
+        """(folder, file) of a spec of the library, or of one that comes with smidgen."""
+        self.check_name(node, word)
+        for folder in self.library:
+            if os.path.isfile(os.path.join(folder, f"{word}.toml")):
+                self.check_kind(node, Path(folder, f"{word}.toml"), folder)
+                return folder, f"{word}.toml"
+        known = shipped()
+        if word not in known:
+            node.wrong(codes.UNKNOWN_NAME, f"no spec `{word}` comes with smidgen", "a file is named with its ending, `film.toml`; " + nearest(word, known))
+        return str(known[word].parent), known[word].name
+
+    # The names of texts: a folder that holds them under these names, with one for the library, holds the whole spec
+
+    def name(self, folder: str, name: str) -> str:
+        return "/".join(part for part in (self.names.get(folder, LIBRARY), name) if part)
+
+    def keep(self, folder: str, name: str, text: str) -> None:
+        self.texts[self.name(folder, name)] = text
+
+    # Tables
 
     def rows(self, node: Node, columns: int, what: str) -> list[tuple]:
         """The rows of the table that `node` names, each with at least `columns` numbers."""
@@ -58,20 +106,28 @@ class Files:
 
     def text(self, node: Node) -> str:
         """The text of the file, after all checks of its name and kind."""
-        name = node.string()
-        if not self.folder:
-            node.wrong(codes.PATH, "a spec without a file of its own cannot name files",
-                       "save the spec and load it by its path")
-        self.check_name(node, name)
-        path = Path(self.folder, name)
-        self.check_kind(node, path)
+        folder, name = self.place(node)
         try:
-            text = path.read_bytes().decode("utf-8-sig")
+            text = Path(folder, name).read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
         except (OSError, UnicodeDecodeError) as e:
             node.wrong(codes.TABLE, f"`{name}` cannot be read: {reason(e)}",
                        "it should be UTF-8 text: rows of numbers with commas between them")
-        self.texts[name] = text.replace("\r\n", "\n")
-        return self.texts[name]
+        self.keep(folder, name, text)
+        return text
+
+    # The rule
+
+    def place(self, node: Node) -> tuple[str, str]:
+        """(folder, name) of the file that `node` names, after all checks of its name and kind."""
+        name, home = node.string(), node.problems.sources.of(node.span.start).folder
+        if not home:
+            node.wrong(codes.PATH, "a spec without a file of its own cannot name files",
+                       "save the spec and load it by its path")
+        self.check_name(node, name)
+        places = (home, *self.library)
+        found = next((place for place in places if os.path.lexists(os.path.join(place, name))), home)
+        self.check_kind(node, Path(found, name), found)
+        return found, name
 
     def check_name(self, node: Node, name: str) -> None:
         """Only plain relative names: no `..`, no drive, no absolute path."""
@@ -79,9 +135,9 @@ class Files:
         if not parts or name != "/".join(parts) or not all(PART.match(p) for p in parts):
             node.wrong(codes.PATH, "this is not the plain name of a file", HOME)
 
-    def check_kind(self, node: Node, path: Path) -> None:
+    def check_kind(self, node: Node, path: Path, folder: str) -> None:
         """A regular file of bounded size whose real place is inside the folder."""
-        real, home = os.path.realpath(path), os.path.realpath(self.folder)
+        real, home = os.path.realpath(path), os.path.realpath(folder)
         if os.path.commonpath((real, home)) != home:
             node.wrong(codes.PATH, f"`{node.raw}` leads out of the spec's folder", HOME)
         try:
@@ -118,6 +174,12 @@ def plain_number(cell: str):
     if number_trouble(value):
         raise ValueError(cell)
     return value
+
+
+def shown(path: Path) -> str:
+    """As the user would write it: relative to where smidgen runs, where it lies below."""
+    near = os.path.relpath(path)
+    return str(path) if near.startswith(os.pardir) else near
 
 
 def header(cells: list[str]) -> bool:

@@ -12,7 +12,9 @@ from ..language import limits
 from ..language.spec import Damping, Spec, Term
 from ..public import public
 from . import checks, codes
+from .called import called_for, with_parameters
 from .files import Files
+from .flat_text import flat_text
 from .formulas import Formulas
 from .graphs import Graphs
 from .lattices import Lattices
@@ -21,30 +23,42 @@ from .over import OverReader
 from .parameters import FormulaReader, ParameterReader, bounded, undeclared
 from .problems import Bad, Problems
 from .runs import RunReader
+from .scene import flat
 from .scope import Declared
 from .source import Source, Span
 from .space import SpaceReader
 from .starts import StartReader
 from .terms import TermReader
 from .text import meaning
-from .toml import document
 from .tree import Node
 from .values import defaults, filled, with_values
 
-SECTIONS = ("model", "space", "parameters", "formulas", "lattices", "graphs", "effects",
+SECTIONS = ("scene", "model", "space", "parameters", "formulas", "lattices", "graphs", "effects",
             "observables", "starts", "runs")
 
 
-def load(path) -> Spec:
-    """Read the spec file at `path`. Raises SpecError."""
+def load(path, library=()) -> Spec:
+    """Read the spec file at `path`; library: folders of further files. Raises SpecError."""
     name = os.fspath(path)
+    return load_text(read_file(name), name, library)
+
+
+def read_file(name: str) -> str:
+    """The text of a spec file; SpecError where there is none."""
     try:
         with open(name, "rb") as f:
             data = f.read(limits.FILE_BYTES + 1)
     except OSError as e:
         raise SpecError([Diagnostic(codes.FILE, name, 0, 0, "", (e.strerror or "cannot be read").lower(),
                                     "give the path of a spec, a TOML file")]) from None
-    return load_text(decoded(data, name), name)
+    return decoded(data, name)
+
+
+def shown(path, library=()) -> str:
+    """The flat text of a spec file, with the place of every value. Raises SpecError."""
+    name = os.fspath(path)
+    reader = reader_of(read_file(name), name, library)
+    return flat_text(reader.spec(), reader.root)
 
 
 def decoded(data: bytes, name: str) -> str:
@@ -61,36 +75,46 @@ def decoded(data: bytes, name: str) -> str:
 
 
 @public
-def load_text(text: str, path: str = "") -> Spec:
-    """Read a spec from its text; `path` names it and is the home of the files it names.
+def load_text(text: str, path: str = "", library=()) -> Spec:
+    """Read a spec from its text; `path` names it and is the home of the files it names, `library` has more folders of files.
 
     Raises SpecError with up to ten diagnostics.
     """
+    return reader_of(text, path, library).spec()
+
+
+def reader_of(text: str, path: str, library) -> Reader:
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
-    problems = Problems(Source(text, path or "<text>"))
-    try:
-        return Reader(text, path, problems).spec()
-    except Bad:
-        problems.finish()
-        raise
+    folder = os.path.dirname(os.path.abspath(path)) if path else ""
+    return Reader(path, Files(folder, library), Problems(Source(text, path or "<text>", folder=folder)))
 
 
 class Reader:
     """Reads the sections in the order in which they depend on each other."""
 
-    def __init__(self, text: str, path: str, problems: Problems):
-        self.text, self.path, self.problems = text, path, problems
+    def __init__(self, path: str, files: Files, problems: Problems):
+        self.path, self.files, self.problems = path, files, problems
         self.declared = Declared()
         self.formulas = Formulas(self.declared, problems)
-        self.files = Files(os.path.dirname(os.path.abspath(path)) if path else "")
 
     def spec(self) -> Spec:
-        self.root, aside = document(self.text, self.problems, SECTIONS)
+        try:
+            return self.read()
+        except Bad:
+            self.problems.finish()
+            raise
+
+    def read(self) -> Spec:
+        self.scene = flat(self.problems, self.files, SECTIONS)
+        self.root = self.scene.root
         self.root.table(*SECTIONS)
-        self.declared.broken |= aside.names
+        self.declared.broken |= self.scene.aside.names
         self.marks = self.root.marks
         self.respelt = self.unknown_sections()
         spec = filled(self.sections())
+        if not self.problems.found:
+            spec = called_for(spec) if self.scene.left_out else spec
+            spec = with_parameters(spec, self.scene.inherited("parameters"))
         self.check(spec)                # with errors: what was read without one
         self.problems.finish()
         return spec
@@ -155,7 +179,7 @@ class Reader:
             node = self.find(section)
             return list(node.raw) if node and isinstance(node.raw, dict) else []
         return RunReader(self.declared, self.formulas, self.problems, names("effects"),
-                         names("observables"), names("starts"))
+                         names("observables"), names("starts"), self.scene.left_out)
 
     def model(self) -> dict:
         node = self.find("model") or self.root.need("model", 'begin with [model] and `name = "..."`')
@@ -201,7 +225,7 @@ class Reader:
         return OverReader(self.declared, lattices, graphs, self.problems)
 
     def assemble(self, head: dict, effects, observables, starts, runs) -> Spec:
-        sources = (("", self.text),) + tuple(sorted(self.files.texts.items()))
+        sources = (("", self.problems.sources.files[0].text),) + tuple(sorted(self.files.texts.items()))
         return Spec(head["name"], head["title"], tuple(self.declared.parameters.values()),
                     tuple(f for f in self.declared.families.values() if f.name not in self.declared.unread),
                     tuple(e for e in effects if isinstance(e, Term)), observables,

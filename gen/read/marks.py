@@ -23,10 +23,10 @@ class Mark:
 
 
 class Marks:
-    """Positions of one valid TOML text; look them up in `at[path]`."""
+    """Positions of one valid TOML text; look them up in `at[path]`. begin: the offset of its first character."""
 
-    def __init__(self, text: str):
-        self.s, self.k = text, 0
+    def __init__(self, text: str, begin: int = 0):
+        self.s, self.k, self.begin = text, 0, begin
         self.at: dict[tuple, Mark] = {}
         self.counts: dict[tuple, int] = {}
         self.document()
@@ -48,7 +48,7 @@ class Marks:
         keys = self.key()
         self.k = self.blank() + (2 if double else 1)
         path = self.below((), [name for name, _ in keys][:-1]) + (keys[-1][0],)
-        span = Span(start, self.k)
+        span = self.span(start, self.k)
         for length in range(1, len(keys)):
             self.at.setdefault(path[:length], Mark(keys[length - 1][1], span))
         if double:
@@ -82,7 +82,7 @@ class Marks:
         while True:
             start = self.blank()
             name = self.word()
-            parts.append((name, Span(start, self.k)))
+            parts.append((name, self.span(start, self.k)))
             if self.blank() >= len(self.s) or self.s[self.k] != ".":
                 return parts
             self.k += 1
@@ -94,6 +94,9 @@ class Marks:
         while self.k < len(self.s) and self.s[self.k] in BARE:
             self.k += 1
         return self.s[start:self.k]
+
+    def span(self, start: int, end: int) -> Span:
+        return Span(self.begin + start, self.begin + end)
 
     # Values
 
@@ -108,7 +111,7 @@ class Marks:
             self.inline(path)
         else:
             self.scalar()
-        self.at[path] = Mark(key, Span(start, self.k), text)
+        self.at[path] = Mark(key, self.span(start, self.k), text)
 
     def scalar(self) -> None:
         while self.k < len(self.s) and self.s[self.k] not in ",]}#\n":
@@ -120,7 +123,7 @@ class Marks:
         self.k += 1
         number = 0
         while self.s[self.blank(newlines=True)] != "]":
-            self.value(path + (number,), Span(self.k, self.k + 1))
+            self.value(path + (number,), self.span(self.k, self.k + 1))
             number += 1
             if self.s[self.blank(newlines=True)] == ",":
                 self.k += 1
@@ -192,7 +195,7 @@ class Marks:
     def close(self, chars, offsets, quotes: int) -> Text:
         offsets.append(self.k)
         self.k += quotes
-        return Text("".join(chars), tuple(offsets))
+        return Text("".join(chars), tuple(self.begin + k for k in offsets))
 
     def blank(self, newlines: bool = False) -> int:
         """Skip blanks, and with `newlines` also line ends and comments; the new offset."""

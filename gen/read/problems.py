@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from ..errors import Diagnostic, SpecError
 from ..language import limits
 from . import codes
-from .source import Source, Span
+from .source import Source, Sources, Span
 
 
 class Bad(Exception):
@@ -19,10 +19,10 @@ class TooBig(Bad):
 
 
 class Problems:
-    """The errors found so far in one source."""
+    """The errors found so far in a spec; `source`: its own file, to which those that it builds on are added."""
 
     def __init__(self, source: Source):
-        self.source = source
+        self.sources = Sources(source)
         self.found: list[Diagnostic] = []
         self.seen: set = set()
         self.places: dict = {}      # (formula's place, Expr) -> place of that part
@@ -35,11 +35,11 @@ class Problems:
         self.seen.add(place)
         if len(self.found) == limits.ERRORS:
             raise SpecError(self.ordered(), more=True)
-        line, column = self.source.place(span.start)
-        text = self.source.line(line)
+        file = self.sources.of(span.start)
+        line, column = file.place(span.start - file.begin)
+        text = file.line(line)
         length = max(1, min(span.end - span.start, len(text) - column + 1))
-        self.found.append(Diagnostic(code, self.source.name, line, column, text,
-                                     cause, hint, length))
+        self.found.append(Diagnostic(code, file.name, line, column, text, cause, hint, length))
 
     def fail(self, code: str, span: Span, cause: str, hint: str):
         """Record an error and leave what is being read."""
@@ -73,7 +73,9 @@ class Problems:
         return found
 
     def ordered(self) -> list[Diagnostic]:
-        return sorted(self.found, key=lambda d: (d.line, d.column))
+        """By file, then by place."""
+        names = [file.name for file in self.sources.files]
+        return sorted(self.found, key=lambda d: (names.index(d.file), d.line, d.column))
 
     def finish(self) -> None:
         """Raise SpecError if anything was found."""

@@ -13,7 +13,7 @@ from .text import meaning
 from .tree import Node
 from .values import ValueReader
 
-KEYS = ("start", "method", "h", "time", "steps", "effects", "set", "solver", "output", "meaning",
+KEYS = ("start", "method", "h", "time", "steps", "effects", "without", "set", "solver", "output", "meaning",
         "checkpoint", "substeps", "tolerance")
 
 
@@ -21,9 +21,10 @@ class RunReader:
     """Reads [runs] against the effects, observables and starts."""
 
     def __init__(self, declared: Declared, formulas: Formulas, problems: Problems,
-                 effects, observables, starts):
+                 effects, observables, starts, left_out=frozenset()):
+        """left_out: effects of the scene's bases that it does not call for; runs that name them do without."""
         self.declared, self.formulas, self.problems = declared, formulas, problems
-        self.effects, self.observables, self.starts = effects, observables, starts
+        self.effects, self.observables, self.starts, self.left_out = effects, observables, starts, left_out
 
     def read(self, section: Node) -> tuple[Run, ...]:
         runs = []
@@ -92,12 +93,23 @@ class RunReader:
         return self.formulas.free(node.get("time"), "a duration"), None
 
     def chosen(self, node: Node):
-        if not node.has("effects"):
+        """The effects of `effects`, or all, but for those of `without`; None: all."""
+        if not (node.has("effects") or node.has("without")):
             return None
-        listed = node.get("effects")
-        names = self.problems.together(*(lambda e=e: self.choice(e, self.effects, "effect")
-                                         for e in listed.entries("list of effects")))
-        return self.unique(listed, tuple(names))
+        listed, without = self.problems.together(lambda: self.listed(node, "effects"), lambda: self.listed(node, "without"))
+        left = tuple(name for name in (self.effects if listed is None else listed) if name not in (without or ()))
+        if not left:
+            self.problems.fail(codes.MISSING, node.key, f"`{node.label}` calls for no effect", "name at least one energy")
+        return left
+
+    def listed(self, node: Node, key: str):
+        """Effects of the scene that a list names; None without the list."""
+        if not node.has(key):
+            return None
+        known = [*self.effects, *self.left_out]
+        entries = node.get(key).entries("list of effects")
+        names = self.problems.together(*(lambda e=e: self.choice(e, known, "effect") for e in entries))
+        return tuple(name for name in self.unique(node.get(key), tuple(names)) if name not in self.left_out)
 
     def unique(self, node: Node, names: tuple) -> tuple:
         """The names of a list: at least one, and each once."""

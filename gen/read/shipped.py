@@ -9,12 +9,7 @@ from .. import read
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
-from ..resources import folder
-
-
-def shipped() -> dict[str, Path]:
-    """name -> path of every spec that comes with smidgen."""
-    return {p.stem: p for p in sorted(folder("specs").rglob("*.toml"))}
+from ..resources import shipped
 
 
 def find_spec(word: str) -> Path:
@@ -30,13 +25,23 @@ def find_spec(word: str) -> Path:
 
 
 @public
-def load(spec: str | os.PathLike) -> Spec:
+def load(spec: str | os.PathLike, library=()) -> Spec:
     """Read a spec: the path of a TOML file, or the name of one that comes with smidgen.
 
+    library: folders in which files that it names are looked for too, after its own folder.
     Raises UsageError for a word that is neither, SpecError with up to ten diagnostics for a
     file that cannot be read or has errors.
     """
-    return read.load(find_spec(spec) if isinstance(spec, str) else spec)
+    return read.load(find_spec(spec) if isinstance(spec, str) else spec, library)
+
+
+@public
+def flat(spec: str | os.PathLike, library=()) -> str:
+    """The text of a spec with all that it builds on in one file: what it calls for, and where each value stands.
+
+    Takes and raises what `load` does; read as a spec beside the same files, the text is the same scene.
+    """
+    return read.shown(find_spec(spec) if isinstance(spec, str) else spec, library)
 
 
 load_spec = load        # under the name that the commands use

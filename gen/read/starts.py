@@ -52,11 +52,14 @@ class StartReader:
         return self.declared.families or {name: Family(name, "sphere", Num(1), Num(1), Num(1)) for name in names}
 
     def parts(self, node: Node, families: dict) -> tuple[FamilyStart, ...]:
+        """A family without a table of its own begins as the keys of the start itself say: the only family, or the only other one."""
         tables = [f for f in families if node.has(f) and (f not in KEYS or isinstance(node.get(f).raw, dict))]  # one may be named x
-        if len(families) == 1 and not tables:
-            (family,) = families.values()
-            return (self.family(node, family, ("meaning",)),)
-        if any(node.has(k) for k in KEYS if k not in tables):
+        others = [f for f in families if f not in tables]
+        itself = any(node.has(k) for k in KEYS if k not in tables)
+        if len(others) == 1 and (itself or not tables):
+            return tuple(self.problems.together(*(
+                lambda f=f: self.family(node, f, (*tables, "meaning")) if f.name in others else self.of(node, f) for f in families.values())))
+        if itself:
             self.problems.fail(codes.START, node.key, "the space has several families: "
                                + ", ".join(families), "give each a table of its own: "
                                f"[{node.label}.{next(iter(families))}]")

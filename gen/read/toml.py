@@ -10,7 +10,7 @@ from . import codes
 from .marks import Marks
 from .problems import Bad, Problems
 from .recover import Aside, recovered
-from .source import Span
+from .source import Source, Span
 from .tree import LOST, Node
 
 TAKEN = re.compile(r"cannot (declare|overwrite|mutate)|duplicate inline table key")
@@ -21,30 +21,31 @@ TOO_DEEP = (f"more than {limits.NESTING} tables or lists inside each other",
             "a spec needs no more than six")
 
 
-def document(text: str, problems: Problems, sections=()) -> tuple[Node, Aside]:
-    """The root of a TOML text, and what was set aside in it; raises Bad where nothing can be read.
+def document(file: Source, problems: Problems, sections=()) -> tuple[Node, Aside]:
+    """The root of a TOML file, and what was set aside in it; raises Bad where nothing can be read.
 
     sections: the names that tables of the root may have.
     """
-    lexical(text, problems)
+    text = file.text
+    lexical(file, problems)
     aside = Aside()
     while True:
         try:
             values = tomllib.loads(text)
-            root = bounded(Node(values, (), Marks(text).at, problems))
-            return emptied(root, aside, sections), aside
+            root = bounded(Node(values, (), Marks(text, file.begin).at, problems))
+            return emptied(root, aside, file.begin, sections), aside
         except RecursionError:
-            problems.fail(codes.LIMIT, Span(0, 1), *TOO_DEEP)
+            problems.fail(codes.LIMIT, Span(file.begin, file.begin + 1), *TOO_DEEP)
         except ValueError as e:
-            rest = complaint(str(e), text, problems, aside)
+            rest = complaint(str(e), file, text, problems, aside)
         if rest in (None, text):        # nothing was set aside
             raise Bad
         text = rest
 
 
-def emptied(root: Node, aside: Aside, sections) -> Node:
+def emptied(root: Node, aside: Aside, begin: int, sections) -> Node:
     """Keys and tables that were set aside say nothing."""
-    for path in [p for p, mark in root.marks.items() if mark.key.start in aside.keys]:
+    for path in [p for p, mark in root.marks.items() if mark.key.start - begin in aside.keys]:
         inside = root.raw
         for key in path[:-1]:
             inside = inside[key]
@@ -67,15 +68,15 @@ def lose(inside, path: list[str], aside: Aside) -> None:
     inside[path[0]] = LOST
 
 
-def lexical(text: str, problems: Problems) -> None:
+def lexical(file: Source, problems: Problems) -> None:
     """Size, line length and nesting, before anything is read."""
+    text, start = file.text, file.begin
     if len(text.encode("utf-8", "surrogatepass")) > limits.FILE_BYTES:
-        problems.fail(codes.LIMIT, Span(0, 1), f"the spec has more than {limits.FILE_BYTES} "
+        problems.fail(codes.LIMIT, Span(start, start + 1), f"the spec has more than {limits.FILE_BYTES} "
                       "bytes", "put long lists into files")
     if not text.strip():
-        problems.fail(codes.EMPTY, Span(0, 1), "the spec is empty",
+        problems.fail(codes.EMPTY, Span(start, start + 1), "the spec is empty",
                       'begin with [model] and `name = "..."`')
-    start = 0
     for line in text.split("\n"):
         if len(line) > limits.LINE:
             problems.fail(codes.LIMIT, Span(start + limits.LINE, start + limits.LINE + 1),
@@ -106,19 +107,22 @@ HINTS = {"illegal character '\\n'": "a string ends on the line where it begins",
              "a key is one word, or stands in quotes: `\"f(a, b)\" = \"a + b\"`"}
 
 
-def complaint(message: str, text: str, problems: Problems, aside: Aside):
-    """Turn tomllib's message into an error at its place; the text without that statement, or None."""
+def complaint(message: str, file: Source, text: str, problems: Problems, aside: Aside):
+    """Turn tomllib's message into an error at its place; the text without that statement, or None.
+
+    text: that of the file, without what was set aside before.
+    """
     match = PLACE.search(message)
-    offset = problems.source.offset(int(match[1]), int(match[2])) if match else len(text)
+    offset = file.offset(int(match[1]), int(match[2])) if match else len(text)
     cause = PLACE.sub("", message).replace("(at end of document)", "at the end of the file")
     cause = cause.strip()[:1].lower() + cause.strip()[1:]
     taken = TAKEN.match(cause) is not None
     if taken:
         start = text.rfind("\n", 0, offset) + 1
-        problems.note(codes.DUPLICATE, Span(start, max(offset, start + 1)), spoken(cause),
+        problems.note(codes.DUPLICATE, Span(file.begin + start, file.begin + max(offset, start + 1)), spoken(cause),
                       "every key and table is written once")
     else:
-        problems.note(codes.TOML, Span(offset, offset + 1), cause,
+        problems.note(codes.TOML, Span(file.begin + offset, file.begin + offset + 1), cause,
                       HINTS.get(cause, "the outside of a spec is TOML: [tables], `key = value`"))
     return recovered(text, offset, message, taken, aside)
 

@@ -94,7 +94,7 @@ def spec_and_values(source, values: dict | None) -> tuple[Spec, dict]:
         return source, dict(values or {})
     if not hasattr(source, "meta"):
         raise UsageError(f"a spec or a result is needed, not a {type(source).__name__}")
-    return spec_of(source.meta["sources"]), {**source.meta["set"], **(values or {})}
+    return spec_of(source.meta["sources"], source.meta["spec"]), {**source.meta["set"], **(values or {})}
 
 
 def family_of(spec: Spec, family: str | None) -> str:

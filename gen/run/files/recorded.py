@@ -10,25 +10,26 @@ from .options import OPTIONS
 
 def recorded(meta: dict):
     """(spec, run's name, settings) of a result's metadata, as `received.checked` gives it. Raises UsageError, SpecError."""
-    return spec_of(meta["sources"]), meta["run"] or None, {option.name: meta[option.key] for option in OPTIONS if option.kind}
+    return spec_of(meta["sources"], meta["spec"]), meta["run"] or None, {option.name: meta[option.key] for option in OPTIONS if option.kind}
 
 
-def spec_of(sources):
-    """Read a spec from its recorded texts: the spec itself first, then files it names. Raises UsageError, SpecError."""
+def spec_of(sources, name: str):
+    """Read the spec of this name from its recorded texts: the spec itself first, then files it names. Raises UsageError, SpecError."""
     from ...read import load
+    from ...read.files import LIBRARY
     with tempfile.TemporaryDirectory(prefix="smidgen-") as folder:
         try:
-            path = _written(Path(folder), sources)
+            path = _written(Path(folder), sources, name)
         except (OSError, ValueError) as problem:
             raise UsageError(f"the spec in the metadata cannot be read: {problem}") from None
-        return load(str(path))
+        return load(str(path), [Path(folder, LIBRARY)])
 
 
-def _written(folder: Path, sources) -> Path:
-    """The path of the spec, when all files lie in `folder`."""
+def _written(folder: Path, sources, name: str) -> Path:
+    """The path of the spec, when all files lie in `folder`; a scene has its name from its file."""
     if not sources:
         raise ValueError("there is no text of it")
-    paths = [_inside(folder, name) for name in ("spec.toml", *(name for name, _ in sources[1:]))]
+    paths = [_inside(folder, name) for name in (f"{name}.toml", *(other for other, _ in sources[1:]))]
     for path, (_, text) in zip(paths, sources):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="")

@@ -25,7 +25,7 @@ def with_facts(result):
     if "casimirs" in meta or not meta.get("sources"):
         return result
     from ...run.files.recorded import spec_of
-    spec, called = spec_of(meta["sources"]), set(meta.get("effects") or ())
+    spec, called = spec_of(meta["sources"], meta["spec"]), set(meta.get("effects") or ())
     known = {p.name for p in spec.parameters}
     numbers = Evaluated(spec, {n: v for n, v in (meta.get("values") or {}).items() if n in known})
     return dataclasses.replace(result, meta={

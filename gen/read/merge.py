@@ -1,0 +1,63 @@
+"""One table over another: tables merge; of single values and lists the nearer one counts.
+
+Where keys exclude each other (`time` and `steps`), the nearer one takes the place of the farther. A number for a parameter that has a
+table is its new default; a real parameter stays one where its new value is written without a point.
+"""
+from __future__ import annotations
+
+from .starts import FORMS
+from .tree import LOST, Node
+
+# Keys of a table that say the same thing in different ways; * is any name.
+WAYS = {
+    ("space", "*"): (("sphere", "radius"), ("r3",), ("nambu", "C")),
+    ("effects", "*"): (("energy",), ("damping", "form", "kT")),
+    ("starts", "*"): tuple(FORMS.values()),
+    ("starts", "*", "*"): tuple(FORMS.values()),
+    ("runs", "*"): (("time",), ("steps",)),
+    ("runs", "*", "output"): (("every",), ("section",)),
+}
+
+
+def merged(far: Node, near: Node) -> Node:
+    """The table of a file over that of its base, with the places of both."""
+    merge = Merge(far.marks, near.marks)
+    return Node(merge.over(far.raw, near.raw, ()), (), merge.marks, near.problems)
+
+
+class Merge:
+    """far, near: the places of both tables; marks: those of what is made of them."""
+
+    def __init__(self, far: dict, near: dict):
+        self.far, self.near = far, near
+        self.marks = {**far, **near}
+
+    def over(self, far, near, path: tuple):
+        """What stands at a path."""
+        if far is LOST or near is LOST:
+            return LOST
+        if path[:1] == ("parameters",) and len(path) == 2 and isinstance(far, dict) != isinstance(near, dict):
+            return self.parameter(far, near, path)
+        if not (isinstance(far, dict) and isinstance(near, dict)):
+            return float(near) if isinstance(far, float) and type(near) is int and path[0] == "parameters" else near
+        kept = {key: value for key, value in far.items() if not displaced(key, near, path)}
+        return {**kept, **{key: self.over(kept[key], value, (*path, key)) if key in kept else value for key, value in near.items()}}
+
+    def parameter(self, far, near, path: tuple) -> dict:
+        """A parameter whose default stands alone in one file, and in a table in the other."""
+        place = (*path, "default")
+        if isinstance(far, dict):
+            self.marks[place] = self.near[path]
+            return {**far, "default": self.over(far.get("default"), near, place)}
+        self.marks.setdefault(place, self.far[path])
+        return {"default": far, **near}
+
+
+def displaced(key: str, near: dict, path: tuple) -> bool:
+    """Does the nearer table say in another way what this key of the farther one says?"""
+    ways = next((ways for pattern, ways in WAYS.items() if fits(path, pattern)), ())
+    return any(key in way and not any(k in near for k in way) for way in ways) and any(k in near for way in ways for k in way)
+
+
+def fits(path: tuple, pattern: tuple) -> bool:
+    return len(path) == len(pattern) and all(one in (name, "*") for name, one in zip(path, pattern))
