@@ -9,8 +9,7 @@
 #define SMG_FIXED_POINT_H
 
 #include "smg_lanes.h"
-#include "smg_model.h"
-#include "smg_tolerances.h"
+#include "smg_rules.h"
 
 /* The iteration must contract: from its first change on, times the slack for what grows before it falls, each sweep
  * must leave no more than this part of the one before. Then its solution is the one connected to the state at h = 0. */
@@ -48,7 +47,7 @@ SMG_INLINE void smg_look(const smg_state *s, const smg_moved *moved, smg_watch *
   watch->now.relative = smg_lane_largest(moved->relative);
   watch->now.absolute = smg_lane_largest(moved->absolute);
   watch->size = s->scale;
-  if (watch->now.absolute > 8 * SMG_EPS * s->scale)
+  if (!smg_still(watch->now.absolute, s->scale))
     watch->size = smg_max(s->scale, smg_lane_largest(moved->rounding_scale));
 }
 
@@ -72,12 +71,12 @@ SMG_INLINE int smg_leaves_tolerance(const smg_watch *watch, smg_real whole, smg_
  * contraction that is allowed; or the round-off of the field. */
 SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
   const smg_change *now = &watch->now, *last = &watch->last;
-  const smg_real tolerance = s->tolerance * s->scale;
+  const smg_real tolerance = smg_allowed(s);
   /* beside products so large anything looks like round-off */
   if (!(now->absolute <= smg_max(SMG_BLIND * s->scale, tolerance))) return 0;
   if (now->relative <= SMG_EPS || smg_leaves_tolerance(watch, s->scale, tolerance)) return 1;
   if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, 1, SMG_EPS)) return 1;
-  if (now->absolute <= 8 * SMG_EPS * watch->size && now->relative >= SMG_CONTRACTION * last->relative) return 1;
+  if (smg_still(now->absolute, watch->size) && now->relative >= SMG_CONTRACTION * last->relative) return 1;
   return now->absolute <= SMG_FIELD_NOISE * watch->size && watch->since >= SMG_PATIENCE;
 }
 

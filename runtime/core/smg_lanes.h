@@ -112,6 +112,23 @@ SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
 }
 SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x); }
 
+/* smg_add_compensated and smg_add_step in lanes; what the latter has lost is at `lost`. */
+SMG_INLINE void smg_lane_add_compensated(smg_lanes *w, smg_lanes *lost, smg_lanes u) {
+  const smg_lanes y = u + *lost, sum = *w + y;
+  *lost = y - (sum - *w);
+  *w = sum;
+}
+SMG_INLINE void smg_lane_add_step(smg_lanes *w, smg_real *lost, smg_lanes u) {
+#if SMG_PLAIN_SUMS
+  (void)lost;
+  *w += u;
+#else
+  smg_lanes carried = smg_lane_take(lost);
+  smg_lane_add_compensated(w, &carried, u);
+  smg_lane_put(lost, carried);
+#endif
+}
+
 /* Numbers of the same exponents as 1/sqrt(x) and 1/x, from the bits of x > 0: off by at most 3.4 and 13 %. C. Lomont,
  * "Fast inverse square root" (2003); of numbers other than doubles, and where lanes are no vectors of them, sqrt and /
  * say it. */

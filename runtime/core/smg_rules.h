@@ -1,6 +1,5 @@
-/* smidgen runtime: what Newton's loops of coupled sites (smg_newton.h) and of a site alone (smg_alone.h) decide, each
- * rule once; a single sphere (smg_single_sphere.h) takes its bounds from smg_tolerances.h. `bound` is the largest row
- * sum of abs(J - I). */
+/* smidgen runtime: what the loops of solvers decide, each rule once; a single sphere (smg_single_sphere.h) takes its
+ * bounds from smg_tolerances.h. `bound` is the largest row sum of abs(J - I). */
 #ifndef SMG_RULES_H
 #define SMG_RULES_H
 
@@ -34,11 +33,17 @@ static inline int smg_stagnates(const smg_change *now, const smg_change *last, s
 /* Has the iteration come down to where it shrinks no more, though not to the round-off of its terms? Then that of the
  * field may be larger. */
 static inline int smg_stalls(const smg_change *now, const smg_change *last, smg_real scale, int it) {
-  return it > 2 * SMG_LATE && now->absolute <= SMG_NEARLY * scale && now->relative >= SMG_SLOWED * last->relative;
+  return it > 2 * SMG_LATE && now->absolute <= SMG_NEARLY * scale && smg_slowed(now->relative, last->relative);
 }
 
-/* Is a change, or a residual, within the tolerance that was asked for? */
-SMG_INLINE int smg_tolerated(const smg_state *s, smg_real change) { return change <= s->tolerance * s->scale; }
+/* The tolerance that was asked for, a part of the state; is a change, or a residual, within it? */
+SMG_INLINE smg_real smg_allowed(const smg_state *s) { return s->tolerance * s->scale; }
+SMG_INLINE int smg_tolerated(const smg_state *s, smg_real change) { return change <= smg_allowed(s); }
+
+/* Is the residual that settled sweeps left round-off of the state and of products of this size? */
+static inline int smg_swept_to_round_off(smg_real residual, smg_real size) {
+  return residual <= SMG_SWEEP_ULPS * SMG_EPS * size;
+}
 
 /* Does stagnation by the round-off of this size still tell something of the state? */
 static inline int smg_shown(smg_real size, smg_real scale) { return SMG_STILL * SMG_EPS * size <= SMG_BLIND * scale; }

@@ -96,13 +96,18 @@ static inline smg_real smg_up(smg_real scale, const smg_real *w) {
 /* part of its size that it keeps when it shrinks no more: Newton squares it; half or twice: the same */
 #define SMG_SLOWED (smg_real)0.5
 
+/* Is a change so small that it may be round-off of a whole of this size? */
+SMG_INLINE int smg_still(smg_real change, smg_real scale) { return change <= SMG_STILL * SMG_EPS * scale; }
+
+/* Do changes shrink no more? */
+SMG_INLINE int smg_slowed(smg_real now, smg_real last) { return now >= SMG_SLOWED * last; }
+
 /* Stagnation: every component moves by at most an ulp of its own size; or the motion is down to
  * round-off of the whole (`scale`, or the terms of the increments) and its relative size falls no more. A component of
  * 1e-300 that still converges at its own rate keeps the iteration going. */
 static inline int smg_settled(const smg_change *now, const smg_change *last, smg_real scale) {
   if (now->relative <= SMG_EPS) return 1;
-  return now->absolute <= SMG_STILL * SMG_EPS * smg_max(scale, now->rounding_scale) &&
-         now->relative >= SMG_SLOWED * last->relative;
+  return smg_still(now->absolute, smg_max(scale, now->rounding_scale)) && smg_slowed(now->relative, last->relative);
 }
 
 /* mbar = w + compensation + u/2, the midpoint of n components of a step with the increment u. */
@@ -117,6 +122,16 @@ static inline void smg_add_compensated(smg_real *w, smg_real *compensation, smg_
   const smg_real sum = *w + y;
   *compensation = y - (sum - *w);
   *w = sum;
+}
+
+/* The end of a step: w + u, compensated where sums are. */
+static inline void smg_add_step(smg_real *w, smg_real *compensation, smg_real u) {
+#if SMG_PLAIN_SUMS
+  (void)compensation;
+  *w += u;
+#else
+  smg_add_compensated(w, compensation, u);
+#endif
 }
 
 #endif

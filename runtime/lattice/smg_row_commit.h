@@ -69,16 +69,7 @@ static void smg_predict_rows(const smg_state *s) {
 /* w + compensation + u of the slots of one vector (Kahan). */
 SMG_INLINE void smg_commit_slots(const smg_row_going go, int64_t slot, const smg_lanes *u, smg_lanes *sum) {
   smg_take_slots(go.w, go.pitch, slot, sum);
-  for (int k = 0; k < 3; ++k) {
-#if SMG_PLAIN_SUMS
-    sum[k] += u[k];
-#else
-    smg_real *lost = go.lost + k * go.pitch + slot;
-    const smg_lanes w = sum[k], y = u[k] + smg_lane_take(lost);
-    sum[k] = w + y;
-    smg_lane_put(lost, y - (sum[k] - w));
-#endif
-  }
+  for (int k = 0; k < 3; ++k) smg_lane_add_step(sum + k, go.lost + k * go.pitch + slot, u[k]);
   smg_put_slots(go.w, go.pitch, slot, sum);
 }
 

@@ -24,13 +24,6 @@ SMG_INLINE void smg_lane_cross(smg_lanes *c, const smg_lanes *a, const smg_lanes
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* w + u, with its rounding error carried along. */
-SMG_INLINE void smg_lane_add_compensated(smg_lanes *w, smg_lanes *lost, smg_lanes u) {
-  const smg_lanes y = u + *lost, sum = *w + y;
-  *lost = y - (sum - *w);
-  *w = sum;
-}
-
 /* rho by its root; one: |w|^2/r^2. */
 SMG_INLINE smg_lanes smg_lane_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_real inverse) {
   const smg_lanes below = one - smg_lane_dot(g, g), along = smg_lane_dot(w, g);

@@ -4,6 +4,7 @@
 #define SMG_PREDICTOR_H
 
 #include "smg_model.h"
+#include "smg_polynomial.h"
 
 #if SMG_COMPOSED
 #include "smg_stage_predictor.h"
@@ -14,26 +15,7 @@ static inline int smg_time_to_choose(const smg_state *s) { return s->history < S
 
 /* the highest degree that so many increments serve */
 #define SMG_MOST_DEGREE(history) ((history)-1)
-#define SMG_MOST_HISTORY 12 /* increments that the weights below serve */
-#define SMG_LOOKED 8        /* components that are looked at together, for the compiler to take them in lanes */
-
-/* The polynomial of degree d through the last d + 1 increments, one step on: weights (-1)^j C(d+1, j+1). */
-static inline smg_real smg_weight(int degree, int j) {
-  static const smg_real weights[SMG_MOST_HISTORY][SMG_MOST_HISTORY] = {
-      {1},
-      {2, -1},
-      {3, -3, 1},
-      {4, -6, 4, -1},
-      {5, -10, 10, -5, 1},
-      {6, -15, 20, -15, 6, -1},
-      {7, -21, 35, -35, 21, -7, 1},
-      {8, -28, 56, -70, 56, -28, 8, -1},
-      {9, -36, 84, -126, 126, -84, 36, -9, 1},
-      {10, -45, 120, -210, 252, -210, 120, -45, 10, -1},
-      {11, -55, 165, -330, 462, -462, 330, -165, 55, -11, 1},
-      {12, -66, 220, -495, 792, -924, 792, -495, 220, -66, 12, -1}};
-  return weights[degree][j];
-}
+#define SMG_LOOKED 8 /* components that are looked at together, for the compiler to take them in lanes */
 
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree) {
   smg_real sum = 0;

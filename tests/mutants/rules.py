@@ -241,7 +241,7 @@ IN_METHODS = (
     ("runtime/method/explicit/smg_pair_rows.h", r"behind \+ \(away > 0 \? away : 0\)", r"behind"),
     ("runtime/method/explicit/smg_pair_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
     ("runtime/method/explicit/smg_sublattice_rotations.h", r"smg_rotate_colour\(s, last, h, 1\)", r"smg_rotate_colour(s, last, 0.5 * h, 1)"),
-    ("runtime/lattice/smg_row_spin.h", r"\*lost = y - \(sum - \*w\)", r"*lost = 0 * y"),
+    ("runtime/core/smg_lanes.h", r"\*lost = y - \(sum - \*w\)", r"*lost = 0 * y"),
     ("runtime/method/explicit/smg_sublattice_rows.h", r"smg_real\)0\.5 \* smg_h_over_kappa\(&s->c, 0, h\)", r"smg_real)0.5 * h"),
     ("runtime/method/explicit/smg_sublattice_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
     ("runtime/method/midpoint/smg_geodesic_midpoint.h", r"smg_sinc\(smg_norm\(a\) / r\)", r"smg_sinc(smg_norm(a))"),

@@ -40,6 +40,7 @@
 #include "smg_model.h"
 #include "smg_gauss_table.h"
 #include "smg_fixed_point.h"
+#include "smg_report.h"
 
 #if !(SMG_STAGES >= 1 && SMG_STAGES <= 8) || SMG_HISTORY != 1 || SMG_EXTENDED
 #error "smg_gauss.h: SMG_STAGES 1 to 8, SMG_HISTORY 1, and no SMG_EXTENDED"
@@ -47,7 +48,10 @@
 
 #define SMG_NO_DEGREE 0
 
-#define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* the L_j of a site */
+/* The history: the L_j of the step before, s->history = 1 once there are any. */
+#define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* of a site */
+static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
+static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
 
 /* Beside this, products of a site at rest are nothing: next to it, 0/0 is 0. */
 #define SMG_LEAST (smg_real) DBL_MIN

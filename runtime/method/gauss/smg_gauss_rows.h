@@ -11,22 +11,6 @@
 
 #include "smg_gauss_sweep.h"
 
-/* w + u of the slots of one vector, with the rounding error of w carried along. */
-SMG_INLINE void smg_add_to_slots(smg_real *w, int64_t pitch, int64_t slot, const smg_lanes *u, smg_lanes *sum) {
-  for (int k = 0; k < 3; ++k) {
-    smg_real *at = w + k * pitch + slot, *lost = at + SMG_SLOT_LOST * pitch;
-    const smg_lanes old = smg_lane_take(at), y = u[k] + smg_lane_take(lost);
-#if SMG_PLAIN_SUMS
-    sum[k] = old + u[k];
-    (void)y;
-#else
-    sum[k] = old + y;
-    smg_lane_put(lost, y - (sum[k] - old));
-#endif
-    smg_lane_put(at, sum[k]);
-  }
-}
-
 /* The L_j of the slots of one vector as the next step wants them: times the phase conj(y).z/r that takes y to z. */
 SMG_INLINE void smg_turn_slopes(const smg_slot_sweep *a, int64_t slot, const smg_lanes *y, const smg_lanes *z) {
   const smg_lanes re = a->inverse * (y[0] * z[0] + y[1] * z[1] + (y[2] * z[2] + y[3] * z[3]));
@@ -53,7 +37,9 @@ static void smg_commit_all(const smg_state *s, const smg_slot_sweep *a) {
       end[b] = z[b] + dz[b];
     }
     smg_collect(middle, dz, u);
-    smg_add_to_slots(a->w, pitch, slot, u, w);
+    smg_take_slots(a->w, pitch, slot, w);
+    for (int k = 0; k < 3; ++k) smg_lane_add_step(w + k, a->w + (SMG_SLOT_LOST + k) * pitch + slot, u[k]);
+    smg_put_slots(a->w, pitch, slot, w);
     smg_lift(w, a->radius, z);
     smg_put_four(a->z, pitch, slot, z);
     smg_turn_slopes(a, slot, end, z);
@@ -62,20 +48,15 @@ static void smg_commit_all(const smg_state *s, const smg_slot_sweep *a) {
 
 /* From the polynomial of the step before; when that fails, or there is none, from rest. */
 static smg_status smg_slot_step(smg_state *s, smg_slot_sweep *a) {
-  s->report.site = s->report.partner = -1;
-  s->report.reached = 0;
+  smg_begin_report(s);
   s->report.iterations = 0;
   smg_status status = s->history > 0 ? smg_settle_slots(s, a, 1) : SMG_NO_CONVERGENCE;
   if (status != SMG_OK) status = smg_settle_slots(s, a, 0);
-  s->report.status = status;
-  if (status != SMG_OK) {
-    s->report.site = smg_moving_site(s, a);
-    return status;
-  }
+  if (status != SMG_OK) return smg_end_report(s, status, smg_moving_site(s, a));
   smg_commit_all(s, a);
   s->history = 1;
   ++s->count;
-  return SMG_OK;
+  return smg_end_report(s, SMG_OK, -1);
 }
 
 static void smg_begin_sweep(smg_state *s, smg_slot_sweep *a) {

@@ -31,9 +31,6 @@ static inline smg_real *smg_slot_stage(const smg_state *s, int i, int64_t k) {
   return smg_slot_component(s, SMG_SLOT_STAGES + SMG_SLOT_STAGE * i + k);
 }
 
-/* The history: the L_j of the step before, s->history = 1 once there are any. */
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
-static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
 static inline void smg_save_history(const smg_state *s, smg_real *out);
 static inline void smg_restore_history(smg_state *s, const smg_real *in);
 

@@ -37,12 +37,6 @@ static inline smg_real *smg_own(const smg_state *s, int64_t k) {
   return smg_stages_begin(s) + 6 * SMG_LANES * smg_sites(&s->c) + SMG_OWN_NUMBERS * k;
 }
 
-/* The history: the L_j of the step before, s->history = 1 once there are any. */
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
-
-/* Numbers of the history. */
-static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
-
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k)
     for (int q = 0; q < SMG_STAGE_NUMBERS; ++q)
@@ -274,17 +268,6 @@ static smg_status smg_solve_stages(smg_state *s) {
 
 /* ---- the step ----------------------------------------------------------------------------- */
 
-/* w + u of site k, with the rounding error of w carried along. */
-static inline void smg_add_to_site(smg_state *s, int64_t k) {
-  for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
-#if SMG_PLAIN_SUMS
-    s->w[q] += s->u[q];
-#else
-    smg_add_compensated(&s->w[q], &s->compensation[q], s->u[q]);
-#endif
-  }
-}
-
 /* u = 2 B(z + dz/2, dz) and the state after the step; the L_j stay, with the phase of the next step's z. */
 static void smg_commit_collective(smg_state *s, int64_t k) {
   smg_real *z = smg_own(s, k), *slopes = z + SMG_OWN_SLOPES;
@@ -296,21 +279,19 @@ static void smg_commit_collective(smg_state *s, int64_t k) {
     end[b] = z[b] + dz[b];
   }
   smg_collect(middle, dz, s->u + 3 * k);
-  smg_add_to_site(s, k);
+  for (int64_t q = 3 * k; q < 3 * k + 3; ++q) smg_add_step(&s->w[q], &s->compensation[q], s->u[q]);
   const smg_real size = smg_place_site(s, k);
   if (size > 0) smg_turn_phase(end, z, size, slopes, z + SMG_PAST_SLOPES);
 }
 
 static smg_status smg_step(smg_state *s) {
-  s->report.partner = -1;
-  s->report.reached = 0;
-  s->report.status = smg_solve_stages(s);
-  s->report.site = s->report.status != SMG_OK ? smg_most_moved(s) : -1;
-  if (s->report.status != SMG_OK) return s->report.status;
+  smg_begin_report(s);
+  const smg_status status = smg_solve_stages(s);
+  if (status != SMG_OK) return smg_end_report(s, status, smg_most_moved(s));
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_commit_collective(s, k);
   s->history = 1;
   ++s->count;
-  return SMG_OK;
+  return smg_end_report(s, SMG_OK, -1);
 }
 
 #include "smg_steps.h"

@@ -21,6 +21,7 @@
 #if SMG_EXTENDED
 #include "smg_extended.h"
 #endif
+#include "smg_polynomial.h"
 #include "smg_sphere_history.h"
 #include "smg_state.h"
 #include "smg_vec.h"
@@ -213,21 +214,16 @@ SMG_INLINE void smg_sphere_commit(smg_state *s, smg_vec W, smg_vec y, smg_vec v,
 }
 
 #if !SMG_COMPOSED
-/* Which degree would have predicted the newest row best? Its error is the backward difference of order d + 1. */
+/* Which degree would have predicted the newest row best? */
 static void smg_sphere_degree(smg_state *s) {
   s->history = smg_rows_known(s, s->count);
   smg_real miss[SMG_HISTORY] = {0};
   for (int i = 0; i < 3; ++i) {
     smg_real row[SMG_HISTORY];
     for (int j = 0; j < s->history; ++j) row[j] = s->rows[4 * (s->row + j) + i];
-    for (int d = 0; d + 1 < s->history; ++d) {
-      for (int j = 0; j + 1 < s->history - d; ++j) row[j] -= row[j + 1];
-      miss[d] += row[0] * row[0];
-    }
+    smg_add_misses(s->history - 1, row, miss);
   }
-  s->degree = 0;
-  for (int d = 1; d + 1 < s->history; ++d)
-    if (miss[d] < miss[s->degree]) s->degree = d;
+  s->degree = smg_best_degree(s->history - 1, miss);
 }
 #endif
 

@@ -15,6 +15,8 @@
 
 #include "smg_fixed_point.h"
 #include "smg_lengths.h"
+#include "smg_polynomial.h"
+#include "smg_report.h"
 
 #if SMG_HISTORY != 3 || SMG_EXTENDED || SMG_PLAIN_SUMS || SMG_COMPOSED
 #error "smg_slopes.h: SMG_HISTORY 3, and neither SMG_EXTENDED nor SMG_PLAIN_SUMS nor SMG_COMPOSED"
@@ -72,11 +74,10 @@ static inline void smg_renew_slopes(smg_state *s, int64_t k, const smg_real *nex
 
 /* The slopes that it begins with: extrapolated from those of so many steps, or 0. */
 static void smg_begin_slopes(smg_state *s, int steps) {
-  static const smg_real weights[SMG_HISTORY + 1][SMG_HISTORY] = {{0, 0, 0}, {1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
   const int64_t size = SMG_SLOPES * smg_sites(&s->c);
   for (int64_t q = 0; q < size; ++q) {
     s->slopes[q] = 0;
-    for (int j = 0; j < steps; ++j) s->slopes[q] += weights[steps][j] * s->past_slopes[size * j + q];
+    for (int j = 0; j < steps; ++j) s->slopes[q] += smg_weight(steps - 1, j) * s->past_slopes[size * j + q];
   }
 }
 
@@ -125,28 +126,22 @@ static int64_t smg_slope_too_large(const smg_state *s) {
   return -1;
 }
 
-static smg_status smg_refuse(smg_state *s, smg_status status, int64_t site) {
-  s->report.site = site;
-  return s->report.status = status;
-}
-
 static smg_status smg_step(smg_state *s) {
-  s->report.partner = -1;
-  s->report.reached = 0;
+  smg_begin_report(s);
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
 #endif
   const smg_status status = smg_solve_stage(s);
-  if (status != SMG_OK) return smg_refuse(s, status, smg_most_moved(s));
+  if (status != SMG_OK) return smg_end_report(s, status, smg_most_moved(s));
   const int64_t large = smg_slope_too_large(s);
-  if (large >= 0) return smg_refuse(s, SMG_NO_CONVERGENCE, large);
+  if (large >= 0) return smg_end_report(s, SMG_NO_CONVERGENCE, large);
   const int64_t lost = smg_take_increments(s);
-  if (lost >= 0) return smg_refuse(s, SMG_NOT_FINITE, lost);
+  if (lost >= 0) return smg_end_report(s, SMG_NOT_FINITE, lost);
   if (s->history == 0) smg_begin_lengths(s);
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_commit_site(s, k, s->points + 3 * k, s->u + 3 * k);
   smg_remember_slopes(s);
   ++s->count;
-  return smg_refuse(s, SMG_OK, -1);
+  return smg_end_report(s, SMG_OK, -1);
 }
 
 #include "smg_steps.h"

@@ -7,6 +7,7 @@
 #endif
 #include "smg_history.h"
 #include "smg_predictor.h"
+#include "smg_report.h"
 #include "smg_state.h"
 #if SMG_HAS_COUPLED
 #include "smg_branch.h"
@@ -77,12 +78,10 @@ static smg_status smg_solve_step(smg_state *s, smg_real h) {
 /* w = w + u with the rounding error carried along. */
 static inline void smg_add_increment(smg_state *s) {
   const int64_t n = 3 * smg_sites(&s->c);
-#if SMG_PLAIN_SUMS
-  for (int64_t k = 0; k < n; ++k) s->w[k] += s->u[k];
-#elif SMG_EXTENDED
+#if SMG_EXTENDED && !SMG_PLAIN_SUMS
   for (int64_t k = 0; k < n; ++k) smg_wide_commit(&s->w[k], &s->compensation[k], s->u[k], s->low[k]);
 #else
-  for (int64_t k = 0; k < n; ++k) smg_add_compensated(&s->w[k], &s->compensation[k], s->u[k]);
+  for (int64_t k = 0; k < n; ++k) smg_add_step(&s->w[k], &s->compensation[k], s->u[k]);
 #endif
 }
 
@@ -103,8 +102,7 @@ static void smg_commit(smg_state *s) {
 /* One step of the size h, the time of its midpoint in s->c: the state after it, but not counted. */
 static smg_status smg_advance(smg_state *s, smg_real h) {
   const int newton_steps = s->newton_steps;
-  s->report.site = s->report.partner = -1;
-  s->report.reached = 0;
+  smg_begin_report(s);
   s->report.status = smg_solve_step(s, h);
   if (s->report.status == SMG_OK) {
     s->report.site = -1; /* a first try may have failed there */
