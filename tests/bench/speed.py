@@ -74,6 +74,12 @@ Nanoseconds a step: compiled for any processor of the family, for this one as `s
 
 Thousands of single bodies side by side: [ensembles.md](ensembles.md).
 
+## Instructions a step
+
+`python tests/bench/instructions.py` counts by callgrind what these steps and those of ensembles take, compiled for any processor of the family, from N steps and 2 N of one
+program: [instructions.csv](instructions.csv). Times depend on the machine and on what else it does; these counts depend on the compiler alone, so that
+`--against FILE` shows what a change costs. `lanes` and `one by one` are counts of one member of an ensemble, the others those of a whole state.
+
 ## From a hundred spins to a million
 
 {scaling_machine}

@@ -1,0 +1,46 @@
+/* A model's steps, for callgrind: argv: steps, h, tolerance, members, file of the starts (doubles, member after member).
+ * Compiled with MODEL, its name, SOURCE, its C file, and LANES: as an ensemble, or states one by one. */
+#include SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+
+#define JOINED(a, b) a##b
+#define NAMED(model, word) JOINED(model, word)
+#define F(word) NAMED(MODEL, word)
+
+static double *starts(const char *name, size_t count) {
+  double *w = malloc(count * sizeof *w);
+  FILE *f = fopen(name, "rb");
+  if (!f || !w || fread(w, sizeof *w, count, f) != count) exit(3);
+  fclose(f);
+  return w;
+}
+
+#if LANES
+static int steps_of(const F(_params) * p, const double *w, double h, double tolerance, int64_t members, int64_t steps) {
+  F(_ensemble) e;
+  if (F(_ensemble_init)(&e, p, 0, members, aligned_alloc(64, (F(_ensemble_memsize)(p, 0, members) / 64 + 1) * 64), w, 0, h)) return 2;
+  for (int64_t k = 0; k < members; ++k)
+    if (F(_set_tolerance)(&e.member[k], tolerance) != SMG_OK) return 2;
+  return F(_ensemble_steps)(&e, 0, members, steps) != 0;
+}
+#else
+static int steps_of(const F(_params) * p, const double *w, double h, double tolerance, int64_t members, int64_t steps) {
+  for (int64_t k = 0; k < members; ++k) {
+    F(_state) s;
+    void *mem = aligned_alloc(64, (F(_memsize)(p) / 64 + 1) * 64);
+    if (F(_init)(&s, p, mem, w + 3 * F(_sites)(p) * k, 0, h) != SMG_OK || F(_set_tolerance)(&s, tolerance) != SMG_OK) return 2;
+    if (F(_steps)(&s, steps) != SMG_OK) return 1;
+    free(mem);
+  }
+  return 0;
+}
+#endif
+
+int main(int count, char **words) {
+  F(_params) p;
+  if (count != 6) return 4;
+  F(_defaults)(&p);
+  const int64_t members = atoll(words[4]);
+  return steps_of(&p, starts(words[5], (size_t)(3 * F(_sites)(&p) * members)), atof(words[2]), atof(words[3]), members, atoll(words[1]));
+}
