@@ -31,4 +31,10 @@ def runtime_header(name: str) -> Path | None:
 
 def shipped() -> dict[str, Path]:
     """name -> path of every spec that comes with smidgen."""
-    return {p.stem: p for p in sorted(folder("specs").rglob("*.toml"))}
+    return {p.stem: p for p in sorted(folder("specs").glob("*.toml"))}
+
+
+def pieces() -> dict[str, Path]:
+    """name, such as spins/exchange -> path of every piece that comes with smidgen."""
+    home = folder("specs") / "pieces"
+    return {p.relative_to(home).with_suffix("").as_posix(): p for p in sorted(home.rglob("*.toml"))}

@@ -16,7 +16,12 @@ def spec_argument(parser, **more):
     """SPEC, --library."""
     parser.add_argument("spec", metavar="SPEC", **more,
                         help="a .toml file, or the name of a shipped spec (`smidgen list`)")
-    parser.add_argument("--library", action="append", default=[], metavar="DIR", help="a folder in which files that the spec names are looked for, "
+    library_option(parser)
+
+
+def library_option(parser):
+    """--library DIR."""
+    parser.add_argument("--library", action="append", default=[], metavar="DIR", help="a folder in which files that a spec names are looked for, "
                         "after its own; repeatable")
 
 

@@ -11,7 +11,7 @@ import stat
 from pathlib import Path, PurePosixPath
 
 from ..language import limits
-from ..resources import shipped
+from ..resources import pieces, shipped
 from . import codes
 from .problems import nearest
 from .tree import Node, number_trouble
@@ -38,27 +38,45 @@ class Files:
     def spec(self, node: Node) -> tuple[str, str, str]:
         """Of the spec that `node` names: what messages call it, its folder, its text."""
         word = node.string()
-        folder, name = self.place(node) if word.endswith(".toml") else self.by_name(node, word)
+        return self.opened(node, *(self.place(node) if word.endswith(".toml") else self.by_name(node, word)))
+
+    def opened(self, node: Node, folder: str, name: str) -> tuple[str, str, str]:
         path = Path(folder, name)
         try:
             text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
         except (OSError, UnicodeDecodeError) as e:
-            node.wrong(codes.PATH, f"`{word}` cannot be read: {reason(e)}", "a base is a spec, a TOML file in UTF-8")
+            node.wrong(codes.PATH, f"`{node.raw}` cannot be read: {reason(e)}", "it should be a TOML file in UTF-8")
         self.keep(folder, name, text)
         self.names.setdefault(str(path.parent), os.path.dirname(self.name(folder, name)))
         return shown(path), str(path.parent), text
 
     def by_name(self, node: Node, word: str) -> tuple[str, str]:
         """(folder, file) of a spec of the library, or of one that comes with smidgen."""
-        self.check_name(node, word)
-        for folder in self.library:
-            if os.path.isfile(os.path.join(folder, f"{word}.toml")):
-                self.check_kind(node, Path(folder, f"{word}.toml"), folder)
-                return folder, f"{word}.toml"
-        known = shipped()
-        if word not in known:
-            node.wrong(codes.UNKNOWN_NAME, f"no spec `{word}` comes with smidgen", "a file is named with its ending, `film.toml`; " + nearest(word, known))
-        return str(known[word].parent), known[word].name
+        return self.among(node, self.library) or self.of_smidgen(
+            node, shipped(), f"no spec `{word}` comes with smidgen", "a file is named with its ending, `film.toml`; ")
+
+    def piece(self, node: Node) -> tuple[str, str, str]:
+        """As `spec`, of the piece that `node` names: beside the spec, in the library, or one that comes with smidgen."""
+        home = node.problems.sources.of(node.span.start).folder
+        folder, name = self.among(node, [home, *self.library] if home else self.library) or self.of_smidgen(
+            node, pieces(), f"there is no piece `{node.raw}`", "")
+        return self.opened(node, folder, name)
+
+    def among(self, node: Node, folders) -> tuple[str, str] | None:
+        """(folder, file) of the first of these folders that holds NAME.toml."""
+        name = f"{node.string()}.toml"
+        self.check_name(node, name)
+        folder = next((place for place in folders if os.path.isfile(os.path.join(place, name))), None)
+        if folder is None:
+            return None
+        self.check_kind(node, Path(folder, name), folder)
+        return folder, name
+
+    def of_smidgen(self, node: Node, known: dict[str, Path], cause: str, hint: str) -> tuple[str, str]:
+        if node.raw not in known:
+            node.wrong(codes.UNKNOWN_NAME, cause, hint + nearest(node.raw, known))
+        path, name = known[node.raw], f"{node.raw}.toml"
+        return (str(path)[:-len(name) - 1], name) if str(path).endswith(f"/{name}") else (str(path.parent), path.name)
 
     # The names of texts: a folder that holds them under these names, with one for the library, holds the whole spec
 

@@ -3,9 +3,11 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 
 from ..errors import printable
 from ..language.spec import Spec
+from .source import Sources
 from .tree import Node
 
 LINES = ("model", "space", "parameters", "formulas")       # sections with a line for each entry; of the others each entry is a table
@@ -53,11 +55,29 @@ class Writer:
         """As it stands in its file; a table, of which several files may have parts, entry by entry. Adds to places."""
         if isinstance(node.raw, dict):
             return "{ " + ", ".join(f"{key(c.name)} = {self.value(c, places)}" for c in self.inside(node)) + " }"
-        file = node.problems.sources.of(node.span.start)
-        start, end = node.span.start - file.begin, node.span.end - file.begin
-        places[f"{printable(file.name)}:{file.place(start)[0]}"] = None
-        text = self.texts.get(node.path) or file.text[start:end]
-        return repr(node.raw) if isinstance(node.raw, float) and text.lstrip("+-").isdecimal() else text    # a real parameter
+        sources, mark = node.problems.sources, node.marks[node.path]
+        file = sources.of(mark.value.start)
+        text = file.text[mark.value.start - file.begin:mark.value.end - file.begin]
+        if node.path in self.texts or is_value(text, node.raw):
+            places[at(sources, mark.value.start)] = None
+            return self.texts.get(node.path, text)
+        for offset in mark.text.offsets[:-1] if mark.text else (mark.value.start,):     # put together from a piece and its arguments
+            places[at(sources, offset)] = None
+        return quoted(node.raw) if isinstance(node.raw, str) else repr(node.raw)
+
+
+def is_value(text: str, value) -> bool:
+    """Does the text of a file say this value? Not where `3` is the new value of a real parameter."""
+    try:
+        said = tomllib.loads(f"x = {text}")["x"]
+    except tomllib.TOMLDecodeError:
+        return False
+    return type(said) is type(value) and said == value
+
+
+def at(sources: Sources, offset: int) -> str:
+    file = sources.of(offset)
+    return f"{printable(file.name)}:{file.place(offset - file.begin)[0]}"
 
 
 def key(name: str) -> str:

@@ -179,7 +179,7 @@ class Reader:
             node = self.find(section)
             return list(node.raw) if node and isinstance(node.raw, dict) else []
         return RunReader(self.declared, self.formulas, self.problems, names("effects"),
-                         names("observables"), names("starts"), self.scene.left_out)
+                         names("observables"), names("starts"), self.scene)
 
     def model(self) -> dict:
         node = self.find("model") or self.root.need("model", 'begin with [model] and `name = "..."`')

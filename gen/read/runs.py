@@ -21,10 +21,10 @@ class RunReader:
     """Reads [runs] against the effects, observables and starts."""
 
     def __init__(self, declared: Declared, formulas: Formulas, problems: Problems,
-                 effects, observables, starts, left_out=frozenset()):
-        """left_out: effects of the scene's bases that it does not call for; runs that name them do without."""
+                 effects, observables, starts, scene):
+        """Runs of a base do without effects that the scene leaves out, and have those that it adds."""
         self.declared, self.formulas, self.problems = declared, formulas, problems
-        self.effects, self.observables, self.starts, self.left_out = effects, observables, starts, left_out
+        self.effects, self.observables, self.starts, self.scene = effects, observables, starts, scene
 
     def read(self, section: Node) -> tuple[Run, ...]:
         runs = []
@@ -106,10 +106,16 @@ class RunReader:
         """Effects of the scene that a list names; None without the list."""
         if not node.has(key):
             return None
-        known = [*self.effects, *self.left_out]
-        entries = node.get(key).entries("list of effects")
-        names = self.problems.together(*(lambda e=e: self.choice(e, known, "effect") for e in entries))
-        return tuple(name for name in self.unique(node.get(key), tuple(names)) if name not in self.left_out)
+        known, child = [*self.effects, *self.scene.left_out], node.get(key)
+        names = self.problems.together(*(lambda e=e: self.choice(e, known, "effect") for e in child.entries("list of effects")))
+        added = self.added(child) if key == "effects" else ()
+        return tuple(name for name in (*self.unique(child, tuple(names)), *added) if name not in self.scene.left_out)
+
+    def added(self, node: Node) -> list[str]:
+        """The effects of files that build on the one in which a list stands."""
+        files = self.problems.sources.files
+        number = files.index(self.problems.sources.of(node.span.start))
+        return [name for name in self.effects if self.scene.known.get(name, number) < number and name not in node.raw]
 
     def unique(self, node: Node, names: tuple) -> tuple:
         """The names of a list: at least one, and each once."""

@@ -21,6 +21,7 @@ from .problems import Bad, Problems, nearest
 from .recover import Aside
 from .source import Source, Text
 from .names import IDENTIFIER
+from .pieces import Pieces
 from .toml import document
 from .tree import LOST, Node
 
@@ -29,15 +30,19 @@ KEYS = ("base", "name", "title", "effects", "without")
 
 @dataclass(frozen=True)
 class Scene:
-    """The table of all files; `aside`: what could not be read; `called`: the effects that it calls for, None where it has none."""
+    """The table of all files.
+
+    aside: what could not be read; called: the effects that it calls for; known: all effects, each with the number of the farthest file
+    that has it, 0 for the scene's own.
+    """
     root: Node
     aside: Aside
-    called: frozenset = frozenset()
-    known: frozenset = frozenset()      # all effects of all files
+    called: frozenset
+    known: dict[str, int]
 
     @property
     def left_out(self) -> frozenset:
-        return self.known - self.called
+        return frozenset(self.known) - self.called
 
     def inherited(self, section: str) -> set[str]:
         """What stands in a section of a base, and not in the scene's own file."""
@@ -50,6 +55,7 @@ def flat(problems: Problems, files: Files, sections) -> Scene:
     """The scene of the first file of `problems`. Raises Bad."""
     scene = level(problems.sources.files[0], problems, files, sections, ())
     drop(scene)
+    Pieces(problems, files).expand(scene.root)
     for node in tables(scene.root, "runs"):
         if problems.tried(lambda run=node: alike(scene.root, run, ())) == [Bad]:
             scene.root.raw["runs"][node.name] = LOST
@@ -59,8 +65,8 @@ def flat(problems: Problems, files: Files, sections) -> Scene:
 def level(file: Source, problems: Problems, files: Files, sections, above: tuple) -> Scene:
     """One file over those that it builds on; above: the files that build on it."""
     root, aside = document(file, problems, sections)
-    own = frozenset(node.name for node in tables(root, "effects", all_kinds=True))
-    scene = Scene(root, aside, own, own)
+    own = {node.name: len(above) for node in tables(root, "effects", all_kinds=True)}
+    scene = Scene(root, aside, frozenset(own), own)
     if not root.has("scene"):
         return scene
     says = root.get("scene")
@@ -89,7 +95,7 @@ def on_base(own: Scene, base: Source, problems: Problems, files: Files, sections
     for node in tables(own.root, "runs"):       # a run like the one that it stands over
         if node.raw.get("like") == node.name and far.root.get("runs") and node.name in far.root.raw["runs"]:
             del node.raw["like"]
-    return Scene(merged(far.root, own.root), aside, far.called | own.called, far.known | own.known)
+    return Scene(merged(far.root, own.root), aside, far.called | own.called, {**own.known, **far.known})
 
 
 def tables(root: Node, section: str, all_kinds: bool = False) -> list[Node]:
@@ -137,7 +143,7 @@ def effect_names(scene: Scene, node: Node) -> list[str]:
     """A list of effects of the scene or of its bases."""
     names = []
     for entry in node.entries("list of effects"):
-        if entry.string() not in scene.known | scene.aside.names:
+        if entry.string() not in scene.known.keys() | scene.aside.names:
             entry.wrong(codes.UNKNOWN_NAME, f"there is no effect `{entry.raw}`", nearest(entry.raw, scene.known))
         names.append(entry.raw)
     return names
