@@ -6,31 +6,64 @@
 
 #include "smg_saved.h"
 
-smg_status SMG_PUBLIC(check)(const smg_params *p) { return smg_check_params(p); }
-int64_t SMG_PUBLIC(sites)(const smg_params *p) { return smg_sites_of(p); }
-size_t SMG_PUBLIC(memsize)(const smg_params *p) { return smg_memory(p); }
+smg_status SMG_PUBLIC(model_init)(smg_model *model, const smg_params *p) { return smg_make_model(model, p, NULL); }
+smg_status SMG_PUBLIC(set_parameters)(smg_model *model, const smg_params *p) { return smg_set_parameters(model, p); }
+int64_t SMG_PUBLIC(sites)(const smg_model *model) { return smg_sites_of(model); }
+size_t SMG_PUBLIC(memsize)(const smg_model *model) { return smg_memory(model); }
 
-smg_status SMG_PUBLIC(init)(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0, double h) {
-  return smg_begin_state(s, p, mem, w, t0, h);
+smg_status SMG_PUBLIC(init)(smg_state *s, const smg_model *model, void *mem, const smg_real *w, double t0, double h) {
+  return smg_begin_state(s, model, mem, w, t0, h);
 }
 
 smg_status SMG_PUBLIC(set_tolerance)(smg_state *s, double tolerance) { return smg_set_tolerance(s, tolerance); }
+smg_status SMG_PUBLIC(steps)(smg_state *s, int64_t count) {
+  return smg_is_ready(s) ? smg_steps(s, count) : s->report.status;
+}
+smg_status SMG_PUBLIC(step)(smg_state *s) { return SMG_PUBLIC(steps)(s, 1); }
 #if SMG_THERMAL
-smg_status SMG_PUBLIC(step)(smg_state *s) { return smg_steps(s, 1); }
 void SMG_PUBLIC(set_seed)(smg_state *s, uint64_t seed, uint32_t member) { smg_set_seed(s, seed, member); }
-#else
-smg_status SMG_PUBLIC(step)(smg_state *s) { return smg_step(s); }
 #endif
-smg_status SMG_PUBLIC(steps)(smg_state *s, int64_t count) { return smg_steps(s, count); }
 smg_status SMG_PUBLIC(set_state)(smg_state *s, const smg_real *w) { return smg_set_state(s, w); }
 double SMG_PUBLIC(time)(const smg_state *s) { return s->t0 + (double)s->count * s->h; }
 
-size_t SMG_PUBLIC(savesize)(const smg_params *p) { return smg_saved_size(p); }
+size_t SMG_PUBLIC(savesize)(const smg_model *model) {
+  smg_coefficients c;
+  return smg_saved_size(smg_begin(&c, model, 0));
+}
 void SMG_PUBLIC(save)(const smg_state *s, smg_real *out) { smg_save_state(s, out); }
 smg_status SMG_PUBLIC(restore)(smg_state *s, const smg_real *in) { return smg_restore_state(s, in); }
 
-void SMG_PUBLIC(field)(const smg_params *p, smg_real t, const smg_real *w, smg_real *b) { smg_field_of(p, t, w, b); }
-void SMG_PUBLIC(momentum)(const smg_params *p, const smg_real *w, smg_real *out) { smg_momentum_of(p, w, out); }
-void SMG_PUBLIC(casimirs)(const smg_params *p, const smg_real *w, smg_real *out) { smg_casimirs_of(p, w, out); }
+/* b = (1/kappa) dH/dw. */
+void SMG_PUBLIC(field)(const smg_model *model, smg_real t, const smg_real *w, smg_real *b) {
+  smg_coefficients c;
+  smg_begin(&c, model, t);
+  for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) b[q] = 0;
+  smg_gradient(&c, w, b);
+  for (int64_t k = 0; k < smg_sites(&c); ++k)
+    for (int64_t q = 3 * k; q < 3 * k + 3; ++q) b[q] /= smg_kappa(&c, k);
+}
+
+/* sum of kappa w over each family: SMG_FAMILIES of them, the f-th ending before the site smg_family_end(c, f). */
+void SMG_PUBLIC(momentum)(const smg_model *model, const smg_real *w, smg_real *out) {
+  smg_coefficients c;
+  int64_t first = 0;
+  smg_begin(&c, model, 0);
+  for (int f = 0; f < SMG_FAMILIES; ++f) {
+    for (int b = 0; b < 3; ++b) {
+      smg_real sum = 0, lost = 0;
+      for (int64_t k = first; k < smg_family_end(&c, f); ++k)
+        smg_add_compensated(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
+      out[3 * f + b] = sum + lost;
+    }
+    first = smg_family_end(&c, f);
+  }
+}
+
+/* |w|^2, or C(w) of a Nambu site. */
+void SMG_PUBLIC(casimirs)(const smg_model *model, const smg_real *w, smg_real *out) {
+  smg_coefficients c;
+  smg_begin(&c, model, 0);
+  for (int64_t k = 0; k < smg_sites(&c); ++k) out[k] = smg_casimir(&c, k, w + 3 * k);
+}
 
 #endif

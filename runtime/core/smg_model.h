@@ -29,11 +29,12 @@
  *              smg_each(context, visit)                every coupled site, cell by cell
  *              smg_each_coloured(context, visit)       the same colour after colour: sites of one colour do not feel
  *                                                 each other
- *   time       smg_set_time(&c, t)                   what depends on time, at t
+ *   time       smg_set_step(&c, h), smg_set_time(&c, t)  what depends on h, what on time
  *
- *   parameters smg_sizes(&c, p)                   takes them in, and the sizes that they give
- *              smg_check_sizes(c)                 SMG_BAD_PARAMETER where a size or an index does not fit
- *              smg_prepare(&c)                    what they alone decide; 0 where one is not finite
+ *   parameters smg_sizes(&model, p)               takes them in, and the sizes that they give
+ *              smg_check_sizes(model)             SMG_BAD_PARAMETER where a size or an index does not fit
+ *              smg_same_sizes(model, other)       have both the same?
+ *              smg_prepare(&model)                what they alone decide; 0 where one is not finite
  *              smg_family_end(c, f)               the site after the last of the f-th family
  *   response   smg_response(c, k, r)              r = f, q, F0, Q0: how site k moves in its field (smg_respond.h),
  *                                                 where SMG_RESPONDS says so
@@ -69,7 +70,8 @@
  *
  * A tracer feels others and acts on none.
  *
- * c: const smg_coefficients *, the parameters and what depends on them alone; s: smg_state *; at: smg_lattice_site. */
+ * c: const smg_coefficients *, what depends on h and time, and c->model, the parameters and what depends on them alone,
+ * which states share; s: smg_state *; at: smg_lattice_site. */
 #ifndef SMG_MODEL_H
 #define SMG_MODEL_H
 

@@ -12,10 +12,14 @@ static inline void smg_gradient(const smg_coefficients *c, const smg_real *w, sm
 
 /* ---- parameters and time ---------------------------------------------------------------- */
 #if !SMG_OWN_PREPARE
-static inline int smg_prepare(smg_coefficients *c) {
-  (void)c;
+static inline int smg_prepare(smg_model *model) {
+  (void)model;
   return 1;
 }
+#endif
+
+#if !SMG_OWN_SET_STEP
+static inline void smg_set_step(smg_coefficients *c, smg_real h) { c->h = h; }
 #endif
 
 #if !SMG_OWN_SET_TIME

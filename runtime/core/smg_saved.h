@@ -29,11 +29,7 @@ enum {
 /* Numbers before the history. */
 static size_t smg_saved_past(const smg_coefficients *c) { return SMG_SAVED_HEAD + (size_t)(6 * smg_sites(c)); }
 
-static size_t smg_saved_size(const smg_params *p) {
-  smg_coefficients c;
-  smg_sizes(&c, p);
-  return smg_saved_past(&c) + smg_history_size(&c);
-}
+static size_t smg_saved_size(const smg_coefficients *c) { return smg_saved_past(c) + smg_history_size(c); }
 
 static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
   for (size_t k = 0; k < size; ++k) to[k] = from[k];
@@ -85,6 +81,8 @@ static void smg_restore_sites(smg_state *s, const smg_real *lost, const smg_real
   smg_restore_history(s, past);
 }
 
+#define SMG_SAVED_STALE -1 /* in place of the steps that the history remembers: parameters were changed since */
+
 /* Steps that the history remembers. */
 static inline int smg_steps_known(const smg_state *s) {
 #if SMG_SINGLE_SPHERE
@@ -112,13 +110,13 @@ static void smg_restore_noise(smg_state *s, const smg_real *in) {
 
 static void smg_save_state(const smg_state *s, smg_real *out) {
   const size_t n3 = (size_t)(3 * smg_sites(&s->c));
-  out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c.p);
+  out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c);
   out[SMG_SAVED_PAST] = (smg_real)smg_saved_past(&s->c);
   out[SMG_SAVED_T0] = (smg_real)s->t0;
   out[SMG_SAVED_H] = (smg_real)s->h;
   out[SMG_SAVED_COUNT_HIGH] = (smg_real)(s->count / 4294967296); /* 2^32: a double holds no count beyond 2^53 */
   out[SMG_SAVED_COUNT_LOW] = (smg_real)(s->count % 4294967296);
-  out[SMG_SAVED_HISTORY] = (smg_real)smg_steps_known(s);
+  out[SMG_SAVED_HISTORY] = (smg_real)(smg_is_stale(s) ? SMG_SAVED_STALE : smg_steps_known(s));
   out[SMG_SAVED_DEGREE] = (smg_real)s->degree;
   out[SMG_SAVED_NEWTON_STEPS] = (smg_real)smg_newton_steps(s);
   out[SMG_SAVED_SCALE] = s->scale;
@@ -177,7 +175,7 @@ static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
   return in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) &&
          smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, SMG_MOST_COUNT_HIGH) &&
          smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) &&
-         smg_integer_in(in[SMG_SAVED_HISTORY], 0, SMG_HISTORY) &&
+         smg_integer_in(in[SMG_SAVED_HISTORY], SMG_SAVED_STALE, SMG_HISTORY) &&
          smg_good_degree(in[SMG_SAVED_DEGREE], in[SMG_SAVED_HISTORY]) &&
          smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) &&
          in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1 && smg_good_noise(in);
@@ -186,7 +184,7 @@ static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
 /* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does
  * it. */
 static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in) {
-  const size_t size = smg_saved_size(&c->p);
+  const size_t size = smg_saved_size(c);
   const smg_real *w = in + SMG_SAVED_HEAD;
   int64_t site;
   if (!(in[SMG_SAVED_SIZE] == (smg_real)size)) return SMG_BAD_PARAMETER;
@@ -201,22 +199,17 @@ static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in)
   return smg_check_state(c, w, NULL, smg_saved_off_sphere(in), &site);
 }
 
-/* The head, and what depends on h. */
+/* The head. */
 static void smg_restore_head(smg_state *s, const smg_real *in) {
   s->t0 = (double)in[SMG_SAVED_T0];
   s->h = (double)in[SMG_SAVED_H];
   s->count = (int64_t)in[SMG_SAVED_COUNT_HIGH] * 4294967296 + (int64_t)in[SMG_SAVED_COUNT_LOW];
-  s->history = (int)in[SMG_SAVED_HISTORY];
+  s->history = in[SMG_SAVED_HISTORY] > 0 ? (int)in[SMG_SAVED_HISTORY] : 0;
   s->degree = s->history > 0 ? (int)in[SMG_SAVED_DEGREE] : SMG_NO_DEGREE;
   s->scale = in[SMG_SAVED_SCALE];
   s->tolerance = in[SMG_SAVED_TOLERANCE];
 #if SMG_THERMAL
   smg_restore_noise(s, in);
-#endif
-  s->c.h = smg_signed_h(s->h);
-  (void)smg_prepare(&s->c); /* some of its values have h in them */
-#if SMG_EXTENDED
-  smg_wide_prepare(&s->wide, &s->c);
 #endif
 }
 
@@ -225,10 +218,8 @@ static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
   const smg_status status = s->w ? smg_check_saved(&s->c, in) : SMG_BAD_PARAMETER;
   if (status != SMG_OK) return status;
   smg_restore_head(s, in);
-#if SMG_BY_ROWS
-  smg_choose_rows(s);
-  smg_clear_arrays(s, s->w); /* w is the first of them */
-#endif
+  smg_begin_arrays(s, s->w, 3 * smg_sites(&s->c));
+  if (in[SMG_SAVED_HISTORY] < 0) --s->version;
   smg_set_newton_steps(s, (int)in[SMG_SAVED_NEWTON_STEPS]);
   smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
   smg_restore_sites(s, in + SMG_SAVED_HEAD + n3, in + smg_saved_past(&s->c));

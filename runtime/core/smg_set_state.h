@@ -1,6 +1,7 @@
 /* smidgen runtime: another w between two steps, as programs set it that are coupled to the model, or that split its
- * motion. Time, count, h and tolerance stay. The increments of the steps before are those of another orbit, and what w
- * had lost to rounding is lost: history and compensation begin anew, as after smg_begin_state(). */
+ * motion; and other parameters. Time, count, h and tolerance stay. The increments of the steps before are those of
+ * another orbit, and what w had lost to rounding is lost: history and compensation begin anew, as after
+ * smg_begin_state(). */
 #ifndef SMG_SET_STATE_H
 #define SMG_SET_STATE_H
 
@@ -24,21 +25,43 @@ static inline void smg_forget_compensation(smg_state *s) {
   for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->compensation[k] = 0;
 }
 
-/* w is refused as a start would be, and the state is then as it was; so is every w where init gave the state no memory.
- * A site that steps have moved off its sphere, as those of dop853 do, may be as far from it; all are put on their
- * spheres. w may be s->w itself, of which nothing is known but that. */
-static inline smg_status smg_set_state(smg_state *s, const smg_real *w) {
-  s->report.status =
-      s->w ? smg_check_state(&s->c, w, w == s->w ? NULL : s->w, SMG_OFF_SPHERE, &s->report.site) : SMG_BAD_PARAMETER;
-  s->report.partner = -1;
-  if (s->report.status != SMG_OK) return s->report.status;
+/* Has the model other parameters than the last step had? */
+static inline int smg_is_stale(const smg_state *s) { return s->version != s->c.model->version; }
+
+/* From w on, as from a start. */
+static void smg_go_on_from(smg_state *s, const smg_real *w) {
+  if (smg_is_stale(s)) smg_begin_arrays(s, s->w, 3 * smg_sites(&s->c));
   smg_put_state(s, w);
   smg_forget_history(s);
   smg_forget_compensation(s);
 #if SMG_BY_ROWS
-  smg_choose_rows(s); /* the same way as before: neither h nor parameters are others */
+  smg_choose_rows(s);
 #endif
-  return SMG_OK;
 }
+
+/* May the state go on from w? A site may be as much farther off its sphere as it is in `before`, where that is not
+ * NULL. */
+static smg_status smg_check_going_on(smg_state *s, const smg_real *w, const smg_real *before) {
+  s->report.partner = -1;
+  return s->report.status =
+             s->w ? smg_check_state(&s->c, w, before, SMG_OFF_SPHERE, &s->report.site) : SMG_BAD_PARAMETER;
+}
+
+/* w is refused as a start would be, and the state is then as it was; so is every w where init gave the state no memory.
+ * A site that steps have moved off its sphere, as those of dop853 do, may be as far from it; all are put on their
+ * spheres. w may be s->w itself, of which nothing is known but that. */
+static inline smg_status smg_set_state(smg_state *s, const smg_real *w) {
+  if (smg_check_going_on(s, w, w == s->w ? NULL : s->w) == SMG_OK) smg_go_on_from(s, w);
+  return s->report.status;
+}
+
+/* The state goes on from w with the new parameters, or says why it cannot: a Nambu site may be at C(w) = 0 now. */
+SMG_COLD static int smg_renew(smg_state *s) {
+  if (smg_check_going_on(s, s->w, s->w) == SMG_OK) smg_go_on_from(s, s->w);
+  return s->report.status == SMG_OK;
+}
+
+/* Before a step: does the state know the parameters? */
+SMG_INLINE int smg_is_ready(smg_state *s) { return !smg_is_stale(s) || smg_renew(s); }
 
 #endif

@@ -1,11 +1,10 @@
-/* smidgen runtime: a state from its parameters and a start, and what can be asked of both without a step.
- *
- * The model gives smg_sizes(&c, p), smg_prepare(&c), smg_check_sizes(c), and its families: SMG_FAMILIES of
- * them, the f-th ending before the site smg_family_end(c, f). */
+/* smidgen runtime: a state from a model and a start. */
 #ifndef SMG_STATE_H
 #define SMG_STATE_H
 
-#include "smg_leaf.h"
+#include <string.h>
+
+#include "smg_parameters.h"
 
 /* What the steps of a method are found to where nothing else is asked for; 0: to round-off. */
 #ifndef SMG_TOLERANCE
@@ -63,9 +62,9 @@ static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real 
 #endif
 
 /* Bytes, whatever the way of its steps. */
-static inline size_t smg_memory(const smg_params *p) {
+static inline size_t smg_memory(const smg_model *model) {
   smg_state s;
-  smg_sizes(&s.c, p);
+  s.c.model = model;
 #if SMG_BY_ROWS
   s.rows = 1;
   const size_t by_rows = smg_layout(&s, NULL);
@@ -73,35 +72,6 @@ static inline size_t smg_memory(const smg_params *p) {
   if (by_rows > smg_layout(&s, NULL)) return sizeof(smg_real) * by_rows;
 #endif
   return sizeof(smg_real) * smg_layout(&s, NULL);
-}
-
-/* Strengths and radii that no step could use. */
-static smg_status smg_check_sites(const smg_coefficients *c) {
-  for (int64_t k = 0; k < smg_sites(c); ++k) {
-    const smg_real kappa = smg_kappa(c, k);
-    if (!(kappa != 0) || !(SMG_MATH(fabs)(kappa) <= SMG_MAX)) return SMG_BAD_PARAMETER;
-#if SMG_THERMAL
-    const smg_real diffusion = smg_diffusion(c, k);
-    if (!(diffusion >= 0 && diffusion <= SMG_MAX)) return SMG_BAD_PARAMETER;
-#endif
-    if (smg_kind(c, k) != SMG_SPHERE) continue;
-    const smg_real radius = smg_radius(c, k);
-    if (!(radius > 0 && radius <= SMG_MAX)) return SMG_BAD_PARAMETER;
-  }
-  return SMG_OK;
-}
-
-/* The parameters in c, with what they alone decide. */
-static smg_status smg_check_prepared(smg_coefficients *c) {
-  const smg_status status = smg_check_sizes(c);
-  if (status != SMG_OK) return status;
-  return smg_prepare(c) ? smg_check_sites(c) : SMG_NOT_FINITE;
-}
-
-static smg_status smg_check_params(const smg_params *p) {
-  smg_coefficients c;
-  smg_sizes(&c, p);
-  return smg_check_prepared(&c);
 }
 
 /* A time and a step. A denormal h has too few digits; noise has no step backward. */
@@ -165,104 +135,57 @@ static void smg_put_state(smg_state *s, const smg_real *w) {
 }
 
 /* The state before any memory is known: all that is not an array. */
-static void smg_blank(smg_state *s, const smg_params *p, double t0, double h) {
-  smg_sizes(&s->c, p);
+static void smg_blank(smg_state *s, const smg_model *model, double t0, double h) {
+  memset(s, 0, sizeof *s);
+  s->c.model = model;
+  s->version = model->version;
   s->report.status = SMG_BAD_PARAMETER;
-  s->report.iterations = 0;
-  s->report.residual = 0;
   s->report.site = s->report.partner = -1;
-  s->report.reached = 0;
   s->t0 = t0;
   s->h = h;
-  s->count = 0;
-  s->history = 0;
-  s->scale = 0;
   s->tolerance = (smg_real)SMG_TOLERANCE;
-#if SMG_THERMAL
-  s->seed = 0;
-  s->member = 0;
-  s->halved = 0;
-#endif
-  s->w = NULL;
-  s->c.h = smg_signed_h(h);
-#if SMG_BY_ROWS
-  s->rows = 0;
-#endif
   smg_blank_history(s);
 }
 
-/* All arrays, empty but for tables. */
-static void smg_clear_arrays(smg_state *s, smg_real *mem) {
-  const size_t used = smg_layout(s, mem);
-  for (size_t k = 0; k < used; ++k) mem[k] = 0;
-#if SMG_BY_ROWS
-  smg_make_tables(s);
-#endif
-}
-
-static smg_status smg_begin_state(smg_state *s, const smg_params *p, void *mem, const smg_real *w, double t0,
-                                  double h) {
-  smg_blank(s, p, t0, h);
-  s->report.status = smg_check_prepared(&s->c);
-  if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
-  if (s->report.status != SMG_OK) return s->report.status;
+/* What depends on h, of steps of this size. */
+static inline void smg_set_size(smg_state *s, smg_real h) {
+  smg_set_step(&s->c, h);
 #if SMG_EXTENDED
   smg_wide_prepare(&s->wide, &s->c);
 #endif
+}
+
+/* All that h and the parameters decide, and the arrays, empty but for tables and the first `kept` numbers; w comes
+ * first. */
+static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
+  smg_set_size(s, smg_signed_h(s->h));
 #if SMG_BY_ROWS
   smg_choose_rows(s);
 #endif
-  smg_clear_arrays(s, (smg_real *)mem);
+  const size_t used = smg_layout(s, mem);
+  for (size_t k = (size_t)kept; k < used; ++k) mem[k] = 0;
+#if SMG_BY_ROWS
+  smg_make_tables(s);
+#endif
+  s->version = s->c.model->version;
+}
+
+static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *mem, const smg_real *w, double t0,
+                                  double h) {
+  smg_blank(s, model, t0, h);
+  s->report.status = model->status;
+  if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
+  if (s->report.status != SMG_OK) return s->report.status;
+  smg_begin_arrays(s, (smg_real *)mem, 0);
   s->report.status = smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site);
   if (s->report.status == SMG_OK) smg_put_state(s, w);
   return s->report.status;
 }
 
-/* The coefficients for a call that has no state. */
-static const smg_coefficients *smg_begin(smg_coefficients *c, const smg_params *p, smg_real t) {
-  smg_sizes(c, p);
-  (void)smg_prepare(c);
-  smg_set_time(c, t);
-  return c;
-}
-
-static inline int64_t smg_sites_of(const smg_params *p) {
+static inline int64_t smg_sites_of(const smg_model *model) {
   smg_coefficients c;
-  smg_sizes(&c, p);
+  c.model = model;
   return smg_sites(&c);
-}
-
-/* b = (1/kappa) dH/dw. */
-static void smg_field_of(const smg_params *p, smg_real t, const smg_real *w, smg_real *b) {
-  smg_coefficients c;
-  smg_begin(&c, p, t);
-  for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) b[q] = 0;
-  smg_gradient(&c, w, b);
-  for (int64_t k = 0; k < smg_sites(&c); ++k)
-    for (int64_t q = 3 * k; q < 3 * k + 3; ++q) b[q] /= smg_kappa(&c, k);
-}
-
-/* sum of kappa w over each family. */
-static void smg_momentum_of(const smg_params *p, const smg_real *w, smg_real *out) {
-  smg_coefficients c;
-  int64_t first = 0;
-  smg_begin(&c, p, 0);
-  for (int f = 0; f < SMG_FAMILIES; ++f) {
-    for (int b = 0; b < 3; ++b) {
-      smg_real sum = 0, lost = 0;
-      for (int64_t k = first; k < smg_family_end(&c, f); ++k)
-        smg_add_compensated(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
-      out[3 * f + b] = sum + lost;
-    }
-    first = smg_family_end(&c, f);
-  }
-}
-
-/* |w|^2, or C(w) of a Nambu site. */
-static void smg_casimirs_of(const smg_params *p, const smg_real *w, smg_real *out) {
-  smg_coefficients c;
-  smg_begin(&c, p, 0);
-  for (int64_t k = 0; k < smg_sites(&c); ++k) out[k] = smg_casimir(&c, k, w + 3 * k);
 }
 
 #endif

@@ -4,8 +4,9 @@
 
 #include "smg_model.h"
 
-void smg_sizes(smg_coefficients *c, const smg_params *p);
-smg_status smg_check_sizes(const smg_coefficients *c);
+void smg_sizes(smg_model *model, const smg_params *p);
+smg_status smg_check_sizes(const smg_model *model);
+int smg_same_sizes(const smg_model *model, const smg_model *other);
 void smg_hessian_blocks(const smg_state *s);
 void smg_hessian_vector(const smg_state *s);
 void smg_gather(const smg_coefficients *c, smg_lattice_site at, const smg_real *all, const smg_real *own, smg_real *g);

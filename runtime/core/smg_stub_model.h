@@ -78,9 +78,15 @@ typedef struct smg_params {
   int64_t n;
 } smg_params;
 
-typedef struct smg_coefficients {
+typedef struct smg_model {
   smg_params p;
   int64_t n0;
+  uint64_t version;
+  smg_status status;
+} smg_model;
+
+typedef struct smg_coefficients {
+  const smg_model *model;
   smg_real t, h;
 } smg_coefficients;
 
@@ -95,6 +101,7 @@ typedef struct smg_lane_coefficients {
 typedef struct smg_state {
   smg_coefficients c;
   smg_wide_coefficients wide;
+  uint64_t version;
   double t0, h;
   int64_t count, begun;
   int history, degree, newton_steps, row, stage;

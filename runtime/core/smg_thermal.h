@@ -74,11 +74,7 @@ static void smg_heat(smg_state *s, int64_t step, int half) {
 static void smg_retime(smg_state *s, double h, int64_t count) {
   s->h = h;
   s->count = count;
-  s->c.h = smg_signed_h(h);
-  (void)smg_prepare(&s->c);
-#if SMG_EXTENDED
-  smg_wide_prepare(&s->wide, &s->c);
-#endif
+  smg_set_size(s, smg_signed_h(h));
   smg_forget_history(s);
 }
 

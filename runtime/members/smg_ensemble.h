@@ -7,7 +7,7 @@
 #ifndef SMG_ENSEMBLE_H
 #define SMG_ENSEMBLE_H
 
-#include "smg_model.h"
+#include "smg_set_state.h"
 
 #if SMG_LANE_SPHERE && SMG_LANES > 1
 #define SMG_MEMBERS_AT_ONCE SMG_LANES
@@ -20,19 +20,19 @@ SMG_INLINE size_t smg_whole_lines(size_t bytes) {
   return (bytes + SMG_ENSEMBLE_LINE - 1) / SMG_ENSEMBLE_LINE * SMG_ENSEMBLE_LINE;
 }
 
-/* The parameters of member k: its own, or those of all. */
-static inline const smg_params *smg_params_of(const smg_params *p, int own, int64_t k) { return own ? p + k : p; }
-
-/* Bytes of the arrays of one member, 0 where it cannot have any. */
-static size_t smg_member_memory(const smg_params *p) {
-  smg_coefficients c;
-  smg_sizes(&c, p);
-  return smg_check_sizes(&c) == SMG_OK ? smg_whole_lines(smg_memory(p)) : 0;
+/* The model of member k: its own, or that of all. */
+static inline const smg_model *smg_model_of(const smg_model *model, int own, int64_t k) {
+  return own ? model + k : model;
 }
 
-static size_t smg_ensemble_memory(const smg_params *p, int own, int64_t members) {
+/* Bytes of the arrays of one member, 0 where it cannot have any. */
+static size_t smg_member_memory(const smg_model *model) {
+  return model->status == SMG_OK ? smg_whole_lines(smg_memory(model)) : 0;
+}
+
+static size_t smg_ensemble_memory(const smg_model *model, int own, int64_t members) {
   size_t bytes = smg_whole_lines((size_t)members * sizeof(smg_state));
-  for (int64_t k = 0; k < members; ++k) bytes += smg_member_memory(smg_params_of(p, own, k));
+  for (int64_t k = 0; k < members; ++k) bytes += smg_member_memory(smg_model_of(model, own, k));
   return bytes;
 }
 
@@ -45,22 +45,21 @@ static int64_t smg_ensemble_failed(const smg_ensemble *e, int64_t first, int64_t
 
 /* Every member at its start: w holds 3*sites numbers of each, one after the other, as many as the first has. Returns
  * how many cannot begin: SMG_BAD_PARAMETER also for another number of sites. */
-static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own, int64_t members, void *mem,
+static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_model *model, int own, int64_t members, void *mem,
                                   const smg_real *w, double t0, double h) {
-  const int64_t sites = smg_sites_of(p);
+  const int64_t sites = smg_sites_of(model);
   char *at = (char *)mem + smg_whole_lines((size_t)members * sizeof(smg_state));
   e->member = (smg_state *)mem;
   e->members = members;
   e->own = own;
   for (int64_t k = 0; k < members; ++k) {
-    const smg_params *its = smg_params_of(p, own, k);
-    const size_t size = smg_member_memory(its);
-    if (size > 0 && smg_sites_of(its) == sites) (void)smg_begin_state(e->member + k, its, at, w + 3 * sites * k, t0, h);
+    const smg_model *its = smg_model_of(model, own, k);
+    if (smg_sites_of(its) == sites) (void)smg_begin_state(e->member + k, its, at, w + 3 * sites * k, t0, h);
     else smg_blank(e->member + k, its, t0, h); /* with SMG_BAD_PARAMETER */
 #if SMG_THERMAL
     e->member[k].member = (uint32_t)k;
 #endif
-    at += size;
+    at += smg_member_memory(its);
   }
   return smg_ensemble_failed(e, 0, members);
 }
@@ -68,6 +67,8 @@ static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_params *p, int own,
 /* count steps of the members first .. first + members - 1, where none failed before. Returns how many of them have
  * failed. */
 static int64_t smg_ensemble_steps(smg_ensemble *e, int64_t first, int64_t members, int64_t count) {
+  for (int64_t k = first; k < first + members; ++k)
+    if (e->member[k].report.status == SMG_OK) (void)smg_is_ready(e->member + k);
 #if SMG_MEMBERS_AT_ONCE > 1
   if (count > 0) smg_lane_steps(e->member + first, members, count, !e->own);
 #else

@@ -63,15 +63,15 @@ static double by_hand(double h) {
   return now() - t;
 }
 
-static double one_by_one(smg_state *s, const smg_params *p, char *mem, size_t size, double h) {
-  for (int n = 0; n < MEMBERS; ++n) (void)smg_begin_state(s + n, p, mem + size * (size_t)n, start + 3 * n, 0, h);
+static double one_by_one(smg_state *s, const smg_model *model, char *mem, size_t size, double h) {
+  for (int n = 0; n < MEMBERS; ++n) (void)smg_begin_state(s + n, model, mem + size * (size_t)n, start + 3 * n, 0, h);
   const double t = now();
   for (int n = 0; n < MEMBERS; ++n) (void)F(_steps)(s + n, STEPS);
   return now() - t;
 }
 
-static double in_lanes(smg_ensemble *e, const smg_params *p, void *mem, double h) {
-  (void)F(_ensemble_init)(e, p, 0, MEMBERS, mem, start, 0, h);
+static double in_lanes(smg_ensemble *e, const smg_model *model, void *mem, double h) {
+  (void)F(_ensemble_init)(e, model, 0, MEMBERS, mem, start, 0, h);
   const double t = now();
   (void)F(_ensemble_steps)(e, 0, MEMBERS, STEPS);
   return now() - t;
@@ -87,8 +87,8 @@ static void spread_starts(void) {
 }
 
 /* How many states differ in a bit. */
-static int differing(const smg_state *s, const smg_ensemble *e, const smg_params *p) {
-  const size_t size = F(_savesize)(p);
+static int differing(const smg_state *s, const smg_ensemble *e, const smg_model *model) {
+  const size_t size = F(_savesize)(model);
   double *a = malloc(size * sizeof *a), *b = malloc(size * sizeof *b);
   int found = 0;
   for (int n = 0; n < MEMBERS; ++n) {
@@ -104,20 +104,22 @@ static int differing(const smg_state *s, const smg_ensemble *e, const smg_params
 int main(int argc, char **argv) {
   const double h = argc > 1 ? atof(argv[1]) : 0.1;
   smg_params p;
+  smg_model model;
   smg_ensemble e;
   F(_defaults)(&p);
+  (void)F(_model_init)(&model, &p);
   spread_starts();
-  const size_t size = smg_whole_lines(F(_memsize)(&p));
+  const size_t size = smg_whole_lines(F(_memsize)(&model));
   smg_state *s = malloc(sizeof *s * MEMBERS);
   char *mem = aligned_alloc(64, size * MEMBERS);
-  void *all = aligned_alloc(64, smg_whole_lines(F(_ensemble_memsize)(&p, 0, MEMBERS)));
+  void *all = aligned_alloc(64, smg_whole_lines(F(_ensemble_memsize)(&model, 0, MEMBERS)));
   double least[3] = {1e9, 1e9, 1e9};
   for (int r = 0; r < ROUNDS; ++r) {
-    const double t[3] = {in_lanes(&e, &p, all, h), one_by_one(s, &p, mem, size, h), BY_HAND ? by_hand(h) : 0};
+    const double t[3] = {in_lanes(&e, &model, all, h), one_by_one(s, &model, mem, size, h), BY_HAND ? by_hand(h) : 0};
     for (int k = 0; k < 3; ++k)
       if (t[k] < least[k]) least[k] = t[k];
   }
   for (int k = 0; k < 3; ++k) printf("%.2f ", least[k] / MEMBERS / STEPS * 1e9);
-  printf("%d %d\n", SMG_LANES, differing(s, &e, &p));
+  printf("%d %d\n", SMG_LANES, differing(s, &e, &model));
   return 0;
 }

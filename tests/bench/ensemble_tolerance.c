@@ -21,9 +21,9 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static double one_by_one(smg_state *s, const smg_params *p, char *mem, size_t size, double end, double tolerance) {
+static double one_by_one(smg_state *s, const smg_model *model, char *mem, size_t size, double end, double tolerance) {
   for (int n = 0; n < MEMBERS; ++n) {
-    (void)smg_begin_state(s + n, p, mem + size * (size_t)n, start + 3 * n, 0, end / (double)count);
+    (void)smg_begin_state(s + n, model, mem + size * (size_t)n, start + 3 * n, 0, end / (double)count);
     (void)smg_set_tolerance(s + n, tolerance);
   }
   const double t = now();
@@ -31,8 +31,8 @@ static double one_by_one(smg_state *s, const smg_params *p, char *mem, size_t si
   return now() - t;
 }
 
-static double in_lanes(smg_ensemble *e, const smg_params *p, void *mem, double end, double tolerance) {
-  (void)F(_ensemble_init)(e, p, 0, MEMBERS, mem, start, 0, end / (double)count);
+static double in_lanes(smg_ensemble *e, const smg_model *model, void *mem, double end, double tolerance) {
+  (void)F(_ensemble_init)(e, model, 0, MEMBERS, mem, start, 0, end / (double)count);
   for (int n = 0; n < MEMBERS; ++n) (void)smg_set_tolerance(e->member + n, tolerance);
   const double t = now();
   (void)F(_ensemble_steps)(e, 0, MEMBERS, count);
@@ -48,6 +48,7 @@ static void read_starts(const char *name) {
 
 int main(int argc, char **argv) {
   smg_params p;
+  smg_model model;
   smg_ensemble e;
   if (argc != 5) return 1;
   const double end = atof(argv[1]), tolerance = atof(argv[3]);
@@ -55,13 +56,14 @@ int main(int argc, char **argv) {
   int differing = 0;
   count = atoll(argv[2]);
   F(_defaults)(&p);
+  (void)F(_model_init)(&model, &p);
   read_starts(argv[4]);
-  const size_t size = smg_whole_lines(F(_memsize)(&p));
+  const size_t size = smg_whole_lines(F(_memsize)(&model));
   smg_state *s = malloc(sizeof *s * MEMBERS);
   char *mem = aligned_alloc(64, size * MEMBERS);
-  void *all = aligned_alloc(64, smg_whole_lines(F(_ensemble_memsize)(&p, 0, MEMBERS)));
+  void *all = aligned_alloc(64, smg_whole_lines(F(_ensemble_memsize)(&model, 0, MEMBERS)));
   for (int r = 0; r < ROUNDS; ++r) {
-    const double t[2] = {in_lanes(&e, &p, all, end, tolerance), one_by_one(s, &p, mem, size, end, tolerance)};
+    const double t[2] = {in_lanes(&e, &model, all, end, tolerance), one_by_one(s, &model, mem, size, end, tolerance)};
     for (int k = 0; k < 2; ++k)
       if (t[k] < least[k]) least[k] = t[k];
   }

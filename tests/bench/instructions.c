@@ -17,19 +17,19 @@ static double *starts(const char *name, size_t count) {
 }
 
 #if LANES
-static int steps_of(const F(_params) * p, const double *w, double h, double tolerance, int64_t members, int64_t steps) {
+static int steps_of(const F(_model) * model, const double *w, double h, double tolerance, int64_t members, int64_t steps) {
   F(_ensemble) e;
-  if (F(_ensemble_init)(&e, p, 0, members, aligned_alloc(64, (F(_ensemble_memsize)(p, 0, members) / 64 + 1) * 64), w, 0, h)) return 2;
+  if (F(_ensemble_init)(&e, model, 0, members, aligned_alloc(64, (F(_ensemble_memsize)(model, 0, members) / 64 + 1) * 64), w, 0, h)) return 2;
   for (int64_t k = 0; k < members; ++k)
     if (F(_set_tolerance)(&e.member[k], tolerance) != SMG_OK) return 2;
   return F(_ensemble_steps)(&e, 0, members, steps) != 0;
 }
 #else
-static int steps_of(const F(_params) * p, const double *w, double h, double tolerance, int64_t members, int64_t steps) {
+static int steps_of(const F(_model) * model, const double *w, double h, double tolerance, int64_t members, int64_t steps) {
   for (int64_t k = 0; k < members; ++k) {
     F(_state) s;
-    void *mem = aligned_alloc(64, (F(_memsize)(p) / 64 + 1) * 64);
-    if (F(_init)(&s, p, mem, w + 3 * F(_sites)(p) * k, 0, h) != SMG_OK || F(_set_tolerance)(&s, tolerance) != SMG_OK) return 2;
+    void *mem = aligned_alloc(64, (F(_memsize)(model) / 64 + 1) * 64);
+    if (F(_init)(&s, model, mem, w + 3 * F(_sites)(model) * k, 0, h) != SMG_OK || F(_set_tolerance)(&s, tolerance) != SMG_OK) return 2;
     if (F(_steps)(&s, steps) != SMG_OK) return 1;
     free(mem);
   }
@@ -39,8 +39,10 @@ static int steps_of(const F(_params) * p, const double *w, double h, double tole
 
 int main(int count, char **words) {
   F(_params) p;
+  F(_model) model;
   if (count != 6) return 4;
   F(_defaults)(&p);
+  if (F(_model_init)(&model, &p) != SMG_OK) return 2;
   const int64_t members = atoll(words[4]);
-  return steps_of(&p, starts(words[5], (size_t)(3 * F(_sites)(&p) * members)), atof(words[2]), atof(words[3]), members, atoll(words[1]));
+  return steps_of(&model, starts(words[5], (size_t)(3 * F(_sites)(&model) * members)), atof(words[2]), atof(words[3]), members, atoll(words[1]));
 }

@@ -261,6 +261,7 @@ int main(int argc, char **words) {
   static double w[NUMBERS];
   static lattice other[WAYS];
   smg_params p;
+  smg_model model;
   cubic_state s;
   if (argc < 4) return 2;
   const double h = atof(words[1]);
@@ -268,7 +269,7 @@ int main(int argc, char **words) {
   FILE *start = fopen(words[3], "rb");
   if (!start || fread(w, sizeof *w, NUMBERS, start) != NUMBERS) return 2;
   cubic_defaults(&p);
-  if (cubic_init(&s, &p, malloc(cubic_memsize(&p)), w, 0, h) != SMG_OK) return 3;
+  if (cubic_model_init(&model, &p) != SMG_OK || cubic_init(&s, &model, malloc(cubic_memsize(&model)), w, 0, h) != SMG_OK) return 3;
   double least[WAYS + 1] = {1e9, 1e9, 1e9, 1e9}, apart = 0, energies = 0;
   for (int way = 0; way < WAYS; ++way)
     if (!begin(other + way, way, w, h)) return 4;

@@ -31,10 +31,10 @@ X, Y = sp.symbols("x y", real=True)
 
 @pytest.mark.parametrize("e, text", [
     (3 * I, "3*i"), (1 * I, "i"), (0 * I, "0"), (I - 0, "i"), (I + 0, "i"), (I - I, "0"), (I + I, "2*i"), (I + 2 - 3, "i - 1"),
-    (2 + I, "i + 2"), (N - 1, "c->n0 - 1"), (3 * (N + I), "3*(c->n0 + i)"), (J - (I - 2), "j - i + 2"), (-1 * I, "-i"), (I - 2 * J, "i - 2*j"),
-    (2 * (3 * I), "6*i"), (I * J * 2, "2*i*j"), (total(), "0"), (times(), "1"), (N * (I + N * J), "c->n0*(i + c->n0*j)"),
-    (times(I + 1, J + 1), "(i + 1)*(j + 1)"), (-1 * times(I, J + 1), "-i*(j + 1)"), (J - I * (J + 1), "j - i*(j + 1)"), (wrapped(I - 1, N), "smg_wrap(i - 1, c->n0)"),
-    (modulo(P, 2) + 1, "smg_mod(c->p.n, 2) + 1"), (remainder(I, 1), "0"), (quotient(I, 1), "i"), (remainder(I + 1, N), "(i + 1) % c->n0"),
+    (2 + I, "i + 2"), (N - 1, "c->model->n0 - 1"), (3 * (N + I), "3*(c->model->n0 + i)"), (J - (I - 2), "j - i + 2"), (-1 * I, "-i"), (I - 2 * J, "i - 2*j"),
+    (2 * (3 * I), "6*i"), (I * J * 2, "2*i*j"), (total(), "0"), (times(), "1"), (N * (I + N * J), "c->model->n0*(i + c->model->n0*j)"),
+    (times(I + 1, J + 1), "(i + 1)*(j + 1)"), (-1 * times(I, J + 1), "-i*(j + 1)"), (J - I * (J + 1), "j - i*(j + 1)"), (wrapped(I - 1, N), "smg_wrap(i - 1, c->model->n0)"),
+    (modulo(P, 2) + 1, "smg_mod(c->model->p.n, 2) + 1"), (remainder(I, 1), "0"), (quotient(I, 1), "i"), (remainder(I + 1, N), "(i + 1) % c->model->n0"),
     (2 * quotient(I, 2), "2*(i / 2)"), (Cell("edge", (I + 1, ONE)), "edge[i + 1][1]"), (Field("at", "k") - 3, "at.k - 3")])
 def test_integers_are_simplified_and_printed(e, text):
     assert SCALAR(e) == text
@@ -65,7 +65,7 @@ def value(e):
 def test_simplified_integers_keep_their_value(a, b):
     """What is printed, too: blanks, signs and brackets say the same as the tree."""
     for e, number in ((a + b, value(a) + value(b)), (a - b, value(a) - value(b)), (a * b, value(a) * value(b))):
-        assert value(e) == number == eval(SCALAR(e).replace("c->", ""), {}, dict(AT))
+        assert value(e) == number == eval(SCALAR(e).replace("c->model->", ""), {}, dict(AT))
 
 
 def test_equal_integers_are_equal():
@@ -81,7 +81,7 @@ def test_comparisons_of_numbers_are_decided(left, op, right, truth):
 
 def test_a_check_that_cannot_fail_is_none():
     assert refuse(False, False) == () and len(refuse(False, compare(N, "<", 1))) == 1
-    assert SCALAR.lines(refuse(compare(N, "<", 1), compare(N, ">", 9))) == ["if (c->n0 < 1 || c->n0 > 9) return SMG_BAD_PARAMETER;"]
+    assert SCALAR.lines(refuse(compare(N, "<", 1), compare(N, ">", 9))) == ["if (c->model->n0 < 1 || c->model->n0 > 9) return SMG_BAD_PARAMETER;"]
 
 
 # Statements
@@ -105,11 +105,11 @@ def test_a_scope_stays_where_a_deeper_name_would_be_hidden():
 
 def test_loops_and_tests():
     body = (Call("f", (At(Name("w"), 3 * I), At(Name("g"), ZERO, True))),)
-    assert lines(For("i", ZERO, N, body)) == ["for (int64_t i = 0; i < c->n0; ++i) f(w + 3*i, g);"]
-    assert lines(For("j", ZERO, N, (For("i", ZERO, N, body),))) == ["for (int64_t j = 0; j < c->n0; ++j)", "  for (int64_t i = 0; i < c->n0; ++i) f(w + 3*i, g);"]
-    assert lines(For("i", ZERO, N, (*body, *body))) == ["for (int64_t i = 0; i < c->n0; ++i) {", "  f(w + 3*i, g);", "  f(w + 3*i, g);", "}"]
-    assert lines(For("i", J, N, (), step=2))[0] == "for (int64_t i = j; i < c->n0; i += 2) {"
-    assert lines(where([compare(I, "<", N), compare(I, "<", N)], body))[0] == "if (i < c->n0) {"
+    assert lines(For("i", ZERO, N, body)) == ["for (int64_t i = 0; i < c->model->n0; ++i) f(w + 3*i, g);"]
+    assert lines(For("j", ZERO, N, (For("i", ZERO, N, body),))) == ["for (int64_t j = 0; j < c->model->n0; ++j)", "  for (int64_t i = 0; i < c->model->n0; ++i) f(w + 3*i, g);"]
+    assert lines(For("i", ZERO, N, (*body, *body))) == ["for (int64_t i = 0; i < c->model->n0; ++i) {", "  f(w + 3*i, g);", "  f(w + 3*i, g);", "}"]
+    assert lines(For("i", J, N, (), step=2))[0] == "for (int64_t i = j; i < c->model->n0; i += 2) {"
+    assert lines(where([compare(I, "<", N), compare(I, "<", N)], body))[0] == "if (i < c->model->n0) {"
     assert lines(where([True], body)) == ["{", "  f(w + 3*i, g);", "}"]
     assert lines(If((compare(I, "==", ZERO),), (Return(ONE),))) == ["if (i == 0) return 1;"]
 
@@ -137,11 +137,12 @@ def test_names_numbers_arrays_and_tables():
 # Leaves and targets
 
 LEAVES = {"a": Component("v0", 2), "b": Parameter("ga", I), "c": Constant(-0.5), "d": Held("k3", "wide"), "e": Local("x0"), "f": Local("weight_J", exact=True), "g": I}
-SHOWN = {"scalar": ["v0[2]", "c->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
-         "value": ["v0.z", "c->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
-         "lanes": ["v0[2]", "c->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
-         "lanes by value": ["v0.z", "c->p.ga[i]", "smg_lane_of(-0.5)", "wide->k3", "smg_lane_of(x0)", "smg_lane_of(weight_J)", "smg_lane_of((smg_real)i)"],
-         "wide": ["smg_wide_load(v0, 2)", "smg_wide_of(c->p.ga[i])", "smg_wide_of(-0.5)", "wide->k3", "x0", "smg_wide_of(weight_J)", "smg_wide_of((smg_real)i)"]}
+SHOWN = {"model": ["v0[2]", "model->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
+         "scalar": ["v0[2]", "c->model->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
+         "value": ["v0.z", "c->model->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
+         "lanes": ["v0[2]", "c->model->p.ga[i]", "-0.5", "wide->k3", "x0", "weight_J", "(smg_real)i"],
+         "lanes by value": ["v0.z", "c->model->p.ga[i]", "smg_lane_of(-0.5)", "wide->k3", "smg_lane_of(x0)", "smg_lane_of(weight_J)", "smg_lane_of((smg_real)i)"],
+         "wide": ["smg_wide_load(v0, 2)", "smg_wide_of(c->model->p.ga[i])", "smg_wide_of(-0.5)", "wide->k3", "x0", "smg_wide_of(weight_J)", "smg_wide_of((smg_real)i)"]}
 
 
 @pytest.mark.parametrize("target", PRINTERS)
@@ -216,7 +217,7 @@ def test_what_a_kernel_reads():
 
 def test_targets_of_a_single_sphere():
     found = functions("free_rigid_body", features=("extended",))
-    assert {f.target for f in found.values()} == {"scalar", "value", "wide"}
+    assert {f.target for f in found.values()} == {"scalar", "model", "value", "wide"}
     assert found["smg_motion"].target == "value" and found["wide_effect_rotation_gradient"].target == "wide"
 
 

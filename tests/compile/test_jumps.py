@@ -178,4 +178,4 @@ def test_an_angle_jumps_where_its_first_side_is_zero():
 @pytest.mark.parametrize("energy", ["w[i].x^2/n + w[i].y*i/n", "min(w[i].y/n, w[i].z)", "abs(w[i].y/n)*w[i].z"])
 def test_where_nothing_jumps_a_product_takes_the_place_of_the_division(energy):
     c = generate(kinks(energy, 3))["kinks.c"]
-    assert c.count("1.0/(smg_real)c->p.n") == 1 and "/(smg_real)c->p.n" not in c.partition("effect_field_value")[2].partition("}")[0]
+    assert c.count("1.0/(smg_real)model->p.n") == 1 and "/(smg_real)c->model->p.n" not in c.partition("effect_field_value")[2].partition("}")[0]

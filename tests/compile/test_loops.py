@@ -43,10 +43,12 @@ PROGRAM = """
 #include <stdio.h>
 #include "smg_site.h"
 typedef struct {{ int64_t n; }} params;
-typedef struct {{ params p; int64_t n0, n1, n2, n3; }} coefficients;
+typedef struct {{ params p; int64_t n0, n1, n2, n3; }} model;
+typedef struct {{ const model *model; }} coefficients;
 {tables}
 int main(void) {{
-  coefficients k, *c = &k;
+  model k;
+  const coefficients own = {{&k}}, *c = &own;
   k.p.n = 5;
 {sizes}
 {scatter}

@@ -48,10 +48,10 @@ def sized(size="2*n", use="kappa", other="n*m + 1"):
 @pytest.mark.parametrize("size, use, features", [*((size, use, ()) for size, use in zip(LENGTHS, cycle(USES))),
                                                  *(("2*n", use, tuple(FEATURES)) for use in USES)])
 def test_every_coefficient_that_is_read_is_computed(size, use, features):
-    """Sizes n0, n1, .. in `_sizes`, values k0, k1, .. in `_prepare` or `_set_time`; none is declared in vain."""
+    """Sizes n0, n1, .. in `_sizes`, values k0, k1, .. in `_prepare`, `_set_step` or `_set_time`; none is declared in vain."""
     files = generate(load_text(sized(size, use)), features=features)
-    read = set(re.findall(r"(?:c|wide)->([nk]\d+)(?! = )", files["sized.c"]))
-    computed = set(re.findall(r"(?:c|wide)->([nk]\d+) = ", files["sized.c"]))
+    read = set(re.findall(r"(?:c|wide|model)->([nk]\d+)(?! = )", files["sized.c"]))
+    computed = set(re.findall(r"(?:c|wide|model)->([nk]\d+) = ", files["sized.c"]))
     declared = set(re.findall(r"(?:int64_t|smg_real|smg_wide) ([nk]\d+);", files["sized.h"]))
     assert read <= computed == declared
 
@@ -63,6 +63,7 @@ MAIN = """
 int main(void) {
   for (int64_t n = 3; n < 6; ++n) {
     sized_params p;
+    sized_model model;
     sized_defaults(&p);
     p.n = n;
     double *gamma = (double *)malloc((size_t)(2 * n) * sizeof(double)), *delta = (double *)malloc((size_t)(3 * n + 1) * sizeof(double));
@@ -70,9 +71,9 @@ int main(void) {
     for (int64_t k = 0; k < 3 * n + 1; ++k) delta[k] = 1;
     p.gamma = gamma;
     p.delta = delta;
-    if (sized_check(&p) != SMG_OK) return 1;
+    if (sized_model_init(&model, &p) != SMG_OK) return 1;
     delta[3 * n] = (double)NAN;
-    if (sized_check(&p) != SMG_NOT_FINITE) return 2;
+    if (sized_model_init(&model, &p) != SMG_NOT_FINITE) return 2;
     free(gamma);
     free(delta);
   }
@@ -117,13 +118,14 @@ static void try{number}(int64_t n, int64_t m, int64_t k) {{
   for (int e = 0; e < 8; ++e) gamma[e] = e < n ? 1 : (double)NAN; /* what is not its own reads as not finite */
   for (int e = 0; e < 32; ++e) A[e] = e < n * m ? 1 : (double)NAN;
   access{number}_params p;
+  access{number}_model model;
   access{number}_defaults(&p);
   p.n = n;
   p.m = m;
   p.k = k;
   p.gamma = gamma;
   p.A = A;
-  printf("%d ", (int)access{number}_check(&p));
+  printf("%d ", (int)access{number}_model_init(&model, &p));
 }}
 """
 

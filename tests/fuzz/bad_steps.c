@@ -30,6 +30,7 @@ typedef struct trial {
   int step, verbose;
   int64_t sites;
   P p;
+  model m;
   double arrays[ARRAY_ROOM], w[3 * SITES], before[3 * SITES], t0, h;
   S s;
   unsigned char *mem;
@@ -200,7 +201,7 @@ static void check_branch(const trial *t, const equation *e, const real *u) {
 /* Is the field at w a number, and so small that products of it are? */
 static int moderate_at(const trial *t, const equation *e, const double *w) {
   double b[3 * SITES];
-  model_field(&t->p, (double)e->t, w, b);
+  model_field(&t->m, (double)e->t, w, b);
   for (int64_t k = 0; k < 3 * e->sites; k++)
     if (!(fabs(b[k]) < 1e150)) return 0;
   return 1;
@@ -254,7 +255,7 @@ static void judge(trial *t, equation *e, smg_status status, int64_t branches, di
 }
 
 static void run_steps(trial *t, equation *e, int64_t branches, dice *d) {
-  const size_t size = sizeof(double) * model_savesize(&t->p);
+  const size_t size = sizeof(double) * model_savesize(&t->m);
   double *before = (double *)malloc(size);
   t->now = (double *)malloc(size);
   for (t->step = 1; t->step <= STEPS; t->step++) {
@@ -285,7 +286,7 @@ static int describe(trial *t, equation *e) {
   static const real matrix[9] = CASIMIR;
   e->p = &t->p, e->method = METHOD, e->orientation = ORIENTATION, e->h = (real)t->h;
   memcpy(e->casimir, matrix, sizeof matrix);
-  return sites_of(&t->p, e);
+  return sites_of(&t->p, model_sites(&t->m), e);
 }
 
 static void one_case(trial *t, int64_t branches) {
@@ -294,19 +295,19 @@ static void one_case(trial *t, int64_t branches) {
   t->step = 0, t->mem = NULL;
   draw_parameters(&d, &t->p, t->arrays);
   t->h = draw_step(&d), t->t0 = draw_time(&d);
-  smg_status status = model_check(&t->p);
-  if (status == SMG_OK && !(model_sites(&t->p) <= SITES)) {
+  smg_status status = model_make(&t->m, &t->p);
+  if (status == SMG_OK && !(model_sites(&t->m) <= SITES)) {
     all.skipped++;
     return;
   }
-  if (status == SMG_OK && !describe(t, &e)) violation(t, "sites", (real)model_sites(&t->p), (real)e.sites);
+  if (status == SMG_OK && !describe(t, &e)) violation(t, "sites", (real)model_sites(&t->m), (real)e.sites);
   if (status == SMG_OK) {
     draw_start(&d, &e, t->w);
-    t->bytes = model_memsize(&t->p);
+    t->bytes = model_memsize(&t->m);
     t->mem = (unsigned char *)malloc(t->bytes);
     memset(t->mem, 0xa5, t->bytes);
     memset(&t->s, 0xa5, sizeof t->s);
-    status = model_init(&t->s, &t->p, t->mem, t->w, t->t0, t->h);
+    status = model_init(&t->s, &t->m, t->mem, t->w, t->t0, t->h);
   }
   if (status == SMG_OK) run_steps(t, &e, branches, &d);
   else all.steps++, all.status[status]++; /* a start refused is a step refused */

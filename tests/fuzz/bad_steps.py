@@ -35,8 +35,9 @@ GLUE = """#include "{name}.h"
 #define CASIMIR {{{casimir}}}
 #define ARRAY_ROOM {room}
 typedef {name}_params P;
+typedef {name}_model model;
 typedef {name}_state S;
-#define model_check {name}_check
+#define model_make {name}_model_init
 #define model_sites {name}_sites
 #define model_memsize {name}_memsize
 #define model_init {name}_init
@@ -57,12 +58,12 @@ static void print_parameters(const P *p) {{
 }}
 
 /* Kind and squared radius of every site; 0 when the model counts other sites. */
-static int sites_of(const P *p, equation *e) {{
+static int sites_of(const P *p, int64_t sites, equation *e) {{
   int64_t site = 0;
   (void)p, e->strongest = 0;
   {sites}
   e->sites = site;
-  return site == model_sites(p);
+  return site == sites;
 }}
 """
 
@@ -130,7 +131,8 @@ REFERENCE = """#include "exact.h"
 
 void reference_field(const void *p, long double t, const long double *w, long double *b);
 void reference_field(const void *p, long double t, const long double *w, long double *b) {
-  exact_field((const exact_params *)p, t, w, b);
+  exact_model model;
+  if (exact_model_init(&model, (const exact_params *)p) == SMG_OK) exact_field(&model, t, w, b);
 }
 """
 

@@ -32,8 +32,8 @@ static smg_real *some(size_t bytes) {{
   return x;
 }}
 
-static smg_real *saved(const {M}_state *s, const {M}_params *p) {{
-  smg_real *x = some({M}_savesize(p) * sizeof *x);
+static smg_real *saved(const {M}_state *s, const {M}_model *model) {{
+  smg_real *x = some({M}_savesize(model) * sizeof *x);
   {M}_save(s, x);
   return x;
 }}
@@ -79,51 +79,52 @@ static const double start[] = {{ {start} }};
 int main(void) {{
   const double t0 = {t0}, h = {h};
   {M}_params p;
+  {M}_model model;
   {M}_state s, r;
   {M}_defaults(&p);
 {assign}
-  smg_status status = {M}_check(&p);
+  smg_status status = {M}_model_init(&model, &p);
   one("check", (smg_real)status);
   if (status != SMG_OK) return 0;
-  const size_t n = 3 * (size_t){M}_sites(&p), size = {M}_savesize(&p);
+  const size_t n = 3 * (size_t){M}_sites(&model), size = {M}_savesize(&model);
   if (n != sizeof start / sizeof *start) return 8;
-  smg_real *w = some(n * sizeof *w), *x = some(n * sizeof *x), *mem = some({M}_memsize(&p)), *other = some({M}_memsize(&p));
+  smg_real *w = some(n * sizeof *w), *x = some(n * sizeof *x), *mem = some({M}_memsize(&model)), *other = some({M}_memsize(&model));
   for (size_t k = 0; k < n; ++k) w[k] = (smg_real)start[k];
-  status = {M}_init(&s, &p, mem, w, t0, h);
+  status = {M}_init(&s, &model, mem, w, t0, h);
   one("init", (smg_real)status);
   if (status != SMG_OK) return 0;
-  one("energy", {M}_energy(&p, (smg_real)t0, s.w));
+  one("energy", {M}_energy(&model, (smg_real)t0, s.w));
 {values}
-  {M}_field(&p, (smg_real)t0, s.w, x);
+  {M}_field(&model, (smg_real)t0, s.w, x);
   put("field", x, n);
-  {M}_casimirs(&p, s.w, x);
+  {M}_casimirs(&model, s.w, x);
   put("casimirs", x, n / 3);
   smg_real sum[3 * {families}];
-  {M}_momentum(&p, s.w, sum);
+  {M}_momentum(&model, s.w, sum);
   put("momentum", sum, 3 * {families});
   smg_real *half = NULL;
   for (int k = 0; k < {count} && status == SMG_OK; ++k) {{
-    smg_real *before = saved(&s, &p);
-    if (k == {count} / 2) half = saved(&s, &p);
+    smg_real *before = saved(&s, &model);
+    if (k == {count} / 2) half = saved(&s, &model);
     status = {M}_step(&s);
     if (status == SMG_OK) put("w", s.w, n);
-    else one("stays", same(saved(&s, &p), saved(&s, &p), size) && memcmp(before + 10, s.w, 0) == 0);
+    else one("stays", same(saved(&s, &model), saved(&s, &model), size) && memcmp(before + 10, s.w, 0) == 0);
     free(before);
   }}
   one("status", (smg_real)status);
   one("layout", (smg_real)layout((const smg_state *)&s));
 {tangent}
-  if ({M}_init(&r, &p, other, w, t0, h) == SMG_OK) {{
+  if ({M}_init(&r, &model, other, w, t0, h) == SMG_OK) {{
     const smg_status all = {M}_steps(&r, {count});
-    one("together", all == status && same(saved(&s, &p), saved(&r, &p), size));
+    one("together", all == status && same(saved(&s, &model), saved(&r, &model), size));
   }}
 {members}
   if (half) {{      /* in a model that has gone elsewhere */
-    int equal = {M}_init(&r, &p, other, w, t0 + 1, 2 * h) == SMG_OK;
+    int equal = {M}_init(&r, &model, other, w, t0 + 1, 2 * h) == SMG_OK;
     (void){M}_steps(&r, 2);
     equal = equal && {M}_restore(&r, half) == SMG_OK;
     const smg_status again = {M}_steps(&r, {count} - {count} / 2);
-    equal = equal && again == status && r.count == s.count && same(saved(&s, &p), saved(&r, &p), size);
+    equal = equal && again == status && r.count == s.count && same(saved(&s, &model), saved(&r, &model), size);
     one("restored", (smg_real)equal);
   }}
   free(half);
@@ -137,7 +138,7 @@ int main(void) {{
 """
 TANGENT = """
   if (status == SMG_OK) {{
-    smg_real *v = some(2 * n * sizeof *v), *scratch = some({M}_tangent_memsize(&p));
+    smg_real *v = some(2 * n * sizeof *v), *scratch = some({M}_tangent_memsize(&model));
     for (size_t k = 0; k < 2 * n; ++k) v[k] = (smg_real)(k % 7) - 3;
     one("carried", (smg_real){M}_tangent(&s, v, 2, scratch));
     put("tangent", v, 2 * n);
@@ -149,19 +150,19 @@ TANGENT = """
 ENSEMBLE = """
 enum {{ MEMBERS = 11 }};
 
-static int members(const {M}_params *p, const smg_real *w, size_t n, double t0, double h) {{
+static int members(const {M}_model *model, const smg_real *w, size_t n, double t0, double h) {{
   {M}_ensemble e;
   {M}_state alone;
-  smg_real *all = some(MEMBERS * n * sizeof *all), *own = some({M}_memsize(p));
-  char *mem = (char *)some({M}_ensemble_memsize(p, 0, MEMBERS));
+  smg_real *all = some(MEMBERS * n * sizeof *all), *own = some({M}_memsize(model));
+  char *mem = (char *)some({M}_ensemble_memsize(model, 0, MEMBERS));
   int equal = 1;
   for (size_t k = 0; k < MEMBERS * n; ++k) all[k] = (k / n % 2 ? -1 : 1) * w[k % n / 3 * 3 + (k % 3 + k / n % 3) % 3];
-  (void){M}_ensemble_init(&e, p, 0, MEMBERS, mem, all, t0, h);
+  (void){M}_ensemble_init(&e, model, 0, MEMBERS, mem, all, t0, h);
   (void){M}_ensemble_steps(&e, 0, MEMBERS, {count} / 2);
   (void){M}_ensemble_steps(&e, 0, 3, {count} / 2);
   (void){M}_ensemble_steps(&e, 3, MEMBERS - 3, {count} / 2);
   for (size_t k = 0; k < MEMBERS; ++k) {{
-    smg_status status = {M}_init(&alone, p, own, all + n * k, t0, h);
+    smg_status status = {M}_init(&alone, model, own, all + n * k, t0, h);
     const int begun = status == SMG_OK;
     if (begun) status = {M}_steps(&alone, {count} / 2);
     if (status == SMG_OK) status = {M}_steps(&alone, {count} / 2);
@@ -175,7 +176,7 @@ static int members(const {M}_params *p, const smg_real *w, size_t n, double t0, 
 }}
 """
 MEMBERS = """
-  one("members", (smg_real)members(&p, w, n, t0, h));
+  one("members", (smg_real)members(&model, w, n, t0, h));
   one("lanes", (smg_real){M}_ensemble_lanes());"""
 
 
@@ -191,7 +192,7 @@ def program(scene, values, w, t0, h, features) -> str:
         M=name, start=listed(w.ravel()), t0=literal(t0), h=literal(h), count=COUNT, families=len(scene.families),
         tables="\n".join(f"static const double given_{a}[] = {{ {listed(x)} }};" for a, x in arrays.items()),
         assign="\n".join([f"  p.{in_c(k)} = {literal(x)};" for k, x in numbers.items()] + [heap(a) for a in arrays]),
-        values="\n".join(f'  one("{shown}", {call}(&p, (smg_real)t0, s.w));' for shown, call in calls),
+        values="\n".join(f'  one("{shown}", {call}(&model, (smg_real)t0, s.w));' for shown, call in calls),
         ensemble=ENSEMBLE.format(M=name, count=COUNT) if "ensemble" in features else "", members=MEMBERS.format(M=name) if "ensemble" in features else "",
         tangent=TANGENT.format(M=name) if "tangent" in features else "",
         free="\n".join(f"  free(own_{a});" for a in arrays))

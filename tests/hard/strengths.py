@@ -32,14 +32,15 @@ int main(int argc, char **argv) {
   static double mem[65536], k[2];
   double w[6];
   two_spins_params p;
+  two_spins_model model;
   two_spins_state s;
   if (argc != 10) return 1;
   for (int i = 0; i < 2; ++i) k[i] = strtod(argv[1 + i], 0);
   for (int i = 0; i < 6; ++i) w[i] = strtod(argv[3 + i], 0);
   two_spins_defaults(&p);
   p.k = k;
-  if (two_spins_memsize(&p) > sizeof mem) return 2;
-  if (two_spins_init(&s, &p, mem, w, 0, strtod(argv[9], 0)) != SMG_OK) return 3;
+  if (two_spins_model_init(&model, &p) != SMG_OK || two_spins_memsize(&model) > sizeof mem) return 2;
+  if (two_spins_init(&s, &model, mem, w, 0, strtod(argv[9], 0)) != SMG_OK) return 3;
   if (two_spins_step(&s) != SMG_OK) return 4;
   for (int i = 0; i < 6; ++i) printf("%.21Lg ", (long double)s.w[i] - w[i] + s.compensation[i]);
   return 0;

@@ -35,9 +35,9 @@ DRIVER = """
 int main(void) {{
   static double mem[100000];
   double w[] = {{{w}}}, guess[] = {{{guess}}};
-  pairs_params p; pairs_state s;
+  pairs_params p; pairs_model model; pairs_state s;
   pairs_defaults(&p);
-  if (pairs_init(&s, &p, mem, w, 0, {h}) != SMG_OK) return 2;
+  if (pairs_model_init(&model, &p) != SMG_OK || pairs_init(&s, &model, mem, w, 0, {h}) != SMG_OK) return 2;
   smg_set_time(&s.c, 0);
   memcpy(s.mbar, guess, sizeof guess);
 #if SMG_MATRIX_FREE

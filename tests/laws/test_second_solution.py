@@ -116,12 +116,12 @@ DRIVER = """
 #include <stdio.h>
 int main(void) {{
   static double mem[1000000], h, w[{size}], u[{size}];
-  pairs_params p; pairs_state s;
+  pairs_params p; pairs_model model; pairs_state s;
   pairs_defaults(&p);
   if (scanf("%lf", &h) != 1) return 4;
   for (int k = 0; k < {size}; ++k) if (scanf("%lf", w + k) != 1) return 4;
   for (int k = 0; k < {size}; ++k) if (scanf("%lf", u + k) != 1) return 4;
-  if (pairs_init(&s, &p, mem, w, 0, h) != SMG_OK) return 2;
+  if (pairs_model_init(&model, &p) != SMG_OK || pairs_init(&s, &model, mem, w, 0, h) != SMG_OK) return 2;
   for (int k = 0; k < {size}; ++k) s.past[0][k] = u[k];
   s.history = 1;
   s.degree = 0;

@@ -7,19 +7,22 @@
 
 int main(void) {
   free_rigid_body_params p;
+  free_rigid_body_model model;
   free_rigid_body_state s, again;
   const smg_real w[3] = {0.6, 0, 0.8};
   free_rigid_body_defaults(&p);
-  const size_t bytes = free_rigid_body_memsize(&p), numbers = free_rigid_body_savesize(&p);
+  smg_status status = free_rigid_body_model_init(&model, &p);
+  if (status != SMG_OK) return 1;
+  const size_t bytes = free_rigid_body_memsize(&model), numbers = free_rigid_body_savesize(&model);
   void *memory = malloc(bytes), *other = malloc(bytes);
   smg_real *saved = (smg_real *)malloc(numbers * sizeof *saved);
   if (!memory || !other || !saved) return 1;
-  smg_status status = free_rigid_body_init(&s, &p, memory, w, 0.0, 0.1);
+  status = free_rigid_body_init(&s, &model, memory, w, 0.0, 0.1);
   if (status == SMG_OK) status = free_rigid_body_steps(&s, 500);
   free_rigid_body_save(&s, saved); /* these numbers may go to a file */
   if (status == SMG_OK) status = free_rigid_body_steps(&s, 500);
 
-  if (status == SMG_OK) status = free_rigid_body_init(&again, &p, other, w, 0.0, 0.1);
+  if (status == SMG_OK) status = free_rigid_body_init(&again, &model, other, w, 0.0, 0.1);
   if (status == SMG_OK) status = free_rigid_body_restore(&again, saved);
   if (status == SMG_OK) status = free_rigid_body_steps(&again, 500);
   if (status != SMG_OK) {

@@ -147,8 +147,10 @@ def test_two_models_in_one_program(both):
     (both / "both.c").write_text(
         '#include "heisenberg_chain.h"\n#include "free_rigid_body.h"\n'
         "int main(void) { heisenberg_chain_params a; free_rigid_body_params b;\n"
+        "heisenberg_chain_model c; free_rigid_body_model d;\n"
         "heisenberg_chain_defaults(&a); free_rigid_body_defaults(&b);\n"
-        "return heisenberg_chain_sites(&a) == 100 && free_rigid_body_sites(&b) == 1 ? 0 : 1; }\n")
+        "if (heisenberg_chain_model_init(&c, &a) || free_rigid_body_model_init(&d, &b)) return 1;\n"
+        "return heisenberg_chain_sites(&c) == 100 && free_rigid_body_sites(&d) == 1 ? 0 : 1; }\n")
     flags = " ".join(STRICT).replace("-O2", "-O0")
     sh(f"gcc -std=c11 {flags} both.c heisenberg_chain.c free_rigid_body.c -lm -o both; ./both", both)
 
@@ -170,11 +172,12 @@ def test_the_steps_are_those_of_smidgen_run(both):
     folder = both
     (folder / "bits.c").write_text(
         '#include "free_rigid_body.h"\n#include <stdio.h>\n'
-        "int main(void) { free_rigid_body_params p; free_rigid_body_state s; smg_real mem[4096];\n"
+        "int main(void) { free_rigid_body_params p; free_rigid_body_model model; free_rigid_body_state s; smg_real mem[4096];\n"
         "smg_real w[3]; free_rigid_body_defaults(&p);\n"
+        "if (free_rigid_body_model_init(&model, &p)) return 1;\n"
         'for (int k = 0; k < 3; k++) if (scanf("%lf", &w[k]) != 1) return 2;\n'
-        "if (free_rigid_body_memsize(&p) > sizeof mem) return 3;\n"
-        "free_rigid_body_init(&s, &p, mem, w, 0, 0.125); free_rigid_body_steps(&s, 80);\n"
+        "if (free_rigid_body_memsize(&model) > sizeof mem) return 3;\n"
+        "free_rigid_body_init(&s, &model, mem, w, 0, 0.125); free_rigid_body_steps(&s, 80);\n"
         'printf("%a %a %a\\n", s.w[0], s.w[1], s.w[2]); return 0; }\n')
     sh("gcc -std=c11 -O3 -ffp-contract=off bits.c free_rigid_body.c -lm -o bits", folder)
     from smidgen.read.shipped import load_spec

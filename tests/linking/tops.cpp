@@ -9,11 +9,13 @@
 class Top {
 public:
   Top(double I1, double I2, double I3, double h) {
+    free_rigid_body_params p;
     free_rigid_body_defaults(&p);
     p.I1 = I1, p.I2 = I2, p.I3 = I3;
-    memory.resize(free_rigid_body_memsize(&p) / sizeof(smg_real) + 1);
+    check(free_rigid_body_model_init(&model, &p));
+    memory.resize(free_rigid_body_memsize(&model) / sizeof(smg_real) + 1);
     const smg_real w[3] = {std::cos(1.1), 0, std::sin(1.1)};
-    check(free_rigid_body_init(&s, &p, memory.data(), w, 0.0, h));
+    check(free_rigid_body_init(&s, &model, memory.data(), w, 0.0, h));
   }
   Top(const Top &) = delete; // the state points into its own memory
   Top &operator=(const Top &) = delete;
@@ -26,7 +28,7 @@ private:
   static void check(smg_status status) {
     if (status != SMG_OK) throw std::runtime_error(smg_message(status));
   }
-  free_rigid_body_params p;
+  free_rigid_body_model model;
   free_rigid_body_state s;
   std::vector<smg_real> memory;
 };

@@ -93,17 +93,19 @@ STEPS = """
 #include <string.h>
 int main(void) {
   smg_params p;
+  smg_model model;
   ring_state s[2];
   double w[54], *saved[2];
   ring_defaults(&p);
+  if (ring_model_init(&model, &p) != SMG_OK) return 1;
   for (int k = 0; k < 54; ++k) w[k] = k % 3 == 0 ? 0.6 : k % 3 == 1 + k / 3 % 2 ? 0.8 : 0;
   for (int k = 0; k < 2; ++k) {
-    saved[k] = malloc(ring_savesize(&p) * sizeof(double));
-    if (ring_init(s + k, &p, malloc(ring_memsize(&p)), w, 0, 0.1) != SMG_OK) return 1;
+    saved[k] = malloc(ring_savesize(&model) * sizeof(double));
+    if (ring_init(s + k, &model, malloc(ring_memsize(&model)), w, 0, 0.1) != SMG_OK) return 1;
   }
   if (ring_step(s) != SMG_OK || ring_step(s) != SMG_OK || ring_steps(s + 1, 2) != SMG_OK) return 2;
   for (int k = 0; k < 2; ++k) ring_save(s + k, saved[k]);
-  return memcmp(saved[0], saved[1], ring_savesize(&p) * sizeof(double)) ? 3 : 0;
+  return memcmp(saved[0], saved[1], ring_savesize(&model) * sizeof(double)) ? 3 : 0;
 }
 """
 

@@ -435,14 +435,16 @@ int main(void) {{
   static const double start[] = {{ {start} }};
   const int64_t size = (int64_t)(sizeof start / sizeof *start);
   {name}_params p;
+  {name}_model model;
   {name}_state s;
   {name}_defaults(&p);
   {assign}
-  void *mem = malloc({name}_memsize(&p)), *more = malloc({name}_tangent_memsize(&p));
+  if ({name}_model_init(&model, &p) != SMG_OK) return 1;
+  void *mem = malloc({name}_memsize(&model)), *more = malloc({name}_tangent_memsize(&model));
   smg_real *w = (smg_real *)malloc(sizeof(smg_real) * (size_t)size), *v = (smg_real *)malloc(sizeof(smg_real) * 2 * (size_t)size);
   for (int64_t k = 0; k < size; ++k) w[k] = start[k];
   for (int64_t k = 0; k < 2 * size; ++k) v[k] = 1;
-  smg_status status = {name}_init(&s, &p, mem, w, 0.25, {h});
+  smg_status status = {name}_init(&s, &model, mem, w, 0.25, {h});
   if (status != SMG_OK) return 1;
   if ({name}_tangent(&s, v, 2, more) != SMG_BAD_PARAMETER) return 2;
   for (int k = 0; k < 5 && status == SMG_OK; ++k) {{

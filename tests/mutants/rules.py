@@ -19,14 +19,14 @@ TIME = (
     (STEP, r"return \(smg_real\)s->t0 \+ ", r"return "),
     (STEP, r"return \(smg_real\)s->t0 \+ .*;", r"return (smg_real)s->t0;"),
     (STEP, r"smg_set_time\(c, t\)", r"smg_set_time(c, 0)"),
-    (STEP, r"smg_begin\(&(k|c), p, t\)", r"smg_begin(&\1, p, 0)"),
+    (STEP, r"smg_begin\(&(k|c), model, t\)", r"smg_begin(&\1, model, 0)"),
     (STEP, r"return s->t0 \+ \(double\)s->count \* s->h", r"return s->t0"),
     (STEP, r"return s->t0 \+ \(double\)s->count", r"return s->t0 + (double)(s->count - 1)"),
     (STEP, r"\+\+s->count;", r";"),
     ("gen/compile/lower/lowering.py", r"return CLOCK", r"return PREPARE"),
     ("gen/compile/lower/lowering.py", r"max\(self\.when\(a\) for a in early\)", r"min(self.when(a) for a in early)"),
-    ("gen/compile/assemble/parameters.py", r'Assign\(Member\("c", "t"\), Name\("t"\)\)', r'Assign(Member("c", "t"), ZERO)'),
-    ("gen/compile/assemble/parameters.py", r"\*stored\(model, CLOCK\)", r"*stored(model, CLOCK)[:-1]"),
+    ("gen/compile/assemble/parameters.py", r"Assign\(Member\(\"c\", name\), Name\(name\)\)", r'Assign(Member("c", name), ZERO)'),
+    ("gen/compile/assemble/parameters.py", r"\*stored\(model, level\)", r"*stored(model, level)[:-1]"),
 )
 
 # J_ij = delta_ij + G_i (d2H/dw_i dw_j) S_j^T, its own part from the curvature of C, and what corrects with it.

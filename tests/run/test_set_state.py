@@ -202,17 +202,19 @@ EDGES = """
 
 int main(void) {{
   {M}_params p;
+  {M}_model model;
   {M}_state s;
   {M}_defaults(&p);
-  const size_t n = 3 * (size_t){M}_sites(&p), size = {M}_savesize(&p);
+  CHECK({M}_model_init(&model, &p) == SMG_OK);
+  const size_t n = 3 * (size_t){M}_sites(&model), size = {M}_savesize(&model);
   smg_real *w = malloc(n * sizeof *w), *one = malloc(size * sizeof *one), *other = malloc(size * sizeof *other);
-  void *mem = malloc({M}_memsize(&p));
+  void *mem = malloc({M}_memsize(&model));
   for (size_t k = 0; k < n; ++k) w[k] = k % 3 == 0 ? 0.6 : k % 3 == 1 ? 0 : k % 2 ? 0.8 : -0.8;
-  CHECK({M}_init(&s, &p, mem, w, 0, 1e-310) == SMG_BAD_PARAMETER);
-  CHECK({M}_init(&s, &p, mem, w, 0, 0) == SMG_OK); /* no motion, and its saved state is one */
+  CHECK({M}_init(&s, &model, mem, w, 0, 1e-310) == SMG_BAD_PARAMETER);
+  CHECK({M}_init(&s, &model, mem, w, 0, 0) == SMG_OK); /* no motion, and its saved state is one */
   {M}_save(&s, one);
   CHECK({M}_restore(&s, one) == SMG_OK);
-  CHECK({M}_init(&s, &p, mem, w, 0, 0.1) == SMG_OK && {M}_steps(&s, 5) == SMG_OK);
+  CHECK({M}_init(&s, &model, mem, w, 0, 0.1) == SMG_OK && {M}_steps(&s, 5) == SMG_OK);
   {M}_save(&s, one);
   const int64_t none[] = {{INT64_MIN, -1, 0}};
   for (int k = 0; k < 3; ++k) CHECK({M}_steps(&s, none[k]) == SMG_OK && s.count == 5);
@@ -232,9 +234,9 @@ int main(void) {{
   s.w[0] = -s.w[0];
   CHECK({M}_set_state(&s, s.w) == SMG_OK && {M}_step(&s) == SMG_OK);
 
-  {M}_params bad = p;
-  bad.{p} = {value};
-  CHECK({M}_check(&bad) != SMG_OK);
+  {M}_model bad;
+  p.{p} = {value};
+  CHECK({M}_model_init(&bad, &p) != SMG_OK);
   CHECK({M}_init(&s, &bad, mem, w, 0, 0.1) != SMG_OK && {M}_set_state(&s, w) == SMG_BAD_PARAMETER && {M}_restore(&s, one) == SMG_BAD_PARAMETER);
   free(w), free(one), free(other), free(mem);
   return 0;
@@ -272,13 +274,15 @@ static void kick(smg_real *w) {{
 /* Members in lanes, some of them kicked, one refused, which then takes no more steps until it is set again: the bits of states alone. */
 int main(void) {{
   {M}_params p;
+  {M}_model model;
   {M}_ensemble e;
   {M}_state s;
   smg_real w[3 * N], none[3] = {{0, 0, 0}}, v[3];
   {M}_defaults(&p);
+  if ({M}_model_init(&model, &p)) return 1;
   for (int k = 0; k < N; ++k) w[3 * k] = 0.6, w[3 * k + 1] = 0.8 * cos(k), w[3 * k + 2] = 0.8 * sin(k);
-  void *mem = malloc({M}_ensemble_memsize(&p, 0, N)), *own = malloc({M}_memsize(&p));
-  if ({M}_ensemble_init(&e, &p, 0, N, mem, w, 0, 0.3) || {M}_ensemble_steps(&e, 0, N, INT64_MIN) || {M}_ensemble_steps(&e, 0, N, 17)) return 1;
+  void *mem = malloc({M}_ensemble_memsize(&model, 0, N)), *own = malloc({M}_memsize(&model));
+  if ({M}_ensemble_init(&e, &model, 0, N, mem, w, 0, 0.3) || {M}_ensemble_steps(&e, 0, N, INT64_MIN) || {M}_ensemble_steps(&e, 0, N, 17)) return 1;
   for (int k = 0; k < N; k += 2) {{
     memcpy(v, e.member[k].w, sizeof v);
     kick(v);
@@ -288,7 +292,7 @@ int main(void) {{
   memcpy(v, e.member[1].w, sizeof v);
   if ({M}_set_state(&e.member[1], v) || {M}_ensemble_steps(&e, 0, N, 5) != 0 || e.member[1].count != 22) return 4;
   for (int k = 0; k < N; ++k) {{
-    if ({M}_init(&s, &p, own, w + 3 * k, 0, 0.3) || {M}_steps(&s, 17)) return 5;
+    if ({M}_init(&s, &model, own, w + 3 * k, 0, 0.3) || {M}_steps(&s, 17)) return 5;
     memcpy(v, s.w, sizeof v);
     if (k % 2 == 0) kick(v);
     if ((k % 2 == 0 || k == 1) && {M}_set_state(&s, v)) return 6;

@@ -57,13 +57,15 @@ static const double absurd[] = {{0.5, -1, -2, 7, 8, 9, 10, 12, 255, 256, -255, -
 
 int main(void) {{
   {M}_params p;
+  {M}_model model;
   {M}_state s;
   {M}_defaults(&p);
-  const size_t n = 3 * (size_t){M}_sites(&p), size = {M}_savesize(&p);
+  if ({M}_model_init(&model, &p) != SMG_OK) return 1;
+  const size_t n = 3 * (size_t){M}_sites(&model), size = {M}_savesize(&model);
   smg_real *w = malloc(n * sizeof *w), *one = malloc(size * sizeof *one), *wrong = malloc(size * sizeof *one), *end = malloc(size * sizeof *one), *again = malloc(size * sizeof *one);
-  void *mem = malloc({M}_memsize(&p));
+  void *mem = malloc({M}_memsize(&model));
   int taken = 0;
-  if (fread(w, sizeof *w, n, stdin) != n || {M}_init(&s, &p, mem, w, 0, {h}) != SMG_OK || {M}_steps(&s, {steps}) != SMG_OK) return 1;
+  if (fread(w, sizeof *w, n, stdin) != n || {M}_init(&s, &model, mem, w, 0, {h}) != SMG_OK || {M}_steps(&s, {steps}) != SMG_OK) return 1;
   {M}_save(&s, one);
   for (int k = 0; k < 400; ++k) {{
     memcpy(wrong, one, size * sizeof *one);

@@ -19,13 +19,20 @@ typedef struct smg_params {
   double sigma;
 } smg_params;
 
-typedef struct smg_coefficients {
+typedef struct smg_model {
   smg_params p;
+  uint64_t version;
+  smg_status status;
+} smg_model;
+
+typedef struct smg_coefficients {
+  const smg_model *model;
   smg_real t, h, field[3];
 } smg_coefficients;
 
 typedef struct smg_state {
   smg_coefficients c;
+  uint64_t version;
   double t0, h;
   int64_t count;
   int history, degree, rest;
@@ -55,23 +62,19 @@ static inline void smg_set_time(smg_coefficients *c, smg_real t) {
   c->field[2] = (smg_real)0.5;
 }
 
-static inline void smg_sizes(smg_coefficients *c, const smg_params *p) {
-  c->p = *p;
-  c->h = 0;
-  smg_set_time(c, 0);
-}
-
-static inline smg_status smg_check_sizes(const smg_coefficients *c) { return c->p.sites < 1 ? SMG_BAD_PARAMETER : SMG_OK; }
-static inline int smg_prepare(smg_coefficients *c) { return c->p.sigma - c->p.sigma == 0; }
-static inline int64_t smg_sites(const smg_coefficients *c) { return c->p.sites; }
-static inline int64_t smg_family_end(const smg_coefficients *c, int f) { return f == 0 ? c->p.sites : 0; }
+static inline void smg_sizes(smg_model *model, const smg_params *p) { model->p = *p; }
+static inline int smg_same_sizes(const smg_model *a, const smg_model *b) { return a->p.sites == b->p.sites; }
+static inline smg_status smg_check_sizes(const smg_model *model) { return model->p.sites < 1 ? SMG_BAD_PARAMETER : SMG_OK; }
+static inline int smg_prepare(smg_model *model) { return model->p.sigma - model->p.sigma == 0; }
+static inline int64_t smg_sites(const smg_coefficients *c) { return c->model->p.sites; }
+static inline int64_t smg_family_end(const smg_coefficients *c, int f) { return f == 0 ? c->model->p.sites : 0; }
 
 static inline int smg_kind(const smg_coefficients *c, int64_t k) {
   (void)k;
-  return c->p.what == 1 ? SMG_R3 : c->p.what == 4 ? SMG_NAMBU : SMG_SPHERE;
+  return c->model->p.what == 1 ? SMG_R3 : c->model->p.what == 4 ? SMG_NAMBU : SMG_SPHERE;
 }
 
-static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) { return c->p.what == 2 ? (smg_real)(k + 2) / 2 : 1; }
+static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) { return c->model->p.what == 2 ? (smg_real)(k + 2) / 2 : 1; }
 
 static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, smg_real h) { return h / smg_kappa(c, k); }
 
@@ -87,8 +90,8 @@ static inline void smg_normal(const smg_coefficients *c, int64_t k, const smg_re
 
 /* H = sum_b w_b^2 (1 + sigma w_b)/(2 I_b), I = (1, 2, 4) */
 static inline void smg_body_gradient(const smg_coefficients *c, const smg_real *w, smg_real *g) {
-  for (int b = 0; b < 3; ++b) g[b] += w[b] * (1 + (smg_real)1.5 * (smg_real)c->p.sigma * w[b]) / (smg_real)(1 << b);
-  if (c->p.what == 5) g[0] += SMG_MATH(sqrt)((smg_real)0.8 - w[2]) - SMG_MATH(sqrt)((smg_real)0.8 - w[2]);
+  for (int b = 0; b < 3; ++b) g[b] += w[b] * (1 + (smg_real)1.5 * (smg_real)c->model->p.sigma * w[b]) / (smg_real)(1 << b);
+  if (c->model->p.what == 5) g[0] += SMG_MATH(sqrt)((smg_real)0.8 - w[2]) - SMG_MATH(sqrt)((smg_real)0.8 - w[2]);
 }
 
 /* H = -sum_(i<j) kappa_i kappa_j ln(2 - 2 w_i.w_j) */
@@ -101,17 +104,18 @@ static inline void smg_vortex_gradient(const smg_coefficients *c, int64_t i, int
 }
 
 static inline void smg_gradient(const smg_coefficients *c, const smg_real *w, smg_real *g) {
-  for (int64_t k = 0; k < c->p.sites; ++k) {
-    if (c->p.what == 3)
+  for (int64_t k = 0; k < c->model->p.sites; ++k) {
+    if (c->model->p.what == 3)
       for (int b = 0; b < 3; ++b) g[3 * k + b] += c->field[b];
-    else if (c->p.what != 2) smg_body_gradient(c, w + 3 * k, g + 3 * k);
+    else if (c->model->p.what != 2) smg_body_gradient(c, w + 3 * k, g + 3 * k);
     else
       for (int64_t j = 0; j < k; ++j) smg_vortex_gradient(c, j, k, w, g);
   }
 }
 
 #include "smg_dop853.h"
-#include "smg_saved.h"
+#define SMG_PUBLIC(word) driver_##word
+#include "smg_interface.h"
 
 static size_t smg_layout(smg_state *s, smg_real *mem) {
   const size_t n = (size_t)smg_sites(&s->c);
@@ -164,10 +168,10 @@ static void run(smg_state *s, const smg_real *start, int64_t steps) {
  * a state go on whatever the saved size of its internal steps is? */
 static void restart(smg_state *s, const smg_real *start, int64_t n, int64_t m) {
   static const double natural[3] = {-5, 1e300, 1e-300};
-  const size_t size = smg_saved_size(&s->c.p), bytes = size * sizeof(smg_real);
-  smg_real *mem = (smg_real *)malloc(smg_memory(&s->c.p)), *saved = (smg_real *)calloc(3, bytes);
+  const size_t size = smg_saved_size(&s->c), bytes = size * sizeof(smg_real);
+  smg_real *mem = (smg_real *)malloc(smg_memory(s->c.model)), *saved = (smg_real *)calloc(3, bytes);
   smg_state other;
-  (void)smg_begin_state(&other, &s->c.p, mem, start, 7, 0.001);
+  (void)smg_begin_state(&other, s->c.model, mem, start, 7, 0.001);
   (void)smg_steps(&other, 1);
   (void)smg_steps(s, n);
   smg_save_state(s, saved);
@@ -207,7 +211,7 @@ static void dense(smg_state *s, int64_t n, char **theta, int count) {
 
 /* n steps of which the last fails: is the saved state as it was before, and does smg_dense() give w? */
 static void fail(smg_state *s, int64_t n) {
-  const size_t size = smg_saved_size(&s->c.p);
+  const size_t size = smg_saved_size(&s->c);
   const int64_t n3 = 3 * smg_sites(&s->c);
   smg_real *saved = (smg_real *)malloc(2 * size * sizeof *saved), *w = (smg_real *)malloc((size_t)n3 * sizeof *w);
   memset(saved, 0, 2 * size * sizeof *saved); /* long double has bytes without a meaning */
@@ -227,11 +231,11 @@ static void fail(smg_state *s, int64_t n) {
 static void look(const smg_state *s) {
   const int64_t n = smg_sites(&s->c);
   smg_real *out = (smg_real *)malloc((size_t)(3 * n) * sizeof *out);
-  smg_field_of(&s->c.p, (smg_real)s->t0, s->w, out);
+  driver_field(s->c.model, (smg_real)s->t0, s->w, out);
   show_all(out, 3 * n);
-  smg_momentum_of(&s->c.p, s->w, out);
+  driver_momentum(s->c.model, s->w, out);
   show_all(out, 3);
-  smg_casimirs_of(&s->c.p, s->w, out);
+  driver_casimirs(s->c.model, s->w, out);
   show_all(out, n);
   free(out);
 }
@@ -250,9 +254,10 @@ int main(int count, char **words) {
   if (count < 7) return 2;
   const int what = atoi(words[1]);
   const smg_params p = {what < 0 ? 0 : what, atoi(words[2]), what < 0 || what == 5 ? 0 : 0.3};
-  if (smg_check_params(&p) != SMG_OK) return 3;
+  smg_model model;
+  if (smg_make_model(&model, &p, NULL) != SMG_OK) return 3;
   const double h = strtod(words[3], NULL), t0 = strtod(words[4], NULL), tolerance = strtod(words[5], NULL);
-  smg_real *mem = (smg_real *)malloc(smg_memory(&p)), *w = (smg_real *)malloc((size_t)(3 * p.sites) * sizeof *w);
+  smg_real *mem = (smg_real *)malloc(smg_memory(&model)), *w = (smg_real *)malloc((size_t)(3 * p.sites) * sizeof *w);
   int64_t got = 0;
   char text[80];
   while (scanf("%79s", text) == 1) {
@@ -265,7 +270,7 @@ int main(int count, char **words) {
         const smg_real size = smg_norm(w + 3 * k);
         for (int b = 0; b < 3; ++b) w[3 * k + b] /= size;
       }
-    if (smg_begin_state(&s, &p, mem, w, t0, h) != SMG_OK) printf("%d\n", (int)s.report.status);
+    if (smg_begin_state(&s, &model, mem, w, t0, h) != SMG_OK) printf("%d\n", (int)s.report.status);
     else if (smg_set_tolerance(&s, tolerance) == SMG_OK) act(&s, w, count - 6, words + 6);
   }
   free(mem);

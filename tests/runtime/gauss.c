@@ -15,9 +15,11 @@
 #endif
 enum { BODY = 1, VORTICES = 2, IN_TIME = 3, UNREAL = 5, MOST_SITES = 4 };
 typedef struct { int field; } smg_params;
-typedef struct { smg_params p; smg_real t, h; } smg_coefficients;
+typedef struct { smg_params p; uint64_t version; smg_status status; } smg_model;
+typedef struct { const smg_model *model; smg_real t, h; } smg_coefficients;
 typedef struct {
   smg_coefficients c;
+  uint64_t version;
   double t0, h;
   int64_t count;
   int history, degree;
@@ -31,7 +33,6 @@ typedef struct {
 #define SMG_TIMED TIMED
 #define SMG_FAMILIES 2
 
-#define SMG_OWN_PREPARE 1
 #define SMG_OWN_SET_TIME 1
 #define SMG_OWN_FAMILY_END 1
 #define SMG_OWN_KIND 1
@@ -41,16 +42,13 @@ typedef struct {
 #define SMG_OWN_NORMAL 1
 #include "smg_model.h"
 
-static inline void smg_sizes(smg_coefficients *c, const smg_params *p) {
-  c->p = *p;
-  c->t = c->h = 0;
-}
-static inline smg_status smg_check_sizes(const smg_coefficients *c) { return (c->p.field == IN_TIME) == TIMED ? SMG_OK : SMG_BAD_PARAMETER; }
-static inline int smg_prepare(smg_coefficients *c) { return c->t - c->t == 0; }
+static inline void smg_sizes(smg_model *model, const smg_params *p) { model->p = *p; }
+static inline int smg_same_sizes(const smg_model *a, const smg_model *b) { return a->p.field == b->p.field; }
+static inline smg_status smg_check_sizes(const smg_model *model) { return (model->p.field == IN_TIME) == TIMED ? SMG_OK : SMG_BAD_PARAMETER; }
 static inline void smg_set_time(smg_coefficients *c, smg_real t) { c->t = t; }
-static inline int64_t smg_sites(const smg_coefficients *c) { return c->p.field == VORTICES ? 4 : c->p.field == IN_TIME ? 3 : 1; }
-static inline int64_t smg_family_end(const smg_coefficients *c, int f) { return c->p.field == IN_TIME && f == 0 ? 1 : smg_sites(c); }
-static inline int smg_kind(const smg_coefficients *c, int64_t k) { return c->p.field == IN_TIME && k > 0 ? SMG_R3 : SMG_SPHERE; }
+static inline int64_t smg_sites(const smg_coefficients *c) { return c->model->p.field == VORTICES ? 4 : c->model->p.field == IN_TIME ? 3 : 1; }
+static inline int64_t smg_family_end(const smg_coefficients *c, int f) { return c->model->p.field == IN_TIME && f == 0 ? 1 : smg_sites(c); }
+static inline int smg_kind(const smg_coefficients *c, int64_t k) { return c->model->p.field == IN_TIME && k > 0 ? SMG_R3 : SMG_SPHERE; }
 static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) {
   static const double kappa[4] = {1, -0.5, 0.75, 2};
   return smg_sites(c) == 1 ? 1 : (smg_real)kappa[k];
@@ -58,7 +56,7 @@ static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) {
 static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, smg_real h) { return h / smg_kappa(c, k); }
 static inline smg_real smg_radius(const smg_coefficients *c, int64_t k) {
   (void)k;
-  return c->p.field == VORTICES ? 2 : c->p.field == IN_TIME ? (smg_real)0.5 : 1;
+  return c->model->p.field == VORTICES ? 2 : c->model->p.field == IN_TIME ? (smg_real)0.5 : 1;
 }
 static inline void smg_normal(const smg_coefficients *c, int64_t k, const smg_real *v, smg_real *n) {
   (void)c;
@@ -68,7 +66,7 @@ static inline void smg_normal(const smg_coefficients *c, int64_t k, const smg_re
 
 /* H = sum_k w_k^2/(2 I_k) + sigma w_k^3/(2 I_k), I = (1, 2, 4), sigma = 0 or 2/3. */
 static inline void smg_body_gradient(const smg_coefficients *c, const smg_real *w, smg_real *g) {
-  const smg_real sigma = c->p.field == BODY ? (smg_real)2 / 3 : 0;
+  const smg_real sigma = c->model->p.field == BODY ? (smg_real)2 / 3 : 0;
   for (int b = 0; b < 3; ++b) g[b] += (w[b] + (smg_real)1.5 * sigma * w[b] * w[b]) / (1 << b);
 }
 
@@ -96,15 +94,16 @@ static inline void smg_timed_gradient(const smg_coefficients *c, const smg_real 
 }
 
 static inline void smg_gradient(const smg_coefficients *c, const smg_real *w, smg_real *g) {
-  if (c->p.field == VORTICES) smg_vortex_gradient(c, w, g);
-  else if (c->p.field == IN_TIME) smg_timed_gradient(c, w, g);
-  else if (c->p.field != UNREAL) smg_body_gradient(c, w, g);
+  if (c->model->p.field == VORTICES) smg_vortex_gradient(c, w, g);
+  else if (c->model->p.field == IN_TIME) smg_timed_gradient(c, w, g);
+  else if (c->model->p.field != UNREAL) smg_body_gradient(c, w, g);
   else
     for (int b = 0; b < 3; ++b) g[b] += SMG_MATH(sqrt)(-1 - w[b] * w[b]);
 }
 
 #include "smg_gauss.h"
-#include "smg_saved.h"
+#define SMG_PUBLIC(word) gauss_##word
+#include "smg_interface.h"
 
 static size_t smg_layout(smg_state *s, smg_real *mem) {
   const size_t n = (size_t)smg_sites(&s->c);
@@ -123,12 +122,12 @@ static smg_real *room(size_t bytes) {
 
 /* What a saved state restores, after a start anywhere, goes on with the same bits; a failed step leaves no trace in it. */
 static void check_saved(smg_state *s, const smg_real *start) {
-  const size_t size = smg_saved_size(&s->c.p), bytes = size * sizeof(smg_real);
-  smg_real *before = room(bytes), *after = room(bytes), *mem = room(smg_memory(&s->c.p));
+  const size_t size = smg_saved_size(&s->c), bytes = size * sizeof(smg_real);
+  smg_real *before = room(bytes), *after = room(bytes), *mem = room(smg_memory(s->c.model));
   smg_state other;
   if (size != (size_t)(SMG_SAVED_HEAD + (6 + 4 * SMG_STAGES) * smg_sites(&s->c))) exit(3);
   smg_save_state(s, before);
-  if (smg_begin_state(&other, &s->c.p, mem, start, 0, 1) != SMG_OK || smg_restore_state(&other, before) != SMG_OK) exit(4);
+  if (smg_begin_state(&other, s->c.model, mem, start, 0, 1) != SMG_OK || smg_restore_state(&other, before) != SMG_OK) exit(4);
   const smg_status status = smg_step(s);
   if (smg_step(&other) != status || other.report.iterations != s->report.iterations) exit(5);
   smg_save_state(s, after);
@@ -155,13 +154,14 @@ static int64_t taken(smg_state *s, const smg_real *start, int64_t steps) {
 int main(int count, char **words) {
   if (count < 5) return 1;
   const smg_params p = {atoi(words[1])};
+  smg_model model;
   smg_state s;
   smg_real start[3 * MOST_SITES], extra[3 * SMG_FAMILIES + 3 * MOST_SITES];
-  if (smg_check_params(&p) != SMG_OK) return 10;
-  const int64_t sites = smg_sites_of(&p), steps = atoll(words[4]);
-  smg_real *mem = room(smg_memory(&p));
+  if (smg_make_model(&model, &p, NULL) != SMG_OK) return 10;
+  const int64_t sites = smg_sites_of(&model), steps = atoll(words[4]);
+  smg_real *mem = room(smg_memory(&model));
   for (int k = 0; k < 3 * sites; ++k) start[k] = triple_number();
-  const smg_status begun = smg_begin_state(&s, &p, mem, start, atof(words[3]), atof(words[2]));
+  const smg_status begun = smg_begin_state(&s, &model, mem, start, atof(words[3]), atof(words[2]));
   if (begun != SMG_OK) return 10 + (int)begun;
   for (int k = 0; k < 3 * sites; ++k) s.w[k] = start[k]; /* also where it is off its sphere by round-off */
   const int64_t most = taken(&s, start, steps);
@@ -170,9 +170,9 @@ int main(int count, char **words) {
     s.history = 0;
     (void)smg_steps(&s, steps);
   }
-  smg_field_of(&p, 0, s.w, extra);
-  smg_momentum_of(&p, s.w, extra);
-  smg_casimirs_of(&p, s.w, extra);
+  gauss_field(&model, 0, s.w, extra);
+  gauss_momentum(&model, s.w, extra);
+  gauss_casimirs(&model, s.w, extra);
   triple_put((smg_real)s.report.status);
   triple_put((smg_real)most);
   triple_put((smg_real)s.report.site);

@@ -41,20 +41,22 @@ int main(int argc, char **argv) {{
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
 #endif
   {M}_params p;
+  {M}_model model;
   {M}_state s;
   {M}_defaults(&p);
-  const size_t n = 3 * (size_t){M}_sites(&p), size = {M}_savesize(&p);
+  status += {M}_model_init(&model, &p);
+  const size_t n = 3 * (size_t){M}_sites(&model), size = {M}_savesize(&model);
   smg_real *w = malloc(n * sizeof *w), *out = malloc(size * sizeof *out);
   double *start = malloc(n * sizeof *start);
-  void *mem = malloc({M}_memsize(&p));
+  void *mem = malloc({M}_memsize(&model));
   FILE *f = fopen("start.bin", "rb");
   if (argc < 2 || !f || fread(start, sizeof *start, n, f) != n) return 9;
   fclose(f);
   for (size_t k = 0; k < n; ++k) w[k] = start[k];
-  status += {M}_init(&s, &p, mem, w, 0, 0.1);
+  status += {M}_init(&s, &model, mem, w, 0, 0.1);
   status += {M}_steps(&s, 5);
   {M}_save(&s, out);
-  status += {M}_init(&s, &p, mem, w, 0, 0.1);
+  status += {M}_init(&s, &model, mem, w, 0, 0.1);
   status += {M}_restore(&s, out);
   for (int k = 0; k < 7; ++k) status += {M}_step(&s);
   status += {M}_steps(&s, 8);

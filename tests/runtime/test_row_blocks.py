@@ -86,11 +86,13 @@ static int same(int k, size_t sites, size_t size) {{
 
 int main(int count, char **words) {{
   smg_params p;
+  smg_model model;
   smg_blocks b = {{{{0}}, {{0}}, {{0}}}};
   (void)count;
   {name}_defaults(&p);
+  if ({name}_model_init(&model, &p) != SMG_OK) return 1;
   most_slots = INT32_MAX;
-  const size_t sites = (size_t){name}_sites(&p), size = {name}_savesize(&p), bytes = {name}_memsize(&p);
+  const size_t sites = (size_t){name}_sites(&model), size = {name}_savesize(&model), bytes = {name}_memsize(&model);
   smg_real *w = malloc(3 * sites * sizeof(smg_real));
   for (size_t k = 0; k < sites; ++k) {{
     const smg_real z = 0.9 * sin(1.0 + 0.7 * (double)(k * k % 1009)), turn = 1.3 * (double)(k * 37 % 211);
@@ -101,7 +103,7 @@ int main(int count, char **words) {{
   for (int k = 0; k < 3; ++k) {{
     most_slots = k == 1 ? 0 : INT32_MAX;
     saved[k] = malloc(size * sizeof(smg_real));
-    if ({name}_init(states + k, &p, malloc(bytes), w, 0, atof(words[1])) != SMG_OK || {name}_set_tolerance(states + k, atof(words[2])) != SMG_OK) return 1;
+    if ({name}_init(states + k, &model, malloc(bytes), w, 0, atof(words[1])) != SMG_OK || {name}_set_tolerance(states + k, atof(words[2])) != SMG_OK) return 1;
   }}
   if (!states[0].rows || !states[0].row_beside || states[1].row_beside) return 2;
   for (int call = 0; call < 12; ++call) {{
@@ -176,10 +178,12 @@ WHETHER = """
 #include <stdio.h>
 int main(void) {{
   smg_params p;
+  smg_model model;
   smg_coefficients c;
   smg_blocks b;
   {name}_defaults(&p);
-  smg_sizes(&c, &p);
+  smg_sizes(&model, &p);
+  c.model = &model;
   return smg_in_blocks(&c, &b) || (NO_PARTS && smg_find_blocks(&c, &b));
 }}
 """

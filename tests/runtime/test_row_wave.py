@@ -59,10 +59,12 @@ static int same(const smg_state *a, const smg_state *b, size_t size) {{
 int main(int count, char **words) {{
   const double h = atof(words[1]), tolerance = atof(words[2]), size_of_xy = atof(words[3]);
   smg_params p;
+  smg_model model;
   smg_row_wave wave;
   (void)count;
   {name}_defaults(&p);
-  const size_t sites = (size_t){name}_sites(&p), size = {name}_savesize(&p);
+  if ({name}_model_init(&model, &p) != SMG_OK) return 1;
+  const size_t sites = (size_t){name}_sites(&model), size = {name}_savesize(&model);
   double *w = malloc(3 * sites * sizeof(double));
   for (size_t k = 0; k < sites; ++k) {{
     const double z = 0.9 * sin(1.0 + 0.7 * (double)(k * k % 1009)), turn = 1.3 * (double)(k * 37 % 211);
@@ -72,7 +74,7 @@ int main(int count, char **words) {{
   }}
   for (int k = 0; k < 2; ++k) {{
     saved[k] = malloc(size * sizeof(double));
-    if ({name}_init(states + k, &p, malloc({name}_memsize(&p)), w, 0, h) != SMG_OK || {name}_set_tolerance(states + k, tolerance) != SMG_OK) return 1;
+    if ({name}_init(states + k, &model, malloc({name}_memsize(&model)), w, 0, h) != SMG_OK || {name}_set_tolerance(states + k, tolerance) != SMG_OK) return 1;
   }}
   for (int call = 0; call < 15; ++call) {{
     expect(states, call % 5);

@@ -253,8 +253,8 @@ def test_memory_of_a_spin(tmp_path, name):
     spec = lattice("big", "cubic(n, n, n, periodic)", 20, "n*n*n") if name == "cubic 20" else SPECS[name]
     for file, text in generate(spec, amalgamate=True).items():
         (tmp_path / file).write_text(text)
-    (tmp_path / "main.c").write_text(f'#include <stdio.h>\n#include "{spec.name}.c"\nint main(void) {{\n  {spec.name}_state s;\n  smg_params p;\n'
-                                     f"  {spec.name}_defaults(&p);\n  smg_sizes(&s.c, &p);\n"
+    (tmp_path / "main.c").write_text(f'#include <stdio.h>\n#include "{spec.name}.c"\nint main(void) {{\n  {spec.name}_state s;\n  smg_params p;\n  smg_model model;\n'
+                                     f"  {spec.name}_defaults(&p);\n  smg_sizes(&model, &p);\n  s.c.model = &model;\n"
                                      '  printf("%g\\n", (double)sizeof(smg_real) * (double)smg_row_layout(&s, NULL) / (double)smg_sites(&s.c));\n  return 0;\n}\n')
     subprocess.run(["gcc", "-Wno-psabi", "-I.", "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
     sites = 8000 if name == "cubic 20" else 601

@@ -82,7 +82,7 @@ FAULTS = {
     "casimirs": [(r"(out\[k\] = )(smg_casimir\()", r"\1(planted == @ ? (smg_real)1.5 : 1) * \2")],
 }
 # of every function energy_<effect> and observe_<observable>
-FUNCTION = r"(smg_real \w+_((?:energy|observe)_\w+)\(const \w+_params \*p, smg_real t, const smg_real \*w\) \{.*?)return sum \+ lost;"
+FUNCTION = r"(smg_real \w+_((?:energy|observe)_\w+)\(const \w+_model \*model, smg_real t, const smg_real \*w\) \{.*?)return sum \+ lost;"
 
 
 class Planted(Emitted):

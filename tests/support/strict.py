@@ -43,24 +43,26 @@ int main(void) {{
   static const double start[] = {{ {start} }};
   {arrays}
   {name}_params p;
+  {name}_model model;
   {name}_state s;
   {name}_defaults(&p);
   {assign}
-  const int64_t sites = {name}_sites(&p);
+  if ({name}_model_init(&model, &p) != SMG_OK) return fail("model", model.status);
+  const int64_t sites = {name}_sites(&model);
   if (3 * sites != (int64_t)(sizeof start / sizeof *start)) return fail("size", SMG_BAD_PARAMETER);
-  smg_real *mem = (smg_real *)malloc({name}_memsize(&p));
+  smg_real *mem = (smg_real *)malloc({name}_memsize(&model));
   smg_real *w = (smg_real *)malloc(sizeof(smg_real) * 3 * (size_t)sites);
   smg_real sum[3 * {families}], extra = 0;
   for (int64_t k = 0; k < 3 * sites; ++k) w[k] = start[k];
-  smg_status status = {name}_init(&s, &p, mem, w, 0.25, {h});
+  smg_status status = {name}_init(&s, &model, mem, w, 0.25, {h});
   if (status != SMG_OK) return fail("init", status);
   status = {name}_steps(&s, {count});
   if (status != SMG_OK) return fail("steps", status);
-  {name}_field(&p, 0.5, s.w, w);
-  {name}_momentum(&p, s.w, sum);
-  {name}_casimirs(&p, s.w, w);
+  {name}_field(&model, 0.5, s.w, w);
+  {name}_momentum(&model, s.w, sum);
+  {name}_casimirs(&model, s.w, w);
   {observe}
-  printf("%.17g %.17g\\n", (double)({name}_energy(&p, 0.5, s.w) + 0 * (sum[0] + extra)), (double)s.w[0]);
+  printf("%.17g %.17g\\n", (double)({name}_energy(&model, 0.5, s.w) + 0 * (sum[0] + extra)), (double)s.w[0]);
   free(mem);
   free(w);
   return 0;
@@ -88,7 +90,7 @@ def driver(model, h, w, scalars, arrays, count=50):
                            for n, values in arrays.items()),
         assign="\n  ".join([f"p.{in_c(n)} = {value!r};" for n, value in scalars.items()]
                            + [f"p.{in_c(n)} = {n};" for n in arrays]),
-        observe="\n  ".join(f"extra += {model.name}_observe_{n}(&p, 0.5, s.w);" for n in names))
+        observe="\n  ".join(f"extra += {model.name}_observe_{n}(&model, 0.5, s.w);" for n in names))
 
 
 def run_sanitized(where, sources, compiler="gcc", real="double"):

@@ -62,6 +62,7 @@ void *toy_abi_new(const double *p, const double *const *arrays, const smg_real *
   if (*status) { free(s->w); free(s); return NULL; }
   return s;
 }
+int toy_abi_set_parameters(void *v, const double *p, const double *const *arrays) { (void)v; (void)p; (void)arrays; return SMG_BAD_PARAMETER; }
 int toy_abi_set_tolerance(void *v, double tolerance) { (void)v; (void)tolerance; return SMG_OK; }
 int toy_abi_steps(void *v, int64_t count, int64_t *done) {
   toy *s = v;

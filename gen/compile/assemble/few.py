@@ -12,11 +12,10 @@ import sympy as sp
 from ...language.expr import Elem, Idx
 from ...language.spec import Pairs, Sites
 from ..derive.derivatives import switched
-from ..lower.code import Argument, Call, Component, For, Function, Let, Local, Member, Name, Variable, Zeros
+from ..lower.code import Argument, Call, Component, For, Function, Let, Local, Name, Parameter, Variable, Zeros
 from ..lower.integers import ZERO, Computed, Index, Whole, total
 from ..lower.kernels import COEFFICIENTS, additions
 from ..lower.lowering import index_names
-from ...language.c_names import in_c
 from ..plan.splitting import of_the_product
 from .norms import spectral_bound
 from .part import MOST_LANES, Part, buffer
@@ -97,7 +96,7 @@ def own_entries(t) -> dict:
 
 def array_of(low, node):
     p = low.parameters.get(node.name)
-    return Member("c", f"p.{in_c(node.name)}") if p is not None and not p.fixed else Name(f"table_{node.name}")
+    return Parameter(node.name) if p is not None and not p.fixed else Name(f"table_{node.name}")
 
 
 def kernel(low, t, what: str, expressions, own: dict, parts: dict) -> Function:

@@ -6,27 +6,40 @@ from itertools import combinations
 from ...language import limits
 from ...language.spec import Graph, Lattice
 from ..lower.code import Argument, Assign, Either, For, Function, If, Member, Name, Ordered, Parameter, Return, Unary, Variable, refuse
-from ..lower.integers import ONE, ZERO, Index, compare, times
-from ..lower.kernels import COEFFICIENTS
-from ..lower.lowering import CLOCK, PREPARE
+from ..lower.integers import ONE, ZERO, Index, Pointed, compare, times
+from ..lower.lowering import CLOCK, PREPARE, STRIDE
 from .bounds import Bounds
 
 C = Argument("smg_coefficients *", "c")
+MODEL = Argument("smg_model *", "model")
+KEPT = Argument("const smg_model *", "model")
 
 
 def parameter_functions(model) -> list:
-    """smg_sizes, smg_check_sizes, smg_prepare and smg_set_time."""
-    sizes = [Assign(Member("c", name), size) for name, size in model.coefficients.sizes]
-    start = (Assign(Member("c", "p"), Unary("*", Name("p"))), Assign(Member("c", "t"), Assign(Member("c", "h"), ZERO)))
+    """smg_sizes, smg_check_sizes, smg_same_sizes and smg_prepare of the model; smg_set_step and smg_set_time of coefficients."""
+    sizes = [Assign(Member("model", name), size) for name, size in model.coefficients.sizes]
+    start = (Assign(Member("model", "p"), Unary("*", Name("p"))),)
     checks = dict.fromkeys([*checks_of(model), *Bounds(model.low, lambda f: model.by_name[f].count).checks(model.spec)])
-    return [Function("void", "smg_sizes", (C, Argument("const smg_params *", "p")), (*start, *sizes), wanted=True),
-            Function("smg_status", "smg_check_sizes", (COEFFICIENTS,), (*checks, Return(Name("SMG_OK"))), wanted=True),
-            Function("int", "smg_prepare", (C,), prepared(model), wanted=True),
-            Function("void", "smg_set_time", (C, Argument("smg_real", "t")), (Assign(Member("c", "t"), Name("t")), *stored(model, CLOCK)), wanted=True)]
+    return [Function("void", "smg_sizes", (MODEL, Argument("const smg_params *", "p")), (*start, *sizes), target="model", wanted=True),
+            Function("smg_status", "smg_check_sizes", (KEPT,), (*checks, Return(Name("SMG_OK"))), target="model", wanted=True),
+            Function("int", "smg_same_sizes", (KEPT, Argument("const smg_model *", "other")), same_sizes(model), target="model", wanted=True),
+            Function("int", "smg_prepare", (MODEL,), prepared(model), target="model", wanted=True),
+            set_to(model, "step", "h", STRIDE), set_to(model, "time", "t", CLOCK)]
 
 
-def stored(model, level: int) -> list:
-    return [Assign(Member("c", name), value) for name, value in model.coefficients.at(level)]
+def set_to(model, what: str, name: str, level: int) -> Function:
+    """smg_set_step or smg_set_time: h or t, and the coefficients that depend on it."""
+    return Function("void", f"smg_set_{what}", (C, Argument("smg_real", name)), (Assign(Member("c", name), Name(name)), *stored(model, level)), wanted=True)
+
+
+def stored(model, level: int, holder: str = "c") -> list:
+    return [Assign(Member(holder, name), value) for name, value in model.coefficients.at(level)]
+
+
+def same_sizes(model) -> tuple:
+    """Have two models the same sizes?"""
+    differ = [If((compare(Pointed("model", name), "!=", Pointed("other", name)),), (Return(ZERO),)) for name, _ in model.coefficients.sizes]
+    return (*differ, Return(ONE))
 
 
 def run_time(spec) -> list:
@@ -42,7 +55,7 @@ def prepared(model) -> tuple:
             tests.append(stays_finite(Parameter(p.name)))
         elif p.kind == "array":
             tests.append(For("i", ZERO, model.low.size(p.size), (stays_finite(Parameter(p.name, Index("i"))),), over="entries"))
-    values = stored(model, PREPARE)
+    values = stored(model, PREPARE, "model")
     if not tests:
         return (*values, Return(ONE))
     return (Variable("int", "finite", ONE), *tests, *values, Return(Name("finite")))

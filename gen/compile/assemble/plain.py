@@ -11,6 +11,7 @@ from ..lower.integers import ONE, ZERO, Index
 ONE_REAL, ZERO_REAL = Real(sp.Integer(1)), Real(sp.Integer(0))
 PLAIN = {
     "smg_prepare": (Return(ONE),),
+    "smg_set_step": (Assign(Member("c", "h"), Name("h")),),
     "smg_set_time": (Assign(Member("c", "t"), Name("t")),),
     "smg_coupled": (Return(Call("smg_sites", (Name("c"),))),),
     "smg_family_end": (Return(Call("smg_sites", (Name("c"),))),),

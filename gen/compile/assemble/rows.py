@@ -16,7 +16,7 @@ from ..derive.derivatives import switched
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, mentions, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
-from ..lower.lowering import PREPARE, index_names
+from ..lower.lowering import CLOCK, index_names
 from ..plan.colouring import Colouring, colouring
 from ..plan.splitting import bond_classes, sublattices
 from .extent import in_time, largest_ever
@@ -92,7 +92,7 @@ def rows(model, low):
 def steady(model, low) -> bool:
     """Are the responses the same for all sites at all times?"""
     numbers = [x for kernel in model.responding.values() for x in kernel.results]
-    return not any(map(indexed, model.responses.values())) and all(low.when(x.expr) <= PREPARE for x in numbers)
+    return not any(map(indexed, model.responses.values())) and all(low.when(x.expr) < CLOCK for x in numbers)
 
 
 def one_lattice(overs):

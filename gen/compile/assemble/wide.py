@@ -7,7 +7,7 @@ from ..derive.derivatives import scalar
 from ..lower.code import Argument, Assign, Call, Function, Let, Member, Name, Number, Ordered, Return, Unary, Zeros
 from ..lower.integers import ZERO
 from ..lower.kernels import COEFFICIENTS, gradient_function
-from ..lower.lowering import CLOCK, PREPARE, Coefficients, Lowering
+from ..lower.lowering import CLOCK, PREPARE, STRIDE, Coefficients, Lowering
 from .families import by_family, normal_kernel, returned
 from .families import normal_body as normal_of
 from .part import Part, buffer, where_true
@@ -50,7 +50,7 @@ def coefficient_functions(coefficients: Coefficients) -> list:
     """Coefficients to all digits; what the caller gave is exact."""
     start = (Assign(Member("wide", "h"), exactly(Member("c", "h"))), Assign(Member("wide", "t"), exactly(ZERO)))
     found = [Function("void", "smg_wide_prepare", (Argument("smg_wide_coefficients *", "wide"), COEFFICIENTS),
-                      (*start, *stored(coefficients, PREPARE)), target="wide", wanted=True)]
+                      (*start, *stored(coefficients, PREPARE), *stored(coefficients, STRIDE)), target="wide", wanted=True)]
     if coefficients.timed:
         body = (Assign(Member("wide", "t"), midpoint_time()), *stored(coefficients, CLOCK))
         head = (*held(body, "c", "smg_coefficients"), Let("wide", Unary("&", Member("s", "wide")), "smg_wide_coefficients *"))

@@ -17,14 +17,14 @@ from .text import comment
 def interface_slots(model: Model, M: str, sums: list) -> dict:
     """Of interface.c.j2; sums: `value_sums`, without arguments that nothing reads."""
     values = [value_slots(*one) for one in sums]
-    energy = " + ".join(f"{M}_energy_{t.derived.term.name}(p, t, w)" for t in model.effects)
+    energy = " + ".join(f"{M}_energy_{t.derived.term.name}(model, t, w)" for t in model.effects)
     return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", **features(model))
 
 
 def value_slots(kind: str, name: str, body) -> dict:
     """Of one function that adds up the values of a term; coefficients: does it read them?"""
     known = mentions(*body)
-    unused = [*(() if "c" in known else ("p", "t")), *(() if "w" in known else ("w",))]
+    unused = [*(() if "c" in known else ("model", "t")), *(() if "w" in known else ("w",))]
     return dict(function=f"{kind}_{name}", sums="\n".join(indent(PRINTERS["scalar"].lines(body))), unused=unused, coefficients="c" in known)
 
 
@@ -60,7 +60,7 @@ def header_slots(model: Model) -> dict:
         params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=model.history, keeps_history=keeps_history(model), composed=model.method.stages > 1,
         members=[member for part in model.parts for member in part.members(model)],
         integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.effects],
-        hoisted_names=model.coefficients.names, observables=[o.name for o in model.spec.observables],
+        model_names=model.coefficients.of_model, state_names=model.coefficients.of_state, observables=[o.name for o in model.spec.observables],
         wide_names=model.wide.coefficients.names if model.wide else [])
 
 
@@ -89,9 +89,9 @@ def abi_slots(model: Model, M: str) -> dict:
     """Of abi.c.j2."""
     scalars = [p for p in run_time(model.spec) if p.kind != "array"]
     arrays = [p for p in run_time(model.spec) if p.kind == "array"]
-    lines = [f"a->p.{in_c(p.name)} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
+    lines = [f"p.{in_c(p.name)} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
              for k, p in enumerate(scalars)]
-    lines += [f"a->p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
+    lines += [f"p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
     effects, observables = [e.name for e in model.spec.effects], [o.name for o in model.spec.observables]
     return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(asked(model))], **features(model),
                 effects=effects, observables=observables, families=model.families,

@@ -118,6 +118,9 @@ class LanesByValue(Lanes):
     def leaf_component(self, n):
         return f"{n.vector}.{'xyz'[n.axis]}", ATOM
 
+    def leaf_held(self, n):
+        return f"{n.holder}->{n.name}", ATOM
+
     def leaf_parameter(self, n):
         return super().leaf_parameter(n) if n.place is not None and not isinstance(n.place, Whole) else (f"c->{named(n)}", ATOM)
 

@@ -27,6 +27,7 @@ class Scalar:
     """`show_<node>` gives (text, strength) of a value, `do_<node>` the lines of a statement, `define_<node>` a definition;
     `leaf` what a symbol of a formula stands for; `formulas` and `real`: the arithmetic, and its type."""
     formulas, real = Formulas, "smg_real"
+    model = "c->model"      # where parameters and what they decide are found
 
     def __call__(self, node) -> str:
         return self.show(node)[0]
@@ -55,10 +56,10 @@ class Scalar:
         return f"{n.of}->{n.name}", ATOM
 
     def show_size(self, n):
-        return f"c->{n.name}", ATOM
+        return f"{self.model}->{n.name}", ATOM
 
     def show_given(self, n):
-        return f"c->p.{in_c(n.name)}", ATOM
+        return f"{self.model}->p.{in_c(n.name)}", ATOM
 
     def show_cell(self, n):
         return n.table + "".join(f"[{self(place)}]" for place in n.places), ATOM
@@ -103,10 +104,10 @@ class Scalar:
         return n.name, ATOM
 
     def leaf_held(self, n):
-        return f"{n.holder}->{n.name}", ATOM
+        return f"{self.model if n.of_model else n.holder}->{n.name}", ATOM
 
     def leaf_parameter(self, n):
-        return f"c->p.{in_c(n.name)}" + (f"[{self(n.place)}]" if n.place is not None else ""), ATOM
+        return f"{self.model}->p.{in_c(n.name)}" + (f"[{self(n.place)}]" if n.place is not None else ""), ATOM
 
     def leaf_constant(self, n):
         return number(n.value), ATOM if n.value >= 0 else SUM
@@ -223,12 +224,16 @@ class Scalar:
 
     def define_function(self, f):
         """An argument that the body does not mention is said to be unused."""
-        known = mentions(*f.body)
+        known = self.known(f)
         unused = ", ".join(f"(void){a.name}" for a in f.arguments if a.name not in known)
         arguments = ", ".join(f"{a.kind} (*{a.name})({a.signature})" if a.signature else declared(a.kind, a.name) for a in f.arguments)
         head, lines = f"{LINKAGE[f.inlined]} {declared(f.kind, f.name)}({arguments})", [f"{unused};"] * bool(unused) + self.lines(f.body)
         one = f"{head} {{ {lines[0]} }}" if len(f.body) == len(lines) == 1 and isinstance(f.body[0], Return) else ""
         return [one] if one and len(one) <= LINE else block(head, lines)
+
+    def known(self, f) -> set:
+        """Names of arguments that the body mentions."""
+        return mentions(*f.body)
 
     def define_struct(self, d):
         return [f"typedef struct {d.name} {{", f"  {self.real} {', '.join(d.members)};", f"}} {d.name};"]
@@ -240,6 +245,14 @@ class Scalar:
             rows = ("{" + ", ".join(map(show, row)) + "}" for row in d.values)
         shape = f"[][{d.columns}]" if d.columns else "[]"
         return [f"static const {d.kind} {d.name}{shape} = {{{', '.join(rows)}}};"]
+
+
+class OfModel(Scalar):
+    """What prepares a model, which has no coefficients yet."""
+    model = "model"
+
+    def known(self, f):
+        return {self.model if name == "c" else name for name in super().known(f)}
 
 
 def declared(kind: str, name: str) -> str:

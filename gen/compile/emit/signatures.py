@@ -7,6 +7,8 @@ from types import SimpleNamespace
 # Types of C; {M} is the model's name.
 PARAMS = "const {M}_params *"
 NEW_PARAMS = "{M}_params *"
+MODEL = "const {M}_model *"
+NEW_MODEL = "{M}_model *"
 STATE = "{M}_state *"
 CONST_STATE = "const {M}_state *"
 ENSEMBLE = "{M}_ensemble *"
@@ -56,27 +58,28 @@ def of(result: str, word: str, **arguments: str) -> Signature:
 
 PUBLIC = (
     of(VOID, "defaults", p=NEW_PARAMS),
-    of(STATUS, "check", p=PARAMS),
-    of(LONG, "sites", p=PARAMS),
-    of(SIZE, "memsize", p=PARAMS),
-    of(STATUS, "init", s=STATE, p=PARAMS, mem=POINTER, w=CONST_REALS, t0=DOUBLE, h=DOUBLE),
+    of(STATUS, "model_init", model=NEW_MODEL, p=PARAMS),
+    of(STATUS, "set_parameters", model=NEW_MODEL, p=PARAMS),
+    of(LONG, "sites", model=MODEL),
+    of(SIZE, "memsize", model=MODEL),
+    of(STATUS, "init", s=STATE, model=MODEL, mem=POINTER, w=CONST_REALS, t0=DOUBLE, h=DOUBLE),
     of(STATUS, "set_tolerance", s=STATE, tolerance=DOUBLE),
     of(STATUS, "step", s=STATE),
     of(STATUS, "steps", s=STATE, count=LONG),
     of(DOUBLE, "time", s=CONST_STATE),
     of(STATUS, "set_state", s=STATE, w=CONST_REALS),
     of(VOID, "set_seed", s=STATE, seed="uint64_t", member="uint32_t"),
-    of(SIZE, "savesize", p=PARAMS),
+    of(SIZE, "savesize", model=MODEL),
     of(VOID, "save", s=CONST_STATE, out=REALS),
     of(STATUS, "restore", s=STATE, **{"in": CONST_REALS}),
-    of(VOID, "field", p=PARAMS, t=REAL, w=CONST_REALS, b=REALS),
-    of(REAL, "energy", p=PARAMS, t=REAL, w=CONST_REALS),
-    of(VOID, "momentum", p=PARAMS, w=CONST_REALS, out=REALS),
-    of(VOID, "casimirs", p=PARAMS, w=CONST_REALS, out=REALS),
-    of(SIZE, "tangent_memsize", p=PARAMS),
+    of(VOID, "field", model=MODEL, t=REAL, w=CONST_REALS, b=REALS),
+    of(REAL, "energy", model=MODEL, t=REAL, w=CONST_REALS),
+    of(VOID, "momentum", model=MODEL, w=CONST_REALS, out=REALS),
+    of(VOID, "casimirs", model=MODEL, w=CONST_REALS, out=REALS),
+    of(SIZE, "tangent_memsize", model=MODEL),
     of(STATUS, "tangent", s=STATE, v=REALS, columns=LONG, mem=POINTER),
-    of(SIZE, "ensemble_memsize", p=PARAMS, own=INT, members=LONG),
-    of(LONG, "ensemble_init", e=ENSEMBLE, p=PARAMS, own=INT, members=LONG, mem=POINTER, w=CONST_REALS, t0=DOUBLE, h=DOUBLE),
+    of(SIZE, "ensemble_memsize", model=MODEL, own=INT, members=LONG),
+    of(LONG, "ensemble_init", e=ENSEMBLE, model=MODEL, own=INT, members=LONG, mem=POINTER, w=CONST_REALS, t0=DOUBLE, h=DOUBLE),
     of(LONG, "ensemble_steps", e=ENSEMBLE, first=LONG, members=LONG, count=LONG),
     of(INT, "ensemble_lanes"),
 )
@@ -104,6 +107,7 @@ FLAT = {
     ),
     "": (        # always
         of(POINTER, "new", scalars=CONST_DOUBLES, arrays=ARRAYS, w=CONST_REALS, t0=DOUBLE, h=DOUBLE, status=INTS),
+        of(INT, "set_parameters", s=POINTER, scalars=CONST_DOUBLES, arrays=ARRAYS),
         of(INT, "set_tolerance", s=POINTER, tolerance=DOUBLE),
         of(INT, "take", s=POINTER, w=REALS),
         of(INT, "go", s=POINTER, w=REALS, count=LONG, done=LONGS),

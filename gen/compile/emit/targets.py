@@ -3,11 +3,11 @@ from __future__ import annotations
 
 from ..lower.code import Table
 from .print_lanes import Lanes, LanesByValue
-from .print_scalar import Scalar
+from .print_scalar import OfModel, Scalar
 from .print_value import ByValue
 from .print_wide import Wide
 
-PRINTERS = {"scalar": Scalar(), "value": ByValue(), "wide": Wide(), "lanes": Lanes(), "lanes by value": LanesByValue()}
+PRINTERS = {"scalar": Scalar(), "model": OfModel(), "value": ByValue(), "wide": Wide(), "lanes": Lanes(), "lanes by value": LanesByValue()}
 
 
 def printed(definition) -> str:

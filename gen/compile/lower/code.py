@@ -38,9 +38,10 @@ class Local(Node):
 
 @dataclass(frozen=True)
 class Held(Node):
-    """A value kept with the coefficients `holder`: what was hoisted, the step h, the time t."""
+    """A value kept with the coefficients `holder`: what was hoisted, the step h, the time t; of_model: in the model that these are of."""
     name: str
     holder: str
+    of_model: bool = False
 
     def names(self):
         return (self.holder,)

@@ -1,7 +1,7 @@
 """Lowering: derivatives -> kernels as data, each value computed as rarely as possible.
 
-What depends on parameters alone is computed once (`prepare`), what depends on time too once a
-step (`clock`), what depends on the sites each time; common subexpressions are shared.
+What depends on parameters alone is computed once a model (`prepare`), what depends on h too once a
+state (`stride`), on time once a step (`clock`), on the sites each time; common subexpressions are shared.
 """
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ from .code import Component, Constant, Entry, Held, Local, Parameter, Real, Valu
 from .integers import Computed, Given, Index, Int, Size, Whole, modulo, times, total
 
 STEP = object()     # stands for the step h among the leaves
-NUMBER, PREPARE, CLOCK, SITE = range(4)      # when a value is known
+COEFFICIENTS = "c"  # what kernels are given
+NUMBER, PREPARE, STRIDE, CLOCK, SITE = range(5)      # when a value is known
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,16 @@ class Coefficients:
     def names(self):
         return [name for name, _, _ in self.values]
 
+    @property
+    def of_model(self):
+        """Names of those that parameters alone decide."""
+        return [name for name, _ in self.at(PREPARE)]
+
+    @property
+    def of_state(self):
+        """Names of the others."""
+        return [name for name, _, when in self.values if when != PREPARE]
+
     def at(self, level: int):
         return [(name, value) for name, value, when in self.values if when == level]
 
@@ -57,7 +68,7 @@ class Lowering:
     holder: the variable that holds them.
     """
 
-    def __init__(self, spec: Spec, holder: str = "c"):
+    def __init__(self, spec: Spec, holder: str = COEFFICIENTS):
         self.spec, self.holder = spec, holder
         self.parameters = {p.name: p for p in spec.parameters}
         self.tables = dict(spec.tables)
@@ -74,7 +85,7 @@ class Lowering:
             return self.kept[name][1]
         node = self.leaves.get(name)
         if node is STEP:
-            return PREPARE
+            return STRIDE
         if isinstance(node, Time):
             return CLOCK
         if isinstance(node, Par):
@@ -109,7 +120,7 @@ class Lowering:
         return Real(e, {name: own[name] if name in own else self.leaf(name) for name in names})
 
     def step_size(self):
-        """The symbol of h, signed by the orientation: known like a parameter once a trajectory begins."""
+        """The symbol of h, signed by the orientation: known once a trajectory begins."""
         self.leaves["h"] = STEP
         return sp.Symbol("h", real=True)
 
@@ -170,7 +181,7 @@ class Lowering:
         level = self.when(e)
         if isinstance(e, Boolean):      # no number: only its parts can be kept
             return e.func(*[self.hoist(a) for a in e.args]) if e.args else e
-        if level in (PREPARE, CLOCK):
+        if level in (PREPARE, STRIDE, CLOCK):
             return self.remember(e, level)
         if not e.args or level == NUMBER:
             return e
@@ -197,7 +208,7 @@ class Lowering:
             self.hoisted[e] = (f"k{len(self.hoisted)}", level)
         short = self.hoisted[e][0]
         name = f"{self.holder}.{short}"
-        self.kept[name] = Held(short, self.holder), level
+        self.kept[name] = Held(short, self.holder, self.holder == COEFFICIENTS and level == PREPARE), level
         return sp.Symbol(name)          # nothing is assumed of it: a root may have no real value
 
     def number_values(self, e):

@@ -104,7 +104,7 @@ void *peer_new(void *model, int kind, double tol, double first) {
   memset(p, 0, sizeof *p);
   p->tolerance = tol * ((MODEL *)model)->s.scale;
   p->first = first;
-  prepared(&p->f, &((MODEL *)model)->p);
+  prepared(&p->f, &((MODEL *)model)->model.p);
   return p;
 }
 

@@ -6,10 +6,8 @@
 #include "smg_tangent.h"
 
 /* The state after the step is kept behind what a stage needs. */
-static size_t smg_tangent_memory(const smg_params *p) {
-  smg_coefficients c;
-  smg_sizes(&c, p);
-  return smg_step_tangent_memory(p) + sizeof(smg_real) * (size_t)(3 * smg_sites(&c));
+static size_t smg_tangent_memory(const smg_model *model) {
+  return smg_step_tangent_memory(model) + sizeof(smg_real) * (size_t)(3 * smg_sites_of(model));
 }
 
 /* Makes the increment of stage i the newest one of the history. */

@@ -63,8 +63,7 @@ static inline smg_coefficients *smg_prepared(const smg_state *s) {
 
 SMG_COLD static void smg_prepare_stages(smg_state *s) {
   for (int i = 0; i <= SMG_COMPOSED / 2; ++i) {
-    s->c.h = smg_gamma[i] * smg_signed_h(s->h);
-    (void)smg_prepare(&s->c); /* what is not finite ends the step that meets it */
+    smg_set_step(&s->c, smg_gamma[i] * smg_signed_h(s->h)); /* what is not finite ends the step that meets it */
     smg_prepared(s)[i] = s->c;
   }
   s->prepared[0] = 1;

@@ -227,13 +227,13 @@ static smg_status smg_push_column(smg_state *s, smg_real h, smg_real *v, smg_rea
   return status == SMG_OK ? smg_finite_column(s, v) : status;
 }
 
-static size_t smg_step_tangent_memory(const smg_params *p) {
+static size_t smg_step_tangent_memory(const smg_model *model) {
 #if SMG_HAS_COUPLED
   smg_coefficients c;
-  smg_sizes(&c, p);
+  c.model = model;
   return sizeof(smg_real) * (size_t)(6 * smg_sites(&c) + smg_kept_size(&c));
 #else
-  (void)p;
+  (void)model;
   return 0;
 #endif
 }
@@ -271,7 +271,7 @@ static smg_status smg_push_step(smg_state *s, smg_real h, smg_real *v, int64_t c
 #if SMG_COMPOSED
 #include "smg_composed_tangent.h"
 #else
-static size_t smg_tangent_memory(const smg_params *p) { return smg_step_tangent_memory(p); }
+static size_t smg_tangent_memory(const smg_model *model) { return smg_step_tangent_memory(model); }
 
 static smg_status smg_push_forward(smg_state *s, smg_real *v, int64_t columns, void *mem) {
   const smg_report report = s->report;

@@ -8,6 +8,7 @@ typedef struct body_params {
 
 typedef struct generated {
   double w[3]; /* a copy for the report, first as in the others */
+  free_rigid_body_model model;
   free_rigid_body_state s;
   double mem[1024];
 } generated;
@@ -22,7 +23,8 @@ void generated_start(void *state, const body_params *p, const double w[3]) {
   q.I1 = 1 / p->inverse_moment[0];
   q.I2 = 1 / p->inverse_moment[1];
   q.I3 = 1 / p->inverse_moment[2];
-  if (free_rigid_body_memsize(&q) <= sizeof g->mem) (void)free_rigid_body_init(&g->s, &q, g->mem, w, 0, p->h);
+  (void)free_rigid_body_model_init(&g->model, &q);
+  if (free_rigid_body_memsize(&g->model) <= sizeof g->mem) (void)free_rigid_body_init(&g->s, &g->model, g->mem, w, 0, p->h);
 }
 
 void generated_steps(void *state, int64_t n) {
