@@ -112,12 +112,12 @@ SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
 }
 SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x); }
 
-/* smg_add_compensated and smg_add_step in lanes; what the latter has lost is at `lost`. */
-SMG_INLINE void smg_lane_add_compensated(smg_lanes *w, smg_lanes *lost, smg_lanes u) {
-  const smg_lanes y = u + *lost, sum = *w + y;
-  *lost = y - (sum - *w);
-  *w = sum;
-}
+/* smg_lane_dot, smg_lane_cross, smg_lane_add_compensated. */
+#define SMG_IN_LANES
+#include "smg_triple.h"
+#undef SMG_IN_LANES
+
+/* smg_add_step in lanes; what it has lost is at `lost`. */
 SMG_INLINE void smg_lane_add_step(smg_lanes *w, smg_real *lost, smg_lanes u) {
 #if SMG_PLAIN_SUMS
   (void)lost;
@@ -231,5 +231,13 @@ SMG_INLINE smg_real smg_lane_largest(smg_lanes a) {
   return most.number;
 }
 #endif
+
+/* a, and the three of v, in the lanes 0 .. n - 1; 0 in the others. */
+SMG_INLINE smg_lanes smg_lane_first(int64_t n, smg_lanes a) {
+  return n < SMG_LANES ? smg_lane_select(smg_lane_below(n), a, smg_lane_of(0)) : a;
+}
+SMG_INLINE void smg_first_lanes(int64_t n, smg_lanes *v) {
+  for (int k = 0; n < SMG_LANES && k < 3; ++k) v[k] = smg_lane_first(n, v[k]);
+}
 
 #endif

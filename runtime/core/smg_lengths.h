@@ -7,10 +7,7 @@
 #define SMG_LENGTHS_H
 
 #include "smg_model.h"
-
-/* Part of the error of |w| that a step takes out. What a step adds to it is a small part of an ulp, and the error is
- * known to about one: so a sixteenth leaves less than an ulp of either. */
-#define SMG_RESTORED (smg_real)0.0625
+#include "smg_turn.h"
 
 /* 1/|w|^2 where the trajectory begins, on a sphere by its radius. A site of R^3 that is 0 stays so. */
 SMG_COLD static void smg_begin_lengths(smg_state *s) {
@@ -27,8 +24,7 @@ SMG_INLINE int smg_is_finite(const smg_real *u) { return smg_abs(u[0]) + smg_abs
 /* w of site k along itself back to the length that it had at the start, by the part SMG_RESTORED of the way: a part of
  * an ulp, to be added with the next turn. */
 SMG_INLINE void smg_restore_length(smg_state *s, int64_t k) {
-  const smg_real *w = s->w + 3 * k;
-  const smg_real back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[k] * smg_dot(w, w));
+  const smg_real *w = s->w + 3 * k, back = smg_way_back(s->inverse[k], w);
   for (int b = 0; b < 3; ++b) s->compensation[3 * k + b] += back * w[b];
 }
 
@@ -36,7 +32,7 @@ SMG_INLINE void smg_restore_length(smg_state *s, int64_t k) {
  * way. */
 SMG_INLINE void smg_commit_site(smg_state *s, int64_t k, const smg_real *v, const smg_real *u) {
   smg_real *w = s->w + 3 * k;
-  const smg_real back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[k] * smg_dot(w, w));
+  const smg_real back = smg_way_back(s->inverse[k], w);
   for (int b = 0; b < 3; ++b) smg_add_compensated(w + b, &s->compensation[3 * k + b], u[b] + back * v[b]);
 }
 

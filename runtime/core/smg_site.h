@@ -1,17 +1,8 @@
-/* smidgen runtime: vectors of one site, indices of lattices, stagnation, compensated sums. */
+/* smidgen runtime: vectors of one site, indices of lattices, stagnation. */
 #ifndef SMG_SITE_H
 #define SMG_SITE_H
 
-#include "smg_small.h"
-
-SMG_INLINE smg_real smg_dot(const smg_real *a, const smg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/* c = a x b */
-SMG_INLINE void smg_cross(smg_real *c, const smg_real *a, const smg_real *b) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
+#include "smg_triple.h"
 
 /* Right-handed orthonormal (e1, e2, m) of a unit vector m; branch-free, no case is singular. Duff et al.,
  * "Building an orthonormal basis, revisited", JCGT 6 (2017). */
@@ -114,14 +105,6 @@ static inline int smg_settled(const smg_change *now, const smg_change *last, smg
 SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *compensation, const smg_real *u,
                            smg_real *mbar) {
   for (int64_t k = 0; k < n; ++k) mbar[k] = w[k] + (compensation[k] + 0.5 * u[k]);
-}
-
-/* Kahan: w + compensation := w + compensation + u, with the rounding error of w kept in compensation. */
-static inline void smg_add_compensated(smg_real *w, smg_real *compensation, smg_real u) {
-  const smg_real y = u + *compensation;
-  const smg_real sum = *w + y;
-  *compensation = y - (sum - *w);
-  *w = sum;
 }
 
 /* The end of a step: w + u, compensated where sums are. */

@@ -1,17 +1,15 @@
 /* smidgen runtime: few sites that all feel each other, as arrays for vectors of lanes: x, y and z apart, a site in each
  * lane.
  *
- * An array holds smg_few_pitch numbers, as many as the widest lanes fill; those beyond the last site belong to none.
+ * A site is a slot (smg_slots.h); those beyond the last site, up to a whole vector, belong to none.
  * The model gives smg_few_field(c, all, pitch, i, g), g = dH/dw of the sites i .. i + SMG_LANES - 1 with all vectors in
  * `all`, the other sites one after the other, so that every number of lanes has the same bits; and smg_few_norms, the
  * same with a bound on the norms of the Hessian in their rows. */
 #ifndef SMG_FEW_H
 #define SMG_FEW_H
 
-#include "smg_lanes.h"
 #include "smg_model.h"
-
-#define SMG_FEW_WIDEST 8 /* lanes of the widest registers there are */
+#include "smg_slots.h"
 
 /* Arrays of a step: x, y and z of w, of what it has lost to rounding, of u and of m; h/(2 kappa), the radius, and the
  * radius over |mbar|. */
@@ -26,18 +24,7 @@ enum {
   SMG_FEW_ARRAYS
 };
 
-static inline int64_t smg_few_pitch(int64_t sites) {
-  return (sites + SMG_FEW_WIDEST - 1) / SMG_FEW_WIDEST * SMG_FEW_WIDEST;
-}
-#define SMG_FEW_SIZE(sites) (SMG_FEW_ARRAYS * smg_few_pitch(sites))
-
-/* The vectors of the sites i, i + 1, .. in lanes. */
-SMG_INLINE void smg_few_take(const smg_real *all, int64_t pitch, int64_t i, smg_lanes *v) {
-  for (int k = 0; k < 3; ++k) v[k] = smg_lane_take(all + k * pitch + i);
-}
-SMG_INLINE void smg_few_put(smg_real *all, int64_t pitch, int64_t i, const smg_lanes *v) {
-  for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + i, v[k]);
-}
+#define SMG_FEW_SIZE(sites) (SMG_FEW_ARRAYS * smg_whole_vectors(sites))
 
 /* One component of n sites in lanes, from the three numbers of each; `beyond` in the other lanes. */
 SMG_INLINE smg_lanes smg_few_gather(const smg_real *v, int64_t n, int beyond) {
@@ -53,8 +40,8 @@ SMG_INLINE void smg_few_spread(const smg_real *all, int64_t pitch, int64_t j, sm
 
 /* The entries i, i + 1, .. of an array with one for each site; beyond the last site its own again. */
 SMG_INLINE smg_lanes smg_few_entries(const double *a, int64_t i, int64_t sites) {
-  smg_lanes x = smg_lane_of((smg_real)0);
-  for (int64_t l = 0; l < SMG_LANES; ++l) ((smg_real *)&x)[l] = (smg_real)a[i + l < sites ? i + l : sites - 1];
+  smg_lanes x = {0};
+  for (int64_t l = 0; l < SMG_LANES; ++l) smg_lane_set(&x, (int)l, (smg_real)a[i + l < sites ? i + l : sites - 1]);
   return x;
 }
 

@@ -24,13 +24,12 @@
  * 2e-20 a step or more with a twentieth of an ulp of w, by 1e-20 with one of u, and by nothing that is seen with
  * this. */
 #define SMG_FEW_LEFT (SMG_LEFT * SMG_LEFT)
-/* part of the radius below which a component is watched on its own, as in smg_row_sweep.h */
-#define SMG_FEW_SMALL (smg_real)1e-3
 
-/* How far u/2 moved: the largest square, and the largest part of what a small component of w + u/2 is made of; and the
- * largest square of u. */
+/* How far u/2 moved: the largest square, and the largest part of what a small component of w + u/2 is made of; the
+ * largest square of u; and of the last evaluation bounds on the rows of J - I, and on the squares of the products in
+ * h X. */
 typedef struct smg_few_motion {
-  smg_lanes square, part, size;
+  smg_lanes square, part, size, row, products;
 } smg_few_motion;
 
 /* s->u = u extrapolated, the newest increments last: they are ready last. */
@@ -59,7 +58,7 @@ SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, int64_t pi
   }
   for (int q = 0; q < 3; ++q) {
     const smg_lanes w = smg_few_gather(s->w + 3 * i + q, in, q == 2);
-    small |= (smg_lane_mask)(smg_lane_abs(w) < SMG_FEW_SMALL * radius);
+    small |= (smg_lane_mask)(smg_lane_abs(w) < SMG_SMALL_PART * radius);
     smg_lane_put(a + (SMG_FEW_W + q) * pitch, w);
     smg_lane_put(a + (SMG_FEW_LOST + q) * pitch, smg_few_gather(s->compensation + 3 * i + q, in, 0));
     smg_lane_put(a + (SMG_FEW_U + q) * pitch, smg_few_gather(s->u + 3 * i + q, in, 0));
@@ -71,7 +70,7 @@ SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, int64_t pi
 
 /* The arrays of a step from the state, u extrapolated; is a component so small that it is watched on its own? */
 static int smg_few_enter(const smg_state *s, smg_real h) {
-  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites), whole = sites - sites % SMG_LANES;
+  const int64_t sites = smg_sites(&s->c), pitch = smg_whole_vectors(sites), whole = sites - sites % SMG_LANES;
   smg_lane_mask small = smg_lane_all(0);
   smg_few_predict(s);
   for (int64_t i = 0; i < whole; i += SMG_LANES) small |= smg_few_fill(s, h, pitch, i, SMG_LANES);
@@ -80,7 +79,7 @@ static int smg_few_enter(const smg_state *s, smg_real h) {
 }
 
 static void smg_few_leave(const smg_state *s) {
-  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+  const int64_t sites = smg_sites(&s->c), pitch = smg_whole_vectors(sites);
   for (int64_t k = 0; k < sites; ++k)
     for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
 }
@@ -92,14 +91,14 @@ static void smg_few_leave(const smg_state *s) {
 static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes m[3], lost[3], u[3];
-    smg_few_take(a + SMG_FEW_W * pitch, pitch, i, m);
-    smg_few_take(a + SMG_FEW_LOST * pitch, pitch, i, lost);
-    smg_few_take(a + SMG_FEW_U * pitch, pitch, i, u);
+    smg_take_from(a + SMG_FEW_W * pitch + i, pitch, m);
+    smg_take_from(a + SMG_FEW_LOST * pitch + i, pitch, lost);
+    smg_take_from(a + SMG_FEW_U * pitch + i, pitch, u);
     for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
     const smg_lanes square = smg_lane_dot(m, m),
                     s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) / square * smg_lane_sqrt(square);
     for (int k = 0; k < 3; ++k) m[k] *= s;
-    smg_few_put(a + SMG_FEW_M * pitch, pitch, i, m);
+    smg_put_slots(a + SMG_FEW_M * pitch, pitch, i, m);
     smg_lane_put(a + SMG_FEW_ONTO * pitch + i, s);
   }
 }
@@ -107,45 +106,73 @@ static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
 /* The part by which a component of w + u/2 moved, to 13 %, where it is small. */
 SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const smg_lanes *u, const smg_lanes *off,
                               smg_few_motion *moved) {
-  const smg_lanes none = {0}, small = SMG_FEW_SMALL * smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+  const smg_lanes small = SMG_SMALL_PART * smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
   for (int k = 0; k < 3; ++k) {
     const smg_lanes made =
         smg_lane_abs(smg_lane_take(a + (SMG_FEW_W + k) * pitch + i)) + smg_lane_abs((smg_real)0.5 * u[k]);
-    const smg_lanes part = smg_lane_abs(off[k]) * smg_lane_rough_inverse(made);
-    moved->part = smg_lane_max(moved->part, smg_lane_select((smg_lane_mask)(made < small), part, none));
+    moved->part = smg_lane_max(moved->part, smg_part_moved(small, off[k], made));
   }
 }
 
 /* u = h X(m) of the sites of one vector, `in` of them sites of the state, and how far that moved it. */
 SMG_INLINE void smg_few_turn(const smg_told *told, smg_real *a, int64_t pitch, int64_t i, int64_t in, int small,
                              const smg_lanes *g, smg_few_motion *moved) {
-  const smg_lanes none = {0}, rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
+  const smg_lanes rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
   smg_lanes m[3], u[3], before[3], room[3];
-  smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
-  smg_few_take(a + SMG_FEW_U * pitch, pitch, i, before);
+  smg_take_from(a + SMG_FEW_M * pitch + i, pitch, m);
+  smg_take_from(a + SMG_FEW_U * pitch + i, pitch, before);
   const smg_lanes *R = smg_lane_respond(told, m, g, room);
   smg_lane_cross(u, m, R); /* the rate last, as in smg_increment */
   for (int k = 0; k < 3; ++k) {
-    u[k] *= rate;
-    if (in < SMG_LANES) u[k] = smg_lane_select(smg_lane_below(in), u[k], none);
+    u[k] = smg_lane_first(in, rate * u[k]);
     before[k] = (smg_real)0.5 * (u[k] - before[k]);
   }
   if (small) smg_few_watch(a, pitch, i, u, before, moved);
-  smg_few_put(a + SMG_FEW_U * pitch, pitch, i, u);
+  smg_put_slots(a + SMG_FEW_U * pitch, pitch, i, u);
   moved->square = smg_lane_max(moved->square, smg_lane_dot(before, before));
   moved->size = smg_lane_larger(moved->size, smg_lane_dot(u, u));
 }
 
-/* All increments from the midpoints as they were. */
-static smg_few_motion smg_few_evaluate(const smg_state *s, int small) {
-  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
+/* smg_respond_norm */
+SMG_INLINE smg_lanes smg_few_norm(const smg_told *told, const smg_lanes *m, const smg_lanes *g, smg_lanes r,
+                                  smg_lanes norms) {
+#if SMG_RESPONDS
+  smg_lanes F[3], Q[3];
+  smg_lane_respond_parts(told, g, F, Q);
+  return (smg_abs(told->r[0]) + r * smg_abs(told->r[1])) * norms * r + smg_lane_abs(smg_lane_dot(m, F)) / r +
+         smg_lane_abs(smg_lane_dot(m, Q));
+#else
+  (void)told;
+  return r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r;
+#endif
+}
+
+/* Those bounds of the sites of one vector; 0 beyond the last site. */
+SMG_INLINE void smg_few_rows(const smg_told *told, const smg_real *a, int64_t pitch, int64_t i, int64_t in,
+                             const smg_lanes *g, smg_lanes norms, smg_few_motion *moved) {
+  const smg_lanes half = smg_lane_take(a + SMG_FEW_HALF * pitch + i), r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
+  smg_lanes m[3], room[3];
+  smg_take_from(a + SMG_FEW_M * pitch + i, pitch, m);
+  const smg_lanes *R = smg_lane_respond(told, m, g, room);
+  const smg_lanes own =
+      smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) * smg_few_norm(told, m, g, r, norms);
+  const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(R, R);
+  moved->row = smg_lane_max(moved->row, smg_lane_first(in, own));
+  moved->products = smg_lane_max(moved->products, smg_lane_first(in, square));
+}
+
+/* All increments from the midpoints as they were; last: with those bounds. */
+SMG_INLINE smg_few_motion smg_few_evaluate(const smg_state *s, int small, int last) {
+  const int64_t sites = smg_sites(&s->c), pitch = smg_whole_vectors(sites);
   const smg_lanes none = {0};
-  smg_few_motion moved = {none, none, none};
+  smg_few_motion moved = {none, none, none, none, none};
   const smg_told told = smg_told_of(&s->c, 0);
   smg_few_midpoints(s->few, sites, pitch);
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
-    smg_lanes g[3] = {none, none, none};
-    smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
+    smg_lanes g[4] = {none, none, none, none};
+    if (last) smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
+    else smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
+    if (last) smg_few_rows(&told, s->few, pitch, i, sites - i, g, g[3], &moved);
     smg_few_turn(&told, s->few, pitch, i, sites - i, small, g, &moved);
   }
   return moved;
@@ -163,9 +190,9 @@ static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, con
 static int smg_few_settle(smg_state *s, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
-    const smg_few_motion moved = smg_few_evaluate(s, small);
+    const smg_few_motion moved = smg_few_evaluate(s, small, 0);
     const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
-    const int still = change <= SMG_STILL * SMG_EPS * s->scale;
+    const int still = smg_still(change, s->scale);
     if (n > 3 && !still && !(change <= SMG_CONTRACTS * whole.now)) return 0;
     smg_rest_take(&whole, change, still);
     smg_rest_take(&part, smg_lane_largest(moved.part), still);
@@ -175,53 +202,12 @@ static int smg_few_settle(smg_state *s, int small) {
   return 0;
 }
 
-/* smg_respond_norm */
-SMG_INLINE smg_lanes smg_few_norm(const smg_told *told, const smg_lanes *m, const smg_lanes *g, smg_lanes r,
-                                  smg_lanes norms) {
-#if SMG_RESPONDS
-  smg_lanes F[3], Q[3];
-  smg_lane_respond_parts(told, g, F, Q);
-  return (smg_abs(told->r[0]) + r * smg_abs(told->r[1])) * norms * r + smg_lane_abs(smg_lane_dot(m, F)) / r +
-         smg_lane_abs(smg_lane_dot(m, Q));
-#else
-  (void)told;
-  return r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r;
-#endif
-}
-
-/* Bounds on the rows of J - I of the sites of one vector, and on the squares of the products in h X; 0 beyond the last
- * site. */
-SMG_INLINE void smg_few_rows(const smg_told *told, const smg_real *a, int64_t pitch, int64_t i, int64_t in,
-                             const smg_lanes *g, smg_lanes norms, smg_lanes *row, smg_lanes *products) {
-  const smg_lanes none = {0}, half = smg_lane_take(a + SMG_FEW_HALF * pitch + i),
-                  r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
-  smg_lanes m[3], room[3];
-  smg_few_take(a + SMG_FEW_M * pitch, pitch, i, m);
-  const smg_lanes *R = smg_lane_respond(told, m, g, room);
-  const smg_lanes own =
-      smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) * smg_few_norm(told, m, g, r, norms);
-  const smg_lanes square = 4 * half * half * (r * r) * smg_lane_dot(R, R);
-  *row = smg_lane_max(*row, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), own, none) : own);
-  *products = smg_lane_max(*products, in < SMG_LANES ? smg_lane_select(smg_lane_below(in), square, none) : square);
-}
-
 /* The last evaluation: do its increments solve the step, and on the right branch? */
 static int smg_few_solved(smg_state *s) {
-  const int64_t sites = smg_sites(&s->c), pitch = smg_few_pitch(sites);
-  const smg_lanes none = {0};
-  smg_few_motion moved = {none, none, none};
-  smg_lanes row = none, products = none;
-  const smg_told told = smg_told_of(&s->c, 0);
-  smg_few_midpoints(s->few, sites, pitch);
-  for (int64_t i = 0; i < sites; i += SMG_LANES) {
-    smg_lanes g[4] = {none, none, none, none};
-    smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
-    smg_few_rows(&told, s->few, pitch, i, sites - i, g, g[3], &row, &products);
-    smg_few_turn(&told, s->few, pitch, i, sites - i, 0, g, &moved);
-  }
+  const smg_few_motion moved = smg_few_evaluate(s, 0, 1);
   s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
-  const int solved = s->report.residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale || smg_tolerated(s, s->report.residual);
-  return solved && smg_lane_largest(row) <= SMG_SLOWED && smg_lane_largest(products) <= s->scale * s->scale;
+  const int solved = smg_swept_to_round_off(s->report.residual, s->scale) || smg_tolerated(s, s->report.residual);
+  return solved && smg_lane_largest(moved.row) <= SMG_SLOWED && smg_lane_largest(moved.products) <= s->scale * s->scale;
 }
 
 /* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it. */

@@ -3,6 +3,10 @@
 #define SMG_ROW_ARRAYS_H
 
 #include "smg_row_slots.h"
+#include "smg_row_team.h"
+
+/* 1/radius^2: of a radius that the compiler knows, no number to multiply by where it is 1. */
+SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (smg_radius(c, 0) * smg_radius(c, 0)); }
 
 /* An array by slots, from *next on. */
 static inline smg_real *smg_place_slots(smg_real **next, size_t size) {
@@ -57,8 +61,15 @@ static inline const smg_blocks *smg_blocks_of(const smg_state *s, smg_blocks *b)
   return s->row_beside ? b : NULL;
 }
 
-/* What stands beside the sites, for a call of some steps. */
-static inline void smg_begin_besides(const smg_state *s, smg_besides *known) {
+/* w into slots, and back; empty ones hold a spin that nothing turns. */
+static void smg_enter_rows(smg_state *s) {
+  const int64_t slots = smg_slots(&s->c), pitch = smg_pitch(&s->c);
+  for (int64_t slot = 0; slot < slots; ++slot) s->row_w[2 * pitch + slot] = smg_radius(&s->c, 0);
+  smg_to_slots(s, s->w, s->row_w);
+}
+
+/* A call of some steps begins: what stands beside the sites, ranks and threads; w into slots. */
+static void smg_begin_call(smg_state *s, smg_besides *known) {
   smg_blocks found;
   const smg_blocks *blocks = smg_blocks_of(s, &found);
   smg_forget_besides(&s->c, known);
@@ -67,22 +78,10 @@ static inline void smg_begin_besides(const smg_state *s, smg_besides *known) {
   known->values = s->row_values;
 #endif
   if (blocks) smg_order_lanes(blocks, known->order);
-}
-
-/* Empty slots at the ends of rows hold a spin that nothing turns. */
-static void smg_fill_empty_slots(const smg_state *s) {
-  const smg_coefficients *c = &s->c;
-  const int64_t length = smg_row_length(c), pitch = smg_pitch(c);
-  if (s->row_beside) return; /* none */
-  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
-      for (int64_t k = at.sites; k < length; ++k) s->row_w[2 * pitch + at.start + k] = smg_radius(c, 0);
-}
-
-/* w into slots, and back. */
-static void smg_enter_rows(smg_state *s) {
-  smg_to_slots(s, s->w, s->row_w);
-  smg_fill_empty_slots(s);
+  smg_begin_ranks(s, known);
+  s->row_team = smg_row_team(&s->c);
+  if (s->row_team > 1 && !blocks) smg_know_besides(&s->c, known);
+  smg_enter_rows(s);
 }
 static void smg_leave_rows(smg_state *s) { smg_to_sites(s, s->row_w, s->w); }
 

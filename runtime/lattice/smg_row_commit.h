@@ -29,10 +29,9 @@ static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
                       SMG_FIRST_PITCH(&s->c),
                       SMG_LATE_PITCH(&s->c),
                       first,
-                      1,
+                      smg_inverse_square(&s->c),
                       {0},
                       degree};
-  go.inverse = 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0));
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) go.past[j] = s->past[j] - first;
   for (int j = 0; j <= degree; ++j) go.weights[j] = smg_weight(degree, j);
   return go;
@@ -61,9 +60,8 @@ static void smg_predict_share(const smg_row_going go, smg_share part) {
 
 /* Those of all colours but the first. */
 static void smg_predict_rows(const smg_state *s) {
-  const int64_t first = smg_colour_slots(&s->c);
   const smg_row_going go = smg_going_of(s, s->degree);
-  SMG_TEAM(s->row_team) { SMG_COLOURS_AT_ONCE(k, n, 1) smg_predict_share(go, smg_share_of(k * first, n * first)); }
+  SMG_TEAM(s->row_team) { SMG_COLOURS_AT_ONCE(colour, n, 1) smg_predict_share(go, smg_share_of(&s->c, colour, n)); }
 }
 
 /* w + compensation + u of the slots of one vector (Kahan). */
@@ -103,16 +101,14 @@ SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int degree)
 }
 
 static void smg_go_on(const smg_row_going go, smg_share part) {
-  switch (go.degree) {
-  case 0: smg_go_on_by(go, part, 0); break;
-  case 1: smg_go_on_by(go, part, 1); break;
-  case 2: smg_go_on_by(go, part, 2); break;
-  case 3: smg_go_on_by(go, part, 3); break;
+  if (go.degree == 0) smg_go_on_by(go, part, 0);
+  else if (go.degree == 1) smg_go_on_by(go, part, 1);
+  else if (go.degree == 2) smg_go_on_by(go, part, 2);
+  else if (go.degree == 3) smg_go_on_by(go, part, 3);
 #if SMG_COLOURS == 2
-  case 4: smg_go_on_by(go, part, 4); break;
+  else if (go.degree == 4) smg_go_on_by(go, part, 4);
 #endif
-  default: smg_go_on_by(go, part, SMG_NO_DEGREE);
-  }
+  else smg_go_on_by(go, part, SMG_NO_DEGREE);
 }
 
 /* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other
@@ -122,17 +118,11 @@ static void smg_begin_first_colour(const smg_state *s, smg_share part) {
   for (int k = 0; !s->row_alone && k < 3; ++k)
     for (int64_t j = part.from; j < part.to; ++j) s->row_m[k * pitch + j] = s->row_w[k * pitch + j];
 }
-static inline smg_share smg_all_of_first(const smg_coefficients *c) {
-  const smg_share all = {0, smg_colour_slots(c)};
-  return all;
-}
 
 /* The state after the step, of all threads; more: is another one to begin? */
 static void smg_go_on_rows(const smg_state *s, int more) {
   const smg_row_going go = smg_going_of(s, more ? s->degree : SMG_NO_DEGREE);
-  SMG_TEAM(s->row_team) {
-    SMG_COLOURS_AT_ONCE(colour, n, 0) smg_go_on(go, smg_share_of(colour * go.first, n * go.first));
-  }
+  SMG_TEAM(s->row_team) { SMG_COLOURS_AT_ONCE(colour, n, 0) smg_go_on(go, smg_share_of(&s->c, colour, n)); }
 }
 
 #endif

@@ -33,14 +33,12 @@ typedef struct smg_mpi_halo {
 static smg_mpi_halo smg_halo;
 
 static smg_mpi_partner *smg_mpi_with(int rank) {
-  const smg_mpi_partner none = {0, {{0}, {0}}, {{0}, {0}}};
+  const smg_mpi_partner found = {rank, {{0}, {0}}, {{0}, {0}}};
   for (int k = 0; k < smg_halo.partners; ++k)
     if (smg_halo.with[k].rank == rank) return smg_halo.with + k;
   if (smg_halo.partners == SMG_MPI_PARTNERS) MPI_Abort(SMG_MPI_COMM, 1);
-  smg_mpi_partner *p = smg_halo.with + smg_halo.partners++;
-  *p = none;
-  p->rank = rank;
-  return p;
+  smg_halo.with[smg_halo.partners] = found;
+  return smg_halo.with + smg_halo.partners++;
 }
 
 /* The slots from <= k < to of a row are read. */
@@ -117,11 +115,9 @@ static int smg_mpi_ends_type(const smg_coefficients *c, int rank, int64_t colour
   return MPI_Type_commit(type) == MPI_SUCCESS;
 }
 
-/* What one of the others reads. */
-static void smg_mpi_read_by(const smg_mpi_partner *p, int64_t colour) {
-  const int64_t first = smg_whole_vectors(p->told.first[colour]), last = smg_whole_vectors(p->told.last[colour]);
-  if (first > smg_halo.first[colour]) smg_halo.first[colour] = first;
-  if (last > smg_halo.last[colour]) smg_halo.last[colour] = last;
+/* most = n or more, in whole vectors. */
+static void smg_mpi_at_least(int64_t n, int64_t *most) {
+  if (smg_whole_vectors(n) > *most) *most = smg_whole_vectors(n);
 }
 
 /* The messages of a colour's pass. */
@@ -132,7 +128,8 @@ static void smg_mpi_prepare(const smg_state *s, int64_t colour) {
   smg_halo.first[colour] = smg_halo.last[colour] = 0;
   for (const smg_mpi_partner *p = smg_halo.with; p < smg_halo.with + smg_halo.partners; ++p) {
     MPI_Datatype type;
-    smg_mpi_read_by(p, colour);
+    smg_mpi_at_least(p->told.first[colour], smg_halo.first + colour);
+    smg_mpi_at_least(p->told.last[colour], smg_halo.last + colour);
     if (smg_mpi_ends_type(&s->c, p->rank, colour, &p->read, &type)) {
       MPI_Recv_init(s->row_m, 1, type, p->rank, (int)colour, SMG_MPI_COMM, message + (*n)++);
       MPI_Type_free(&type);
@@ -167,12 +164,6 @@ static void smg_send_colour(int64_t colour) {
 static void smg_await_colour(int64_t colour) {
   if (smg_halo.messages[colour] > 0)
     MPI_Waitall(smg_halo.messages[colour], smg_halo.message[colour], MPI_STATUSES_IGNORE);
-}
-
-/* As many of a team as these slots are worth: ends are short. */
-static inline int smg_team_for(smg_share slots, int team) {
-  const int64_t worth = (slots.to - slots.from) / SMG_SHARE;
-  return worth < 1 ? 1 : worth < team ? (int)worth : team;
 }
 
 /* Large messages move only while MPI is called: so it is, after so many slots, some 0.1 ms of work, while there are

@@ -26,14 +26,7 @@ static inline void smg_begin_piece(const smg_coefficients *c, smg_besides *known
   piece->length = smg_row_length(c);
 }
 
-/* All of a colour. */
-static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, smg_piece *piece) {
-  piece->at = smg_first_row(c, colour);
-  piece->from = 0;
-  piece->end = piece->at.start + smg_rows(c) * smg_row_length(c);
-}
-
-/* Some slots of it, from one on where a vector begins. */
+/* Some slots of a colour, from one on where a vector begins. */
 static inline void smg_begin_part(const smg_coefficients *c, int64_t colour, smg_share part, smg_piece *piece) {
   const int64_t first = colour * smg_colour_slots(c), length = smg_row_length(c), end = first + smg_rows(c) * length;
   const int64_t row = piece->known->beside || part.from == first ? 0 : (part.from - first) / length;
@@ -43,9 +36,9 @@ static inline void smg_begin_part(const smg_coefficients *c, int64_t colour, smg
   piece->size = piece->done = 0;
 }
 
-/* The share of this thread in it. */
-static inline void smg_begin_share(const smg_coefficients *c, int64_t colour, smg_piece *piece) {
-  smg_begin_part(c, colour, smg_share_of_colour(c, colour), piece);
+/* All of it. */
+static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, smg_piece *piece) {
+  smg_begin_part(c, colour, smg_colours_from(c, colour, 1), piece);
 }
 
 /* The next piece; 0 where they end. */
@@ -56,55 +49,50 @@ SMG_INLINE int smg_open_piece(smg_piece *piece) {
   return piece->size > 0;
 }
 
-/* Of a lattice in blocks: all sites of a place in it. */
-static inline void smg_next_run_of_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
-  const int64_t alike = smg_colour_slots(c) / SMG_RANKS, rank = piece->from / alike,
-                end = piece->from + piece->size - piece->done;
-  run->start = piece->at.start;
-  run->sub = smg_place(piece->at.colour, rank);
+/* Where the run ends that a piece is at, in slots from its own: in blocks with the sites of a place, else with so many
+ * rows. */
+static inline int64_t smg_end_of_run(const smg_coefficients *c, const smg_piece *piece, int64_t rows) {
+  const int64_t alike = smg_colour_slots(c) / SMG_RANKS;
+  return SMG_BLOCKS && piece->known->beside ? (piece->from / alike + 1) * alike : rows * piece->length;
+}
+
+/* Of a lattice in blocks, what its sites have alike. */
+static inline void smg_run_of_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
+  run->sub = smg_place(piece->at.colour, run->from / (smg_colour_slots(c) / SMG_RANKS));
   run->b = NULL;
-  run->from = piece->from;
-  run->to = end < (rank + 1) * alike ? end : (rank + 1) * alike;
   run->length = run->sites = run->to;
-  run->beside = piece->known->beside;
-  run->order = piece->known->order;
-  piece->done += run->to - run->from;
   piece->from = run->to;
 }
 
-/* Its next run of rows, or what there is of it in the piece; 0 where it ends. */
-static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
-  const int64_t room = piece->size - piece->done, length = piece->length;
-  if (room <= 0) return 0;
-  run->place = piece->known->place;
-#if SMG_SITE_VALUES
-  run->values = piece->known->values;
-#endif
-  if (SMG_BLOCKS && piece->known->beside) {
-    smg_next_run_of_blocks(c, piece, run);
-    return 1;
-  }
-  run->beside = NULL;
-  run->order = NULL;
-  const int64_t rows = smg_run_of_rows(c, &piece->at, length), end = rows * length;
-  run->start = piece->at.start;
+/* Of rows, and the row where the next run begins. */
+static inline void smg_run_in_rows(const smg_coefficients *c, smg_piece *piece, int64_t rows, smg_run *run) {
+  const int64_t length = piece->length, gone = run->to == rows * length ? rows : run->to / length;
   run->sub = piece->at.sub;
   run->sites = piece->at.sites;
   run->b = smg_besides_of(c, &piece->at, piece->known);
   run->length = length;
-  run->from = piece->from;
-  run->to = end - piece->from > room ? piece->from + room : end;
-  piece->done += run->to - run->from;
-  const int64_t gone = run->to == end ? rows : run->to / length;
   piece->from = run->to - gone * length;
   if (gone > 0) smg_after_rows(c, length, gone, &piece->at);
-  return 1;
 }
 
-/* The next run of blocks, of whatever piece; 0 where all of them end. */
-static inline int smg_next_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
-  if (piece->done == piece->size && !smg_open_piece(piece)) return 0;
-  return smg_next_run(c, piece, run);
+/* The next run, or what there is of it in the piece; 0 where that ends. */
+static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
+  const int64_t room = piece->size - piece->done, rows = smg_run_of_rows(c, &piece->at, piece->length),
+                end = smg_end_of_run(c, piece, rows);
+  if (room <= 0) return 0;
+  run->start = piece->at.start;
+  run->from = piece->from;
+  run->to = end - run->from > room ? run->from + room : end;
+  run->place = piece->known->place;
+#if SMG_SITE_VALUES
+  run->values = piece->known->values;
+#endif
+  run->beside = piece->known->beside;
+  run->order = piece->known->order;
+  piece->done += run->to - run->from;
+  if (SMG_BLOCKS && run->beside) smg_run_of_blocks(c, piece, run);
+  else smg_run_in_rows(c, piece, rows, run);
+  return 1;
 }
 
 /* The gradient of one vector of a run, of blocks or not; of empty slots at the ends of rows it is 0. */
@@ -115,24 +103,45 @@ SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, 
   if (!blocks) smg_only_sites(run, p, g);
 }
 
-/* The gradients of a run of rows, one after the other from g on. */
-SMG_INLINE void smg_run_gradients(const smg_coefficients *c, const smg_run *run, const smg_real *m, int64_t pitch,
-                                  smg_real *g) {
-  for (int64_t j = run->from, p = j; j < run->to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
-    smg_lanes sum[3];
-    smg_run_gradient(c, run, 0, m, pitch, j, p, sum);
-    smg_put_slots(g, SMG_PIECE_ROOM, j - run->from, sum);
-  }
-}
-
 /* The next piece of rows, with the gradient at its places; 0 where they end. */
 static inline int smg_next_piece(const smg_coefficients *c, const smg_real *m, smg_piece *piece) {
   const int64_t pitch = smg_pitch(c);
   smg_run run;
   if (!smg_open_piece(piece)) return 0;
   for (smg_real *g = piece->g; smg_next_run(c, piece, &run); g += run.to - run.from)
-    smg_run_gradients(c, &run, m, pitch, g);
+    for (int64_t j = run.from, p = j; j < run.to; j += SMG_LANES, p = smg_next_place(p, run.length)) {
+      smg_lanes sum[3];
+      smg_run_gradient(c, &run, 0, m, pitch, j, p, sum);
+      smg_put_slots(g, SMG_PIECE_ROOM, j - run.from, sum);
+    }
   return 1;
+}
+
+/* A visit of one vector: the slot of its first lane, how many lanes are sites that it is for, and their gradient. */
+typedef void smg_vector_visit(void *context, int64_t slot, int64_t in, smg_lanes *g);
+
+/* Visits of all vectors of some slots of a colour, with the gradient of the spins or midpoints `all`. Of rows a piece
+ * has its gradients first; of blocks there is next to nothing to look up from vector to vector. */
+SMG_INLINE void smg_each_vector(const smg_coefficients *c, smg_besides *known, const smg_real *all, int64_t colour,
+                                smg_share part, void *context, smg_vector_visit *visit) {
+  const int64_t pitch = smg_pitch(c);
+  smg_piece piece;
+  smg_run run;
+  smg_lanes g[3];
+  SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
+  smg_begin_piece(c, known, gradient, &piece);
+  smg_begin_part(c, colour, part, &piece);
+  while (SMG_BLOCKS && known->beside && smg_open_piece(&piece))
+    while (smg_next_run(c, &piece, &run))
+      for (int64_t j = run.from; j < run.to; j += SMG_LANES) {
+        smg_run_gradient(c, &run, 1, all, pitch, j, j, g);
+        visit(context, run.start + j, SMG_LANES, g);
+      }
+  while (!known->beside && smg_next_piece(c, all, &piece))
+    for (int64_t k = 0; k < piece.size; k += SMG_LANES) {
+      smg_take_slots(gradient, SMG_PIECE_ROOM, k, g);
+      visit(context, piece.start + k, piece.size - k, g);
+    }
 }
 
 #endif

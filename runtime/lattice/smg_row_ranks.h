@@ -163,7 +163,6 @@ SMG_INLINE int64_t smg_rank_parts(void) { return 1; }
 #define smg_largest_of_ranks(a, b) (void)0
 #define smg_between_ends(colour, all) (all)
 #define smg_send_colour(colour) (void)0
-#define smg_team_for(slots, team) (team)
 #define smg_mpi_looks(inner) 1
 #define smg_look_at_colour(colour) (void)0
 #define smg_await_colour(colour) (void)0

@@ -14,16 +14,6 @@
 #include "smg_lanes.h"
 #include "smg_spin.h"
 
-SMG_INLINE smg_lanes smg_lane_dot(const smg_lanes *a, const smg_lanes *b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-SMG_INLINE void smg_lane_cross(smg_lanes *c, const smg_lanes *a, const smg_lanes *b) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* rho by its root; one: |w|^2/r^2. */
 SMG_INLINE smg_lanes smg_lane_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_real inverse) {
   const smg_lanes below = one - smg_lane_dot(g, g), along = smg_lane_dot(w, g);

@@ -3,6 +3,7 @@
 #ifndef SMG_ROW_STEP_H
 #define SMG_ROW_STEP_H
 
+#include "smg_report.h"
 #include "smg_row_wave.h"
 
 #define SMG_ROW_ROUNDS 100 /* ends that solve nothing, before the step is given up; one or two are usual */
@@ -11,7 +12,8 @@
 static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_sweeping *sweep) {
   do {
     const smg_row_pass pass = smg_next_pass(s, sweep);
-    smg_take_pass(s, pass, smg_turn_colour(s, known, turn, pass), sweep);
+    const smg_row_motion moved = smg_turn_colour(s, known, turn, pass);
+    smg_take_pass(s, pass, &moved, sweep);
   } while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
 }
 
@@ -19,16 +21,18 @@ static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning 
  * would still move, twice as large, as W is 2 mbar - w. */
 static int smg_row_solved(smg_state *s, smg_real residual) {
   s->report.residual = residual;
-  if (residual <= SMG_SWEEP_ULPS * SMG_EPS * s->scale) return 1;
+  if (smg_swept_to_round_off(residual, s->scale)) return 1;
   s->report.residual = 2 * s->row_bound / (1 - s->row_bound) * residual;
   return s->report.residual <= s->tolerance * s->scale;
 }
 
-/* The increments of all sites, and whether they solve the step. */
+/* The increments of all sites but of a colour that has them, and whether they solve the step. */
 static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_sweeping *sweep) {
   smg_real most = sweep->ended < 0 ? 0 : sweep->residual;
   SMG_TEAM(s->row_team) {
-    const smg_lanes squares = smg_end_share(s, known, turn, sweep->ended);
+    smg_lanes squares = {0};
+    for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
+      if (colour != sweep->ended) smg_end_part(s, known, *turn, colour, smg_share_of(&s->c, colour, 1), &squares);
     SMG_ONE_BY_ONE smg_take(&most, smg_lane_largest(squares));
   }
   smg_largest_of_ranks(&most, &most);
@@ -44,18 +48,14 @@ static int64_t smg_slot_by_rows(const smg_coefficients *c, const smg_blocks *b, 
   return smg_slot_in_blocks(c, b, at.sub, cell);
 }
 
-/* The error, squared, that every degree would have made in one slot, the k-th of all colours but the first, of the step
- * just solved: the backward difference of order d + 1. */
+/* What every degree would have missed in one slot, the k-th of all colours but the first, of the step just solved. */
 static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
-  const int64_t late = SMG_LATE_PITCH(&s->c);
-  smg_real row[SMG_HISTORY + 1][3];
-  for (int b = 0; b < 3; ++b) row[0][b] = s->row_late[b * late + k];
-  for (int j = 0; j < s->history; ++j)
-    for (int b = 0; b < 3; ++b) row[j + 1][b] = s->past[j][b * late + k];
-  for (int d = 0; d < s->history; ++d) {
-    for (int j = 0; j < s->history - d; ++j)
-      for (int b = 0; b < 3; ++b) row[j][b] -= row[j + 1][b];
-    for (int b = 0; b < 3; ++b) miss[d] += row[0][b] * row[0][b];
+  for (int b = 0; b < 3; ++b) {
+    const int64_t at = b * SMG_LATE_PITCH(&s->c) + k;
+    smg_real row[SMG_HISTORY + 1];
+    row[0] = s->row_late[at];
+    for (int j = 0; j < s->history; ++j) row[j + 1] = s->past[j][at];
+    smg_add_misses(s->history, row, miss);
   }
 }
 
@@ -71,9 +71,7 @@ static void smg_choose_row_degree(smg_state *s) {
     smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
     smg_row_misses(s, smg_slot_by_rows(&s->c, blocks, first + k) - first, miss);
   }
-  s->degree = s->history > 0 ? 0 : SMG_NO_DEGREE;
-  for (int d = 1; d < s->history; ++d)
-    if (miss[d] < miss[s->degree]) s->degree = d;
+  s->degree = s->history > 0 ? smg_best_degree(s->history, miss) : SMG_NO_DEGREE;
 }
 
 /* The step is taken; more: does another one begin, and add its increments to w? */
@@ -95,7 +93,7 @@ static void smg_begin_rows(smg_state *s) {
     smg_go_on_rows(s, 1);
     smg_exchange_late();
   }
-  smg_begin_first_colour(s, smg_all_of_first(&s->c));
+  smg_begin_first_colour(s, smg_colours_from(&s->c, 0, 1));
   s->row_due = 0;
 }
 
@@ -109,11 +107,10 @@ static void smg_watch_from(smg_state *s, const smg_row_sweeping *sweep) {
   s->row_from = from < 0 ? 0 : from < SMG_NEWTON_STEPS ? from : SMG_NEWTON_STEPS;
 }
 
-static void smg_report_sweeps(smg_state *s, const smg_row_sweeping *sweep) {
+static smg_status smg_report_sweeps(smg_state *s, const smg_row_sweeping *sweep) {
+  smg_begin_report(s);
   s->report.iterations = (int)((sweep->passes + SMG_COLOURS - 1) / SMG_COLOURS);
-  s->report.site = s->report.partner = -1;
-  s->report.reached = 0;
-  s->report.status = sweep->passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE;
+  return smg_end_report(s, sweep->passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE, -1);
 }
 
 /* One step, in slots, from predicted midpoints: what sweeps leave is put into the equation, and more of them follow
@@ -132,8 +129,7 @@ static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
     if (!solved && round == SMG_ROW_ROUNDS) sweep.passes = SMG_ROW_PASSES;
   }
   smg_expect_passes(s, known, &sweep);
-  smg_report_sweeps(s, &sweep);
-  if (s->report.status != SMG_OK) return s->report.status;
+  if (smg_report_sweeps(s, &sweep) != SMG_OK) return s->report.status;
   smg_watch_from(s, &sweep);
   smg_commit_rows(s, more);
   ++s->count;
@@ -144,18 +140,12 @@ static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   smg_besides known;
-  smg_begin_besides(s, &known);
-  smg_begin_ranks(s, &known);
-  s->row_team = smg_row_team(&s->c);
-  if (s->row_team > 1 && !known.beside) smg_know_besides(&s->c, &known);
+  smg_begin_call(s, &known);
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
-  smg_enter_rows(s);
   smg_predict_rows(s);
   smg_exchange_late();
   for (; count > 0 && status == SMG_OK; --count) {
-#if SMG_TIMED
-    smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
-#endif
+    smg_set_time_at(&s->c, s, (smg_real)0.5);
     status = smg_row_step(s, &known, count > 1);
   }
   smg_end_ranks(s);

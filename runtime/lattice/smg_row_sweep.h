@@ -32,13 +32,6 @@ SMG_INLINE void smg_made_of(const smg_lanes *w, const smg_lanes *g, smg_lanes *m
   }
 }
 
-/* The part of that by which it moved, to 13 %, where that is small: no change of the others shows whether it has
- * settled. */
-SMG_INLINE smg_lanes smg_part_moved(smg_real small, smg_lanes d, smg_lanes made) {
-  const smg_lanes none = {0};
-  return smg_lane_select((smg_lane_mask)(made < small), smg_lane_abs(d) * smg_lane_rough_inverse(made), none);
-}
-
 /* Is a component of a spin small? What the others are made of is not. */
 SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
   return smg_lane_any((smg_lane_mask)(smg_lane_abs(w[0]) < small) | (smg_lane_mask)(smg_lane_abs(w[1]) < small) |
@@ -79,7 +72,7 @@ SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_
   for (int k = 0; k < 3; ++k) g[k] = b[k];
   smg_precess(turn, w, g);
   smg_made_of(w, g, made);
-  for (int k = 0; k < 3; ++k) *part = smg_lane_larger(*part, smg_part_moved(turn.small, d[k], made[k]));
+  for (int k = 0; k < 3; ++k) *part = smg_lane_larger(*part, smg_part_moved(smg_lane_of(turn.small), d[k], made[k]));
 }
 
 /* How rho is found: from w.m of the sweep before; where there was none, from k and d; or by its root. */
@@ -156,12 +149,6 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   *moved = most;
 }
 
-/* What a colour's pass shows: the largest change, the largest part of a small component (SMG_MAX: not looked at), and
- * the largest square of the residual on this rank. */
-typedef struct smg_row_moved {
-  smg_real whole, part, residual;
-} smg_row_moved;
-
 /* How a colour is passed: watched: is it to be known how far midpoints move? small: small components too? last: may it
  * be the last pass, and increments are found too? */
 typedef struct smg_row_pass {
@@ -195,60 +182,35 @@ SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turnin
   smg_join_motion(motion, &most);
 }
 
-/* The four ways: the first sweep; those that follow it; with a look at small components; and with rho by its root. */
-static void smg_turn_first(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                           smg_share part, smg_row_motion *motion) {
-  smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion);
-}
-static void smg_turn_usual(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                           smg_share part, smg_row_motion *motion) {
-  smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion);
-}
-static void smg_turn_late(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                          smg_share part, smg_row_motion *motion) {
-  smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion);
-}
-static void smg_turn_exactly(const smg_state *s, smg_besides *known, const smg_turning *turn, smg_row_pass pass,
-                             smg_share part, smg_row_motion *motion) {
-  smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion);
-}
-
-SMG_INLINE void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn,
-                                    const smg_row_pass pass, smg_share part, smg_row_motion *motion) {
-  if (pass.way == SMG_BY_ROOT) smg_turn_exactly(s, known, turn, pass, part, motion);
-  else if (pass.way == SMG_FROM_FIELD) smg_turn_first(s, known, turn, pass, part, motion);
-  else if (pass.small) smg_turn_late(s, known, turn, pass, part, motion);
-  else smg_turn_usual(s, known, turn, pass, part, motion);
-}
-
-static const smg_row_moved smg_not_moved = {0, 0, 0};
-
-/* What a pass shows, with what some of its slots do. */
-SMG_INLINE void smg_take_motion(const smg_row_pass pass, const smg_row_motion *motion, smg_row_moved *moved) {
-  moved->whole = smg_max(moved->whole, smg_lane_largest(motion->square));
-  moved->part = pass.small ? smg_max(moved->part, smg_lane_largest(motion->part)) : SMG_MAX;
-  if (pass.last) smg_take(&moved->residual, smg_lane_largest(motion->residual));
+/* The first sweep; those that follow it; with a look at small components; and with rho by its root: each by a copy of
+ * its own, in which the compiler knows the way. */
+static void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn,
+                                const smg_row_pass pass, smg_share part, smg_row_motion *motion) {
+  if (pass.way == SMG_BY_ROOT) smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion);
+  else if (pass.way == SMG_FROM_FIELD) smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion);
+  else if (pass.small) smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion);
+  else smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion);
 }
 
 /* Some slots of this rank by all threads. */
 SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn,
-                                 const smg_row_pass pass, smg_share slots, smg_row_moved *moved) {
+                                 const smg_row_pass pass, smg_share slots, smg_row_motion *moved) {
   const int team = smg_team_for(slots, s->row_team);
   (void)team;
   if (slots.from >= slots.to) return;
   SMG_TEAM(team) {
     smg_row_motion motion = smg_at_rest();
     smg_turn_some_slots(s, known, turn, pass, smg_share_of_thread(slots), &motion);
-    SMG_ONE_BY_ONE smg_take_motion(pass, &motion, moved);
+    SMG_ONE_BY_ONE smg_join_motion(moved, &motion);
   }
 }
 
 /* A colour: first the ends that other ranks read; while those are on their way, what is between. */
-static smg_row_moved smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn,
-                                     const smg_row_pass pass) {
-  const smg_share all = smg_colour_of_rank(&s->c, pass.colour), inner = smg_between_ends(pass.colour, all),
+static smg_row_motion smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn,
+                                      const smg_row_pass pass) {
+  const smg_share all = smg_share_of_rank(&s->c, pass.colour, 1), inner = smg_between_ends(pass.colour, all),
                   first = {all.from, inner.from}, last = {inner.to, all.to};
-  smg_row_moved moved = smg_not_moved;
+  smg_row_motion moved = smg_at_rest();
   smg_turn_by_team(s, known, turn, pass, first, &moved);
   smg_turn_by_team(s, known, turn, pass, last, &moved);
   smg_send_colour(pass.colour);
@@ -257,7 +219,6 @@ static smg_row_moved smg_turn_colour(const smg_state *s, smg_besides *known, con
     smg_look_at_colour(pass.colour);
   }
   smg_await_colour(pass.colour);
-  if (pass.watched) smg_largest_of_ranks(&moved.whole, &moved.part);
   return moved;
 }
 
@@ -310,17 +271,19 @@ SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping
 }
 
 /* What it has shown. */
-SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_row_moved moved,
+SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const smg_row_motion *moved,
                               smg_row_sweeping *sweep) {
   const int64_t next = (pass.colour + 1) % SMG_COLOURS;
   ++sweep->passes;
   sweep->ended = pass.last ? pass.colour : -1;
   if (!pass.watched) return;
-  sweep->residual = moved.residual;
-  sweep->recent[pass.colour] = SMG_MATH(sqrt)(moved.whole);
-  sweep->parts[pass.colour] = moved.part;
+  smg_real whole = smg_lane_largest(moved->square), part = pass.small ? smg_lane_largest(moved->part) : SMG_MAX;
+  smg_largest_of_ranks(&whole, &part);
+  sweep->residual = smg_lane_largest(moved->residual); /* of this rank */
+  sweep->recent[pass.colour] = SMG_MATH(sqrt)(whole);
+  sweep->parts[pass.colour] = part;
   if (sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */
-  const int still = smg_recent(sweep->recent, next) <= SMG_STILL * SMG_EPS * s->scale;
+  const int still = smg_still(smg_recent(sweep->recent, next), s->scale);
   smg_rest_take(&sweep->whole, smg_recent(sweep->recent, next), still);
   smg_rest_take(&sweep->part, smg_recent(sweep->parts, next), still);
   if (sweep->passes < sweep->near && sweep->whole.now <= SMG_NEAR_LOOK * SMG_LOOK * s->scale)

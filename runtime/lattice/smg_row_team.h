@@ -36,30 +36,29 @@ SMG_INLINE smg_share smg_part_of(smg_share all, int64_t k, int64_t n) {
   return part;
 }
 
-/* The part of this thread in the slots of its rank; that of this rank in `slots` of them from `first` on; that of this
- * thread of this rank. */
-SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }
-SMG_INLINE smg_share smg_share_of_rank(int64_t first, int64_t slots) {
-  const smg_share all = {first, first + slots};
-  return smg_part_of(all, smg_rank_part(), smg_rank_parts());
+/* The slots of n colours from one on; the part of this rank in them; that of this thread in slots of its rank, and in
+ * those colours. */
+SMG_INLINE smg_share smg_colours_from(const smg_coefficients *c, int64_t colour, int64_t n) {
+  const smg_share all = {colour * smg_colour_slots(c), (colour + n) * smg_colour_slots(c)};
+  return all;
 }
-SMG_INLINE smg_share smg_share_of(int64_t first, int64_t slots) {
-  return smg_share_of_thread(smg_share_of_rank(first, slots));
+SMG_INLINE smg_share smg_share_of_rank(const smg_coefficients *c, int64_t colour, int64_t n) {
+  return smg_part_of(smg_colours_from(c, colour, n), smg_rank_part(), smg_rank_parts());
+}
+SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }
+SMG_INLINE smg_share smg_share_of(const smg_coefficients *c, int64_t colour, int64_t n) {
+  return smg_share_of_thread(smg_share_of_rank(c, colour, n));
 }
 
-/* Those of a colour. */
-SMG_INLINE smg_share smg_colour_of_rank(const smg_coefficients *c, int64_t colour) {
-  return smg_share_of_rank(colour * smg_colour_slots(c), smg_colour_slots(c));
-}
-SMG_INLINE smg_share smg_share_of_colour(const smg_coefficients *c, int64_t colour) {
-  return smg_share_of_thread(smg_colour_of_rank(c, colour));
+/* As many of a team as some slots are worth. */
+static inline int smg_team_for(smg_share slots, int team) {
+  const int64_t worth = (slots.to - slots.from) / SMG_SHARE;
+  return worth < 1 ? 1 : worth < team ? (int)worth : team;
 }
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {
-  const int64_t worth = smg_colour_slots(c) / SMG_SHARE / smg_rank_parts();
-  const int most = smg_most_threads();
-  return worth <= 1 || smg_meet_at_seam(c) ? 1 : most < worth ? most : (int)worth;
+  return smg_meet_at_seam(c) ? 1 : smg_team_for(smg_share_of_rank(c, 0, 1), smg_most_threads());
 }
 
 #endif

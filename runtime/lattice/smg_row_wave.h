@@ -113,9 +113,7 @@ static void smg_plan_wave(const smg_state *s, smg_row_wave *wave) {
 /* The slots of a block of a colour. */
 static inline smg_share smg_block_slots(const smg_coefficients *c, const smg_row_wave *wave, int64_t colour,
                                         int64_t block) {
-  const int64_t first = colour * smg_colour_slots(c), vectors = smg_colour_slots(c) / SMG_WIDEST, n = wave->blocks;
-  const smg_share part = {first + vectors * block / n * SMG_WIDEST, first + vectors * (block + 1) / n * SMG_WIDEST};
-  return part;
+  return smg_part_of(smg_colours_from(c, colour, 1), block, wave->blocks);
 }
 
 /* The beginning of a block of all colours. */
@@ -167,12 +165,10 @@ static void smg_run_wave(const smg_state *s, smg_besides *known, const smg_turni
 /* Have the passes shown what they would have one by one, without being more than that? */
 static int smg_judge_wave(const smg_state *s, const smg_row_wave *wave, smg_row_sweeping *sweep) {
   for (int64_t k = 0; k < wave->passes; ++k) {
-    smg_row_moved moved = smg_not_moved;
     smg_row_pass pass = smg_next_pass(s, sweep);
     if (smg_rows_settled(s, sweep) || (pass.small && !wave->pass[k].small)) return 0;
     pass.last = wave->pass[k].last;
-    smg_take_motion(pass, wave->motion + k, &moved);
-    smg_take_pass(s, pass, moved, sweep);
+    smg_take_pass(s, pass, wave->motion + k, sweep);
   }
   return 1;
 }
@@ -193,7 +189,7 @@ static int smg_sweep_in_wave(smg_state *s, smg_besides *known, const smg_turning
   if (!smg_judge_wave(s, wave, sweep)) { /* anew */
     smg_begin_sweeping(sweep);
     smg_predict_rows(s);
-    smg_begin_first_colour(s, smg_all_of_first(&s->c));
+    smg_begin_first_colour(s, smg_colours_from(&s->c, 0, 1));
     return 0;
   }
   if (!smg_rows_settled(s, sweep)) return 0;

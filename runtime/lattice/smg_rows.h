@@ -15,14 +15,13 @@
 #ifndef SMG_ROWS_H
 #define SMG_ROWS_H
 
-#include "smg_lanes.h"
 #include "smg_model.h"
+#include "smg_slots.h"
 
 /* numbers before the first slot and after the last that vectors reach into: gen/compile/assemble/rows.py keeps bonds so
  * short */
 #define SMG_BEFORE 8
 #define SMG_AFTER 16
-#define SMG_WIDEST 8    /* lanes of the widest registers there are */
 #define SMG_LONG_ROW 64 /* slots from which a row takes whole vectors: at most an eighth stays empty */
 #ifndef SMG_LARGE_PLANE
 #define SMG_LARGE_PLANE 375000 /* slots of all colours; 60 MB of arrays */
@@ -66,9 +65,6 @@ static inline int64_t smg_weight_of(int d) {
   const int64_t weights[4] = {SMG_WEIGHT_0, SMG_WEIGHT_1, SMG_WEIGHT_2, SMG_WEIGHT_3};
   return weights[d];
 }
-
-/* Whole vectors of the widest lanes. */
-SMG_INLINE int64_t smg_whole_vectors(int64_t n) { return (n + SMG_WIDEST - 1) / SMG_WIDEST * SMG_WIDEST; }
 
 /* Slots of a row, rows of a colour, slots of a colour, and of all. Long rows and colours begin where a vector does. */
 static inline int64_t smg_row_length(const smg_coefficients *c) {
@@ -160,28 +156,22 @@ static inline void smg_row_place(const smg_coefficients *c, smg_lattice_row *at)
   at->kind = at->kind * SMG_KINDS(SMG_REACH_2) + smg_kind_of_cell(at->s2, smg_cells(c, 2), SMG_REACH_2);
 }
 
-static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t colour) {
-  smg_lattice_row at = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-  at.colour = colour;
-  at.start = colour * smg_colour_slots(c);
-  smg_row_place(c, &at);
-  return at;
-}
-
 /* The row-th of a colour. */
 static inline smg_lattice_row smg_row_of(const smg_coefficients *c, int64_t colour, int64_t row) {
-  smg_lattice_row at = smg_first_row(c, colour);
-  const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2),
-                step = smg_plane_step(c, smg_row_length(c));
+  const int64_t above = row / smg_cells(c, 1), over = above / smg_cells(c, 2), length = smg_row_length(c),
+                step = smg_plane_step(c, length);
+  smg_lattice_row at = {colour, over / smg_cells(c, 3), 0, 0, 0, 0, 0, 0, 0, 0};
   int64_t among = row - above * smg_cells(c, 1);
   while (among >= smg_rows_like(c, step, at.s1)) among -= smg_rows_like(c, step, at.s1++);
   at.s1 += step * among;
   at.s2 = above - over * smg_cells(c, 2);
-  at.rank = over / smg_cells(c, 3);
   at.s3 = over - at.rank * smg_cells(c, 3);
-  at.start += row * smg_row_length(c);
+  at.start = colour * smg_colour_slots(c) + row * length;
   smg_row_place(c, &at);
   return at;
+}
+static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t colour) {
+  return smg_row_of(c, colour, 0);
 }
 
 /* The cells after all of direction 1; then the place. */
@@ -300,16 +290,6 @@ static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lat
   if (before > 0) b.from = before < at->sites ? before : at->sites;
   if (inside < at->sites) b.to = inside > 0 ? inside : 0;
   return b;
-}
-
-/* The vectors of an array in some slots. Its x, y and z are `pitch` apart. */
-SMG_INLINE void smg_take_slots(const smg_real *all, int64_t pitch, int64_t slot, smg_lanes *v) {
-  const smg_real *at = all + slot;
-  SMG_ANEW(at);
-  for (int k = 0; k < 3; ++k) v[k] = smg_lane_take(at + k * pitch);
-}
-SMG_INLINE void smg_put_slots(smg_real *all, int64_t pitch, int64_t slot, const smg_lanes *v) {
-  for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
 }
 
 #if SMG_SITE_VALUES

@@ -22,14 +22,20 @@ typedef struct smg_sweeping {
   smg_change change;
 } smg_sweeping;
 
+/* m = P(w + u/2) of site k. */
+static inline smg_real smg_halfway(const smg_state *s, int64_t k, const smg_real *u, smg_real *m) {
+  smg_real mbar[3];
+  for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * u[b];
+  return smg_project(&s->c, k, smg_leaf_value(s, k), mbar, m);
+}
+
 /* The midpoint of one spin whose step is exact in the field g of the others; 0 where it has no step. */
 static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_real *g, smg_real *next) {
   const smg_coefficients *c = &s->c;
   if (smg_kind(c, k) == SMG_NAMBU) {
-    smg_real u[3], mbar[3];
+    smg_real u[3];
     smg_increment(c, k, h, s->m + 3 * k, g, u);
-    for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * u[b];
-    (void)smg_project(c, k, smg_leaf_value(s, k), mbar, next);
+    (void)smg_halfway(s, k, u, next);
     return 1;
   }
 #if SMG_RESPONDS
@@ -75,9 +81,9 @@ static void smg_sweep_start(smg_state *s) {
   const smg_coefficients *c = &s->c;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    smg_real mbar[3];
-    for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * smg_extrapolate(s, 3 * k + b, s->degree);
-    (void)smg_project(c, k, smg_leaf_value(s, k), mbar, s->m + 3 * k);
+    smg_real u[3];
+    for (int b = 0; b < 3; ++b) u[b] = smg_extrapolate(s, 3 * k + b, s->degree);
+    (void)smg_halfway(s, k, u, s->m + 3 * k);
   }
 }
 
@@ -107,7 +113,7 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   smg_state *s = end->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
-  smg_real g[3] = {0, 0, 0}, mbar[3], m[3], room[3];
+  smg_real g[3] = {0, 0, 0}, m[3], room[3];
   smg_gather(c, at, s->m, s->m + 3 * k, g);
   smg_increment(c, k, end->h, s->m + 3 * k, g, s->u + 3 * k);
   const smg_real rounding_scale = smg_product_scale(c, k, end->h, s->m + 3 * k, g);
@@ -118,8 +124,7 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
       smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), smg_respond(c, k, s->m + 3 * k, g, room),
                   s->u + 3 * k);
   }
-  for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * s->u[3 * k + b];
-  const smg_real stretch = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
+  const smg_real stretch = smg_halfway(s, k, s->u + 3 * k, m);
   for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(m[b] - s->m[3 * k + b]));
 #if SMG_CONSTANT_HESSIAN
   const smg_real r = smg_leaf_value(s, k);
@@ -137,7 +142,7 @@ static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
   smg_each(&s->c, &end, smg_end_site);
   s->report.residual = end.residual;
   *row = SMG_CONSTANT_HESSIAN ? end.row : SMG_MAX;
-  return end.residual <= SMG_SWEEP_ULPS * SMG_EPS * (s->scale + end.rounding_scale) || smg_tolerated(s, end.residual);
+  return smg_swept_to_round_off(end.residual, s->scale + end.rounding_scale) || smg_tolerated(s, end.residual);
 }
 #else
 /* One sweep of the plain fixed point mbar = w + (h/2) X(P(mbar)). */

@@ -1,5 +1,7 @@
 """Which headers a text includes, by the macros of a model."""
 import pytest
+import smidgen
+from smidgen.compile.emit.emit import generate
 from smidgen.compile.emit.includes import included
 
 pytestmark = pytest.mark.quick
@@ -24,3 +26,9 @@ def test_one_branch_of_a_chain(macros, wanted):
 def test_what_is_not_decided_counts_as_true():
     text = '#if defined(OTHER)\n#include "a.h"\n#elif SMG_B\n#include "b.h"\n#else\n#include "c.h"\n#endif\n'
     assert included(text, {"SMG_B": 1}) == ["a.h", "b.h"] and included(text, {}) == ["a.h"]
+
+
+def test_a_text_for_several_kinds_of_numbers_is_put_in_for_each():
+    """smg_triple.h, once for scalars and once for lanes; headers with a guard once."""
+    text = generate(smidgen.load("heisenberg_chain"), amalgamate=True)["heisenberg_chain.c"]
+    assert text.count("SMG_OF(cross)(SMG_NUMBER *c") == 2 and text.count("#ifndef SMG_LANES_H") == 1

@@ -99,7 +99,7 @@ BRANCH = (
 
 TOLERANCE = (
     (C, r"(?<!\(sqrt\)\()(?<!NEGLIGIBLE \()(?<!EPS \* )\bSMG_EPS\b", r"(1000000 * SMG_EPS)"),
-    (C, r"end\.residual <= SMG_SWEEP_ULPS", r"1 || end.residual <= SMG_SWEEP_ULPS"),
+    (C, r"smg_swept_to_round_off\(end\.residual", r"1 || smg_swept_to_round_off(end.residual"),
     (C, r"(?<=define SMG_NEGLIGIBLE ).*", r"1e-3"),
     (C, r"\bSMG_ROUNDOFF\b(?= \*)", r"(100000000 * SMG_ROUNDOFF)"),
     (C, r"\b1e-(12|9|5)\b(?! *\*/)", r"1e-3"),
@@ -172,12 +172,12 @@ IN_ROWS = (
     (ROW_STATE, r"if \(s->history > SMG_ROW_HISTORY\) s->history = SMG_ROW_HISTORY;", r""),
     (ROW_PIECE, r"piece->at\.start \+ piece->from", r"piece->at.start"),
     (ROW_PIECE, r"piece->from = part\.from - first - row \* length", r"piece->from = 0"),
-    (ROW_TEAM, r"worth <= 1 \|\| smg_meet_at_seam\(c\)", r"worth <= 1"),
+    (ROW_TEAM, r"smg_meet_at_seam\(c\) \? 1 : ", r""),
     (ROW_SWEEP, r"smg_lane_select\(smg_lane_below\(in\), v\[k\], m\[k\]\)", r"v[k]"),
     (ROW_SWEEP, r"sweep->ended = pass\.last \? pass\.colour : -1", r"sweep->ended = pass.colour"),
     (ROW_SWEEP, r"s->row_weak \? SMG_COLOURS : 1", r"1"),
     (ROW_SWEEP, r" && smg_rest_settled\(&sweep->part, SMG_EPS\)", r""),
-    (ROW_END, r"1 / \(smg_radius\(c, 0\) \* smg_radius\(c, 0\)\)", r"1 / smg_radius(c, 0)"),
+    ("runtime/lattice/smg_row_arrays.h", r"1 / \(smg_radius\(c, 0\) \* smg_radius\(c, 0\)\)", r"1 / smg_radius(c, 0)"),
     (ROW_END, r"u\[k\] \*= 2 \* turn\.half", r"u[k] *= turn.half"),
     (ROW_STEP, r"sweep->passes < SMG_ROW_PASSES \? SMG_OK : SMG_NO_CONVERGENCE", r"SMG_OK"),
     (ROW_STEP, r"near < last \? near : last", r"last"),
@@ -190,7 +190,7 @@ IN_ROWS = (
     (ROW_BLOCKS, r"smg_rank\(sub\)", r"0"),
     (ROW_BLOCKS, r"v\.cell\[d\] \+ beside\[k\]\.cell\[d\]", r"v.cell[d] - beside[k].cell[d]"),
     (ROW_BLOCKS, r"smg_slots\(c\) == smg_sites\(c\) && ", r""),
-    (ROW_PIECE, r"smg_place\(piece->at\.colour, rank\)", r"smg_place(piece->at.colour, 0)"),
+    (ROW_PIECE, r"smg_place\(piece->at\.colour, .*\);", r"smg_place(piece->at.colour, 0);"),
     (BY_ROWS, r"return closed and ", r"return "),
     (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
     (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),
@@ -224,10 +224,10 @@ IN_LANES = (
 )
 
 # Comparators, splittings and compositions: the order of their parts, the part of h that each has, the length that they keep; and the outputs.
-AXES, CF4, LENGTHS = (f"runtime/{name}.h" for name in ("method/explicit/smg_axis_splitting", "method/explicit/smg_cf4", "core/smg_lengths"))
+AXES, CF4 = (f"runtime/method/explicit/{name}.h" for name in ("smg_axis_splitting", "smg_cf4"))
 IN_METHODS = (
-    (AXES, r"smg_turn_all\(s, 2, h\)", r"smg_turn_all(s, 2, 0.5 * h)"),
-    (AXES, r"smg_turn_site\(c, 2, k, whole, v, u\)", r"smg_turn_site(c, 2, k, part, v, u)"),
+    (AXES, r"smg_turn_h\(n, 3, h\)", r"0.5 * h"),
+    (AXES, r"smg_turn_h\(n, 3, half\)", r"0.5 * half"),
     (AXES, r"tau \* v\[d\] - square", r"tau * v[d] + square"),
     ("runtime/method/explicit/smg_extrapolation.h", r"return \(smg_real\)m / \(smg_real\)\(2 \* j\)", r"return (smg_real)(m - 1) / (smg_real)(2 * j)"),
     ("runtime/method/explicit/smg_extrapolation.h", r"-66, 84480", r"66, 84480"),
@@ -235,13 +235,13 @@ IN_METHODS = (
     (CF4, r"\{first\[3\], first\[1\], first\[2\], first\[0\]\}", r"{first[0], first[1], first[2], first[3]}"),
     (CF4, r"smg_take_turns\(s, 4, h, 1\)", r"smg_take_turns(s, 4, h, (smg_real)0.5)"),
     ("runtime/method/explicit/smg_pair_rotations.h", r"smg_each_pair_back\(", r"smg_each_pair("),
-    ("runtime/method/explicit/smg_pair_rotations.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
-    ("runtime/method/explicit/smg_pair_rotations.h", r"smg_turn_class\(s, last, h\)", r"smg_turn_class(s, last, 0.5 * h)"),
+    ("runtime/core/smg_turn.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
+    ("runtime/method/explicit/smg_pair_rotations.h", r"smg_turn_h\(k, n, h\)", r"0.5 * h"),
     ("runtime/method/explicit/smg_pair_rows.h", r"if \(around\) smg_put_some_spins\(.*\);", r";"),
     ("runtime/method/explicit/smg_pair_rows.h", r"behind \+ \(away > 0 \? away : 0\)", r"behind"),
     ("runtime/method/explicit/smg_pair_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
-    ("runtime/method/explicit/smg_sublattice_rotations.h", r"smg_rotate_colour\(s, last, h, 1\)", r"smg_rotate_colour(s, last, 0.5 * h, 1)"),
-    ("runtime/core/smg_lanes.h", r"\*lost = y - \(sum - \*w\)", r"*lost = 0 * y"),
+    ("runtime/method/explicit/smg_sublattice_rotations.h", r"smg_turn_h\(k, n, h\)", r"0.5 * h"),
+    ("runtime/core/smg_triple.h", r"\*compensation = y - \(sum - \*w\)", r"*compensation = 0 * y"),
     ("runtime/method/explicit/smg_sublattice_rows.h", r"smg_real\)0\.5 \* smg_h_over_kappa\(&s->c, 0, h\)", r"smg_real)0.5 * h"),
     ("runtime/method/explicit/smg_sublattice_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
     ("runtime/method/midpoint/smg_geodesic_midpoint.h", r"smg_sinc\(smg_norm\(a\) / r\)", r"smg_sinc(smg_norm(a))"),
@@ -251,7 +251,7 @@ IN_METHODS = (
     ("runtime/method/midpoint/smg_rattle.h", r" / \(r > 0 \? r : 1\)", r""),
     ("runtime/method/midpoint/smg_exponential_midpoint.h", r" \+ 4 \* c \* xx\[b\]", r""),
     ("runtime/method/midpoint/smg_exponential_midpoint.h", r"< SMG_HALF_TURN", r"< SMG_MAX"),
-    (LENGTHS, r"\(1 - s->inverse\[k\] \* smg_dot\(w, w\)\)", r"(s->inverse[k] * smg_dot(w, w) - 1)"),
+    ("runtime/core/smg_turn.h", r"\(1 - inverse \* SMG_OF\(dot\)\(w, w\)\)", r"(inverse * SMG_OF(dot)(w, w) - 1)"),
     ("runtime/method/explicit/smg_explicit_step.h", r"done \+ \(smg_real\)0\.5 \* smg_gamma\[i\]", r"done"),
     ("runtime/method/explicit/smg_turn_steps.h", r"done \+ \(smg_real\)0\.5 \* smg_gamma\[i\]", r"done"),
     ("runtime/method/midpoint/smg_composition.h", r"s->prepared\[1\] == \(smg_real\)s->h", r"1"),

@@ -153,7 +153,7 @@ def few_functions(model) -> list:
 
 def field(model, numbers: int, kernel_of) -> tuple:
     """g = what all terms add for the sites of one vector."""
-    own = (Variable("smg_lanes", "own[3]"), Call("smg_few_take", (Name("all"), Name("pitch"), Index("i"), Name("own"))))
+    own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (Name("all"), Name("pitch"), Index("i"), Name("own"))))
     n = model.families[0].count
     lines = [line for k, p in enumerate(model.few) for line in term(p, kernel_of(p), f"_{k}", n, numbers)]
     return (*own, *lines)

@@ -54,7 +54,7 @@ def class_table(model) -> Table:
 
 
 def class_row(model, one) -> tuple:
-    """The members of smg_row_class of smg_pair_rows.h."""
+    """What SMG_CLASS_COLOUR, .. of smg_pair_rows.h name."""
     number, t = next((k, t) for k, t in enumerate(joint(model)) if t.derived.term.name == one.effect)
     (sub, _), (other, offset) = one.bond[one.first], one.bond[1 - one.first]
     ring = sum(1 << d for d, closes in enumerate(t.over.periodic) if closes)

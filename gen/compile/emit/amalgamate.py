@@ -1,6 +1,8 @@
 """The single-file form: the runtime inside the two files of a model."""
 from __future__ import annotations
 
+import re
+
 from ...resources import runtime_header
 from .includes import active_lines, macros_of
 
@@ -15,7 +17,7 @@ UNUSED_POP = """#if defined(__GNUC__)
 
 
 def inline_runtime(files, name: str):
-    """Runtime headers put in the place of their #include, each once."""
+    """Runtime headers put in the place of their #include, each once, but those without a guard, which serve several kinds of numbers."""
     seen: set = set()
     macros = macros_of(files[f"{name}.c"])
 
@@ -27,8 +29,10 @@ def inline_runtime(files, name: str):
             if included is None:
                 lines.append(line)
             elif active and included not in seen:
-                seen.add(included)
-                inside = expand(read_runtime(included), False)
+                header = read_runtime(included)
+                if guarded(header):
+                    seen.add(included)
+                inside = expand(header, False)
                 lines += [UNUSED_PUSH, inside, UNUSED_POP] if outermost else [inside]
         return "\n".join(lines)
 
@@ -39,6 +43,11 @@ def inline_runtime(files, name: str):
         out[key] = expand(files[key]) + "\n"
     out[f"{name}_abi.c"] = files[f"{name}_abi.c"]
     return out
+
+
+def guarded(header: str) -> bool:
+    """Is a header compiled once, however often it is included?"""
+    return re.match(r"\s*/\*.*?\*/\s*#ifndef ", header, re.DOTALL) is not None
 
 
 def read_runtime(name: str) -> str:

@@ -55,12 +55,9 @@ SMG_INLINE void smg_turn_site(const smg_coefficients *c, int axis, int64_t k, sm
 
 /* A stage of site k. */
 SMG_INLINE void smg_stage_of_site(const smg_coefficients *c, int64_t k, smg_real h, smg_real *v, smg_real *u) {
-  const smg_real whole = 0.5 * smg_h_over_kappa(c, k, h), part = 0.5 * whole;
-  smg_turn_site(c, 0, k, part, v, u);
-  smg_turn_site(c, 1, k, part, v, u);
-  smg_turn_site(c, 2, k, whole, v, u);
-  smg_turn_site(c, 1, k, part, v, u);
-  smg_turn_site(c, 0, k, part, v, u);
+  const smg_real half = 0.5 * smg_h_over_kappa(c, k, h);
+  SMG_UNROLL
+  for (int n = 0; n < 5; ++n) smg_turn_site(c, (int)smg_there_and_back(n, 3), k, smg_turn_h(n, 3, half), v, u);
 }
 
 #if SMG_ONE_SITE
@@ -86,11 +83,8 @@ SMG_INLINE void smg_turn_all(smg_state *s, int axis, smg_real h) {
 }
 
 static inline void smg_stage(smg_state *s, smg_real h) {
-  smg_turn_all(s, 0, 0.5 * h);
-  smg_turn_all(s, 1, 0.5 * h);
-  smg_turn_all(s, 2, h);
-  smg_turn_all(s, 1, 0.5 * h);
-  smg_turn_all(s, 0, 0.5 * h);
+  SMG_UNROLL
+  for (int n = 0; n < 5; ++n) smg_turn_all(s, (int)smg_there_and_back(n, 3), smg_turn_h(n, 3, h));
 }
 #endif
 

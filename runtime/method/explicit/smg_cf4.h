@@ -36,11 +36,7 @@ SMG_INLINE smg_real *smg_turns(const smg_state *s, int i) { return s->turns + 3 
 static void smg_take_turns(smg_state *s, int i, smg_real h, smg_real part) {
   const int64_t sites = smg_sites(&s->c);
   smg_real *k = smg_turns(s, i);
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, part));
-#else
-  (void)part;
-#endif
+  smg_set_time_at(&s->c, s, part);
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] = 0;
   smg_gradient(&s->c, s->points, k);
   smg_respond_all(&s->c, s->points, k);

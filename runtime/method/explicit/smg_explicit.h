@@ -22,6 +22,11 @@
 #define SMG_LENGTHS_LAST 0
 #endif
 
+/* A symmetric splitting of a stage into n parts has 2 n - 1 turns: the parts one after the other for h/2, the last one
+ * for h, and back. The part of the k-th turn, and its h. */
+SMG_INLINE int64_t smg_there_and_back(int64_t k, int64_t n) { return k < n ? k : 2 * n - 2 - k; }
+SMG_INLINE smg_real smg_turn_h(int64_t k, int64_t n, smg_real h) { return k == n - 1 ? h : (smg_real)0.5 * h; }
+
 /* The history: 1/|w|^2 of every site, s->history = 1 once it is known. */
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 

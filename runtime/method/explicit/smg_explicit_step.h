@@ -8,6 +8,7 @@
 #define SMG_EXPLICIT_STEP_H
 
 #include "smg_explicit.h"
+#include "smg_report.h"
 
 #if SMG_COMPOSED
 #define SMG_STAGES SMG_COMPOSED
@@ -84,10 +85,9 @@ static smg_status smg_step(smg_state *s) {
   if (s->rows) return smg_row_steps(s, 1);
 #endif
   if (s->history == 0) smg_begin_lengths(s);
-  s->report.partner = -1;
-  s->report.site = smg_move(s);
-  s->report.status = s->report.site < 0 ? SMG_OK : SMG_NOT_FINITE;
-  if (s->report.status != SMG_OK) return s->report.status;
+  smg_begin_report(s);
+  const int64_t failed = smg_move(s);
+  if (smg_end_report(s, failed < 0 ? SMG_OK : SMG_NOT_FINITE, failed) != SMG_OK) return s->report.status;
   s->history = 1;
   ++s->count;
   return SMG_OK;

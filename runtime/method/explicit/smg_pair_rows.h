@@ -13,42 +13,20 @@
 #ifndef SMG_PAIR_ROWS_H
 #define SMG_PAIR_ROWS_H
 
+#include "smg_explicit_step.h"
 #include "smg_pair_state.h"
-#include "smg_rows.h"
-#include "smg_row_spin.h"
 
-/* A class, as the model has it: colour and rank of the rows where its bonds begin; which of what is beside them is
- * their other end; whether direction 0 is a ring for them; layers from end to end; which term. */
-typedef struct smg_row_class {
-  int64_t colour, rank, beside, ring, away, term;
-} smg_row_class;
+/* What the model says of a class, in a row of its table smg_row_classes: colour and rank of the rows where its bonds
+ * begin; which of what is beside them is their other end; whether direction 0 is a ring for them; layers from end to
+ * end; which term. */
+enum { SMG_CLASS_COLOUR, SMG_CLASS_RANK, SMG_CLASS_BESIDE, SMG_CLASS_RING, SMG_CLASS_AWAY, SMG_CLASS_TERM };
 
-static inline smg_row_class smg_row_class_of(int64_t k) {
-  const int64_t *has = smg_row_classes[k];
-  const smg_row_class all = {has[0], has[1], has[2], has[3], has[4], has[5]};
-  return all;
-}
-
-/* What its turns work with: w and what it has lost, by slots; h/(2 kappa^2). */
+/* What its turns work with: w and what it has lost; h/(2 kappa^2). */
 typedef struct smg_pair_turning {
-  smg_real *w, *lost;
-  int64_t pitch;
+  smg_turned all;
   smg_real half;
 } smg_pair_turning;
 
-/* Some spins: w, and what they have lost. */
-typedef struct smg_lane_spins {
-  smg_lanes w[3], lost[3];
-} smg_lane_spins;
-
-SMG_INLINE void smg_take_spins(const smg_pair_turning *turn, int64_t slot, smg_lane_spins *a) {
-  smg_take_slots(turn->w, turn->pitch, slot, a->w);
-  smg_take_slots(turn->lost, turn->pitch, slot, a->lost);
-}
-SMG_INLINE void smg_put_spins(const smg_pair_turning *turn, int64_t slot, const smg_lane_spins *a) {
-  smg_put_slots(turn->w, turn->pitch, slot, a->w);
-  smg_put_slots(turn->lost, turn->pitch, slot, a->lost);
-}
 SMG_INLINE void smg_select_spins(smg_lane_mask test, const smg_lane_spins *b, smg_lane_spins *a) {
   for (int k = 0; k < 3; ++k) {
     a->w[k] = smg_lane_select(test, a->w[k], b->w[k]);
@@ -60,69 +38,60 @@ SMG_INLINE void smg_select_spins(smg_lane_mask test, const smg_lane_spins *b, sm
 SMG_INLINE void smg_put_some_spins(const smg_pair_turning *turn, int64_t slot, smg_lane_mask test,
                                    const smg_lane_spins *a) {
   smg_lane_spins here, those = *a;
-  smg_take_spins(turn, slot, &here);
+  smg_take_spins(turn->all, slot, &here);
   smg_select_spins(test, &here, &those);
-  smg_put_spins(turn, slot, &those);
+  smg_put_spins(turn->all, slot, &those);
 }
 
 /* smg_turn_pair. */
 SMG_INLINE void smg_turn_bonds_in_lanes(const smg_coefficients *c, const smg_pair_turning *turn, int64_t term,
                                         smg_lane_spins *v, smg_lane_spins *w) {
   const smg_real kappa = smg_kappa(c, 0);
-  smg_lanes g[3], p[3], pg[3];
   const smg_lanes a = turn->half * smg_lane_bond_slope(c, term, smg_lane_dot(v->w, w->w));
-  for (int b = 0; b < 3; ++b) g[b] = a * (kappa * v->w[b] + kappa * w->w[b]);
-  const smg_lanes scale = 2 / (1 + smg_lane_dot(g, g)) * a;
-  smg_lane_cross(p, v->w, w->w);
-  smg_lane_cross(pg, p, g);
-  for (int b = 0; b < 3; ++b) {
-    const smg_lanes moved = kappa * (scale * (p[b] + pg[b]));
-    smg_lane_add_compensated(v->w + b, v->lost + b, moved);
-    smg_lane_add_compensated(w->w + b, w->lost + b, -moved);
-  }
+  (void)smg_lane_turn_both(a, kappa, kappa, v->w, v->lost, w->w, w->lost);
 }
 
 /* The same where some lanes are no bond: beyond the run, of empty slots, with another end beyond an open one or around
  * a ring. */
-static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *turn, const smg_row_class *all,
+static void smg_turn_some(const smg_coefficients *c, const smg_pair_turning *turn, const int64_t *which,
                           const smg_run *run, int64_t j, int64_t p) {
-  const smg_beside *b = run->b + all->beside;
+  const smg_beside *b = run->b + which[SMG_CLASS_BESIDE];
   const int64_t slot = run->start + j, in = run->to - j;
   const smg_lane_mask sites = smg_lane_below(in) & (smg_lane_mask)(smg_lane_places(run, p) < (smg_real)run->sites);
-  const int inside = smg_all_within(b, p, in < SMG_LANES ? in : SMG_LANES), around = all->ring && !inside;
+  const int inside = smg_all_within(b, p, in < SMG_LANES ? in : SMG_LANES), around = which[SMG_CLASS_RING] && !inside;
   smg_lane_mask within = sites;
   smg_lane_spins v, w, far, before;
   if (!inside) within &= smg_lanes_within(run, b, p);
-  smg_take_spins(turn, slot, &v);
-  smg_take_spins(turn, slot + b->start, &w);
+  smg_take_spins(turn->all, slot, &v);
+  smg_take_spins(turn->all, slot + b->start, &w);
   if (around) {
-    smg_take_spins(turn, slot + b->around, &far);
+    smg_take_spins(turn->all, slot + b->around, &far);
     smg_select_spins(within, &far, &w);
   }
   before = v;
-  smg_turn_bonds_in_lanes(c, turn, all->term, &v, &w);
+  smg_turn_bonds_in_lanes(c, turn, which[SMG_CLASS_TERM], &v, &w);
   smg_select_spins(around ? sites : within, &before, &v);
-  smg_put_spins(turn, slot, &v);
+  smg_put_spins(turn->all, slot, &v);
   smg_put_some_spins(turn, slot + b->start, within, &w);
   if (around) smg_put_some_spins(turn, slot + b->around, sites & smg_lane_not(within), &w);
 }
 
 /* The bonds of a class that begin in a run of rows. */
-static void smg_turn_run(const smg_coefficients *c, const smg_pair_turning turn, const smg_row_class *all,
+static void smg_turn_run(const smg_coefficients *c, const smg_pair_turning turn, const int64_t *which,
                          const smg_run *run) {
-  const smg_beside *b = run->b + all->beside;
-  const int64_t term = all->term, start = run->start, to = run->to, full = run->sites == run->length;
+  const smg_beside *b = run->b + which[SMG_CLASS_BESIDE];
+  const int64_t term = which[SMG_CLASS_TERM], start = run->start, to = run->to, full = run->sites == run->length;
   for (int64_t j = 0, p = 0; j < to; j += SMG_LANES, p = smg_next_place(p, run->length)) {
     if (to - j < SMG_LANES || !(full || p + SMG_LANES <= run->sites) || !smg_all_within(b, p, SMG_LANES)) {
-      smg_turn_some(c, &turn, all, run, j, p);
+      smg_turn_some(c, &turn, which, run, j, p);
       continue;
     }
     smg_lane_spins v, w;
-    smg_take_spins(&turn, start + j, &v);
-    smg_take_spins(&turn, start + b->start + j, &w);
+    smg_take_spins(turn.all, start + j, &v);
+    smg_take_spins(turn.all, start + b->start + j, &w);
     smg_turn_bonds_in_lanes(c, &turn, term, &v, &w);
-    smg_put_spins(&turn, start + j, &v);
-    smg_put_spins(&turn, start + b->start + j, &w);
+    smg_put_spins(turn.all, start + j, &v);
+    smg_put_spins(turn.all, start + b->start + j, &w);
   }
 }
 
@@ -132,39 +101,37 @@ static inline int64_t smg_layer_rows(const smg_coefficients *c) { return smg_row
 
 /* Those that begin in a layer. */
 static void smg_turn_layer(const smg_coefficients *c, smg_besides *known, const smg_pair_turning turn,
-                           const smg_row_class *all, int64_t layer) {
+                           const int64_t *which, int64_t layer) {
   const int64_t length = smg_row_length(c);
   int64_t rows = smg_layer_rows(c);
-  smg_lattice_row at = smg_row_of(c, all->colour, (all->rank * smg_layers(c) + layer) * rows);
+  smg_lattice_row at = smg_row_of(c, which[SMG_CLASS_COLOUR], (which[SMG_CLASS_RANK] * smg_layers(c) + layer) * rows);
   while (rows > 0) {
     const int64_t alike = smg_run_of_rows(c, &at, length);
     const smg_run run = {at.start,     at.sub, at.sites, length, 0, alike * length, smg_besides_of(c, &at, known),
                          known->place, NULL,   NULL};
-    if (run.b[all->beside].there) smg_turn_run(c, turn, all, &run);
+    if (run.b[which[SMG_CLASS_BESIDE]].there) smg_turn_run(c, turn, which, &run);
     smg_after_rows(c, length, alike, &at);
     rows -= alike;
   }
 }
 
 /* smg_restore_length of some slots. */
-static void smg_restore_slots(const smg_pair_turning turn, smg_real inverse, int64_t slot, int64_t end) {
-  const smg_lanes none = {0};
+static void smg_restore_slots(const smg_turned all, smg_real inverse, int64_t slot, int64_t end) {
   for (; slot < end; slot += SMG_LANES) {
     smg_lane_spins v;
-    smg_take_spins(&turn, slot, &v);
-    smg_lanes back = (smg_real)0.5 * SMG_RESTORED * (1 - inverse * smg_lane_dot(v.w, v.w));
-    if (end - slot < SMG_LANES) back = smg_lane_select(smg_lane_below(end - slot), back, none);
+    smg_take_spins(all, slot, &v);
+    const smg_lanes back = smg_lane_first(end - slot, smg_lane_way_back(inverse, v.w));
     for (int k = 0; k < 3; ++k) v.lost[k] += back * v.w[k];
-    smg_put_slots(turn.lost, turn.pitch, slot, v.lost);
+    smg_put_slots(all.lost, all.pitch, slot, v.lost);
   }
 }
-static void smg_restore_layer(const smg_state *s, const smg_pair_turning turn, int64_t layer) {
+static void smg_restore_layer(const smg_state *s, const smg_turned all, int64_t layer) {
   const int64_t rows = smg_layer_rows(&s->c), length = smg_row_length(&s->c);
-  const smg_real inverse = smg_row_inverse(s);
+  const smg_real inverse = smg_inverse_square(&s->c);
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
     for (int64_t rank = 0; rank < SMG_RANKS; ++rank) {
       const int64_t first = colour * smg_colour_slots(&s->c) + (rank * smg_layers(&s->c) + layer) * rows * length;
-      smg_restore_slots(turn, inverse, first, first + rows * length);
+      smg_restore_slots(all, inverse, first, first + rows * length);
     }
 }
 
@@ -175,12 +142,10 @@ typedef struct smg_layer_order {
   int64_t lag[SMG_TURNED + 1], first[SMG_TURNED + 1];
 } smg_layer_order;
 
-static inline int64_t smg_class_of_turn(int64_t k) { return k < SMG_ROW_CLASSES ? k : SMG_TURNED - 1 - k; }
-
 static inline void smg_order_layers(smg_layer_order *order) {
   int64_t behind = 0, later = 0; /* the largest of lag - min(0, o), and of first + max(0, o) */
   for (int64_t k = 0; k <= SMG_TURNED; ++k) {
-    const int64_t away = k < SMG_TURNED ? smg_row_class_of(smg_class_of_turn(k)).away : 0;
+    const int64_t away = k < SMG_TURNED ? smg_row_classes[smg_there_and_back(k, SMG_ROW_CLASSES)][SMG_CLASS_AWAY] : 0;
     order->lag[k] = behind + (away > 0 ? away : 0);
     order->first[k] = later + (away < 0 ? -away : 0);
     behind = order->lag[k] + (away < 0 ? -away : 0);
@@ -190,14 +155,12 @@ static inline void smg_order_layers(smg_layer_order *order) {
 
 /* One layer of the k-th turn of a stage of the size h; after all of them, lengths. */
 static void smg_turn_in_order(const smg_state *s, smg_besides *known, int64_t k, smg_real h, int64_t layer) {
-  const smg_pair_turning turn = {s->row_w, s->row_compensation, smg_pitch(&s->c),
-                                 smg_pair_half(s, k == SMG_ROW_CLASSES - 1 ? h : (smg_real)0.5 * h)};
+  const smg_pair_turning turn = {smg_turned_of(s), smg_pair_half(s, smg_turn_h(k, SMG_ROW_CLASSES, h))};
   if (k == SMG_TURNED) {
-    smg_restore_layer(s, turn, layer);
+    smg_restore_layer(s, turn.all, layer);
     return;
   }
-  const smg_row_class all = smg_row_class_of(smg_class_of_turn(k));
-  smg_turn_layer(&s->c, known, turn, &all, layer);
+  smg_turn_layer(&s->c, known, turn, smg_row_classes[smg_there_and_back(k, SMG_ROW_CLASSES)], layer);
 }
 
 /* smg_stage; at the end of a step, lengths as well. */

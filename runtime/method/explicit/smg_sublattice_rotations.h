@@ -3,13 +3,9 @@
  * motion that are no Hamiltonian motions by themselves, since the others, which H moves too, stand still meanwhile.
  *
  * b_k = (1/kappa_k) dH/dw_k depends on the others alone, and H = w_k.dH/dw_k + what w_k is not in: a turn of w_k about
- * b_k by whatever angle keeps H, and the volume. The angle is that whose half has the tangent |h b_k|/2: right to third
- * order, and it needs no more than
- *
- *     W = w + 2/(1 + |g|^2) (w x g + (w x g) x g),   g = (h/2) b_k.
- *
- * Every turn is added to w with its rounding error carried along; with the last one of a stage the length comes some of
- * the way back to what it was (smg_lengths.h).
+ * b_k by whatever angle keeps H, and the volume. The angle is that whose half has the tangent |g|, g = (h/2) b_k: right
+ * to third order, and easy to take (smg_turn.h). With the last turn of a stage the length comes some of the way back to
+ * what it was.
  *
  * Sites of one colour do not feel each other, so that their order is of no account. A step is the symmetric splitting:
  * the colours one after the other for h/2, the last for h, and back. With SMG_COMPOSED it is so many of these
@@ -41,35 +37,23 @@ typedef struct smg_sublattice_turning {
 static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
   const smg_sublattice_turning *turning = (const smg_sublattice_turning *)context;
   const smg_state *s = turning->s;
-  smg_real g[3] = {0, 0, 0}, x[3], xx[3], *v = s->points + 3 * at.k, *lost = s->u + 3 * at.k;
+  smg_real g[3] = {0, 0, 0};
   smg_pull(&s->c, at, s->points, g);
   const smg_real half = 0.5 * smg_h_over_kappa(&s->c, at.k, turning->h);
   for (int b = 0; b < 3; ++b) g[b] *= half;
-  const smg_real scale = 2 / (1 + smg_dot(g, g)),
-                 back = (smg_real)0.5 * SMG_RESTORED * (1 - s->inverse[at.k] * smg_dot(v, v));
-  smg_cross(x, v, g);
-  smg_cross(xx, x, g);
-  for (int b = 0; b < 3; ++b) {
-    smg_real moved = scale * (x[b] + xx[b]);
-    if (turning->last) moved += back * (v[b] + moved);
-    smg_add_compensated(v + b, lost + b, moved);
-  }
+  smg_turn_one(g, s->inverse[at.k], turning->last, s->points + 3 * at.k, s->u + 3 * at.k);
 }
 
 /* All sites of a colour, for the part h of the step; last: in this stage. */
 static inline void smg_rotate_colour(smg_state *s, int64_t colour, smg_real h, int last) {
-  smg_sublattice_turning turning;
-  turning.s = s;
-  turning.h = h;
-  turning.last = last;
+  smg_sublattice_turning turning = {s, h, last};
   smg_each_of_colour(&s->c, colour, &turning, smg_turn_in_field);
 }
 
 static inline void smg_stage(smg_state *s, smg_real h) {
-  const int64_t last = smg_colours(&s->c) - 1;
-  for (int64_t colour = 0; colour < last; ++colour) smg_rotate_colour(s, colour, 0.5 * h, 0);
-  smg_rotate_colour(s, last, h, 1);
-  for (int64_t colour = last - 1; colour >= 0; --colour) smg_rotate_colour(s, colour, 0.5 * h, 1);
+  const int64_t n = smg_colours(&s->c);
+  for (int64_t k = 0; k < 2 * n - 1; ++k)
+    smg_rotate_colour(s, smg_there_and_back(k, n), smg_turn_h(k, n, h), k >= n - 1);
 }
 
 #include "smg_explicit_step.h"

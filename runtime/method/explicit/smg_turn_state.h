@@ -7,6 +7,10 @@
 #include "smg_row_team.h"
 #include "smg_state.h"
 
+#define SMG_IN_LANES
+#include "smg_turn.h"
+#undef SMG_IN_LANES
+
 #define SMG_FINITE_FIELD (smg_real)1e100 /* |g|^2 up to which no turn overflows, by far */
 
 /* The arrays by slots: w, and what it has lost to rounding. */
@@ -24,13 +28,35 @@ typedef struct smg_turn_stage {
   int after, before, end;
 } smg_turn_stage;
 
-/* 1/|w|^2, as smg_lengths.h has it for spheres. */
-static inline smg_real smg_row_inverse(const smg_state *s) { return 1 / (smg_radius(&s->c, 0) * smg_radius(&s->c, 0)); }
+/* What turns work with: w and what it has lost, by slots. */
+typedef struct smg_turned {
+  smg_real *w, *lost;
+  int64_t pitch;
+} smg_turned;
+
+static inline smg_turned smg_turned_of(const smg_state *s) {
+  const smg_turned all = {s->row_w, s->row_compensation, smg_pitch(&s->c)};
+  return all;
+}
+
+/* The spins of the slots of one vector, and what they have lost. */
+typedef struct smg_lane_spins {
+  smg_lanes w[3], lost[3];
+} smg_lane_spins;
+
+SMG_INLINE void smg_take_spins(const smg_turned all, int64_t slot, smg_lane_spins *a) {
+  smg_take_slots(all.w, all.pitch, slot, a->w);
+  smg_take_slots(all.lost, all.pitch, slot, a->lost);
+}
+SMG_INLINE void smg_put_spins(const smg_turned all, int64_t slot, const smg_lane_spins *a) {
+  smg_put_slots(all.w, all.pitch, slot, a->w);
+  smg_put_slots(all.lost, all.pitch, slot, a->lost);
+}
 
 /* A saved state has what is lost, and the lengths, of each site. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   smg_to_sites(s, s->row_compensation, lost);
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) past[k] = s->history > 0 ? smg_row_inverse(s) : 0;
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) past[k] = s->history > 0 ? smg_inverse_square(&s->c) : 0;
 }
 
 static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past) {

@@ -32,10 +32,7 @@ static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) 
 /* count steps: none fails. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_besides known;
-  smg_begin_besides(s, &known);
-  s->row_team = smg_row_team(&s->c);
-  if (s->row_team > 1 && !known.beside) smg_know_besides(&s->c, &known);
-  smg_enter_rows(s);
+  smg_begin_call(s, &known);
   for (int64_t k = 0; k < count; ++k) smg_row_step(s, &known, k == 0, k + 1 < count);
   smg_leave_rows(s);
   s->report.site = s->report.partner = -1;
