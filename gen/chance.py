@@ -27,6 +27,7 @@ USES = {
     "points of a leaf": 13,         # show/demo/experiments.py
     "round-off of a predictor": 14, # check/verify/effort.py
     "beginnings of iterations": 15, # check/verify/effort.py
+    "jumps": 16,                    # analyse/symmetry/jumps.py
 }
 
 

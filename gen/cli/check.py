@@ -44,14 +44,17 @@ def facts(word: str, library) -> dict:
     from ..run.settings import settle
     from ..read.shipped import load_spec
     from ..run.step.evaluated import sizes
+    from ..analyse.symmetry.jumps import jumps
     spec = load_spec(word, library)
     families = {name: count for name, (_, count) in sizes(spec).items()}
     steps = {run.name: settle(spec, run.name).steps for run in spec.runs}
-    idle = unused(spec)
+    idle, sudden = unused(spec), jumps(spec)
     text = f"{word}: good. {spec.title or spec.name}: " + ", ".join(
         [f"{plural(count, 'site')} {name}" for name, count in families.items()]
         + [f"effects {', '.join(spec.effect_names)}",
            f"runs {', '.join(steps) or 'none'}"])
     text += "".join(f"\n  warning: nothing uses the parameter '{name}'" for name in idle)
+    text += "".join(f"\n  warning: the energy of '{name}' jumps, by {size:.2g} in one term, where a vector crosses an edge of its formula: `smidgen explain`"
+                    for name, size in sudden.items())
     return {"spec": word, "ok": True, "name": spec.name, "families": families,
-            "effects": list(spec.effect_names), "runs": steps, "unused": idle, "text": text}
+            "effects": list(spec.effect_names), "runs": steps, "unused": idle, "jumps": sudden, "text": text}

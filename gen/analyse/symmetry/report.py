@@ -14,6 +14,7 @@ from ...run.step.prepared import choose
 from ...run.step.evaluated import casimir_matrices, kappas
 from . import conserved, spaces
 from .integrals import WHY, Integral
+from .jumps import jumps
 from .joint import joint_quadratic, looked_for
 from .kept_energy import energy_form, energy_integral, parity, time_dependent
 from .look import unchanged
@@ -30,7 +31,8 @@ class Report:
     signs: sign patterns (sx, sy, sz) of all vectors under which H is unchanged; undecided: what
     could not be settled; splittings: explicit method -> what of H stands in its way, or None;
     searched: the classes of integrals that were looked for; damped: the families whose sites lose energy, of which no integrals but
-    their lengths are looked for; heated: those that thermal noise turns."""
+    their lengths are looked for; heated: those that thermal noise turns; jumps: effect -> how far its energy jumps where sites cross an edge of a
+    formula."""
     spec: str
     method: str
     families: tuple
@@ -49,6 +51,7 @@ class Report:
     searched: tuple = ()
     damped: tuple = ()
     heated: tuple = ()
+    jumps: dict = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -66,7 +69,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "jumps": self.jumps, "words": self.words()}
 
 
 @public
@@ -94,7 +97,7 @@ def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
                   _parameters(asked), rotations, always,
                   mixed, _unique(integrals), changes, [] if damped else parity(asked), undecided,
                   tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if damped else attempt(lambda: splittings(scene)) or {},
-                  () if damped else tuple(looked_for(asked)), damped, scene.heated)
+                  () if damped else tuple(looked_for(asked)), damped, scene.heated, jumps(scene))
 
 
 def _parameters(asked: Asked) -> dict:

@@ -8,8 +8,8 @@ from .names import axis_name
 
 
 def sentences(r) -> list[str]:
-    """One fact a line: rotations, damping, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
-    return [*_rotations(r), *_damping(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
+    """One fact a line: jumps of H, rotations, damping, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
+    return [*_jumps(r), *_rotations(r), *_damping(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
             *(f"Not decided: {text}." for text in r.undecided)]
 
 
@@ -30,6 +30,12 @@ def _value(v) -> str:
     if isinstance(v, str):
         return v
     return f"({', '.join(f'{x:g}' for x in v)})" if isinstance(v, list) else f"{v:g}"
+
+
+def _jumps(r):
+    for name, size in r.jumps.items():
+        yield (f"The energy of '{name}' jumps, by {size:.2g} in one of its terms, where a vector crosses an edge of a floor, mod, if or comparison: there energy is not "
+               "conserved, no method has an order, and a step across may be refused or be one of several solutions.")
 
 
 def _rotations(r):
