@@ -7,6 +7,7 @@ What a layout needs is all that its spec is held to: how a model goes in the end
 """
 from __future__ import annotations
 
+import random
 import re
 
 from smidgen.language.spec import FORMS
@@ -20,12 +21,23 @@ PARAMETERS = ("a = {{ default = 0.4{} }}", "J = {{ default = {{J}}{} }}", "kap =
 
 
 DAMPINGS = ("0.3", "q", "abs(a)", "0.1*(1 + mod(k, 2))")
+HEATS = ("0.4", "abs(a)", "q*(1 + mod(k, 2))", "0*a", "300")      # the last: vectors turn around several times in a step
 
 
 def spec_text(dice) -> str:
-    """The text of a random spec: nearly half are of any space, the others of one layout; a fourth of those that can be are damped."""
+    """The text of a random spec: nearly half are of any space, the others of one layout; a fourth of those that can be are damped, half of these
+    with thermal noise."""
     text = dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice)
-    return damped(dice, text) if dice.randint(0, 3) == 0 else text
+    return warmed(damped(dice, text)) if dice.randint(0, 3) == 0 else text
+
+
+def warmed(text) -> str:
+    """Half of the damped ones with thermal noise, by dice of their own; noise has no step backward, and no tangent map."""
+    dice = random.Random(text)
+    if "\ndamping = " not in text or dice.randint(0, 1):
+        return text
+    heated = re.sub(r"^damping = .*$", lambda m: f'{m[0]}\nkT = "{dice.choice(HEATS)}"', text, count=dice.randint(0, 1), flags=re.MULTILINE)
+    return re.sub(r"^# features: .*", lambda m: m[0].replace(" tangent", ""), re.sub(r"^h = -", "h = ", heated, flags=re.MULTILINE), flags=re.MULTILINE)
 
 
 def damped(dice, text) -> str:

@@ -121,7 +121,7 @@ int main(void) {{
 {members}
   if (half) {{      /* in a model that has gone elsewhere */
     int equal = {M}_init(&r, &model, other, w, t0 + 1, 2 * h) == SMG_OK;
-    (void){M}_steps(&r, 2);
+{seeded}    (void){M}_steps(&r, 2);
     equal = equal && {M}_restore(&r, half) == SMG_OK;
     const smg_status again = {M}_steps(&r, {count} - {count} / 2);
     equal = equal && again == status && r.count == s.count && same(saved(&s, &model), saved(&r, &model), size);
@@ -164,7 +164,7 @@ static int members(const {M}_model *model, const smg_real *w, size_t n, double t
   for (size_t k = 0; k < MEMBERS; ++k) {{
     smg_status status = {M}_init(&alone, model, own, all + n * k, t0, h);
     const int begun = status == SMG_OK;
-    if (begun) status = {M}_steps(&alone, {count} / 2);
+{seeded}    if (begun) status = {M}_steps(&alone, {count} / 2);
     if (status == SMG_OK) status = {M}_steps(&alone, {count} / 2);
     equal = equal && e.member[k].report.status == status
             && (!begun || (e.member[k].count == alone.count && memcmp(e.member[k].w, alone.w, n * sizeof *all) == 0));
@@ -193,9 +193,9 @@ def program(scene, values, w, t0, h, features) -> str:
         tables="\n".join(f"static const double given_{a}[] = {{ {listed(x)} }};" for a, x in arrays.items()),
         assign="\n".join([f"  p.{in_c(k)} = {literal(x)};" for k, x in numbers.items()] + [heap(a) for a in arrays]),
         values="\n".join(f'  one("{shown}", {call}(&model, (smg_real)t0, s.w));' for shown, call in calls),
-        ensemble=ENSEMBLE.format(M=name, count=COUNT) if "ensemble" in features else "", members=MEMBERS.format(M=name) if "ensemble" in features else "",
+        ensemble=ENSEMBLE.format(M=name, count=COUNT, seeded=f"    {name}_set_seed(&alone, 0, (uint32_t)k);\n" * bool(scene.heated)) if "ensemble" in features else "", members=MEMBERS.format(M=name) if "ensemble" in features else "",
         tangent=TANGENT.format(M=name) if "tangent" in features else "",
-        free="\n".join(f"  free(own_{a});" for a in arrays))
+        seeded=f"    {name}_set_seed(&r, 5, 1);\n" * bool(scene.heated), free="\n".join(f"  free(own_{a});" for a in arrays))
 
 
 def heap(a):

@@ -90,6 +90,37 @@ def test_a_planted_fault_is_found(monkeypatch, name):
     assert re.fullmatch(where, stages[-1])
 
 
+WARM = CHAIN.replace("# features: tangent", "# features: ensemble").replace("[starts.s]", """[effects.d0]
+over = "site(k) of w"
+damping = "0.3"
+kT = "%s"
+[starts.s]""")
+COLD = {"a variance that is off in the third digit": ("part - part * part / 6", "part - part * part / 7", Mismatch, "witness"),
+        "both halves with the same numbers": ("SMG_USE_NOISE + 2 * j + half", "SMG_USE_NOISE + 2 * j + 0 * half", Mismatch, "witness"),
+        "a seed that is not restored": ("  s->seed = (uint64_t)in", "  if (s->h < 0) s->seed = (uint64_t)in", Fault, "sanitizers"),
+        "members with one noise": ("s->member = member;", "s->member = 0 * member;", Fault, "sanitizers")}
+
+
+@pytest.mark.parametrize("kT", [0.4, pytest.param(300, marks=pytest.mark.long)])
+@pytest.mark.parametrize("name", [None, *(pytest.param(n, marks=pytest.mark.long) if k else n for k, n in enumerate(COLD))])
+def test_noise_is_looked_at(monkeypatch, name, kT):
+    """kT = 300: several turns a step."""
+    monkeypatch.setattr(passage, "COMPILERS", {c: passage.COMPILERS[c] for c in ("gcc",)})
+    if name is None:
+        assert through(WARM % kT)["verdict"] == "fine"
+        return
+    old, new, kind, where = COLD[name]
+    stages = []
+
+    def change(files):
+        files = inline_runtime(files, "random_model")
+        assert old in files["random_model.c"]
+        return {**files, "random_model.c": files["random_model.c"].replace(old, new, 1)}
+    with pytest.raises(kind):
+        through(WARM % kT, stages.append, change)
+    assert stages[-1] == where
+
+
 def test_the_same_without_a_fault():
     found = through(CHAIN)
     assert found["verdict"] == "fine" and not found["note"] and found["solver"] == "band"

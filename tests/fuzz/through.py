@@ -36,7 +36,7 @@ from smidgen.compile.select import select
 from smidgen.run.settings import settle
 from smidgen.run.step.evaluated import parameter_values
 from smidgen.run.step.start import initial_state
-from smidgen.check.witness import Witness
+from smidgen.check.witness import Witness, thermal
 
 from .differential import ALLOWED, EPSILON, UNIT, Pair, compare, random_state
 from .drawn import builds_of, features_of, said
@@ -257,10 +257,24 @@ class Compared(Pair):
         """Steps too large to compare states: each one solves the witness's equation."""
         self.model.start(w.copy(), t0=t, h=h)
         for k in range(COUNT):
-            before, now = self.model.state(), t + k*h
+            before, now, halved = self.model.state(), t + k*h, self.model.halved
             after = self.model.step().state()
+            if self.model.halved > halved:
+                continue
+            before, after, turns = self.cooled(before, after, h, k)
             compare(f"residual of step {k + 1} of {h!r}", self.witness.residual(before, after, now, h, self.model.method), 0,
-                    self.round_off(before, after, now, h))
+                    (1 + turns) * self.round_off(before, after, now, h))
+
+    def cooled(self, before, after, h, step):
+        """The two ends of the step without noise, between its two halves, and how many turns these are."""
+        if self.witness.diffusion is None:
+            return before, after, 0
+        first, second = (thermal.turns(self.witness.diffusion, h, self.witness.seed, step, half) for half in (0, 1))
+        for theta in first:
+            before = thermal.turned(before, theta)
+        for theta in reversed(second):
+            after = thermal.turned(after, -theta)
+        return before, after, len(first) + len(second)
 
     def round_off(self, before, after, t, h):
         """The residual that units in the last place of both states and of the time make, the largest of some tries: the projection onto

@@ -37,13 +37,18 @@ def turned(w, theta) -> np.ndarray:
     return w * np.cos(angle) + np.cross(axis, w) * np.sin(angle) + axis * (axis * w).sum(1)[:, None] * (1 - np.cos(angle))
 
 
-def heat(w, diffusion, h: float, seed: int, step: int, half: int, member: int = 0) -> np.ndarray:
-    """N(h/2): w (sites, 3) turned about Gaussian vectors of the variance 2 (x - x^2/6), x = D h/2; D = diffusion, (sites,)."""
+def turns(diffusion, h: float, seed: int, step: int, half: int, member: int = 0) -> list:
+    """The Gaussian vectors of N(h/2), one array (sites, 3) after the other, of the variance 2 (x - x^2/6), x = D h/2; D = diffusion, (sites,). Where a site
+    has no more turns, zeros."""
     x = np.minimum(MOST, diffusion * h / 2)
-    turns = np.floor(x).astype(int) + 1
-    part = x / turns
+    count = np.floor(x).astype(int) + 1
+    part = x / count
     deviation = np.sqrt(2 * (part - part**2 / 6))
-    for j in range(turns.max(initial=1)):
-        theta = deviation[:, None] * normals(seed, step, len(w), 2 * j + half, member)
-        w = np.where(((turns > j) & (x > 0))[:, None], turned(w, theta), w)
+    return [np.where(count > j, deviation, 0)[:, None] * normals(seed, step, len(x), 2 * j + half, member) for j in range(count.max(initial=1))]
+
+
+def heat(w, diffusion, h: float, seed: int, step: int, half: int, member: int = 0) -> np.ndarray:
+    """N(h/2): w (sites, 3) turned about the vectors of `turns`."""
+    for theta in turns(diffusion, h, seed, step, half, member):
+        w = np.where((theta != 0).any(axis=1)[:, None], turned(w, theta), w)
     return w
