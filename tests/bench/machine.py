@@ -1,5 +1,6 @@
 """Names the machine that timings were taken on, and writes their tables."""
 import csv
+import datetime
 import os
 import platform
 import subprocess
@@ -18,9 +19,10 @@ def processor() -> str:
 
 
 def machine() -> str:
-    """Processor, cores, compiler and flags in one line."""
+    """Processor, cores, numbers in its vectors, compiler, flags and the day in one line."""
     compiler = subprocess.run([*find_compiler(), "--version"], capture_output=True, text=True).stdout.splitlines()[0]
-    return f"{processor()}, {os.cpu_count()} cores; {compiler}; {' '.join(FLAGS)}"
+    lanes = lanes_of(find_compiler(), NATIVE)
+    return f"{processor()}, {os.cpu_count()} cores, {lanes} lanes; {compiler}; {' '.join(FLAGS)}; {datetime.date.today()}"
 
 
 def cost_tables(folder: Path = COSTS) -> Path:
