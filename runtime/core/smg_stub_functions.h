@@ -2,6 +2,7 @@
 #ifndef SMG_STUB_FUNCTIONS_H
 #define SMG_STUB_FUNCTIONS_H
 
+#include "smg_lanes.h"
 #include "smg_model.h"
 
 void smg_sizes(smg_model *model, const smg_params *p);
@@ -17,5 +18,6 @@ void smg_each_coloured(const smg_coefficients *c, void *context, void (*visit)(v
 smg_real smg_hessian_row_norm(const smg_coefficients *c, int64_t k);
 smg_real smg_diffusion(const smg_coefficients *c, int64_t k);
 smg_real smg_slope_bound(const smg_coefficients *c, smg_real size);
+smg_lanes smg_lane_bond_slope(const smg_coefficients *c, int64_t term, smg_lanes product);
 
 #endif

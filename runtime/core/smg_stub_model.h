@@ -61,6 +61,10 @@
 #endif
 #if defined(SMG_PAIR_ROWS_H) || defined(SMG_PAIR_STATE_H)
 #define SMG_ROW_CLASSES 2
+static const int64_t smg_row_classes[SMG_ROW_CLASSES][6] = {{0}};
+#endif
+#if defined(SMG_ROW_SWEEP_H) || defined(SMG_ROW_WAVE_H) || defined(SMG_ROW_STEP_H)
+#define SMG_BY_ROWS 1
 #endif
 #if defined(SMG_STAGE_PREDICTOR_H) || defined(SMG_COMPOSITION_H) || defined(SMG_COMPOSED_TANGENT_H)
 #define SMG_COMPOSED 5

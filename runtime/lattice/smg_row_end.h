@@ -3,9 +3,9 @@
 #ifndef SMG_ROW_END_H
 #define SMG_ROW_END_H
 
-#include "smg_row_arrays.h"
 #include "smg_row_piece.h"
 #include "smg_row_spin.h"
+#include "smg_row_state.h"
 #include "smg_lane_respond.h"
 
 /* What a sweep works with, at hand in registers: spins, midpoints and, once it is known of which colour, increments by

@@ -9,6 +9,8 @@
 
 #include "smg_row_ranks.h"
 
+#if defined(SMG_MPI)
+
 /* Ranks that one can have to do with: two; where a colour has several places in a cell, up to four of each place before
  * and after and as many around a ring. */
 #define SMG_MPI_PARTNERS (16 * SMG_RANKS)
@@ -193,4 +195,5 @@ static void smg_exchange_late(void) {
   for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_await_colour(colour);
 }
 
+#endif
 #endif

@@ -7,12 +7,11 @@ from smidgen.resources import folder, include_flags
 
 pytestmark = pytest.mark.quick
 RUNTIME = folder("runtime")
-# What needs more of a model than the stub has: functions by value, tables of a pattern, the other half of a layout, <mpi.h>.
+# What needs more of a model than the stub has: functions by value, tables of a pattern, the other half of a layout.
 # This list only becomes shorter.
 NOT_ALONE = frozenset("""
     smg_gauss_shift.h smg_gauss_slots.h smg_gauss_sweep.h
     smg_lane_dop853.h smg_lane_extrapolation.h smg_lane_sphere.h smg_matrix_sparse.h smg_outputs.h
-    smg_pair_rows.h smg_row_halo.h smg_row_step.h smg_row_sweep.h smg_row_wave.h
     smg_single_sphere.h""".split())
 
 
