@@ -47,11 +47,6 @@ static inline void smg_turn_pair(void *context, int64_t i, int64_t j, smg_real s
     v[0] = w[0] = v_lost[0] = w_lost[0] = square - square; /* no number, so that the step fails */
 }
 
-static inline void smg_turn_class(smg_state *s, int64_t which, smg_real h) {
-  smg_bond_turning turning = {s, h};
-  smg_each_of_class(&s->c, which, s->points, &turning, smg_turn_pair);
-}
-
 /* Bond after bond, and back. */
 static inline void smg_turn_bonds(smg_state *s, smg_real h) {
   smg_bond_turning turning = {s, h};
@@ -59,10 +54,14 @@ static inline void smg_turn_bonds(smg_state *s, smg_real h) {
   smg_each_pair_back(&s->c, s->points, &turning, smg_turn_pair);
 }
 
+/* Class after class, and back; bonds where there are no classes. */
 static inline void smg_stage(smg_state *s, smg_real h) {
   const int64_t n = smg_bond_classes(&s->c);
   if (n == 0) smg_turn_bonds(s, 0.5 * h);
-  for (int64_t k = 0; k < 2 * n - 1; ++k) smg_turn_class(s, smg_there_and_back(k, n), smg_turn_h(k, n, h));
+  for (int64_t k = 0; k < 2 * n - 1; ++k) {
+    smg_bond_turning turning = {s, smg_turn_h(k, n, h)};
+    smg_each_of_class(&s->c, smg_there_and_back(k, n), s->points, &turning, smg_turn_pair);
+  }
 }
 
 #include "smg_explicit_step.h"

@@ -44,16 +44,13 @@ static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
   smg_turn_one(g, s->inverse[at.k], turning->last, s->points + 3 * at.k, s->u + 3 * at.k);
 }
 
-/* All sites of a colour, for the part h of the step; last: in this stage. */
-static inline void smg_rotate_colour(smg_state *s, int64_t colour, smg_real h, int last) {
-  smg_sublattice_turning turning = {s, h, last};
-  smg_each_of_colour(&s->c, colour, &turning, smg_turn_in_field);
-}
-
+/* Colour after colour, and back. */
 static inline void smg_stage(smg_state *s, smg_real h) {
   const int64_t n = smg_colours(&s->c);
-  for (int64_t k = 0; k < 2 * n - 1; ++k)
-    smg_rotate_colour(s, smg_there_and_back(k, n), smg_turn_h(k, n, h), k >= n - 1);
+  for (int64_t k = 0; k < 2 * n - 1; ++k) {
+    smg_sublattice_turning turning = {s, smg_turn_h(k, n, h), k >= n - 1};
+    smg_each_of_colour(&s->c, smg_there_and_back(k, n), &turning, smg_turn_in_field);
+  }
 }
 
 #include "smg_explicit_step.h"
