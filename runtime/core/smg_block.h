@@ -40,6 +40,7 @@ SMG_INLINE smg_real smg_block_norm(const smg_real *A) {
 
 #define SMG_ROW(A, B, r, c) (A[2 * (r)] * B[c] + A[2 * (r) + 1] * B[2 + (c)])
 #define smg_block_det smg_det2
+#define smg_block_solve smg_solve2
 #define smg_block_scale smg_scale2
 #define smg_block_adjugate smg_adjugate2
 #define smg_block_positive smg_positive2
@@ -68,6 +69,7 @@ SMG_INLINE void smg_block_subapply(smg_real *y, const smg_real *A, const smg_rea
 
 #define SMG_ROW(A, B, r, c) (A[3 * (r)] * B[c] + A[3 * (r) + 1] * B[3 + (c)] + A[3 * (r) + 2] * B[6 + (c)])
 #define smg_block_det smg_det3
+#define smg_block_solve smg_solve3
 #define smg_block_scale smg_scale3
 #define smg_block_adjugate smg_adjugate3
 #define smg_block_positive smg_positive3

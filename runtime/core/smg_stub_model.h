@@ -59,6 +59,10 @@
 #ifdef SMG_MATRIX_FREE_H
 #define SMG_MATRIX_FREE 1
 #endif
+#ifdef SMG_MATRIX_SPARSE_H
+#define SMG_ORDER 2
+static const int32_t smg_block_rows[2] = {0}, smg_rows[3] = {0}, smg_columns[4] = {0}, smg_diagonal[2] = {0};
+#endif
 #if defined(SMG_PAIR_ROWS_H) || defined(SMG_PAIR_STATE_H)
 #define SMG_ROW_CLASSES 2
 static const int64_t smg_row_classes[SMG_ROW_CLASSES][6] = {{0}};

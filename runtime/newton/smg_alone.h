@@ -76,7 +76,7 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
  * a, and curved = B S; of a method that divides h X by q, rate = h/q and root, with which q is found. */
 typedef struct smg_site_equation {
   smg_real rate, q, root;
-  smg_real s, m[3], g[3], r[3], S[3 * SMG_BS], J[SMG_BS * SMG_BS], a[SMG_BS], curved[3 * SMG_BS];
+  smg_real s, m[3], g[3], r[3], S[3 * SMG_BS], J[SMG_BB], a[SMG_BS], curved[3 * SMG_BS];
 } smg_site_equation;
 
 /* m = P(mbar), g there, and u = h X(m). */
@@ -231,7 +231,7 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
     noncontractive = noncontractive || !smg_plain_end_serves(bound);
     most = smg_max(most, bound); /* a contraction on the way too: another branch may look as calm */
     *sure = smg_contracts(most);
-    if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
+    if (smg_block_solve(e.J, e.a)) return SMG_SINGULAR;
     if (done && !noncontractive) continue; /* begun at the solution */
     smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, mbar);
     if (done && smg_site_refine_by_newton(s, e.rate, k, mbar, u, bound)) return SMG_OK;
@@ -263,8 +263,8 @@ static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y,
     for (int b = 0; b < 3; ++b) e.r[b] = which == 0 ? s->w[3 * k + b] + 0.5 * p * u[b] - y[b] : 0.5 * u[b];
     if (!(smg_largest(e.r) <= SMG_MAX)) return SMG_NOT_FINITE;
     smg_site_matrix(s, h, k, &e);
-    *sign = smg_det_block(e.J) < 0 ? -1 : 1;
-    if (smg_solve_block(e.J, e.a)) return SMG_SINGULAR;
+    *sign = smg_block_det(e.J) < 0 ? -1 : 1;
+    if (smg_block_solve(e.J, e.a)) return SMG_SINGULAR;
     out[0] = out[1] = out[2] = 0;
     smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, out);
   }

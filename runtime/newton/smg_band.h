@@ -423,13 +423,6 @@ static inline smg_real smg_band_row_sum(int k, const smg_real *A, int64_t row) {
   return sum;
 }
 
-/* The largest of them; NaN where there is one. */
-static inline smg_real smg_band_bound(int64_t n, int k, const smg_real *A) {
-  smg_real most = 0;
-  for (int64_t row = 0; row < n * SMG_BS; row++) most = smg_max(most, smg_band_row_sum(k, A, row));
-  return most;
-}
-
 /* True when x.A x >= x.x/4 for all x: (A + A^T)/2 - I/4 has positive pivots. A and x are spoilt. */
 static inline int smg_band_coercive(int64_t n, int k, int wrap, smg_real *A, smg_real *x, smg_real *work) {
   int positive = 0;

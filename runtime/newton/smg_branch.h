@@ -23,7 +23,7 @@ static smg_status smg_curve_newton(void *of, smg_real p, const smg_real *y, smg_
     const int64_t k = smg_site(&s->c, row);
     smg_increment(&s->c, k, 0.5 * h, s->m + 3 * k, s->g + 3 * k, s->r + 3 * k);
   }
-  return smg_correction(s, p * h, slope, &bound, NULL) > 0 ? SMG_SINGULAR : SMG_OK;
+  return smg_correction(s, p * h, slope, &bound, sign) > 0 ? SMG_SINGULAR : SMG_OK;
 }
 
 #if SMG_MATRIX_FREE

@@ -34,10 +34,11 @@ SMG_INLINE int smg_dense_singular(int64_t n, const smg_real *A, int64_t c) {
   return !(smg_abs(A[c * n + c]) > (smg_real)n * SMG_EPS * largest);
 }
 
-/* Columns [first, last) of L, and of U from row `first` down. */
-SMG_INLINE int64_t smg_dense_panel(int64_t n, smg_real *A, smg_real *x, int64_t first, int64_t last) {
+/* Columns [first, last) of L, and of U from row `first` down; *sign takes part in that of det A. */
+SMG_INLINE int64_t smg_dense_panel(int64_t n, smg_real *A, smg_real *x, int64_t first, int64_t last, int *sign) {
   for (int64_t c = first; c < last; c++) {
     const int64_t p = smg_dense_pivot(n, A, c);
+    if ((p != c) != (A[p * n + c] < 0)) *sign = -*sign;
     if (p != c) smg_dense_swap(n, A, x, p, c);
     if (smg_dense_singular(n, A, c)) return 1 + c;
     const smg_real reciprocal = 1 / A[c * n + c];
@@ -71,16 +72,17 @@ SMG_INLINE void smg_dense_rest(int64_t n, smg_real *A, int64_t first) {
   }
 }
 
-/* P A = L U in place, the rows of x permuted alike; returns 0 or 1 + the singular column. */
-SMG_INLINE int64_t smg_dense_factor(int64_t n, smg_real *A, smg_real *x) {
-  if (n <= 2 * SMG_PANEL) return smg_dense_panel(n, A, x, 0, n);
+/* P A = L U in place, the rows of x permuted alike, *sign that of det A; returns 0 or 1 + the singular column. */
+SMG_INLINE int64_t smg_dense_factor(int64_t n, smg_real *A, smg_real *x, int *sign) {
+  *sign = 1;
+  if (n <= 2 * SMG_PANEL) return smg_dense_panel(n, A, x, 0, n, sign);
   int64_t first = 0, failed = 0;
   for (; first + SMG_PANEL < n && !failed; first += SMG_PANEL) {
-    failed = smg_dense_panel(n, A, x, first, first + SMG_PANEL);
+    failed = smg_dense_panel(n, A, x, first, first + SMG_PANEL, sign);
     smg_dense_panel_rows(n, A, first, first + SMG_PANEL);
     smg_dense_rest(n, A, first);
   }
-  return failed ? failed : smg_dense_panel(n, A, x, first, n);
+  return failed ? failed : smg_dense_panel(n, A, x, first, n, sign);
 }
 
 /* x = U^-1 L^-1 x. */
@@ -93,36 +95,11 @@ SMG_INLINE void smg_dense_substitute(int64_t n, const smg_real *A, smg_real *x) 
   }
 }
 
-/* The sign of det A by elimination, A destroyed. */
-static inline int smg_dense_sign(int64_t n, smg_real *A) {
-  int sign = 1;
-  for (int64_t c = 0; c < n; c++) {
-    const int64_t p = smg_dense_pivot(n, A, c);
-    if ((p != c) != !(A[p * n + c] > 0)) sign = -sign;
-    for (int64_t j = c; j < n; j++) {
-      const smg_real t = A[p * n + j];
-      A[p * n + j] = A[c * n + j], A[c * n + j] = t;
-    }
-    for (int64_t i = c + 1; i < n; i++) {
-      const smg_real l = A[i * n + c] / A[c * n + c];
-      for (int64_t j = c + 1; j < n; j++) A[i * n + j] -= l * A[c * n + j];
-    }
-  }
-  return sign;
-}
-
 /* The sum of abs(A - I) over row i. */
 static inline smg_real smg_dense_row_sum(int64_t n, const smg_real *A, int64_t i) {
   smg_real sum = 0;
   for (int64_t j = 0; j < n; j++) sum += smg_abs(A[i * n + j] - (i == j));
   return sum;
-}
-
-/* The largest of them; NaN where there is one. */
-static inline smg_real smg_dense_bound(int64_t n, const smg_real *A) {
-  smg_real most = 0;
-  for (int64_t i = 0; i < n; i++) most = smg_max(most, smg_dense_row_sum(n, A, i));
-  return most;
 }
 
 /* True when x.A x >= x.x/4 for all x, by the Cholesky factors of (A + A^T)/2 - I/4 in place of A. */
@@ -137,12 +114,13 @@ static inline int smg_dense_coercive(int64_t n, smg_real *A) {
   return 1;
 }
 
-/* Solves A x = b: A (n x n, row-major) is destroyed, x holds b and receives the solution.
+/* Solves A x = b: A (n x n, row-major) is destroyed, x holds b and receives the solution; *sign: that of det A.
  * Returns 0, or 1 + the column at which A is singular to round-off (x is then spoilt). */
-SMG_INLINE int64_t smg_dense_solve(int64_t n, smg_real *A, smg_real *x) {
+SMG_INLINE int64_t smg_dense_solve(int64_t n, smg_real *A, smg_real *x, int *sign) {
+  if (n == 2 || n == 3) *sign = (n == 2 ? smg_det2(A) : smg_det3(A)) < 0 ? -1 : 1;
   if (n == 2) return smg_solve2(A, x);
   if (n == 3) return smg_solve3(A, x);
-  const int64_t failed = smg_dense_factor(n, A, x);
+  const int64_t failed = smg_dense_factor(n, A, x, sign);
   if (failed) return failed;
   smg_dense_substitute(n, A, x);
   return 0;

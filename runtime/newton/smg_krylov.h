@@ -49,6 +49,13 @@ static inline smg_real smg_krylov_dot(int64_t n, const smg_real *a, const smg_re
   return sum;
 }
 
+/* v becomes a vector of length 1, unless it is 0; its length before. */
+static inline smg_real smg_krylov_unit(int64_t n, smg_real *v) {
+  const smg_real length = SMG_MATH(sqrt)(smg_krylov_dot(n, v, v));
+  for (int64_t k = 0; k < n && length > 0; ++k) v[k] /= length;
+  return length;
+}
+
 /* The upper triangle of H by columns, its right-hand side, and the rotations that made it so. */
 typedef struct smg_krylov_small {
   smg_real H[SMG_KRYLOV_BASIS][SMG_KRYLOV_BASIS + 1], rhs[SMG_KRYLOV_BASIS + 1], cosine[SMG_KRYLOV_BASIS],
@@ -64,9 +71,7 @@ static inline void smg_krylov_extend(const smg_krylov *a, smg_real *V, int j, sm
     column[i] = smg_krylov_dot(n, V + i * n, v);
     for (int64_t k = 0; k < n; ++k) v[k] -= column[i] * V[i * n + k];
   }
-  column[j + 1] = SMG_MATH(sqrt)(smg_krylov_dot(n, v, v));
-  if (column[j + 1] > 0)
-    for (int64_t k = 0; k < n; ++k) v[k] /= column[j + 1];
+  column[j + 1] = smg_krylov_unit(n, v);
 }
 
 /* Rotates column j of H as those before it, and then its last entry away. */
@@ -138,8 +143,7 @@ static inline void smg_krylov_random(int64_t n, smg_real *v) {
     random = random * 1664525u + 1013904223u; /* a linear congruence, Knuth's constants */
     v[k] = (smg_real)(random >> 8) / 8388608 - 1;
   }
-  const smg_real size = SMG_MATH(sqrt)(smg_krylov_dot(n, v, v));
-  for (int64_t k = 0; k < n; ++k) v[k] /= size;
+  (void)smg_krylov_unit(n, v);
 }
 
 /* Lanczos: is x.A x >= x.x/4 for all x, A symmetric with its eigenvalues within `spread` of 1? After k steps from a
@@ -169,19 +173,20 @@ static inline int smg_krylov_coercive(const smg_krylov *a, smg_real spread) {
 }
 
 /* The sign of det A, A with its mean (A + A^T)/2 within `spread` of 1: that is positive where the mean is. 0, not
- * known, where there are more than SMG_KRYLOV_DENSE unknowns. */
+ * known, where A is singular to round-off or there are more than SMG_KRYLOV_DENSE unknowns. */
 static inline int smg_krylov_sign(const smg_krylov *a, const smg_krylov *mean, smg_real spread) {
   const int64_t n = a->n;
   if (spread < 1 || smg_krylov_coercive(mean, spread)) return 1;
   if (n > SMG_KRYLOV_DENSE) return 0;
   smg_real *A = a->work, *unit = A + n * n;
+  int sign;
   for (int64_t k = 0; k < n; ++k) unit[k] = 0;
   for (int64_t i = 0; i < n; ++i) { /* the columns of A, as rows */
     unit[i] = 1;
     a->times(a->of, unit, A + i * n);
     unit[i] = 0;
   }
-  return smg_dense_sign(n, A);
+  return smg_dense_factor(n, A, unit, &sign) ? 0 : sign;
 }
 
 #endif

@@ -7,10 +7,8 @@
 #include "smg_matrix_unkept.h"
 #include "smg_model.h"
 
-static inline int64_t smg_block_row(int64_t row) { return row; }
-
 static inline void smg_clear(const smg_state *s) {
-  const int64_t size = SMG_BS * SMG_BS * (2 * SMG_BAND + 1) * smg_coupled(&s->c);
+  const int64_t size = SMG_BB * (2 * SMG_BAND + 1) * smg_coupled(&s->c);
   for (int64_t k = 0; k < size; ++k) s->A[k] = 0;
 }
 
@@ -18,29 +16,16 @@ static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column
   int64_t d = column - row;
   if (SMG_CYCLIC && d > SMG_BAND) d -= smg_coupled(&s->c);
   if (SMG_CYCLIC && d < -SMG_BAND) d += smg_coupled(&s->c);
-  smg_real *at = s->A + (row * (2 * SMG_BAND + 1) + d + SMG_BAND) * SMG_BS * SMG_BS;
-  for (int k = 0; k < SMG_BS * SMG_BS; ++k) at[k] += block[k];
+  smg_block_add(s->A + (row * (2 * SMG_BAND + 1) + d + SMG_BAND) * SMG_BB, block);
 }
 
-static inline void smg_assembled(const smg_state *s) { (void)s; }
-
-/* s->x = J^-1 s->x; 0, or 1 + the place of a singular pivot. *sign, when asked for: that of det J. */
+/* s->x = J^-1 s->x; 0, or 1 + the place of a singular pivot. *sign: that of det J. */
 static int64_t smg_factor(const smg_state *s, int *sign) {
-  int pivots = 0;
-  const int64_t bad = smg_band_solve(smg_coupled(&s->c), SMG_BAND, SMG_CYCLIC, s->A, s->x, s->work, &pivots);
-  if (sign) *sign = pivots < 0 ? -1 : 1;
-  return bad;
+  return smg_band_solve(smg_coupled(&s->c), SMG_BAND, SMG_CYCLIC, s->A, s->x, s->work, sign);
 }
 
-/* The largest row sum of abs(J - I), and that of one site. */
-static inline smg_real smg_row_bound(const smg_state *s) { return smg_band_bound(smg_coupled(&s->c), SMG_BAND, s->A); }
-
-static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
-  smg_real most = 0;
-  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r)
-    most = smg_max(most, smg_band_row_sum(SMG_BAND, s->A, r));
-  return most;
-}
+/* The sum of abs(J - I) over a row. */
+static inline smg_real smg_row_sum(const smg_state *s, int64_t row) { return smg_band_row_sum(SMG_BAND, s->A, row); }
 
 /* Is x.J x >= x.x/4 for every x? */
 static inline int smg_coercive(const smg_state *s) {
@@ -49,8 +34,9 @@ static inline int smg_coercive(const smg_state *s) {
 
 /* The matrix for many right-hand sides: each factors it anew, and leaves it as it is. */
 static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
+  int sign;
   (void)keep;
-  return smg_factor(s, NULL);
+  return smg_factor(s, &sign);
 }
 
 #endif

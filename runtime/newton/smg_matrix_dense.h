@@ -6,7 +6,6 @@
 #include "smg_model.h"
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
-static inline int64_t smg_block_row(int64_t row) { return row; }
 
 static inline void smg_clear(const smg_state *s) {
   for (int64_t k = 0; k < smg_order(s) * smg_order(s); ++k) s->A[k] = 0;
@@ -18,27 +17,15 @@ static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column
     for (int l = 0; l < SMG_BS; ++l) s->A[(SMG_BS * row + r) * order + SMG_BS * column + l] += block[SMG_BS * r + l];
 }
 
-static inline void smg_assembled(const smg_state *s) { (void)s; }
-
-/* s->x = J^-1 s->x; 0, or 1 + the place of a singular pivot. *sign, when asked for: that of det J. */
+/* s->x = J^-1 s->x; 0, or 1 + the place of a singular pivot. *sign: that of det J. */
 static int64_t smg_factor(const smg_state *s, int *sign) {
-  const int64_t order = smg_order(s);
-  if (sign) {
-    for (int64_t k = 0; k < order * order; ++k) s->work[k] = s->A[k];
-    *sign = smg_dense_sign(order, s->work);
-  }
-  const int64_t bad = smg_dense_solve(order, s->A, s->x);
+  const int64_t bad = smg_dense_solve(smg_order(s), s->A, s->x, sign);
   return bad > 0 ? 1 + (bad - 1) / SMG_BS : 0;
 }
 
-/* The largest row sum of abs(J - I), and that of one site. */
-static inline smg_real smg_row_bound(const smg_state *s) { return smg_dense_bound(smg_order(s), s->A); }
-
-static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
-  smg_real most = 0;
-  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r)
-    most = smg_max(most, smg_dense_row_sum(smg_order(s), s->A, r));
-  return most;
+/* The sum of abs(J - I) over a row. */
+static inline smg_real smg_row_sum(const smg_state *s, int64_t row) {
+  return smg_dense_row_sum(smg_order(s), s->A, row);
 }
 
 /* Is x.J x >= x.x/4 for every x? */
@@ -48,8 +35,9 @@ static inline int smg_coercive(const smg_state *s) { return smg_dense_coercive(s
 static inline int64_t smg_kept_size(const smg_coefficients *c) { return SMG_BS * smg_coupled(c); }
 
 static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
+  int sign;
   for (int64_t k = 0; k < smg_order(s); ++k) keep[k] = (smg_real)k;
-  const int64_t bad = smg_dense_factor(smg_order(s), s->A, keep);
+  const int64_t bad = smg_dense_factor(smg_order(s), s->A, keep, &sign);
   return bad > 0 ? 1 + (bad - 1) / SMG_BS : 0;
 }
 

@@ -17,7 +17,6 @@
 #define SMG_PRODUCTS_LEFT(s) (s)->work[smg_krylov_worksize(smg_order(s)) - 1]
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
-static inline int64_t smg_block_row(int64_t row) { return row; }
 
 static inline void smg_clear(const smg_state *s) {
   for (int64_t k = 0; k < SMG_BS * smg_order(s); ++k) s->A[k] = 0;
@@ -25,8 +24,7 @@ static inline void smg_clear(const smg_state *s) {
 }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
-  if (row == column)
-    for (int k = 0; k < SMG_BS * SMG_BS; ++k) s->A[SMG_BS * SMG_BS * row + k] += block[k];
+  if (row == column) smg_block_add(s->A + SMG_BB * row, block);
   else smg_row_sums(SMG_BS, block, s->sums + SMG_BS * row);
 }
 
@@ -34,7 +32,7 @@ static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column
  * G_j^T, so that (J + J^T)/2 has half the sum of both. */
 static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y, const smg_real *z) {
   const int64_t row = smg_row(&s->c, i), column = smg_row(&s->c, j);
-  smg_real block[SMG_BS * SMG_BS];
+  smg_real block[SMG_BB];
   for (int l = 0; l < SMG_BS; ++l)
     for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = smg_dot(s->G + 3 * (SMG_BS * i + r), y + 3 * l);
   smg_add_block(s, row, column, block);
@@ -47,21 +45,15 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
 
 static inline void smg_assembled(const smg_state *s) {
   for (int64_t i = 0; i < smg_coupled(&s->c); ++i)
-    smg_diagonal_sums(SMG_BS, s->A + SMG_BS * SMG_BS * i, s->sums + SMG_BS * i, s->mean + SMG_BS * i);
+    smg_diagonal_sums(SMG_BS, s->A + SMG_BB * i, s->sums + SMG_BS * i, s->mean + SMG_BS * i);
 }
 
-/* z = D^-1 x with the diagonal block D of one site, or x where it has no inverse. */
-static inline void smg_undo(const smg_real *D, const smg_real *x, smg_real *z) {
-  smg_real copy[SMG_BS * SMG_BS];
-  for (int k = 0; k < SMG_BS * SMG_BS; ++k) copy[k] = D[k];
-  for (int r = 0; r < SMG_BS; ++r) z[r] = x[r];
-  if (smg_solve_block(copy, z))
-    for (int r = 0; r < SMG_BS; ++r) z[r] = x[r];
-}
-
-/* Every z = D^-1 x. */
+/* z = D^-1 x with the diagonal block D of each site, or x where it has no inverse. */
 static void smg_undo_all(const smg_state *s, const smg_real *x, smg_real *z) {
-  for (int64_t i = 0; i < smg_coupled(&s->c); ++i) smg_undo(s->A + SMG_BS * SMG_BS * i, x + SMG_BS * i, z + SMG_BS * i);
+  for (int64_t i = 0; i < smg_coupled(&s->c); ++i) {
+    smg_vector_copy(z + SMG_BS * i, x + SMG_BS * i);
+    (void)smg_block_solve(s->A + SMG_BB * i, z + SMG_BS * i);
+  }
 }
 
 /* y = J z, that is D z + G sum_j B_ij S_j^T z_j of each site; or J^T z, D^T z + S sum_j B_ij G_j^T z_j. */
@@ -80,7 +72,7 @@ static void smg_apply(const smg_state *s, int transposed, const smg_real *z, smg
   smg_hessian_vector(s);
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    const smg_real *D = s->A + SMG_BS * SMG_BS * row;
+    const smg_real *D = s->A + SMG_BB * row;
     for (int r = 0; r < SMG_BS; ++r) {
       smg_real sum = smg_dot(to + 3 * (SMG_BS * k + r), s->hessian_v + 3 * k);
       for (int l = 0; l < SMG_BS; ++l) sum += D[across * r + down * l] * z[SMG_BS * row + l];
@@ -123,9 +115,9 @@ static int64_t smg_solve_free(const smg_state *s, smg_real tolerance, smg_real p
   return 0;
 }
 
-/* The same to a Newton correction's accuracy. *sign, when asked for: 0, it is not known. */
+/* The same to a Newton correction's accuracy. *sign: 0, it is not known. */
 static int64_t smg_factor(const smg_state *s, int *sign) {
-  if (sign) *sign = 0;
+  *sign = 0;
   return smg_solve_free(s, SMG_KRYLOV_TOLERANCE, SMG_PRODUCTS_LEFT(s));
 }
 
@@ -136,14 +128,8 @@ static int smg_sign(void *of) {
   return smg_krylov_sign(&a, &mean, smg_curve_size(smg_order(s), s->mean));
 }
 
-/* The largest row sum of abs(J - I), and that of one site. */
-static inline smg_real smg_row_bound(const smg_state *s) { return smg_curve_size(smg_order(s), s->sums); }
-
-static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
-  smg_real most = 0;
-  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, s->sums[r]);
-  return most;
-}
+/* The sum of abs(J - I) over a row. */
+static inline smg_real smg_row_sum(const smg_state *s, int64_t row) { return s->sums[row]; }
 
 /* Is x.J x >= x.x/4 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos, while products are left. */
 static inline int smg_coercive(const smg_state *s) {

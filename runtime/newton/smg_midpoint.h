@@ -8,13 +8,8 @@
 #include "smg_own_response.h"
 #include "smg_spin.h"
 
-#if SMG_BS == 2
-#define smg_solve_block smg_solve2
-#define smg_det_block smg_det2
-#else
-#define smg_solve_block smg_solve3
-#define smg_det_block smg_det3
-#endif
+/* blocks of SMG_BS, which the method or the model has said */
+#include "smg_block.h"
 
 /* u = h X(m) = (h/kappa) grad C(m) x R, g = dH/dw. */
 static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,

@@ -10,10 +10,19 @@
 #include "smg_coupled.h"
 #include "smg_noise.h"
 
+/* The block row of the matrix that belongs to a row of the model. */
+static inline int64_t smg_block_row(int64_t row) {
+#if SMG_ORDER
+  return smg_block_rows[row];
+#else
+  return row;
+#endif
+}
+
 /* J_ij += G_i B S_j^T for the Hessian block B of one term, y = B S_j^T. */
 #if !SMG_MATRIX_FREE
 static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y) {
-  smg_real block[SMG_BS * SMG_BS];
+  smg_real block[SMG_BB];
   for (int l = 0; l < SMG_BS; ++l)
     for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = smg_dot(s->G + 3 * (SMG_BS * i + r), y + 3 * l);
   smg_add_block(s, smg_row(&s->c, i), smg_row(&s->c, j), block);
@@ -27,13 +36,15 @@ static void smg_assemble(const smg_state *s, smg_real h) {
   SMG_UNROLL_FEW
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    smg_real own[SMG_BS * SMG_BS];
+    smg_real own[SMG_BB];
     smg_newton_frame(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k,
                      s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
     smg_add_block(s, row, row, own);
   }
   smg_hessian_blocks(s);
+#if SMG_MATRIX_FREE
   smg_assembled(s);
+#endif
 }
 
 /* d = J^-1 r for the midpoints from its solution s->x in the frames. */
@@ -55,8 +66,21 @@ static int64_t smg_site_of(const smg_state *s, int64_t place) {
   return smg_site(&s->c, row);
 }
 
+/* The largest sum of abs(J - I) over the rows of one block row, and over all; NaN where there is one. */
+static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
+  smg_real most = 0;
+  for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, smg_row_sum(s, r));
+  return most;
+}
+
+static inline smg_real smg_row_bound(const smg_state *s) {
+  smg_real most = 0;
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) most = smg_max(most, smg_site_row_sum(s, row));
+  return most;
+}
+
 /* d = J^-1 r for the midpoints, by the frames and the matrix of the last evaluation; 0, or 1 + the place of a singular
- * row. *bound: the largest row sum of abs(J - I); *sign, when asked for: that of det J. */
+ * row. *bound: the largest row sum of abs(J - I); *sign: that of det J. */
 static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *bound, int *sign) {
   smg_assemble(s, h);
   *bound = smg_row_bound(s);
@@ -141,13 +165,14 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
 static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real rounding_scale) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_real *before = s->curve, *d = s->curve + n;
+  int sign;
   for (int round = 0;; ++round) {
     smg_increment_residual(s, h, before);
     smg_assemble(s, h);
     if (round > 1 && smg_within_round_off(s, h, NULL)) return SMG_OK;
     if (round == SMG_ROUNDS) break;
     ++s->report.iterations;
-    if (smg_factor(s, NULL) > 0) return SMG_SINGULAR;
+    if (smg_factor(s, &sign) > 0) return SMG_SINGULAR;
     smg_correct_all(s, h, d);
     for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
       const int64_t k = 3 * smg_site(&s->c, row);
@@ -181,6 +206,7 @@ typedef struct smg_newton_path {
 /* Newton on mbar from where it stands, to stagnation. */
 static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *path, smg_change *now) {
   smg_change last = {SMG_MAX, SMG_MAX, 0};
+  int sign;
   for (int it = 0;; ++it) {
     *now = smg_evaluate(s, h);
     s->report.iterations = it;
@@ -197,7 +223,7 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
       return SMG_OK;
     }
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
-    const int64_t bad = smg_correction(s, h, s->curve, &path->bound, NULL);
+    const int64_t bad = smg_correction(s, h, s->curve, &path->bound, &sign);
     if (bad > 0) {
       s->report.site = smg_site_of(s, bad - 1);
       return SMG_SINGULAR;

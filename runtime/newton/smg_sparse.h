@@ -76,13 +76,6 @@ static inline smg_real smg_sparse_row_sum(const int32_t *rowptr, const int32_t *
   return sum;
 }
 
-/* The largest of them; NaN where there is one. */
-static inline smg_real smg_sparse_bound(int32_t n, const int32_t *rowptr, const int32_t *diag, const smg_real *A) {
-  smg_real most = 0;
-  for (int32_t row = 0; row < n * SMG_BS; row++) most = smg_max(most, smg_sparse_row_sum(rowptr, diag, A, row));
-  return most;
-}
-
 /* Where block (i, j) lies. */
 static inline int64_t smg_sparse_position(const int32_t *rowptr, const int32_t *col, int32_t i, int32_t j) {
   int32_t p = rowptr[i];

@@ -55,6 +55,7 @@ static void band(int64_t n, int k, int periodic, int64_t repeats) {
     static smg_real A[N * N], B[N * N], x[N], b[N];                                \
     volatile smg_real sink = 0;                                                    \
     double best = 1e300;                                                           \
+    int sign;                                                                      \
     for (int e = 0; e < N * N; e++) A[e] = draw();                                 \
     for (int e = 0; e < N; e++) A[e * N + e] += 1, b[e] = draw();                  \
     for (int trial = 0; trial < 7; trial++) {                                      \
@@ -62,7 +63,7 @@ static void band(int64_t n, int k, int periodic, int64_t repeats) {
       for (int r = 0; r < REPEATS; r++) {                                          \
         for (int e = 0; e < N * N; e++) B[e] = A[e];                               \
         for (int e = 0; e < N; e++) x[e] = b[e];                                   \
-        if (smg_dense_solve(N, B, x)) exit(2);                                     \
+        if (smg_dense_solve(N, B, x, &sign)) exit(2);                              \
         sink = x[0], b[0] = (smg_real)r, A[0] += (smg_real)1e-9;                   \
       }                                                                            \
       const double each = (now() - start) / REPEATS;                               \

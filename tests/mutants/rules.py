@@ -43,7 +43,7 @@ JACOBIAN = (
     (NEWTON, r"smg_add_block\(s, smg_row\(&s->c, i\), smg_row\(&s->c, j\), block\)", r"smg_add_block(s, smg_row(&s->c, i), smg_row(&s->c, i), block)"),
     (NEWTON, r"( +)(smg_add_block\(s, smg_row)", r"\1if (i != j) \2"),
     (NEWTON, r"( +)(smg_add_block\(s, smg_row)", r"\1if (i <= j) \2"),
-    ("runtime/newton/smg_matrix_*.h", r"at\[k\] \+= block", r"at[k] = block"),
+    ("runtime/newton/smg_matrix_*.h", r"smg_block_add\((.*), block\)", r"smg_block_copy(\1, block)"),
     (NEWTON, r"smg_hessian_blocks\(s\);", r""),
     (ALONE, r"e->J\[SMG_BS \* n \+ l\] \+= smg_dot\(G \+ 3 \* n, y\)", r"(void)n"),
     (ALONE, r"e->J\[SMG_BS \* n \+ l\] -= 0\.5 \* u\[n\] \* slope", r"(void)slope"),

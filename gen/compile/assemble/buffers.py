@@ -67,7 +67,7 @@ def matrix_size(model) -> Int:
 def work_size(model) -> Int:
     plan = model.plan
     if plan.solver == "dense":
-        return matrix_size(model)
+        return plan.block * model.rows
     if plan.solver == "band":
         return Computed("smg_band_worksize", (model.rows, whole(plan.band)))
     if plan.solver == "sparse":
