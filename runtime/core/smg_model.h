@@ -78,6 +78,7 @@
 #ifndef SMG_FAMILIES
 #include "smg_stub_model.h"
 #endif
+#include "smg_arrays.h"
 #include "smg_defaults.h"
 #include "smg_site.h"
 

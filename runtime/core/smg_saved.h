@@ -31,10 +31,6 @@ static size_t smg_saved_past(const smg_coefficients *c) { return SMG_SAVED_HEAD 
 
 static size_t smg_saved_size(const smg_coefficients *c) { return smg_saved_past(c) + smg_history_size(c); }
 
-static void smg_copy(smg_real *to, const smg_real *from, size_t size) {
-  for (size_t k = 0; k < size; ++k) to[k] = from[k];
-}
-
 /* Steps that stay with Newton: models that try something else first count them. By rows, as a number below 0: the
  * passes of a step that are not watched. */
 #if SMG_BY_ROWS && !SMG_ROW_TURNS
@@ -66,7 +62,7 @@ static void smg_save_sites(const smg_state *s, smg_real *lost, smg_real *past) {
     return;
   }
 #endif
-  smg_copy(lost, s->compensation, (size_t)(3 * smg_sites(&s->c)));
+  smg_copy(lost, s->compensation, 3 * smg_sites(&s->c));
   smg_save_history(s, past);
 }
 
@@ -77,7 +73,7 @@ static void smg_restore_sites(smg_state *s, const smg_real *lost, const smg_real
     return;
   }
 #endif
-  smg_copy(s->compensation, lost, (size_t)(3 * smg_sites(&s->c)));
+  smg_copy(s->compensation, lost, 3 * smg_sites(&s->c));
   smg_restore_history(s, past);
 }
 
@@ -109,7 +105,7 @@ static void smg_restore_noise(smg_state *s, const smg_real *in) {
 #endif
 
 static void smg_save_state(const smg_state *s, smg_real *out) {
-  const size_t n3 = (size_t)(3 * smg_sites(&s->c));
+  const int64_t n3 = 3 * smg_sites(&s->c);
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c);
   out[SMG_SAVED_PAST] = (smg_real)smg_saved_past(&s->c);
   out[SMG_SAVED_T0] = (smg_real)s->t0;
@@ -214,7 +210,7 @@ static void smg_restore_head(smg_state *s, const smg_real *in) {
 }
 
 static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
-  const size_t n3 = (size_t)(3 * smg_sites(&s->c));
+  const int64_t n3 = 3 * smg_sites(&s->c);
   const smg_status status = s->w ? smg_check_saved(&s->c, in) : SMG_BAD_PARAMETER;
   if (status != SMG_OK) return status;
   smg_restore_head(s, in);

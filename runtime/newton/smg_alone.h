@@ -292,7 +292,7 @@ static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real 
   f.x = room + 12;
   const smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
-  for (int b = 0; b < 3; ++b) mbar[b] = f.y[b];
+  smg_copy(mbar, f.y, 3);
   return status;
 }
 
@@ -310,7 +310,7 @@ SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, 
   const smg_real *w = s->w + 3 * k;
   smg_real *u = s->u + 3 * k;
   int sure;
-  for (int b = 0; b < 3; ++b) mbar[b] = w[b];
+  smg_copy(mbar, w, 3);
   for (int n = 1; n <= SMG_CONTINUATION_STEPS; ++n) {
     status = smg_site_newton(s, h * (smg_real)n / SMG_CONTINUATION_STEPS, k, mbar, u, &sure);
     if (status != SMG_OK) break;

@@ -16,7 +16,7 @@ static smg_status smg_curve_newton(void *of, smg_real p, const smg_real *y, smg_
   smg_state *s = whole->s;
   const smg_real h = whole->h;
   smg_real bound;
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = y[k];
+  smg_copy(s->mbar, y, 3 * smg_sites(&s->c));
   if (!(smg_evaluate(s, p * h).absolute <= SMG_MAX)) return SMG_NOT_FINITE;
   if (smg_correction(s, p * h, a, &bound, sign) > 0) return SMG_SINGULAR;
   for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
@@ -62,7 +62,7 @@ static smg_status smg_follow_branch(smg_state *s, smg_real h) {
     s->report.partner = f.partner;
     return status;
   }
-  for (int64_t k = 0; k < n; ++k) s->mbar[k] = f.y[k];
+  smg_copy(s->mbar, f.y, n);
   const int iterations = s->report.iterations;
   status = smg_newton(s, h);
   if (iterations > 0) s->report.iterations = iterations; /* those of Newton before its solution was checked */

@@ -12,6 +12,7 @@
 #ifndef SMG_FOLLOW_H
 #define SMG_FOLLOW_H
 
+#include "smg_arrays.h"
 #include "smg_site.h"
 
 /* The thresholds, and what half and twice do to some 1400 first steps from random starts (docs/thresholds.md): the same
@@ -137,25 +138,18 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   const int its = smg_curve_correct(f, &p, s, landing);
   if (its == 0) return 0;
   if (f->sign == 0 && f->sign_of) f->sign = f->sign_of(f->of);
-  for (int64_t k = 0; k < f->n; ++k) f->a[k] = f->t[k]; /* to go back to, when the curve bends too much */
+  smg_copy(f->a, f->t, f->n); /* to go back to, when the curve bends too much */
   const smg_real q = f->q;
   /* along one curve det J has the sign of q: otherwise it is another one */
   if (!(smg_curve_turn(f) >= SMG_ALONG) || (f->sign != 0 && (f->sign < 0) != (f->q < 0)) || smg_curve_dips(f, q, s)) {
-    for (int64_t k = 0; k < f->n; ++k) f->t[k] = f->a[k];
+    smg_copy(f->t, f->a, f->n);
     f->q = q;
     return 0;
   }
-  for (int64_t k = 0; k < f->n; ++k) f->y[k] = f->x[k];
+  smg_copy(f->y, f->x, f->n);
   f->slope = (f->q - q) / s;
   f->p = p;
   return its;
-}
-
-/* The largest of n numbers. */
-static inline smg_real smg_curve_size(int64_t n, const smg_real *y) {
-  smg_real most = 0;
-  for (int64_t k = 0; k < n; ++k) most = smg_max(most, smg_abs(y[k]));
-  return most;
 }
 
 /* The site that moves most along the tangent, leaving out one. */
@@ -199,11 +193,7 @@ static inline smg_status smg_curve_end(smg_curve *f) {
 }
 
 /* The natural steps in h, at least one: how far h would move w, in units of w, if it were a small step. */
-static inline smg_real smg_curve_span(const smg_curve *f) {
-  smg_real size = 1;
-  for (int64_t k = 0; k < f->n; ++k) size = smg_max(size, smg_abs(f->c[k]) / f->scale);
-  return size;
-}
+static inline smg_real smg_curve_span(const smg_curve *f) { return smg_max(1, smg_most(f->c, f->n) / f->scale); }
 
 /* Is a midpoint so near the centre of its sphere that paces may jump across it? */
 static inline int smg_curve_central(const smg_curve *f) {
@@ -214,7 +204,7 @@ static inline int smg_curve_central(const smg_curve *f) {
 
 /* What a curve that came to p = 1 by places as far as this tells of y. Spheres and R^3 keep abs(y) <= abs(w). */
 static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_real far, int central) {
-  const smg_real begin = smg_curve_size(f->n, f->w), end = smg_curve_size(f->n, f->y);
+  const smg_real begin = smg_most(f->w, f->n), end = smg_most(f->y, f->n);
   const smg_real mean = SMG_MATH(sqrt)(begin) * SMG_MATH(sqrt)(smg_max(begin, end));
   if (folded) return SMG_WRONG_BRANCH;
   return central || far > SMG_FAR * mean ? SMG_NO_CONVERGENCE : SMG_OK;
@@ -228,10 +218,8 @@ static inline smg_status smg_follow(smg_curve *f) {
   int folded = 0, turned = 0, central = 0;
   f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
-  for (int64_t k = 0; k < f->n; ++k) {
-    f->y[k] = f->w[k];
-    f->t[k] = 0;
-  }
+  smg_copy(f->y, f->w, f->n);
+  smg_zero(f->t, f->n);
   f->q = 1;
   const smg_status begun = f->newton(f->of, 0, f->y, f->a, f->c, &f->sign);
   if (begun != SMG_OK) return begun;
@@ -253,7 +241,7 @@ static inline smg_status smg_follow(smg_curve *f) {
       f->partner = smg_curve_mover(f, f->site);
     }
     turned = turned || (folded && f->p < f->reached * (1 - SMG_TURNED_BACK));
-    far = smg_max(far, smg_curve_size(f->n, f->y));
+    far = smg_max(far, smg_most(f->y, f->n));
     central = central || smg_curve_central(f);
     if (f->p >= 1) return smg_curve_arrived(f, folded, far, central);
     if (folded && f->p < f->reached / 2) return SMG_NO_SOLUTION;

@@ -43,8 +43,7 @@ static inline const smg_real *smg_last_increment(const smg_state *s, int64_t k) 
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   const int64_t n3 = 3 * smg_sites(&s->c);
-  for (int j = 0; j < SMG_HISTORY; ++j)
-    for (int64_t k = 0; k < n3; ++k) out[j * n3 + k] = s->past[j][k];
+  for (int j = 0; j < SMG_HISTORY; ++j) smg_copy(out + j * n3, s->past[j], n3);
 }
 
 static inline void smg_restore_history(smg_state *s, const smg_real *in) {
@@ -52,8 +51,7 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
 #if SMG_COMPOSED
   s->stage = 0;
 #endif
-  for (int j = 0; j < SMG_HISTORY; ++j)
-    for (int64_t k = 0; k < n3; ++k) s->past[j][k] = in[j * n3 + k];
+  for (int j = 0; j < SMG_HISTORY; ++j) smg_copy(s->past[j], in + j * n3, n3);
 }
 
 #endif

@@ -7,6 +7,7 @@
 #ifndef SMG_KRYLOV_H
 #define SMG_KRYLOV_H
 
+#include "smg_arrays.h"
 #include "smg_dense.h"
 
 #define SMG_KRYLOV_BASIS 60
@@ -69,7 +70,7 @@ static inline void smg_krylov_extend(const smg_krylov *a, smg_real *V, int j, sm
   a->times(a->of, V + j * n, v);
   for (int i = 0; i <= j; ++i) {
     column[i] = smg_krylov_dot(n, V + i * n, v);
-    for (int64_t k = 0; k < n; ++k) v[k] -= column[i] * V[i * n + k];
+    smg_axpy(v, -column[i], V + i * n, n);
   }
   column[j + 1] = smg_krylov_unit(n, v);
 }
@@ -97,8 +98,7 @@ static inline int smg_krylov_add(int64_t n, const smg_real *V, smg_krylov_small 
     q->rhs[i] /= q->H[i][i];
     for (int l = 0; l < i; ++l) q->rhs[l] -= q->H[i][l] * q->rhs[i];
   }
-  for (int i = 0; i < used; ++i)
-    for (int64_t k = 0; k < n; ++k) x[k] += q->rhs[i] * V[i * n + k];
+  for (int i = 0; i < used; ++i) smg_axpy(x, q->rhs[i], V + i * n, n);
   return 1;
 }
 
@@ -108,13 +108,11 @@ static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real to
   const int64_t n = a->n;
   const int most = smg_krylov_basis(n);
   smg_real *V = a->work, *b = V + (most + 1) * n, *y = b + n;
-  smg_real unit = 0, last = SMG_MATH(sqrt)((smg_real)n); /* b is solved for in units of its largest entry */
-  for (int64_t k = 0; k < n; ++k) unit = smg_max(unit, smg_abs(x[k]));
+  const smg_real unit = smg_most(x, n); /* b is solved for in units of its largest entry */
+  smg_real last = SMG_MATH(sqrt)((smg_real)n);
   if (!(unit > 0)) return unit != unit;
-  for (int64_t k = 0; k < n; ++k) {
-    b[k] = V[k] = x[k] / unit;
-    y[k] = 0;
-  }
+  for (int64_t k = 0; k < n; ++k) b[k] = V[k] = x[k] / unit;
+  smg_zero(y, n);
   const smg_real size = SMG_MATH(sqrt)(smg_krylov_dot(n, b, b)), goal = tolerance * size;
   smg_krylov_small q;
   for (int products = 0; products < limit; ++products) {
@@ -155,7 +153,7 @@ static inline int smg_krylov_coercive(const smg_krylov *a, smg_real spread) {
   const smg_real shift = (smg_real)0.25 + SMG_LANCZOS_PART * 2 * spread;
   smg_real *v = a->work, *before = v + n, *next = v + 2 * n, beta = 0, pivot = 1;
   smg_krylov_random(n, v);
-  for (int64_t k = 0; k < n; ++k) before[k] = 0;
+  smg_zero(before, n);
   for (int j = 0; j < SMG_LANCZOS_STEPS && j < n; ++j) {
     a->times(a->of, v, next);
     const smg_real alpha = smg_krylov_dot(n, v, next);
@@ -180,7 +178,7 @@ static inline int smg_krylov_sign(const smg_krylov *a, const smg_krylov *mean, s
   if (n > SMG_KRYLOV_DENSE) return 0;
   smg_real *A = a->work, *unit = A + n * n;
   int sign;
-  for (int64_t k = 0; k < n; ++k) unit[k] = 0;
+  smg_zero(unit, n);
   for (int64_t i = 0; i < n; ++i) { /* the columns of A, as rows */
     unit[i] = 1;
     a->times(a->of, unit, A + i * n);

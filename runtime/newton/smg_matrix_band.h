@@ -9,7 +9,7 @@
 
 static inline void smg_clear(const smg_state *s) {
   const int64_t size = SMG_BB * (2 * SMG_BAND + 1) * smg_coupled(&s->c);
-  for (int64_t k = 0; k < size; ++k) s->A[k] = 0;
+  smg_zero(s->A, size);
 }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {

@@ -7,9 +7,7 @@
 
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
 
-static inline void smg_clear(const smg_state *s) {
-  for (int64_t k = 0; k < smg_order(s) * smg_order(s); ++k) s->A[k] = 0;
-}
+static inline void smg_clear(const smg_state *s) { smg_zero(s->A, smg_order(s) * smg_order(s)); }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
   const int64_t order = smg_order(s);
@@ -43,7 +41,7 @@ static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
 
 static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
   const int64_t order = smg_order(s);
-  for (int64_t k = 0; k < order; ++k) s->work[k] = s->x[k];
+  smg_copy(s->work, s->x, order);
   for (int64_t k = 0; k < order; ++k) s->x[k] = s->work[(int64_t)keep[k]];
   smg_dense_substitute(order, s->A, s->x);
   return 0;

@@ -4,7 +4,6 @@
 #ifndef SMG_MATRIX_FREE_H
 #define SMG_MATRIX_FREE_H
 
-#include "smg_follow.h"
 #include "smg_krylov.h"
 #include "smg_matrix_unkept.h"
 #include "smg_midpoint.h"
@@ -19,8 +18,9 @@
 static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_coupled(&s->c); }
 
 static inline void smg_clear(const smg_state *s) {
-  for (int64_t k = 0; k < SMG_BS * smg_order(s); ++k) s->A[k] = 0;
-  for (int64_t k = 0; k < smg_order(s); ++k) s->sums[k] = s->mean[k] = 0;
+  smg_zero(s->A, SMG_BS * smg_order(s));
+  smg_zero(s->sums, smg_order(s));
+  smg_zero(s->mean, smg_order(s));
 }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
@@ -125,7 +125,7 @@ static int64_t smg_factor(const smg_state *s, int *sign) {
 static int smg_sign(void *of) {
   smg_state *s = (smg_state *)of;
   const smg_krylov a = {s, smg_product, smg_order(s), s->work}, mean = {s, smg_times_mean, smg_order(s), s->work};
-  return smg_krylov_sign(&a, &mean, smg_curve_size(smg_order(s), s->mean));
+  return smg_krylov_sign(&a, &mean, smg_most(s->mean, smg_order(s)));
 }
 
 /* The sum of abs(J - I) over a row. */
@@ -133,7 +133,7 @@ static inline smg_real smg_row_sum(const smg_state *s, int64_t row) { return s->
 
 /* Is x.J x >= x.x/4 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos, while products are left. */
 static inline int smg_coercive(const smg_state *s) {
-  const smg_real mean = smg_curve_size(smg_order(s), s->mean);
+  const smg_real mean = smg_most(s->mean, smg_order(s));
   const smg_krylov a = {(void *)(uintptr_t)s, smg_times_mean, smg_order(s), s->work};
   return smg_contracts(mean) || (SMG_PRODUCTS_LEFT(s) > 0 && smg_krylov_coercive(&a, mean));
 }

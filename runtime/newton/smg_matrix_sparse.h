@@ -10,9 +10,7 @@ static inline int64_t smg_kept_size(const smg_coefficients *c) {
   return (void)c, (int64_t)SMG_BB * smg_rows[SMG_ORDER];
 }
 
-static inline void smg_clear(const smg_state *s) {
-  for (int64_t k = 0; k < smg_kept_size(&s->c); ++k) s->A[k] = 0;
-}
+static inline void smg_clear(const smg_state *s) { smg_zero(s->A, smg_kept_size(&s->c)); }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
   smg_block_add(s->A + smg_sparse_position(smg_rows, smg_columns, smg_block_rows[row], smg_block_rows[column]), block);
@@ -35,13 +33,13 @@ static inline int smg_coercive(const smg_state *s) {
 
 /* The matrix for many right-hand sides: a copy, for each destroys it. */
 static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
-  for (int64_t k = 0; k < smg_kept_size(&s->c); ++k) keep[k] = s->A[k];
+  smg_copy(keep, s->A, smg_kept_size(&s->c));
   return 0;
 }
 
 static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
   int sign;
-  for (int64_t k = 0; k < smg_kept_size(&s->c); ++k) s->A[k] = keep[k];
+  smg_copy(s->A, keep, smg_kept_size(&s->c));
   return smg_factor(s, &sign);
 }
 

@@ -38,28 +38,20 @@ static inline smg_real smg_product_scale(const smg_coefficients *c, int64_t k, s
                                          const smg_real *g) {
   smg_real n[3], room[3];
   if (smg_kind(c, k) == SMG_NAMBU) smg_normal(c, k, m, n);
-  else
-    for (int b = 0; b < 3; ++b) n[b] = m[b];
+  else smg_copy(n, m, 3);
   return smg_abs(smg_h_over_kappa(c, k, h)) * smg_largest(n) * smg_largest(smg_respond(c, k, m, g, room));
 }
 
-/* Tangent vectors E of the leaf at m, and dual rows F: F.E = 1, F.m = 0. */
+/* Tangent vectors E of the leaf at m, and dual rows F: F.E = 1, F.m = 0; without a leaf those of all of R^3. */
 static inline void smg_tangent_frame(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *n,
                                      smg_real *E, smg_real *F) {
-#if SMG_ONTO_LEAF
-  if (smg_kind(c, k) == SMG_NAMBU) {
-    smg_leaf_frame(m, n, E, F);
-    return;
+  if (!SMG_ONTO_LEAF)
+    for (int q = 0; q < 3 * SMG_BS; ++q) E[q] = F[q] = q % 4 == 0;
+  else if (smg_kind(c, k) == SMG_NAMBU) smg_leaf_frame(m, n, E, F);
+  else {
+    smg_frame(m, E, E + 3);
+    smg_copy(F, E, 6);
   }
-  smg_frame(m, E, E + 3);
-  for (int q = 0; q < 6; ++q) F[q] = E[q];
-#else
-  (void)c;
-  (void)k;
-  (void)m;
-  (void)n;
-  for (int q = 0; q < 9; ++q) E[q] = F[q] = q % 4 == 0;
-#endif
 }
 
 /* Rows G and columns S of Newton's matrix, J = I - (h/2) DX(m) P'(mbar), in the tangent frame of the leaf (or all of
@@ -96,7 +88,10 @@ static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_re
 static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s,
                                       const smg_real *g, const smg_real *res, const smg_real *S, const smg_real *a,
                                       smg_real *mbar) {
-#if SMG_ONTO_LEAF
+  if (!SMG_ONTO_LEAF) {
+    for (int b = 0; b < 3; ++b) mbar[b] += a[b];
+    return;
+  }
   const smg_real rate = 0.5 * smg_h_over_kappa(c, k, h);
   smg_real n[3], v[3], dn[3], turned[3], room[3];
   smg_normal(c, k, m, n);
@@ -112,17 +107,6 @@ static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_
   }
   const smg_real gamma = (smg_dot(n, res) + rate * smg_dot(n, turned)) / smg_dot(m, n);
   for (int b = 0; b < 3; ++b) mbar[b] += v[b] / s + gamma * m[b];
-#else
-  (void)c;
-  (void)k;
-  (void)h;
-  (void)m;
-  (void)s;
-  (void)g;
-  (void)res;
-  (void)S;
-  for (int b = 0; b < 3; ++b) mbar[b] += a[b];
-#endif
 }
 
 #endif

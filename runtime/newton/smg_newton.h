@@ -107,8 +107,7 @@ static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_
  * hundreds of times the round-off would pass. */
 static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *noise) {
   const smg_coefficients *c = &s->c;
-  smg_real most = 0;
-  for (int64_t k = 0; noise && k < smg_sites(c); ++k) most = smg_max(most, noise[k]);
+  const smg_real most = noise ? smg_most(noise, smg_sites(c)) : 0;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     const smg_real products = smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k),
@@ -125,12 +124,11 @@ static int smg_within_round_off(const smg_state *s, smg_real h, const smg_real *
 static int smg_within_noise(smg_state *s, smg_real h, const smg_real *u, smg_real *d) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_real *noise = d + n, *even = d + 2 * n, *up = d + 3 * n;
-  for (int64_t k = 0; k < n; ++k) d[k] = u[k] + 2 * s->r[k]; /* h X */
+  smg_copy(d, u, n);
+  smg_axpy(d, 2, s->r, n); /* h X */
   smg_noise_of_all(s, h, d, up, even, noise);
-  for (int64_t k = 0; k < n; ++k) {
-    s->u[k] = u[k];
-    s->r[k] = 0.5 * (d[k] - u[k]);
-  }
+  smg_copy(s->u, u, n);
+  for (int64_t k = 0; k < n; ++k) s->r[k] = 0.5 * (d[k] - u[k]);
   return smg_within_round_off(s, h, noise);
 }
 
@@ -149,14 +147,11 @@ static void smg_tangential_all(smg_state *s, smg_real rounding_scale) {
 /* The residuals that a plain evaluation at the increments `before` leaves; s->u keeps them. */
 static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
   const int64_t n = 3 * smg_sites(&s->c);
-  for (int64_t k = 0; k < n; ++k) before[k] = s->u[k];
+  smg_copy(before, s->u, n);
   (void)smg_refine(s, h);
-  s->report.residual = 0;
-  for (int64_t k = 0; k < n; ++k) {
-    s->r[k] = 0.5 * (s->u[k] - before[k]);
-    s->report.residual = smg_max(s->report.residual, smg_abs(s->r[k]));
-    s->u[k] = before[k];
-  }
+  for (int64_t k = 0; k < n; ++k) s->r[k] = 0.5 * (s->u[k] - before[k]);
+  s->report.residual = smg_most(s->r, n);
+  smg_copy(s->u, before, n);
 }
 
 /* The end of a non-contractive step. Plain evaluations would hardly lessen what is left, or enlarge it, so Newton
@@ -229,7 +224,7 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
       return SMG_SINGULAR;
     }
     path->most = smg_max(path->most, path->bound); /* on the way too: another branch may look as calm */
-    for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] += s->curve[k];
+    smg_axpy(s->mbar, 1, s->curve, 3 * smg_sites(&s->c));
     last = *now;
   }
 }

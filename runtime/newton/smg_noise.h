@@ -87,10 +87,11 @@ SMG_COLD static void smg_noise_of_all(smg_state *s, smg_real h, const smg_real *
                                       smg_real *noise) {
   const smg_coefficients *c = &s->c;
   const int64_t n = smg_sites(c);
-  for (int64_t k = 0; k < n; ++k) noise[k] = even[k] = 0;
+  smg_zero(noise, n);
+  smg_zero(even, n);
   for (unsigned probe = 0; probe < SMG_PROBES; ++probe) {
     smg_probe_all(s, h, probe, 0);
-    for (int64_t q = 0; q < 3 * n; ++q) up[q] = s->u[q];
+    smg_copy(up, s->u, 3 * n);
     smg_probe_all(s, h, probe, 1);
     for (int64_t row = 0; row < smg_coupled(c); ++row) {
       const int64_t k = smg_site(c, row);

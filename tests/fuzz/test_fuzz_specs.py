@@ -68,7 +68,7 @@ FAULTS = {
     "an index that nothing declares": ("  const int64_t i = k;\n  return c->model->p.gamma[i];", "  return c->model->p.gamma[i];", Fault, "compilers"),
     "a variable that nothing uses": ("  return h / smg_kappa(c, k);", "  int unused;\n  return h / smg_kappa(c, k);", Fault, "compilers"),
     "memory that is too small": ("return sizeof(smg_real) * smg_layout(&s, NULL);", "return sizeof(smg_real) * smg_layout(&s, NULL) - 8;", Fault, "sanitizers"),
-    "what a restored state lacks": ("  smg_copy(s->compensation, lost, (size_t)(3 * smg_sites(&s->c)));\n", "  (void)lost;\n", Fault, "sanitizers"),
+    "what a restored state lacks": ("  smg_copy(s->compensation, lost, 3 * smg_sites(&s->c));\n", "  (void)lost;\n", Fault, "sanitizers"),
     "a sum of integers that overflows": ("++s->count;", "s->count += 9223372036854775807;", Fault, "sanitizers"),
     "a step that never ends": ("if (model->n0 < 1 ||", "for (volatile int k = 1; k;) {}\n  if (model->n0 < 1 ||", Fault, "sanitizers"),
     "a strength that is wrong by 1e-12": ("return h / smg_kappa(c, k)", "return h * (smg_real)1.000000000001 / smg_kappa(c, k)", Mismatch, "witness")}

@@ -70,7 +70,7 @@ FAULTS = {
     "a weight of degree 3 of a single sphere": Fault("predictor", "smg_single_sphere.h", "{4, 4, 4, 4, -6, -6, -6, -6, 4, 4, 4, 4, -1, -1, -1, -1}", "{4, 4, 4, 4, -6, -6, -6, -6, 4.1, 4.1, 4.1, 4, -1, -1, -1, -1}", BODY),
     "the order of the history": Fault("iterations", "smg_row_step.h", "s->past[0] = s->row_late;\n  s->row_late = oldest;", "s->past[0] = s->row_late;\n  s->row_late = oldest;\n  if (s->history > 2) { smg_real *one = s->past[1]; s->past[1] = s->past[2]; s->past[2] = one; }", CUBIC),
     "a sign after a restore": Fault("restore", SAVED, "  smg_copy(s->w, in + SMG_SAVED_HEAD, n3);", "  smg_copy(s->w, in + SMG_SAVED_HEAD, n3);\n  s->w[0] = -s->w[0];", BODY),
-    "a save without compensation": Fault("restore", SAVED, "  smg_copy(lost, s->compensation, (size_t)(3 * smg_sites(&s->c)));", "  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) lost[k] = 0;", BODY),
+    "a save without compensation": Fault("restore", SAVED, "  smg_copy(lost, s->compensation, 3 * smg_sites(&s->c));", "  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) lost[k] = 0;", BODY),
     "a restore of rows without compensation": Fault("restore", STATE, "  smg_to_slots(s, lost, s->row_compensation);", "  (void)lost;", CHAIN),
     "a restore without the tolerance": Fault("restore", SAVED, "  s->tolerance = in[SMG_SAVED_TOLERANCE];", "  s->tolerance = 0;", CUBIC),
     "after t = 9.9": Fault("whole space", "smg_single_sphere.h", "y = smg_vec_add(v, compensation), W = smg_vec_add(w, y);\n  const smg_real change", "y = smg_vec_add(smg_time_at(s, 0) > (smg_real)9.9 ? smg_vec_scale((smg_real)1.000001, v) : v, compensation), W = smg_vec_add(w, y);\n  const smg_real change", BODY),

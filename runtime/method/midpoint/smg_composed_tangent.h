@@ -28,8 +28,7 @@ static smg_status smg_push_stages(smg_state *s, int row, smg_real *v, int64_t co
 #endif
   for (int i = 0; i < SMG_COMPOSED && status == SMG_OK; ++i) {
     smg_recall_stage(s, row, i);
-    for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-      for (int b = 0; b < 3; ++b) s->w[3 * k + b] += smg_last_increment(s, k)[b];
+    smg_axpy(s->w, 1, smg_last_increment(s, 0), 3 * smg_sites(&s->c));
 #if SMG_TIMED
     smg_set_time(&s->c, smg_time_at(s, done + 0.5 * smg_gamma[i]));
     done += smg_gamma[i];
@@ -43,8 +42,7 @@ static smg_status smg_push_stages(smg_state *s, int row, smg_real *v, int64_t co
 static void smg_step_back(smg_state *s, int row) {
   for (int i = SMG_COMPOSED - 1; i >= 0; --i) {
     smg_recall_stage(s, row, i);
-    for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-      for (int b = 0; b < 3; ++b) s->w[3 * k + b] -= smg_last_increment(s, k)[b];
+    smg_axpy(s->w, -1, smg_last_increment(s, 0), 3 * smg_sites(&s->c));
   }
 }
 
@@ -60,10 +58,10 @@ static smg_status smg_push_forward(smg_state *s, smg_real *v, int64_t columns, v
   smg_real *newest = s->past[0];
 #endif
   if (s->stage != SMG_COMPOSED) return s->report.status = SMG_BAD_PARAMETER;
-  for (int64_t k = 0; k < n3; ++k) end[k] = s->w[k];
+  smg_copy(end, s->w, n3);
   smg_step_back(s, row);
   const smg_status status = smg_push_stages(s, row, v, columns, end + n3);
-  for (int64_t k = 0; k < n3; ++k) s->w[k] = end[k];
+  smg_copy(s->w, end, n3);
 #if SMG_SINGLE_SPHERE
   s->row = row;
 #else

@@ -34,7 +34,7 @@ typedef struct smg_before {
 /* The rows of a step fit below the newest one: those of the steps before stay as they are until the next begins. */
 static inline void smg_hold(smg_state *s, smg_before *b) {
   if (s->row < SMG_COMPOSED) {
-    for (int k = 0; k < 4 * SMG_HISTORY; ++k) s->rows[4 * (SMG_ROWS - SMG_HISTORY) + k] = s->rows[4 * s->row + k];
+    smg_copy(s->rows + 4 * (SMG_ROWS - SMG_HISTORY), s->rows + 4 * s->row, 4 * SMG_HISTORY);
     s->row = SMG_ROWS - SMG_HISTORY;
   }
   b->w = smg_vec_load(s->w);
@@ -87,10 +87,8 @@ typedef struct smg_before {
 
 static inline void smg_hold(smg_state *s, smg_before *b) {
   const int64_t n3 = 3 * smg_sites(&s->c);
-  for (int64_t k = 0; k < n3; ++k) {
-    s->before[k] = s->w[k];
-    s->before[n3 + k] = s->compensation[k];
-  }
+  smg_copy(s->before, s->w, n3);
+  smg_copy(s->before + n3, s->compensation, n3);
   for (int j = 0; j < SMG_HISTORY; ++j) b->past[j] = s->past[j];
   b->scale = s->scale;
   b->degree = s->degree;
@@ -104,10 +102,8 @@ static inline void smg_give_back(smg_state *s, const smg_before *b) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   for (int j = 0; j < s->stage && j < SMG_HISTORY; ++j) s->spare[j] = s->past[j];
   for (int j = 0; j < SMG_HISTORY; ++j) s->past[j] = b->past[j];
-  for (int64_t k = 0; k < n3; ++k) {
-    s->w[k] = s->before[k];
-    s->compensation[k] = s->before[n3 + k];
-  }
+  smg_copy(s->w, s->before, n3);
+  smg_copy(s->compensation, s->before + n3, n3);
   s->scale = b->scale;
   s->degree = b->degree;
   s->history = b->history;
@@ -119,7 +115,7 @@ static inline void smg_give_back(smg_state *s, const smg_before *b) {
 static inline void smg_stage_done(smg_state *s) {
 #if SMG_STAGES_KEPT
   const int64_t n3 = 3 * smg_sites(&s->c);
-  for (int64_t k = 0; k < n3; ++k) s->increments[n3 * s->stage + k] = s->past[0][k];
+  smg_copy(s->increments + n3 * s->stage, s->past[0], n3);
 #endif
   if (s->stage < SMG_HISTORY) {
     smg_real *oldest = s->u;

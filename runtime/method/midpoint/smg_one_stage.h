@@ -29,7 +29,7 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
   smg_moved moved = {0, 0, 0};
   for (int64_t q = 0; q < 3 * sites; q += 3)
     smg_stage_point(s->w + q, smg_norm(s->w + q), s->slopes + q, s->points + q);
-  for (int64_t q = 0; q < 3 * sites; ++q) s->u[q] = 0;
+  smg_zero(s->u, 3 * sites);
   smg_gradient(&s->c, s->points, s->u);
   smg_respond_all(&s->c, s->points, s->u);
   for (int64_t k = 0; k < sites; ++k) smg_new_slope(s, k, &moved);

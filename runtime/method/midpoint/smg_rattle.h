@@ -73,7 +73,7 @@ SMG_INLINE smg_real smg_rattle_second(smg_real s, const smg_real *a, const smg_r
 /* (h/2) b in place of each of these points. */
 static inline void smg_rattle_fields(smg_state *s, smg_real *points) {
   const int64_t sites = smg_sites(&s->c);
-  for (int64_t q = 0; q < 3 * sites; ++q) s->u[q] = 0;
+  smg_zero(s->u, 3 * sites);
   smg_gradient(&s->c, points, s->u);
   for (int64_t k = 0; k < sites; ++k) {
     const smg_real half = 0.5 * smg_h_over_kappa(&s->c, k, smg_signed_h(s->h));

@@ -35,13 +35,13 @@ static inline size_t smg_history_size(const smg_coefficients *c) {
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   const int64_t sites = smg_sites(&s->c);
   for (int64_t k = 0; k < sites; ++k) out[k] = s->history > 0 ? s->inverse[k] : 0;
-  for (int64_t q = 0; q < SMG_SLOPES * SMG_HISTORY * sites; ++q) out[sites + q] = s->past_slopes[q];
+  smg_copy(out + sites, s->past_slopes, SMG_SLOPES * SMG_HISTORY * sites);
 }
 
 static inline void smg_restore_history(smg_state *s, const smg_real *in) {
   const int64_t sites = smg_sites(&s->c);
-  for (int64_t k = 0; k < sites; ++k) s->inverse[k] = in[k];
-  for (int64_t q = 0; q < SMG_SLOPES * SMG_HISTORY * sites; ++q) s->past_slopes[q] = in[sites + q];
+  smg_copy(s->inverse, in, sites);
+  smg_copy(s->past_slopes, in + sites, SMG_SLOPES * SMG_HISTORY * sites);
 }
 
 #include "smg_state.h"
@@ -64,7 +64,7 @@ static inline void smg_renew_slopes(smg_state *s, int64_t k, const smg_real *nex
   smg_real *a = s->slopes + SMG_SLOPES * k, change[SMG_SLOPES];
   const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
   for (int b = 0; b < SMG_SLOPES; ++b) change[b] = next[b] - a[b];
-  for (int b = 0; b < SMG_SLOPES; ++b) a[b] = next[b];
+  smg_copy(a, next, SMG_SLOPES);
   const smg_real by = smg_sum_of_sizes(change, SMG_SLOPES), absolute = 2 * up * weight * by;
   moved->relative = smg_max(moved->relative, by / (smg_sum_of_sizes(next, SMG_SLOPES) + SMG_LEAST));
   moved->absolute = smg_max(moved->absolute, absolute);
@@ -103,7 +103,7 @@ static int64_t smg_most_moved(const smg_state *s) {
 static void smg_remember_slopes(smg_state *s) {
   const int64_t size = SMG_SLOPES * smg_sites(&s->c);
   for (int64_t q = SMG_HISTORY * size - 1; q >= size; --q) s->past_slopes[q] = s->past_slopes[q - size];
-  for (int64_t q = 0; q < size; ++q) s->past_slopes[q] = s->slopes[q];
+  smg_copy(s->past_slopes, s->slopes, size);
   if (s->history < SMG_HISTORY) ++s->history;
 }
 

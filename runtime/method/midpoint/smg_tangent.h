@@ -20,21 +20,13 @@ static inline int smg_lifted(const smg_coefficients *c, int64_t k) {
   return SMG_ONTO_LEAF && smg_kind(c, k) != SMG_SPHERE;
 }
 
-/* P' d = s (d - m (n.d)/(n.m)). */
+/* P' d = s (d - m (n.d)/(n.m)), or d where P is none. */
 static inline void smg_project_change(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real s,
                                       const smg_real *d, smg_real *out) {
-#if SMG_ONTO_LEAF
   smg_real n[3];
   smg_normal(c, k, m, n);
-  const smg_real a = smg_dot(n, d) / smg_dot(n, m);
-  for (int b = 0; b < 3; ++b) out[b] = s * (d[b] - a * m[b]);
-#else
-  (void)c;
-  (void)k;
-  (void)m;
-  (void)s;
-  for (int b = 0; b < 3; ++b) out[b] = d[b];
-#endif
+  const smg_real a = SMG_ONTO_LEAF ? smg_dot(n, d) / smg_dot(n, m) : 0;
+  for (int b = 0; b < 3; ++b) out[b] = SMG_ONTO_LEAF ? s * (d[b] - a * m[b]) : d[b];
 }
 
 /* z = m (grad C(w).dw)/(n.m), w the state before the step: the leaf moves with w. */
