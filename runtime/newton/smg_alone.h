@@ -13,11 +13,6 @@
 #endif
 #include "smg_rules.h"
 
-static inline smg_lattice_site smg_at(int64_t k) {
-  const smg_lattice_site at = {k, 0, 0, 0, 0, 0};
-  return at;
-}
-
 #if SMG_ALONE_LINEAR
 /* The midpoint of a site in the field of the gradient g; 0 where it has none. *square: that of (h/2 kappa) g. */
 static inline int smg_own_midpoint(const smg_state *s, smg_real h, int64_t k, const smg_real *g, smg_real *m,
@@ -126,29 +121,6 @@ static int smg_site_is_round_off(const smg_state *s, smg_real h, int64_t k, cons
   return r <= smg_round_off(size, products, bound, 2 * smg_site_noise(s, h, k, e->m, u), s->scale);
 }
 
-/* Is the increment u right to its round-off? */
-static int smg_site_within_round_off(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, const smg_real *u,
-                                     smg_real bound) {
-  smg_site_equation e;
-  smg_real x[3];
-  smg_site_field(s, h, k, mbar, &e, x);
-  for (int b = 0; b < 3; ++b) e.r[b] = x[b] - u[b];
-  return smg_site_is_round_off(s, h, k, &e, x, bound);
-}
-
-/* r = w + u/2 - mbar, and how large it is. */
-SMG_INLINE smg_change smg_site_residual(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar,
-                                        const smg_real *u, smg_site_equation *e) {
-  const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
-  smg_change now = {0, 0, 0};
-  now.rounding_scale = smg_product_scale(&s->c, k, h, e->m, e->g);
-  for (int b = 0; b < 3; ++b) {
-    e->r[b] = w[b] + 0.5 * u[b] - mbar[b];
-    smg_change_add(&now, e->r[b], SMG_MATH(fabs)(w[b]) + 0.5 * SMG_MATH(fabs)(u[b]), up);
-  }
-  return now;
-}
-
 /* What round-off is measured by. C(w) = w.grad C(w)/2 cancels near its cone, and P divides by it. */
 SMG_INLINE smg_real smg_site_size(const smg_state *s, int64_t k) {
   const smg_real *w = s->w + 3 * k;
@@ -197,10 +169,14 @@ SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k
 SMG_COLD static int smg_site_refine_by_newton(const smg_state *s, smg_real rate, int64_t k, smg_real *mbar, smg_real *u,
                                               smg_real bound) {
   const smg_real *w = s->w + 3 * k, *compensation = s->compensation + 3 * k;
+  smg_site_equation e;
+  smg_real x[3];
   for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
   smg_tangential(&s->c, k, w, compensation, u);
   smg_middle(3, w, compensation, u, mbar);
-  return smg_site_within_round_off(s, rate, k, mbar, u, bound);
+  smg_site_field(s, rate, k, mbar, &e, x);
+  for (int b = 0; b < 3; ++b) e.r[b] = x[b] - u[b];
+  return smg_site_is_round_off(s, rate, k, &e, x, bound);
 }
 
 /* One site alone: Newton on mbar. *sure: the solution is shown to be connected to W = w at h = 0. */
@@ -211,7 +187,8 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
   for (int it = 0;; ++it) {
     smg_site_equation e;
     if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE; /* of this iterate: no proof */
-    const smg_change now = smg_site_residual(s, h, k, mbar, u, &e);
+    smg_change now = {0, 0, smg_product_scale(c, k, h, e.m, e.g)};
+    smg_residual(s, k, mbar, u, e.r, &now);
     s->report.iterations = it;
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
@@ -273,12 +250,9 @@ static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y,
 
 /* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
 static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real *mbar) {
-  smg_site_whole whole;
+  smg_site_whole whole = {s, h, k};
   smg_real room[15];
   smg_curve f;
-  whole.s = s;
-  whole.h = h;
-  whole.k = k;
   f.of = &whole;
   f.newton = smg_site_curve_newton;
   f.sign_of = NULL;
@@ -286,10 +260,6 @@ static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real 
   f.w = s->w + 3 * k;
   f.scale = s->scale;
   f.y = room;
-  f.t = room + 3;
-  f.a = room + 6;
-  f.c = room + 9;
-  f.x = room + 12;
   const smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
   smg_copy(mbar, f.y, 3);
@@ -321,21 +291,16 @@ SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, 
 }
 #endif
 
-/* Where Newton begins: w + u/2 with u extrapolated; a single sphere comes here when that has failed, and begins at
- * w. */
-static inline smg_real smg_site_start(const smg_state *s, int64_t q) {
-#if SMG_SINGLE_SPHERE
-  return s->w[q];
-#else
-  return s->w[q] + 0.5 * smg_extrapolate(s, q, s->degree);
-#endif
-}
-
-/* From the extrapolated start; when that fails or may be on another branch, by the branch from rest. */
+/* From the extrapolated start, or from rest where that of a single sphere has failed; when this fails or may be on
+ * another branch, by the branch from rest. */
 static smg_status smg_site_solve(smg_state *s, smg_real h, int64_t k) {
   smg_real mbar[3];
   int sure = 0;
-  for (int b = 0; b < 3; ++b) mbar[b] = smg_site_start(s, 3 * k + b);
+#if SMG_SINGLE_SPHERE
+  smg_copy(mbar, s->w, 3);
+#else
+  for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * smg_extrapolate(s, 3 * k + b, s->degree);
+#endif
   smg_status status = smg_site_newton(s, h, k, mbar, s->u + 3 * k, &sure);
   if (status == SMG_OK && sure) return SMG_OK;
   status = smg_site_branch(s, h, k, mbar, status);

@@ -19,10 +19,7 @@ static smg_status smg_curve_newton(void *of, smg_real p, const smg_real *y, smg_
   smg_copy(s->mbar, y, 3 * smg_sites(&s->c));
   if (!(smg_evaluate(s, p * h).absolute <= SMG_MAX)) return SMG_NOT_FINITE;
   if (smg_correction(s, p * h, a, &bound, sign) > 0) return SMG_SINGULAR;
-  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
-    const int64_t k = smg_site(&s->c, row);
-    smg_increment(&s->c, k, 0.5 * h, s->m + 3 * k, s->g + 3 * k, s->r + 3 * k);
-  }
+  smg_increments(s, 0.5 * h, s->r);
   return smg_correction(s, p * h, slope, &bound, sign) > 0 ? SMG_SINGULAR : SMG_OK;
 }
 
@@ -33,13 +30,11 @@ static int smg_curve_sign(void *of) { return smg_sign(((smg_whole *)of)->s); }
 /* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
 static smg_status smg_follow_branch(smg_state *s, smg_real h) {
   const int64_t n = 3 * smg_sites(&s->c);
-  smg_whole whole;
+  smg_whole whole = {s, h};
   smg_curve f;
 #if SMG_MATRIX_FREE
   SMG_PRODUCTS_LEFT(s) = SMG_MAX; /* its own bounds are those of the curve */
 #endif
-  whole.s = s;
-  whole.h = h;
   f.of = &whole;
   f.newton = smg_curve_newton;
 #if SMG_MATRIX_FREE
@@ -51,10 +46,6 @@ static smg_status smg_follow_branch(smg_state *s, smg_real h) {
   f.w = s->w;
   f.scale = s->scale;
   f.y = s->curve;
-  f.t = f.y + n;
-  f.a = f.t + n;
-  f.c = f.a + n;
-  f.x = f.c + n;
   smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
   if (status != SMG_OK) {

@@ -24,6 +24,14 @@ static inline void smg_project_all(smg_state *s) {
   }
 }
 
+/* h X(m) of every coupled site, by its dH/dw in s->g. */
+static inline void smg_increments(const smg_state *s, smg_real h, smg_real *u) {
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
+    smg_increment(&s->c, k, h, s->m + 3 * k, s->g + 3 * k, u + 3 * k);
+  }
+}
+
 /* m = P(mbar), g = dH/dw(m), u = h X(m) and the residual r = w + u/2 - mbar of the step equation. */
 static smg_change smg_evaluate(smg_state *s, smg_real h) {
   const smg_coefficients *c = &s->c;
@@ -34,12 +42,8 @@ static smg_change smg_evaluate(smg_state *s, smg_real h) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_increment(c, k, h, s->m + 3 * k, s->g + 3 * k, s->u + 3 * k);
-    change.rounding_scale = smg_max(change.rounding_scale, smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k));
-    const smg_real up = smg_kind(c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
-    for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
-      s->r[q] = s->w[q] + 0.5 * s->u[q] - s->mbar[q];
-      smg_change_add(&change, s->r[q], SMG_MATH(fabs)(s->w[q]) + 0.5 * SMG_MATH(fabs)(s->u[q]), up);
-    }
+    smg_take(&change.rounding_scale, smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k));
+    smg_residual(s, k, s->mbar + 3 * k, s->u + 3 * k, s->r + 3 * k, &change);
   }
   return change;
 }

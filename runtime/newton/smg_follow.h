@@ -65,7 +65,7 @@ typedef struct smg_curve {
   int64_t n;
   const smg_real *w;           /* where it begins */
   smg_real scale;              /* the unit of y */
-  smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: n numbers each */
+  smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: 5 n numbers from y on */
   smg_real slope;              /* dq/ds over the pace before */
   smg_real p, q, span;         /* part of h, its tangent, and how many natural steps h has: p counts in them */
   smg_real reached;            /* the part of h up to which it has a solution: the whole, or up to its first fold */
@@ -216,6 +216,10 @@ static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_r
 static inline smg_status smg_follow(smg_curve *f) {
   smg_real pace = SMG_FIRST_PACE, far = 0;
   int folded = 0, turned = 0, central = 0;
+  f->t = f->y + f->n;
+  f->a = f->t + f->n;
+  f->c = f->a + f->n;
+  f->x = f->c + f->n;
   f->p = f->reached = f->slope = 0;
   f->site = f->partner = -1;
   smg_copy(f->y, f->w, f->n);

@@ -11,6 +11,12 @@
 /* blocks of SMG_BS, which the method or the model has said */
 #include "smg_block.h"
 
+/* The site k where it stands on no lattice. */
+static inline smg_lattice_site smg_at(int64_t k) {
+  const smg_lattice_site at = {k, 0, 0, 0, 0, 0};
+  return at;
+}
+
 /* u = h X(m) = (h/kappa) grad C(m) x R, g = dH/dw. */
 static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,
                                  smg_real *u) {
@@ -20,6 +26,16 @@ static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real 
   /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
   smg_cross(u, n, smg_respond(c, k, m, g, room));
   for (int b = 0; b < 3; ++b) u[b] *= rate;
+}
+
+/* r = w + u/2 - mbar, the residual of the step equation at site k, and how large it is. */
+SMG_INLINE void smg_residual(const smg_state *s, int64_t k, const smg_real *mbar, const smg_real *u, smg_real *r,
+                             smg_change *change) {
+  const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
+  for (int b = 0; b < 3; ++b) {
+    r[b] = w[b] + 0.5 * u[b] - mbar[b];
+    smg_change_add(change, r[b], SMG_MATH(fabs)(w[b]) + 0.5 * SMG_MATH(fabs)(u[b]), up);
+  }
 }
 
 /* Takes from u its part along grad C at the midpoint of w + compensation, which is round-off of the product h X. */

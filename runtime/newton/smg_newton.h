@@ -1,9 +1,8 @@
 /* smidgen runtime: Newton's method on the midpoints of all coupled sites, and the branch of its solution.
  *
  * J = I - (h/2) DX(m) P'(mbar), SMG_BS unknowns a site. How its blocks are stored and solved is told by the header of
- * the matrix, one of smg_matrix_*.h: smg_clear, smg_add_block, smg_assembled, smg_factor, smg_row_bound,
- * smg_site_row_sum, smg_coercive. smg_block_row(row) is where the row of a site stands after elimination has been
- * ordered; the sparse matrix alone moves rows. */
+ * the matrix, one of smg_matrix_*.h: smg_clear, smg_add_block, smg_factor, smg_row_sum, smg_coercive. smg_block_row(row)
+ * is where the row of a site stands after elimination has been ordered; the sparse matrix alone moves rows. */
 #ifndef SMG_NEWTON_H
 #define SMG_NEWTON_H
 
@@ -29,16 +28,20 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
 }
 #endif
 
+/* The frame of the site of a row, its own block of J, and the right-hand side of its residual in the frame. */
+static inline void smg_row_frame(const smg_state *s, smg_real h, int64_t row, smg_real *own) {
+  const int64_t k = smg_site(&s->c, row);
+  smg_newton_frame(&s->c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k,
+                   s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
+}
+
 /* Frames of all coupled sites, then the sum of the blocks of all terms. */
 static void smg_assemble(const smg_state *s, smg_real h) {
-  const smg_coefficients *c = &s->c;
   smg_clear(s);
   SMG_UNROLL_FEW
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
     smg_real own[SMG_BB];
-    smg_newton_frame(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k,
-                     s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
+    smg_row_frame(s, h, row, own);
     smg_add_block(s, row, row, own);
   }
   smg_hessian_blocks(s);

@@ -34,10 +34,9 @@ static inline smg_real smg_probed_noise(smg_real odd, smg_real even) { return ev
 #if SMG_ALONE_NEWTON
 /* h X of a site alone at the components of m, changed. */
 static void smg_probe_site(const smg_state *s, smg_real h, int64_t k, const smg_real *m, unsigned down, smg_real *u) {
-  const smg_lattice_site at = {k, 0, 0, 0, 0, 0};
   smg_real x[3], g[3] = {0, 0, 0};
   for (int b = 0; b < 3; ++b) x[b] = m[b] * smg_probe_factor(down, b);
-  smg_gather(&s->c, at, s->m, x, g);
+  smg_gather(&s->c, smg_at(k), s->m, x, g);
   smg_increment(&s->c, k, h, x, g, u);
 }
 
@@ -75,10 +74,7 @@ static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back) {
     for (int64_t b = 0; b < 3; ++b) s->m[3 * k + b] *= smg_probe_factor(down, b);
   }
   smg_coupled_gradient(c, s->m, s->g);
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
-    smg_increment(c, k, h, s->m + 3 * k, s->g + 3 * k, s->u + 3 * k);
-  }
+  smg_increments(s, h, s->u);
 }
 
 /* noise: of every site how far its h X moves, at most, when each component of all midpoints does by an ulp of its own.

@@ -13,8 +13,8 @@ BAND, NOISE = "runtime/newton/smg_band.h", "runtime/newton/smg_noise.h"
 
 # The field belongs to t0 + (count + 1/2) h; what depends on time is computed anew every step.
 TIME = (
-    (STEP, r"smg_time_at\(s, \(smg_real\)0\.5\)", r"smg_time_at(s, 0)"),
-    (STEP, r"smg_time_at\(s, \(smg_real\)0\.5\)", r"smg_time_at(s, 1)"),
+    (STEP, r"time_at\((&s->c, )?s, \(smg_real\)0\.5\)", r"time_at(\1s, 0)"),
+    (STEP, r"time_at\((&s->c, )?s, \(smg_real\)0\.5\)", r"time_at(\1s, 1)"),
     (STEP, r"\(\(smg_real\)s->count \+ part\)", r"part"),
     (STEP, r"return \(smg_real\)s->t0 \+ ", r"return "),
     (STEP, r"return \(smg_real\)s->t0 \+ .*;", r"return (smg_real)s->t0;"),

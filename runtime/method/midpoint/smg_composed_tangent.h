@@ -23,16 +23,12 @@ static inline void smg_recall_stage(smg_state *s, int row, int i) {
 /* All stages from the first, s->w before it. */
 static smg_status smg_push_stages(smg_state *s, int row, smg_real *v, int64_t columns, smg_real *mem) {
   smg_status status = SMG_OK;
-#if SMG_TIMED
   smg_real done = -1; /* the step has been counted */
-#endif
   for (int i = 0; i < SMG_COMPOSED && status == SMG_OK; ++i) {
     smg_recall_stage(s, row, i);
     smg_axpy(s->w, 1, smg_last_increment(s, 0), 3 * smg_sites(&s->c));
-#if SMG_TIMED
-    smg_set_time(&s->c, smg_time_at(s, done + 0.5 * smg_gamma[i]));
+    smg_set_time_at(&s->c, s, done + 0.5 * smg_gamma[i]);
     done += smg_gamma[i];
-#endif
     status = smg_push_step(s, smg_gamma[i] * smg_signed_h(s->h), v, columns, mem);
   }
   return status;

@@ -72,11 +72,7 @@ SMG_COLD static void smg_prepare_stages(smg_state *s) {
 
 static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle) {
   s->c = smg_prepared(s)[s->stage <= SMG_COMPOSED / 2 ? s->stage : SMG_COMPOSED - 1 - s->stage];
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, middle));
-#else
-  (void)middle;
-#endif
+  smg_set_time_at(&s->c, s, middle);
   return smg_sphere_step(s);
 }
 #else
@@ -126,11 +122,7 @@ static inline void smg_stage_done(smg_state *s) {
 }
 
 static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle) {
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, middle));
-#else
-  (void)middle;
-#endif
+  smg_set_time_at(&s->c, s, middle);
   const smg_status status = smg_advance(s, smg_gamma[s->stage] * smg_signed_h(s->h));
   if (status == SMG_OK) smg_stage_done(s);
   return status;

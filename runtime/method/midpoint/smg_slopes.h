@@ -128,9 +128,7 @@ static int64_t smg_slope_too_large(const smg_state *s) {
 
 static smg_status smg_step(smg_state *s) {
   smg_begin_report(s);
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
-#endif
+  smg_set_time_at(&s->c, s, (smg_real)0.5);
   const smg_status status = smg_solve_stage(s);
   if (status != SMG_OK) return smg_end_report(s, status, smg_most_moved(s));
   const int64_t large = smg_slope_too_large(s);

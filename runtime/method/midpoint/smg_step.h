@@ -116,9 +116,7 @@ static smg_status smg_step(smg_state *s) {
 #if SMG_BY_ROWS
   if (s->rows) return smg_row_steps(s, 1);
 #endif
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, (smg_real)0.5));
-#endif
+  smg_set_time_at(&s->c, s, (smg_real)0.5);
   const smg_status status = smg_advance(s, smg_signed_h(s->h));
   if (status == SMG_OK) ++s->count;
   return status;

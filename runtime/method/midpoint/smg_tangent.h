@@ -29,10 +29,15 @@ static inline void smg_project_change(const smg_coefficients *c, int64_t k, cons
   for (int b = 0; b < 3; ++b) out[b] = SMG_ONTO_LEAF ? s * (d[b] - a * m[b]) : d[b];
 }
 
+/* w, the site k before the step (part = 1), or on the way back to it. */
+static inline void smg_before_step(const smg_state *s, smg_real part, int64_t k, smg_real *w) {
+  for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - part * smg_last_increment(s, k)[b];
+}
+
 /* z = m (grad C(w).dw)/(n.m), w the state before the step: the leaf moves with w. */
 static inline void smg_lift_column(const smg_state *s, int64_t k, const smg_real *m, const smg_real *dw, smg_real *z) {
   smg_real w[3], before[3], n[3];
-  for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - smg_last_increment(s, k)[b];
+  smg_before_step(s, 1, k, w);
   smg_normal(&s->c, k, w, before);
   smg_normal(&s->c, k, m, n);
   const smg_real a = smg_dot(before, dw) / smg_dot(n, m);
@@ -81,7 +86,7 @@ static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, co
 static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *v, const smg_real *dm) {
   const smg_coefficients *c = &s->c;
   smg_real m[3], mbar[3], g[3] = {0, 0, 0}, y[3] = {0, 0, 0}, z[3] = {0, 0, 0}, d[3];
-  for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] - 0.5 * smg_last_increment(s, k)[b];
+  smg_before_step(s, 0.5, k, mbar);
   const smg_real scale = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
   smg_gather(c, smg_at(k), s->m, m, g);
   if (smg_lifted(c, k)) {
@@ -153,27 +158,24 @@ static inline void smg_midpoint_change(smg_variation *q, int64_t k) {
 /* J d = r in the frames of the tangent planes; d in q->d. */
 static smg_status smg_push_coupled(smg_variation *q, smg_real *keep) {
   smg_state *s = q->s;
-  const smg_coefficients *c = &s->c;
   smg_load_changes(q);
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
-    smg_real own[SMG_BS * SMG_BS];
-    smg_newton_frame(c, k, q->h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k,
-                     s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    smg_real own[SMG_BB];
+    smg_row_frame(s, q->h, row, own);
   }
   const int64_t bad = smg_solve_kept(s, keep);
   s->report.site = bad > 0 ? smg_site_of(s, bad - 1) : -1;
   if (bad > 0) return SMG_SINGULAR;
   smg_correct_all(s, q->h, q->d);
 #if SMG_HAS_ALONE
-  for (int64_t row = 0; row < smg_coupled(c); ++row) smg_midpoint_change(q, smg_site(c, row));
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) smg_midpoint_change(q, smg_site(&s->c, row));
 #endif
   return SMG_OK;
 }
 
 /* The matrix of the step at its solution, factored where that serves all columns. */
 static smg_status smg_tangent_matrix(smg_state *s, smg_real h, smg_real *keep) {
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] - 0.5 * s->past[0][k];
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_before_step(s, 0.5, k, s->mbar + 3 * k);
   (void)smg_evaluate(s, h);
   smg_assemble(s, h);
   const int64_t bad = smg_keep_matrix(s, keep);
@@ -235,7 +237,7 @@ static smg_status smg_leaf_before(smg_state *s, int64_t k) {
 #if SMG_LEAVES
   smg_real w[3];
   if (!smg_lifted(&s->c, k)) return SMG_OK;
-  for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - smg_last_increment(s, k)[b];
+  smg_before_step(s, 1, k, w);
   s->leaf_value[k] = smg_leaf_value_of(&s->c, k, w);
   if (smg_kind(&s->c, k) != SMG_R3) return SMG_OK;
   s->report.site = k; /* m = |w| mbar/|mbar| has no derivative at w = 0 */
@@ -268,9 +270,7 @@ static size_t smg_tangent_memory(const smg_model *model) { return smg_step_tange
 static smg_status smg_push_forward(smg_state *s, smg_real *v, int64_t columns, void *mem) {
   const smg_report report = s->report;
   smg_status status = smg_steps_known(s) > 0 ? SMG_OK : SMG_BAD_PARAMETER;
-#if SMG_TIMED
-  smg_set_time(&s->c, smg_time_at(s, (smg_real)-0.5));
-#endif
+  smg_set_time_at(&s->c, s, (smg_real)-0.5);
   if (status == SMG_OK) status = smg_push_step(s, smg_signed_h(s->h), v, columns, (smg_real *)mem);
   if (status == SMG_OK) s->report = report;
   s->report.status = status;
