@@ -271,8 +271,7 @@ SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, 
   int sure;
   const smg_status followed = smg_site_follow(s, h, k, mbar);
   if (followed == SMG_OK) return smg_site_newton(s, h, k, mbar, s->u + 3 * k, &sure);
-  const int known = status == SMG_OK || followed == SMG_NO_SOLUTION || followed == SMG_WRONG_BRANCH;
-  return known ? followed : status; /* whatever Newton found elsewhere */
+  return smg_curve_tells(followed) || status == SMG_OK ? followed : status;
 }
 #else
 /* The solution from W = w at h = 0 by stages of h. */

@@ -152,6 +152,11 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   return its;
 }
 
+/* Does the end of a curve tell what the step has? Then that counts, whatever Newton found elsewhere. */
+static inline int smg_curve_tells(smg_status followed) {
+  return followed == SMG_OK || followed == SMG_NO_SOLUTION || followed == SMG_WRONG_BRANCH;
+}
+
 /* The site that moves most along the tangent, leaving out one. */
 static inline int64_t smg_curve_mover(const smg_curve *f, int64_t but) {
   int64_t site = -1;

@@ -64,8 +64,8 @@ static inline unsigned smg_probe_signs(int64_t k, unsigned probe) {
   return probe % 4 ^ (probe >= 4 && turned ? 7 : 0);
 }
 
-/* s->u = h X at the components of m = P(mbar), changed; `back`: by the opposite. */
-static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back) {
+/* u = h X at the components of m = P(mbar), changed; `back`: by the opposite. */
+static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back, smg_real *u) {
   const smg_coefficients *c = &s->c;
   smg_project_all(s);
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
@@ -74,7 +74,7 @@ static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back) {
     for (int64_t b = 0; b < 3; ++b) s->m[3 * k + b] *= smg_probe_factor(down, b);
   }
   smg_coupled_gradient(c, s->m, s->g);
-  smg_increments(s, h, s->u);
+  smg_increments(s, h, u);
 }
 
 /* noise: of every site how far its h X moves, at most, when each component of all midpoints does by an ulp of its own.
@@ -86,9 +86,8 @@ SMG_COLD static void smg_noise_of_all(smg_state *s, smg_real h, const smg_real *
   smg_zero(noise, n);
   smg_zero(even, n);
   for (unsigned probe = 0; probe < SMG_PROBES; ++probe) {
-    smg_probe_all(s, h, probe, 0);
-    smg_copy(up, s->u, 3 * n);
-    smg_probe_all(s, h, probe, 1);
+    smg_probe_all(s, h, probe, 0, up);
+    smg_probe_all(s, h, probe, 1, s->u);
     for (int64_t row = 0; row < smg_coupled(c); ++row) {
       const int64_t k = smg_site(c, row);
       smg_probe_take(noise + k, even + k, up + 3 * k, s->u + 3 * k, u + 3 * k);

@@ -82,7 +82,7 @@ BRANCH = (
     (STEP, r"solved && ", r""),
     (STEP, r"smg_contracts\(mean\) \|\| \(SMG_PRODUCTS_LEFT\(s\) > 0 && smg_krylov_coercive\(&a, mean\)\)", r"1"),
     (STEP, r"if \(status == SMG_WRONG_BRANCH\) break;", r"if (status == SMG_WRONG_BRANCH) return SMG_OK;"),
-    (STEP, r"status = followed;", r"status = SMG_OK;"),
+    (STEP, r"status == SMG_WRONG_BRANCH \? followed : status;", r"status == SMG_WRONG_BRANCH ? SMG_OK : status;"),
     ("runtime/core/smg_block.h", r"&& \*pivots == 1\) \*pivots = 2;", r"&& *pivots == 1) *pivots = 1;"),
     ("runtime/core/smg_block.h", r"\) \*pivots = -\*pivots;", r") *pivots = *pivots;"),
     ("runtime/core/smg_small.h", r" & !negative_pair", r""),

@@ -51,11 +51,8 @@ static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
   if (status == SMG_SINGULAR && SMG_PRODUCTS_LEFT(s) <= 0) status = SMG_NO_CONVERGENCE;
 #endif
   const smg_status followed = smg_follow_branch(s, h);
-  /* whatever Newton found elsewhere */
-  if (followed == SMG_WRONG_BRANCH || followed == SMG_NO_SOLUTION) return followed;
-  if (status == SMG_WRONG_BRANCH) status = followed;
-  if (followed != SMG_OK && s->report.site < 0) s->report.site = smg_worst_site(s);
-  return followed == SMG_OK ? SMG_OK : status;
+  if (!smg_curve_tells(followed) && s->report.site < 0) s->report.site = smg_worst_site(s);
+  return smg_curve_tells(followed) || status == SMG_WRONG_BRANCH ? followed : status;
 }
 #endif
 
