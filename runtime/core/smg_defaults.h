@@ -7,6 +7,12 @@
 #ifndef SMG_ORIENTATION
 #define SMG_ORIENTATION 1
 #endif
+#ifndef SMG_HAS_COUPLED
+#define SMG_HAS_COUPLED 0
+#endif
+#ifndef SMG_HAS_ALONE
+#define SMG_HAS_ALONE 0
+#endif
 #ifndef SMG_COUPLED_NAMBU
 #define SMG_COUPLED_NAMBU 0
 #endif

@@ -62,11 +62,13 @@ static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
   }
 }
 
-/* The site that a block row of the matrix belongs to. */
-static int64_t smg_site_of(const smg_state *s, int64_t place) {
+/* Is the matrix singular, at the block row bad - 1? Then the report tells the site that this belongs to. */
+static int smg_singular(smg_state *s, int64_t bad) {
   int64_t row = 0;
-  while (smg_block_row(row) != place) ++row;
-  return smg_site(&s->c, row);
+  if (bad == 0) return 0;
+  while (smg_block_row(row) != bad - 1) ++row;
+  s->report.site = smg_site(&s->c, row);
+  return 1;
 }
 
 /* The largest sum of abs(J - I) over the rows of one block row, and over all; NaN where there is one. */
@@ -88,9 +90,8 @@ static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *b
   smg_assemble(s, h);
   *bound = smg_row_bound(s);
   const int64_t bad = smg_factor(s, sign);
-  if (bad > 0) return bad;
-  smg_correct_all(s, h, d);
-  return 0;
+  if (bad == 0) smg_correct_all(s, h, d);
+  return bad;
 }
 
 /* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction; or the row sums of J - I are at
@@ -221,11 +222,7 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
       return SMG_OK;
     }
     if (it == SMG_MAX_NEWTON) return SMG_NO_CONVERGENCE;
-    const int64_t bad = smg_correction(s, h, s->curve, &path->bound, &sign);
-    if (bad > 0) {
-      s->report.site = smg_site_of(s, bad - 1);
-      return SMG_SINGULAR;
-    }
+    if (smg_singular(s, smg_correction(s, h, s->curve, &path->bound, &sign))) return SMG_SINGULAR;
     path->most = smg_max(path->most, path->bound); /* on the way too: another branch may look as calm */
     smg_axpy(s->mbar, 1, s->curve, 3 * smg_sites(&s->c));
     last = *now;

@@ -34,14 +34,17 @@ static inline void smg_before_step(const smg_state *s, smg_real part, int64_t k,
   for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - part * smg_last_increment(s, k)[b];
 }
 
-/* z = m (grad C(w).dw)/(n.m), w the state before the step: the leaf moves with w. */
-static inline void smg_lift_column(const smg_state *s, int64_t k, const smg_real *m, const smg_real *dw, smg_real *z) {
+/* z = m (grad C(w).dw)/(n.m), w the state before the step, where the leaf moves with w; else 0, and so returned. */
+static inline int smg_lift_column(const smg_state *s, int64_t k, const smg_real *m, const smg_real *dw, smg_real *z) {
   smg_real w[3], before[3], n[3];
+  smg_zero(z, 3);
+  if (!smg_lifted(&s->c, k)) return 0;
   smg_before_step(s, 1, k, w);
   smg_normal(&s->c, k, w, before);
   smg_normal(&s->c, k, m, n);
   const smg_real a = smg_dot(before, dw) / smg_dot(n, m);
   for (int b = 0; b < 3; ++b) z[b] = a * m[b];
+  return 1;
 }
 
 /* out = h DX dm from dm and y = B dm. */
@@ -82,17 +85,15 @@ static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, co
   return smg_solve3(J, d);
 }
 
-/* One site alone; a tracer is moved by the coupled ones, whose dm is known. */
-static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *v, const smg_real *dm) {
+/* One site alone; a tracer is moved by the coupled ones, whose d and dm are in mem. */
+static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *v, const smg_real *mem) {
   const smg_coefficients *c = &s->c;
-  smg_real m[3], mbar[3], g[3] = {0, 0, 0}, y[3] = {0, 0, 0}, z[3] = {0, 0, 0}, d[3];
+  const smg_real *dm = SMG_HAS_COUPLED ? mem + 3 * smg_sites(c) : NULL;
+  smg_real m[3], mbar[3], g[3] = {0, 0, 0}, y[3] = {0, 0, 0}, z[3], d[3];
   smg_before_step(s, 0.5, k, mbar);
   const smg_real scale = smg_project(c, k, smg_leaf_value(s, k), mbar, m);
   smg_gather(c, smg_at(k), s->m, m, g);
-  if (smg_lifted(c, k)) {
-    smg_lift_column(s, k, m, v + 3 * k, z);
-    smg_site_hessian_vector(c, smg_at(k), s->m, m, z, y);
-  }
+  if (smg_lift_column(s, k, m, v + 3 * k, z)) smg_site_hessian_vector(c, smg_at(k), s->m, m, z, y);
   smg_bend(c, smg_at(k), s->m, m, dm, y);
   smg_vary(c, k, h, m, g, z, y, d);
   for (int b = 0; b < 3; ++b) d[b] = v[3 * k + b] + 0.5 * d[b];
@@ -107,9 +108,7 @@ static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *
 /* A column under way: dw, d and dm of all sites. */
 typedef struct smg_variation {
   smg_state *s;
-  smg_real h;
-  const smg_real *v;
-  smg_real *d, *dm;
+  smg_real h, *v, *d, *dm;
 } smg_variation;
 
 #if SMG_COUPLED_LIFTED
@@ -134,11 +133,8 @@ static void smg_load_changes(smg_variation *q) {
   const smg_coefficients *c = &s->c;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    for (int b = 0; b < 3; ++b) {
-      q->dm[3 * k + b] = 0;
-      s->r[3 * k + b] = q->v[3 * k + b];
-    }
-    if (smg_lifted(c, k)) smg_lift_column(s, k, s->m + 3 * k, q->v + 3 * k, q->dm + 3 * k);
+    smg_copy(s->r + 3 * k, q->v + 3 * k, 3);
+    (void)smg_lift_column(s, k, s->m + 3 * k, q->v + 3 * k, q->dm + 3 * k);
   }
 #if SMG_COUPLED_LIFTED
   smg_each(c, q, smg_load_change);
@@ -148,14 +144,12 @@ static void smg_load_changes(smg_variation *q) {
 /* dm = P' d + z of a coupled site, for the tracers that it moves. */
 static inline void smg_midpoint_change(smg_variation *q, int64_t k) {
   const smg_state *s = q->s;
-  smg_real z[3] = {0, 0, 0};
+  smg_real z[3];
   smg_project_change(&s->c, k, s->m + 3 * k, s->s[k], q->d + 3 * k, q->dm + 3 * k);
-  if (!smg_lifted(&s->c, k)) return;
-  smg_lift_column(s, k, s->m + 3 * k, q->v + 3 * k, z);
-  for (int b = 0; b < 3; ++b) q->dm[3 * k + b] += z[b];
+  if (smg_lift_column(s, k, s->m + 3 * k, q->v + 3 * k, z)) smg_axpy(q->dm + 3 * k, 1, z, 3);
 }
 
-/* J d = r in the frames of the tangent planes; d in q->d. */
+/* J d = r in the frames of the tangent planes, and dW = 2 d - dw. */
 static smg_status smg_push_coupled(smg_variation *q, smg_real *keep) {
   smg_state *s = q->s;
   smg_load_changes(q);
@@ -163,13 +157,13 @@ static smg_status smg_push_coupled(smg_variation *q, smg_real *keep) {
     smg_real own[SMG_BB];
     smg_row_frame(s, q->h, row, own);
   }
-  const int64_t bad = smg_solve_kept(s, keep);
-  s->report.site = bad > 0 ? smg_site_of(s, bad - 1) : -1;
-  if (bad > 0) return SMG_SINGULAR;
+  if (smg_singular(s, smg_solve_kept(s, keep))) return SMG_SINGULAR;
   smg_correct_all(s, q->h, q->d);
-#if SMG_HAS_ALONE
-  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) smg_midpoint_change(q, smg_site(&s->c, row));
-#endif
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
+    if (SMG_HAS_ALONE) smg_midpoint_change(q, k);
+    for (int64_t b = 3 * k; b < 3 * k + 3; ++b) q->v[b] = 2 * q->d[b] - q->v[b];
+  }
   return SMG_OK;
 }
 
@@ -178,9 +172,7 @@ static smg_status smg_tangent_matrix(smg_state *s, smg_real h, smg_real *keep) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_before_step(s, 0.5, k, s->mbar + 3 * k);
   (void)smg_evaluate(s, h);
   smg_assemble(s, h);
-  const int64_t bad = smg_keep_matrix(s, keep);
-  s->report.site = bad > 0 ? smg_site_of(s, bad - 1) : s->report.site;
-  return bad > 0 ? SMG_SINGULAR : SMG_OK;
+  return smg_singular(s, smg_keep_matrix(s, keep)) ? SMG_SINGULAR : SMG_OK;
 }
 #endif
 
@@ -197,26 +189,14 @@ static smg_status smg_finite_column(smg_state *s, const smg_real *v) {
 /* One column; mem: d and dm of all sites, then what the matrix keeps. */
 static smg_status smg_push_column(smg_state *s, smg_real h, smg_real *v, smg_real *mem) {
   smg_status status = smg_finite_column(s, v);
-  const smg_real *dm = NULL;
-  if (status != SMG_OK) return status;
 #if SMG_HAS_COUPLED
   const int64_t size = 3 * smg_sites(&s->c);
   smg_variation q = {s, h, v, mem, mem + size};
-  status = smg_push_coupled(&q, mem + 2 * size);
-  if (status != SMG_OK) return status;
-  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
-    const int64_t k = 3 * smg_site(&s->c, row);
-    for (int b = 0; b < 3; ++b) v[k + b] = 2 * q.d[k + b] - v[k + b];
-  }
-  dm = q.dm;
-#else
-  (void)mem;
+  if (status == SMG_OK) status = smg_push_coupled(&q, mem + 2 * size);
 #endif
 #if SMG_HAS_ALONE
   for (int64_t n = 0; n < smg_alone(&s->c) && status == SMG_OK; ++n)
-    status = smg_push_alone(s, h, smg_alone_site(&s->c, n), v, dm);
-#else
-  (void)dm;
+    status = smg_push_alone(s, h, smg_alone_site(&s->c, n), v, mem);
 #endif
   return status == SMG_OK ? smg_finite_column(s, v) : status;
 }
@@ -232,9 +212,9 @@ static size_t smg_step_tangent_memory(const smg_model *model) {
 #endif
 }
 
+#if SMG_LEAVES
 /* The leaf that a site was on before the step just taken. */
 static smg_status smg_leaf_before(smg_state *s, int64_t k) {
-#if SMG_LEAVES
   smg_real w[3];
   if (!smg_lifted(&s->c, k)) return SMG_OK;
   smg_before_step(s, 1, k, w);
@@ -242,19 +222,17 @@ static smg_status smg_leaf_before(smg_state *s, int64_t k) {
   if (smg_kind(&s->c, k) != SMG_R3) return SMG_OK;
   s->report.site = k; /* m = |w| mbar/|mbar| has no derivative at w = 0 */
   return s->leaf_value[k] > 0 ? SMG_OK : SMG_SINGULAR;
-#else
-  (void)s;
-  (void)k;
-  return SMG_OK;
-#endif
 }
+#endif
 
 /* The columns through the step of the size h that has led to s->w by the newest increment, the time of its midpoint in
  * s->c. */
 static smg_status smg_push_step(smg_state *s, smg_real h, smg_real *v, int64_t columns, smg_real *mem) {
   const int64_t sites = smg_sites(&s->c);
   smg_status status = SMG_OK;
+#if SMG_LEAVES
   for (int64_t k = 0; k < sites && status == SMG_OK; ++k) status = smg_leaf_before(s, k);
+#endif
 #if SMG_HAS_COUPLED
   if (status == SMG_OK) status = smg_tangent_matrix(s, h, mem + 6 * sites);
 #endif
