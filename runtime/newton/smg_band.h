@@ -97,15 +97,12 @@ static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, sm
   smg_tri q;
   smg_tri_begin(&q);
   smg_real row[3 * SMG_BB] = {0};
-  int ok = 1;
   for (int e = SMG_BB; e < 3 * SMG_BB; e++) row[e] = A[e];
-  if (smg_tri_row(&q, row, x, 0, &ok)) return 1;
+  if (smg_tri_row(&q, row, x, 0, pivots)) return 1;
   smg_tri_store(&q, work, x, 0);
-  const int64_t failed = smg_tri_rows(&q, 1, n, 0, A, x, work, &ok);
-  if (failed) return failed;
-  smg_tri_back(0, n - 1, NULL, work, x);
-  *pivots = ok;
-  return 0;
+  const int64_t failed = smg_tri_rows(&q, 1, n, 0, A, x, work, pivots);
+  if (!failed) smg_tri_back(0, n - 1, NULL, work, x);
+  return failed;
 }
 
 /* The ring before row 0: E = -I makes row 0's fill -L E its own wrapped block L. */
@@ -169,16 +166,14 @@ static inline int64_t smg_tri_ring_down(smg_tri *q, int64_t n, const smg_real *A
 static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   smg_tri q;
   smg_tri_begin(&q);
-  int ok = 1;
   int64_t filled = 0;
-  const int64_t failed = smg_tri_ring_down(&q, n, A, x, work, &ok, &filled);
+  const int64_t failed = smg_tri_ring_down(&q, n, A, x, work, pivots, &filled);
   if (failed) return failed;
   smg_real *z = x + (n - 1) * SMG_BS;
-  if (smg_tri_close(&q, z, &ok)) return n;
+  if (smg_tri_close(&q, z, pivots)) return n;
   smg_tri_back(n - 2, n - 1, z, work, x);
   smg_tri_back(filled, n - 2, NULL, work, x);
   smg_tri_back(0, filled, z, work, x);
-  *pivots = ok;
   return 0;
 }
 
@@ -380,24 +375,19 @@ static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_rea
   smg_band_border q;
   const int64_t m = n - k;
   int64_t filled = 0, failed;
-  int ok = 1;
   smg_real *z = x + m * SMG_BS;
-  if ((failed = smg_band_ring_down(n, k, A, x, work, &q, &ok, &filled)) != 0) return failed;
-  if ((failed = smg_band_close(k, &q, z, &ok)) != 0) return m + failed;
+  if ((failed = smg_band_ring_down(n, k, A, x, work, &q, pivots, &filled)) != 0) return failed;
+  if ((failed = smg_band_close(k, &q, z, pivots)) != 0) return m + failed;
   smg_band_back(k, m, m - k, m, z, work, x);
   smg_band_back(k, m, filled, m - k, NULL, work, x);
   smg_band_back(k, m, 0, filled, z, work, x);
-  *pivots = ok;
   return 0;
 }
 
 static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
-  int ok = 1;
-  const int64_t failed = smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, &ok);
-  if (failed) return failed;
-  smg_band_back(k, n, 0, n, NULL, work, x);
-  *pivots = ok;
-  return 0;
+  const int64_t failed = smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, pivots);
+  if (!failed) smg_band_back(k, n, 0, n, NULL, work, x);
+  return failed;
 }
 
 /* Solves A x = b for a block band of n block rows and half-bandwidth k (a compile-time constant,
@@ -407,9 +397,12 @@ static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_rea
  * *pivots: 1 when no pivot block has a real eigenvalue <= 0, else 2 or -2, the sign of the determinant. */
 SMG_INLINE int64_t smg_band_solve(int64_t n, int k, int periodic, const smg_real *A, smg_real *x, smg_real *work,
                                   int *pivots) {
-  *pivots = 0;
-  if (k == 1) return periodic ? smg_tri_ring(n, A, x, work, pivots) : smg_tri_open(n, A, x, work, pivots);
-  return periodic ? smg_band_ring(n, k, A, x, work, pivots) : smg_band_open(n, k, A, x, work, pivots);
+  int64_t failed;
+  *pivots = 1;
+  if (k == 1) failed = periodic ? smg_tri_ring(n, A, x, work, pivots) : smg_tri_open(n, A, x, work, pivots);
+  else failed = periodic ? smg_band_ring(n, k, A, x, work, pivots) : smg_band_open(n, k, A, x, work, pivots);
+  if (failed) *pivots = 0;
+  return failed;
 }
 
 /* ---- what the matrix of a step shows of its branch ------------------------------------- */

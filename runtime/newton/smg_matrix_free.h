@@ -32,15 +32,13 @@ static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column
  * G_j^T, so that (J + J^T)/2 has half the sum of both. */
 static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y, const smg_real *z) {
   const int64_t row = smg_row(&s->c, i), column = smg_row(&s->c, j);
-  smg_real block[SMG_BB];
-  for (int l = 0; l < SMG_BS; ++l)
-    for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = smg_dot(s->G + 3 * (SMG_BS * i + r), y + 3 * l);
+  smg_real block[SMG_BB], mirror[SMG_BB];
+  smg_frame_block(s->G + 3 * SMG_BS * i, y, block);
   smg_add_block(s, row, column, block);
   if (i == j) return;
-  for (int l = 0; l < SMG_BS; ++l)
-    for (int r = 0; r < SMG_BS; ++r)
-      block[SMG_BS * r + l] = (block[SMG_BS * r + l] + smg_dot(s->S + 3 * (SMG_BS * i + r), z + 3 * l)) / 2;
-  smg_row_sums(SMG_BS, block, s->mean + SMG_BS * row);
+  smg_frame_block(s->S + 3 * SMG_BS * i, z, mirror);
+  for (int e = 0; e < SMG_BB; ++e) mirror[e] = (block[e] + mirror[e]) / 2;
+  smg_row_sums(SMG_BS, mirror, s->mean + SMG_BS * row);
 }
 
 static inline void smg_assembled(const smg_state *s) {

@@ -99,6 +99,12 @@ static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_re
   }
 }
 
+/* G B S^T for the Hessian block B of one term, y = B S^T. */
+SMG_INLINE void smg_frame_block(const smg_real *G, const smg_real *y, smg_real *block) {
+  for (int l = 0; l < SMG_BS; ++l)
+    for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = smg_dot(G + 3 * r, y + 3 * l);
+}
+
 /* mbar += E a + gamma m, Newton's correction from its coordinates a in the tangent frame:
  * gamma = N.res + (h/2)(1/kappa) N.(grad C(S a) x g), N = n/(n.m), n = grad C(m). */
 static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, smg_real s,

@@ -22,8 +22,7 @@ static inline int64_t smg_block_row(int64_t row) {
 #if !SMG_MATRIX_FREE
 static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y) {
   smg_real block[SMG_BB];
-  for (int l = 0; l < SMG_BS; ++l)
-    for (int r = 0; r < SMG_BS; ++r) block[SMG_BS * r + l] = smg_dot(s->G + 3 * (SMG_BS * i + r), y + 3 * l);
+  smg_frame_block(s->G + 3 * SMG_BS * i, y, block);
   smg_add_block(s, smg_row(&s->c, i), smg_row(&s->c, j), block);
 }
 #endif

@@ -107,23 +107,18 @@ static void smg_remember_slopes(smg_state *s) {
   if (s->history < SMG_HISTORY) ++s->history;
 }
 
-/* u of all sites, and w + u in s->points; the first that is no number, or -1. */
-static int64_t smg_take_increments(smg_state *s) {
+/* u of all sites, and w + u in s->points; refused at the first slope for which the method is not defined, or the first
+ * u that is no number. */
+static smg_status smg_take_increments(smg_state *s) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    const smg_real *w = s->w + 3 * k;
+    const smg_real *w = s->w + 3 * k, *a = s->slopes + SMG_SLOPES * k;
     smg_real *u = s->u + 3 * k;
-    smg_stage_increment(w, smg_norm(w), s->slopes + SMG_SLOPES * k, u);
-    if (!smg_is_finite(u)) return k;
+    if (!smg_stage_serves(a)) return smg_end_report(s, SMG_NO_CONVERGENCE, k);
+    smg_stage_increment(w, smg_norm(w), a, u);
+    if (!smg_is_finite(u)) return smg_end_report(s, SMG_NOT_FINITE, k);
     for (int b = 0; b < 3; ++b) s->points[3 * k + b] = w[b] + u[b];
   }
-  return -1;
-}
-
-/* The first site with a slope for which the method is not defined, or -1. */
-static int64_t smg_slope_too_large(const smg_state *s) {
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-    if (!smg_stage_serves(s->slopes + SMG_SLOPES * k)) return k;
-  return -1;
+  return SMG_OK;
 }
 
 static smg_status smg_step(smg_state *s) {
@@ -131,10 +126,7 @@ static smg_status smg_step(smg_state *s) {
   smg_set_time_at(&s->c, s, (smg_real)0.5);
   const smg_status status = smg_solve_stage(s);
   if (status != SMG_OK) return smg_end_report(s, status, smg_most_moved(s));
-  const int64_t large = smg_slope_too_large(s);
-  if (large >= 0) return smg_end_report(s, SMG_NO_CONVERGENCE, large);
-  const int64_t lost = smg_take_increments(s);
-  if (lost >= 0) return smg_end_report(s, SMG_NOT_FINITE, lost);
+  if (smg_take_increments(s) != SMG_OK) return s->report.status;
   if (s->history == 0) smg_begin_lengths(s);
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) smg_commit_site(s, k, s->points + 3 * k, s->u + 3 * k);
   smg_remember_slopes(s);
