@@ -77,22 +77,13 @@ SMG_INLINE int64_t smg_tri_rows(smg_tri *q, int64_t first, int64_t last, int bor
   return 0;
 }
 
-/* Rows [first, last) upwards: x_i = rhat_i - Uhat_i x_(i+1) - Ehat_i z. */
-SMG_INLINE void smg_tri_back(int64_t first, int64_t last, const smg_real *z, const smg_real *work, smg_real *x) {
-  for (int64_t i = last - 1; i >= first; i--) {
-    const smg_real *row = work + i * 2 * SMG_BB;
-    if (z) smg_block_subapply(x + i * SMG_BS, row + SMG_BB, z);
-    smg_block_subapply(x + i * SMG_BS, row, x + (i + 1) * SMG_BS);
-  }
-}
-
 SMG_INLINE void smg_tri_begin(smg_tri *q) {
   smg_block_zero(q->U);
   smg_block_zero(q->E);
   for (int e = 0; e < SMG_BS; e++) q->r[e] = 0;
 }
 
-/* Open chain: row 0 has no L, row n-1 no U. */
+/* Open chain downwards: row 0 has no L, row n-1 no U. */
 static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   smg_tri q;
   smg_tri_begin(&q);
@@ -100,9 +91,7 @@ static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, sm
   for (int e = SMG_BB; e < 3 * SMG_BB; e++) row[e] = A[e];
   if (smg_tri_row(&q, row, x, 0, pivots)) return 1;
   smg_tri_store(&q, work, x, 0);
-  const int64_t failed = smg_tri_rows(&q, 1, n, 0, A, x, work, pivots);
-  if (!failed) smg_tri_back(0, n - 1, NULL, work, x);
-  return failed;
+  return smg_tri_rows(&q, 1, n, 0, A, x, work, pivots);
 }
 
 /* The ring before row 0: E = -I makes row 0's fill -L E its own wrapped block L. */
@@ -163,18 +152,14 @@ static inline int64_t smg_tri_ring_down(smg_tri *q, int64_t n, const smg_real *A
   return 0;
 }
 
-static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
+/* Ring downwards, with the border's own block. */
+static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots,
+                                   int64_t *filled) {
   smg_tri q;
   smg_tri_begin(&q);
-  int64_t filled = 0;
-  const int64_t failed = smg_tri_ring_down(&q, n, A, x, work, pivots, &filled);
+  const int64_t failed = smg_tri_ring_down(&q, n, A, x, work, pivots, filled);
   if (failed) return failed;
-  smg_real *z = x + (n - 1) * SMG_BS;
-  if (smg_tri_close(&q, z, pivots)) return n;
-  smg_tri_back(n - 2, n - 1, z, work, x);
-  smg_tri_back(filled, n - 2, NULL, work, x);
-  smg_tri_back(0, filled, z, work, x);
-  return 0;
+  return smg_tri_close(&q, x + (n - 1) * SMG_BS, pivots) ? n : 0;
 }
 
 /* ---- general bandwidth -------------------------------------------------------------- */
@@ -371,21 +356,32 @@ static inline int64_t smg_band_ring_down(int64_t n, int k, const smg_real *A, sm
   return failed ? failed : smg_band_rows(n, k, m, end, m, 1, A, x, work, q, ok);
 }
 
-static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
+/* The same with the border's own blocks. */
+static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots,
+                                    int64_t *filled) {
   smg_band_border q;
+  int64_t failed = smg_band_ring_down(n, k, A, x, work, &q, pivots, filled);
+  if (failed) return failed;
+  failed = smg_band_close(k, &q, x + (n - k) * SMG_BS, pivots);
+  return failed ? n - k + failed : 0;
+}
+
+/* Downwards and upwards. */
+SMG_INLINE int64_t smg_band_cyclic(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   const int64_t m = n - k;
-  int64_t filled = 0, failed;
-  smg_real *z = x + m * SMG_BS;
-  if ((failed = smg_band_ring_down(n, k, A, x, work, &q, pivots, &filled)) != 0) return failed;
-  if ((failed = smg_band_close(k, &q, z, pivots)) != 0) return m + failed;
-  smg_band_back(k, m, m - k, m, z, work, x);
+  int64_t filled = 0;
+  const int64_t failed =
+      k == 1 ? smg_tri_ring(n, A, x, work, pivots, &filled) : smg_band_ring(n, k, A, x, work, pivots, &filled);
+  if (failed) return failed;
+  smg_band_back(k, m, m - k, m, x + m * SMG_BS, work, x);
   smg_band_back(k, m, filled, m - k, NULL, work, x);
-  smg_band_back(k, m, 0, filled, z, work, x);
+  smg_band_back(k, m, 0, filled, x + m * SMG_BS, work, x);
   return 0;
 }
 
-static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
-  const int64_t failed = smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, pivots);
+SMG_INLINE int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
+  const int64_t failed =
+      k == 1 ? smg_tri_open(n, A, x, work, pivots) : smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, pivots);
   if (!failed) smg_band_back(k, n, 0, n, NULL, work, x);
   return failed;
 }
@@ -397,10 +393,8 @@ static inline int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_rea
  * *pivots: 1 when no pivot block has a real eigenvalue <= 0, else 2 or -2, the sign of the determinant. */
 SMG_INLINE int64_t smg_band_solve(int64_t n, int k, int periodic, const smg_real *A, smg_real *x, smg_real *work,
                                   int *pivots) {
-  int64_t failed;
   *pivots = 1;
-  if (k == 1) failed = periodic ? smg_tri_ring(n, A, x, work, pivots) : smg_tri_open(n, A, x, work, pivots);
-  else failed = periodic ? smg_band_ring(n, k, A, x, work, pivots) : smg_band_open(n, k, A, x, work, pivots);
+  const int64_t failed = periodic ? smg_band_cyclic(n, k, A, x, work, pivots) : smg_band_open(n, k, A, x, work, pivots);
   if (failed) *pivots = 0;
   return failed;
 }

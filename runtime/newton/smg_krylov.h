@@ -160,12 +160,10 @@ static inline int smg_krylov_coercive(const smg_krylov *a, smg_real spread) {
     pivot = alpha - shift - (j > 0 ? beta * beta / pivot : 0);
     if (!(pivot > 0)) return 0;
     for (int64_t k = 0; k < n; ++k) next[k] -= alpha * v[k] + beta * before[k];
-    beta = SMG_MATH(sqrt)(smg_krylov_dot(n, next, next));
+    beta = smg_krylov_unit(n, next);
     if (!(beta > SMG_EPS)) break; /* an invariant subspace */
-    for (int64_t k = 0; k < n; ++k) {
-      before[k] = v[k];
-      v[k] = next[k] / beta;
-    }
+    smg_copy(before, v, n);
+    smg_copy(v, next, n);
   }
   return 1;
 }

@@ -1,15 +1,15 @@
 /* smidgen runtime: Newton's method on the midpoints of all coupled sites, and the branch of its solution.
  *
  * J = I - (h/2) DX(m) P'(mbar), SMG_BS unknowns a site. How its blocks are stored and solved is told by the header of
- * the matrix, one of smg_matrix_*.h: smg_clear, smg_add_block, smg_factor, smg_row_sum, smg_coercive. smg_block_row(row)
- * is where the row of a site stands after elimination has been ordered; the sparse matrix alone moves rows. */
+ * the matrix, one of smg_matrix_*.h: smg_clear, smg_add_block, smg_factor, smg_row_sum, smg_coercive; and, for the
+ * tangent map, smg_kept_size, smg_keep_matrix, smg_solve_kept. */
 #ifndef SMG_NEWTON_H
 #define SMG_NEWTON_H
 
 #include "smg_coupled.h"
 #include "smg_noise.h"
 
-/* The block row of the matrix that belongs to a row of the model. */
+/* Where the row of a site stands in the matrix: a sparse one has its rows in an order of elimination. */
 static inline int64_t smg_block_row(int64_t row) {
 #if SMG_ORDER
   return smg_block_rows[row];
@@ -28,7 +28,7 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
 #endif
 
 /* The frame of the site of a row, its own block of J, and the right-hand side of its residual in the frame. */
-static inline void smg_row_frame(const smg_state *s, smg_real h, int64_t row, smg_real *own) {
+SMG_INLINE void smg_row_frame(const smg_state *s, smg_real h, int64_t row, smg_real *own) {
   const int64_t k = smg_site(&s->c, row);
   smg_newton_frame(&s->c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->G + 3 * SMG_BS * k,
                    s->S + 3 * SMG_BS * k, own, s->x + SMG_BS * smg_block_row(row));
@@ -71,7 +71,7 @@ static int smg_singular(smg_state *s, int64_t bad) {
 }
 
 /* The largest sum of abs(J - I) over the rows of one block row, and over all; NaN where there is one. */
-static inline smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
+SMG_INLINE smg_real smg_site_row_sum(const smg_state *s, int64_t place) {
   smg_real most = 0;
   for (int64_t r = SMG_BS * place; r < SMG_BS * (place + 1); ++r) most = smg_max(most, smg_row_sum(s, r));
   return most;

@@ -42,13 +42,11 @@ static inline void smg_predictor_misses(const smg_state *s, int64_t k, int64_t s
 /* Which degree would have served best? A sample of the components decides, now and then. */
 static void smg_choose_degree(smg_state *s) {
   const int64_t size = 3 * smg_sites(&s->c), stride = 1 + size / 256;
-  smg_real miss[SMG_HISTORY][SMG_LOOKED] = {{0}};
+  smg_real miss[SMG_HISTORY][SMG_LOOKED] = {{0}}, total[SMG_HISTORY] = {0};
   for (int64_t k = 0; k < size; k += SMG_LOOKED * stride) smg_predictor_misses(s, k, stride, size, miss);
   for (int d = 0; d < s->history; ++d)
-    for (int l = 1; l < SMG_LOOKED; ++l) miss[d][0] += miss[d][l];
-  s->degree = s->history > 0 ? 0 : SMG_NO_DEGREE;
-  for (int d = 1; d < s->history; ++d)
-    if (miss[d][0] < miss[s->degree][0]) s->degree = d;
+    for (int l = 0; l < SMG_LOOKED; ++l) total[d] += miss[d][l];
+  s->degree = s->history > 0 ? smg_best_degree(s->history, total) : SMG_NO_DEGREE;
 }
 
 #endif
