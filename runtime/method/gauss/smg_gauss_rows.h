@@ -89,6 +89,6 @@ static smg_status smg_steps(smg_state *s, int64_t count) {
   return status;
 }
 
-static smg_status smg_step(smg_state *s) { return smg_steps(s, 1); }
+static inline smg_status smg_step(smg_state *s) { return smg_steps(s, 1); }
 
 #endif
