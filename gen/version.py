@@ -1,2 +1,2 @@
 """The version: a module that imports nothing, for every stage."""
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -90,7 +90,8 @@ class Integrator(ReadOnly):
     w: np.ndarray | None
     INSTEAD = {"": "smidgen.build(spec, ...) makes another model", "count": "steps(count) takes steps"} | dict.fromkeys(
         ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step") | {
-            "w": "w[:] = ... writes into it, start(w, t0=..., h=...) begins anew from any state, time and step"}
+            "w": "w[:] = ... writes into it, start(w, t0=..., h=...) begins anew from any state, time and step",
+            "values_in": "set_parameters({name: value}) gives other values from the next step on"}
 
     def __init__(self, prepared: Prepared, built: Built, threads: int | None = None):
         self.prepared, self.built = prepared, built
@@ -138,6 +139,28 @@ class Integrator(ReadOnly):
         self._new(checked_tolerance(tolerance))
         if noise:
             self._c.set_seed(self._state, *noise)
+        return self
+
+    @public
+    def set_parameters(self, values: Mapping[str, object]) -> Integrator:
+        """Other values of real parameters, by name, from the next step on: a torque, a field that is switched on. The other parameters stay, as
+        do w, time, count, h, tolerance and the seed of noise; the steps are those of a start here with the new values.
+
+        Raises UsageError for a name that is not known, an integer or a fixed parameter and a value that does not fit, RunError for what the C
+        refuses, such as another radius; all is then as it was.
+        """
+        for p in self.scene.parameters:
+            if p.name in values and (p.kind == "int" or p.fixed):
+                raise UsageError(f"'{p.name}' stays: it is {'an integer' if p.kind == 'int' else 'fixed, compiled in'}; build another model")
+        prepared = self.prepared.with_values(values)
+        given = passed(*packed(prepared.numbers))
+        if self._state:
+            self._taken()
+            status = self._c.set_parameters(self._state, given[0].ctypes.data, given[2])
+            if status:
+                raise RunError(f"{self.name} keeps its parameters: {': '.join(STATUS[status])}", status)
+        self._passed = given
+        self._now(prepared=prepared, values_in=prepared.numbers.parameters)
         return self
 
     @property

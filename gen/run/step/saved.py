@@ -27,7 +27,7 @@ def retimed(numbers: np.ndarray, h: float, count: int) -> np.ndarray:
     """The same place with another step: w and what it has lost to rounding stay; the increments
     of the steps before, which were those of another h, are forgotten."""
     found = numbers.copy()
-    found[H], found[HISTORY] = h, 0
+    found[H], found[HISTORY] = h, min(0, numbers[HISTORY])      # below 0: parameters were changed since the last step
     found[COUNT_HIGH], found[COUNT_LOW] = divmod(count, HALF)
     found[int(numbers[PAST]):] = 0
     return found
