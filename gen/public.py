@@ -7,27 +7,31 @@ import inspect
 from typing import Callable, TypeVar
 
 from .errors import KeywordError, ReadOnlyError
+from .renamed import ATTRIBUTES, KEYWORDS, now
 
 F = TypeVar("F", bound=Callable)
 SHOWN = 6       # names that a repr lists
 
 
 def public(function: F) -> F:
-    """`function`, which answers a keyword that it has not with the nearest that it has."""
+    """`function`, which answers a keyword that it has not with the present word for it, or with the nearest that it has."""
     known = [name for name, p in inspect.signature(function).parameters.items() if p.kind != p.VAR_KEYWORD]
 
     @functools.wraps(function)
     def called(*args, **given):
         for word in given:
             if word not in known:
-                raise KeywordError(f"{function.__qualname__}() has no keyword '{word}'{guess(word, known)}")
+                raise KeywordError(f"{function.__qualname__}() has no keyword '{word}'{guess(word, known, KEYWORDS)}")
         return function(*args, **given)
     return called
 
 
-def guess(word: str, known) -> str:
-    """`; did you mean ...`, or the list of what there is."""
+def guess(word: str, known, renamed: dict) -> str:
+    """`; it is called ... now`, `; did you mean ...`, or the list of what there is."""
     known = [name for name in known if name != "self"]
+    new = now(word, renamed, known)
+    if new:
+        return f"; it is called '{new}' now"
     close = difflib.get_close_matches(word, known, 1)
     return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known)}"
 
@@ -42,6 +46,11 @@ class ReadOnly:
     def __init_subclass__(cls):
         cls._fields = {name for c in cls.__mro__ for name in inspect.get_annotations(c)}
 
+    def __getattr__(self, name):
+        """Only asked for what is not there."""
+        new = now(name, ATTRIBUTES, {*dir(type(self)), *self._fields})
+        raise AttributeError(f"{type(self).__name__} has no attribute '{name}'" + f"; it is called '{new}' now" * bool(new), name=name, obj=self)
+
     def __setattr__(self, name, value):
         if not name.startswith("_") and (name in vars(self) or name not in self._fields):
             raise ReadOnlyError(self._refusal(name))
@@ -51,7 +60,7 @@ class ReadOnly:
         kind = type(self).__name__
         if not hasattr(type(self), name) and name not in self._fields:
             known = [n for n in dir(self) if not n.startswith("_") and n != "INSTEAD"]
-            return f"{kind} has no attribute '{name}'{guess(name, known)}"
+            return f"{kind} has no attribute '{name}'{guess(name, known, ATTRIBUTES)}"
         instead = self.INSTEAD.get(name, self.INSTEAD.get("", ""))
         return f"'{name}' of {kind} is only read" + f": {instead}" * bool(instead)
 

@@ -106,10 +106,10 @@ def saved_as(path) -> Path:
 
 
 @public
-def spectrum(spec: Spec, name: str | None = None, *, family: str | None = None, q="all", window: str = "none", parts: int = 1,
+def spectrum(spec: Spec, run: str | None = None, *, family: str | None = None, q="all", window: str = "none", parts: int = 1,
              autocorrelation: bool = False, basis=None, start: str | np.ndarray | Field | None = None, method: str | None = None,
              solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
-             every: int | None = None, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+             every: int | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
              seed: int | None = None, native: bool | None = None, threads: int | None = None,
              progress: Callable[[int], object] = lambda done: None) -> Spectrum:
     """Run `spec` and return S(q, omega) of the spins of a family on its lattice.
@@ -119,21 +119,21 @@ def spectrum(spec: Spec, name: str | None = None, *, family: str | None = None, 
     Proc. IEEE 66 (1978) 51), which lets the foot of a strong line fall faster; parts: the run is cut into so many equal
     parts, whose spectra are averaged (M. S. Bartlett, Biometrika 37 (1950) 1): less noise and memory, wider lines;
     autocorrelation: also in time; basis: where the sites of a cell stand, (sites, directions), by default at fractions
-    of its diagonal. name, start .. threads: as for `run`.
+    of its diagonal. run, start .. threads: as for `run`.
 
     The outputs at t = 0, dt, .. are taken, dt = |h| every, the one at the end is not: a part of M outputs tells
     frequencies 2 pi/(M dt) apart below pi/dt, and a faster wave appears at a lower frequency. The formula stands at the head of the module, and in
     docs/lattices.md. Memory: 72 bytes (120 with autocorrelation) for each of M times a wave, at most 2 GiB, and some
     copies of one state. Raises UsageError for what does not fit, RunError for a step that fails, and what `build` raises.
     """
-    settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every,
-                      effects=effects, values=values, seed=seed, native=native, threads=threads)
+    settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every,
+                      effects=effects, parameters=parameters, seed=seed, native=native, threads=threads)
     choose("window", window, WINDOWS)
     family = family_of(spec, family)
-    grid = of(spec, family, settings.values)
+    grid = of(spec, family, settings.parameters)
     m, length = waves(grid, q), part_length(settings, parts)
     affordable(len(m) * length, autocorrelation)
-    model = build(spec, settings.method, settings.effects, settings.values, settings.solver, native=native, threads=threads)
+    model = build(spec, settings.method, settings.effects, settings.parameters, settings.solver, native=native, threads=threads)
     model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     keeper = Keeper(family, Components(grid, m, basis), len(m), length, window, parts, autocorrelation)
     recorder = stepped(model, settings, family, grid, keeper, progress)

@@ -109,7 +109,7 @@ class Report:
 def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: int = 5,
              start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
              h: float | str | None = None, effects: Iterable[str] | None = None,
-             values: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
+             parameters: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
              native: bool | None = None) -> Report:
     """Compare the compiled integrator of a run with the witness.
 
@@ -121,7 +121,7 @@ def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: in
     if steps < 1 or points < 1:
         raise UsageError("validate needs at least one step and one point")
     case = Case(settle(spec, run, steps=steps, every=1, start=start, method=method, solver=solver, h=h,
-                       effects=effects, values=values, seed=seed, real=real, native=native), spec.calm, points)
+                       effects=effects, parameters=parameters, seed=seed, real=real, native=native), spec.calm, points)
     lines = [*field_lines(case), *value_lines(case)]
     step_lines, growth = case.guarded(f"{steps} steps", lambda: compare_steps(case), math.nan)
     step_lines = [*step_lines, *case.guarded("noise", lambda: (compare_noise(case, spec, growth), None), None)[0]]
@@ -137,10 +137,10 @@ class Case:
     def __init__(self, settings: Settings, spec: Spec, points: int):
         s = self.settings = settings
         self.points = points
-        self.witness = Witness(spec, s.values, s.effects)
+        self.witness = Witness(spec, s.parameters, s.effects)
         self.radius = s.numbers.radii
         self.dice = generator("validate")
-        self.model = build(spec, s.method, s.effects, s.values, s.solver, s.real, s.native)
+        self.model = build(spec, s.method, s.effects, s.parameters, s.solver, s.real, s.native)
         self.w = self._start(spec, s)
 
     def _start(self, spec, s):
@@ -289,11 +289,11 @@ def compare_steps(case: Case):
 
 def compare_noise(case, spec, growth) -> list[Line]:
     """The same steps with thermal noise, which stretches no distance. The other lines are those of the step without it."""
-    s, one = case.settings, Witness(spec, case.settings.values, case.settings.effects, seed=case.settings.seed or 0)
+    s, one = case.settings, Witness(spec, case.settings.parameters, case.settings.effects, seed=case.settings.seed or 0)
     if one.diffusion is None or one.sites > DENSE:
         return []
     mine = one.steps(case.w, 0.0, s.h, s.steps, s.method)
-    model = build(spec, s.method, s.effects, s.values, s.solver, s.real, s.native).start(np.array(case.w), h=s.h, seed=s.seed)
+    model = build(spec, s.method, s.effects, s.parameters, s.solver, s.real, s.native).start(np.array(case.w), h=s.h, seed=s.seed)
     found = np.array([mine[0], *(np.array(model.step().w, float) for _ in range(s.steps))])
     allowed = (FLOOR if METHODS[s.method].controlled else ROUND_OFF) * size(mine) * (growth if growth > SENSITIVE else 1.0)
     return [agreement(f"{s.steps} steps with noise", difference(found, mine), allowed)]

@@ -32,7 +32,7 @@ def command(args):
              if getattr(args, w) is not None}
     if args.start is not None:
         given["start"] = start_of(args.start)
-    advice = advise(load_spec(args.spec, args.library), args.run, values=dict(args.values), **given)
+    advice = advise(load_spec(args.spec, args.library), args.run, parameters=dict(args.parameters), **given)
     if args.json:
         return printed(advice.as_dict())
     print(f"{advice.spec} {advice.run}, {advice.method}:".replace(" ,", ","))

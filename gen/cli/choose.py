@@ -49,7 +49,7 @@ def written(spec, args, choice) -> Path:
         raise UsageError("a spec that includes others cannot be written as one file")
     if any(run.name == "chosen" for run in spec.runs):
         raise UsageError("the spec has a run 'chosen' already")
-    if args.values or args.effects or args.seed is not None or args.start is not None:
+    if args.parameters or args.effects or args.seed is not None or args.start is not None:
         raise UsageError("--out writes the run of the spec as it is: leave --set, --effects, --seed and --start out")
     base = next((run for run in spec.runs if run.name == args.run), spec.runs[0] if spec.runs else None)
     start = f'start = "{base.start}"\n' if base is not None and base.start else ""

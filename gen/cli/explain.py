@@ -24,7 +24,7 @@ def command(args):
     from ..analyse.symmetry import explain
     spec = load_spec(args.spec, args.library)
     run = find_run(spec, args.run)
-    report = explain(spec, {**dict(run.values), **dict(args.values)}, args.method or run.method,
+    report = explain(spec, {**dict(run.parameters), **dict(args.parameters)}, args.method or run.method,
                      run.effects if args.effects is None else args.effects)
     if args.json:
         return printed(report.as_dict())

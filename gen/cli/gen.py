@@ -42,7 +42,7 @@ def scene_of(args):
     from ..run.step.evaluated import parameter_values
     spec = load_spec(args.spec, args.library)
     run = find_run(spec, args.run)
-    values = {**dict(run.values), **dict(args.values)}
+    values = {**dict(run.parameters), **dict(args.parameters)}
     parameter_values(spec, values)
     scene = select(spec, args.effects if args.effects is not None else run.effects, values)
     return scene, args.method or run.method, args.solver or run.solver

@@ -30,7 +30,7 @@ def model_options(parser):
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     for name in ("method", "solver", "effects"):
         run_option(parser, name)
-    parser.add_argument("--set", type=assignment, action="append", default=[], dest="values",
+    parser.add_argument("--set", type=assignment, action="append", default=[], dest="parameters",
                         metavar="NAME=VALUE", help="a parameter; a list as 1,2,3; repeatable")
 
 
@@ -59,7 +59,7 @@ def study_options(parser):
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     parser.add_argument("--time", help="how long: a number or a formula; default: as long as the run")
     parser.add_argument("--methods", type=names, metavar="A,B", help="of these only; default: all that serve")
-    parser.add_argument("--set", type=assignment, action="append", default=[], dest="values", metavar="NAME=VALUE",
+    parser.add_argument("--set", type=assignment, action="append", default=[], dest="parameters", metavar="NAME=VALUE",
                         help="a parameter; a list as 1,2,3; repeatable")
     for name in ("effects", "start", "seed"):
         run_option(parser, name)
@@ -68,7 +68,7 @@ def study_options(parser):
 
 def study_choices(args) -> dict:
     """The same as keywords of `cost` and `choose`."""
-    return {"time": args.time, "methods": args.methods, "effects": args.effects, "values": dict(args.values),
+    return {"time": args.time, "methods": args.methods, "effects": args.effects, "parameters": dict(args.parameters),
             "start": None if args.start is None else start_of(args.start), "seed": args.seed, "native": args.native}
 
 

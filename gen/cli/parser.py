@@ -4,6 +4,7 @@ from __future__ import annotations
 import argparse
 import difflib
 
+from ..renamed import OPTIONS, now
 from ..version import __version__
 from . import advise, check, choose, cost, effects, explain, gen, list as list_, new, plot, run, show, snapshot, spectrum, sweep, validate, verify
 
@@ -30,7 +31,9 @@ class Parser(argparse.ArgumentParser):
         found, rest = super().parse_known_args(args, namespace)
         if rest:
             known = [name for name in self._option_string_actions if name.startswith("--")]
-            self.error(guessed(f"unrecognized arguments: {' '.join(rest)}", rest[0].partition("=")[0], known))
+            message, word = f"unrecognized arguments: {' '.join(rest)}", rest[0].partition("=")[0]
+            new = now(word, OPTIONS, known)
+            self.error(f"{message}; '{word}' is called '{new}' now" if new else guessed(message, word, known))
         return found, rest
 
     def error(self, message):

@@ -28,7 +28,7 @@ def add(commands):
     spec_argument(parser, nargs="?")
     model_options(parser)
     run_option(parser, "h")
-    for pair in (("steps", "time"), ("every", "section")):
+    for pair in (("steps", "time"), ("every", "period")):
         one = parser.add_mutually_exclusive_group()
         for name in pair:
             run_option(one, name)
@@ -151,7 +151,7 @@ CHOICES = tuple(option.name for option in OPTIONS if option.reads and option.nam
 def choices(args) -> dict:
     """What the command line chooses, by the names that `run` has for it."""
     given = chosen(args, CHOICES)
-    given.update(values=dict(args.values), native=args.native, fast=bool(args.fast), real=args.real, estimate=args.estimate)
+    given.update(parameters=dict(args.parameters), native=args.native, fast=bool(args.fast), real=args.real, estimate=args.estimate)
     if args.start is not None:
         given["start"] = start_of(args.start)
     return given
@@ -159,7 +159,7 @@ def choices(args) -> dict:
 
 def refuse_choices(args, said="--repeat repeats a run as it was: only --out and --json go with it"):
     """A repeated run is the run as it was, and so is one that goes on."""
-    if args.values or args.start or args.estimate is not None or chosen(args, CHOICES):
+    if args.parameters or args.start or args.estimate is not None or chosen(args, CHOICES):
         raise UsageError(said)
 
 

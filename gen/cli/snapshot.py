@@ -46,14 +46,14 @@ def command(args):
 def told(args, result) -> dict:
     """What --what names, of the state."""
     from ..run.fields import lattice
-    from ..run.fields.grid import family_of, of, spec_and_values
+    from ..run.fields.grid import family_of, of, with_parameters
     from ..run.fields.snapshot import state_of
     unknown = [name for name in args.what if name not in TELLS]
     if unknown:
         raise UsageError(f"no '{unknown[0]}' of a state; there are: {', '.join(TELLS)}")
     if not args.what:
         return {}
-    spec, values = spec_and_values(result, None)
+    spec, parameters = with_parameters(result, None)
     family = family_of(spec, args.of)
     w, step, t = state_of(result, family, args.row, args.time)
     tell = {"magnetisation": lambda: lattice.magnetisation(w).tolist(), "charge": lambda: float(lattice.charge(w, of(spec, family, values)))}

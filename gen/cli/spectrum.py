@@ -72,11 +72,11 @@ def measured(args):
     from ..read.shipped import load_spec
     from ..run.settings import settle
     given = chosen(args, CHOICES)
-    given["values"] = dict(args.values)
+    given["parameters"] = dict(args.parameters)
     if args.start is not None:
         given["start"] = start_of(args.start)
     spec = load_spec(args.spec, args.library)
-    total = settle(spec, args.run, **{k: given[k] for k in ("h", "steps", "time", "every", "values") if k in given}).steps
+    total = settle(spec, args.run, **{k: given[k] for k in ("h", "steps", "time", "every", "parameters") if k in given}).steps
     with progress(total, spec.name) as tick:
         return spectrum(spec, args.run, progress=tick, **given)
 

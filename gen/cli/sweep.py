@@ -76,7 +76,7 @@ def command(args):
     from ..read.shipped import load_spec
     from ..run.many.sweep import sweep
     given = chosen(args, CHOICES)
-    given |= {"values": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
+    given |= {"parameters": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
     axes = {name: value for name, value, swept in args.axes if swept}
     ended, total = [], math.prod(map(len, axes.values()), start=args.starts or 1)
     try:
@@ -104,4 +104,4 @@ def said(outcome: dict) -> None:
 
 def named(outcome: dict) -> str:
     from ..run.many.sweep import Cell
-    return f"{Cell(outcome['cell'], outcome['values'], outcome['seed'])}: {outcome['error'] or outcome['status']}"
+    return f"{Cell(outcome['cell'], outcome['parameters'], outcome['seed'])}: {outcome['error'] or outcome['status']}"

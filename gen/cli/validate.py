@@ -34,7 +34,7 @@ def command(args):
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
              if getattr(args, w) is not None}
     reports = [validate(spec, run, steps=args.steps, points=args.points,
-                        values=dict(args.values), **given) for run in runs]
+                        parameters=dict(args.parameters), **given) for run in runs]
     show(args, reports)
     failed = [r for r in reports if not r.passed]
     if failed:

@@ -46,7 +46,7 @@ def command(args):
     given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
              if getattr(args, w) is not None}
     certificate = verify(load_spec(args.spec, args.library), args.run, tier=args.long or ("quick" if args.quick else "normal"),
-                         values=dict(args.values), features=args.features, layouts=args.layouts, **given)
+                         parameters=dict(args.parameters), features=args.features, layouts=args.layouts, **given)
     if args.file != "-":
         show(certificate.table())
     if args.file:

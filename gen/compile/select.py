@@ -108,4 +108,4 @@ def formulas(spec: Spec):
         for part in start.families:
             yield from part.value if part.kind == "formula" else ()
     for r in spec.runs:
-        yield from (e for e in (r.h, r.time, r.steps, r.section) if e is not None)
+        yield from (e for e in (r.h, r.time, r.steps, r.period) if e is not None)

@@ -34,19 +34,19 @@ AIM = 1e-6          # end error of the runs that are made long
 
 
 @public
-def cost(spec: Spec, name: str | None = None, *, time: float | str | None = None, methods: Iterable[str] | None = None,
-         start: str | np.ndarray | None = None, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+def cost(spec: Spec, run: str | None = None, *, time: float | str | None = None, methods: Iterable[str] | None = None,
+         start: str | np.ndarray | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
          seed: int | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
          peers: bool | Iterable[str] = False, native: bool | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
     """Sweep the methods of the registry over steps, and time them.
 
-    name, start, effects, values, seed, native: as for `run`; time: how long, by default that of the run; methods: names,
+    run, start, effects, parameters, seed, native: as for `run`; time: how long, by default that of the run; methods: names,
     by default all that serve; seconds: what the timed runs may take together; long: also the energy along runs a hundred
     times as long; ends: measure the error of the end, else what is kept alone; peers: also general integrators
     (`cost.peers`), those named or all that are there; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
     and where no reference can be had (`reference.reference`).
     """
-    settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native, time=None)
+    settings = settle(spec, run, start=start, effects=effects, parameters=parameters, seed=seed, native=native, time=None)
     methods = known_methods(methods)
     case = Case(spec, settings, asked_time(spec, settings, time))
     progress("reference", 0.0)

@@ -69,9 +69,9 @@ class Choice:
 
 
 @public
-def choose(spec: Spec, name: str | None = None, *, error: float | None = None, energy: float | None = None,
+def choose(spec: Spec, run: str | None = None, *, error: float | None = None, energy: float | None = None,
            time: float | str | None = None, methods: Iterable[str] | None = None, start: str | np.ndarray | None = None,
-           effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None, seed: int | None = None,
+           effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
            symplectic: bool = False, native: bool | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
     """The method and step that meet the errors asked for in the least time.
 
@@ -80,7 +80,7 @@ def choose(spec: Spec, name: str | None = None, *, error: float | None = None, e
     them, where the end is not known well enough (a chaotic run: ask for an energy error), and as `cost` does.
     """
     asked, methods = asked_errors(error, energy), known_methods(methods)
-    settings = settle(spec, name, start=start, effects=effects, values=values, seed=seed, native=native)
+    settings = settle(spec, run, start=start, effects=effects, parameters=parameters, seed=seed, native=native)
     case = Case(spec, settings, asked_time(spec, settings, time))
     if case.energy_changes and energy is not None:
         raise UsageError("the energy is not conserved, for H depends on time or sites are damped: ask for an end error")

@@ -206,11 +206,11 @@ class Run:
     time: Optional[Expr] = None
     steps: Optional[Expr] = None
     every: int = 1
-    section: Optional[Expr] = None      # stroboscopic period: output at its multiples only
+    period: Optional[Expr] = None       # of outputs: at its multiples only (stroboscopic)
     what: tuple[str, ...] = ("states", "energy")
     effects: Optional[tuple[str, ...]] = None   # None: all
     solver: str = "auto"
-    values: tuple[tuple[str, object], ...] = ()     # parameter values this run sets
+    parameters: tuple[tuple[str, object], ...] = () # values that this run sets
     meaning: str = ""
     checkpoint: Optional[int] = None    # steps between checkpoints of a run that writes a file
     substeps: bool = False              # take a step that fails as smaller ones

@@ -442,15 +442,15 @@ def directions(length, i, part, family: Family, path: tuple) -> Iterator[Trouble
 # Runs
 
 def run(spec: Spec, r: Run, values: dict) -> Iterator[Trouble]:
-    """Step, duration, sections and method of one run."""
+    """Step, duration, period of outputs and method of one run."""
     h, path = number(r.h, values), ("runs", r.name)
     if not math.isfinite(h) or h == 0:
         yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}",
                       "a step is finite and not zero; a negative one runs backward")
         return
     yield from duration(r, h, path, values)
-    if r.section is not None:
-        yield from section(r, h, path + ("output", "section"), values)
+    if r.period is not None:
+        yield from period(r, h, path + ("output", "period"), values)
     yield from method(spec, r, path + ("method",))
 
 
@@ -481,10 +481,9 @@ def multiple(time: float, h: float, path, code: str, what: str) -> Iterator[Trou
                       f"{h:.15g}", f"the nearest: {near}")
 
 
-def section(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
-    period = number(r.section, values)
-    yield from multiple(abs(period) * (1 if h > 0 else -1), h, path, codes.STEP,
-                        "section period")
+def period(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
+    between = abs(number(r.period, values)) * (1 if h > 0 else -1)
+    yield from multiple(between, h, path, codes.STEP, "period")
 
 
 def method(spec: Spec, r: Run, path: tuple) -> Iterator[Trouble]:

@@ -37,10 +37,10 @@ SECTIONS = ("scene", "model", "space", "parameters", "formulas", "lattices", "gr
             "observables", "starts", "runs")
 
 
-def load(path, library=()) -> Spec:
-    """Read the spec file at `path`; library: folders of further files. Raises SpecError."""
+def load(path, library=(), recorded: bool = False) -> Spec:
+    """Read the spec file at `path`; library: folders of further files; recorded: by a result, of an earlier version perhaps. Raises SpecError."""
     name = os.fspath(path)
-    return load_text(read_file(name), name, library)
+    return reader_of(read_file(name), name, library, recorded).spec()
 
 
 def read_file(name: str) -> str:
@@ -83,10 +83,10 @@ def load_text(text: str, path: str = "", library=()) -> Spec:
     return reader_of(text, path, library).spec()
 
 
-def reader_of(text: str, path: str, library) -> Reader:
+def reader_of(text: str, path: str, library, recorded: bool = False) -> Reader:
     text = text.removeprefix("\ufeff").replace("\r\n", "\n")
     folder = os.path.dirname(os.path.abspath(path)) if path else ""
-    return Reader(path, Files(folder, library), Problems(Source(text, path or "<text>", folder=folder)))
+    return Reader(path, Files(folder, library), Problems(Source(text, path or "<text>", folder=folder), recorded))
 
 
 class Reader:
@@ -244,9 +244,9 @@ class Reader:
 
     def check_run(self, spec: Spec, run, values: dict, known: set) -> None:
         """A run with its own values: the model and its start again, and the run itself."""
-        values = with_values(spec, values, dict(run.values))
+        values = with_values(spec, values, dict(run.parameters))
         again = [t for t in checks.model_and_starts(spec, values, (run.start,)) if (t.path, t.code) not in known] \
-            if run.values else []
+            if run.parameters else []
         for t in again:
             self.report(replace(t, path=("runs", run.name, "set"), cause=f"{t.cause}, with these values", part=None))
         for trouble in checks.run(spec, run, values) if not again else ():

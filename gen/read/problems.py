@@ -19,10 +19,11 @@ class TooBig(Bad):
 
 
 class Problems:
-    """The errors found so far in a spec; `source`: its own file, to which those that it builds on are added."""
+    """The errors found so far in a spec; `source`: its own file, to which those that it builds on are added; recorded: by a result,
+    where a key may have its name of an earlier version."""
 
-    def __init__(self, source: Source):
-        self.sources = Sources(source)
+    def __init__(self, source: Source, recorded: bool = False):
+        self.sources, self.recorded = Sources(source), recorded
         self.found: list[Diagnostic] = []
         self.seen: set = set()
         self.places: dict = {}      # (formula's place, Expr) -> place of that part

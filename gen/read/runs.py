@@ -40,7 +40,7 @@ class RunReader:
             lambda: self.word(node, "method", METHODS), lambda: self.step(node), lambda: self.duration(node),
             lambda: self.output(node), lambda: self.chosen(node), lambda: self.word(node, "solver", SOLVERS),
             lambda: self.values(node), lambda: meaning(node, "meaning"), lambda: self.safety(node))
-        return Run(name, start, method, h, *length, **output, effects=effects, solver=solver, values=values,
+        return Run(name, start, method, h, *length, **output, effects=effects, solver=solver, parameters=values,
                    meaning=said, **safety)
 
     def start(self, node: Node) -> str:
@@ -128,15 +128,15 @@ class RunReader:
         return names
 
     def output(self, node: Node) -> dict:
-        """every, section, what."""
+        """every, period, what."""
         if not node.has("output"):
             return {}
-        out = node.get("output").table("every", "section", "what")
-        if out.has("every") and out.has("section"):
+        out = node.get("output").table("every", "period", "what")
+        if out.has("every") and out.has("period"):
             self.problems.fail(codes.CONFLICT, out.get("every").key,
-                               "`every` and `section` exclude each other", "keep one of them")
+                               "`every` and `period` exclude each other", "keep one of them")
         return self.given(out, every=lambda child: child.integer(1, limits.EVERY), what=self.what,
-                          section=lambda child: self.formulas.free(child, "a section period"))
+                          period=lambda child: self.formulas.free(child, "a period of outputs"))
 
     def what(self, node: Node) -> tuple[str, ...]:
         entries = node.entries("list of outputs")

@@ -5,6 +5,7 @@ import math
 from typing import Iterator, Optional
 
 from ..language import limits
+from ..renamed import KEYS, now
 from . import codes
 from .problems import Bad, Problems, meant, nearest
 from .source import Span, Text
@@ -58,11 +59,16 @@ class Node:
                        "write `[section]` or `name = { key = value }`")
         for child in list(self.items()) if keys else ():
             if child.name not in keys and child.raw is not LOST:
-                where = f"`{self.label}` has no key" if self.path else "a spec has no section"
-                self.problems.note(codes.UNKNOWN_KEY, child.key, f"{where} `{child.name}`",
-                                   nearest(child.name, keys))
-                self.take_as_meant(child, meant(child.name, keys))
+                self.misnamed(child, keys)
         return self
+
+    def misnamed(self, child: "Node", keys) -> None:
+        """Report a key that is none of `keys`, and go on as if it were the one that was meant."""
+        new, where = now(child.name, KEYS, keys), f"`{self.label}` has no key" if self.path else "a spec has no section"
+        if not (new and self.problems.recorded):
+            self.problems.note(codes.UNKNOWN_KEY, child.key, f"{where} `{child.name}`",
+                               f"it is called `{new}` now" if new else nearest(child.name, keys))
+        self.take_as_meant(child, new or meant(child.name, keys))
 
     def take_as_meant(self, child: "Node", key: str | None) -> None:
         """A misspelt key is read as the one that was meant, so that no other error follows from it."""

@@ -46,11 +46,11 @@ class Interrupted(KeyboardInterrupt):
 
 
 @public
-def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None = None,
+def run(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None,
         method: str | None = None, solver: str | None = None, h: float | str | None = None,
         steps: int | None = None, time: float | str | None = None, every: int | None = None,
-        section: float | str | None = None, what: Iterable[str] | None = None,
-        effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+        period: float | str | None = None, what: Iterable[str] | None = None,
+        effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
         seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
         out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None, real: str = "double",
@@ -58,13 +58,13 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
         threads: int | None = None) -> Result:
     """Run `spec` and return a Result.
 
-    name: a run of the spec, by default its first. In place of what that run says:
+    run: of the spec, by default its first. In place of what that run says:
     start: the name of a start, or an array of shape (sites, 3); method, solver: their names;
     h: the step, and steps (their number) or time (a multiple of h), how long; every: steps
-    between outputs, or section: the time between them; h, time and section in the unit of
+    between outputs, or period: the time between them; h, time and period in the unit of
     time of the spec, numbers or formulas of its parameters such as "2*pi/n"; what: names of
     outputs (states, energy, momentum, casimirs, magnetisation, charge, observables); effects: names of those to keep;
-    values: parameter name -> number, or a sequence for an array; seed: of random starts, and of thermal noise;
+    parameters: name -> number, or a sequence for an array; seed: of random starts, and of thermal noise;
     checkpoint: steps between two checkpoints (needs `out`); substeps: take a step that fails
     as up to 2^10 smaller ones.
     out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
@@ -79,8 +79,8 @@ def run(spec: Spec, name: str | None = None, *, start: str | np.ndarray | None =
     """
     if out is None and checkpoint:
         raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
-    settings = settle(spec, name, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
-                      every=every, section=section, what=what, effects=effects, values=values, seed=seed,
+    settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
+                      every=every, period=period, what=what, effects=effects, parameters=parameters, seed=seed,
                       real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate, tolerance=tolerance, fast=fast,
                       threads=threads)
     return execute(begun(spec, settings), settings, out, out is None if keep is None else keep, progress)
@@ -101,7 +101,7 @@ def repeat(path: str | os.PathLike, out: str | os.PathLike | None = None, *, kee
 def begun(spec: Spec, settings: Settings) -> Integrator:
     """The model of a run, at its start."""
     s = settings
-    prepared = prepare(spec, s.method, s.effects, s.values, s.solver, s.numbers)
+    prepared = prepare(spec, s.method, s.effects, s.parameters, s.solver, s.numbers)
     if s.substeps:
         refuse_with_noise(prepared.scene, "no substeps", "a step that fails is taken as two of h/2 with the same noise anyway")
     model = compiled(prepared, s.real, s.native, fast=s.fast, threads=s.threads)
@@ -228,8 +228,8 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "program": "smidgen", "version": __version__, "generator": built.generator,
         "spec": spec.name, "title": spec.title, "digest": spec.digest,
         "sources": [list(pair) for pair in spec.sources], "orientation": spec.orientation,
-        "run": settings.run, **facts, "what": list(settings.what), "start": start, "set": _plain(settings.values),
-        "values": _plain(model.values_in), "effects": list(scene.effect_names),
+        "run": settings.run, **facts, "what": list(settings.what), "start": start, "set": _plain(settings.parameters),
+        "parameters": _plain(model.parameters), "effects": list(scene.effect_names),
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),
         "status": status, "done": model.count, "end_error": None, "end_error_withheld": None,

@@ -27,10 +27,10 @@ KINDS = ("states", "energy", "momentum", "casimirs")
 @dataclasses.dataclass(frozen=True)
 class Settings:
     """A run with every choice made. every: steps between outputs; start: a name or an
-    array; section: the stroboscopic period when every came from one; substeps: take a step
+    array; period: the time between outputs when every came from one; substeps: take a step
     that fails as smaller ones; checkpoint: steps between two checkpoints, None for none; estimate: of the
     error at the end; tolerance: of a step, None for round-off; fast: for this processor, and
-    products and sums in one operation; numbers: the spec's, evaluated with these values."""
+    products and sums in one operation; numbers: the spec's, evaluated with these parameters."""
     run: str
     start: object
     method: str
@@ -38,10 +38,10 @@ class Settings:
     h: float
     steps: int
     every: int
-    section: float | None
+    period: float | None
     what: tuple[str, ...]
     effects: tuple[str, ...] | None
-    values: dict
+    parameters: dict
     numbers: Evaluated = dataclasses.field(repr=False, compare=False)
     seed: int | None
     real: str = "double"
@@ -59,30 +59,30 @@ class Settings:
         return self.start.copy() if isinstance(self.start, np.ndarray) else self.start
 
 
-def settle(spec: Spec, name: str | None = None, *, start=None, method=None, solver=None,
-           h=None, steps=None, time=None, every=None, section=None, what=None, effects=None,
-           values=None, seed=None, real="double", native=None, substeps=None,
+def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solver=None,
+           h=None, steps=None, time=None, every=None, period=None, what=None, effects=None,
+           parameters=None, seed=None, real="double", native=None, substeps=None,
            checkpoint=None, estimate=False, tolerance=None, fast=False, threads=None) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
-    base = find_run(spec, name)
-    values = {**dict(base.values), **(values or {})}
-    numbers = Evaluated(spec, values)
+    base = find_run(spec, run)
+    parameters = {**dict(base.parameters), **(parameters or {})}
+    numbers = Evaluated(spec, parameters)
     env = numbers.values
-    h, time, section = (_read(spec, what_, value) for what_, value in
-                        (("h", h), ("time", time), ("section", section)))
+    h, time, period = (_read(spec, what_, value) for what_, value in
+                        (("h", h), ("time", time), ("period", period)))
     h = step_size(base.h if h is None else h, env)
     if steps is None and time is None:
         steps, time = base.steps, base.time
-    if every is None and section is None:
-        every, section = (base.every, None) if base.section is None else (None, base.section)
-    section = None if section is None else abs(number(section, env, "the section's period"))
+    if every is None and period is None:
+        every, period = (base.every, None) if base.period is None else (None, base.period)
+    period = None if period is None else abs(number(period, env, "the period"))
     return Settings(
         base.name, _placed(base.start if start is None else start, numbers),
         choose("method", method or base.method, METHODS),
         choose("solver", solver or base.solver, SOLVERS), h,
-        number_of_steps(steps, time, h, env), interval(every, section, h), section,
+        number_of_steps(steps, time, h, env), interval(every, period, h), period,
         chosen_outputs(spec, tuple(what or base.what)),
-        base.effects if effects is None else tuple(effects), values, numbers,
+        base.effects if effects is None else tuple(effects), parameters, numbers,
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), None if estimate is None else bool(estimate),
         None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads)
@@ -176,10 +176,10 @@ def multiple(duration: float, h: float, what: str) -> int:
                      f"{low * h:.15g} ({low} steps) and {(low + 1) * h:.15g} ({low + 1} steps)")
 
 
-def interval(every, section, h: float) -> int:
-    """Steps between outputs, from a count or from a stroboscopic period."""
-    if section is not None:
-        every = multiple(section, h, "the section's period")
+def interval(every, period, h: float) -> int:
+    """Steps between outputs, from a count or from the time between them."""
+    if period is not None:
+        every = multiple(period, h, "the period")
     every = whole(every, "every")
     if not 1 <= every <= limits.EVERY:
         raise UsageError(f"every must be from 1 to {limits.EVERY} steps, not {every}")

@@ -102,7 +102,7 @@ def test_never_above_the_limit_on_a_hundred_random_specs():
 @pytest.mark.parametrize("a", [0.05, 0.3, 1.0])
 def test_the_fold_of_a_vortex_pair(a):
     """Equal vortices at half-angle a: sin(phi) = h kappa/(4 pi sin a tan a), a fold at phi = pi/2."""
-    advice, fold = advise(load_text(PAIR), values={"a": a}), 4 * math.pi * math.sin(a) * math.tan(a)
+    advice, fold = advise(load_text(PAIR), parameters={"a": a}), 4 * math.pi * math.sin(a) * math.tan(a)
     assert advice.kind in ("fold", "centre") and abs(advice.limit / fold - 1) < 3e-3
     assert 0.8 * fold < advice.h < fold
     if advice.kind == "fold":
@@ -165,13 +165,13 @@ def test_large_systems_are_tried(bisect):
 
 
 def test_nothing_moves():
-    advice = advise(load_text(FIELD + "[starts.up]\nvectors = [[0, 0, 1]]\n"), start="up", values={"B": 0.0})
+    advice = advise(load_text(FIELD + "[starts.up]\nvectors = [[0, 0, 1]]\n"), start="up", parameters={"B": 0.0})
     assert advice.rate == 0 and "nothing moves" in advice.words()[1]
 
 
 def test_a_start_without_a_field_is_refused_in_words():
     with pytest.raises(RunError, match="not finite"):
-        advise(load_text(PAIR), values={"a": 0.0})
+        advise(load_text(PAIR), parameters={"a": 0.0})
     with pytest.raises(UsageError):
         advise(load_text(PAIR), start="none")
 

@@ -74,8 +74,8 @@ def on_sphere(r, n):
 def chain_completes(n, seed, time):
     """The advice, and whether the run completes with its h and with each of three smaller ones."""
     spec, w = load("heisenberg_chain"), on_sphere(np.random.default_rng(seed), n)
-    found = advise(spec, values={"n": n}, start=w, h=0.05, time=time)
-    model = smidgen.build(spec, values={"n": n})
+    found = advise(spec, parameters={"n": n}, start=w, h=0.05, time=time)
+    model = smidgen.build(spec, parameters={"n": n})
     steps = [math.ceil(time / (part * found.h)) for part in (1, 0.93, 0.6, 0.3)]
     done = [model.start(w.copy(), h=part * found.h).advance(k) for part, k in zip((1, 0.93, 0.6, 0.3), steps)]
     return found, [a == b for a, b in zip(done, steps)]
@@ -129,14 +129,14 @@ def test_a_pulse_is_seen_wherever_it_is(seed):
     r, sign = random.Random(seed), 1 - 2 * (seed % 2)
     spec, strength = load_text(PULSE), r.choice((-1, 1)) * math.exp(r.uniform(math.log(3), math.log(300)))
     values = {"A": strength, "at": sign * r.uniform(0.5, 9.5), "width": math.exp(r.uniform(math.log(0.01), 0))}
-    found = advise(spec, values=values, h=sign * 0.05, time=10)
+    found = advise(spec, parameters=values, h=sign * 0.05, time=10)
     assert found.spacing < values["width"] and f"every {found.spacing:.3g} of t" in " ".join(found.words())
     assert found.rate == pytest.approx(math.hypot(1, strength), rel=0.05)
     assert found.rate_t == pytest.approx(values["at"], abs=values["width"] / 3)
     assert abs(found.h) <= 2.05 * math.pi / found.rate
     fine = math.sqrt(0.012) / max(found.rate, found.change)
     assert f"h = {fine:.3g} brings that to 0.1 %" in " ".join(found.words())
-    model, whole = smidgen.build(spec, values=values), 10 + abs(strength) * values["width"] * math.sqrt(math.pi)
+    model, whole = smidgen.build(spec, parameters=values), 10 + abs(strength) * values["width"] * math.sqrt(math.pi)
     error = np.abs(end_state(model, sign * fine, sign * 10) - end_state(model, sign * fine / 8, sign * 10)).max()
     assert error < 1e-3 * whole
 
@@ -145,14 +145,14 @@ def test_a_pulse_that_limits_a_step():
     """Across the pulse, and nothing else: W = -w at h A = 2, whenever it comes; steps pass it by, the advice does not."""
     spec = load_text(PULSE.replace('"w.z"', '"0.01*w.x"').replace("[[0.6, 0, 0.8]]", "[[0, 0.6, 0.8]]"))
     for at in (1.37, 6.2):
-        found = advise(spec, values={"at": at, "width": 0.02}, time=10, h=1.0)
+        found = advise(spec, parameters={"at": at, "width": 0.02}, time=10, h=1.0)
         assert 0.5 * 2 / 60 < found.h < 2 / 60 and found.t == pytest.approx(at, abs=found.cap)
         assert found.words()[-1].startswith("The run's h = 1 is above the largest safe step, 0.0")
 
 
 @pytest.mark.quick
 def test_a_field_that_does_not_depend_on_time_has_no_samples():
-    found = advise(load_text(PULSE.replace("exp(-((t - at)/width)^2)", "0.1")), values={"A": 1.0}, time=10)
+    found = advise(load_text(PULSE.replace("exp(-((t - at)/width)^2)", "0.1")), parameters={"A": 1.0}, time=10)
     assert found.spacing is None and found.change == 0
 
 
@@ -174,10 +174,10 @@ def test_a_uniform_rotation_is_never_the_cause_of_a_fold(of_spins, of_vortices, 
     causes = []
     for seed in of_spins:
         values, w = turning(seed, -1, 1.5)
-        causes.append(advise(spins, values=values, start=w, time=0))
+        causes.append(advise(spins, parameters=values, start=w, time=0))
     for seed in of_vortices:
         values, w = turning(seed, -3, 3)
-        causes.append(advise(vortices, values=values, start=w, time=0))
+        causes.append(advise(vortices, parameters=values, start=w, time=0))
     assert sum(a.kind == "fold" for a in causes) >= folds
     assert all(a.effect in ("exchange", "anisotropy", "interaction") for a in causes if a.kind == "fold")
 
@@ -188,7 +188,7 @@ def test_the_shares_of_the_effects_in_a_fold_are_all_of_it():
     spec = load_text(VORTICES[:VORTICES.index("[effects.interaction]")] + SPINS)
     for seed in (43, 130, 179, 267):
         values, w = turning(seed, -1, 1.5)
-        model = smidgen.build(spec, values=values).start(w.copy(), h=0.1)
+        model = smidgen.build(spec, parameters=values).start(w.copy(), h=0.1)
         equation = StepEquation(model, w, 0.0)
         branch = follow(equation, TURN / local_rate(equation))
         parts = shares(Fields(model, equation, branch.h / 2), w + branch.u / 2, branch)

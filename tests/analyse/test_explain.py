@@ -77,7 +77,7 @@ def test_with_easy_axis_only_its_z_component():
 
 @pytest.mark.quick
 def test_a_value_may_restore_a_symmetry():
-    report = explain(load_text(CHAIN + AXIS), values={"K": 0.0})
+    report = explain(load_text(CHAIN + AXIS), parameters={"K": 0.0})
     assert len(kinds(report, "linear")) == 3 and "K = 0" in said(report)
     assert [i.always for i in kinds(report, "linear")] == [False, False, True]
 
@@ -101,13 +101,13 @@ def test_a_tilted_axis_is_found():
     (names, axes), = report.rotations
     assert np.allclose(axes, [[0.5, 0.75 ** 0.5, 0]], atol=1e-15, rtol=0)
     assert "(0.5, 0.866025, 0)" in said(report)
-    assert not explain(load_text(CHAIN + TILTED), values={"B": [0, 0, 1]}).rotations
+    assert not explain(load_text(CHAIN + TILTED), parameters={"B": [0, 0, 1]}).rotations
 
 
 @pytest.mark.quick
 def test_three_effects_together_are_heisenbergs():
     for values in ({}, {"n": 30_000}):
-        report = explain(load_text(THREE), values=values)
+        report = explain(load_text(THREE), parameters=values)
         assert len(kinds(report, "linear")) == 3
         assert [i.formula for i in kinds(explain(load_text(THREE), values, effects=("xx", "yy")), "linear")] == ["sum w.z"]
 

@@ -17,7 +17,7 @@ quick = pytest.mark.quick
 
 
 def body(eps=EPS):
-    return smidgen.build(begin("forced_rigid_body").spec, values={"eps": eps}, features=("tangent",))
+    return smidgen.build(begin("forced_rigid_body").spec, parameters={"eps": eps}, features=("tangent",))
 
 
 def beside_the_saddle(off, up=0.0):
@@ -72,7 +72,7 @@ def test_the_spectrum_pairs_up(steps):
     case = begin("j1j2_chain", n=6)
     w = np.random.default_rng(3).standard_normal((6, 3))
     w /= np.linalg.norm(w, axis=1)[:, None]
-    model = smidgen.build(case.spec, values=case.values, features=("tangent",))
+    model = smidgen.build(case.spec, parameters=case.values, features=("tangent",))
     found = exponents(model, w, 0.1, steps, every=20)
     t = found.times[-1]
     pairs = (found.values + found.values[::-1]) * t
@@ -87,7 +87,7 @@ def test_an_integrable_chain_has_none():
     case = begin("heisenberg_chain", n=4)
     w = np.random.default_rng(3).standard_normal((4, 3))
     w /= np.linalg.norm(w, axis=1)[:, None]
-    model = smidgen.build(case.spec, values=case.values, features=("tangent",))
+    model = smidgen.build(case.spec, parameters=case.values, features=("tangent",))
     early, late = (exponents(model, w.copy(), 0.1, steps, every=20) for steps in (2000, 20_000))
     assert np.abs(late.values).max() < 2 * np.log(late.times[-1]) / late.times[-1]
     assert np.abs(late.values).max() < np.abs(early.values).max() / 5
@@ -175,7 +175,7 @@ def test_the_standard_error_is_that_of_independent_blocks():
 @quick
 def test_vectors_are_tangent_to_the_leaves():
     case = begin("product")
-    model = smidgen.build(case.spec, values=case.values, features=("tangent",)).start(case.w.copy(), h=case.h)
+    model = smidgen.build(case.spec, parameters=case.values, features=("tangent",)).start(case.w.copy(), h=case.h)
     v = tangent_vectors(model, 4)
     assert np.abs(v.reshape(4, -1) @ v.reshape(4, -1).T - np.eye(4)).max() < 1e-14
     assert np.abs(on_leaves(model, v) - v).max() < 1e-15

@@ -68,7 +68,7 @@ def row_of(seed: int, methods=None) -> dict:
             spec, case, asked, turn = drawn(seed, folder)
             row.update(sites=len(case.w), time=case.time, asked=asked)
             known = reference(case)
-            witness = Witness(spec, case.settings.values, case.settings.effects)
+            witness = Witness(spec, case.settings.parameters, case.settings.effects)
             end = witness.flow(case.w, 0.0, [case.time])[0]
             row["known"] = max(known.error, case.distance(known.end, end))
             if not row["known"] < asked / 20:

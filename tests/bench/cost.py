@@ -51,7 +51,7 @@ PARTS = (("", "end_error", "end error"), ("_long", "energy", "energy error"))
 def measured(name: str, system: System, folder: Path, seconds: float, methods, since: str) -> None:
     """The tables of one system: with general integrators beside where its long runs are compared too. Each is drawn at once."""
     folder.mkdir(parents=True, exist_ok=True)
-    asked = dict(values=system.values, methods=methods, native=True, peers=bool(system.long))
+    asked = dict(parameters=system.values, methods=methods, native=True, peers=bool(system.long))
     if not stays(folder / f"{name}.csv", since):
         tell(name)
         kept(smidgen.cost(smidgen.load(name), time=system.time, seconds=seconds, **asked), folder / f"{name}.csv")

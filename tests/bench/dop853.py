@@ -77,7 +77,7 @@ def rows_of(name: str, repeats: int, counted: bool, more) -> list[dict]:
     """Rows of one system."""
     spec = smidgen.load(name)
     settings, rows = settle(spec), []
-    w = np.array(initial_state(spec, settings.start, settings.values, settings.seed), float).ravel()
+    w = np.array(initial_state(spec, settings.start, settings.parameters, settings.seed), float).ravel()
     with tempfile.TemporaryDirectory() as place:
         program = compiled(name, Path(place), more)
         for h in HS:

@@ -42,20 +42,20 @@ NO_BRANCH = (           # file of the runtime, what decides, what stands there i
 
 def variants(spec, method: str, values: dict, work: Path):
     """(promise, what gives it up, model without it, tolerance) of each that the method makes."""
-    yield "all", "", smidgen.build(spec, method, values=values, native=False), None
-    yield "iterations to stagnation", f"--tolerance {TOLERANCE:g}", smidgen.build(spec, method, values=values, native=False), TOLERANCE
+    yield "all", "", smidgen.build(spec, method, parameters=values, native=False), None
+    yield "iterations to stagnation", f"--tolerance {TOLERANCE:g}", smidgen.build(spec, method, parameters=values, native=False), TOLERANCE
     if "plain-sums" in smidgen.methods.METHODS[method].features:
-        yield "compensated sums", "--with plain-sums", smidgen.build(spec, method, values=values, native=False, features=("plain-sums",)), None
+        yield "compensated sums", "--with plain-sums", smidgen.build(spec, method, parameters=values, native=False, features=("plain-sums",)), None
     if smidgen.methods.METHODS[method].of_midpoints:
         yield "branch certificate", "(nothing)", without_certificate(spec, method, values, work), None
-    yield "any processor", "--native", smidgen.build(spec, method, values=values, native=True), None
-    yield "the same bits everywhere", "--fast", smidgen.build(spec, method, values=values, fast=True), None
-    yield "the last but one and stagnation", f"--fast --tolerance {TOLERANCE:g}", smidgen.build(spec, method, values=values, fast=True), TOLERANCE
+    yield "any processor", "--native", smidgen.build(spec, method, parameters=values, native=True), None
+    yield "the same bits everywhere", "--fast", smidgen.build(spec, method, parameters=values, fast=True), None
+    yield "the last but one and stagnation", f"--fast --tolerance {TOLERANCE:g}", smidgen.build(spec, method, parameters=values, fast=True), TOLERANCE
 
 
 def without_certificate(spec, method: str, values: dict, work: Path) -> Integrator:
     """The same model over headers that take every solution for the right one."""
-    model = smidgen.build(spec, method, values=values, native=False)
+    model = smidgen.build(spec, method, parameters=values, native=False)
     headers, here = work / "runtime", work / f"{model.name}-{method}"
     shutil.copytree(folder("runtime"), headers, dirs_exist_ok=True)
     for name, old, new in NO_BRANCH:
@@ -85,7 +85,7 @@ def step_of(model, w, h: float, tolerance, steps: int) -> float:
 def measured(name: str, method: str, rounds: int, work: Path) -> list[dict]:
     """Rows of one system and method."""
     spec, values = smidgen.load(name), SYSTEMS[name]
-    settings = settle(spec, values=values)
+    settings = settle(spec, parameters=values)
     found = list(variants(spec, method, values, work))
     all_of_them = found[0][2].start(settings.start, h=settings.h)
     w, h = np.array(all_of_them.w), settings.h if method == METHODS[0] else 4 * settings.h
@@ -102,10 +102,10 @@ def measured(name: str, method: str, rounds: int, work: Path) -> list[dict]:
 def certificate(name: str) -> dict:
     """How long `verify` takes, in steps of the run."""
     spec, values = smidgen.load(name), SYSTEMS[name]
-    settings, began = settle(spec, values=values), time.perf_counter()
-    smidgen.verify(spec, values=values, tier="quick")
+    settings, began = settle(spec, parameters=values), time.perf_counter()
+    smidgen.verify(spec, parameters=values, tier="quick")
     spent = time.perf_counter() - began
-    model = smidgen.build(spec, values=values).start(settings.start, h=settings.h)
+    model = smidgen.build(spec, parameters=values).start(settings.start, h=settings.h)
     step = step_of(model, np.array(model.w), settings.h, None, 2000)
     return dict(zip(COLUMNS, (name, METHODS[0], settings.h, "certificate", "not asking for it (verify --quick)", step, step, 100 * spent / (1e-9 * step * 1e9), "")))
 

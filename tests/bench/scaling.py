@@ -48,7 +48,7 @@ def prepare(name: str, values: dict):
     """A started integrator and what it took to make it."""
     spec = smidgen.load(str(folder("specs") / f"{name}.toml"))
     files, seconds = timed(generate, scene_of(spec, None, values))
-    model = smidgen.build(spec, values=values)
+    model = smidgen.build(spec, parameters=values)
     run = spec.runs[0]
     from smidgen.language.evaluate import evaluate
     from smidgen.run.step.evaluated import parameter_values

@@ -62,18 +62,18 @@ class Row:
 
 def generated(spec, method=SPHERICAL, steps=20, **values):
     """orbit(w, periods) of the emitted C."""
-    return stroboscope(smidgen.build(spec, method, values=values), PERIOD, steps)
+    return stroboscope(smidgen.build(spec, method, parameters=values), PERIOD, steps)
 
 
 def exact(spec, tol=1e-13, **values):
     """orbit(w, periods) of the witness's flow."""
-    return flow_stroboscope(Witness(spec, values=values), PERIOD, tol=tol)
+    return flow_stroboscope(Witness(spec, parameters=values), PERIOD, tol=tol)
 
 
 def runge_kutta(spec, steps=20, **values):
     """orbit(w, periods) of the classical Runge-Kutta method of order 4, put back on the sphere
     after every step: a method that is neither symplectic nor reversible, for contrast."""
-    witness, h = Witness(spec, values=values), PERIOD / steps
+    witness, h = Witness(spec, parameters=values), PERIOD / steps
 
     def orbit(w, periods):
         points = [np.array(w, float)]

@@ -291,9 +291,9 @@ def test_a_cache_shared_by_processors_keeps_their_builds_apart(spec, monkeypatch
 
 
 def test_a_new_value_is_no_new_build(toy):
-    one = smidgen.build(toy, values={"J": 2.0, "shift": [1.0, 2.0]})
-    other = smidgen.build(toy, values={"J": 3.0})
-    assert one.built.binary == other.built.binary == smidgen.build(toy, values={"n": 4}).built.binary
+    one = smidgen.build(toy, parameters={"J": 2.0, "shift": [1.0, 2.0]})
+    other = smidgen.build(toy, parameters={"J": 3.0})
+    assert one.built.binary == other.built.binary == smidgen.build(toy, parameters={"n": 4}).built.binary
 
 
 def test_a_cache_that_cannot_be_written(spec, tmp_path, monkeypatch):

@@ -160,7 +160,7 @@ def test_growth_is_measured_and_allowed_for():
 
 def test_many_sites_are_checked_by_residuals():
     spec = smidgen.load(folder("specs") / "heisenberg_chain.toml")
-    report = validate(spec, values={"n": 1000}, steps=20).check()
+    report = validate(spec, parameters={"n": 1000}, steps=20).check()
     assert "residual of 20 steps" in {x.check for x in report.lines}
 
 

@@ -37,7 +37,7 @@ def said(certificate, verdict):
 
 def judged(system, impostor, tier=SHORT, values=None, run=None, **more):
     """The certificate of an impostor in the place of the generated code for a system's spec."""
-    certificate = certify(load(system.name), run, tier=tier, subject=impostor, values=values, **more)
+    certificate = certify(load(system.name), run, tier=tier, subject=impostor, parameters=values, **more)
     print(certificate.text())
     return certificate
 
@@ -50,7 +50,7 @@ def generated(spec, **given):
 
 @pytest.mark.parametrize("name", tiers(SPECS, ("free_rigid_body", "nambu_a34"), ("heisenberg_chain", "vortex_tracers")))
 def test_every_shipped_spec_is_certified(name):
-    certificate = smidgen.verify(load(name), tier="quick", values=SIZES.get(name, {}))
+    certificate = smidgen.verify(load(name), tier="quick", parameters=SIZES.get(name, {}))
     print(certificate.text())
     assert said(certificate, NO) == set()
     assert {"order", "symplectic", "tangent map", "tangent symplectic", "reversible", "casimirs", "field",
@@ -60,7 +60,7 @@ def test_every_shipped_spec_is_certified(name):
 @pytest.mark.long
 @pytest.mark.parametrize("name", SPECS)
 def test_every_shipped_spec_is_certified_at_length(name):
-    certificate = smidgen.verify(load(name), values=SIZES.get(name, {}))
+    certificate = smidgen.verify(load(name), parameters=SIZES.get(name, {}))
     print(certificate.text())
     assert said(certificate, NO) == set()
 
@@ -79,7 +79,7 @@ def test_specs_beyond_the_shipped_ones_are_certified(text):
 def test_no_false_alarm_at_other_states(name, seeds):
     spec, values = load(name), SIZES.get(name, {})
     for seed in range(seeds):
-        assert said(certify(spec, tier=SHORT, values=values, seed_of_checks=seed), NO) == set()
+        assert said(certify(spec, tier=SHORT, parameters=values, seed_of_checks=seed), NO) == set()
 
 
 @pytest.mark.parametrize("name, h", [("forced_rigid_body", -np.pi / 30), *(pytest.param("point_vortices", h, marks=long) for h in (0.01, 0.4, -0.1))])
@@ -88,7 +88,7 @@ def test_any_step_is_certified(name, h):
 
 
 def test_what_a_system_has_is_found():
-    chain = smidgen.verify(load("heisenberg_chain"), tier=SHORT, values={"n": 6})
+    chain = smidgen.verify(load("heisenberg_chain"), tier=SHORT, parameters={"n": 6})
     assert chain.row("equivariant").note == "all rotations" and chain.row("momentum").verdict == YES
     assert chain.row("energy").verdict == NOT_APPLICABLE
     body = smidgen.verify(load("free_rigid_body"), tier=SHORT)
@@ -100,7 +100,7 @@ def test_what_fields_and_tracers_have_is_found():
     field = smidgen.verify(texts.read(texts.FIELD), tier=SHORT)
     assert field.row("equivariant").note.replace("-", "") == "about (0.36, 0.48, 0.8)" and field.row("energy").verdict == YES
     assert "time" in smidgen.verify(load("forced_rigid_body"), tier=SHORT).row("energy").note
-    tracers = smidgen.verify(load("vortex_tracers"), tier=SHORT, values={"m": 2})
+    tracers = smidgen.verify(load("vortex_tracers"), tier=SHORT, parameters={"m": 2})
     assert said(tracers, YES) >= {"symplectic", "tracers' area", "momentum"}
 
 
@@ -110,7 +110,7 @@ def test_what_fields_and_tracers_have_is_found():
 def test_a_list_in_place_of_one_number_is_certified():
     spec = texts.read('[model]\nname = "m"\n[parameters]\nK = { default = 1.0, size = 3 }\n[space]\nw = { sphere = 3, kappa = "K[i]" }\n'
                       '[effects.e]\nover = "pair(i, j)"\nenergy = "dot(w[i], w[j])"\n')
-    found = certify(spec, h=0.1, steps=10, values={"K": [1.0, 3.0, 0.5]}, tier=SHORT)
+    found = certify(spec, h=0.1, steps=10, parameters={"K": [1.0, 3.0, 0.5]}, tier=SHORT)
     assert found.row("momentum").verdict == YES and found.passed, found.text()
 
 
@@ -232,7 +232,7 @@ def test_a_reversed_bracket_is_refused():
 def test_a_wrong_sign_with_its_hessian_is_refused(name, effect):
     """The step is a perfect symplectic map of another system."""
     spec, values = load(name), SIZES.get(name, {})
-    certificate = certify(spec, tier=SHORT, values=values, subject=generated(wrong.wrong_sign(spec, effect), values=values))
+    certificate = certify(spec, tier=SHORT, parameters=values, subject=generated(wrong.wrong_sign(spec, effect), values=values))
     print(certificate.text())
     assert {"order", "field", "energy formula", "step", "residual"} <= said(certificate, NO)
     assert said(certificate, YES) >= {"symplectic", "tangent map", "tangent symplectic", "reversible", "casimirs"}
@@ -257,7 +257,7 @@ def test_a_tangent_of_another_step_is_refused():
 
 @pytest.mark.long
 def test_tracers_of_the_classical_midpoint_are_not_carried_by_area():
-    certificate = smidgen.verify(load("vortex_tracers"), tier=SHORT, values={"m": 3}, method=CLASSICAL)
+    certificate = smidgen.verify(load("vortex_tracers"), tier=SHORT, parameters={"m": 3}, method=CLASSICAL)
     assert {"symplectic", "tracers' area"} <= said(certificate, NO)
 
 
@@ -293,10 +293,10 @@ def test_every_row_has_said_no_here():
 
 @quick
 def test_the_json_says_all():
-    certificate = smidgen.verify(load("free_rigid_body"), tier=SHORT, values={"I2": 1.5})
+    certificate = smidgen.verify(load("free_rigid_body"), tier=SHORT, parameters={"I2": 1.5})
     data = json.loads(certificate.to_json())
     assert data["format"] == "smidgen certificate" and data["version"] == 2 and data["passed"] is True
-    assert data["values"] == {"I2": 1.5} and data["spec_digest"] == load("free_rigid_body").digest
+    assert data["set"] == {"I2": 1.5} and data["spec_digest"] == load("free_rigid_body").digest
     assert data["flags"] and data["compiler"] and len(data["generator_digest"]) == 64
     rows = {row["name"]: row for row in data["rows"]}
     assert rows["order"]["measured"] == certificate.row("order").measured       # all digits

@@ -41,7 +41,7 @@ def made(name):
 def looked(name, fault=None, tier="quick", **more):
     """(case, subject) with the fault switched on."""
     values, _ = MODELS[name]
-    case = Case(load(name), settle(load(name), None, values=values), 2, tier=tier)
+    case = Case(load(name), settle(load(name), None, parameters=values), 2, tier=tier)
     return case, made(name).switch(fault, **more)
 
 

@@ -164,7 +164,7 @@ def test_choices_reach_the_run(command, tmp_path):
                    "--what", "states,casimirs", "--out", "a.csv")
     assert said.returncode == 0, said.stderr
     result = smidgen.load_result(tmp_path / "a.csv")
-    assert result.meta["values"] == {"I1": 1.0, "I2": 1.5, "I3": 3.0}
+    assert result.meta["parameters"] == {"I1": 1.0, "I2": 1.5, "I3": 3.0}
     assert result.meta["method"] == "classical-midpoint" and result.meta["steps"] == 64
     assert result.step.tolist() == list(range(0, 65, 8)) and set(result.values) == {"casimirs"}
 

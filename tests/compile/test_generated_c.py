@@ -204,7 +204,7 @@ def sanitized(where, case, method, solver="auto", real="double", compiler="gcc")
     """50 steps of a program under ASan and UBSan; their numbers are those of the library."""
     sources = written(where, case.spec, method, solver)
     integrator = model(case, method, solver=solver, real=real)
-    values = parameter_values(integrator.scene, integrator.values_in)
+    values = parameter_values(integrator.scene, integrator.parameters)
     free = [p for p in integrator.scene.parameters if not p.fixed]
     scalars = {p.name: values[p.name] for p in free if p.kind != "array"}
     arrays = {p.name: values[p.name] for p in free if p.kind == "array"}

@@ -152,7 +152,7 @@ def test_one_build_for_one_plan(name, read, compilations):
 def test_runs_of_any_size_and_step_share_a_build(read, compilations):
     spec = read(VORTICES + '[runs.r]\nstart = "any"\nh = 0.1\nsteps = 4\n')
     for n, h in ((3, 0.1), (4, 0.1), (4, -0.02), (9, 0.05)):
-        result = smidgen.run(spec, h=h, steps=2, values={"n": n, "gamma": list_of(n)})
+        result = smidgen.run(spec, h=h, steps=2, parameters={"n": n, "gamma": list_of(n)})
         assert result.w["w"].shape == (3, n, 3)
     assert len(compilations) == 1
 
@@ -162,7 +162,7 @@ def test_the_bits_are_those_of_a_build_of_its_own(name, read, compilations, tmp_
     """The library made for the first size, used for the last; against the C that `smidgen gen` writes for the last."""
     text, values, _ = FAMILIES[name]
     spec = read(text)
-    shared = [smidgen.build(spec, values=given) for given in values][-1]
+    shared = [smidgen.build(spec, parameters=given) for given in values][-1]
     monkeypatch.setenv("SMIDGEN_CACHE", str(tmp_path / "own"))
     scene = scene_of(spec, None, values[-1])
     own = build_library(scene, generate=lambda *given: split_notes(generate(*given[:3], features=given[3])))

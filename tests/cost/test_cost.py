@@ -261,7 +261,7 @@ SYSTEMS = ("free_rigid_body", "forced_rigid_body", "vortex_tracers", "nambu_a34"
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_general_integrators_get_to_the_same_end(name):
     spec = smidgen.load(name)
-    case = Case(spec, settle(spec, values={"n": 6} if name == "heisenberg_chain" else {}), 0.2 if name.startswith("nambu") else 1.0)
+    case = Case(spec, settle(spec, parameters={"n": 6} if name == "heisenberg_chain" else {}), 0.2 if name.startswith("nambu") else 1.0)
     known, (found, missing) = reference(case), of_case(case)
     assert {"gsl-rk8pd", "scipy"} <= set(found) and set(found) | set(missing) == set(PEERS)
     case.peers = found
@@ -276,11 +276,11 @@ def test_general_integrators_get_to_the_same_end(name):
 def test_fields_by_hand_are_those_of_the_specs(name, values):
     """With other values too; the end is the flow's, forwards and backwards."""
     spec = smidgen.load(name)
-    case = Case(spec, settle(spec, values=values), -2.0)
+    case = Case(spec, settle(spec, parameters=values), -2.0)
     found, missing = of_case(case, ("c-by-hand",))
     assert not missing
     states, steps = found["c-by-hand"].states(1e-12, [-1.0, -2.0])
-    flow = Witness(spec, values=values).flow(case.w, 0.0, [-1.0, -2.0])
+    flow = Witness(spec, parameters=values).flow(case.w, 0.0, [-1.0, -2.0])
     assert steps > 5 and max(case.distance(a, b) for a, b in zip(states, flow)) < 1e-9
     assert found["c-by-hand"].seconds(1e-6, 3) > 0
 
@@ -487,11 +487,11 @@ EXPLICIT = ("cf4", "sublattice-rotations-4")
 def test_explicit_steps_have_no_tolerance_to_end_at():
     """A tolerance would change no bit of them: they are timed once, and compared with others."""
     spec = smidgen.load("heisenberg_chain")
-    pick = smidgen.choose(spec, error=1e-6, time=2, values={"n": 8}, methods=(*EXPLICIT, "gauss-4"))
+    pick = smidgen.choose(spec, error=1e-6, time=2, parameters={"n": 8}, methods=(*EXPLICIT, "gauss-4"))
     found = [(row.method, row.tolerance == row.tolerance) for row in (pick.row, *pick.others)]
     assert {name for name, _ in found} & set(EXPLICIT) and len(set(found)) == len(found)
     assert not any(loose for name, loose in found if name in EXPLICIT)
-    case, known = Case(spec, settle(spec, values={"n": 8}), 2.0), Reference(np.zeros((8, 3)), 0.0, ())
+    case, known = Case(spec, settle(spec, parameters={"n": 8}), 2.0), Reference(np.zeros((8, 3)), 0.0, ())
     swept = {name: sweep.loosened(case, sweep.one(case, name, 20, known), known, 1e-6) for name in candidates(case, (*EXPLICIT, "gauss-4"))}
     assert [name for name, rows in swept.items() if rows] == ["gauss-4"]
 

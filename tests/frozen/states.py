@@ -18,7 +18,7 @@ MEMBERS = 11                # of an ensemble: no multiple of any number of lanes
 def bits(case) -> tuple[str, str]:
     """A digest for the step size of the spec's first run and one for LARGE times it; the name of the error where the case is refused."""
     spec, values = smidgen.load(case.spec), dict(case.values)
-    h = settle(spec, spec.runs[0].name, values=values).h
+    h = settle(spec, spec.runs[0].name, parameters=values).h
     found = of_ensemble if "ensemble" in case.features else of_integrator
     try:
         return tuple(digest(found(case, spec, values, size)) for size in (h, LARGE * h))
@@ -28,7 +28,7 @@ def bits(case) -> tuple[str, str]:
 
 def of_integrator(case, spec, values, h):
     """Bytes of the states, and of tangent vectors where the case has a tangent map."""
-    model = smidgen.build(spec, case.method, values=values, solver=case.solver, real=case.real, features=case.features)
+    model = smidgen.build(spec, case.method, parameters=values, solver=case.solver, real=case.real, features=case.features)
     for k in range(STARTS):
         try:
             model.start(start(spec, values, 7 * k), h=h)
@@ -44,7 +44,7 @@ def of_integrator(case, spec, values, h):
 def of_ensemble(case, spec, values, h):
     """Bytes of the last states of all members, with the steps that each has taken."""
     starts = np.array([start(spec, values, 7 * k) for k in range(MEMBERS)])
-    found = smidgen.ensemble(spec, starts, values=values, h=h, steps=STEPS, method=case.method, solver=case.solver, threads=1)
+    found = smidgen.ensemble(spec, starts, parameters=values, h=h, steps=STEPS, method=case.method, solver=case.solver, threads=1)
     yield found.steps.tobytes()
     yield significant(found.w)
 

@@ -98,7 +98,7 @@ def spec_around(draw):
 
 KEYS = ("name", "title", "orientation", "sphere", "r3", "nambu", "kappa", "radius", "tracer", "C", "default", "meaning", "unit",
         "size", "vector", "fixed", "over", "energy", "value", "theta", "phi", "vectors", "x", "y", "z", "random", "normalise",
-        "start", "h", "time", "steps", "method", "effects", "set", "solver", "output", "every", "what", "section", "boundary",
+        "start", "h", "time", "steps", "method", "effects", "set", "solver", "output", "every", "what", "period", "boundary",
         "sites", "bonds", "from", "to", "offset", "at", "file", "a", "n", "w", "J", "f(a)", "", "\u00e9", "x" * 50, "int", "t", "i")
 VALUES = ("1", "0", "-1", "4", "1.0", "0.0", "1e400", "inf", "nan", "-0.0", "9223372036854775808", "10" * 30, "true", "[]", "{}",
           "[1, 2, 3]", "[[1, 0, 0], [0, 1, 0]]", "[[[[[]]]]]", '"n"', '"m"', '""', '"w"', "1979-05-27", '"spherical-midpoint"',

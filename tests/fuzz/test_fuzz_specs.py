@@ -138,7 +138,7 @@ def test_random_specs_can_be_read(tmp_path):
         (tmp_path / "model.toml").write_text(text)
         spec = smidgen.load(tmp_path / "model.toml")
         s = settle(spec, "fuzz")
-        select(spec, s.effects, s.values)
+        select(spec, s.effects, s.parameters)
 
 
 @pytest.mark.quick

@@ -108,15 +108,15 @@ class Passage:
         self.spec = smidgen.load(self.where / "model.toml")
         s = self.settings = settle(self.spec, self.spec.runs[0].name)
         self.features = tuple(f for f in self.features if f in (*METHODS[s.method].features, *EVERYWHERE))
-        self.values = parameter_values(self.spec, s.values)
-        self.w = initial_state(self.spec, s.start, s.values)
+        self.values = parameter_values(self.spec, s.parameters)
+        self.w = initial_state(self.spec, s.start, s.parameters)
         self.found.update(method=s.method, features=" ".join(self.features), sites=len(self.w))
 
     def generate(self):
         """C for the values of the run, as Python and the command build it; and C for the defaults, where it differs."""
         s = self.settings
         self.stage("generate")
-        self.scene = scene_of(self.spec, s.effects, s.values)
+        self.scene = scene_of(self.spec, s.effects, s.parameters)
         self.files = self.generated(self.scene)
         first = self.at_defaults()
         self.same = [p.default for p in first.parameters] == [p.default for p in self.scene.parameters]
@@ -126,7 +126,7 @@ class Passage:
     def at_defaults(self):
         """The scene of the spec's own numbers, but for what is compiled in; the run's where such a list has another size."""
         s = self.settings
-        fixed = {p.name: s.values[p.name] for p in self.spec.parameters if p.fixed and p.name in s.values}
+        fixed = {p.name: s.parameters[p.name] for p in self.spec.parameters if p.fixed and p.name in s.parameters}
         try:
             return select(self.spec, s.effects, fixed)
         except UsageError:
@@ -186,7 +186,7 @@ class Passage:
         with builds((*STANDARD, level, *STRICT), self.where / "cache", compiler):
             built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
                                   generate=lambda *_: self.files)
-        prepared = prepare(self.spec, self.settings.method, self.settings.effects, self.settings.values, self.settings.solver)
+        prepared = prepare(self.spec, self.settings.method, self.settings.effects, self.settings.parameters, self.settings.solver)
         self.model = Integrator(dataclasses.replace(prepared, scene=self.scene, numbers=prepared.numbers.of(self.scene)), built)
 
     def witness(self):

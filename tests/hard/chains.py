@@ -123,7 +123,7 @@ def stiff(steps_of_ds2, n=100):
     """The Landau-Lifshitz curve at the smooth start, h = steps_of_ds2 ds^2, solved by Newton."""
     i = np.arange(n)
     w = polar(0.7 + 0.3 * np.sin(6 * pi * i / n), 2 * pi * i / n)
-    model = smidgen.build(shipped("landau_lifshitz"), values={"n": n}, solver="newton")
+    model = smidgen.build(shipped("landau_lifshitz"), parameters={"n": n}, solver="newton")
     return model.start(w, h=steps_of_ds2 * (2 * pi / n)**2)
 
 
@@ -165,7 +165,7 @@ def not_contracting():
     # broken by: returning the last iterate as a solution, products with another matrix than that of the step
     i = np.arange(N)
     w = polar(0.7 + 0.3 * np.sin(6 * pi * i / N), 2 * pi * i / N)
-    plain, newton = (smidgen.build(load("spin_wave"), values={"n": N, "J": -1.0}, solver=solver).start(w.copy(), h=1.5)
+    plain, newton = (smidgen.build(load("spin_wave"), parameters={"n": N, "J": -1.0}, solver=solver).start(w.copy(), h=1.5)
                      for solver in ("plain", "newton"))
     for name, model in (("plain", plain), ("newton", newton)):
         yield Row(f"h = 1.5, {name}", "ok", status_of(attempt(model)), model.count == 1)

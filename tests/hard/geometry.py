@@ -17,7 +17,7 @@ def load(name: str):
 
 def build(name: str, **values):
     """Compiled, with these values of its parameters."""
-    return smidgen.build(load(name), values=values)
+    return smidgen.build(load(name), parameters=values)
 
 
 def polar(theta, phi):

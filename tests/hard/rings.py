@@ -42,7 +42,7 @@ KAPPA = 1.0
 
 def vortices(N):
     """N compiled vortices of equal strength."""
-    return smidgen.build(shipped("point_vortices"), values={"n": N, "gamma": [KAPPA] * N})
+    return smidgen.build(shipped("point_vortices"), parameters={"n": N, "gamma": [KAPPA] * N})
 
 
 def rate(N, z):

@@ -127,7 +127,7 @@ def stiff_axis():
     # broken by: a Jacobian without the anisotropy's own block (Newton fails), the neighbour's branch
     for K in (1.0, 100.0, 1e4):
         for theta in (0.2, 0.8):
-            model = smidgen.build(load("easy_axis"), values={"K": K})
+            model = smidgen.build(load("easy_axis"), parameters={"K": K})
             w = polar([theta], [0.0])
             z, r2 = cos(theta), sin(theta)**2
             law = lambda phi: mp.tan(phi / 2) * (1 - r2 * mp.sin(phi / 2)**2) - mp.mpf("0.1") * K * z

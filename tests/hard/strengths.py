@@ -105,7 +105,7 @@ def zero():
     """Refused at the start."""
     # broken by: 1/kappa = Inf that reaches the state
     try:
-        smidgen.build(load("two_spins"), values={"k": [1.0, 0.0]}).start("any", h=0.1)
+        smidgen.build(load("two_spins"), parameters={"k": [1.0, 0.0]}).start("any", h=0.1)
         said = "started"
     except SmidgenError as error:
         said = str(error)

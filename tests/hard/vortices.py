@@ -98,7 +98,7 @@ SOLVERS = ("auto", "rotation", "plain")        # `auto` takes rotation from 301 
 
 def vortices(strengths, solver="auto"):
     """The compiled vortices of these strengths."""
-    return smidgen.build(shipped("point_vortices"), values={"n": len(strengths), "gamma": list(strengths)}, solver=solver)
+    return smidgen.build(shipped("point_vortices"), parameters={"n": len(strengths), "gamma": list(strengths)}, solver=solver)
 
 
 def by(solver):

@@ -46,8 +46,8 @@ def test_a_hint_says_what_to_write(old, new, said):
 
 @pytest.mark.parametrize("call, said", [
     (lambda s: smidgen.build(s, "demo"), r"that is a run of m. `smidgen.run\(spec, 'demo'\)`"), (lambda s: smidgen.build(s, "gaus-8"), "did you mean 'gauss-8'"),
-    (lambda s: smidgen.build(s, "nothing at all"), "there are 6[0-9], such as"), (lambda s: smidgen.build(s, values={"b": 2.0}), "did you mean .B."),
-    (lambda s: smidgen.run(s, values={"b": 2.0}), "did you mean .B."), (lambda s: parameter_values(s, {"b": 2.0}), "did you mean .B.")])
+    (lambda s: smidgen.build(s, "nothing at all"), "there are 6[0-9], such as"), (lambda s: smidgen.build(s, parameters={"b": 2.0}), "did you mean .B."),
+    (lambda s: smidgen.run(s, parameters={"b": 2.0}), "did you mean .B."), (lambda s: parameter_values(s, {"b": 2.0}), "did you mean .B.")])
 def test_a_name_that_is_none_gets_the_one_that_was_meant(call, said):
     with pytest.raises(UsageError, match=said) as refused:
         call(load_text(TEXT))
@@ -65,7 +65,7 @@ def test_a_bond_that_is_longer_than_the_lattice_is_named():
     spec = load_text(TEXT.replace('over = "site(i) of w"\nenergy = "B*w[i].z"', 'over = "bond(i, j) of far.a"\nenergy = "B*K*dot(w[i], w[j])"'))
     with pytest.raises(SmidgenError, match="effect 'a': a bond reaches 5 cells along direction 1 of its lattice, which has 3"):
         smidgen.run(spec)
-    assert smidgen.run(spec, values={"n": 6}).meta["status"] == "complete"
+    assert smidgen.run(spec, parameters={"n": 6}).meta["status"] == "complete"
 
 
 def test_going_on_with_a_complete_file_does_not_say_that_it_wrote_it(command, tmp_path):

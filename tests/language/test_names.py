@@ -138,10 +138,10 @@ def test_in_python_a_name_is_that_of_the_spec():
     macro = ["INT8_MAX", "INT64_MAX", "FLT_MAX", "FP_ZERO", *(f"M_X{k}" for k in range(12))]
     states = []
     for words in (plain, macro):
-        model = smidgen.build(smidgen.load_text(worded(words)), values={words[1]: 5, words[5]: 0.7})
+        model = smidgen.build(smidgen.load_text(worded(words)), parameters={words[1]: 5, words[5]: 0.7})
         states.append(model.start("a", h=0.002).steps(20).w.copy())
         with pytest.raises(UsageError, match=words[6]):
-            smidgen.build(smidgen.load_text(worded(words)), values={words[6]: "none"}).start("a", h=0.1)
+            smidgen.build(smidgen.load_text(worded(words)), parameters={words[6]: "none"}).start("a", h=0.1)
     assert states[0].shape == (5, 3) and np.array_equal(states[0], states[1])
 
 

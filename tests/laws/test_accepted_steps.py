@@ -43,7 +43,7 @@ class System:
         self.k, (nx, ny) = np.asarray(k, float), square or (1, 1)
         count, over = ('"nx*ny"', "bond(i, j) of square(nx, ny, periodic)") if square else (len(k), "pair(i, j) of w")
         spec = load_text(TEXT.format(count=count, nx=nx, ny=ny, over=over))
-        self.model = smidgen.build(spec, solver=solver, values={"k": list(map(float, k))})
+        self.model = smidgen.build(spec, solver=solver, parameters={"k": list(map(float, k))})
         self.i, self.j = bonds(nx, ny) if square else np.triu_indices(len(k), 1)
 
     def step(self, w, h):

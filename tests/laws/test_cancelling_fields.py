@@ -103,7 +103,7 @@ def test_a_site_next_to_a_fixed_vortex(method):
 def test_tracers_next_to_a_vortex():
     """Every step is taken, and its residual is the round-off of the field."""
     m, dice, spec = 24, np.random.default_rng(2), smidgen.load_text(ROTATING)
-    top, witness = smidgen.build(spec, values={"m": m}), Witness(spec, {"m": m})
+    top, witness = smidgen.build(spec, parameters={"m": m}), Witness(spec, {"m": m})
     for d in (3e-2, 1e-2, 1e-3, 1e-5):
         for angle in (0.02, 0.2, 0.8):
             vortices = unit(dice.standard_normal((3, 3)))
@@ -189,14 +189,14 @@ def edges(one):
 
 def test_no_tracer_of_a_hundred_ends_a_run():
     """One came near a vortex after 1905 steps."""
-    top = smidgen.build(smidgen.load_text(ROTATING), values={"m": 100})
+    top = smidgen.build(smidgen.load_text(ROTATING), parameters={"m": 100})
     assert top.start("ring", h=0.1).steps(4000).count == 4000
 
 
 @pytest.mark.parametrize("start, seed, m", [("ring", None, 100), *(("any", seed, 20) for seed in range(4))])
 def test_sums_of_tracers_near_vortices(start, seed, m):
     """The round-off of their field, which is of one sign from step to step, is not taken for a lost compensation; that is seen."""
-    settings = settle(spec := smidgen.load_text(ROTATING), "demo", start=start, seed=seed, values={"m": m})
+    settings = settle(spec := smidgen.load_text(ROTATING), "demo", start=start, seed=seed, parameters={"m": m})
     for features, least, most in (((), 0.03, 0.1), (("plain-sums",), 0.4, np.inf)):
         (row,) = sums(Case(spec, settings, 4), emitted(spec, settings, features))
         assert least < row.measured < most

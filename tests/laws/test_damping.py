@@ -221,9 +221,9 @@ def test_a_restart_has_the_bits_of_the_unbroken_run():
 @pytest.mark.parametrize("name", ["axis", "pairs"])
 def test_members_of_an_ensemble_have_their_own_damping_and_the_bits_that_they_have_alone(name):
     spec, alphas = spec_of(name), np.array([0.0, 0.1, 0.4, 1.0, 0.05, 0.2, 0.3, 0.7, 0.9])
-    found = smidgen.ensemble(spec, "a", h=0.1, steps=30, values={"alpha": alphas})
+    found = smidgen.ensemble(spec, "a", h=0.1, steps=30, parameters={"alpha": alphas})
     for k, alpha in enumerate(alphas):
-        assert np.array_equal(build(spec, values={"alpha": float(alpha)}).start("a", h=0.1).steps(30).w, found.w[k])
+        assert np.array_equal(build(spec, parameters={"alpha": float(alpha)}).start("a", h=0.1).steps(30).w, found.w[k])
 
 
 def test_threads_and_single_rows_give_the_same_bits():

@@ -113,7 +113,7 @@ random = 1
 @pytest.mark.parametrize("kappa", [(1.0, 1e-12), (1e-12, -1.0), (1e6, -1e-6), (1e12, 1e-12)])
 def test_strengths_over_24_decades(kappa):
     """k1 dW1 + k2 dW2 = 0: the sum alone would hide a wrong light particle."""
-    one = smidgen.build(smidgen.load_text(PAIR), values={"k": list(kappa)})
+    one = smidgen.build(smidgen.load_text(PAIR), parameters={"k": list(kappa)})
     light, heavy = np.argsort(np.abs(kappa))
     w = np.array([[0.6, 0, 0.8], [0, -0.28, 0.96]])
     h = 0.1 / max(map(abs, kappa))
@@ -129,7 +129,7 @@ def test_strengths_over_24_decades(kappa):
 
 def test_no_strength_is_refused():
     with pytest.raises(smidgen.SmidgenError, match="kappa|strength|0"):
-        smidgen.build(smidgen.load_text(PAIR), values={"k": [1.0, 0.0]}).start("any", h=0.1)
+        smidgen.build(smidgen.load_text(PAIR), parameters={"k": [1.0, 0.0]}).start("any", h=0.1)
 
 
 # -- collapse ---------------------------------------------------------------------------------------
@@ -139,7 +139,7 @@ def test_a_collapse_ends_in_a_typed_error(h):
     """On the way in the steps follow the flow; at the end no step exists, and the state is kept."""
     strengths, w = collapse_start()
     spec, values = load("point_vortices"), {"n": 3, "gamma": strengths}
-    one = smidgen.build(spec, values=values).start(w.copy(), h=h)
+    one = smidgen.build(spec, parameters=values).start(w.copy(), h=h)
     momentum = np.array(strengths) @ w
     gap = smallest(w)
     with pytest.raises(RunError) as failed:

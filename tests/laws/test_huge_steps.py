@@ -69,7 +69,7 @@ def test_a_huge_step(name):
 def test_a_huge_field(method):
     spec = smidgen.load_text(CHAIN)
     for J in (1e20, -1e100, 1e150):
-        model = smidgen.build(spec, method, values={"J": J})
+        model = smidgen.build(spec, method, parameters={"J": J})
         for h in (0.1, 1e100, 1e160, 1.7e308):
             stepped(model.start("a", h=h), 10_000)
 
@@ -87,7 +87,7 @@ def test_step_control_ends_where_it_sees_no_end():
     assert stepped(body) == 0 and 250 < body.report()["iterations"] < 350
     for h in (1e5, 1e8):
         assert stepped(body.start(h=h)) == NO_CONVERGENCE and body.report()["iterations"] <= 128
-    chain = smidgen.build(smidgen.load_text(CHAIN), "dop853", values={"n": 64}).start("a", h=1e6)
+    chain = smidgen.build(smidgen.load_text(CHAIN), "dop853", parameters={"n": 64}).start("a", h=1e6)
     assert stepped(chain) == NO_CONVERGENCE and chain.report()["iterations"] <= 128
 
 
@@ -98,9 +98,9 @@ def test_members_in_lanes_end_where_they_end_alone(method):
     w, own = rng.standard_normal((13, 1, 3)), {"I1": 10.0 ** rng.uniform(-2, 5, 13)}
     w /= np.linalg.norm(w, axis=2)[..., None]
     for h in (300.0, 1e150, 1.7e308):
-        found = smidgen.ensemble(spec, w, values=own, h=h, steps=2, method=method)
+        found = smidgen.ensemble(spec, w, parameters=own, h=h, steps=2, method=method)
         for k in range(13):
-            alone = smidgen.build(spec, method, values={"I1": own["I1"][k]}).start(w[k].copy(), h=h)
+            alone = smidgen.build(spec, method, parameters={"I1": own["I1"][k]}).start(w[k].copy(), h=h)
             done = alone.advance(2)
             assert found.steps[k] == done and bits(found.w[k]) == bits(alone.state())
         assert np.isfinite(found.w).all() and (h != 300 or method != "dop853" or 0 < np.count_nonzero(found.status) < 13)

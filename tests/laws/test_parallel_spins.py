@@ -34,7 +34,7 @@ def lengths(model):
 def changes(lattice, field, strength, count, orbits=6):
     """|w_i| - |w_i(0)| after `count` steps, of every spin and orbit, in units of 2^-53."""
     sites, neighbours = LATTICES[lattice]
-    model = smidgen.build(smidgen.load_text(SPEC.format(lattice=lattice, sites=sites)), values={"B": field})
+    model = smidgen.build(smidgen.load_text(SPEC.format(lattice=lattice, sites=sites)), parameters={"B": field})
     found = []
     for seed in range(orbits):
         model.start(parallel(sites, seed), h=strength / neighbours)
@@ -65,7 +65,7 @@ def test_one_spin_along_its_field_stays(strength):
     text = SPEC.format(lattice="chain(n, open)", sites=1).replace("B*w[i].z", "B*(w[i].z + 2*w[i].x - w[i].y)").split("[effects.exchange]")
     spec = smidgen.load_text(text[0] + "[effects.field]" + text[1].split("[effects.field]")[1])
     w = np.array([[2, -1, 1]]) / np.sqrt(6)
-    model = smidgen.build(spec, values={"B": 1}).start(w, h=strength / np.sqrt(6))
+    model = smidgen.build(spec, parameters={"B": 1}).start(w, h=strength / np.sqrt(6))
     before = lengths(model)
     assert np.abs(lengths(model.steps(1000)) - before).max() < 2**-52
 

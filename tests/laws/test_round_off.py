@@ -94,7 +94,7 @@ def test_two_spins_do_not_drift_at_large_steps(K, draw, count):
     step ended with one, |w|^2 was off by 8e-13 after 1e5 steps. What is left walks at random, an ulp a step."""
     dice = np.random.default_rng(0)
     w = [dice.normal(size=(2, 3)) for _ in range(draw + 1)][-1]
-    one = smidgen.build(smidgen.load_text(TWO), values={"K": K}).start(w / np.linalg.norm(w, axis=1)[:, None], h=1.0)
+    one = smidgen.build(smidgen.load_text(TWO), parameters={"K": K}).start(w / np.linalg.norm(w, axis=1)[:, None], h=1.0)
     before = one.w.copy()
     after = one.steps(count).w
     squares = [(x.sum(axis=0) ** 2).sum() for x in (before, after)]

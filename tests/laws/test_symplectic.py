@@ -168,7 +168,7 @@ def test_tracers_leave_the_vortices_alone():
     ends = []
     for count in (1, 7):
         case = begin(TRACERS, m=count)
-        ends.append(smidgen.build(case.spec, values=case.values).start(case.w, h=0.1).steps(200).w[:3])
+        ends.append(smidgen.build(case.spec, parameters=case.values).start(case.w, h=0.1).steps(200).w[:3])
     assert np.array_equal(*ends)
 
 

@@ -349,7 +349,7 @@ def rattle_step(w, inertia, h):
 @pytest.mark.parametrize("h", [0.1, 0.5])
 def test_rattle_for_the_free_body_is_discrete_moser_veselov(inertia, h):
     """McLachlan and Zanna, The discrete Moser-Veselov algorithm for the free rigid body, revisited (2005): so the registry has it once."""
-    integrator = smidgen.build(FREE, "moser-veselov", values=dict(zip(("I1", "I2", "I3"), inertia))).start("paper", h=h)
+    integrator = smidgen.build(FREE, "moser-veselov", parameters=dict(zip(("I1", "I2", "I3"), inertia))).start("paper", h=h)
     w = integrator.w[0].copy()
     for _ in range(20):
         w = rattle_step(w, np.array(inertia), h)

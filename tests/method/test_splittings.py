@@ -280,7 +280,7 @@ def test_compositions_of_sublattice_rotations_have_their_order(quad, scheme):
 def test_a_site_that_is_its_own_neighbour_is_refused():
     spec = model("tiny", RING.format("n", "periodic") + '"w[i].x*w[j].x"', SITES + '"w[i].z"', 'w = { sphere = "n" }', "[starts.a]\nrandom = 1\n[parameters]\nn = 4")
     with pytest.raises((RunError, UsageError)):
-        smidgen.build(spec, "sublattice-rotations", values={"n": 1}).start("a", h=0.1)
+        smidgen.build(spec, "sublattice-rotations", parameters={"n": 1}).start("a", h=0.1)
 
 
 # ---- pairs -----------------------------------------------------------------------------------------

@@ -70,7 +70,7 @@ class Step:
 
 
 def long_step(case, method=SPHERICAL, solver="auto", h=None, features=TANGENT):
-    model = smidgen.build(case.spec, method=method, values=case.values, solver=solver, real="long double",
+    model = smidgen.build(case.spec, method=method, parameters=case.values, solver=solver, real="long double",
                           features=features)
     return Step(model, case.h if h is None else h)
 
@@ -211,7 +211,7 @@ def test_in_double_precision(name):
     w = polished(generic_state(step, case).astype(float).astype(np.longdouble), leaves_of(case).radius)
     v = np.random.default_rng(3).standard_normal((2, *w.shape))
     expected = step.tangent(w, v.astype(np.longdouble))
-    one = smidgen.build(case.spec, values=case.values, features=TANGENT)
+    one = smidgen.build(case.spec, parameters=case.values, features=TANGENT)
     one.start(w.astype(float), h=case.h, t0=0.3).step()
     assert np.abs(one.tangent(v) - expected).max() < 1e-13 * np.abs(expected).max()
 
@@ -220,8 +220,8 @@ def test_in_double_precision(name):
 @pytest.mark.parametrize("name", tiers(["forced_rigid_body", "product"], (), ("forced_rigid_body",)))
 def test_beside_other_features(name, feature):
     case = begin(name)
-    one = smidgen.build(case.spec, values=case.values, features=("tangent", feature))
-    alone = smidgen.build(case.spec, values=case.values, features=TANGENT)
+    one = smidgen.build(case.spec, parameters=case.values, features=("tangent", feature))
+    alone = smidgen.build(case.spec, parameters=case.values, features=TANGENT)
     v = np.random.default_rng(0).standard_normal((2, *case.w.shape))
     expected, found = (m.start(case.w.copy(), h=case.h).push_forward(v.copy(), 3) for m in (alone, one))
     assert np.abs(found - expected).max() < 1e-13 * np.abs(expected).max()
@@ -296,7 +296,7 @@ def test_a_wrong_gradient_is_found_by_the_symplectic_form(monkeypatch):
 
 def spins(solver="auto", **more):
     case = begin("heisenberg_chain", n=12)
-    return smidgen.build(case.spec, values=case.values, solver=solver, features=TANGENT, **more), case
+    return smidgen.build(case.spec, parameters=case.values, solver=solver, features=TANGENT, **more), case
 
 
 @pytest.mark.parametrize("name, solver", [("forced_rigid_body", "auto"), *(
@@ -305,8 +305,8 @@ def spins(solver="auto", **more):
 def test_the_steps_keep_their_bits(name, solver):
     """With or without the feature, with or without calls between the steps."""
     case = begin(name)
-    plain = smidgen.build(case.spec, values=case.values, solver=solver).start(case.w.copy(), h=case.h)
-    one = smidgen.build(case.spec, values=case.values, solver=solver, features=TANGENT).start(case.w.copy(), h=case.h)
+    plain = smidgen.build(case.spec, parameters=case.values, solver=solver).start(case.w.copy(), h=case.h)
+    one = smidgen.build(case.spec, parameters=case.values, solver=solver, features=TANGENT).start(case.w.copy(), h=case.h)
     v = np.random.default_rng(0).standard_normal((2, *case.w.shape))
     for _ in range(30):
         plain.step()
@@ -318,7 +318,7 @@ def test_the_steps_keep_their_bits(name, solver):
 def test_steps_by_rows_give_way(solver):
     """With the feature no step goes by rows, whose lanes sum in another order: the same solutions, to round-off."""
     case = begin("heisenberg_chain")
-    plain, one = (smidgen.build(case.spec, values=case.values, solver=solver, features=f).start(case.w.copy(), h=case.h) for f in ((), TANGENT))
+    plain, one = (smidgen.build(case.spec, parameters=case.values, solver=solver, features=f).start(case.w.copy(), h=case.h) for f in ((), TANGENT))
     for _ in range(30):
         assert one.step().w == pytest.approx(plain.step().w, rel=0, abs=1e-14)
 

@@ -92,10 +92,10 @@ def test_what_the_field_says_is_what_the_formulas_prove(name):
     """The directions of the momentum by numbers, and the proofs of `explain`."""
     spec = smidgen.load(name)
     run = spec.runs[0]
-    report = smidgen.explain(spec, values=dict(run.values), effects=run.effects)
+    report = smidgen.explain(spec, parameters=dict(run.parameters), effects=run.effects)
     own = {f.name for f in spec.families if not f.tracer}
     proved = sum(len(axes) for names, axes in report.rotations if own <= set(names))
-    model = smidgen.build(spec, values=dict(run.values), effects=run.effects).start(run.start, h=0.01)
+    model = smidgen.build(spec, parameters=dict(run.parameters), effects=run.effects).start(run.start, h=0.01)
     if any(f.kind == "nambu" for f in spec.families):
         assert len(conserved_axes(model)) == 0
     else:

@@ -66,10 +66,10 @@ def points(members: int, seed: int = 0) -> np.ndarray:
 
 def alone(spec, w, h, steps, t0=0.0, **how):
     """(state, status, steps taken) of each member by itself."""
-    values, own, tolerance = how.pop("values", {}), how.pop("own", {}), how.pop("tolerance", None)
+    values, own, tolerance = how.pop("parameters", {}), how.pop("own", {}), how.pop("tolerance", None)
     found = []
     for k, one in enumerate(w):
-        model = smidgen.build(spec, values={**values, **{name: value[k] for name, value in own.items()}}, **how).start(one.copy(), t0, h, tolerance=tolerance)
+        model = smidgen.build(spec, parameters={**values, **{name: value[k] for name, value in own.items()}}, **how).start(one.copy(), t0, h, tolerance=tolerance)
         done = model.advance(steps)
         error = model.failure()
         found.append((model.state(), 0 if error is None else error.status, done))
@@ -128,7 +128,7 @@ def test_any_number_of_members(members):
 def test_parameters_of_each_member(how, name, own):
     spec, w, rng = SPECS[name], points(11), np.random.default_rng(5)
     own = {p: rng.uniform(*ends, (11, 3) if p == "B" else 11) for p, ends in own.items()}
-    found = smidgen.ensemble(spec, w, values=own, h=0.1, steps=50, **how)
+    found = smidgen.ensemble(spec, w, parameters=own, h=0.1, steps=50, **how)
     assert agree(found, alone(spec, w, 0.1, 50, own=own))
 
 
@@ -158,9 +158,9 @@ def test_steps_of_their_own_in_lanes(how, name, method):
 def test_members_that_take_more_steps_than_others(method):
     """Bodies up to a hundred times as fast as others: a lane whose member is done is given to the next one."""
     w, own = points(37, 4), {"I1": 10 ** np.random.default_rng(6).uniform(-2, 0, 37)}
-    found = smidgen.ensemble(SPECS["free_rigid_body"], w, values=own, h=0.6, steps=3, every=1, what="states", method=method, tolerance=1e-8)
+    found = smidgen.ensemble(SPECS["free_rigid_body"], w, parameters=own, h=0.6, steps=3, every=1, what="states", method=method, tolerance=1e-8)
     assert agree(found, alone(SPECS["free_rigid_body"], w, 0.6, 3, own=own, method=method, tolerance=1e-8))
-    at_once = smidgen.ensemble(SPECS["free_rigid_body"], w, values=own, h=0.6, steps=3, method=method, tolerance=1e-8)
+    at_once = smidgen.ensemble(SPECS["free_rigid_body"], w, parameters=own, h=0.6, steps=3, method=method, tolerance=1e-8)
     assert at_once.w.tobytes() == found.states[-1].tobytes() == found.w.tobytes()
 
 
@@ -179,7 +179,7 @@ def test_any_steps_of_their_own(seed):
     members, method = int(rng.integers(1, 30)), str(rng.choice(OWN_STEPS))
     w, h, steps, tolerance = points(members, seed), float(10 ** rng.uniform(-2, 1)), int(rng.integers(1, 9)), float(10 ** rng.uniform(-14, -2))
     own = {"a": rng.uniform(-0.8, 0.8, members), "B": rng.uniform(-1, 1, (members, 3))}
-    found = smidgen.ensemble(SPECS["mixed"], w, values=own, h=h, steps=steps, method=method, tolerance=tolerance)
+    found = smidgen.ensemble(SPECS["mixed"], w, parameters=own, h=h, steps=steps, method=method, tolerance=tolerance)
     assert agree(found, alone(SPECS["mixed"], w, h, steps, own=own, method=method, tolerance=tolerance))
 
 
@@ -213,7 +213,7 @@ def test_extrapolation_in_lanes(how, name):
 def test_extrapolation_with_parameters_of_each_member(name, own):
     spec, w, rng = SPECS[name], points(70), np.random.default_rng(5)
     own = {p: rng.uniform(*ends, (70, 3) if p == "B" else 70) for p, ends in own.items()}
-    found = smidgen.ensemble(spec, w, values=own, h=0.3, steps=5, method=EXTRAPOLATION)
+    found = smidgen.ensemble(spec, w, parameters=own, h=0.3, steps=5, method=EXTRAPOLATION)
     assert agree(found, alone(spec, w, 0.3, 5, own=own, method=EXTRAPOLATION))
 
 
@@ -294,10 +294,10 @@ def test_a_member_of_another_model_that_cannot_begin_stays():
 
 def test_a_start_by_name_and_by_the_values():
     spec, own = SPECS["pulsed"], {"a": np.array([0.1, 0.3, 0.9])}
-    found = smidgen.ensemble(spec, "a", values=own, h=0.1, steps=10)
+    found = smidgen.ensemble(spec, "a", parameters=own, h=0.1, steps=10)
     w = np.array([initial_state(spec, "a", {"a": a}) for a in own["a"]])
     assert agree(found, alone(spec, w, 0.1, 10, own=own))
-    assert np.array_equal(smidgen.ensemble(spec, values=own, h=0.1, steps=10).w, found.w)
+    assert np.array_equal(smidgen.ensemble(spec, parameters=own, h=0.1, steps=10).w, found.w)
 
 
 def test_members_that_cannot_begin_are_named():
@@ -313,8 +313,8 @@ def test_members_that_cannot_begin_are_named():
 
 @pytest.mark.parametrize("given, said", [
     (dict(starts=np.zeros((3, 2))), "shape"), (dict(starts="abc"), "no start 'abc'"), (dict(starts=np.ones((3, 2, 3))), "has 1 sites"),
-    (dict(values={"a": [1.0, 2.0]}), "how many members"), (dict(values={"n": [1, 2, 3]}), "'n' is the same"), (dict(values={"a": [1, 2, np.inf]}), "member 2"),
-    (dict(values={"B": np.ones((3, 2))}), "list of 3 numbers"), (dict(what="spin"), "no output 'spin'"), (dict(threads=0), "at least 1"), (dict(values={"c": 1}), "c"),
+    (dict(parameters={"a": [1.0, 2.0]}), "how many members"), (dict(parameters={"n": [1, 2, 3]}), "'n' is the same"), (dict(parameters={"a": [1, 2, np.inf]}), "member 2"),
+    (dict(parameters={"B": np.ones((3, 2))}), "list of 3 numbers"), (dict(what="spin"), "no output 'spin'"), (dict(threads=0), "at least 1"), (dict(parameters={"c": 1}), "c"),
     (dict(starts=[["x"]]), "array of numbers"), (dict(steps=None), "how long")])
 def test_what_does_not_fit_is_refused(given, said):
     given = {"starts": points(3), "h": 0.1, "steps": 10, **given}
@@ -366,7 +366,7 @@ energy = "dot(w[i], w[j])"
 """)
     w, r = np.tile(np.eye(3), (3, 1, 1)), np.array([1.0, 2.0, 1.0])
     w[2, 1] *= 1 + 1e-9
-    found = smidgen.ensemble(spec, w, values={"r": r}, h=0.1, steps=2)
+    found = smidgen.ensemble(spec, w, parameters={"r": r}, h=0.1, steps=2)
     said = "cannot start: off manifold: the start is off its sphere or leaf (site {}: |w| = {}, its sphere has radius {})"
     assert found.failures == {1: said.format(0, "1", "2"), 2: said.format(1, "1.000000001", "1")} and list(found.steps) == [2, 0, 0]
 

@@ -25,7 +25,7 @@ WEIGHTS = (1, 3, 3, 1)      # of the phases in NAMES
 
 def long_run(path, **more):
     """Checkpoints at 8 places, between outputs."""
-    return chain_run(path, **{**dict(values={"n": SPINS}, steps=4000, every=70, checkpoint=470), **more})
+    return chain_run(path, **{**dict(parameters={"n": SPINS}, steps=4000, every=70, checkpoint=470), **more})
 
 
 def ends_the_same(out, place, whole):

@@ -13,7 +13,7 @@ def test_the_lattice_of_a_family():
     film = smidgen.load_text(FILM)
     result = smidgen.run(film)
     assert smidgen.lattice.of(film) == smidgen.lattice.of(result) == Grid((5, 3), (True, False))
-    assert smidgen.lattice.of(film, values={"nx": 7}).count == 21
+    assert smidgen.lattice.of(film, parameters={"nx": 7}).count == 21
     assert smidgen.lattice.of(smidgen.load_text(HONEY)) == Grid((5, 3), (True, True), 2)
     assert smidgen.lattice.of(smidgen.load("j1j2_chain")).size == (60,)
     with pytest.raises(smidgen.UsageError, match="no lattice joins the sites of"):

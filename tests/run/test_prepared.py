@@ -87,9 +87,9 @@ def test_a_scene_has_the_numbers_of_its_spec():
     spec = smidgen.load_text(FILM)
     one = prepare(spec, "spherical-midpoint", ["exchange"], {"n": 5, "J": 3.0})
     assert one.numbers.parameters == {"n": 5, "J": 3.0} and one.numbers.spec is one.scene and one.numbers.places == {"w": (0, 25)}
-    assert one.with_values({"J": 4.0}).numbers.parameters == {"n": 5, "J": 4.0} and one.numbers.parameters["J"] == 3.0
+    assert one.with_parameters({"J": 4.0}).numbers.parameters == {"n": 5, "J": 4.0} and one.numbers.parameters["J"] == 3.0
     with pytest.raises(UsageError, match="no parameter"):
-        one.with_values({"K": 1.0})
+        one.with_parameters({"K": 1.0})
 
 
 def test_an_ensemble_takes_the_values_that_its_run_sets():

@@ -92,7 +92,7 @@ def test_the_metadata_is_all_known(good):
 def test_what_is_written_can_be_read(tmp_path, name):
     spec = load_spec(name)
     values = {p.name: p.default for p in spec.parameters}
-    result = smidgen.run(spec, steps=1, every=1, values=values, out=tmp_path / "a.h5", keep=True)
+    result = smidgen.run(spec, steps=1, every=1, parameters=values, out=tmp_path / "a.h5", keep=True)
     start = result.final
     again = smidgen.run(spec, steps=1, every=1, start=start, seed=None, out=tmp_path / "b.csv", keep=True)
     for path, meta in (("a.h5", result.meta), ("b.csv", again.meta)):

@@ -200,7 +200,7 @@ def test_an_interrupted_run_goes_on(tmp_path, unbroken):
 def test_a_failure_is_the_failure_without_checkpoints(toy, tmp_path):
     for name, checkpoint in (("a.npz", None), ("b.npz", 4)):
         with pytest.raises(smidgen.RunError, match="step 13"):
-            smidgen.run(toy, "demo", values={"fail": 12}, out=tmp_path / name, checkpoint=checkpoint)
+            smidgen.run(toy, "demo", parameters={"fail": 12}, out=tmp_path / name, checkpoint=checkpoint)
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
     assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".toml") == ["a.npz", "b.npz"]
 

@@ -31,7 +31,7 @@ def turned(w, angle):
 def test_steps_are_in_place(toy):
     w = np.array([[0.6, 0.0, 0.8]] * 3)
     first = w.copy()
-    top = smidgen.build(toy, effects=["field"], values={"J": 2.0}).start(w, t0=1.0, h=0.1)
+    top = smidgen.build(toy, effects=["field"], parameters={"J": 2.0}).start(w, t0=1.0, h=0.1)
     assert top.step() is top and top.w is w
     np.testing.assert_allclose(w, turned(first, 0.2), atol=1e-15)
     top.steps(9)
@@ -79,7 +79,7 @@ def test_stepping_before_a_start(toy):
 
 
 def test_a_failed_step_says_where(toy):
-    top = smidgen.build(toy, effects=["field"], values={"fail": 3, "status": 3})
+    top = smidgen.build(toy, effects=["field"], parameters={"fail": 3, "status": 3})
     top.start("ring", h=0.1)
     with pytest.raises(smidgen.RunError, match="wrong branch.*site 1") as caught:
         top.steps(10)
@@ -92,7 +92,7 @@ def test_a_failed_step_says_where(toy):
 
 def test_what_the_model_refuses(toy):
     with pytest.raises(smidgen.RunError, match="bad parameter"):
-        smidgen.build(toy, values={"J": 0.0}).start("ring", h=0.1)
+        smidgen.build(toy, parameters={"J": 0.0}).start("ring", h=0.1)
 
 
 def test_long_double(toy):
@@ -106,7 +106,7 @@ def test_long_double(toy):
 @pytest.mark.parametrize("wrong, said", [
     ({"method": "leapfrog"}, "spherical-midpoint"), ({"solver": "magic"}, "newton"),
     ({"real": "half"}, "long double"), ({"effects": ["nothing"]}, "nothing"),
-    ({"values": {"Q": 1.0}}, "Q"), ({"values": {"n": 2.5}}, "integer")])
+    ({"parameters": {"Q": 1.0}}, "Q"), ({"parameters": {"n": 2.5}}, "integer")])
 def test_wrong_names(toy, wrong, said):
     with pytest.raises(smidgen.UsageError, match=said):
         smidgen.build(toy, **wrong)
@@ -155,12 +155,12 @@ def test_sections(toy):
     assert result.step.tolist() == [0, 20, 40, 60]
     np.testing.assert_allclose(result.w["w"], np.broadcast_to(result.w["w"][0], (4, 3, 3)),
                                atol=1e-14)
-    assert result.meta["section"] == pytest.approx(2 * np.pi)
+    assert result.meta["period"] == pytest.approx(2 * np.pi)
 
 
-def test_a_section_must_be_a_multiple_of_h(toy):
+def test_a_period_must_be_a_multiple_of_h(toy):
     with pytest.raises(smidgen.UsageError, match=r"period 1 is no multiple of h = 0.375.*0.75.*1.125"):
-        smidgen.run(toy, "demo", h=0.375, section=1.0)
+        smidgen.run(toy, "demo", h=0.375, period=1.0)
 
 
 def test_a_duration_must_be_a_multiple_of_h(toy):
@@ -190,7 +190,7 @@ def test_the_edge_of_a_multiple(relative, good):
     ({"what": ["spin"]}, "momentum"), ({"start": "nowhere"}, "ring"), ({"name": "x"}, "demo"),
     ({"steps": 2.5}, "integer"), ({"seed": -1}, "seed"), ({"every": "2"}, "every"),
     ({"h": "q"}, "h:1:1"), ({"h": "w"}, "h:1:1"), ({"h": "1/0"}, "finite|zero"), ({"h": [1]}, "number"),
-    ({"time": 1e300}, "more than"), ({"section": 0.0}, "every must be")])
+    ({"time": 1e300}, "more than"), ({"period": 0.0}, "every must be")])
 def test_wrong_settings(toy, given, said):
     with pytest.raises(smidgen.UsageError, match=said):
         smidgen.run(toy, given.pop("name", "demo"), **given)
@@ -200,7 +200,7 @@ def test_settings_take_formulas_and_numpy_numbers(toy):
     given = settle(toy, h="2*pi/(n + 1)", steps=np.int64(7), every=np.int32(2), seed=np.int64(3))
     assert (given.h, given.steps, given.every, given.seed) == (2 * np.pi / 4, 7, 2, 3)
     assert json.dumps([given.h, given.steps, given.seed])
-    assert settle(toy, values={"n": 7}, h="1/n", time="2").steps == 14
+    assert settle(toy, parameters={"n": 7}, h="1/n", time="2").steps == 14
 
 
 def test_the_first_run_is_the_default(toy):
@@ -215,7 +215,7 @@ def test_too_much_for_memory(toy):
 def test_a_failure_keeps_what_was_computed(toy, tmp_path):
     out = tmp_path / "part.h5"
     with pytest.raises(smidgen.RunError) as caught:
-        smidgen.run(toy, "demo", values={"fail": 12}, out=out, keep=True)
+        smidgen.run(toy, "demo", parameters={"fail": 12}, out=out, keep=True)
     whole = smidgen.run(toy, "demo")
     for result in (caught.value.result, smidgen.load_result(out)):
         assert result.step.tolist() == [0, 5, 10] and result.meta["done"] == 12
@@ -267,7 +267,7 @@ def test_the_same_run_gives_the_same_file(toy, tmp_path, suffix):
 
 @pytest.mark.parametrize("suffix", FORMATS)
 @pytest.mark.parametrize("given", [
-    {"h": 0.1, "steps": 33, "every": 4, "values": {"J": 1.7, "n": 5, "shift": [0.1, 0.2]}},
+    {"h": 0.1, "steps": 33, "every": 4, "parameters": {"J": 1.7, "n": 5, "shift": [0.1, 0.2]}},
     {"start": "any", "seed": 99, "effects": ["field", "extra"], "what": ["energy"]},
     {"start": [[0.6, 0.0, 0.8]] * 3}, {"real": "long double"}])
 def test_a_file_repeats_its_run(toy, tmp_path, suffix, given):
@@ -284,9 +284,9 @@ def test_a_section_repeats(toy, tmp_path):
 
 
 def test_the_metadata_tells_the_run(toy, tmp_path):
-    meta = smidgen.run(toy, "demo", start="any", values={"J": 2.5}, seed=4).meta
+    meta = smidgen.run(toy, "demo", start="any", parameters={"J": 2.5}, seed=4).meta
     assert meta["orientation"] == 1 and meta["h"] == 0.125 and meta["digest"] == toy.digest
-    assert meta["values"]["J"] == 2.5 and meta["values"]["n"] == 3 and meta["set"] == {"J": 2.5}
+    assert meta["parameters"]["J"] == 2.5 and meta["parameters"]["n"] == 3 and meta["set"] == {"J": 2.5}
     assert meta["effects"] == ["field"] and meta["chosen"] == {"solver": "exact"}
     assert meta["seed"] == 4 and "-ffp-contract=off" in meta["flags"] and meta["compiler"]
     assert "[space]" in meta["sources"][0][1]
@@ -306,7 +306,7 @@ def test_csv_is_plain(toy, tmp_path):
 @pytest.mark.parametrize("sites, good", [(29_998, True), (29_999, False)])
 def test_the_widest_table(toy, tmp_path, sites, good):
     """step, t and one column a site: 30000 columns are text, one more is refused."""
-    given = dict(start="any", values={"n": sites}, what=["casimirs"], steps=1, out=tmp_path / "a.csv")
+    given = dict(start="any", parameters={"n": sites}, what=["casimirs"], steps=1, out=tmp_path / "a.csv")
     if good:
         assert smidgen.run(toy, "demo", **given).meta["status"] == "complete"
         assert smidgen.load_result(tmp_path / "a.csv").values["casimirs"].shape == (1, sites)

@@ -112,7 +112,7 @@ def test_random_starts_repeat_and_lie_on_the_sphere():
 
 
 def test_random_starts_are_uniform():
-    w = initial_state(spec(radius=Num(1.0)), values={"n": 40000, "gamma": 1.0})
+    w = initial_state(spec(radius=Num(1.0)), parameters={"n": 40000, "gamma": 1.0})
     assert np.abs(w.mean(axis=0)).max() < 4 / np.sqrt(3 * 40000)
     assert np.abs((w.T @ w) / 40000 - np.eye(3) / 3).max() < 4 * 0.3 / np.sqrt(40000)
 

@@ -83,7 +83,7 @@ def test_any_other_spin_has_a_step_of_every_size(angle, strength):
 
 def hard_chain(h):
     """A rough chain of 24 spins; a step of 0.05 exists, one of 40 does not."""
-    chain = smidgen.build(load("heisenberg_chain"), values={"n": 24})
+    chain = smidgen.build(load("heisenberg_chain"), parameters={"n": 24})
     w = np.random.default_rng(5).normal(size=(24, 3))
     return chain.start(w / np.linalg.norm(w, axis=1)[:, None], h=h)
 
@@ -172,7 +172,7 @@ def status_of_start(model, w, **values):
 @pytest.mark.parametrize("n", [0, -3, 2, 2.0 ** 50])
 def test_a_size_that_no_step_could_use(n):
     """A cyclic chain needs three sites; products of enormous sizes would overflow."""
-    chain = smidgen.build(load("heisenberg_chain"), values={"n": 24})
+    chain = smidgen.build(load("heisenberg_chain"), parameters={"n": 24})
     w = np.tile(tilted(1.0), (24, 1))
     assert status_of_start(chain, w, n=24.0) == 0
     assert status_of_start(chain, w, n=float(n)) == BAD_PARAMETER

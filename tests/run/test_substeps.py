@@ -69,7 +69,7 @@ def expected(strength, h=0.5, steps=40):
 @pytest.mark.parametrize("strength", [20.0, 40.0, 300.0])
 def test_the_steps_that_fail_and_their_parts(pulse, strength):
     """Which steps, into how many parts, and where the spin ends: by the closed form of the rule on the equator."""
-    result = smidgen.run(pulse, values={"strength": strength}, substeps=True)
+    result = smidgen.run(pulse, parameters={"strength": strength}, substeps=True)
     angle, split = expected(strength)
     assert [(int(s), int(k)) for s, _, k in result.substeps] == split and split
     np.testing.assert_array_equal(result.substeps[:, 1], 0.5 * result.substeps[:, 0])
@@ -80,7 +80,7 @@ def test_the_steps_that_fail_and_their_parts(pulse, strength):
 
 
 def test_no_step_fails_and_the_bits_are_the_same(pulse):
-    given = dict(values={"strength": 1.0})
+    given = dict(parameters={"strength": 1.0})
     plain, asked = smidgen.run(pulse, **given), smidgen.run(pulse, substeps=True, **given)
     np.testing.assert_array_equal(plain.w["w"], asked.w["w"])
     assert asked.substeps.shape == (0, 3)
@@ -88,7 +88,7 @@ def test_no_step_fails_and_the_bits_are_the_same(pulse):
 
 def test_what_even_the_smallest_parts_cannot_do(pulse):
     """2^10 parts fail too: the error of the whole step, and the state before it."""
-    given = dict(values={"strength": 1e6})
+    given = dict(parameters={"strength": 1e6})
     with pytest.raises(smidgen.RunError) as plain:
         smidgen.run(pulse, **given)
     with pytest.raises(smidgen.RunError) as asked:
@@ -101,14 +101,14 @@ def test_other_failures_stay_failures(toy):
     """No convergence, no solution, a wrong branch, a singular matrix: parts may help; a value that is not
     finite is no matter of the step."""
     for status in (1, 2, 3, 7):
-        result = smidgen.run(toy, "demo", values={"fail": 12, "status": status}, substeps=True)
+        result = smidgen.run(toy, "demo", parameters={"fail": 12, "status": status}, substeps=True)
         assert result.substeps.tolist() == [[13, 13 * 0.125, 1]]
     with pytest.raises(smidgen.RunError, match="finite"):
-        smidgen.run(toy, "demo", values={"fail": 12, "status": 4}, substeps=True)
+        smidgen.run(toy, "demo", parameters={"fail": 12, "status": 4}, substeps=True)
 
 
 def test_nothing_of_the_time_and_the_carry_is_lost(pulse):
-    top = smidgen.build(pulse, values={"strength": 6.0}).start("across", h=0.1, t0=0.3).steps(40)
+    top = smidgen.build(pulse, parameters={"strength": 6.0}).start("across", h=0.1, t0=0.3).steps(40)
     before = top.save()
     for count in (40, 2 ** 52 + 1):
         part = retimed(before, 0.1 / 8, 8 * count)

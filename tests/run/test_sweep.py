@@ -65,8 +65,8 @@ def test_every_cell_is_its_run(command, path):
     for a in (0, 0.3, 0.6):
         for seed in (5, 6):
             found = smidgen.load_result(path.parent / "cells" / f"cell-{k}.npz")
-            wanted = smidgen.run(spec, values={"a": a, "b": 2}, seed=seed)
-            assert np.array_equal(found.final, wanted.final) and found.meta["values"] == {"a": a, "b": 2} and found.meta["seed"] == seed
+            wanted = smidgen.run(spec, parameters={"a": a, "b": 2}, seed=seed)
+            assert np.array_equal(found.final, wanted.final) and found.meta["parameters"] == {"a": a, "b": 2} and found.meta["seed"] == seed
             k += 1
 
 
@@ -77,7 +77,7 @@ def test_failed_cells_are_kept_and_named(command, path):
     failed = [line for line in found.values() if line["status"] == "failed"]
     assert said.returncode == 4 and len(found) == 18 and 0 < len(failed) < 18
     for line in failed:
-        assert f"cell {line['cell']} (a = {line['values']['a']}, seed {line['seed']}): {line['error']}" in said.stdout
+        assert f"cell {line['cell']} (a = {line['parameters']['a']}, seed {line['seed']}): {line['error']}" in said.stdout
         result = smidgen.load_result(folder / line["file"])
         assert result.meta["status"].startswith("failed: step") and result.meta["done"] < 60
     before = (folder / "cells.jsonl").read_text()
@@ -194,7 +194,7 @@ from smidgen.cli import main
 from smidgen.run.many import cluster, sweep
 run = sweep.run
 def waiting(*args, **more):
-    while more["values"]["n"] > 1 and not cluster.stopped(""):
+    while more["parameters"]["n"] > 1 and not cluster.stopped(""):
         time.sleep(0.01)
     return run(*args, **more)
 sweep.run = waiting

@@ -65,7 +65,7 @@ def test_step_control_aims_at_it():
 def test_every_step_by_rows_leaves_less_than_the_tolerance(tolerance, h):
     """W - w = h X(m), m the midpoint on its sphere, as the new state itself leaves it; and what the step says."""
     spec = smidgen.load("heisenberg_chain")
-    model = smidgen.build(spec, values={"n": 64}).start("random", h=h, tolerance=tolerance)
+    model = smidgen.build(spec, parameters={"n": 64}).start("random", h=h, tolerance=tolerance)
     for _ in range(40):
         w = model.state()
         W = model.step().state()

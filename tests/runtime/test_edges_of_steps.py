@@ -223,7 +223,7 @@ def test_a_step_has_the_digits_of_long_double(spec, w):
 def test_at_any_step_it_is_the_same_step():
     """Steps whose series falls fast, slowly and not at all: the state is that of the step without it, to round-off."""
     spec = smidgen.load("heisenberg_chain")
-    plain, extended = (smidgen.build(spec, values={"n": 12}, features=features) for features in ((), ("extended",)))
+    plain, extended = (smidgen.build(spec, parameters={"n": 12}, features=features) for features in ((), ("extended",)))
     for h in np.arange(0.1, 1.6, 0.1):
         w = generic(12, 7)
         states = [model.start(w.copy(), h=h).steps(3).w for model in (plain, extended)]

@@ -66,7 +66,7 @@ def values(spec):
 
 
 def started(spec, h, **how):
-    return smidgen.build(spec, values=values(spec), **how).start("random", h=h)
+    return smidgen.build(spec, parameters=values(spec), **how).start("random", h=h)
 
 
 @pytest.mark.parametrize("name", SPECS)
@@ -75,7 +75,7 @@ def test_the_steps_of_newton(name):
     spec, h = SPECS[name], LAW.get(name, 0.05)
     assert "SMG_FEW_IN_LANES" in generate(spec)["few.c"] and "SMG_FEW_IN_LANES" not in generate(spec, solver="newton")["few.c"]
     model, newton = started(spec, h), started(spec, h, solver="newton")
-    witness, w = Witness(spec, values=values(spec)), model.w.copy()
+    witness, w = Witness(spec, parameters=values(spec)), model.w.copy()
     after = model.steps(1).w.copy()
     assert witness.residual(w, after, 0.0, h) <= 4e-15
     model.steps(999), newton.steps(1000)
@@ -124,8 +124,8 @@ def test_a_large_step_is_left_to_newton_with_its_bits():
 
 def test_a_tolerance_is_kept():
     spec = SPECS["9 spins"]
-    model = smidgen.build(spec, values=values(spec)).start("random", h=0.05, tolerance=1e-9)
-    witness, w = Witness(spec, values=values(spec)), model.w.copy()
+    model = smidgen.build(spec, parameters=values(spec)).start("random", h=0.05, tolerance=1e-9)
+    witness, w = Witness(spec, parameters=values(spec)), model.w.copy()
     for _ in range(6):
         after = model.steps(1).w.copy()
         assert witness.residual(w, after, 0.0, 0.05) <= 1e-9

@@ -119,9 +119,9 @@ def test_arrays_are_those_of_the_run():
     """Another value of the parameter is another field, and may be one for which no step goes by rows."""
     for size in (0.1, -0.7, 20.0):
         values = {"a": [size * np.cos(k) for k in range(52)]}
-        model = smidgen.build(SOME, values=values).start("random", h=0.05)
+        model = smidgen.build(SOME, parameters=values).start("random", h=0.05)
         w = model.w.copy()
-        found = Witness(SOME, values=values).steps(w, 0.0, 0.05, 2)
+        found = Witness(SOME, parameters=values).steps(w, 0.0, 0.05, 2)
         assert np.abs(model.steps(2).w - (found if np.ndim(found) == 2 else found[-1])).max() <= 1e-12
 
 

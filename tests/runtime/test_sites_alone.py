@@ -125,9 +125,9 @@ def test_a_thousand_sites():
     fields[700] = 5.0
     spec, values = load_text(MANY), {"B": fields}
     with pytest.raises(RunError) as caught:
-        smidgen.build(spec, values=values).start(w, h=2.5).step()
+        smidgen.build(spec, parameters=values).start(w, h=2.5).step()
     assert caught.value.reached * 2.5 == pytest.approx(0.4, rel=1e-12) and caught.value.site == 700
-    advice = advise(spec, values=values, start=w, h=2.5, steps=1)
+    advice = advise(spec, parameters=values, start=w, h=2.5, steps=1)
     assert advice.limit == pytest.approx(0.4, rel=1e-12) and advice.sites == (700,)
 
 

@@ -223,7 +223,7 @@ def test_what_a_run_does_not_call_is_no_lattice_of_it():
     """Here it would not even fit the sites."""
     spec = smidgen.load_text(LINES)
     for values, effects, wanted in ({}, ["film"], ((7, 7), 1)), ({"n": 30}, ["line"], ((30,), 1)):
-        drawn = draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=2, what=["states"], effects=effects, values=values), None)
+        drawn = draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=2, what=["states"], effects=effects, parameters=values), None)
         assert drawn.meta["grids"] == {"w": wanted}
         assert (pictures.suitable(drawn, False) == "lattice") == (effects == ["film"])
 

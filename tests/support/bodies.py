@@ -15,7 +15,7 @@ STEPS = tuple(2.0**-k for k in range(1, 10))
 def body(moments, method, **more):
     """The compiled free rigid body with these moments of inertia."""
     values = {f"I{k}": moment for k, moment in enumerate(moments, 1)}
-    return smidgen.build(load("free_rigid_body"), method=method, values=values, **more)
+    return smidgen.build(load("free_rigid_body"), method=method, parameters=values, **more)
 
 
 def largest_error(moments, method, h, end=10.0):

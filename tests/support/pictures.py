@@ -90,7 +90,7 @@ def film():
     polar, around = 0.4 + 0.2 * (i % 6), 0.5 + 0.25 * (i // 6)
     w = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=1)
     made = result({"w": np.stack([w] * 20)})
-    made.meta.update(sources=[["film.toml", FILM]], effects=["exchange", "field"], values={"nx": 6, "ny": 5})
+    made.meta.update(sources=[["film.toml", FILM]], effects=["exchange", "field"], parameters={"nx": 6, "ny": 5})
     return made
 
 

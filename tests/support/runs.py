@@ -18,7 +18,7 @@ def patient_disk(monkeypatch):
 def chain_run(path, **more):
     """A ring of 20 spins whose outputs do not fall on the checkpoints."""
     spec = begin("heisenberg_chain").spec
-    given = dict(values={"n": 20}, steps=130, every=7, checkpoint=40, what=["states", "energy", "casimirs"])
+    given = dict(parameters={"n": 20}, steps=130, every=7, checkpoint=40, what=["states", "energy", "casimirs"])
     return smidgen.run(spec, out=path, **{**given, **more})
 
 

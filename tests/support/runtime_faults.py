@@ -91,8 +91,8 @@ def examined(fault: Fault, layouts: bool):
     """(case, subject) of the run that shows a fault; the subject has no library in extended precision."""
     values = fault.system[1]
     spec = spec_of(fault).calm
-    s = settle(spec, None, values=values, **fault.settings)
-    subject = Emitted(build(spec, s.method, s.effects, s.values, s.solver, features=fault.features), None)
+    s = settle(spec, None, parameters=values, **fault.settings)
+    subject = Emitted(build(spec, s.method, s.effects, s.parameters, s.solver, features=fault.features), None)
     subject.generated = True
     return Case(spec, s, 2, tier="quick", features=fault.features, layouts=layouts), subject
 

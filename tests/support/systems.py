@@ -36,13 +36,13 @@ def load(name):
 def begin(spec, **values):
     """The first run of a spec (or of a shipped one, by name), with some values replaced."""
     spec = load(spec) if isinstance(spec, str) else spec
-    run = settle(spec, None, values=values)
-    return Begin(spec, run.values, initial_state(spec, run.start, run.values), run.h)
+    run = settle(spec, None, parameters=values)
+    return Begin(spec, run.parameters, initial_state(spec, run.start, run.parameters), run.h)
 
 
 def model(case, method=SPHERICAL, **more):
     """The compiled system of a Begin."""
-    return smidgen.build(case.spec, method=method, values=case.values, **more)
+    return smidgen.build(case.spec, method=method, parameters=case.values, **more)
 
 
 def accepts(name, method):

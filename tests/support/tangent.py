@@ -106,7 +106,7 @@ class LongStep:
     """One step of the long-double build as a function of the state; `t` is where it begins."""
 
     def __init__(self, case: Begin, method=SPHERICAL, h=None, t=0.0, **more):
-        self.model = smidgen.build(case.spec, method=method, values=case.values,
+        self.model = smidgen.build(case.spec, method=method, parameters=case.values,
                                    real="long double", **more)
         self.h, self.t = case.h if h is None else h, t
 
@@ -116,7 +116,7 @@ class LongStep:
 
 def long_start(case: Begin, steps=20):
     """A generic state in extended precision: the start, some steps on, exactly on its spheres."""
-    model = smidgen.build(case.spec, values=case.values, real="long double")
+    model = smidgen.build(case.spec, parameters=case.values, real="long double")
     radius = leaves_of(case).radius
     w = polished(case.w.astype(np.longdouble), radius)
     return polished(model.start(w, h=case.h).steps(steps).state(), radius)

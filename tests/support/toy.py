@@ -41,7 +41,7 @@ start = "any"
 h = "2*pi/20"
 time = "6*pi"
 effects = ["field"]
-output = { section = "2*pi", what = ["states"] }
+output = { period = "2*pi", what = ["states"] }
 """
 
 HEADER = "/* toy */\n#include \"smidgen.h\"\n"

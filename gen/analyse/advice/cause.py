@@ -45,7 +45,7 @@ class Fields:
 
     def __init__(self, model, equation, t: float):
         self.equation, self.t = equation, t
-        self.energies = Energy(model.scene, model.values_in).parts
+        self.energies = Energy(model.scene, model.parameters).parts
         self.kappa = model.prepared.numbers.kappas
         self.active = np.repeat([not f.tracer for f in model.scene.families], [n for _, n in model.families.values()])
 

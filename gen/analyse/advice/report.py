@@ -73,7 +73,7 @@ class Advice:
 
 @public
 def advise(spec, run: str | None = None, *, start=None, method: str | None = None, solver: str | None = None,
-           h=None, steps: int | None = None, time: float | None = None, effects=None, values=None,
+           h=None, steps: int | None = None, time: float | None = None, effects=None, parameters=None,
            seed: int | None = None) -> Advice:
     """The largest safe step for a run; start .. seed as for `smidgen.run`.
 
@@ -85,10 +85,10 @@ def advise(spec, run: str | None = None, *, start=None, method: str | None = Non
     base = find_run(spec, run)
     stated = h is not None or base.h is not None
     s = settle(spec, run, start=start, method=method, solver=solver, h=h if stated else 1.0, steps=1, every=1,
-               effects=effects, values=values, seed=seed)
+               effects=effects, parameters=parameters, seed=seed)
     if not METHODS[s.method].midpoint:
         raise UsageError(f"advise follows the step equation of a midpoint method; {METHODS[s.method].title} has another")
-    model = build(spec.calm, s.method, s.effects, s.values, s.solver)
+    model = build(spec.calm, s.method, s.effects, s.parameters, s.solver)
     w = model.start(s.own_start, h=s.h, seed=s.seed).w.copy()
     return advice_for(model, w, 0.0, s.h, s.run, stated,
                       duration(spec, base, s, steps, time) if stated or time is not None else None, STEPS if steps is None else steps)

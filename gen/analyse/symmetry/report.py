@@ -73,14 +73,14 @@ class Report:
 
 
 @public
-def explain(spec, values=None, method: str = DEFAULT, effects=None) -> Report:
+def explain(spec, parameters=None, method: str = DEFAULT, effects=None) -> Report:
     """Which rotations leave H unchanged, what is conserved, what the method keeps exactly.
 
-    values: parameter values by name; effects: names of the effects to keep, None for all. Raises
+    parameters: values by name; effects: names of the effects to keep, None for all. Raises
     UsageError for names that are not known.
     """
     choose("method", method, METHODS)
-    scene = select(spec, None if effects is None else tuple(effects), dict(values or {}))
+    scene = select(spec, None if effects is None else tuple(effects), dict(parameters or {}))
     asked = ask(scene, {}, on_sphere=METHODS[method].onto_leaf)
     undecided: list = []
     seen = attempt(lambda: unchanged(asked.spec, asked.values))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @public
 def verify(spec, run: str | None = None, *, tier="normal", features=(), start=None, method: str | None = None,
-           solver: str | None = None, h=None, effects=None, values=None, seed: int | None = None,
+           solver: str | None = None, h=None, effects=None, parameters=None, seed: int | None = None,
            layouts: bool = False) -> Certificate:
     """Measure the generated integrator of a run; returns a `certificate.Certificate`.
 
@@ -30,4 +30,4 @@ def verify(spec, run: str | None = None, *, tier="normal", features=(), start=No
     """
     from .certificate import certify
     return certify(spec, run, tier=tier, features=features, start=start, method=method, solver=solver, h=h,
-                   effects=effects, values=values, seed=seed, layouts=layouts)
+                   effects=effects, parameters=parameters, seed=seed, layouts=layouts)

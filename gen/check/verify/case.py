@@ -28,8 +28,8 @@ class Case:
     def __init__(self, spec: Spec, settings: Settings, states: int, seed: int = SEED, tier="normal", features=(),
                  layouts: bool = False):
         s = self.settings = settings
-        self.spec, self.scene = spec, select(spec, s.effects, s.values)
-        self.witness = Witness(spec, s.values, s.effects)
+        self.spec, self.scene = spec, select(spec, s.effects, s.parameters)
+        self.witness = Witness(spec, s.parameters, s.effects)
         self.leaves = Leaves(s.numbers.kappas.astype(LONG), s.numbers.casimir_matrices.astype(LONG), s.numbers.radii)
         self.dice = generator("verify", seed)
         self.w, self.h, self.sites = self._start(), s.h, self.witness.sites

@@ -171,10 +171,10 @@ def guarded(name, check):
 def facts_of(case: Case, tier, features=(), noisy=None) -> dict:
     """What was examined and with what. noisy: the spec with its noise, where it has any."""
     s = case.settings
-    scene = select(noisy, s.effects, s.values) if noisy is not None and noisy.heated else case.scene
+    scene = select(noisy, s.effects, s.parameters) if noisy is not None and noisy.heated else case.scene
     return {"spec": case.spec.name, "spec_digest": case.spec.digest, "run": s.run, "method": s.method,
             "solver": s.solver, "features": sorted(features), "fingerprint": fingerprint(scene, s.method, s.solver, features),
-            "effects": list(case.scene.effect_names), "values": plain(s.values), "h": s.h,
+            "effects": list(case.scene.effect_names), "set": plain(s.parameters), "h": s.h,
             "probe": case.probe, "steps": s.steps, "start": s.start if isinstance(s.start, str) else None,
             "sites": case.sites, "tier": tier, "generator": __version__, "generator_digest": generator_digest()}
 

@@ -86,10 +86,10 @@ def alone(case: Case, one, w, t, values):
 def with_values(one, values):
     """A trajectory of the same library with other values."""
     from ...run.step.integrator import Integrator
-    return Integrator(one.prepared.with_values(values), one.built) if values else another(one)
+    return Integrator(one.prepared.with_parameters(values), one.built) if values else another(one)
 
 
 def parameters(case: Case, one, count) -> dict:
     """Numbers near those of the run, one for each member."""
-    names = [p.name for p in one.scene.parameters if not p.fixed and p.kind != "int" and p.kind != "array" and one.values_in.get(p.name)]
-    return {name: one.values_in[name] * (1 + OWN * case.dice.uniform(-1, 1, count)) for name in names}
+    names = [p.name for p in one.scene.parameters if not p.fixed and p.kind != "int" and p.kind != "array" and one.parameters.get(p.name)]
+    return {name: one.parameters[name] * (1 + OWN * case.dice.uniform(-1, 1, count)) for name in names}

@@ -20,9 +20,9 @@ AGAIN = 20                      # steps after a restart
 def noise(spec: Spec, case: Case) -> list[Row]:
     """Two rows; none where the scene of `spec` has no noise."""
     s = case.settings
-    if not select(spec, s.effects, s.values).heated:
+    if not select(spec, s.effects, s.parameters).heated:
         return []
-    model = build(spec, s.method, s.effects, s.values, s.solver, "double", s.native)
+    model = build(spec, s.method, s.effects, s.parameters, s.solver, "double", s.native)
     try:
         return [beside(spec, case, model), restored(case, model)]
     except RunError as error:
@@ -35,7 +35,7 @@ def beside(spec: Spec, case: Case, model: Integrator) -> Row:
     if not case.small or s.method not in METHODS:
         return not_applicable("noise", "the interpreter takes no steps of this size or method")
     mine = model.start(case.w.copy(), h=case.h, seed=SEED).steps(STEPS).state()
-    other = Witness(spec, s.values, s.effects, seed=SEED).steps(case.w, 0.0, case.h, STEPS, s.method)[-1]
+    other = Witness(spec, s.parameters, s.effects, seed=SEED).steps(case.w, 0.0, case.h, STEPS, s.method)[-1]
     bound = CONTROLLED if METHODS_OF_SPECS[s.method].controlled else STEP
     return at_most("noise", float(np.abs(mine - other).max()) / (EPS * size(case.w)), STEPS * bound, f"{STEPS} steps")
 

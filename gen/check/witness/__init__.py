@@ -4,8 +4,8 @@ It takes the same resolved `Spec` as the compiler and shares nothing else with i
 terms are interpreted in C in extended precision with automatic differentiation, the step
 equation is solved by GSL's Newton method, and the flow is integrated by GSL's odeiv2.
 
-    one = Witness(spec, values={"n": 20})
-    w = initial_state(spec, "wave", values={"n": 20})
+    one = Witness(spec, parameters={"n": 20})
+    w = initial_state(spec, "wave", parameters={"n": 20})
     one.energy(w), one.field(w), one.step(w, t=0.0, h=0.1)
 """
 from __future__ import annotations
@@ -57,9 +57,9 @@ class Witness:
     do not exist.
     """
 
-    def __init__(self, spec: Spec, values: dict | None = None, effects=None, seed: int = 0, member: int = 0):
-        self.spec, self.seed, self.member, self._given = spec, seed, member, (values, effects)
-        self.numbers = Evaluated(spec, values)
+    def __init__(self, spec: Spec, parameters: dict | None = None, effects=None, seed: int = 0, member: int = 0):
+        self.spec, self.seed, self.member, self._given = spec, seed, member, (parameters, effects)
+        self.numbers = Evaluated(spec, parameters)
         self.values, self.families = self.numbers.values, self.numbers.places
         self.sites = sum(count for _, count in self.families.values())
         self.kappa = self.numbers.kappas

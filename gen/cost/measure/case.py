@@ -29,7 +29,7 @@ class Case:
         if not self.time:
             raise UsageError("a time that is not 0 is needed")
         self.models, self.refused, self.compiled, self.peers = {}, {}, {}, {}
-        refuse_with_noise(scene_of(spec, settings.effects, settings.values), "no cost and no choice", "errors are those of one path")
+        refuse_with_noise(scene_of(spec, settings.effects, settings.parameters), "no cost and no choice", "errors are those of one path")
         self.w = self._start()
         any_model = self.model(settings.method)
         if any_model is None:
@@ -51,7 +51,7 @@ class Case:
         if key not in self.models:
             s, began = self.settings, processor_seconds()
             try:
-                self.models[key] = build(self.spec, method, s.effects, s.values, s.solver if method == s.method else "auto", real, s.native)
+                self.models[key] = build(self.spec, method, s.effects, s.parameters, s.solver if method == s.method else "auto", real, s.native)
             except BuildError:
                 raise
             except SmidgenError as error:
@@ -66,7 +66,7 @@ class Case:
         kept = [name for name in model.scene.effect_names if name not in with_tracers(model.scene)]
         if not kept:
             return None
-        return build(self.spec, self.settings.method, kept, self.settings.values, self.settings.solver).start(self.w.copy(), h=self.settings.h)
+        return build(self.spec, self.settings.method, kept, self.settings.parameters, self.settings.solver).start(self.w.copy(), h=self.settings.h)
 
     def end(self, method: str, steps: int, real: str = "double") -> np.ndarray | None:
         """The state after the time, by that many steps; None where one fails."""

@@ -29,9 +29,9 @@ class Field:
     vectors: np.ndarray
     size: tuple[int, int, int] | None
 
-    def rows(self, spec: Spec, values: dict | None = None) -> np.ndarray:
-        """The state (sites, 3) of a spec with these values: as `placed`, for who asks once."""
-        return self.placed(Evaluated(spec, values))
+    def rows(self, spec: Spec, parameters: dict | None = None) -> np.ndarray:
+        """The state (sites, 3) of a spec with these parameters: as `placed`, for who asks once."""
+        return self.placed(Evaluated(spec, parameters))
 
     def placed(self, numbers: Evaluated) -> np.ndarray:
         """The state (sites, 3) of the spec of these numbers. A vector that is off its sphere by the rounding of the file is put on it.

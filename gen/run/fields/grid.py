@@ -55,16 +55,16 @@ class Grid:
 
 
 @public
-def of(source, family: str | None = None, values: dict | None = None) -> Grid:
+def of(source, family: str | None = None, parameters: dict | None = None) -> Grid:
     """The lattice that joins the sites of a family, by the effects and observables of a spec.
 
-    source: a Spec, or a Result, which knows its values; family: by default the only one; values: of parameters, in place
+    source: a Spec, or a Result, which knows its parameters; family: by default the only one; parameters: name -> value, in place
     of defaults. Of several lattices the one with most directions counts; a direction is periodic where all its bonds are.
     Raises UsageError where there is no lattice, or where two are as good.
     """
-    spec, values = spec_and_values(source, values)
+    spec, parameters = with_parameters(source, parameters)
     name = family_of(spec, family)
-    found = grids_of(Evaluated(spec, values), name)
+    found = grids_of(Evaluated(spec, parameters), name)
     most = [grid for grid in found if len(grid.size) == max(len(g.size) for g in found)]
     if not most:
         raise UsageError(f"no lattice joins the sites of '{name}' in {spec.name}")
@@ -88,13 +88,13 @@ def grids_of(numbers: Evaluated, family: str, called=None) -> list[Grid]:
     return grids
 
 
-def spec_and_values(source, values: dict | None) -> tuple[Spec, dict]:
-    """Of a Spec, or of a Result, whose values are its own. Raises UsageError, SpecError."""
+def with_parameters(source, parameters: dict | None) -> tuple[Spec, dict]:
+    """Of a Spec, or of a Result, whose parameters are its own. Raises UsageError, SpecError."""
     if isinstance(source, Spec):
-        return source, dict(values or {})
+        return source, dict(parameters or {})
     if not hasattr(source, "meta"):
         raise UsageError(f"a spec or a result is needed, not a {type(source).__name__}")
-    return spec_of(source.meta["sources"], source.meta["spec"]), {**source.meta["set"], **(values or {})}
+    return spec_of(source.meta["sources"], source.meta["spec"]), {**source.meta["set"], **(parameters or {})}
 
 
 def family_of(spec: Spec, family: str | None) -> str:

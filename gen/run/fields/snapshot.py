@@ -9,7 +9,7 @@ import numpy as np
 from ...errors import UsageError
 from ...public import public
 from .field import save_field
-from .grid import family_of, of, spec_and_values
+from .grid import family_of, of, with_parameters
 from ..files.output import load_result
 from ..step.evaluated import sizes
 
@@ -28,9 +28,9 @@ def snapshot(result, out: str | os.PathLike, family: str | None = None, row: int
     sites in a cell, which have no positions; OutputError for a file that cannot be written.
     """
     result = result if hasattr(result, "meta") else load_result(result)
-    spec, values = spec_and_values(result, None)
+    spec, parameters = with_parameters(result, None)
     name = family_of(spec, family)
-    grid = of(spec, name, values)
+    grid = of(spec, name, parameters)
     w, step, t = state_of(result, name, row, time)
     meta = result.meta
     return save_field(out, w, grid, name, f"{meta['spec']} {meta['run']}: {name} at t = {t:.17g}, step {step}", text)
@@ -41,7 +41,7 @@ def state_of(result, family: str, row: int | None = None, time: float | None = N
     if row is not None and time is not None:
         raise UsageError("which state? give either row or time")
     if row is None and time is None:
-        first, count = sizes(*spec_and_values(result, None))[family]
+        first, count = sizes(*with_parameters(result, None))[family]
         meta = result.meta
         return result.final[first:first + count], meta["done"], result.t[-1] if len(result.t) and result.step[-1] == meta["done"] else meta["done"] * meta["h"]
     if not result.w or not len(result.t):

@@ -35,11 +35,11 @@ OPTIONS = (
     Option("steps", count, reads="whole", help="number of steps"),
     Option("time", None, reads="formula", help="duration: a multiple of h"),        # told as `steps`
     Option("every", count, reads="whole", help="output each K-th step", metavar="K"),
-    Option("section", either(none, number), reads="formula", help="output at multiples of PERIOD only (a multiple of h)", metavar="PERIOD"),
+    Option("period", either(none, number), reads="formula", help="output at multiples of the time PERIOD only (a multiple of h)", metavar="PERIOD"),
     Option("what", listed(text), reads="names", metavar="A,B",
            help="outputs: states, energy, momentum, casimirs, magnetisation, charge, names of observables"),
     Option("effects", listed(text), reads="names", help="keep these effects only", metavar="A,B"),
-    Option("values", table(VALUE), as_key="set"),
+    Option("parameters", table(VALUE), as_key="set"),
     Option("seed", either(none, seed), reads="whole", help="seed of a random start, and of thermal noise"),
     Option("real", text, reads="real"),
     Option("native", either(none, flag)),

@@ -20,6 +20,7 @@ import numpy as np
 
 from ...errors import UsageError
 from ...language import limits
+from ...renamed import up_to_date
 from .kinds import VALUE, count, either, flag, listed, finite_or_not, none, number, source, table, text
 from .options import ALWAYS, OPTIONS
 
@@ -196,7 +197,7 @@ META = {    # what `run.describe` writes
     "program": text, "version": text, "generator": text, "spec": text, "title": text, "digest": text,
     "sources": listed(source), "orientation": lambda value: flag(value) or value == -1, "run": text,
     **{option.key: option.kind for option in OPTIONS if option.kind}, "end_error": either(none, number), "end_error_withheld": either(none, text),
-    "values": table(VALUE), "chosen": table(either(none, VALUE)), "families": table(count),
+    "parameters": table(VALUE), "chosen": table(either(none, VALUE)), "families": table(count),
     "compiler": text, "flags": listed(text), "status": text, "done": count,
 }
 # keys that files of earlier versions lack, and what they meant
@@ -221,7 +222,7 @@ def checked(given) -> dict:
     meta = parsed(given, lambda value: True) if isinstance(given, str) else given
     if not isinstance(meta, dict):
         raise Wrong("its metadata is no table")
-    meta = {**ADDED, **meta}
+    meta = {**ADDED, **up_to_date(meta)}
     wrong = [key for key, kind in META.items() if key not in meta or not kind(meta[key])]
     if wrong:
         raise Wrong(f"its metadata lacks '{wrong[0]}', or that is not what it should be")

@@ -22,7 +22,7 @@ def spec_of(sources, name: str):
             path = _written(Path(folder), sources, name)
         except (OSError, ValueError) as problem:
             raise UsageError(f"the spec in the metadata cannot be read: {problem}") from None
-        return load(str(path), [Path(folder, LIBRARY)])
+        return load(str(path), [Path(folder, LIBRARY)], recorded=True)
 
 
 def _written(folder: Path, sources, name: str) -> Path:

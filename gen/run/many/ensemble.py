@@ -1,6 +1,6 @@
 """Many starts, or many values of parameters, of one model at once: each member with the bits that it has alone.
 
-    found = smidgen.ensemble(spec, starts, values={"I3": np.linspace(3, 4, 1000)}, h=0.1, steps=1000)
+    found = smidgen.ensemble(spec, starts, parameters={"I3": np.linspace(3, 4, 1000)}, h=0.1, steps=1000)
     found.w, found.failures         # the end of each, and the members that stopped before it
 """
 from __future__ import annotations
@@ -59,14 +59,14 @@ class Ensemble:
 
 
 @public
-def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = None, h: float | str | None = None, steps: int | None = None,
+def ensemble(spec: Spec, starts=None, *, parameters: Mapping[str, object] | None = None, h: float | str | None = None, steps: int | None = None,
              time: float | str | None = None, run: str | None = None, method: str | None = None, solver: str | None = None,
              effects: Iterable[str] | None = None, every: int | None = None, what: Iterable[str] = (), t0: float = 0.0,
              tolerance: float | None = None, native: bool | None = None, threads: int | None = None, seed: int | None = None) -> Ensemble:
     """Take the same steps from many starts, or with many values of parameters; returns an Ensemble.
 
     starts: an array of shape (members, sites, 3), of (members, 3) for one site, or for all members the name of a start (None: the
-    only one, or that of the run); values: name -> a number or a list as for `run`, for all members, or one more dimension in front,
+    only one, or that of the run); parameters: name -> a number or a list as for `run`, for all members, or one more dimension in front,
     (members,) or (members, size), one for each; integer parameters and fixed ones are the same for all. run: of the spec, by default its
     first; in place of what it says: h, steps or time, method, solver, effects, tolerance, as for `run` (formulas take the values of member 0);
     t0: the time of the start; what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is
@@ -77,13 +77,13 @@ def ensemble(spec: Spec, starts=None, *, values: Mapping[str, object] | None = N
     step fails, or that cannot begin, stays where it is, and `failures` names it; the others go on. Raises UsageError for what does not
     fit, MissingTool and BuildError as `build` does, RunError without memory.
     """
-    values, given = dict(values or {}), starts if isinstance(starts, str) or starts is None else _stacked(starts)
-    own = {name: value for name, value in values.items() if _is_own(spec, name, value)}
+    parameters, given = dict(parameters or {}), starts if isinstance(starts, str) or starts is None else _stacked(starts)
+    own = {name: value for name, value in parameters.items() if _is_own(spec, name, value)}
     members = _members(None if given is None or isinstance(given, str) else given, own)
-    first = {**values, **{name: np.asarray(value)[0] for name, value in own.items()}}
+    first = {**parameters, **{name: np.asarray(value)[0] for name, value in own.items()}}
     s = settle(spec, run, start=given if isinstance(given, str) else None, seed=seed, method=method, solver=solver, h=h, steps=steps, time=time,
-               every=every or 1, what=(), effects=effects, values=first, tolerance=tolerance)
-    prepared = prepare(spec, s.method, s.effects, s.values, s.solver, s.numbers)
+               every=every or 1, what=(), effects=effects, parameters=first, tolerance=tolerance)
+    prepared = prepare(spec, s.method, s.effects, s.parameters, s.solver, s.numbers)
     noise = noise_of(prepared.scene, s.h, seed)
     w = _states(prepared, s.start if given is None else given, own, members, seed)
     built = build_library(prepared.scene, s.method, s.solver, "double", native, ("ensemble",), plan=prepared.plan)
@@ -229,7 +229,7 @@ def _known(prepared: Prepared, own: dict) -> dict:
 
 def _numbers_of(prepared: Prepared, own: dict, k: int) -> Evaluated:
     """The numbers of member k."""
-    return prepared.with_values({name: value[k] for name, value in _known(prepared, own).items()}).numbers if own else prepared.numbers
+    return prepared.with_parameters({name: value[k] for name, value in _known(prepared, own).items()}).numbers if own else prepared.numbers
 
 
 def _states(prepared: Prepared, start, own, members, seed=None) -> np.ndarray:

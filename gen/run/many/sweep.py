@@ -31,13 +31,13 @@ MANIFEST, CELLS, FORMAT = "manifest.json", "cells.jsonl", 1
 
 @dataclass(frozen=True)
 class Cell:
-    """One run of a sweep: its number, the values that it has of those swept, and the seed of its start (None: the run's)."""
+    """One run of a sweep: its number, its values of the parameters that are swept, and the seed of its start (None: the run's)."""
     number: int
-    values: dict
+    parameters: dict
     seed: int | None
 
     def __str__(self) -> str:
-        facts = [f"{name} = {value}" for name, value in self.values.items()] + ([] if self.seed is None else [f"seed {self.seed}"])
+        facts = [f"{name} = {value}" for name, value in self.parameters.items()] + ([] if self.seed is None else [f"seed {self.seed}"])
         return f"cell {self.number} ({', '.join(facts)})"
 
     @property
@@ -57,9 +57,9 @@ def cells_of(axes: Mapping[str, list], starts: int | None, seed: int) -> list[Ce
     return [Cell(k, dict(zip(axes, parts)), parts[-1]) for k, parts in enumerate(combined)]
 
 
-def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, starts: int | None = None, seed: int = 0,
+def sweep(spec: Spec, run: str | None, axes: Mapping[str, list], folder, *, starts: int | None = None, seed: int = 0,
           processes: int | None = None, cluster: str | None = None, tell: Callable[[dict], object] = lambda outcome: None, **given) -> list[dict]:
-    """Run every cell that `folder` has not; returns the outcome of each cell, in their order: cell, values, seed, status, error, file.
+    """Run every cell that `folder` has not; returns the outcome of each cell, in their order: cell, parameters, seed, status, error, file.
 
     axes: parameter -> its values; starts: how many random ones, of the seeds from `seed` on, the same for all values; given: as for `run`;
     processes: how many at once; cluster: the address of a Dask scheduler, whose workers see `folder` by the same path;
@@ -71,17 +71,17 @@ def sweep(spec: Spec, name: str | None, axes: Mapping[str, list], folder, *, sta
         raise UsageError("a sweep goes to processes here or to a cluster, not to both")
     cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder).absolute()
     for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
-        settled = settle(spec, name, **{**given, "values": {**given.get("values", {}), **values}})
+        settled = settle(spec, run, **{**given, "parameters": {**given.get("parameters", {}), **values}})
     if starts is not None:
         state_at(settled.numbers, settled.start, seed)       # is anything random?
     if cluster is not None:
         check(cluster)
-    ended = opened(folder, manifest(spec, name, axes, starts, seed, given))
-    build(spec, settled.method, settled.effects, settled.values, settled.solver, settled.real, settled.native)
+    ended = opened(folder, manifest(spec, run, axes, starts, seed, given))
+    build(spec, settled.method, settled.effects, settled.parameters, settled.solver, settled.real, settled.native)
     left = [cell for cell in cells if cell.number not in ended]
     if left:
         with interrupts.counted() as seen, executor(_processes(processes, len(left)), cluster) as found:
-            computed(found, seen, spec, name, left, folder, given, ended, tell)
+            computed(found, seen, spec, run, left, folder, given, ended, tell)
     tidy(folder)
     return [ended[cell.number] for cell in cells]
 
@@ -198,14 +198,14 @@ def one(spec, name, cell: Cell, folder: Path, given, generator: str, token: str 
     None: the workers of a cluster have been told to begin no more."""
     if generator_name() != generator:
         raise UsageError(f"a worker of the cluster has another smidgen: {generator_name()} in place of {generator}")
-    outcome = {"cell": cell.number, "values": cell.values, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
+    outcome = {"cell": cell.number, "parameters": cell.parameters, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
     with interrupts.raised():
         if workers.stopped(token):
             if token:
                 return None
             raise KeyboardInterrupt
         try:
-            run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "values": {**given.get("values", {}), **cell.values}})
+            run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "parameters": {**given.get("parameters", {}), **cell.parameters}})
         except Interrupted:
             workers.stop()
             raise KeyboardInterrupt from None

@@ -31,19 +31,19 @@ from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, why
 
 @public
 def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = None,
-          values: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
+          parameters: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
           native: bool | None = None, features: Iterable[str] = (), fast: bool = False, threads: int | None = None) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.
 
     method: one of METHODS; solver: one of SOLVERS; effects: names of the effects to keep, None for all;
-    values: parameter values by name, in the units of the spec (a number, or a sequence for an array);
+    parameters: values by name, in the units of the spec (a number, or a sequence for an array);
     real: "double" or "long double"; native: compile for this processor (None: where the
     model has vectors of lanes, whose bits are the same); features: names of
     `features.FEATURES`; fast: native, and products and sums in one operation; threads: how many may share a step,
     with OpenMP and the same bits. Raises UsageError for a name that is not known, a value that does not fit, threads where steps have none,
     MissingTool without a C compiler, BuildError when it fails.
     """
-    return compiled(prepare(spec, method, effects, values, solver), real, native, features, fast, threads)
+    return compiled(prepare(spec, method, effects, parameters, solver), real, native, features, fast, threads)
 
 
 def compiled(prepared: Prepared, real: str = "double", native: bool | None = None, features: Iterable[str] = (), fast: bool = False,
@@ -68,7 +68,7 @@ class Integrator(ReadOnly):
     the next call on, at the same time: the predictor and the compensation then begin anew, and UsageError
     says what is wrong with a w that no start may be, such as one off its sphere. h: the step, nan before `start`; t0: the time
     of the start; count: the steps taken since; times in the unit that the spec's energy implies.
-    values_in: the parameter values; prepared: these and the rest of what steps are made of, evaluated; families: name -> (first site, number of sites); columns:
+    parameters: their values; prepared: these and the rest of what steps are made of, evaluated; families: name -> (first site, number of sites); columns:
     the names of what `values` gives. All of them are only read: ReadOnlyError says what to call.
     """
     prepared: Prepared
@@ -80,7 +80,7 @@ class Integrator(ReadOnly):
     solver: str
     notes: dict
     threads: int | None
-    values_in: dict
+    parameters: dict
     families: dict[str, tuple[int, int]]
     real: np.dtype
     columns: list[str]
@@ -97,7 +97,7 @@ class Integrator(ReadOnly):
         self.prepared, self.built = prepared, built
         self.spec, self.scene, self.method, self.solver = prepared.spec, prepared.scene, prepared.method, prepared.solver
         self.name, self.notes, self.threads = self.scene.name, built.notes, threads
-        self.values_in, self.families = prepared.numbers.parameters, prepared.numbers.places
+        self.parameters, self.families = prepared.numbers.parameters, prepared.numbers.places
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
         self._library = loaded(built.binary) if threads is None else loaded_with_threads(built.binary)
         self._c = functions(self._library, self.name)

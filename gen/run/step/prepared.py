@@ -27,29 +27,29 @@ class Prepared:
     solver: str
     plan: Plan
 
-    def with_values(self, values: Mapping[str, object]) -> Prepared:
+    def with_parameters(self, parameters: Mapping[str, object]) -> Prepared:
         """The same scene and plan with other values of parameters that decide neither."""
-        return dataclasses.replace(self, numbers=Evaluated(self.scene, {**self.numbers.parameters, **values}))
+        return dataclasses.replace(self, numbers=Evaluated(self.scene, {**self.numbers.parameters, **parameters}))
 
 
-def prepare(spec: Spec, method: str, effects: Iterable[str] | None = None, values: Mapping[str, object] | None = None,
+def prepare(spec: Spec, method: str, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
             solver: str = "auto", numbers: Evaluated | None = None) -> Prepared:
-    """Select, evaluate and plan. numbers: those of the spec with these values, where they are known.
+    """Select, evaluate and plan. numbers: those of the spec with these parameters, where they are known.
 
     Raises UsageError for a name that is not known, a value that does not fit, and a method that does not serve the scene.
     """
     no_run(spec, method)
     choose("method", method, METHODS)
     choose("solver", solver, SOLVERS)
-    scene = scene_of(spec, effects, values)
-    numbers = Evaluated(spec, values) if numbers is None else numbers
+    scene = scene_of(spec, effects, parameters)
+    numbers = Evaluated(spec, parameters) if numbers is None else numbers
     return Prepared(spec, scene, numbers.of(scene), method, solver, plan_of(scene, method, solver))
 
 
-def scene_of(spec: Spec, effects=None, values=None) -> Spec:
-    """The spec with these effects, and `values` for defaults."""
+def scene_of(spec: Spec, effects=None, parameters=None) -> Spec:
+    """The spec with these effects, and the values of `parameters` for defaults."""
     from ...compile.select import select
-    return select(spec, None if effects is None else tuple(effects), dict(values or {}))
+    return select(spec, None if effects is None else tuple(effects), dict(parameters or {}))
 
 
 def choose(what: str, name: str, names) -> str:

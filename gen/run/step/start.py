@@ -26,10 +26,10 @@ def find_start(spec: Spec, start: str | Start | None) -> Start:
     return spec.starts[names.index(start)]
 
 
-def initial_state(spec: Spec, start: str | Start | None = None, values: dict | None = None,
+def initial_state(spec: Spec, start: str | Start | None = None, parameters: dict | None = None,
                   seed: int | None = None) -> np.ndarray:
     """The state at the start of a run, shape (sites, 3): as `state_at`, for who asks once."""
-    return state_at(Evaluated(spec, values), start, seed)
+    return state_at(Evaluated(spec, parameters), start, seed)
 
 
 def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | None = None) -> np.ndarray:

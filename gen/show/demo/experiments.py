@@ -56,7 +56,7 @@ def moving_body():
 
 def moving_section():
     """The Poincare section at eps = 0.07, period by period."""
-    orbit = stroboscope(build(load_spec("forced_rigid_body"), values={"eps": 0.07}), PERIOD, 20)
+    orbit = stroboscope(build(load_spec("forced_rigid_body"), parameters={"eps": 0.07}), PERIOD, 20)
     layers = moving.section_layers(orbit, section_starts(), is_chaotic)
     return ({"layers": layers, "backdrop": [], "view": (68, 24)},
             "A rigid body that is shaken (\u03b5 = 0.07), seen once a period: a Poincar\u00e9 section. Regular orbits draw curves, chaotic ones fill a "
@@ -178,7 +178,7 @@ def ratio_words(methods) -> str:
 def errors_of(method: str, moments) -> np.ndarray:
     """max_k |w_k - w(h k)| over 0 <= h k <= 10 for each of STEPS."""
     values = dict(zip(("I1", "I2", "I3"), moments))
-    model = build(load_spec("free_rigid_body"), method, values=values)
+    model = build(load_spec("free_rigid_body"), method, parameters=values)
     return np.array([error_of(model, moments, h) for h in STEPS])
 
 
@@ -238,7 +238,7 @@ def irreversible_energy_long():
 def forced_sections():
     """Sections at eps = 0.01 and 0.07 by the compiled spherical midpoint, h = 2 pi/20."""
     def orbit(eps):
-        return stroboscope(build(load_spec("forced_rigid_body"), values={"eps": eps}), PERIOD, 20)
+        return stroboscope(build(load_spec("forced_rigid_body"), parameters={"eps": eps}), PERIOD, 20)
     return section_figure(orbit, "Spherical midpoint, generated code, h = 2\u03c0/20", 1000)
 
 
@@ -365,7 +365,7 @@ def chain_invariants():
 def test_particles():
     """Paths in the frame that turns with the wave, where they follow the stream lines."""
     r = run(load_spec("test_particles"), "demo", time=200, every=4, h=0.05, what=["states"])
-    values = r.meta["values"]
+    values = r.meta["parameters"]
     speed = (28 * values["omega"] - 2 * values["Omega"]) / 30
     seen = turned(r.w["w"], -speed * r.t)
     stream = wave_stream(seen, values, speed)

@@ -58,7 +58,7 @@ def checked(name: str, out: Path) -> Outcome:
     spec = load_spec(word)
     began = time.perf_counter()
     settings = settle(spec, chosen or None, what=outputs_for(spec))
-    model = build(spec, settings.method, settings.effects, settings.values, settings.solver)
+    model = build(spec, settings.method, settings.effects, settings.parameters, settings.solver)
     result = with_facts(run(spec, settings.run, what=settings.what, every=every(settings, model)))
     seconds = time.perf_counter() - began
     started(model, result)
@@ -121,7 +121,7 @@ def losses(model, spec, result):
     if not casimir_error(result) <= KEPT:
         faults.append(f"Casimirs change by {casimir_error(result):.1e}")
     error = momentum_error(model, spec, result)
-    parts = np.abs(kappas(spec, model.values_in)).sum()
+    parts = np.abs(kappas(spec, model.parameters)).sum()
     if error > KEPT * max(1.0, parts):
         faults.append(f"momentum changes by {error:.1e}")
     if result.meta["driven"]:

@@ -27,7 +27,7 @@ def with_facts(result):
     from ...run.files.recorded import spec_of
     spec, called = spec_of(meta["sources"], meta["spec"]), set(meta.get("effects") or ())
     known = {p.name for p in spec.parameters}
-    numbers = Evaluated(spec, {n: v for n, v in (meta.get("values") or {}).items() if n in known})
+    numbers = Evaluated(spec, {n: v for n, v in (meta.get("parameters") or {}).items() if n in known})
     return dataclasses.replace(result, meta={
         **meta, "casimirs": matrices(numbers), "bonds": bonds(numbers, called), "grids": grids(numbers, called),
         "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called) and why_driven(spec, called)})

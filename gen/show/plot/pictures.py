@@ -293,7 +293,7 @@ def suitable(result, html: bool) -> str:
                                    for n in result.values) else "observables"
     if not on_spheres(result):
         return "leaf"
-    if result.meta.get("section"):
+    if result.meta.get("period"):
         return "section"
     film, (_, w) = film_of(result)[0], largest(result)
     if film and result.w[film].shape[1] > MANY:
