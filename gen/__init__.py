@@ -12,14 +12,13 @@ to the function afterwards. `from smidgen.build.binary import ...` finds the pac
 """
 from typing import TYPE_CHECKING
 
-from .analyse import lyapunov
 from .analyse.spectrum import Spectrum, spectrum
 from .analyse.spectrum_file import load_spectrum
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
 from .run.step.integrator import Integrator, build
 from .run.many.ensemble import Ensemble, ensemble
-from .run.fields import lattice
+from .run.many.sweep import sweep
 from .run.fields.field import load_field
 from .run.files.output import Result, load_result
 from .run.fields.snapshot import snapshot
@@ -34,6 +33,7 @@ from .check.validate import validate
 from .check.verify import verify
 from .cost import Choice, Cost, choose, cost, load_cost
 from .version import __version__  # noqa: F401
+from . import lattice, lyapunov
 
 if TYPE_CHECKING:
     from .analyse.advice import advise
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "UsageError", "ValidationError",
            "advise", "build", "choose", "cost", "ensemble", "explain", "flat", "lattice", "load", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
-           "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "validate", "verify"]
+           "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "sweep", "validate", "verify"]
 
 
 def __getattr__(name):

@@ -30,11 +30,10 @@ from ..public import ReadOnly, public
 from ..run.files.durable import write_new
 from ..run.fields.field import Field
 from ..run.fields.grid import Grid, family_of, of
-from ..run.step.integrator import build
 from ..run.step.prepared import choose
 from ..run.record.record import Recorder
 from ..run.run import MEMORY, advance, describe
-from ..run.settings import settle, whole
+from ..run.settings import model_of, settle, whole
 from .waves import Components, waves
 
 WINDOWS = ("none", "hann")
@@ -106,12 +105,11 @@ def saved_as(path) -> Path:
 
 
 @public
-def spectrum(spec: Spec, run: str | None = None, *, family: str | None = None, q="all", window: str = "none", parts: int = 1,
-             autocorrelation: bool = False, basis=None, start: str | np.ndarray | Field | None = None, method: str | None = None,
+def spectrum(spec: Spec, run: str | None = None, *, start: str | np.ndarray | Field | None = None, method: str | None = None,
              solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
              every: int | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
-             seed: int | None = None, native: bool | None = None, threads: int | None = None,
-             progress: Callable[[int], object] = lambda done: None) -> Spectrum:
+             seed: int | None = None, native: bool | None = None, threads: int | None = None, family: str | None = None, q="all",
+             window: str = "none", parts: int = 1, autocorrelation: bool = False, basis=None, progress: Callable[[int], object] = lambda done: None) -> Spectrum:
     """Run `spec` and return S(q, omega) of the spins of a family on its lattice.
 
     family: by default the only one; q: "all" of the first zone, a path "0,0 1/2,0 1/2,1/2" (all waves of the lattice on it), or an
@@ -133,7 +131,7 @@ def spectrum(spec: Spec, run: str | None = None, *, family: str | None = None, q
     grid = of(spec, family, settings.parameters)
     m, length = waves(grid, q), part_length(settings, parts)
     affordable(len(m) * length, autocorrelation)
-    model = build(spec, settings.method, settings.effects, settings.parameters, settings.solver, native=native, threads=threads)
+    model = model_of(spec, settings)
     model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     keeper = Keeper(family, Components(grid, m, basis), len(m), length, window, parts, autocorrelation)
     recorder = stepped(model, settings, family, grid, keeper, progress)

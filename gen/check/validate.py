@@ -20,13 +20,13 @@ from ..extremes import largest, smallest, with_largest
 from ..methods import METHODS
 from ..language.spec import Spec
 from ..public import public
-from ..run.step.integrator import build
-from ..run.settings import Settings, settle
+from ..run.settings import Settings, model_of, settle
 from ..run.step.evaluated import casimir_matrices
 from ..run.step.start import state_at
 from ..tables import text_of
 from .witness import EQUATIONS, Witness
 
+STEPS = 100             # compared where nobody says how many
 ROUND_OFF = 1e-13       # agreement asked for, in units of the largest number compared
 SENSITIVE = 10.0        # a tangent map that grows less than this excuses nothing
 NUDGE = 1e-7            # size of the perturbation that measures the growth
@@ -106,18 +106,18 @@ class Report:
 
 
 @public
-def validate(spec: Spec, run: str | None = None, *, steps: int = 100, points: int = 5,
-             start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
-             h: float | str | None = None, effects: Iterable[str] | None = None,
+def validate(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+             h: float | str | None = None, steps: int | None = None, effects: Iterable[str] | None = None,
              parameters: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
-             native: bool | None = None) -> Report:
+             native: bool | None = None, points: int = 5) -> Report:
     """Compare the compiled integrator of a run with the witness.
 
-    start .. native: as for `smidgen.run`, in place of what the run says.
+    start .. native: as for `smidgen.run`, in place of what the run says; steps: how many are compared, by default 100.
     The lines: field and energy at `points` random states; conserved quantities and
     observables; `steps` steps of the same method; the order of convergence to the flow.
     Raises UsageError for wrong names; what the numbers refuse is a line that failed.
     """
+    steps = STEPS if steps is None else steps
     if steps < 1 or points < 1:
         raise UsageError("validate needs at least one step and one point")
     case = Case(settle(spec, run, steps=steps, every=1, start=start, method=method, solver=solver, h=h,
@@ -140,7 +140,7 @@ class Case:
         self.witness = Witness(spec, s.parameters, s.effects)
         self.radius = s.numbers.radii
         self.dice = generator("validate")
-        self.model = build(spec, s.method, s.effects, s.parameters, s.solver, s.real, s.native)
+        self.model = model_of(spec, s)
         self.w = self._start(spec, s)
 
     def _start(self, spec, s):
@@ -293,7 +293,7 @@ def compare_noise(case, spec, growth) -> list[Line]:
     if one.diffusion is None or one.sites > DENSE:
         return []
     mine = one.steps(case.w, 0.0, s.h, s.steps, s.method)
-    model = build(spec, s.method, s.effects, s.parameters, s.solver, s.real, s.native).start(np.array(case.w), h=s.h, seed=s.seed)
+    model = model_of(spec, s).start(np.array(case.w), h=s.h, seed=s.seed)
     found = np.array([mine[0], *(np.array(model.step().w, float) for _ in range(s.steps))])
     allowed = (FLOOR if METHODS[s.method].controlled else ROUND_OFF) * size(mine) * (growth if growth > SENSITIVE else 1.0)
     return [agreement(f"{s.steps} steps with noise", difference(found, mine), allowed)]

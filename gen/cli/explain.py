@@ -19,13 +19,9 @@ def add(commands):
 
 def command(args):
     """One sentence a line."""
-    from ..run.settings import find_run
     from ..read.shipped import load_spec
     from ..analyse.symmetry import explain
-    spec = load_spec(args.spec, args.library)
-    run = find_run(spec, args.run)
-    report = explain(spec, {**dict(run.parameters), **dict(args.parameters)}, args.method or run.method,
-                     run.effects if args.effects is None else args.effects)
+    report = explain(load_spec(args.spec, args.library), args.run, method=args.method, effects=args.effects, parameters=dict(args.parameters))
     if args.json:
         return printed(report.as_dict())
     print(f"{report.spec}, {report.method}:")

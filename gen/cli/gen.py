@@ -37,15 +37,13 @@ def add(commands):
 def scene_of(args):
     """(selected spec, method, solver) that the arguments ask for."""
     from ..compile.select import select
-    from ..run.settings import find_run
     from ..read.shipped import load_spec
     from ..run.step.evaluated import parameter_values
+    from ..run.step.prepared import asked
     spec = load_spec(args.spec, args.library)
-    run = find_run(spec, args.run)
-    values = {**dict(run.parameters), **dict(args.parameters)}
-    parameter_values(spec, values)
-    scene = select(spec, args.effects if args.effects is not None else run.effects, values)
-    return scene, args.method or run.method, args.solver or run.solver
+    run = asked(spec, args.run, args.method, args.solver, args.effects, dict(args.parameters))
+    parameter_values(spec, dict(run.parameters))
+    return select(spec, run.effects, dict(run.parameters)), run.method, run.solver
 
 
 def gen(args):

@@ -30,7 +30,7 @@ def command(args):
         return show_kinds(args, kinds())
     if args.source is None:
         raise UsageError("draw what? give a file that `smidgen run` wrote, or a spec")
-    path = plot(args.source, args.kind, args.out, args.run)
+    path = plot(args.source, args.run, kind=args.kind, out=args.out)
     printed({"out": str(path)}) if args.json else print(path)
 
 

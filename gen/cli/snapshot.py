@@ -56,7 +56,7 @@ def told(args, result) -> dict:
     spec, parameters = with_parameters(result, None)
     family = family_of(spec, args.of)
     w, step, t = state_of(result, family, args.row, args.time)
-    tell = {"magnetisation": lambda: lattice.magnetisation(w).tolist(), "charge": lambda: float(lattice.charge(w, of(spec, family, values)))}
+    tell = {"magnetisation": lambda: lattice.magnetisation(w).tolist(), "charge": lambda: float(lattice.charge(w, of(spec, family, parameters)))}
     return {"step": step, "t": float(t), **{name: tell[name]() for name in args.what}}
 
 

@@ -81,7 +81,7 @@ def command(args):
     ended, total = [], math.prod(map(len, axes.values()), start=args.starts or 1)
     try:
         with progress(total, "cells") as tick:
-            found = sweep(load_spec(args.spec, args.library), args.run, axes, args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
+            found = sweep(load_spec(args.spec, args.library), args.run, axes=axes, out=args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
                           tell=lambda outcome: (ended.append(outcome), tick(len(ended)), said(outcome)), **given)
     except KeyboardInterrupt:
         say(f"smidgen: interrupted; cells that have ended since it began: {len(ended)}; the same command goes on with the others in {Path(args.out)}")

@@ -17,7 +17,7 @@ def add(commands):
     spec_argument(parser)
     model_options(parser)
     parser.add_argument("--all", action="store_true", help="every run of the spec")
-    parser.add_argument("--steps", type=whole, default=100, help="steps to compare; default 100")
+    parser.add_argument("--steps", type=whole, help="steps to compare; default 100")
     parser.add_argument("--points", type=whole, default=5, help="random states; default 5")
     parser.add_argument("--h", help="the step")
     parser.add_argument("--start", help="a start of the spec")

@@ -34,10 +34,10 @@ AIM = 1e-6          # end error of the runs that are made long
 
 
 @public
-def cost(spec: Spec, run: str | None = None, *, time: float | str | None = None, methods: Iterable[str] | None = None,
-         start: str | np.ndarray | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
-         seed: int | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
-         peers: bool | Iterable[str] = False, native: bool | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
+def cost(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
+         effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
+         native: bool | None = None, methods: Iterable[str] | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
+         peers: bool | Iterable[str] = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
     """Sweep the methods of the registry over steps, and time them.
 
     run, start, effects, parameters, seed, native: as for `run`; time: how long, by default that of the run; methods: names,

@@ -69,10 +69,10 @@ class Choice:
 
 
 @public
-def choose(spec: Spec, run: str | None = None, *, error: float | None = None, energy: float | None = None,
-           time: float | str | None = None, methods: Iterable[str] | None = None, start: str | np.ndarray | None = None,
+def choose(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
            effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
-           symplectic: bool = False, native: bool | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
+           native: bool | None = None, methods: Iterable[str] | None = None, error: float | None = None, energy: float | None = None,
+           symplectic: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
     """The method and step that meet the errors asked for in the least time.
 
     error: at the end, relative to the largest |w|; energy: the largest energy error on the way, absolute, in the unit of the

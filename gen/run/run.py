@@ -21,15 +21,14 @@ from ..version import __version__
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import SHORT, end_error
-from .step.integrator import Integrator, compiled
-from .step.prepared import prepare
+from .step.integrator import Integrator
 from .files.options import OPTIONS
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise
 from .step.pace import Pace
 from .record.record import Recorder, columns_of, entry_size
 from .files.safe import SafeSink
-from .settings import Settings, settle
+from .settings import Settings, model_of, settle
 from .step.start import find_start
 from .step.status import RESCUED
 from .step.substeps import substep
@@ -46,16 +45,13 @@ class Interrupted(KeyboardInterrupt):
 
 
 @public
-def run(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None,
-        method: str | None = None, solver: str | None = None, h: float | str | None = None,
-        steps: int | None = None, time: float | str | None = None, every: int | None = None,
-        period: float | str | None = None, what: Iterable[str] | None = None,
-        effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
-        seed: int | None = None, checkpoint: int | None = None, substeps: bool | None = None,
-        out: str | os.PathLike | None = None, keep: bool | None = None,
-        progress: Callable[[int], object] | None = None, real: str = "double",
-        native: bool | None = None, estimate: bool | None = False, tolerance: float | None = None, fast: bool = False,
-        threads: int | None = None) -> Result:
+def run(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+        h: float | str | None = None, steps: int | None = None, time: float | str | None = None, every: int | None = None,
+        period: float | str | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None,
+        parameters: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double", native: bool | None = None,
+        substeps: bool | None = None, checkpoint: int | None = None, estimate: bool | None = False, tolerance: float | None = None,
+        fast: bool = False, threads: int | None = None, out: str | os.PathLike | None = None, keep: bool | None = None,
+        progress: Callable[[int], object] | None = None) -> Result:
     """Run `spec` and return a Result.
 
     run: of the spec, by default its first. In place of what that run says:
@@ -101,10 +97,9 @@ def repeat(path: str | os.PathLike, out: str | os.PathLike | None = None, *, kee
 def begun(spec: Spec, settings: Settings) -> Integrator:
     """The model of a run, at its start."""
     s = settings
-    prepared = prepare(spec, s.method, s.effects, s.parameters, s.solver, s.numbers)
+    model = model_of(spec, s)
     if s.substeps:
-        refuse_with_noise(prepared.scene, "no substeps", "a step that fails is taken as two of h/2 with the same noise anyway")
-    model = compiled(prepared, s.real, s.native, fast=s.fast, threads=s.threads)
+        refuse_with_noise(model.scene, "no substeps", "a step that fails is taken as two of h/2 with the same noise anyway")
     return model.start(s.own_start, h=s.h, seed=s.seed, tolerance=s.tolerance)
 
 

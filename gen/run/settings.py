@@ -17,7 +17,8 @@ from ..read.given import formula
 from ..read.names import COMPUTED
 from .fields.field import Field
 from ..methods import NAMES as METHODS, SOLVERS
-from .step.prepared import checked_tolerance, choose
+from .step.integrator import Integrator, compiled
+from .step.prepared import Prepared, asked, checked_tolerance, choose, prepare
 from .step.evaluated import Evaluated
 
 _FORMULA = typing.get_args(Expr)
@@ -58,14 +59,23 @@ class Settings:
         """The start, an array as a copy: steps change theirs in place."""
         return self.start.copy() if isinstance(self.start, np.ndarray) else self.start
 
+    def prepared(self, spec: Spec) -> Prepared:
+        """Of the spec that these choices were made for, or of a part of it, such as `spec.calm`."""
+        return prepare(spec, self.method, self.effects, self.parameters, self.solver, self.numbers)
+
+
+def model_of(spec: Spec, s: Settings, real: str | None = None, features=()) -> Integrator:
+    """The compiled model of a run; real: in place of that of the run."""
+    return compiled(s.prepared(spec), real or s.real, s.native, features, s.fast, s.threads)
+
 
 def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, period=None, what=None, effects=None,
            parameters=None, seed=None, real="double", native=None, substeps=None,
            checkpoint=None, estimate=False, tolerance=None, fast=False, threads=None) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
-    base = find_run(spec, run)
-    parameters = {**dict(base.parameters), **(parameters or {})}
+    base = asked(spec, run, method, solver, effects, parameters)
+    parameters = dict(base.parameters)
     numbers = Evaluated(spec, parameters)
     env = numbers.values
     h, time, period = (_read(spec, what_, value) for what_, value in
@@ -78,11 +88,10 @@ def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solve
     period = None if period is None else abs(number(period, env, "the period"))
     return Settings(
         base.name, _placed(base.start if start is None else start, numbers),
-        choose("method", method or base.method, METHODS),
-        choose("solver", solver or base.solver, SOLVERS), h,
+        choose("method", base.method, METHODS), choose("solver", base.solver, SOLVERS), h,
         number_of_steps(steps, time, h, env), interval(every, period, h), period,
         chosen_outputs(spec, tuple(what or base.what)),
-        base.effects if effects is None else tuple(effects), parameters, numbers,
+        base.effects, parameters, numbers,
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), None if estimate is None else bool(estimate),
         None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads)
@@ -103,19 +112,6 @@ def whole(value, what: str) -> int:
     if not isinstance(value, numbers.Real) or value != int(value) or value < 0:
         raise UsageError(f"{what} must be an integer from 0 up, not {value}")
     return int(value)
-
-
-def find_run(spec: Spec, name: str | None) -> Run:
-    """The run of that name; None: the first one, or an empty one for a spec without runs."""
-    if not isinstance(spec, Spec):
-        raise UsageError(f"a spec is needed, as smidgen.load gives it, not a {type(spec).__name__}")
-    if name is None:
-        return spec.runs[0] if spec.runs else Run("", None, METHODS[0], None)
-    for run_ in spec.runs:
-        if run_.name == name:
-            return run_
-    names = ", ".join(r.name for r in spec.runs) or "none"
-    raise UsageError(f"no run '{name}' in {spec.name}; it has: {names}")
 
 
 def number(value, env, what: str) -> float:

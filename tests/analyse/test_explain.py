@@ -109,14 +109,14 @@ def test_three_effects_together_are_heisenbergs():
     for values in ({}, {"n": 30_000}):
         report = explain(load_text(THREE), parameters=values)
         assert len(kinds(report, "linear")) == 3
-        assert [i.formula for i in kinds(explain(load_text(THREE), values, effects=("xx", "yy")), "linear")] == ["sum w.z"]
+        assert [i.formula for i in kinds(explain(load_text(THREE), parameters=values, effects=("xx", "yy")), "linear")] == ["sum w.z"]
 
 
 @pytest.mark.quick
 def test_a_sum_that_only_vanishes_as_a_whole_is_found_in_small_systems():
     spec = load_text(CHAIN.replace("-dot(w[i], w[j])", "-dot(w[i], w[j]) + w[i].x - w[j].x"))
     assert len(kinds(explain(spec), "linear")) == 3
-    assert [i.formula for i in kinds(explain(spec, {"n": 30_000}), "linear")] == ["sum w.x"]
+    assert [i.formula for i in kinds(explain(spec, parameters={"n": 30_000}), "linear")] == ["sum w.x"]
 
 
 @pytest.mark.quick
@@ -194,7 +194,7 @@ def test_two_coupled_vectors_have_manakovs_integral_where_they_are_integrable(va
     """J_x^2 (A_y - A_z) + .. + (A_x - A_y)(A_y - A_z)(A_z - A_x) = 0 (Magyari, Thomas and Weber 1987)."""
     spec = load_text(PAIR)
     for method, kept in (("spherical-midpoint", not values), ("classical-midpoint", True), ("gauss-4", False)):
-        found = joint(explain(spec, values, method=method))
+        found = joint(explain(spec, parameters=values, method=method))
         assert len(found) == count and all(i.kept == kept and not i.always for i in found)
 
 
@@ -326,7 +326,7 @@ def test_the_checks_can_say_no():
 @pytest.mark.quick
 def test_energy_that_the_method_does_not_keep_is_not_said_to_be_kept():
     for name in ("heisenberg_chain", "two_bodies", "product"):
-        assert not kinds(explain(load(name), {"n": 6} if "chain" in name else {}), "energy")[0].kept
+        assert not kinds(explain(load(name), parameters={"n": 6} if "chain" in name else {}), "energy")[0].kept
 
 
 @pytest.mark.quick
@@ -400,7 +400,7 @@ def test_a_list_in_place_of_one_number_is_that_list(place, entries):
     spec = ('[model]\nname = "m"\n[parameters]\nn = 3\nK = {{ default = {}, size = "n" }}\n[space]\n'
             'w = {{ sphere = "n", kappa = "{}", radius = "{}" }}\n[effects.e]\nover = "pair(i, j)"\nenergy = "{}"\n')
     whole = entries * (3 if len(entries) == 1 else 1)
-    given = explain(load_text(spec.format(1.0, kappa, radius, energy)), {"K": entries})
+    given = explain(load_text(spec.format(1.0, kappa, radius, energy)), parameters={"K": entries})
     written = explain(load_text(spec.format(whole, kappa, radius, energy)))
     w = np.random.default_rng(3).standard_normal((3, 3))
     assert given.words() == written.words() and given.parameters == written.parameters
@@ -412,7 +412,7 @@ def test_what_holds_for_equal_entries_only_says_so():
     text_ = CHAIN.replace("K = 0.3", 'K = { default = 0.0, size = "n" }') + AXIS.replace("-K*", "-K[i]*")
     report = explain(load_text(text_))
     assert not report.always[0] and "K = 0 for all 10 entries" in said(report)
-    listed = explain(load_text(text_), {"K": [0.5] + 9*[1.0]})
+    listed = explain(load_text(text_), parameters={"K": [0.5] + 9*[1.0]})
     assert listed.rotations[0][1].shape == (1, 3) and listed.parameters["K"] == "a list of 10 entries"
 
 

@@ -56,7 +56,7 @@ def starts() -> np.ndarray:
 
 
 def reference(name: str, w) -> np.ndarray:
-    model = smidgen.build(smidgen.load(name), "gauss-16", real="long double")
+    model = smidgen.build(smidgen.load(name), method="gauss-16", real="long double")
     return np.array([model.start(one[None].astype(np.longdouble), 0, 0.5).steps(2 * END).w[0].astype(float) for one in w])
 
 

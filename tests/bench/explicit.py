@@ -43,7 +43,7 @@ def bandwidth() -> float:
 
 def row(method: str, over: str, sites: str, n: int, repeats: int) -> dict:
     spec = smidgen.load_text(TEXT.format(name="lattice", over=over, sites=sites, n=n))
-    models = {name: smidgen.build(spec, method, **more).start("random", h=0.0247).steps(2) for name, more in BUILDS.items()}
+    models = {name: smidgen.build(spec, method=method, **more).start("random", h=0.0247).steps(2) for name, more in BUILDS.items()}
     found, memory = {name: [] for name in BUILDS}, []
     for _ in range(repeats if models["native"].sites < 1e5 else max(5, repeats // 4)):
         memory.append(bandwidth())

@@ -42,20 +42,20 @@ NO_BRANCH = (           # file of the runtime, what decides, what stands there i
 
 def variants(spec, method: str, values: dict, work: Path):
     """(promise, what gives it up, model without it, tolerance) of each that the method makes."""
-    yield "all", "", smidgen.build(spec, method, parameters=values, native=False), None
-    yield "iterations to stagnation", f"--tolerance {TOLERANCE:g}", smidgen.build(spec, method, parameters=values, native=False), TOLERANCE
+    yield "all", "", smidgen.build(spec, method=method, parameters=values, native=False), None
+    yield "iterations to stagnation", f"--tolerance {TOLERANCE:g}", smidgen.build(spec, method=method, parameters=values, native=False), TOLERANCE
     if "plain-sums" in smidgen.methods.METHODS[method].features:
-        yield "compensated sums", "--with plain-sums", smidgen.build(spec, method, parameters=values, native=False, features=("plain-sums",)), None
+        yield "compensated sums", "--with plain-sums", smidgen.build(spec, method=method, parameters=values, native=False, features=("plain-sums",)), None
     if smidgen.methods.METHODS[method].of_midpoints:
         yield "branch certificate", "(nothing)", without_certificate(spec, method, values, work), None
-    yield "any processor", "--native", smidgen.build(spec, method, parameters=values, native=True), None
-    yield "the same bits everywhere", "--fast", smidgen.build(spec, method, parameters=values, fast=True), None
-    yield "the last but one and stagnation", f"--fast --tolerance {TOLERANCE:g}", smidgen.build(spec, method, parameters=values, fast=True), TOLERANCE
+    yield "any processor", "--native", smidgen.build(spec, method=method, parameters=values, native=True), None
+    yield "the same bits everywhere", "--fast", smidgen.build(spec, method=method, parameters=values, fast=True), None
+    yield "the last but one and stagnation", f"--fast --tolerance {TOLERANCE:g}", smidgen.build(spec, method=method, parameters=values, fast=True), TOLERANCE
 
 
 def without_certificate(spec, method: str, values: dict, work: Path) -> Integrator:
     """The same model over headers that take every solution for the right one."""
-    model = smidgen.build(spec, method, parameters=values, native=False)
+    model = smidgen.build(spec, method=method, parameters=values, native=False)
     headers, here = work / "runtime", work / f"{model.name}-{method}"
     shutil.copytree(folder("runtime"), headers, dirs_exist_ok=True)
     for name, old, new in NO_BRANCH:

@@ -62,7 +62,7 @@ class Row:
 
 def generated(spec, method=SPHERICAL, steps=20, **values):
     """orbit(w, periods) of the emitted C."""
-    return stroboscope(smidgen.build(spec, method, parameters=values), PERIOD, steps)
+    return stroboscope(smidgen.build(spec, method=method, parameters=values), PERIOD, steps)
 
 
 def exact(spec, tol=1e-13, **values):

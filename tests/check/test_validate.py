@@ -11,7 +11,7 @@ from support.witness_models import body, precession, pulsed, sphere
 import smidgen
 from smidgen.errors import UsageError, ValidationError
 from smidgen.language.expr import Num, Op, Spin, Time
-from smidgen.run.step.integrator import build
+from smidgen.run.settings import model_of
 from smidgen.resources import folder
 from smidgen.language.spec import FamilyStart, Run, Start
 from smidgen.check.validate import Line, Report, validate
@@ -77,7 +77,7 @@ MUTANTS = {
 @pytest.mark.parametrize("mutant", MUTANTS)
 def test_mutants_are_caught(monkeypatch, mutant):
     spec = with_run(pulsed())
-    monkeypatch.setattr(module, "build", lambda _, *more: build(MUTANTS[mutant](spec), *more))
+    monkeypatch.setattr(module, "model_of", lambda _, settings: model_of(MUTANTS[mutant](spec), settings))
     report = validate(spec)
     assert not report.passed
     with pytest.raises(ValidationError, match="disagree"):
@@ -88,8 +88,7 @@ def test_mutants_are_caught(monkeypatch, mutant):
 def test_another_method_is_caught(monkeypatch):
     """The classical midpoint has order 2 and the same field; only the steps tell."""
     spec = with_run(pulsed())
-    monkeypatch.setattr(module, "build", lambda s, method, *more: build(
-        s, "classical-midpoint", *more))
+    monkeypatch.setattr(module, "model_of", lambda s, settings: model_of(s, dataclasses.replace(settings, method="classical-midpoint")))
     assert [x.check for x in validate(spec).lines if not x.passed] == ["100 steps"]
 
 
@@ -118,7 +117,7 @@ class Euler:
 @pytest.mark.quick
 def test_a_method_of_order_one_is_caught(monkeypatch):
     spec = with_run(pulsed())
-    monkeypatch.setattr(module, "build", lambda *given: Euler(build(*given), module.Witness(spec)))
+    monkeypatch.setattr(module, "model_of", lambda *given: Euler(model_of(*given), module.Witness(spec)))
     failed = {x.check for x in validate(spec).lines if not x.passed}
     assert failed == {"100 steps", "order of convergence"}
 

@@ -47,7 +47,7 @@ def fused(model) -> set:
 def built(spec, method, **how):
     """None where the method does not serve the spec."""
     try:
-        return smidgen.build(spec, method, native=True, **how)
+        return smidgen.build(spec, method=method, native=True, **how)
     except UsageError:
         return None
 

@@ -44,7 +44,7 @@ def spec_of(formulas, sites, more=""):
 
 
 def model(formulas, sites, method="spherical-midpoint", more="", **how):
-    return smidgen.build(spec_of(formulas, sites, more), method, **how)
+    return smidgen.build(spec_of(formulas, sites, more), method=method, **how)
 
 
 def with_values(built, **values):
@@ -86,7 +86,7 @@ def test_members_of_ensembles_take_the_same_side():
     one, other = spec_of(BY_PARAMETER, 1), spec_of(GIVEN, 1)
     start = np.tile([0.6, 0.0, 0.8], (9, 1))
     for n in WRONG:
-        found, wanted = (smidgen.ensemble(spec, start, parameters=values, h=0.1, steps=3)
+        found, wanted = (smidgen.ensemble(spec, start=start, parameters=values, h=0.1, steps=3)
                          for spec, values in ((one, dict(n=n, k=n)), (other, dict(rows=[1.0]))))
         np.testing.assert_allclose(found.w, wanted.w, rtol=1e-13)
 

@@ -28,7 +28,7 @@ def bits(case) -> tuple[str, str]:
 
 def of_integrator(case, spec, values, h):
     """Bytes of the states, and of tangent vectors where the case has a tangent map."""
-    model = smidgen.build(spec, case.method, parameters=values, solver=case.solver, real=case.real, features=case.features)
+    model = smidgen.build(spec, method=case.method, parameters=values, solver=case.solver, real=case.real, features=case.features)
     for k in range(STARTS):
         try:
             model.start(start(spec, values, 7 * k), h=h)
@@ -44,7 +44,7 @@ def of_integrator(case, spec, values, h):
 def of_ensemble(case, spec, values, h):
     """Bytes of the last states of all members, with the steps that each has taken."""
     starts = np.array([start(spec, values, 7 * k) for k in range(MEMBERS)])
-    found = smidgen.ensemble(spec, starts, parameters=values, h=h, steps=STEPS, method=case.method, solver=case.solver, threads=1)
+    found = smidgen.ensemble(spec, start=starts, parameters=values, h=h, steps=STEPS, method=case.method, solver=case.solver, threads=1)
     yield found.steps.tobytes()
     yield significant(found.w)
 

@@ -197,7 +197,7 @@ n, count = int(sys.argv[1]), int(sys.argv[2])
 t = 2*np.pi*np.arange(n)/n
 theta, phi = 0.7 + 0.3*np.sin(3*t), t
 w = np.stack([np.sin(theta)*np.cos(phi), np.sin(theta)*np.sin(phi), np.cos(theta)], axis=1)
-model = smidgen.build(smidgen.load(folder("specs") / "heisenberg_chain.toml"), values={"n": n})
+model = smidgen.build(smidgen.load(folder("specs") / "heisenberg_chain.toml"), parameters={"n": n})
 # most memory of this program; that of getrusage begins with what the one that started it had
 peak = lambda: 1024 * int(next(x for x in open("/proc/self/status") if x.startswith("VmHWM")).split()[1])
 total = lambda w: np.array([math.fsum(column) for column in w.T])

@@ -45,8 +45,8 @@ def test_a_hint_says_what_to_write(old, new, said):
 
 
 @pytest.mark.parametrize("call, said", [
-    (lambda s: smidgen.build(s, "demo"), r"that is a run of m. `smidgen.run\(spec, 'demo'\)`"), (lambda s: smidgen.build(s, "gaus-8"), "did you mean 'gauss-8'"),
-    (lambda s: smidgen.build(s, "nothing at all"), "there are 6[0-9], such as"), (lambda s: smidgen.build(s, parameters={"b": 2.0}), "did you mean .B."),
+    (lambda s: smidgen.build(s, method="gaus-8"), "did you mean 'gauss-8'"),
+    (lambda s: smidgen.build(s, method="nothing at all"), "there are 6[0-9], such as"), (lambda s: smidgen.build(s, parameters={"b": 2.0}), "did you mean .B."),
     (lambda s: smidgen.run(s, parameters={"b": 2.0}), "did you mean .B."), (lambda s: parameter_values(s, {"b": 2.0}), "did you mean .B.")])
 def test_a_name_that_is_none_gets_the_one_that_was_meant(call, said):
     with pytest.raises(UsageError, match=said) as refused:

@@ -111,7 +111,7 @@ def test_order_two_on_the_spheres_to_the_flow_of_the_law(name, form, o, kappa, r
 @pytest.mark.parametrize("method", [pytest.param(m, marks=() if m in ("cf4", "gauss-4", "dop853", "spherical-midpoint-4") else pytest.mark.long)
                                     for m in METHODS if METHODS[m].responds and not METHODS[m].variant])
 def test_every_method_that_takes_damping_goes_to_the_same_end(method):
-    one, errors = build(spec_of("pairs"), method), []
+    one, errors = build(spec_of("pairs"), method=method), []
     for steps in (20, 40):
         one.start("a", h=2 / steps)
         first = one.w.copy()
@@ -124,7 +124,7 @@ def test_every_method_that_takes_damping_goes_to_the_same_end(method):
 @pytest.mark.parametrize("method", [m for m in METHODS if not METHODS[m].responds and METHODS[m].stages == 1])
 def test_other_methods_refuse_it_and_name_some_that_do_not(method):
     with pytest.raises(UsageError, match="precess in their field alone; use spherical-midpoint or|'bath' is no gradient of one"):
-        build(spec_of("axis"), method)
+        build(spec_of("axis"), method=method)
 
 
 @quick
@@ -150,7 +150,7 @@ def test_a_body_in_r3_ends_about_its_axis_of_least_energy(method):
     """Double bracket dissipation, w' = w x b + alpha w x (w x b): |w| stays, H falls; after a short time it is where the law has brought it."""
     spec = smidgen.load_text('[model]\nname = "satellite"\n[space]\nw = { r3 = 1 }\n[effects.body]\nenergy = "w.x^2/2 + w.y^2/4 + w.z^2/8"\n'
                              '[effects.slosh]\nover = "site(i) of w"\ndamping = 0.2\n[starts.a]\nvectors = [[1.0, 2.0, 0.5]]\n')
-    one, axes = build(spec, method).start("a", h=0.01), np.array([1, 1 / 2, 1 / 4])
+    one, axes = build(spec, method=method).start("a", h=0.01), np.array([1, 1 / 2, 1 / 4])
     first, energies = one.w.copy(), [one.energy()]
 
     def rate(t, w):
@@ -221,7 +221,7 @@ def test_a_restart_has_the_bits_of_the_unbroken_run():
 @pytest.mark.parametrize("name", ["axis", "pairs"])
 def test_members_of_an_ensemble_have_their_own_damping_and_the_bits_that_they_have_alone(name):
     spec, alphas = spec_of(name), np.array([0.0, 0.1, 0.4, 1.0, 0.05, 0.2, 0.3, 0.7, 0.9])
-    found = smidgen.ensemble(spec, "a", h=0.1, steps=30, parameters={"alpha": alphas})
+    found = smidgen.ensemble(spec, start="a", h=0.1, steps=30, parameters={"alpha": alphas})
     for k, alpha in enumerate(alphas):
         assert np.array_equal(build(spec, parameters={"alpha": float(alpha)}).start("a", h=0.1).steps(30).w, found.w[k])
 

@@ -55,7 +55,7 @@ def stepped(model, most=1000):
 def test_a_huge_step(name):
     """The first of a trajectory, and one after others, which begins with their history."""
     one, method, small = LAYOUTS[name]
-    model, w = smidgen.build(spec_of(one), method), start_of(spec_of(one))
+    model, w = smidgen.build(spec_of(one), method=method), start_of(spec_of(one))
     found = set()
     for h in SIZES:
         found.add(stepped(model.start(w.copy(), h=h), 10_000 if "dop853" in method else 1000))
@@ -69,25 +69,25 @@ def test_a_huge_step(name):
 def test_a_huge_field(method):
     spec = smidgen.load_text(CHAIN)
     for J in (1e20, -1e100, 1e150):
-        model = smidgen.build(spec, method, parameters={"J": J})
+        model = smidgen.build(spec, method=method, parameters={"J": J})
         for h in (0.1, 1e100, 1e160, 1.7e308):
             stepped(model.start("a", h=h), 10_000)
 
 
 @pytest.mark.quick
 def test_gauss_by_rows_where_nothing_is_finite():
-    model = smidgen.build(smidgen.load_text(CHAIN), "gauss-8").start("a", h=1.7e308)
+    model = smidgen.build(smidgen.load_text(CHAIN), method="gauss-8").start("a", h=1.7e308)
     assert stepped(model) == NOT_FINITE and model.t == 0
 
 
 @pytest.mark.quick
 def test_step_control_ends_where_it_sees_no_end():
     """308 steps within h = 100 of a body are few; where 10,000 do not do it is given up after some hundred."""
-    body = smidgen.build(smidgen.load("free_rigid_body"), "dop853").start(h=100.0)
+    body = smidgen.build(smidgen.load("free_rigid_body"), method="dop853").start(h=100.0)
     assert stepped(body) == 0 and 250 < body.report()["iterations"] < 350
     for h in (1e5, 1e8):
         assert stepped(body.start(h=h)) == NO_CONVERGENCE and body.report()["iterations"] <= 128
-    chain = smidgen.build(smidgen.load_text(CHAIN), "dop853", parameters={"n": 64}).start("a", h=1e6)
+    chain = smidgen.build(smidgen.load_text(CHAIN), method="dop853", parameters={"n": 64}).start("a", h=1e6)
     assert stepped(chain) == NO_CONVERGENCE and chain.report()["iterations"] <= 128
 
 
@@ -98,9 +98,9 @@ def test_members_in_lanes_end_where_they_end_alone(method):
     w, own = rng.standard_normal((13, 1, 3)), {"I1": 10.0 ** rng.uniform(-2, 5, 13)}
     w /= np.linalg.norm(w, axis=2)[..., None]
     for h in (300.0, 1e150, 1.7e308):
-        found = smidgen.ensemble(spec, w, parameters=own, h=h, steps=2, method=method)
+        found = smidgen.ensemble(spec, start=w, parameters=own, h=h, steps=2, method=method)
         for k in range(13):
-            alone = smidgen.build(spec, method, parameters={"I1": own["I1"][k]}).start(w[k].copy(), h=h)
+            alone = smidgen.build(spec, method=method, parameters={"I1": own["I1"][k]}).start(w[k].copy(), h=h)
             done = alone.advance(2)
             assert found.steps[k] == done and bits(found.w[k]) == bits(alone.state())
         assert np.isfinite(found.w).all() and (h != 300 or method != "dop853" or 0 < np.count_nonzero(found.status) < 13)
@@ -138,7 +138,7 @@ random = 4
 def test_iterations_end_after_a_thousand_evaluations(method, monkeypatch, tmp_path):
     """Sweeps, two tries of Newton with GMRES, and the ends of steps together, near the largest steps that there are: without a bound up to 3249 of them."""
     plant(monkeypatch, tmp_path, COUNTED)
-    model, found = smidgen.build(smidgen.load_text(SQUARE), method), []
+    model, found = smidgen.build(smidgen.load_text(SQUARE), method=method), []
     for h in (0.7, 0.8, 0.9):
         for seed in range(3):
             model.start("a", h=h, seed=seed)

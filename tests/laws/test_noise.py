@@ -135,7 +135,7 @@ def test_normals_have_the_moments_of_normals():
                                     for m in METHODS if METHODS[m].responds and not METHODS[m].variant])
 def test_steps_are_those_of_the_witness(method):
     spec = spec_of(PAIRS + AXIS[len(SPIN):], 4)
-    one = build(spec, method).start("a", h=0.1, seed=2**63 + 7)
+    one = build(spec, method=method).start("a", h=0.1, seed=2**63 + 7)
     theirs = Witness(spec, seed=2**63 + 7).steps(one.w.copy(), 0, 0.1, 10, method)[-1]
     assert np.abs(one.steps(10).w - theirs).max() < (1e-11 if METHODS[method].controlled else 2e-14)
 
@@ -246,11 +246,11 @@ def test_a_run_with_checkpoints_goes_on(tmp_path):
 def test_members_of_an_ensemble_have_the_noise_that_they_have_alone(effects, sites, space, method):
     spec = spec_of(effects, sites, space=space)
     alphas = np.array([0.0, 0.1, 0.4, 1.0, 0.2])
-    found = smidgen.ensemble(spec, "a", method=method, h=0.1, steps=12, parameters={"alpha": alphas}, seed=3)
+    found = smidgen.ensemble(spec, start="a", method=method, h=0.1, steps=12, parameters={"alpha": alphas}, seed=3)
     for k, alpha in enumerate(alphas):
-        alone = build(spec, method, parameters={"alpha": float(alpha)}).start("a", h=0.1, seed=3, member=k)
+        alone = build(spec, method=method, parameters={"alpha": float(alpha)}).start("a", h=0.1, seed=3, member=k)
         assert np.array_equal(alone.steps(12).w, found.w[k])
-    same = smidgen.ensemble(spec, np.tile(found.w[:1], (2, 1, 1)), method=method, h=0.1, steps=2, seed=3)
+    same = smidgen.ensemble(spec, start=np.tile(found.w[:1], (2, 1, 1)), method=method, h=0.1, steps=2, seed=3)
     assert not np.array_equal(same.w[0], same.w[1])
 
 
@@ -332,7 +332,7 @@ def test_what_does_not_go_with_noise_is_refused():
     with pytest.raises(UsageError, match="the kT of `w.0.` is -1"):
         build(spec, parameters={"kT": -1.0})
     with pytest.raises(UsageError, match="precess in their field alone"):
-        build(spec, "axis-splitting")
+        build(spec, method="axis-splitting")
     one = build(spec).start("a", h=0.1)
     late = one.save()
     late[COUNT_HIGH] = 2**16

@@ -47,7 +47,7 @@ def at_end(model, w, h, steps):
 
 
 def is_symmetric_of_order_two(spec, method):
-    model, w = smidgen.build(spec, method), random_spins(spec_sites(spec))
+    model, w = smidgen.build(spec, method=method), random_spins(spec_sites(spec))
     back = at_end(model, at_end(model, w, 0.1, 1), -0.1, 1)
     ends = [at_end(model, w, 0.8 / 2 ** k, 2 ** k) for k in (4, 5, 6)]
     return np.abs(back - w).max() < 1e-14 and np.abs(ends[0] - ends[1]).max() > 3.5 * np.abs(ends[1] - ends[2]).max()
@@ -72,7 +72,7 @@ def test_the_order_of_effects_on_lattices_with_several_kinds_of_ends(method, nam
 
 def check_orders(method, sites, several):
     specs, w = [spec_of(sites, effects) for effects in several], random_spins(sites)
-    ends = [at_end(smidgen.build(spec, method), w, 0.05, 5) for spec in specs]
+    ends = [at_end(smidgen.build(spec, method=method), w, 0.05, 5) for spec in specs]
     for spec, end in zip(specs, ends):
         if method == "pair-rotations":
             assert is_symmetric_of_order_two(spec, method)
@@ -89,7 +89,7 @@ def test_sublattice_rotations_are_reversible_of_order_two_and_those_of_the_witne
         w = random_spins(sites)
         for method in ("sublattice-rotations", "pair-rotations"):
             wanted = Witness(spec).steps(w, 0.0, 0.05, 5, method)[-1]
-            np.testing.assert_allclose(at_end(smidgen.build(spec, method), w, 0.05, 5), wanted, rtol=0, atol=1e-13)
+            np.testing.assert_allclose(at_end(smidgen.build(spec, method=method), w, 0.05, 5), wanted, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("method", COLOURED)
@@ -109,7 +109,7 @@ def test_the_order_of_sites(method):
     if METHODS[method].splitting in ("pairs", "sublattices"):
         assert all(is_symmetric_of_order_two(spec, method) for spec in specs)
         return
-    one, other = (at_end(smidgen.build(spec, method), start, 0.05, 5) for spec, start in zip(specs, (w, w[places])))
+    one, other = (at_end(smidgen.build(spec, method=method), start, 0.05, 5) for spec, start in zip(specs, (w, w[places])))
     np.testing.assert_allclose(other, one[places], rtol=0, atol=1e-13)
 
 

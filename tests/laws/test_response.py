@@ -189,7 +189,7 @@ def test_members_of_an_ensemble_have_the_bits_that_they_have_alone(name, method,
     sites, rng = (1 if name == "body" else 4), np.random.default_rng(2)
     starts = rng.normal(size=(20, sites, 3))
     starts /= lengths(starts)[..., None]
-    found = smidgen.ensemble(spec, starts, h=0.2, steps=50, method=method)
+    found = smidgen.ensemble(spec, start=starts, h=0.2, steps=50, method=method)
     one = integrator(spec, LAW, method)
     assert not found.failures and (found.lanes > 1) == (name == "body")
     for k, w in enumerate(starts):

@@ -31,7 +31,7 @@ def start(sites: int, first: int):
 
 
 def digest(spec, method, values, h) -> str:
-    model = smidgen.build(smidgen.load(spec), method, parameters=values)
+    model = smidgen.build(smidgen.load(spec), method=method, parameters=values)
     states = [model.start(start(model.sites, 5 * k), h=h).steps(100).state().tobytes() for k in range(20)]
     return hashlib.sha256(b"".join(states)).hexdigest()[:32]
 

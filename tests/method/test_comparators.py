@@ -123,7 +123,7 @@ def test_explain_claims_no_more(method):
 @pytest.mark.parametrize("method", COMPARED)
 @pytest.mark.parametrize("name", MODELS)
 def test_restored_it_goes_on_with_the_same_bits(name, method):
-    integrator = smidgen.build(MODELS[name], method)
+    integrator = smidgen.build(MODELS[name], method=method)
     whole = integrator.start("a", h=STEPS[name]).steps(12).w.copy()
     saved = integrator.start("a", h=STEPS[name]).steps(5).save()
     assert np.array_equal(integrator.start("a", h=0.2).restore(saved).steps(7).w, whole)
@@ -149,14 +149,14 @@ steps = 20
 @pytest.mark.quick
 @pytest.mark.parametrize("method", COMPARED)
 def test_a_constant_field_does_not_wear_a_sphere_down(method):
-    integrator = smidgen.build(CONSTANT, method).start("a", h=0.3).steps(10**5)
+    integrator = smidgen.build(CONSTANT, method=method).start("a", h=0.3).steps(10**5)
     assert np.abs(np.linalg.norm(integrator.w, axis=1) - 1).max() < 5e-16
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("method, h", [("cf4", 0.3), ("exponential-midpoint", 0.3), ("exponential-midpoint", 19.8)])
 def test_a_constant_field_is_turned_about_exactly(method, h):
-    integrator = smidgen.build(CONSTANT, method).start("a", h=h)
+    integrator = smidgen.build(CONSTANT, method=method).start("a", h=h)
     before, axis, angle = integrator.w.copy(), np.array([0.1, 0, 0.3]) / np.hypot(0.1, 0.3), h * np.hypot(0.1, 0.3)
     along = np.outer(before @ axis, axis)
     assert np.abs(integrator.step().w - (along + np.cos(angle) * (before - along) + np.sin(angle) * np.cross(before, axis))).max() < 3e-16 * max(1, angle)
@@ -165,7 +165,7 @@ def test_a_constant_field_is_turned_about_exactly(method, h):
 @pytest.mark.quick
 @pytest.mark.parametrize("h", [19.9, -19.9, 1e100])
 def test_the_exponential_map_serves_turns_below_two_pi(h):
-    integrator = smidgen.build(CONSTANT, "exponential-midpoint").start("a", h=h)
+    integrator = smidgen.build(CONSTANT, method="exponential-midpoint").start("a", h=h)
     before = integrator.w.copy()
     with pytest.raises(RunError) as refused:
         integrator.step()
@@ -178,7 +178,7 @@ def test_the_exponential_map_serves_turns_below_two_pi(h):
 @pytest.mark.parametrize("h", [1e200, 1e100])
 def test_a_step_that_is_no_number_leaves_the_state(name, method, h):
     """Explicit rotations exist at any h below the square root of the largest number."""
-    integrator = smidgen.build(MODELS[name], method).start("a", h=h)
+    integrator = smidgen.build(MODELS[name], method=method).start("a", h=h)
     before = integrator.w.copy()
     if METHODS[method].how[0] == "explicit" and h < 1e150:
         assert np.all(np.isfinite(integrator.step().w))
@@ -192,7 +192,7 @@ def test_a_step_that_is_no_number_leaves_the_state(name, method, h):
 @pytest.mark.parametrize("method, error", [("geodesic-midpoint", 5.926e-6), ("isospectral-midpoint", 2.723e-4), ("cf4", 6.751e-10), ("moser-veselov", 1.325e-4),
                                            ("exponential-midpoint", 1.0486e-5), ("rattle", 8.065e-5)])
 def test_the_errors_of_the_free_body_are_those_of_the_page(method, error):
-    one, exact = (smidgen.build(FREE, m).start("paper", h=2**-5) for m in (method, "gauss-16"))
+    one, exact = (smidgen.build(FREE, method=m).start("paper", h=2**-5) for m in (method, "gauss-16"))
     assert max(np.linalg.norm(one.step().w - exact.step().w, axis=1).max() for _ in range(320)) == pytest.approx(error, rel=2e-3)
 
 
@@ -219,10 +219,10 @@ WITH_C_1 = (5.245e-4, 4.775e-4, 1.252e-3, 2.089e-6)       # of RATTLE
 
 def assert_errors(H, errors):
     spec = smidgen.load_text(ONE.format(H))
-    exact = smidgen.build(spec, "gauss-16").start("a", h=2**-5)
+    exact = smidgen.build(spec, method="gauss-16").start("a", h=2**-5)
     exact = [exact.step().w.copy() for _ in range(320)]
     for method, error in errors.items():
-        one = smidgen.build(spec, method).start("a", h=2**-5)
+        one = smidgen.build(spec, method=method).start("a", h=2**-5)
         assert max(np.abs(one.step().w - w).max() for w in exact) == pytest.approx(error, rel=5e-4)
 
 
@@ -261,7 +261,7 @@ phi = 0.4
 @pytest.mark.parametrize("radius, kappa, orientation", [(3.0, -2.5, 1), (0.25, 4.0, -1)])
 def test_a_step_depends_on_the_motion_alone(method, radius, kappa, orientation):
     """X/r as a function of w/r is the same, and so is W/r: whatever r, kappa and the orientation."""
-    models = [smidgen.build(smidgen.load_text(SCALED.format(radius=r, kappa=k, orientation=o, factor=r * k * o)), method)
+    models = [smidgen.build(smidgen.load_text(SCALED.format(radius=r, kappa=k, orientation=o, factor=r * k * o)), method=method)
               for r, k, o in ((1.0, 1.0, 1), (radius, kappa, orientation))]
     one, other = (model.start("a", h=0.2).steps(10).w for model in models)
     assert np.abs(one - other / radius).max() < 1e-14
@@ -271,7 +271,7 @@ def test_a_step_depends_on_the_motion_alone(method, radius, kappa, orientation):
 @pytest.mark.parametrize("method", [m for m in COMPARED if METHODS[m].symmetric])
 @pytest.mark.parametrize("name", MODELS)
 def test_a_step_of_minus_h_undoes_a_step(name, method):
-    model = smidgen.build(MODELS[name], method).start("a", h=STEPS[name])
+    model = smidgen.build(MODELS[name], method=method).start("a", h=STEPS[name])
     w = model.w.copy()
     after = model.step().state()
     back = model.start(after.copy(), h=-STEPS[name], t0=STEPS[name]).step()
@@ -282,7 +282,7 @@ def test_a_step_of_minus_h_undoes_a_step(name, method):
                                                      ("exponential-midpoint", 2e4, -2e-3, 1.8e-3), ("rattle", 2e4, -1e-3, 1.2e-3)])
 def test_the_energy_drifts_where_the_method_is_not_symplectic(method, at, low, high):
     spec = smidgen.load("irreversible_rigid_body")
-    integrator = smidgen.build(spec, method).start(spec.runs[0].start, h=0.5)
+    integrator = smidgen.build(spec, method=method).start(spec.runs[0].start, h=0.5)
     first, found = integrator.values()[0], []
     for _ in range(40):
         found.append(integrator.steps(round(at / 20)).values()[0] - first)
@@ -295,7 +295,7 @@ def test_the_energy_drifts_where_the_method_is_not_symplectic(method, at, low, h
 def test_energy_errors_of_the_irreversible_body_are_those_of_the_page(method, errors):
     """At t = 2000 and 20000."""
     spec = smidgen.load("irreversible_rigid_body")
-    integrator = smidgen.build(spec, method).start(spec.runs[0].start, h=0.5)
+    integrator = smidgen.build(spec, method=method).start(spec.runs[0].start, h=0.5)
     first = integrator.values()[0]
     assert [integrator.steps(n).values()[0] - first for n in (4000, 36000)] == pytest.approx(errors, rel=2e-3)
 
@@ -349,7 +349,7 @@ def rattle_step(w, inertia, h):
 @pytest.mark.parametrize("h", [0.1, 0.5])
 def test_rattle_for_the_free_body_is_discrete_moser_veselov(inertia, h):
     """McLachlan and Zanna, The discrete Moser-Veselov algorithm for the free rigid body, revisited (2005): so the registry has it once."""
-    integrator = smidgen.build(FREE, "moser-veselov", parameters=dict(zip(("I1", "I2", "I3"), inertia))).start("paper", h=h)
+    integrator = smidgen.build(FREE, method="moser-veselov", parameters=dict(zip(("I1", "I2", "I3"), inertia))).start("paper", h=h)
     w = integrator.w[0].copy()
     for _ in range(20):
         w = rattle_step(w, np.array(inertia), h)
@@ -360,9 +360,9 @@ def test_rattle_for_the_free_body_is_discrete_moser_veselov(inertia, h):
 @pytest.mark.parametrize("method", COMPARED)
 def test_other_spaces_and_features_are_refused(method):
     with pytest.raises((SpecError, UsageError), match="Nambu"):
-        smidgen.build(smidgen.load("nambu_a31"), method)
+        smidgen.build(smidgen.load("nambu_a31"), method=method)
     with pytest.raises(UsageError, match="no feature 'tangent'"):
-        smidgen.build(FREE, method, features=["tangent"])
+        smidgen.build(FREE, method=method, features=["tangent"])
     with pytest.raises(UsageError, match="midpoint"):
         smidgen.advise(FREE, method=method)
 

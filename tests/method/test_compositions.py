@@ -144,7 +144,7 @@ def test_one_stage_is_the_base_method(quad, system):
 def failing(spec, method, start, hs, most):
     """A trajectory whose next step fails after some that do not, and what is saved of it."""
     for h in hs:
-        model = smidgen.build(spec, method).start(start, h=float(h))
+        model = smidgen.build(spec, method=method).start(start, h=float(h))
         saved = model.save()
         for done in range(most):
             try:
@@ -179,7 +179,7 @@ def test_a_failed_stage_leaves_the_state_as_before_the_whole_step(system, hs):
 @pytest.mark.quick
 @pytest.mark.parametrize("method", ["spherical-midpoint-4", "spherical-midpoint-10", "moser-veselov-6"])
 def test_restored_it_goes_on_with_the_same_bits(method):
-    model = smidgen.build(FREE, method)
+    model = smidgen.build(FREE, method=method)
     whole = model.start("paper", h=0.3).steps(40).w.copy()
     saved = model.start("paper", h=0.3).steps(19).save()
     assert np.array_equal(model.start("paper", h=0.1).steps(2).restore(saved).steps(21).w, whole)      # what has h in it is made anew
@@ -188,7 +188,7 @@ def test_restored_it_goes_on_with_the_same_bits(method):
 @pytest.mark.quick
 def test_there_and_back():
     spec = smidgen.load("point_vortices")
-    model = smidgen.build(spec, "spherical-midpoint-6").start(spec.runs[0].start, h=0.3)
+    model = smidgen.build(spec, method="spherical-midpoint-6").start(spec.runs[0].start, h=0.3)
     before = model.w.copy()
     end = model.steps(20).w.copy()
     assert np.abs(end - before).max() > 0.1
@@ -201,9 +201,9 @@ def test_there_and_back():
 @pytest.mark.parametrize("system, h", [("irreversible body", 0.25), ("vortices", 0.25)])
 def test_the_predictor_cuts_the_iterations(system, h):
     """Iterations a stage, beside those of a stage of the usual size that begins at rest."""
-    model = smidgen.build(SPECS[system], "spherical-midpoint-8").start(numbers(system), h=h).steps(20)
+    model = smidgen.build(SPECS[system], method="spherical-midpoint-8").start(numbers(system), h=h).steps(20)
     warm = model.step().report()["iterations"] / 21
-    cold = smidgen.build(SPECS[system], "spherical-midpoint").start(model.w.copy(), h=0.12 * h).step().report()["iterations"]
+    cold = smidgen.build(SPECS[system], method="spherical-midpoint").start(model.w.copy(), h=0.12 * h).step().report()["iterations"]
     assert warm <= cold - 0.9
 
 
@@ -211,7 +211,7 @@ def test_the_predictor_cuts_the_iterations(system, h):
 @pytest.mark.parametrize("name, start, fine, rough", [("heisenberg_chain", "random", 0.3, 1.5), ("irreversible_rigid_body", None, 0.3, 3.0)])
 def test_the_level_of_the_predictor_follows_the_orbit(name, start, fine, rough):
     """Steps that are small beside it look far back, large ones do not."""
-    model = smidgen.build(smidgen.load(name), "spherical-midpoint-4")
+    model = smidgen.build(smidgen.load(name), method="spherical-midpoint-4")
     found = [model.start(start, h=h).steps(60).save()[DEGREE] for h in (fine, rough)]
     assert found[0] == 3 and found[1] <= 1
 
@@ -222,7 +222,7 @@ def test_the_level_of_the_predictor_follows_the_orbit(name, start, fine, rough):
 @pytest.mark.parametrize("scheme, h, error", [("4", 1 / 4, 1e-7), ("6", 1 / 2, 1e-9), ("8", 1.0, 1e-12), ("10", 1.0, 2e-14)])
 @pytest.mark.parametrize("base", ["spherical-midpoint", "moser-veselov"])
 def test_the_free_body_is_where_theory_has_it(base, scheme, h, error):
-    end = smidgen.build(FREE, f"{base}-{scheme}").start("paper", h=h).steps(round(10 / h)).w[0]
+    end = smidgen.build(FREE, method=f"{base}-{scheme}").start("paper", h=h).steps(round(10 / h)).w[0]
     assert np.abs(end - FREE_AT_10).max() < (1 if base == "spherical-midpoint" else 3000) * error
 
 
@@ -240,7 +240,7 @@ def test_the_certificate(name, scheme):
 @pytest.mark.quick
 def test_the_tangent_map_is_that_of_the_last_step():
     spec = smidgen.load("point_vortices")
-    model = smidgen.build(spec, "spherical-midpoint-4", features=["tangent"]).start(spec.runs[0].start, h=0.1).steps(3)
+    model = smidgen.build(spec, method="spherical-midpoint-4", features=["tangent"]).start(spec.runs[0].start, h=0.1).steps(3)
     saved, v = model.save(), np.zeros((1, len(model.w), 3))
     v[0, 0] = np.cross(model.w[0], (0, 0, 1))
     model.tangent(v)
@@ -259,9 +259,9 @@ def test_explain_knows_what_it_keeps():
 @pytest.mark.quick
 def test_what_it_does_not_have_is_refused():
     with pytest.raises(UsageError, match="no feature 'extended'"):
-        smidgen.build(FREE, "spherical-midpoint-8", features=["extended"])
+        smidgen.build(FREE, method="spherical-midpoint-8", features=["extended"])
     with pytest.raises(UsageError, match="single body"):
-        smidgen.build(smidgen.load("point_vortices"), "moser-veselov-4")
+        smidgen.build(smidgen.load("point_vortices"), method="moser-veselov-4")
     with pytest.raises(UsageError, match="midpoint"):
         smidgen.advise(FREE, method="spherical-midpoint-4")
 

@@ -20,7 +20,7 @@ FREE_AT_10 = (-0.4503635330766926960600452, -0.09362899305780025785077625, 0.887
 @pytest.mark.parametrize("h", [0.5, 10.0])
 def test_the_free_body_is_where_theory_has_it(method, h):
     """Whatever h: the steps within it are the method's own."""
-    end = smidgen.build(FREE, method).start("paper", h=h).steps(round(10 / h)).w[0]
+    end = smidgen.build(FREE, method=method).start("paper", h=h).steps(round(10 / h)).w[0]
     assert np.abs(end - FREE_AT_10).max() < 1e-11
 
 
@@ -42,7 +42,7 @@ def test_the_certificate_refuses_what_it_is_not():
 def test_projection_keeps_leaves_and_nothing_else_does():
     away = {}
     for method in METHODS:
-        model = smidgen.build(smidgen.load("irreversible_rigid_body"), method).start(smidgen.load("irreversible_rigid_body").runs[0].start, h=0.5)
+        model = smidgen.build(smidgen.load("irreversible_rigid_body"), method=method).start(smidgen.load("irreversible_rigid_body").runs[0].start, h=0.5)
         before = model.casimirs().copy()
         away[method] = np.abs(model.steps(200).casimirs() - before).max() / np.abs(before).max()
     assert away["dop853-projected"] < 1e-14 and away["dop853"] > 10 * away["dop853-projected"]
@@ -57,7 +57,7 @@ def test_explain_claims_neither_leaf_nor_energy():
 
 @pytest.mark.quick
 def test_restored_it_goes_on_with_the_same_bits():
-    model, start = smidgen.build(smidgen.load("point_vortices"), "dop853"), smidgen.load("point_vortices").runs[0].start
+    model, start = smidgen.build(smidgen.load("point_vortices"), method="dop853"), smidgen.load("point_vortices").runs[0].start
     whole = model.start(start, h=0.7).steps(20).w.copy()
     saved = model.start(start, h=0.7).steps(9).save()
     assert np.array_equal(model.start(start, h=0.3).restore(saved).steps(11).w, whole)
@@ -66,7 +66,7 @@ def test_restored_it_goes_on_with_the_same_bits():
 @pytest.mark.quick
 def test_it_has_no_features():
     with pytest.raises(UsageError, match="no feature 'tangent'"):
-        smidgen.build(FREE, "dop853", features=["tangent"])
+        smidgen.build(FREE, method="dop853", features=["tangent"])
 
 
 @pytest.mark.parametrize("compiler", COMMANDS[:3])

@@ -47,7 +47,7 @@ def test_the_order_in_quadruple_precision(tmp_path, name):
 @pytest.mark.quick
 @pytest.mark.parametrize("h, error", [(1.0, 3e-13), (0.25, 2e-15)])
 def test_the_free_body_is_where_theory_has_it(h, error):
-    end = smidgen.build(FREE, METHOD).start("paper", h=h).steps(round(10 / h)).w[0]
+    end = smidgen.build(FREE, method=METHOD).start("paper", h=h).steps(round(10 / h)).w[0]
     assert np.abs(end - FREE_AT_10).max() < error
 
 
@@ -55,7 +55,7 @@ def test_the_free_body_is_where_theory_has_it(h, error):
 def test_round_off_is_not_enlarged_by_the_weights():
     """Half of the bodies are off by a few ulps after 1000 steps; weights W_j as rounded numbers leave ten times as much."""
     off, dice = [], np.random.default_rng(5)
-    double, extended = smidgen.build(FREE, METHOD), smidgen.build(FREE, METHOD, real="long double")
+    double, extended = smidgen.build(FREE, method=METHOD), smidgen.build(FREE, method=METHOD, real="long double")
     for _ in range(41):
         w = dice.standard_normal(3)
         w = (w / np.linalg.norm(w))[None]
@@ -87,7 +87,7 @@ def test_explain_claims_neither_leaf_nor_energy():
 @pytest.mark.quick
 @pytest.mark.parametrize("spec, start", [(MIX, "a"), (FORCED, FORCED.runs[0].start)], ids=["general", "one sphere"])
 def test_restored_it_goes_on_with_the_same_bits_and_a_tolerance_changes_none(spec, start):
-    model = smidgen.build(spec, METHOD)
+    model = smidgen.build(spec, method=METHOD)
     whole = model.start(start, h=0.1).steps(12).w.copy()
     saved = model.start(start, h=0.1).steps(5).save()
     assert np.array_equal(model.start(start, h=0.2).restore(saved).steps(7).w, whole)
@@ -97,7 +97,7 @@ def test_restored_it_goes_on_with_the_same_bits_and_a_tolerance_changes_none(spe
 @pytest.mark.quick
 @pytest.mark.parametrize("spec, start", [(VORTICES, VORTICES.runs[0].start), (FREE, "paper")], ids=["general", "one sphere"])
 def test_a_step_that_is_no_number_leaves_the_state(spec, start):
-    model = smidgen.build(spec, METHOD).start(start, h=1e200)
+    model = smidgen.build(spec, method=METHOD).start(start, h=1e200)
     before = model.w.copy()
     with pytest.raises(RunError, match="not finite"):
         model.step()
@@ -106,16 +106,16 @@ def test_a_step_that_is_no_number_leaves_the_state(spec, start):
 
 @pytest.mark.quick
 def test_a_step_backward_comes_back_but_for_its_error():
-    model = smidgen.build(FORCED, METHOD).start(FORCED.runs[0].start, h=0.1)
+    model = smidgen.build(FORCED, method=METHOD).start(FORCED.runs[0].start, h=0.1)
     before = model.w.copy()
     there = model.steps(10).w.copy()
-    assert np.abs(smidgen.build(FORCED, METHOD).start(there, t0=1.0, h=-0.1).steps(10).w - before).max() < 1e-14
+    assert np.abs(smidgen.build(FORCED, method=METHOD).start(there, t0=1.0, h=-0.1).steps(10).w - before).max() < 1e-14
 
 
 @pytest.mark.quick
 def test_it_has_no_features():
     with pytest.raises(UsageError, match="no feature 'plain-sums'"):
-        smidgen.build(FREE, METHOD, features=["plain-sums"])
+        smidgen.build(FREE, method=METHOD, features=["plain-sums"])
 
 
 @pytest.mark.parametrize("compiler, mode", MODES)

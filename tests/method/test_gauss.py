@@ -36,7 +36,7 @@ steps = 3
 @pytest.mark.quick
 @pytest.mark.parametrize("order, h, error", [(4, 1 / 32, 1e-8), (8, 1 / 4, 1e-9), (16, 1.0, 1e-9)])
 def test_the_free_body_is_where_theory_has_it(order, h, error):
-    end = smidgen.build(FREE, f"gauss-{order}").start("paper", h=h).steps(round(10 / h)).w[0]
+    end = smidgen.build(FREE, method=f"gauss-{order}").start("paper", h=h).steps(round(10 / h)).w[0]
     assert np.abs(end - FREE_AT_10).max() < error
 
 
@@ -66,7 +66,7 @@ def test_explain_knows_what_it_keeps():
 
 @pytest.mark.quick
 def test_restored_it_goes_on_with_the_same_bits():
-    model = smidgen.build(smidgen.load("point_vortices"), "gauss-6")
+    model = smidgen.build(smidgen.load("point_vortices"), method="gauss-6")
     start = smidgen.load("point_vortices").runs[0].start
     whole = model.start(start, h=0.1).steps(20).w.copy()
     saved = model.start(start, h=0.1).steps(9).save()
@@ -78,16 +78,16 @@ def test_other_spaces_and_features_are_refused():
     with pytest.raises(SpecError, match="gauss-4 is not for the factor"):
         smidgen.load_text(NAMBU)
     with pytest.raises(UsageError, match="not for Nambu"):
-        smidgen.build(smidgen.load("nambu_a31"), "gauss-4")
+        smidgen.build(smidgen.load("nambu_a31"), method="gauss-4")
     with pytest.raises(UsageError, match="no feature 'tangent'"):
-        smidgen.build(FREE, "gauss-4", features=["tangent"])
+        smidgen.build(FREE, method="gauss-4", features=["tangent"])
     with pytest.raises(UsageError, match="midpoint"):
         smidgen.advise(FREE, method="gauss-4")
 
 
 @pytest.mark.quick
 def test_a_hopeless_step_is_refused_and_leaves_the_state():
-    model = smidgen.build(smidgen.load("point_vortices"), "gauss-8").start(smidgen.load("point_vortices").runs[0].start, h=1000.0)
+    model = smidgen.build(smidgen.load("point_vortices"), method="gauss-8").start(smidgen.load("point_vortices").runs[0].start, h=1000.0)
     before = model.w.copy()
     with pytest.raises(smidgen.RunError):
         model.step()

@@ -132,7 +132,7 @@ def test_a_tolerance_is_kept(monkeypatch):
 
 def test_few_sweeps_on_the_smooth_chain():
     """With what a spin turns by itself, and relaxation for it: six sweeps where 18 were needed without, 7 with the first alone."""
-    model = smidgen.build(smidgen.load("heisenberg_chain"), "gauss-8").start("smooth", h=1.0, tolerance=7e-12).steps(10)
+    model = smidgen.build(smidgen.load("heisenberg_chain"), method="gauss-8").start("smooth", h=1.0, tolerance=7e-12).steps(10)
     assert model.report()["iterations"] <= 6
 
 

@@ -58,7 +58,7 @@ def test_explain_says_in_words_what_it_found(method):
 @pytest.mark.quick
 @pytest.mark.parametrize("method", SOME)
 def test_restored_it_goes_on_with_the_same_bits(method):
-    model = smidgen.build(MIX, method)
+    model = smidgen.build(MIX, method=method)
     whole = model.start("a", h=0.1).steps(12).w.copy()
     saved = model.start("a", h=0.1).steps(5).save()
     assert np.array_equal(model.start("a", h=0.2).restore(saved).steps(7).w, whole)
@@ -68,7 +68,7 @@ def test_restored_it_goes_on_with_the_same_bits(method):
 @pytest.mark.parametrize("method", ["spherical-midpoint", "gauss-2", "gauss-6", "gauss-16"])
 def test_a_refused_step_names_only_what_helps(method):
     """`advise` knows midpoint methods alone."""
-    model = smidgen.build(smidgen.load("point_vortices"), method).start(smidgen.load("point_vortices").runs[0].start, h=40.0)
+    model = smidgen.build(smidgen.load("point_vortices"), method=method).start(smidgen.load("point_vortices").runs[0].start, h=40.0)
     before = model.w.copy()
     with pytest.raises(smidgen.RunError) as refused:
         model.step()

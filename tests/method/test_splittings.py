@@ -100,7 +100,7 @@ def test_the_certificate(name):
 def test_where_sites_are_joined_the_rotations_are_exact():
     """Half the angle for its tangent would be of order 2 there as well, but not symplectic: a chain turns by the exact angle."""
     spec = model("ising", BONDS + '"w[i].x*w[j].x"', SITES + '"0*w[i].x"')
-    integrator = smidgen.build(spec, "axis-splitting").start("a", h=0.7)
+    integrator = smidgen.build(spec, method="axis-splitting").start("a", h=0.7)
     w, kappa = integrator.w.copy(), np.array([1, 1.5, -2] * 2)
     angle = 0.7 * (np.roll(w[:, 0], 1) + np.roll(w[:, 0], -1)) / kappa
     turned = np.stack([w[:, 0], np.cos(angle) * w[:, 1] + np.sin(angle) * w[:, 2], np.cos(angle) * w[:, 2] - np.sin(angle) * w[:, 1]], 1)
@@ -135,7 +135,7 @@ def test_the_order_in_quadruple_precision(quad, spec, start, scheme):
 
 @pytest.mark.parametrize("spec, h", [(BODY, 0.5), (STILL, 0.1)], ids=["body", "chain"])
 def test_the_energy_stays_near_what_it_was(spec, h):
-    integrator = smidgen.build(spec, "axis-splitting").start("a", h=h)
+    integrator = smidgen.build(spec, method="axis-splitting").start("a", h=h)
     first, found = integrator.values()[0], []
     for _ in range(40):
         found.append(integrator.steps(2500).values()[0] - first)
@@ -149,7 +149,7 @@ def test_the_energy_stays_near_what_it_was(spec, h):
 @pytest.mark.parametrize("spec, method", [*((spec, "axis-splitting") for spec in AXES.values()), (smidgen.load("honeycomb"), "sublattice-rotations"),
                                           (smidgen.load("point_vortices"), "pair-rotations")], ids=lambda x: getattr(x, "name", x))
 def test_restored_it_goes_on_with_the_same_bits(spec, method, scheme):
-    integrator = smidgen.build(spec, method + scheme)
+    integrator = smidgen.build(spec, method=method + scheme)
     whole = integrator.start(spec.starts[0].name, h=0.1).steps(12).w.copy()
     saved = integrator.start(spec.starts[0].name, h=0.1).steps(5).save()
     assert np.array_equal(integrator.start(spec.starts[0].name, h=0.2).restore(saved).steps(7).w, whole)
@@ -159,14 +159,14 @@ def test_restored_it_goes_on_with_the_same_bits(spec, method, scheme):
 @pytest.mark.parametrize("first", [SITES + '"0.3*w[i].z"', BONDS + '"0.3*w[i].z*w[j].z"'], ids=["separate", "joined"])
 def test_a_constant_angle_does_not_wear_a_sphere_down(first):
     """Rounded sines and cosines of one angle change |w| by the same little in every step; where that is not taken out, by 5e-13 here."""
-    integrator = smidgen.build(model("constant", first, SITES + '"0.1*w[i].z"'), "axis-splitting").start("a", h=0.3).steps(10**6)
+    integrator = smidgen.build(model("constant", first, SITES + '"0.1*w[i].z"'), method="axis-splitting").start("a", h=0.3).steps(10**6)
     assert np.abs(np.linalg.norm(integrator.w, axis=1) - 1).max() < 5e-16
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("spec, h", [(BODY, 1e200), (BODIES, 1e200), (model("huge", BONDS + '"1e150*w[i].x*w[j].x"', SITES + '"w[i].y"'), 1e160)], ids=["body", "r3", "chain"])
 def test_a_step_that_is_no_number_leaves_the_state(spec, h):
-    integrator = smidgen.build(spec, "axis-splitting").start("a", h=h)
+    integrator = smidgen.build(spec, method="axis-splitting").start("a", h=h)
     before = integrator.w.copy()
     with pytest.raises(RunError, match="not finite"):
         integrator.step()
@@ -234,7 +234,7 @@ def test_the_certificate_says_that_sublattice_rotations_are_not_symplectic(name)
 
 def volume(spec, h):
     """det of the step's derivative in an orthonormal frame of the spheres, by differences of order 4."""
-    integrator = smidgen.build(spec, "sublattice-rotations", real="long double")
+    integrator = smidgen.build(spec, method="sublattice-rotations", real="long double")
     w = np.array(integrator.start("a", h=h).w, np.longdouble)
     frames = [np.linalg.qr(np.column_stack([x, np.eye(3)[[1, 2, 0][int(np.argmax(np.abs(x)))]], np.eye(3)[[2, 0, 1][int(np.argmax(np.abs(x)))]]]).astype(float))[0] for x in w]
 
@@ -263,7 +263,7 @@ def test_sublattice_rotations_keep_the_volume(name):
 @pytest.mark.parametrize("method", ["sublattice-rotations", "sublattice-rotations-8"])
 def test_the_energy_is_kept_at_any_step(name, method):
     """To the walk of so many rounded turns, at most two of a site in a stage, whose energies are about 1."""
-    integrator = smidgen.build(LATTICES[name], method).start("a", h=1.7)
+    integrator = smidgen.build(LATTICES[name], method=method).start("a", h=1.7)
     first, turns = integrator.values()[0], 10000 * METHODS[method].stages * 2 * integrator.sites
     assert abs(integrator.steps(10000).values()[0] - first) < 3 * 2**-53 * turns**0.5
 
@@ -280,7 +280,7 @@ def test_compositions_of_sublattice_rotations_have_their_order(quad, scheme):
 def test_a_site_that_is_its_own_neighbour_is_refused():
     spec = model("tiny", RING.format("n", "periodic") + '"w[i].x*w[j].x"', SITES + '"w[i].z"', 'w = { sphere = "n" }', "[starts.a]\nrandom = 1\n[parameters]\nn = 4")
     with pytest.raises((RunError, UsageError)):
-        smidgen.build(spec, "sublattice-rotations", parameters={"n": 1}).start("a", h=0.1)
+        smidgen.build(spec, method="sublattice-rotations", parameters={"n": 1}).start("a", h=0.1)
 
 
 # ---- pairs -----------------------------------------------------------------------------------------
@@ -340,7 +340,7 @@ def test_the_order_of_pair_rotations(quad, scheme):
 @pytest.mark.quick
 def test_features_are_refused():
     with pytest.raises(UsageError, match="no feature 'tangent'"):
-        smidgen.build(BODY, "axis-splitting", features=["tangent"])
+        smidgen.build(BODY, method="axis-splitting", features=["tangent"])
 
 
 @pytest.mark.quick

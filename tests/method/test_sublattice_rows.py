@@ -124,7 +124,7 @@ def test_threads_have_the_same_bits(monkeypatch):
     spec = SPECS["pieces"]
     wanted = bits(built(monkeypatch, spec))
     monkeypatch.setenv("CC", "gcc -Wno-psabi -DSMG_LANES=4 -DSMG_SHARE=32")
-    assert np.array_equal(bits(smidgen.build(spec, METHOD, threads=2)), wanted)
+    assert np.array_equal(bits(smidgen.build(spec, method=METHOD, threads=2)), wanted)
 
 
 @pytest.mark.usefixtures("optimised")

@@ -102,15 +102,15 @@ def how(request, monkeypatch):
 def test_each_member_has_the_bits_that_it_has_alone(how, name, h):
     """At 0.05 most steps take one iteration in lanes, at 0.3 two, at 1.1 most are taken alone, at 2.5 many end at a fold."""
     w = points(13)
-    assert agree(smidgen.ensemble(SPECS[name], w, h=h, steps=70, t0=0.7, threads=1, **how), alone(SPECS[name], w, h, 70, 0.7))
+    assert agree(smidgen.ensemble(SPECS[name], start=w, h=h, steps=70, t0=0.7, threads=1, **how), alone(SPECS[name], w, h, 70, 0.7))
 
 
 def test_members_fail_where_they_fail_alone():
     """Some do and some do not, and at different steps; where they were, they stay."""
     spec, w = SPECS["irreversible_rigid_body"], points(40)
-    found, wanted = smidgen.ensemble(spec, w, h=2.5, steps=40, every=8, what="states"), alone(spec, w, 2.5, 40)
+    found, wanted = smidgen.ensemble(spec, start=w, h=2.5, steps=40, every=8, what="states"), alone(spec, w, 2.5, 40)
     assert agree(found, wanted) and 5 < len(found.failures) < 35 and len(set(found.steps)) > 5
-    longer = smidgen.ensemble(spec, w, h=2.5, steps=48)
+    longer = smidgen.ensemble(spec, start=w, h=2.5, steps=48)
     for k, said in found.failures.items():
         assert f"step {wanted[2][k] + 1} from" in said
         assert np.array_equal(longer.w[k], found.w[k]) and np.array_equal(found.states[-1, k], found.w[k])
@@ -119,7 +119,7 @@ def test_members_fail_where_they_fail_alone():
 @pytest.mark.parametrize("members", [1, 2, 7, 8, 9, 33])
 def test_any_number_of_members(members):
     spec, w = SPECS["forced_rigid_body"], points(members, 3)
-    found = smidgen.ensemble(spec, w, h=0.2, steps=40, native=True)
+    found = smidgen.ensemble(spec, start=w, h=0.2, steps=40, native=True)
     assert agree(found, alone(spec, w, 0.2, 40)) and found.w.shape == (members, 1, 3)
 
 
@@ -128,7 +128,7 @@ def test_any_number_of_members(members):
 def test_parameters_of_each_member(how, name, own):
     spec, w, rng = SPECS[name], points(11), np.random.default_rng(5)
     own = {p: rng.uniform(*ends, (11, 3) if p == "B" else 11) for p, ends in own.items()}
-    found = smidgen.ensemble(spec, w, parameters=own, h=0.1, steps=50, **how)
+    found = smidgen.ensemble(spec, start=w, parameters=own, h=0.1, steps=50, **how)
     assert agree(found, alone(spec, w, 0.1, 50, own=own))
 
 
@@ -137,7 +137,7 @@ def test_the_same_bits_for_any_number_of_lanes(monkeypatch, lanes):
     spec, w = SPECS["pulsed"], points(9)
     wanted = alone(spec, w, 0.05, 60)
     monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
-    assert agree(smidgen.ensemble(spec, w, h=0.05, steps=60), wanted)
+    assert agree(smidgen.ensemble(spec, start=w, h=0.05, steps=60), wanted)
 
 
 @pytest.mark.parametrize("method", OWN_STEPS)
@@ -146,7 +146,7 @@ def test_steps_of_their_own_in_lanes(how, name, method):
     """Many internal steps in one of h, or one; refused ones at a loose tolerance; the first sizes."""
     w = points(13)
     for h, steps, tolerance in ((20.0, 2, 1e-10), (0.1, 12, None), (3.0, 6, 0.01)):
-        found = smidgen.ensemble(SPECS[name], w, h=h, steps=steps, t0=0.7, method=method, tolerance=tolerance, threads=1, **how)
+        found = smidgen.ensemble(SPECS[name], start=w, h=h, steps=steps, t0=0.7, method=method, tolerance=tolerance, threads=1, **how)
         assert agree(found, alone(SPECS[name], w, h, steps, 0.7, method=method, tolerance=tolerance))
         if name == "forced_rigid_body":
             assert found.lanes == 1 and "one by one" in repr(found)
@@ -158,9 +158,9 @@ def test_steps_of_their_own_in_lanes(how, name, method):
 def test_members_that_take_more_steps_than_others(method):
     """Bodies up to a hundred times as fast as others: a lane whose member is done is given to the next one."""
     w, own = points(37, 4), {"I1": 10 ** np.random.default_rng(6).uniform(-2, 0, 37)}
-    found = smidgen.ensemble(SPECS["free_rigid_body"], w, parameters=own, h=0.6, steps=3, every=1, what="states", method=method, tolerance=1e-8)
+    found = smidgen.ensemble(SPECS["free_rigid_body"], start=w, parameters=own, h=0.6, steps=3, every=1, what="states", method=method, tolerance=1e-8)
     assert agree(found, alone(SPECS["free_rigid_body"], w, 0.6, 3, own=own, method=method, tolerance=1e-8))
-    at_once = smidgen.ensemble(SPECS["free_rigid_body"], w, parameters=own, h=0.6, steps=3, method=method, tolerance=1e-8)
+    at_once = smidgen.ensemble(SPECS["free_rigid_body"], start=w, parameters=own, h=0.6, steps=3, method=method, tolerance=1e-8)
     assert at_once.w.tobytes() == found.states[-1].tobytes() == found.w.tobytes()
 
 
@@ -168,9 +168,9 @@ def test_members_that_take_more_steps_than_others(method):
 def test_steps_of_their_own_of_any_number_of_members(members):
     """Registers that are not full, and none at all: a start off its sphere is no member that steps."""
     w = points(members, 3)
-    assert agree(smidgen.ensemble(SPECS["free_rigid_body"], w, h=5.0, steps=2, method=OWN_STEPS[1]),
+    assert agree(smidgen.ensemble(SPECS["free_rigid_body"], start=w, h=5.0, steps=2, method=OWN_STEPS[1]),
                  alone(SPECS["free_rigid_body"], w, 5.0, 2, method=OWN_STEPS[1]))
-    assert len(smidgen.ensemble(SPECS["free_rigid_body"], 1.1 * w, h=5.0, steps=2, method=OWN_STEPS[1]).failures) == members
+    assert len(smidgen.ensemble(SPECS["free_rigid_body"], start=1.1 * w, h=5.0, steps=2, method=OWN_STEPS[1]).failures) == members
 
 
 @pytest.mark.parametrize("seed", [1, 2, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(3, 30))])
@@ -179,7 +179,7 @@ def test_any_steps_of_their_own(seed):
     members, method = int(rng.integers(1, 30)), str(rng.choice(OWN_STEPS))
     w, h, steps, tolerance = points(members, seed), float(10 ** rng.uniform(-2, 1)), int(rng.integers(1, 9)), float(10 ** rng.uniform(-14, -2))
     own = {"a": rng.uniform(-0.8, 0.8, members), "B": rng.uniform(-1, 1, (members, 3))}
-    found = smidgen.ensemble(SPECS["mixed"], w, parameters=own, h=h, steps=steps, method=method, tolerance=tolerance)
+    found = smidgen.ensemble(SPECS["mixed"], start=w, parameters=own, h=h, steps=steps, method=method, tolerance=tolerance)
     assert agree(found, alone(SPECS["mixed"], w, h, steps, own=own, method=method, tolerance=tolerance))
 
 
@@ -187,7 +187,7 @@ def test_any_steps_of_their_own(seed):
 def test_members_whose_own_steps_fail(method):
     """Where the energy ends: below, there is no field at all; others come to its edge after some steps, others never."""
     w, spec = points(41, 2), SPECS["edge"]
-    found, wanted = smidgen.ensemble(spec, w, h=0.5, steps=30, method=method), alone(spec, w, 0.5, 30, method=method)
+    found, wanted = smidgen.ensemble(spec, start=w, h=0.5, steps=30, method=method), alone(spec, w, 0.5, 30, method=method)
     assert agree(found, wanted) and 5 < len(found.failures) < 36 and len(set(found.steps)) > 4
     for k, said in found.failures.items():
         assert f"step {wanted[2][k] + 1} from" in said
@@ -197,7 +197,7 @@ def test_members_whose_own_steps_fail(method):
 def test_steps_of_their_own_in_any_number_of_lanes(monkeypatch, lanes):
     wanted = alone(SPECS["mixed"], points(9), 2.0, 5, method=OWN_STEPS[1])
     monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
-    found = smidgen.ensemble(SPECS["mixed"], points(9), h=2.0, steps=5, method=OWN_STEPS[1])
+    found = smidgen.ensemble(SPECS["mixed"], start=points(9), h=2.0, steps=5, method=OWN_STEPS[1])
     assert agree(found, wanted) and found.lanes == lanes and ("one by one" in repr(found)) == (lanes == 1)
 
 
@@ -205,7 +205,7 @@ def test_steps_of_their_own_in_any_number_of_lanes(monkeypatch, lanes):
 def test_extrapolation_in_lanes(how, name):
     """Steps large and small; in fields that depend on time, which is the same for all, too."""
     for h, steps in ((0.7, 9), (0.05, 3)):
-        found = smidgen.ensemble(SPECS[name], points(13), h=h, steps=steps, t0=0.7, method=EXTRAPOLATION, threads=1, **how)
+        found = smidgen.ensemble(SPECS[name], start=points(13), h=h, steps=steps, t0=0.7, method=EXTRAPOLATION, threads=1, **how)
         assert agree(found, alone(SPECS[name], points(13), h, steps, 0.7, method=EXTRAPOLATION)) and found.lanes in (2, 4, 8)
 
 
@@ -213,7 +213,7 @@ def test_extrapolation_in_lanes(how, name):
 def test_extrapolation_with_parameters_of_each_member(name, own):
     spec, w, rng = SPECS[name], points(70), np.random.default_rng(5)
     own = {p: rng.uniform(*ends, (70, 3) if p == "B" else 70) for p, ends in own.items()}
-    found = smidgen.ensemble(spec, w, parameters=own, h=0.3, steps=5, method=EXTRAPOLATION)
+    found = smidgen.ensemble(spec, start=w, parameters=own, h=0.3, steps=5, method=EXTRAPOLATION)
     assert agree(found, alone(spec, w, 0.3, 5, own=own, method=EXTRAPOLATION))
 
 
@@ -221,7 +221,7 @@ def test_extrapolation_with_parameters_of_each_member(name, own):
 def test_extrapolation_of_any_number_of_members(members):
     """Registers and batches of them that are not full."""
     spec, w = SPECS["forced_rigid_body"], points(members, 3)
-    found = smidgen.ensemble(spec, w, h=0.4, steps=7, every=2, method=EXTRAPOLATION, native=True)
+    found = smidgen.ensemble(spec, start=w, h=0.4, steps=7, every=2, method=EXTRAPOLATION, native=True)
     assert agree(found, alone(spec, w, 0.4, 7, method=EXTRAPOLATION))
 
 
@@ -230,9 +230,9 @@ def test_members_whose_extrapolation_fails(name):
     """Those beyond the edge have no field; of others a step comes to it, the first members of their registers too."""
     spec = SPECS["edge"] if name == "edge" else smidgen.load_text(EDGE.replace("B*sqrt", "(B + 0.2*sin(t))*sqrt").replace('"edge"', '"timed_edge"'))
     w = points(41, 2)
-    found, wanted = smidgen.ensemble(spec, w, h=0.5, steps=30, method=EXTRAPOLATION), alone(spec, w, 0.5, 30, method=EXTRAPOLATION)
+    found, wanted = smidgen.ensemble(spec, start=w, h=0.5, steps=30, method=EXTRAPOLATION), alone(spec, w, 0.5, 30, method=EXTRAPOLATION)
     assert agree(found, wanted) and 5 < len(found.failures) < 36 and len(set(found.steps)) > 4
-    parts = smidgen.ensemble(spec, w, h=0.5, steps=30, every=7, method=EXTRAPOLATION)
+    parts = smidgen.ensemble(spec, start=w, h=0.5, steps=30, every=7, method=EXTRAPOLATION)
     assert parts.w.tobytes() == found.w.tobytes() and np.array_equal(parts.steps, found.steps)
     for k, said in found.failures.items():
         assert f"step {wanted[2][k] + 1} from" in said
@@ -242,33 +242,33 @@ def test_members_whose_extrapolation_fails(name):
 def test_extrapolation_in_any_number_of_lanes(monkeypatch, lanes):
     wanted = alone(SPECS["pulsed"], points(9), 0.4, 5, method=EXTRAPOLATION)
     monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
-    found = smidgen.ensemble(SPECS["pulsed"], points(9), h=0.4, steps=5, method=EXTRAPOLATION)
+    found = smidgen.ensemble(SPECS["pulsed"], start=points(9), h=0.4, steps=5, method=EXTRAPOLATION)
     assert agree(found, wanted) and found.lanes == lanes
 
 
 def test_energy_of_one_component():
     """Where many entries of the matrix are 0; and the plane x = 0, in which nothing moves."""
     w = np.concatenate([points(6), [[[0.0, 0.6, 0.8]], [[-0.0, -1.0, 0.0]], [[1.0, 0.0, -0.0]]]])
-    assert agree(smidgen.ensemble(SPECS["planar"], w, h=0.3, steps=60), alone(SPECS["planar"], w, 0.3, 60))
+    assert agree(smidgen.ensemble(SPECS["planar"], start=w, h=0.3, steps=60), alone(SPECS["planar"], w, 0.3, 60))
 
 
 def test_outputs_on_the_way():
     spec, w = SPECS["free_rigid_body"], points(5)
-    found = smidgen.ensemble(spec, w, h=0.1, steps=25, every=10, what=("states", "energy"))
+    found = smidgen.ensemble(spec, start=w, h=0.1, steps=25, every=10, what=("states", "energy"))
     assert np.array_equal(found.t, [0.0, 10 * 0.1, 20 * 0.1, 25 * 0.1]) and found.states.shape == (4, 5, 1, 3)
     model = smidgen.build(spec).start(w[2].copy(), h=0.1)
     for k, count in enumerate((0, 10, 10, 5)):
         model.steps(count)
         assert np.array_equal(found.states[k, 2], model.w) and found.energy[k, 2] == model.energy()
-    assert smidgen.ensemble(spec, w, h=0.1, steps=25).states is None
+    assert smidgen.ensemble(spec, start=w, h=0.1, steps=25).states is None
 
 
 def test_stops_and_threads_change_no_bit(monkeypatch):
     spec, w = SPECS["forced_rigid_body"], points(70)
-    whole = smidgen.ensemble(spec, w, h=0.3, steps=33, threads=1)
+    whole = smidgen.ensemble(spec, start=w, h=0.3, steps=33, threads=1)
     monkeypatch.setattr(module, "BLOCK", 32)
     for threads, every in ((3, 1), (2, 7)):
-        parts = smidgen.ensemble(spec, w, h=0.3, steps=33, threads=threads, every=every)
+        parts = smidgen.ensemble(spec, start=w, h=0.3, steps=33, threads=threads, every=every)
         assert parts.w.tobytes() == whole.w.tobytes()
 
 
@@ -279,7 +279,7 @@ def test_other_models_and_methods(name, method, h):
     spec = smidgen.load(name)
     start = initial_state(spec, spec.runs[0].start)
     w = np.array([start, start[:, [1, 2, 0]] if name != "nambu_a31" else start, start])
-    found = smidgen.ensemble(spec, w, h=h, steps=12, method=method)
+    found = smidgen.ensemble(spec, start=w, h=h, steps=12, method=method)
     assert agree(found, alone(spec, w, h, 12, method=method)) and found.lanes == 1 and "one by one" in repr(found)
 
 
@@ -287,14 +287,14 @@ def test_a_member_of_another_model_that_cannot_begin_stays():
     spec = smidgen.load("point_vortices")
     start = initial_state(spec, spec.runs[0].start)
     w = np.array([start, 1.1 * start, start[:, [1, 2, 0]]])
-    found = smidgen.ensemble(spec, w, h=0.1, steps=6, every=3)
+    found = smidgen.ensemble(spec, start=w, h=0.1, steps=6, every=3)
     assert [*found.failures] == [1] and list(found.steps) == [6, 0, 6] and found.w[1].tobytes() == w[1].tobytes()
     assert found.w[[0, 2]].tobytes() == alone(spec, w[[0, 2]], 0.1, 6)[0].tobytes()
 
 
 def test_a_start_by_name_and_by_the_values():
     spec, own = SPECS["pulsed"], {"a": np.array([0.1, 0.3, 0.9])}
-    found = smidgen.ensemble(spec, "a", parameters=own, h=0.1, steps=10)
+    found = smidgen.ensemble(spec, start="a", parameters=own, h=0.1, steps=10)
     w = np.array([initial_state(spec, "a", {"a": a}) for a in own["a"]])
     assert agree(found, alone(spec, w, 0.1, 10, own=own))
     assert np.array_equal(smidgen.ensemble(spec, parameters=own, h=0.1, steps=10).w, found.w)
@@ -304,7 +304,7 @@ def test_members_that_cannot_begin_are_named():
     spec, w = SPECS["pulsed"], points(6)
     w[2] *= 1.1
     w[4, 0, 1] = np.nan
-    found = smidgen.ensemble(spec, w, h=0.1, steps=10)
+    found = smidgen.ensemble(spec, start=w, h=0.1, steps=10)
     good = [0, 1, 3, 5]
     assert sorted(found.failures) == [2, 4] and "off manifold" in found.failures[2] and "not finite" in found.failures[4]
     assert found.w[good].tobytes() == alone(spec, w[good], 0.1, 10)[0].tobytes() and found.w[2].tobytes() == w[2].tobytes()
@@ -324,13 +324,13 @@ def test_what_does_not_fit_is_refused(given, said):
 
 def test_limits_of_an_ensemble(monkeypatch):
     monkeypatch.setattr(limits, "MEMBERS", 4)
-    smidgen.ensemble(SPECS["pulsed"], points(4), h=0.1, steps=1)
+    smidgen.ensemble(SPECS["pulsed"], start=points(4), h=0.1, steps=1)
     with pytest.raises(smidgen.UsageError, match="from 1 to 4 members, not 5"):
-        smidgen.ensemble(SPECS["pulsed"], points(5), h=0.1, steps=1)
+        smidgen.ensemble(SPECS["pulsed"], start=points(5), h=0.1, steps=1)
     monkeypatch.setattr(module, "MEMORY", 4 * 24 * 2)
-    smidgen.ensemble(SPECS["pulsed"], points(4), h=0.1, steps=1, every=1, what="states")
+    smidgen.ensemble(SPECS["pulsed"], start=points(4), h=0.1, steps=1, every=1, what="states")
     with pytest.raises(smidgen.UsageError, match="GiB of memory"):
-        smidgen.ensemble(SPECS["pulsed"], points(4), h=0.1, steps=2, every=1, what="states")
+        smidgen.ensemble(SPECS["pulsed"], start=points(4), h=0.1, steps=2, every=1, what="states")
 
 
 @functools.cache
@@ -366,7 +366,7 @@ energy = "dot(w[i], w[j])"
 """)
     w, r = np.tile(np.eye(3), (3, 1, 1)), np.array([1.0, 2.0, 1.0])
     w[2, 1] *= 1 + 1e-9
-    found = smidgen.ensemble(spec, w, parameters={"r": r}, h=0.1, steps=2)
+    found = smidgen.ensemble(spec, start=w, parameters={"r": r}, h=0.1, steps=2)
     said = "cannot start: off manifold: the start is off its sphere or leaf (site {}: |w| = {}, its sphere has radius {})"
     assert found.failures == {1: said.format(0, "1", "2"), 2: said.format(1, "1.000000001", "1")} and list(found.steps) == [2, 0, 0]
 
@@ -375,7 +375,7 @@ def test_the_energy_of_a_member_whose_first_step_fails():
     """It stays where it was, and so does its energy; one that cannot begin has none."""
     spec, w = SPECS["irreversible_rigid_body"], points(40)
     w[0] *= 1.1
-    found = smidgen.ensemble(spec, w, h=4, steps=4, every=2, what="energy")
+    found = smidgen.ensemble(spec, start=w, h=4, steps=4, every=2, what="energy")
     first = (found.steps == 0) & (np.arange(40) > 0)
     assert first.any() and np.isnan(found.energy[:, 0]).all() and np.isfinite(found.energy[:, 1:]).all()
     assert (found.energy[:, first] == found.energy[0, first]).all()

@@ -103,9 +103,9 @@ def test_outputs_of_large_states_are_written_one_by_one(tmp_path, monkeypatch, e
 
 def test_magnetisations_are_drawn_among_the_observables(tmp_path):
     result = smidgen.run(smidgen.load_text(FILM), what=["magnetisation"])
-    assert smidgen.plot(result, "observables", tmp_path / "a.png").exists()
+    assert smidgen.plot(result, kind="observables", out=tmp_path / "a.png").exists()
     with pytest.raises(smidgen.UsageError, match="no observables"):
-        smidgen.plot(smidgen.run(smidgen.load_text(FILM), what=["energy"]), "observables", tmp_path / "b.png")
+        smidgen.plot(smidgen.run(smidgen.load_text(FILM), what=["energy"]), kind="observables", out=tmp_path / "b.png")
 
 
 def test_outputs_with_other_columns_and_in_extended_precision():
@@ -126,4 +126,4 @@ def test_a_charge_needs_a_film_and_an_observable_of_its_name_goes_first():
 
 def test_the_charge_over_time_is_drawn(tmp_path):
     result = smidgen.run(smidgen.load_text(FILM), what=["charge"])
-    assert smidgen.plot(result, "observables", tmp_path / "a.png").exists()
+    assert smidgen.plot(result, kind="observables", out=tmp_path / "a.png").exists()

@@ -71,7 +71,7 @@ def test_a_run_that_goes_on_and_an_ensemble_do_too(calls, tmp_path):
     spec = smidgen.load_text(FILM)
     smidgen.run(spec, out=tmp_path / "a.npz", checkpoint=2)
     calls.clear()
-    smidgen.ensemble(spec, np.tile(smidgen.build(spec).start("any", h=0.1).w, (3, 1, 1)), steps=2)
+    smidgen.ensemble(spec, start=np.tile(smidgen.build(spec).start("any", h=0.1).w, (3, 1, 1)), steps=2)
     assert calls["select"] == calls["choose"] == 2 and calls["parameter_values"] == 2      # of `build`, and of `ensemble`
 
 

@@ -76,7 +76,7 @@ def remembered(model) -> bytes:
 def test_a_written_state_is_a_beginning(name):
     """Bit for bit: neither history nor compensation of the steps before is left, at any place in the history."""
     one, method, h = LAYOUTS[name]
-    model, other = (smidgen.build(spec_of(one), method) for _ in range(2))
+    model, other = (smidgen.build(spec_of(one), method=method) for _ in range(2))
     w, taken = start_of(spec_of(one)), 0
     model.start(w.copy(), h=h)
     for before, after in ((5, 20), (1, 3), (17, 12)):
@@ -164,8 +164,8 @@ phi = 0.2
 def test_a_splitting_with_a_map_of_the_user(method):
     """Strang: half a turn in the field, a step of the rest, half a turn. Halving h divides the error by 4, against the whole by an integrator of order 12."""
     spec, T = smidgen.load_text(FIELD), 2.0
-    exact = smidgen.build(spec, "extrapolation-12").start("a", h=T / 200).steps(200).w
-    model, errors = smidgen.build(spec, method, effects=["rotation", "coupling"]), []
+    exact = smidgen.build(spec, method="extrapolation-12").start("a", h=T / 200).steps(200).w
+    model, errors = smidgen.build(spec, method=method, effects=["rotation", "coupling"]), []
     for steps in (20, 40, 80):
         h = T / steps
         model.start("a", h=h)
@@ -182,7 +182,7 @@ def test_a_splitting_with_a_map_of_the_user(method):
 
 def test_what_steps_moved_off_its_sphere_may_be_written():
     """|w| of an explicit method drifts; what is as far off is put back."""
-    model = smidgen.build(MIX, "extrapolation-12").start("a", h=0.5).steps(20)
+    model = smidgen.build(MIX, method="extrapolation-12").start("a", h=0.5).steps(20)
     off = np.abs(np.linalg.norm(model.w[:3], axis=1) - 2)
     assert off.max() > 1e-10
     model.w[:] = kicked(model.w)

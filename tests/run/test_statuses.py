@@ -21,10 +21,10 @@ TEXT = '[model]\nname = "{name}"\n[space]\n{space}\n[parameters]\n{parameters}\n
 SITE = 'over = "site(i) of w"\nenergy = "{}"'
 
 
-def build(name, energy, space="w = { sphere = 1 }", parameters="", **more):
+def build(name, energy, space="w = { sphere = 1 }", parameters="", values=None):
     """A model of independent sites with one energy."""
     return smidgen.build(load_text(TEXT.format(name=name, space=space, parameters=parameters,
-                                               field=SITE.format(energy))), **more)
+                                               field=SITE.format(energy))), parameters=values)
 
 
 def larmor(field=1.0):

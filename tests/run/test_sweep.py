@@ -103,7 +103,7 @@ def test_a_sweep_that_is_killed_goes_on(path):
     assert 0 < len(done) < 40
     assert subprocess.run(words).returncode == 0
     assert all(os.stat(folder / f"cell-{cell}.npz").st_mtime_ns == when for cell, when in done.items())
-    whole = sweep(smidgen.load(path), None, {"a": [0.5 * k / 39 for k in range(39)] + [0.5]}, path.parent / "whole", steps=20000, every=20000)
+    whole = sweep(smidgen.load(path), None, axes={"a": [0.5 * k / 39 for k in range(39)] + [0.5]}, out=path.parent / "whole", steps=20000, every=20000)
     assert len(whole) == 40
     for k in (0, 20, 39):
         assert np.array_equal(*(smidgen.load_result(path.parent / place / f"cell-{k}.npz").final for place in ("cells", "whole")))
@@ -112,7 +112,7 @@ def test_a_sweep_that_is_killed_goes_on(path):
 def test_a_process_that_is_killed_is_told(path, monkeypatch):
     monkeypatch.setattr(module, "run", lambda *args, **more: os.kill(os.getpid(), signal.SIGKILL))
     with pytest.raises(smidgen.RunError, match="was killed; the same command goes on"):
-        sweep(smidgen.load(path), None, {"a": [0.1, 0.2]}, path.parent / "cells")
+        sweep(smidgen.load(path), None, axes={"a": [0.1, 0.2]}, out=path.parent / "cells")
 
 
 def test_another_sweep_and_another_folder_are_refused(command, path):
@@ -161,14 +161,14 @@ def test_values_are_even_and_their_ends_exact():
 def test_lines_that_are_no_outcomes_count_for_nothing(path):
     """Their cells are computed again, and no other file is taken for one."""
     spec, folder = smidgen.load(path), path.parent / "cells"
-    wanted = [outcome["cell"] for outcome in sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)]
+    wanted = [outcome["cell"] for outcome in sweep(spec, "demo", axes={"a": [0.0, 0.3]}, out=folder, processes=1)]
     good = (folder / "cells.jsonl").read_bytes()
     assert good.splitlines()[0].startswith(b"{")
     for wrong in (b"[1]", b"7", b'{"cell": 0}', b'{"cell": 0, "file": 5, "status": "complete"}', b"\xff\xfe",
                   b'{"cell": 0, "file": "/etc/hostname", "status": "complete"}', b'{"cell": 0, "file": "cell-1.npz", "status": "complete"}'):
         (folder / "cells.jsonl").write_bytes(wrong + b"\n" + good.splitlines()[1] + b"\n")
         (folder / "cell-0.npz").unlink()
-        assert [outcome["cell"] for outcome in sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)] == wanted
+        assert [outcome["cell"] for outcome in sweep(spec, "demo", axes={"a": [0.0, 0.3]}, out=folder, processes=1)] == wanted
         assert (folder / "cell-0.npz").exists()
 
 
@@ -240,7 +240,7 @@ def test_an_interrupt_is_raised_between_outcomes(path):
         time.sleep(0.01)
         after.append(outcome["cell"])
     with pytest.raises(KeyboardInterrupt):
-        sweep(smidgen.load(path), "demo", {"a": [k / 60 for k in range(40)]}, folder, processes=2, tell=tell)
+        sweep(smidgen.load(path), "demo", axes={"a": [k / 60 for k in range(40)]}, out=folder, processes=2, tell=tell)
     assert 1 <= len(after) < 10 and sorted(after) == sorted(line["cell"] for line in lines(folder))
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
@@ -248,7 +248,7 @@ def test_an_interrupt_is_raised_between_outcomes(path):
 @pytest.mark.usefixtures("listens")
 def test_an_interrupt_of_the_last_outcome_is_raised(path):
     with pytest.raises(KeyboardInterrupt):
-        sweep(smidgen.load(path), "demo", {"a": [0.0]}, path.parent / "cells", tell=lambda outcome: os.kill(os.getpid(), signal.SIGINT))
+        sweep(smidgen.load(path), "demo", axes={"a": [0.0]}, out=path.parent / "cells", tell=lambda outcome: os.kill(os.getpid(), signal.SIGINT))
     assert len(lines(path.parent / "cells")) == 1
 
 
@@ -282,7 +282,7 @@ def test_an_interrupted_sweep_on_a_cluster_keeps_what_ends(path, tmp_path):
             raise KeyboardInterrupt
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as several:
         with pytest.raises(KeyboardInterrupt):
-            sweep(smidgen.load(path), "demo", {"a": [k / 60 for k in range(40)]}, folder, cluster=several.scheduler_address, steps=500_000, every=500_000, tell=interrupt)
+            sweep(smidgen.load(path), "demo", axes={"a": [k / 60 for k in range(40)]}, out=folder, cluster=several.scheduler_address, steps=500_000, every=500_000, tell=interrupt)
         time.sleep(2)       # what would still be written, would be by now
     assert 2 <= len(lines(folder)) < 20 and {line["file"] for line in lines(folder)} == {p.name for p in folder.glob("cell-*.npz")}
 
@@ -291,11 +291,11 @@ def test_no_line_is_empty(path, tmp_path):
     """However often a sweep goes on; a line that was cut is ended."""
     spec, folder = smidgen.load(str(path)), tmp_path / "cells"
     for _ in range(3):
-        sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)
+        sweep(spec, "demo", axes={"a": [0.0, 0.3]}, out=folder, processes=1)
         (folder / "cell-0.npz").unlink()
     assert len((folder / "cells.jsonl").read_text().splitlines()) == 4 == len(lines(folder))
     (folder / "cells.jsonl").write_bytes((folder / "cells.jsonl").read_bytes()[:-3])
-    sweep(spec, "demo", {"a": [0.0, 0.3]}, folder, processes=1)
+    sweep(spec, "demo", axes={"a": [0.0, 0.3]}, out=folder, processes=1)
     assert (folder / "cells.jsonl").read_bytes().count(b"\n") == 5     # the end of the one that was cut, and cell 0 once more
 
 
@@ -304,9 +304,9 @@ def test_a_cluster_computes_the_same_cells(path, tmp_path):
     """Two workers of a Dask cluster, each a process of its own."""
     from distributed import LocalCluster
     given = dict(axes={"a": [0.0, 0.3]}, starts=2)
-    here = sweep(smidgen.load(str(path)), "demo", folder=tmp_path / "here", processes=1, **given)
+    here = sweep(smidgen.load(str(path)), "demo", out=tmp_path / "here", processes=1, **given)
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as several:
-        there = sweep(smidgen.load(str(path)), "demo", folder=tmp_path / "there", cluster=several.scheduler_address, **given)
+        there = sweep(smidgen.load(str(path)), "demo", out=tmp_path / "there", cluster=several.scheduler_address, **given)
     assert here == there and len(there) == 4
     for outcome in here:
         one, other = (smidgen.load_result(tmp_path / place / outcome["file"]) for place in ("here", "there"))
@@ -327,9 +327,9 @@ def test_a_cluster_that_ends_is_a_clear_error(path, tmp_path):
     given, spec = dict(axes={"a": [k / 8 for k in range(6)]}, steps=20_000), smidgen.load(str(path))
     with LocalCluster(n_workers=1, threads_per_worker=4, dashboard_address=None) as several:
         with pytest.raises(smidgen.RunError, match="was killed"):
-            sweep(spec, "demo", folder=tmp_path / "cells", cluster=several.scheduler_address, tell=lambda outcome: several.close(), **given)
+            sweep(spec, "demo", out=tmp_path / "cells", cluster=several.scheduler_address, tell=lambda outcome: several.close(), **given)
     assert 1 <= len(lines(tmp_path / "cells")) < 6
-    assert len(sweep(spec, "demo", folder=tmp_path / "cells", processes=1, **given)) == 6
+    assert len(sweep(spec, "demo", out=tmp_path / "cells", processes=1, **given)) == 6
 
 
 def test_a_result_that_went_elsewhere_is_no_cell(path, tmp_path):
@@ -344,4 +344,4 @@ def test_a_worker_of_another_version_is_refused(path):
 
 def test_processes_or_a_cluster(path, tmp_path):
     with pytest.raises(smidgen.UsageError, match="not to both"):
-        sweep(smidgen.load(str(path)), "demo", {"a": [0.0]}, tmp_path / "cells", processes=1, cluster="tcp://127.0.0.1:9")
+        sweep(smidgen.load(str(path)), "demo", axes={"a": [0.0]}, out=tmp_path / "cells", processes=1, cluster="tcp://127.0.0.1:9")

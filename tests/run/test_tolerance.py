@@ -16,7 +16,7 @@ ITERATED = [("heisenberg_chain", "spherical-midpoint", "newton"), ("heisenberg_c
 
 def stepped(name, method, solver, tolerance, steps=40, h=0.1):
     spec = smidgen.load(name)
-    model = smidgen.build(spec, method, solver=solver)
+    model = smidgen.build(spec, method=method, solver=solver)
     iterations = 0
     model.start(spec.runs[0].start, h=h, tolerance=tolerance)
     for _ in range(steps):
@@ -41,7 +41,7 @@ def test_iterations_end_at_the_tolerance(name, method, solver):
 def test_slopes_leave_a_few_tolerances_at_most(name, h, method):
     """Also where a change is small because changes alternate between large and small: with the slopes of steps before, and from rest."""
     spec = smidgen.load(name)
-    model, exact = (smidgen.build(spec, method).start(spec.runs[0].start, h=h) for _ in range(2))
+    model, exact = (smidgen.build(spec, method=method).start(spec.runs[0].start, h=h) for _ in range(2))
     for _ in range(12):
         exact.step()
         before, after = exact.save(), exact.step().state()

@@ -58,7 +58,7 @@ def divided(spec, w, W, h):
 def test_moser_veselov_up_to_the_end_of_its_root(w):
     """Near the end it goes by stages of h; where it has no step the state stays."""
     spec = smidgen.load("free_rigid_body")
-    model, w = smidgen.build(spec, "moser-veselov"), unit([w])
+    model, w = smidgen.build(spec, method="moser-veselov"), unit([w])
     least = 1.0
     for h in np.arange(0.5, 4, 0.05):
         model.start(w.copy(), h=h)
@@ -75,7 +75,7 @@ def test_moser_veselov_up_to_the_end_of_its_root(w):
 
 
 def test_about_an_axis_the_root_ends_at_the_moment_of_inertia():
-    model = smidgen.build(smidgen.load("free_rigid_body"), "moser-veselov")
+    model = smidgen.build(smidgen.load("free_rigid_body"), method="moser-veselov")
     for axis, moment in zip(np.eye(3)[:, None], MOMENTS):
         assert np.array_equal(model.start(axis.copy(), h=0.99 * moment).step().w, axis)
         refused(model.start(axis.copy(), h=1.01 * moment), NO_CONVERGENCE)
@@ -163,7 +163,7 @@ def test_a_field_that_is_no_number_names_its_site(solver):
 def test_a_composed_tangent_map_that_is_no_number(name):
     """What stages had moved goes back."""
     spec = smidgen.load(name)
-    model = smidgen.build(spec, "spherical-midpoint-4", features=TANGENT).start(spec.runs[0].start, h=0.1).steps(2)
+    model = smidgen.build(spec, method="spherical-midpoint-4", features=TANGENT).start(spec.runs[0].start, h=0.1).steps(2)
     saved, v = model.save(), np.ones((1, model.sites, 3))
     v[0, -1, 2] = np.nan
     with pytest.raises(RunError) as caught:
@@ -183,7 +183,7 @@ def test_a_body_at_rest_stays_among_others(method, features, site):
     """A point is a leaf of its own: no direction, no length to keep; the other body keeps its length."""
     w = np.array([[0.3, -0.4, 1.2], [-0.5, 0.7, 0.1]])
     w[site] = 0
-    model = smidgen.build(BODIES, method, features=features).start(w.copy(), h=0.2).steps(20)
+    model = smidgen.build(BODIES, method=method, features=features).start(w.copy(), h=0.2).steps(20)
     assert not model.w[site].any()
     assert np.linalg.norm(model.w[1 - site]) == pytest.approx(np.linalg.norm(w[1 - site]), rel=1e-15)
     assert np.abs(model.w[1 - site] - w[1 - site]).max() > 0.1
@@ -257,7 +257,7 @@ def test_a_stage_that_fails_late_leaves_no_trace():
     stage, end = late_stage()
     assert stage > 8
     spec = system("ending", "w = { sphere = 3 }", ("pair(i, j) of w", "0.3*dot(w[i], w[j])"), ("", f"sqrt({end + 1!r} - t)*w[0].x/10"))
-    model = smidgen.build(spec, "spherical-midpoint-8").start(generic(3), h=0.125).steps(8)     # up to t = 1
+    model = smidgen.build(spec, method="spherical-midpoint-8").start(generic(3), h=0.125).steps(8)     # up to t = 1
     saved = model.save()
     saved[H] = 1.0
     saved[2] -= 8 - 1.0         # t0: the eight steps were of this h, and time is the same
@@ -271,7 +271,7 @@ def test_outputs_end_where_a_step_fails():
     growing = system("growing", "w = { sphere = 1 }", ("site(i)", "exp(400*t)*w[i].z^2"))
     w = unit([[0.6, 0.0, 0.8]])
     for method in ("spherical-midpoint", "classical-midpoint"):         # the first looks for midpoints near the centre
-        model = smidgen.build(growing, method).start(w.copy(), h=1.0, t0=-4.0)
+        model = smidgen.build(growing, method=method).start(w.copy(), h=1.0, t0=-4.0)
         taken, block = model.advance(20), Block(model, True)
         assert 1 < taken < 20
         for every in (1, 2, 3, 4):
@@ -286,7 +286,7 @@ def test_outputs_end_where_a_step_fails():
 def test_an_error_too_large_to_be_squared(kappa):
     """Steps of it are refused until none is left to try."""
     spec = system("strong", f"w = {{ r3 = 2, kappa = {kappa} }}", ("site(i)", "1e150*(w[i].x^2 + 2*w[i].y^2)"), ("pair(i, j) of w", "dot(w[i], w[j])"))
-    model = smidgen.build(spec, "dop853").start(generic(2), h=1.0)
+    model = smidgen.build(spec, method="dop853").start(generic(2), h=1.0)
     before = model.state()
     with pytest.raises(RunError):
         model.step()
@@ -296,7 +296,7 @@ def test_an_error_too_large_to_be_squared(kappa):
 def test_a_rotation_too_large_to_be_squared():
     """tau^2 overflows: the slope is a number, the increment none."""
     spec = system("fields", "w = { sphere = 2 }", ("site(i)", "0.3*w[i].z + 0.1*w[i].x"))
-    model = smidgen.build(spec, "isospectral-midpoint")
+    model = smidgen.build(spec, method="isospectral-midpoint")
     assert refused(model.start(generic(2), h=1e200), NOT_FINITE).site == 0
     model.start(generic(2), h=1e100).step()
 

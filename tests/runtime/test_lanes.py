@@ -47,7 +47,7 @@ SPECS = {"functions": (smidgen.load_text(FUNCTIONS), "a", 0.05), "free body": (s
 
 def built(monkeypatch, spec, method, lanes, compiler="gcc"):
     monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
-    return smidgen.build(spec, method)
+    return smidgen.build(spec, method=method)
 
 
 def saved(model, start, h, steps=12):

@@ -9,7 +9,7 @@ PROGRAM = """
 import json, sys
 import numpy as np, smidgen
 name, values, sites = sys.argv[1], json.loads(sys.argv[2]), int(sys.argv[3])
-model = smidgen.build(smidgen.load(name), values=values)
+model = smidgen.build(smidgen.load(name), parameters=values)
 w = np.random.default_rng(1).normal(size=(sites, 3))
 w /= np.linalg.norm(w, axis=1)[:, None]
 resident = lambda: int(open("/proc/self/statm").read().split()[1]) * 4096

@@ -290,7 +290,7 @@ def test_a_large_plane_has_the_bits_of_a_small_one(monkeypatch, name, method):
     found = []
     for large in (1 << 40, 0):
         monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LARGE_PLANE={large}")
-        found.append(smidgen.build(PLANES[name], method).start("random", h=0.2).steps(5))
+        found.append(smidgen.build(PLANES[name], method=method).start("random", h=0.2).steps(5))
     assert np.array_equal(*(model.save() for model in found)) and np.array_equal(*(model.steps(3).w for model in found))
 
 

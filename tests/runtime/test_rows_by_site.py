@@ -44,7 +44,7 @@ QUICK = (("ring", "in time"), ("blocks", "anisotropy"), ("three colours", "phase
 
 def close(spec, method=MIDPOINT, steps=5, t0=0.37) -> float:
     """The distance from the witness, which knows no rows, part of the size of w."""
-    model = smidgen.build(spec, method).start("random", h=0.08, t0=t0)
+    model = smidgen.build(spec, method=method).start("random", h=0.08, t0=t0)
     w = model.w.copy()
     found = Witness(spec).steps(w, t0, 0.08, steps, method)
     return np.abs(model.steps(steps).w - (found if np.ndim(found) == 2 else found[-1])).max() / np.abs(w).max()
@@ -80,7 +80,7 @@ def test_turns_by_rows(kind):
         spec = drawn(place, KINDS[kind])
         for method in (TURNS, f"{TURNS}-4"):
             assert by_rows(spec, method) and close(spec, method) <= 2e-14
-            ends = [smidgen.build(spec, method, features=features).start("random", h=0.1).steps(8).w.copy() for features in ((), ("ensemble",))]
+            ends = [smidgen.build(spec, method=method, features=features).start("random", h=0.1).steps(8).w.copy() for features in ((), ("ensemble",))]
             assert np.abs(ends[0] - ends[1]).max() <= 1e-14
 
 
@@ -94,7 +94,7 @@ def test_collocation_by_rows(place, kind):
 def test_order(method, order):
     spec, ends = drawn("ladder", KINDS["in time"], KINDS["phases"], bonds=EXCHANGE), []
     for n in (32, 64, 128):
-        ends.append(smidgen.build(spec, method).start("random", h=1 / n, t0=0.2).steps(n).w.copy())
+        ends.append(smidgen.build(spec, method=method).start("random", h=1 / n, t0=0.2).steps(n).w.copy())
     ratio = np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - ends[2]).max()
     assert abs(np.log2(ratio) - order) < 0.25
 
@@ -103,7 +103,7 @@ def test_order(method, order):
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch):
     def built(lanes, spec=SOME, method=MIDPOINT, compiler="gcc"):
         monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
-        return smidgen.build(spec, method)
+        return smidgen.build(spec, method=method)
     assert same_in_lanes(built, (2, 4, 8)) and same_in_lanes(lambda lanes: built(lanes, BLOCKS), (4, 8)) and same_in_lanes(lambda lanes: built(lanes, SOME, "gauss-4"), (4,))
     if "clang" in COMPILERS:
         assert same_by_clang(built)
@@ -111,7 +111,7 @@ def test_the_same_bits_for_any_number_of_lanes(monkeypatch):
 
 @pytest.mark.parametrize("spec, method", [(SOME, MIDPOINT), (BLOCKS, MIDPOINT), (SOME, "gauss-4"), (drawn("honeycomb", SITED), TURNS)], ids=["rows", "blocks", "collocation", "turns"])
 def test_restored_it_goes_on(spec, method):
-    model = smidgen.build(spec, method)
+    model = smidgen.build(spec, method=method)
     assert restored(model) and one_by_one(model)
 
 

@@ -56,7 +56,7 @@ def test_rows_solve_the_step_at_its_time(name, method):
     """Against the witness, which knows no rows, from a time that is not 0."""
     spec = SPECS[name]
     assert by_rows(spec, method)
-    model = smidgen.build(spec, method).start("random", h=0.1, t0=0.37)
+    model = smidgen.build(spec, method=method).start("random", h=0.1, t0=0.37)
     w = model.w.copy()
     found = Witness(spec).steps(w, 0.37, 0.1, 5, method)
     assert np.abs(model.steps(5).w - (found if np.ndim(found) == 2 else found[-1])).max() <= 2e-14 * np.abs(w).max()
@@ -66,7 +66,7 @@ def test_rows_solve_the_step_at_its_time(name, method):
 def test_turns_have_the_bits_of_those_from_site_to_site(name):
     """Where sites of a colour do not meet; a build for ensembles goes from site to site."""
     for method in (TURNS, f"{TURNS}-4"):
-        ends = [smidgen.build(SPECS[name], method, features=features).start("random", h=0.2, t0=0.1).steps(8).save() for features in ((), ("ensemble",))]
+        ends = [smidgen.build(SPECS[name], method=method, features=features).start("random", h=0.2, t0=0.1).steps(8).save() for features in ((), ("ensemble",))]
         assert np.array_equal(*ends)
 
 
@@ -74,7 +74,7 @@ def test_pairs_in_time():
     spec = lattice("pairs", "square(n, 6, periodic)", 8, "6*n", BENT + EXCHANGE.replace("exchange", "more").replace("-0.7*dot(w[i], w[j])", "0.1*cos(t)*dot(w[i], w[j])^2"))
     for method in (PAIRS, f"{PAIRS}-4"):
         assert by_rows(spec, method)
-        ends = [smidgen.build(spec, method, features=features).start("random", h=0.2, t0=0.1).steps(8).save() for features in ((), ("ensemble",))]
+        ends = [smidgen.build(spec, method=method, features=features).start("random", h=0.2, t0=0.1).steps(8).save() for features in ((), ("ensemble",))]
         assert np.array_equal(*ends)
 
 
@@ -83,14 +83,14 @@ def test_order(method, order):
     """Of steps against those half as long, and of these against half of them again: a time that is off by h would leave order 1."""
     spec, ends = lattice("bent", "square(n, 6, periodic)", 4, "6*n", BENT + (WAVE if method[:5] != "pair-" else "")), []
     for n in (32, 64, 128):
-        ends.append(smidgen.build(spec, method).start("random", h=1 / n, t0=0.2).steps(n).w.copy())
+        ends.append(smidgen.build(spec, method=method).start("random", h=1 / n, t0=0.2).steps(n).w.copy())
     ratio = np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - ends[2]).max()
     assert abs(np.log2(ratio) - order) < 0.25
 
 
 @pytest.mark.parametrize("name, method", [("blocks", MIDPOINT), ("even ring", f"{TURNS}-4"), ("ring", "gauss-4")])
 def test_restored_it_goes_on_at_its_time(name, method):
-    model = smidgen.build(SPECS[name], method)
+    model = smidgen.build(SPECS[name], method=method)
     assert restored(model) and one_by_one(model)
 
 

@@ -50,14 +50,14 @@ def largest(one, exact) -> float:
 
 def errors(name, methods=METHODS) -> dict:
     spec = spec_of(name)
-    exact = path(smidgen.build(spec, "gauss-16"))
-    return {short: largest(path(smidgen.build(spec, METHODS[short])), exact) for short in methods}
+    exact = path(smidgen.build(spec, method="gauss-16"))
+    return {short: largest(path(smidgen.build(spec, method=METHODS[short])), exact) for short in methods}
 
 
 def with_c_1(name) -> float:
     """Of RATTLE with c = 1, by the witness."""
     spec = spec_of(name)
-    witness, model = Witness(spec), smidgen.build(spec, "gauss-16")
+    witness, model = Witness(spec), smidgen.build(spec, method="gauss-16")
     exact, w, found = path(model), model.start("a", h=H).w.copy(), []
     for _ in range(STEPS):
         w = rattle.step(witness, w, 0.0, H, c=1.0)
@@ -68,7 +68,7 @@ def with_c_1(name) -> float:
 def larger_for_rattle(name, starts: int) -> tuple[int, int]:
     """(from how many random starts the error of RATTLE is larger than that of the spherical midpoint, of how many that both step from)."""
     spec, dice, found = spec_of(name), np.random.default_rng(11), []
-    exact, *both = (smidgen.build(spec, m) for m in ("gauss-16", "rattle", "spherical-midpoint"))
+    exact, *both = (smidgen.build(spec, method=m) for m in ("gauss-16", "rattle", "spherical-midpoint"))
     for _ in range(starts):
         w = dice.standard_normal((exact.sites, 3))
         w /= np.linalg.norm(w, axis=1)[:, None]

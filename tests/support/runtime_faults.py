@@ -92,7 +92,7 @@ def examined(fault: Fault, layouts: bool):
     values = fault.system[1]
     spec = spec_of(fault).calm
     s = settle(spec, None, parameters=values, **fault.settings)
-    subject = Emitted(build(spec, s.method, s.effects, s.parameters, s.solver, features=fault.features), None)
+    subject = Emitted(build(spec, method=s.method, effects=s.effects, parameters=s.parameters, solver=s.solver, features=fault.features), None)
     subject.generated = True
     return Case(spec, s, 2, tier="quick", features=fault.features, layouts=layouts), subject
 

@@ -6,7 +6,7 @@ from smidgen.check.witness import Witness
 
 def built(monkeypatch, spec, method, lanes=4, compiler="gcc", **more):
     monkeypatch.setenv("CC", f"{compiler} -Wno-psabi -DSMG_LANES={lanes}")
-    return smidgen.build(spec, method, **more)
+    return smidgen.build(spec, method=method, **more)
 
 
 def bits(model, steps=8):

@@ -2,15 +2,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from ...errors import RunError, UsageError
+from ...language.spec import Spec
 from ...methods import METHODS
 from ...public import public
-from ...run.step.integrator import build
-from ...run.settings import duration, find_run, settle
+from ...run.settings import duration, model_of, settle
+from ...run.step.prepared import find_run
 from .along import MARGIN, TURN, along
 from .clock import clock
 from .end import End, end_of, of_failure, there
@@ -72,10 +74,10 @@ class Advice:
 
 
 @public
-def advise(spec, run: str | None = None, *, start=None, method: str | None = None, solver: str | None = None,
-           h=None, steps: int | None = None, time: float | None = None, effects=None, parameters=None,
-           seed: int | None = None) -> Advice:
-    """The largest safe step for a run; start .. seed as for `smidgen.run`.
+def advise(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+           h: float | str | None = None, steps: int | None = None, time: float | str | None = None, effects: Iterable[str] | None = None,
+           parameters: Mapping[str, object] | None = None, seed: int | None = None) -> Advice:
+    """The largest safe step for a run; start .. seed as for `smidgen.run`, in place of what the run says.
 
     The branch of solutions of the step equation is followed from h = 0 (up to `UNKNOWNS` unknowns;
     beyond, by trial steps), the advice is tried with first steps of the generated code, and the run is looked
@@ -88,7 +90,7 @@ def advise(spec, run: str | None = None, *, start=None, method: str | None = Non
                effects=effects, parameters=parameters, seed=seed)
     if not METHODS[s.method].midpoint:
         raise UsageError(f"advise follows the step equation of a midpoint method; {METHODS[s.method].title} has another")
-    model = build(spec.calm, s.method, s.effects, s.parameters, s.solver)
+    model = model_of(spec.calm, s)
     w = model.start(s.own_start, h=s.h, seed=s.seed).w.copy()
     return advice_for(model, w, 0.0, s.h, s.run, stated,
                       duration(spec, base, s, steps, time) if stated or time is not None else None, STEPS if steps is None else steps)

@@ -1,16 +1,18 @@
 """What is unchanged and what is conserved, from the spec alone."""
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 import sympy as sp
 
-from ...methods import DEFAULT, METHODS
+from ...language.spec import Spec
+from ...methods import METHODS
 from ...compile.plan.splitting import splittings
 from ...compile.select import select
 from ...public import few, public
-from ...run.step.prepared import choose
+from ...run.step.prepared import asked as asked_of, choose
 from ...run.step.evaluated import casimir_matrices, kappas
 from . import conserved, spaces
 from .integrals import WHY, Integral
@@ -73,14 +75,16 @@ class Report:
 
 
 @public
-def explain(spec, parameters=None, method: str = DEFAULT, effects=None) -> Report:
+def explain(spec: Spec, run: str | None = None, *, method: str | None = None, effects: Iterable[str] | None = None,
+            parameters: Mapping[str, object] | None = None) -> Report:
     """Which rotations leave H unchanged, what is conserved, what the method keeps exactly.
 
-    parameters: values by name; effects: names of the effects to keep, None for all. Raises
-    UsageError for names that are not known.
+    run: of the spec, by default its first; method, effects, parameters: as for `run`, in place of what that run says. Raises
+    UsageError for names that are not known. docs/explain.md says what is looked for, and how it is proved.
     """
-    choose("method", method, METHODS)
-    scene = select(spec, None if effects is None else tuple(effects), dict(parameters or {}))
+    one = asked_of(spec, run, method, None, effects, parameters)
+    method = choose("method", one.method, METHODS)
+    scene = select(spec, one.effects, dict(one.parameters))
     asked = ask(scene, {}, on_sphere=METHODS[method].onto_leaf)
     undecided: list = []
     seen = attempt(lambda: unchanged(asked.spec, asked.values))

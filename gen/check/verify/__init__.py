@@ -9,8 +9,12 @@ rows. docs/verify.md says what is measured, and why no wrong integrator gets thr
 """
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ...language.spec import Spec
 from ...public import public
 
 if TYPE_CHECKING:
@@ -18,13 +22,13 @@ if TYPE_CHECKING:
 
 
 @public
-def verify(spec, run: str | None = None, *, tier="normal", features=(), start=None, method: str | None = None,
-           solver: str | None = None, h=None, effects=None, parameters=None, seed: int | None = None,
-           layouts: bool = False) -> Certificate:
+def verify(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+           h: float | str | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
+           seed: int | None = None, features: Iterable[str] = (), tier: str | int = "normal", layouts: bool = False) -> Certificate:
     """Measure the generated integrator of a run; returns a `certificate.Certificate`.
 
+    start .. seed: as for `smidgen.run`, in place of what the run says; features: of the generated C, as for `smidgen.build`.
     tier: "quick", "normal", or a number of steps, the length of the round-off measurement.
-    features: of the generated C, as for `smidgen.build`; start .. seed: as for `smidgen.run`, in place of what the run says.
     layouts: look at threads, wavefronts and ranks of MPI too, for which lattices by rows are compiled twice more.
     Raises UsageError for wrong names; what the integrator refuses or misses is a row that says no.
     """

@@ -132,7 +132,7 @@ def certify(spec: Spec, run=None, *, tier="normal", features=(), layouts=False, 
 
 def lengthened(spec, run, given) -> dict:
     """A run that does not say how long it is has a thousand steps here."""
-    from ...run.settings import find_run
+    from ...run.step.prepared import find_run
     base = find_run(spec, run)
     return {"steps": 1000, **given} if base.time is None and base.steps is None else given
 

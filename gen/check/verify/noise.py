@@ -7,7 +7,8 @@ from ...compile.select import select
 from ...errors import RunError
 from ...language.spec import Spec
 from ...methods import METHODS as METHODS_OF_SPECS
-from ...run.step.integrator import Integrator, build
+from ...run.settings import model_of
+from ...run.step.integrator import Integrator
 from ..witness import METHODS, Witness
 from .case import EPS, Case, size
 from .row import Row, at_most, not_applicable
@@ -22,7 +23,7 @@ def noise(spec: Spec, case: Case) -> list[Row]:
     s = case.settings
     if not select(spec, s.effects, s.parameters).heated:
         return []
-    model = build(spec, s.method, s.effects, s.parameters, s.solver, "double", s.native)
+    model = model_of(spec, s, "double")
     try:
         return [beside(spec, case, model), restored(case, model)]
     except RunError as error:

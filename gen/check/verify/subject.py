@@ -9,8 +9,8 @@ import numpy as np
 from ...methods import METHODS
 from ...build.binary import digest, identity
 from ...language.spec import Spec
-from ...run.step.integrator import Integrator, build
-from ...run.settings import Settings
+from ...run.step.integrator import Integrator
+from ...run.settings import Settings, model_of
 
 LONG = np.longdouble
 
@@ -92,7 +92,7 @@ class Emitted:
 def emitted(spec: Spec, s: Settings, features=()) -> Emitted:
     """The generated code of a run, compiled as users get it; and twice more to be measured."""
     def made(real, *more):
-        return build(spec, s.method, s.effects, s.parameters, s.solver, real, s.native, (*features, *more))
+        return model_of(spec, s, real, (*features, *more))
     found = Emitted(made("double"), made("long double"), made("double", "tangent") if "tangent" in METHODS[s.method].features else None)
     found.generated = True
     return found

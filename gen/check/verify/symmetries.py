@@ -58,7 +58,7 @@ def explained(case: Case):
     except ImportError:
         return None
     s = case.settings
-    return explain(case.spec, s.parameters, s.method, s.effects)
+    return explain(case.spec, s.run or None, method=s.method, effects=s.effects, parameters=s.parameters)
 
 
 def actions(case: Case, report) -> list[Action]:

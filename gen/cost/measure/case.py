@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,8 +11,8 @@ from ...language.spec import Spec
 from ...methods import METHODS
 from ...read.given import formula
 from ...run.record.conserved import driven, with_tracers
-from ...run.step.integrator import Integrator, build
-from ...run.settings import Settings, number
+from ...run.step.integrator import Integrator
+from ...run.settings import Settings, model_of, number
 from ...run.step.noise import refuse_with_noise
 from ...run.step.prepared import scene_of
 from ...run.step.start import state_at
@@ -51,7 +52,7 @@ class Case:
         if key not in self.models:
             s, began = self.settings, processor_seconds()
             try:
-                self.models[key] = build(self.spec, method, s.effects, s.parameters, s.solver if method == s.method else "auto", real, s.native)
+                self.models[key] = model_of(self.spec, replace(s, method=method, solver=s.solver if method == s.method else "auto"), real)
             except BuildError:
                 raise
             except SmidgenError as error:
@@ -66,7 +67,7 @@ class Case:
         kept = [name for name in model.scene.effect_names if name not in with_tracers(model.scene)]
         if not kept:
             return None
-        return build(self.spec, self.settings.method, kept, self.settings.parameters, self.settings.solver).start(self.w.copy(), h=self.settings.h)
+        return model_of(self.spec, replace(self.settings, effects=tuple(kept))).start(self.w.copy(), h=self.settings.h)
 
     def end(self, method: str, steps: int, real: str = "double") -> np.ndarray | None:
         """The state after the time, by that many steps; None where one fails."""

@@ -1,6 +1,6 @@
 """Many starts, or many values of parameters, of one model at once: each member with the bits that it has alone.
 
-    found = smidgen.ensemble(spec, starts, parameters={"I3": np.linspace(3, 4, 1000)}, h=0.1, steps=1000)
+    found = smidgen.ensemble(spec, start=w, parameters={"I3": np.linspace(3, 4, 1000)}, h=0.1, steps=1000)
     found.w, found.failures         # the end of each, and the members that stopped before it
 """
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..step.evaluated import Evaluated
 from ..step.library import functions, loaded, packed
 from ..step.noise import noise_of
 from ..step.pace import Pace
-from ..step.prepared import Prepared, checked_tolerance, prepare
+from ..step.prepared import Prepared, checked_tolerance
 from ..step.start import find_start, state_at, wrong_start
 from ..step.status import NO_MEMORY, STATUS, Status
 from ..settings import settle, whole
@@ -59,38 +59,40 @@ class Ensemble:
 
 
 @public
-def ensemble(spec: Spec, starts=None, *, parameters: Mapping[str, object] | None = None, h: float | str | None = None, steps: int | None = None,
-             time: float | str | None = None, run: str | None = None, method: str | None = None, solver: str | None = None,
-             effects: Iterable[str] | None = None, every: int | None = None, what: Iterable[str] = (), t0: float = 0.0,
-             tolerance: float | None = None, native: bool | None = None, threads: int | None = None, seed: int | None = None) -> Ensemble:
+def ensemble(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None,
+             solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
+             every: int | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None,
+             parameters: Mapping[str, object] | None = None, seed: int | None = None, native: bool | None = None,
+             tolerance: float | None = None, threads: int | None = None, t0: float = 0.0) -> Ensemble:
     """Take the same steps from many starts, or with many values of parameters; returns an Ensemble.
 
-    starts: an array of shape (members, sites, 3), of (members, 3) for one site, or for all members the name of a start (None: the
-    only one, or that of the run); parameters: name -> a number or a list as for `run`, for all members, or one more dimension in front,
-    (members,) or (members, size), one for each; integer parameters and fixed ones are the same for all. run: of the spec, by default its
-    first; in place of what it says: h, steps or time, method, solver, effects, tolerance, as for `run` (formulas take the values of member 0);
-    t0: the time of the start; what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is
-    given; native: compile for this processor, whose registers hold more members at once (None: where members go in lanes); threads: how many, by default one a processor; seed: of a random start
-    and of thermal noise, of which each member has its own: that of `start(..., seed=seed, member=k)`.
+    run: of the spec, by default its first. In place of what it says: start: an array of shape (members, sites, 3), of (members, 3) for
+    one site, or for all members the name of a start; method, solver, h, steps or time, effects, tolerance: as for `run` (formulas take
+    the parameters of member 0); parameters: name -> a number or a list as for `run`, for all members, or with one more dimension in
+    front, (members,) or (members, size), one for each; integer parameters and fixed ones are the same for all.
+    what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is given; native: compile for this
+    processor, whose registers hold more members at once (None: where members go in lanes); threads: how many, by default one a
+    processor; seed: of a random start and of thermal noise, of which each member has its own: that of `start(..., seed=seed, member=k)`;
+    t0: the time of the start.
 
     Each member has the bits that it has alone. A single sphere's members step in lanes, those of other models one by one (`lanes`). A member whose
     step fails, or that cannot begin, stays where it is, and `failures` names it; the others go on. Raises UsageError for what does not
     fit, MissingTool and BuildError as `build` does, RunError without memory.
     """
-    parameters, given = dict(parameters or {}), starts if isinstance(starts, str) or starts is None else _stacked(starts)
+    parameters, given = dict(parameters or {}), start if isinstance(start, str) or start is None else _stacked(start)
     own = {name: value for name, value in parameters.items() if _is_own(spec, name, value)}
     members = _members(None if given is None or isinstance(given, str) else given, own)
     first = {**parameters, **{name: np.asarray(value)[0] for name, value in own.items()}}
     s = settle(spec, run, start=given if isinstance(given, str) else None, seed=seed, method=method, solver=solver, h=h, steps=steps, time=time,
                every=every or 1, what=(), effects=effects, parameters=first, tolerance=tolerance)
-    prepared = prepare(spec, s.method, s.effects, s.parameters, s.solver, s.numbers)
+    prepared = s.prepared(spec)
     noise = noise_of(prepared.scene, s.h, seed)
     w = _states(prepared, s.start if given is None else given, own, members, seed)
     built = build_library(prepared.scene, s.method, s.solver, "double", native, ("ensemble",), plan=prepared.plan)
     rows = _rows(s.steps, None if every is None else s.every)
     stepped = Stepped(prepared, built, own, w, float(t0), s.h, checked_tolerance(s.tolerance), _threads(threads), noise)
     try:
-        return stepped.outputs(rows, _chosen(what, len(rows), w.nbytes))
+        return stepped.outputs(rows, _chosen(what or (), len(rows), w.nbytes))
     finally:
         stepped.close()
 
@@ -181,15 +183,15 @@ class Stepped:
             left -= asked
 
 
-def _stacked(starts) -> np.ndarray:
+def _stacked(start) -> np.ndarray:
     try:
-        w = np.array(starts, dtype=float, order="C")
+        w = np.array(start, dtype=float, order="C")
     except (TypeError, ValueError):
-        raise UsageError("starts are an array of numbers, of shape (members, sites, 3), or the name of a start") from None
+        raise UsageError("the start is an array of numbers, of shape (members, sites, 3), or the name of one") from None
     if w.ndim == 2:
         w = w[:, None, :]
     if w.ndim != 3 or w.shape[2] != 3 or not len(w):
-        raise UsageError(f"starts have shape (members, sites, 3), not {np.shape(starts)}")
+        raise UsageError(f"the start has shape (members, sites, 3), not {np.shape(start)}")
     return w
 
 

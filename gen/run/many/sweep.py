@@ -9,21 +9,23 @@ import itertools
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from ...build.binary import generator_name
 from ...errors import OutputError, RunError, UsageError
 from ...language import limits
 from ...language.spec import Spec
+from ...public import public
 from . import cluster as workers
 from . import interrupts
 from .cluster import check, executor, lost
 from ..files.durable import write_new
-from ..step.integrator import build
 from ..run import Interrupted, run
-from ..settings import settle, whole
+from ..settings import model_of, settle, whole
 from ..step.start import state_at
 
 MANIFEST, CELLS, FORMAT = "manifest.json", "cells.jsonl", 1
@@ -57,16 +59,31 @@ def cells_of(axes: Mapping[str, list], starts: int | None, seed: int) -> list[Ce
     return [Cell(k, dict(zip(axes, parts)), parts[-1]) for k, parts in enumerate(combined)]
 
 
-def sweep(spec: Spec, run: str | None, axes: Mapping[str, list], folder, *, starts: int | None = None, seed: int = 0,
-          processes: int | None = None, cluster: str | None = None, tell: Callable[[dict], object] = lambda outcome: None, **given) -> list[dict]:
-    """Run every cell that `folder` has not; returns the outcome of each cell, in their order: cell, parameters, seed, status, error, file.
+@public
+def sweep(spec: Spec, run: str | None = None, *, out: str | os.PathLike, axes: Mapping[str, Sequence] | None = None, starts: int | None = None,
+          start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None, h: float | str | None = None,
+          steps: int | None = None, time: float | str | None = None, every: int | None = None, period: float | str | None = None,
+          what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
+          seed: int | None = None, real: str = "double", native: bool | None = None, substeps: bool | None = None,
+          estimate: bool | None = False, tolerance: float | None = None, fast: bool = False, threads: int | None = None,
+          processes: int | None = None, cluster: str | None = None, tell: Callable[[dict], object] = lambda outcome: None) -> list[dict]:
+    """Repeat a run over values of parameters and random starts; returns the outcome of each cell, in their order: cell, parameters, seed, status, error, file.
 
-    axes: parameter -> its values; starts: how many random ones, of the seeds from `seed` on, the same for all values; given: as for `run`;
-    processes: how many at once; cluster: the address of a Dask scheduler, whose workers see `folder` by the same path;
+    out: the folder of the results; cells that it has are not computed again. axes: parameter -> its values, of which every combination is a
+    cell; starts: how many random ones, of the seeds from `seed` on (None: 0), the same for all values. run, start .. threads: as for `run`.
+    processes: how many at once; cluster: the address of a Dask scheduler, whose workers see `out` by the same path;
     tell: called with each outcome as it comes. A cell that fails stays as it is, with its error. Raises UsageError for what does
     not fit (a folder of another sweep), RunError where a process was killed, OutputError for a folder that cannot be written; KeyboardInterrupt
     when interrupted: cells that are under way end, with their results if nothing stops them; a second interrupt ends their processes. What has ended is safe in every case.
     """
+    given = dict(start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, period=period, what=what, effects=effects,
+                 parameters=dict(parameters or {}), real=real, native=native, substeps=substeps, estimate=estimate, tolerance=tolerance, fast=fast,
+                 threads=threads)
+    return swept(spec, run, dict(axes or {}), out, {word: value for word, value in given.items() if value is not None}, starts, seed or 0, processes, cluster, tell)
+
+
+def swept(spec: Spec, run: str | None, axes: dict, folder, given: dict, starts, seed, processes, cluster, tell) -> list[dict]:
+    """The same; given: the choices of the run that are made."""
     if cluster is not None and processes is not None:
         raise UsageError("a sweep goes to processes here or to a cluster, not to both")
     cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder).absolute()
@@ -77,7 +94,7 @@ def sweep(spec: Spec, run: str | None, axes: Mapping[str, list], folder, *, star
     if cluster is not None:
         check(cluster)
     ended = opened(folder, manifest(spec, run, axes, starts, seed, given))
-    build(spec, settled.method, settled.effects, settled.parameters, settled.solver, settled.real, settled.native)
+    model_of(spec, settled)
     left = [cell for cell in cells if cell.number not in ended]
     if left:
         with interrupts.counted() as seen, executor(_processes(processes, len(left)), cluster) as found:

@@ -18,32 +18,34 @@ from ... import ranks
 from ...build.binary import Built, build_library
 from ...errors import RunError, UsageError
 from ...language.spec import Spec
-from ...methods import DEFAULT, METHODS
+from ...methods import METHODS
 from ...public import ReadOnly, few, public
 from .block import Block
 from .library import functions, loaded, loaded_with_threads, packed, passed
 from .noise import noise_of
-from .prepared import Prepared, checked_threads, checked_tolerance, choose, prepare
+from .prepared import Prepared, asked, checked_threads, checked_tolerance, choose, prepare
 from .saved import Saved
 from .start import find_start, state_at, wrong_start
 from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, why
 
 
 @public
-def build(spec: Spec, method: str = DEFAULT, effects: Iterable[str] | None = None,
-          parameters: Mapping[str, object] | None = None, solver: str = "auto", real: str = "double",
-          native: bool | None = None, features: Iterable[str] = (), fast: bool = False, threads: int | None = None) -> Integrator:
+def build(spec: Spec, run: str | None = None, *, method: str | None = None, solver: str | None = None, effects: Iterable[str] | None = None,
+          parameters: Mapping[str, object] | None = None, real: str = "double", native: bool | None = None, fast: bool = False,
+          threads: int | None = None, features: Iterable[str] = ()) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.
 
-    method: one of METHODS; solver: one of SOLVERS; effects: names of the effects to keep, None for all;
-    parameters: values by name, in the units of the spec (a number, or a sequence for an array);
+    run: of the spec, by default its first. In place of what that run says:
+    method: one of those that `smidgen list --methods` shows; solver: "auto", "newton", "rotation" or "plain"; effects: names of those
+    to keep; parameters: values by name, in the units of the spec (a number, or a sequence for an array).
     real: "double" or "long double"; native: compile for this processor (None: where the
-    model has vectors of lanes, whose bits are the same); features: names of
-    `features.FEATURES`; fast: native, and products and sums in one operation; threads: how many may share a step,
-    with OpenMP and the same bits. Raises UsageError for a name that is not known, a value that does not fit, threads where steps have none,
+    model has vectors of lanes, whose bits are the same); fast: native, and products and sums in one operation; threads: how many may
+    share a step, with OpenMP and the same bits; features: what the C shall have beyond the step, such as "tangent".
+    Raises UsageError for a name that is not known, a value that does not fit, threads where steps have none,
     MissingTool without a C compiler, BuildError when it fails.
     """
-    return compiled(prepare(spec, method, effects, parameters, solver), real, native, features, fast, threads)
+    one = asked(spec, run, method, solver, effects, parameters)
+    return compiled(prepare(spec, one.method, one.effects, dict(one.parameters), one.solver), real, native, features, fast, threads)
 
 
 def compiled(prepared: Prepared, real: str = "double", native: bool | None = None, features: Iterable[str] = (), fast: bool = False,

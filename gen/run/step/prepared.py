@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from ...compile.plan.plan import Plan, choose as plan_of
 from ...errors import UsageError
-from ...language.spec import LOOSEST, Spec
+from ...language.spec import LOOSEST, Run, Spec
 from ...methods import NAMES as METHODS, SOLVERS
 from ...read.problems import meant
 from .evaluated import Evaluated
@@ -38,12 +38,36 @@ def prepare(spec: Spec, method: str, effects: Iterable[str] | None = None, param
 
     Raises UsageError for a name that is not known, a value that does not fit, and a method that does not serve the scene.
     """
-    no_run(spec, method)
     choose("method", method, METHODS)
     choose("solver", solver, SOLVERS)
     scene = scene_of(spec, effects, parameters)
     numbers = Evaluated(spec, parameters) if numbers is None else numbers
     return Prepared(spec, scene, numbers.of(scene), method, solver, plan_of(scene, method, solver))
+
+
+def find_run(spec: Spec, name: str | None) -> Run:
+    """The run of that name; None: the first one, or an empty one for a spec without runs."""
+    if not isinstance(spec, Spec):
+        raise UsageError(f"a spec is needed, as smidgen.load gives it, not a {type(spec).__name__}")
+    if not (name is None or isinstance(name, str)):
+        raise UsageError(f"a run is asked for by its name, not by a {type(name).__name__}; the start of an ensemble is its keyword `start`")
+    if name is None:
+        return spec.runs[0] if spec.runs else Run("", None, METHODS[0], None)
+    for run_ in spec.runs:
+        if run_.name == name:
+            return run_
+    names = ", ".join(r.name for r in spec.runs) or "none"
+    hint = f"; that is a method: method='{name}'" if name in METHODS else ""
+    raise UsageError(f"no run '{name}' in {spec.name}; it has: {names}{hint}")
+
+
+def asked(spec: Spec, run: str | None, method: str | None = None, solver: str | None = None, effects: Iterable[str] | None = None,
+          parameters: Mapping[str, object] | None = None) -> Run:
+    """The run of that name (None: the first), with what is given in place of what it says."""
+    base = find_run(spec, run)
+    return dataclasses.replace(base, method=method or base.method, solver=solver or base.solver,
+                               effects=base.effects if effects is None else tuple(effects),
+                               parameters=tuple({**dict(base.parameters), **(parameters or {})}.items()))
 
 
 def scene_of(spec: Spec, effects=None, parameters=None) -> Spec:
@@ -65,14 +89,6 @@ def listed(name, names: tuple) -> str:
         return f"there are: {', '.join(names)}"
     close = meant(name, names) if isinstance(name, str) else None
     return f"did you mean '{close}'?" if close else f"there are {len(names)}, such as {', '.join(names[:LISTED])}"
-
-
-def no_run(spec: Spec, method) -> None:
-    """Raises UsageError where the name of a run stands for a method: `build(spec, "demo")`."""
-    run = next((r for r in spec.runs if r.name == method), None)
-    if run is not None and method not in METHODS:
-        raise UsageError(f"no method '{method}': that is a run of {spec.name}. `smidgen.run(spec, '{method}')` takes it; "
-                         f"`smidgen.build(spec, '{run.method}')` builds what it uses")
 
 
 def checked_threads(threads) -> int | None:

@@ -178,7 +178,7 @@ def ratio_words(methods) -> str:
 def errors_of(method: str, moments) -> np.ndarray:
     """max_k |w_k - w(h k)| over 0 <= h k <= 10 for each of STEPS."""
     values = dict(zip(("I1", "I2", "I3"), moments))
-    model = build(load_spec("free_rigid_body"), method, parameters=values)
+    model = build(load_spec("free_rigid_body"), method=method, parameters=values)
     return np.array([error_of(model, moments, h) for h in STEPS])
 
 

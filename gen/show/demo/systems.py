@@ -11,9 +11,8 @@ from ...check.validate import validate
 from ...errors import SmidgenError
 from ...read.shipped import load_spec
 from ...run.record.conserved import conserved_axes, momentum_of
-from ...run.step.integrator import build
 from ...run.run import run
-from ...run.settings import settle
+from ...run.settings import model_of, settle
 from ...run.step.evaluated import kappas
 from ..plot.draw import outputs_for, plot, write_page
 from ..plot.facts import conserved_energy, with_facts
@@ -58,7 +57,7 @@ def checked(name: str, out: Path) -> Outcome:
     spec = load_spec(word)
     began = time.perf_counter()
     settings = settle(spec, chosen or None, what=outputs_for(spec))
-    model = build(spec, settings.method, settings.effects, settings.parameters, settings.solver)
+    model = model_of(spec, settings)
     result = with_facts(run(spec, settings.run, what=settings.what, every=every(settings, model)))
     seconds = time.perf_counter() - began
     started(model, result)
@@ -154,7 +153,7 @@ PLAYED = ("irreversible_rigid_body", "point_vortices", "heisenberg_chain", "two_
 
 def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:
     """The picture that suits the result, and a player for some."""
-    path = plot(result, "auto", out / f"system_{name}.svg")
+    path = plot(result, out=out / f"system_{name}.svg")
     size = "broad" if suitable(result, False) == "chain" else "small"
     player = write_page(draw_player(result, start=0.3), out / f"player_{name}.html") if name in PLAYED else None
     return (Picture(f"system_{name}", path, spec.title or name, caption(result), size, "systems", player=player),)

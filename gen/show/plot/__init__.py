@@ -7,9 +7,11 @@ function, and `from smidgen.show.plot import ...` finds this package.
 """
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from ...errors import UsageError
+from ...language.spec import Spec
 from ...public import public
 from ...run.files.output import Result
 
@@ -17,7 +19,7 @@ __all__ = ["kinds", "page", "plot"]
 
 
 @public
-def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
+def plot(source: Result | Spec | str | os.PathLike, run: str | None = None, *, kind: str = "auto", out: str | os.PathLike | None = None) -> Path:
     """Draw `source` and return the path of the picture.
 
     source: a Result, the path of a file that a run wrote (.csv, .npz, .h5), or a spec (its
@@ -27,7 +29,7 @@ def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
     Raises UsageError for a wrong kind or ending, and what reading and running raise.
     """
     from .draw import plot as draw
-    return draw(source, kind, out, run)
+    return draw(source, run, kind, out)
 
 
 def kinds() -> dict[str, str]:

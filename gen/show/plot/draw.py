@@ -10,7 +10,7 @@ from .pictures import KINDS, drawable, kinds, suitable
 from .style import FORMATS, save, styled
 
 
-def plot(source, kind: str = "auto", out=None, run: str | None = None) -> Path:
+def plot(source, run: str | None = None, kind: str = "auto", out=None) -> Path:
     """The path of the picture; `smidgen.plot` says what the arguments mean."""
     wanted(kind, out)
     result = shown(result_of(source, run))
@@ -73,7 +73,7 @@ def result_of(source, run: str | None):
     given = hasattr(source, "values") and hasattr(source, "t")
     if given or not hasattr(source, "families") and Path(source).suffix in RESULTS:
         if run is not None:
-            hint = f": for a picture of that name say --out {run}" if Path(run).suffix else ""
+            hint = f": for a picture of that name say --out {run}" if Path(run).suffix else f": for that kind of picture say --kind {run}, or kind='{run}'" if run in kinds() else ""
             raise UsageError(f"a result holds one run; '{run}' names none of a spec{hint}")
         return with_facts(source if given else load_result(source))
     from ...run.run import run as run_spec
