@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 KEYS = {"section": "period"}                # of a spec
-OPTIONS = {"--section": "--period"}         # of the command
+OPTIONS = {"--section": "--period", "--with": "--features", "--of": "--family"}     # of the command
 KEYWORDS = {"values": "parameters", "section": "period", "name": "run", "starts": "start", "folder": "out"}
 ATTRIBUTES = {"values_in": "parameters"}
 META = {"section": "period", "values": "parameters"}        # of the metadata of a result; files that have the old ones are read

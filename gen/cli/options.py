@@ -82,8 +82,8 @@ def start_of(word: str):
 
 
 def feature_option(parser):
-    """--with: what the C shall have beyond the step."""
-    parser.add_argument("--with", type=names, default=(), dest="features", metavar="A,B",
+    """--features: what the C shall have beyond the step."""
+    parser.add_argument("--features", type=names, default=(), metavar="A,B",
                         help=f"what the C shall have beyond the step: {', '.join(FEATURES)}")
 
 

@@ -17,7 +17,7 @@ def add(commands):
     """The sub-command."""
     parser = commands.add("snapshot", command, "write one state of a lattice as .ovf or .vtk, or tell its magnetisation and charge", EXAMPLES)
     parser.add_argument("result", metavar="RESULT", help="a file that `smidgen run` wrote")
-    parser.add_argument("--of", metavar="FAMILY", help="the family of the space; default: the only one")
+    parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--time", type=lambda text: number(text, "--time"), metavar="T", help="the output at this time; default: the last state")
     which.add_argument("--row", type=row, metavar="K", help="the output of this number, from 0; --row=-1 is the last one")
@@ -36,7 +36,7 @@ def command(args):
     result = load_result(args.result)
     found = told(args, result)
     if args.out:
-        found["out"] = str(snapshot(result, args.out, args.of, args.row, args.time, args.text))
+        found["out"] = str(snapshot(result, args.out, args.family, args.row, args.time, args.text))
     if args.json:
         return printed(found)
     for name, value in found.items():
@@ -54,7 +54,7 @@ def told(args, result) -> dict:
     if not args.what:
         return {}
     spec, parameters = with_parameters(result, None)
-    family = family_of(spec, args.of)
+    family = family_of(spec, args.family)
     w, step, t = state_of(result, family, args.row, args.time)
     tell = {"magnetisation": lambda: lattice.magnetisation(w).tolist(), "charge": lambda: float(lattice.charge(w, of(spec, family, parameters)))}
     return {"step": step, "t": float(t), **{name: tell[name]() for name in args.what}}

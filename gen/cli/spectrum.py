@@ -19,7 +19,7 @@ def add(commands):
     parser = commands.add("spectrum", command, "run a lattice and tell its waves, S(q, omega)", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
-    parser.add_argument("--of", metavar="FAMILY", dest="family", help="the family of the space; default: the only one")
+    parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
     parser.add_argument("--q", metavar="PATH", default="all", help="wave vectors in units of the reciprocal lattice: corners of a path, "
                         "such as \"0,0 1/2,0 1/2,1/2\", or all (default)")
     parser.add_argument("--h", help="the step: a number or a formula")

@@ -45,7 +45,7 @@ def variants(spec, method: str, values: dict, work: Path):
     yield "all", "", smidgen.build(spec, method=method, parameters=values, native=False), None
     yield "iterations to stagnation", f"--tolerance {TOLERANCE:g}", smidgen.build(spec, method=method, parameters=values, native=False), TOLERANCE
     if "plain-sums" in smidgen.methods.METHODS[method].features:
-        yield "compensated sums", "--with plain-sums", smidgen.build(spec, method=method, parameters=values, native=False, features=("plain-sums",)), None
+        yield "compensated sums", "--features plain-sums", smidgen.build(spec, method=method, parameters=values, native=False, features=("plain-sums",)), None
     if smidgen.methods.METHODS[method].of_midpoints:
         yield "branch certificate", "(nothing)", without_certificate(spec, method, values, work), None
     yield "any processor", "--native", smidgen.build(spec, method=method, parameters=values, native=True), None

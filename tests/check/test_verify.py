@@ -338,7 +338,7 @@ def test_the_header_carries_the_certificate(made, command, tmp_path):
 def test_the_certificate_of_other_code_is_refused(made, command):
     file, _ = made
     for words in (["heisenberg_chain"], ["free_rigid_body", "--method", CLASSICAL],
-                  ["free_rigid_body", "--set", "I2=1.5"], ["free_rigid_body", "--with", "extended"]):
+                  ["free_rigid_body", "--set", "I2=1.5"], ["free_rigid_body", "--features", "extended"]):
         done = command("gen", *words, "--certificate", file)
         assert done.returncode == 2 and "the certificate is of another spec" in done.stderr
 

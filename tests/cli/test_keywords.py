@@ -44,7 +44,7 @@ def test_a_method_or_a_start_in_the_place_of_the_run_is_told_where_it_goes():
         with pytest.raises(smidgen.UsageError, match="no run 'gauss-8'.*that is a method: method='gauss-8'"):
             getattr(smidgen, name)(spec, "gauss-8", **more)
     with pytest.raises(smidgen.UsageError, match="its keyword `start`"):
-        smidgen.ensemble(spec, [[1.0, 0.0, 0.0]])       # the start
+        smidgen.ensemble(spec, *[[[1.0, 0.0, 0.0]]])
 
 
 def test_build_and_explain_take_what_the_run_says():

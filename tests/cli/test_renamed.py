@@ -74,7 +74,9 @@ def test_an_old_key_of_a_spec_is_told_with_the_new_one():
 @pytest.mark.parametrize("old", renamed.OPTIONS)
 def test_an_old_option_is_told_with_the_new_one(old, tmp_path):
     (tmp_path / "top.toml").write_text(TOP)
-    said = subprocess.run([sys.executable, "-m", "smidgen", "run", "top.toml", old, "0.5"], cwd=tmp_path, capture_output=True, text=True)
+    new = renamed.OPTIONS[old]
+    command = next(word for word in ("run", "gen", "snapshot") if new in subprocess.run([sys.executable, "-m", "smidgen", word, "--help"], capture_output=True, text=True).stdout)
+    said = subprocess.run([sys.executable, "-m", "smidgen", command, "top.toml", old, "0.5"], cwd=tmp_path, capture_output=True, text=True)
     assert said.returncode == 2 and f"'{old}' is called '{renamed.OPTIONS[old]}' now" in said.stderr
 
 

@@ -21,7 +21,7 @@ def spec_of(use, space="w = { sphere = 2, kappa = 1.7 }", orientation=1, paramet
 
 
 def moved(spec, w, time=1.5, method="gauss-12", steps=60):
-    return smidgen.build(spec, method).start(w.copy(), h=time / steps).steps(steps).state()
+    return smidgen.build(spec, method=method).start(w.copy(), h=time / steps).steps(steps).state()
 
 
 def turned(w, axis, angle):

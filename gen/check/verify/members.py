@@ -24,7 +24,7 @@ def members(case: Case, subject) -> list[Row]:
     """One row: how many members have other bits than alone, or stop elsewhere."""
     if FEATURE not in case.features:
         case.unseen.append("ensembles, which this code has not")
-        return [not_applicable("ensemble", f"no ensembles in this build: --with {FEATURE}")]
+        return [not_applicable("ensemble", f"no ensembles in this build: --features {FEATURE}")]
     one = getattr(subject, "double", None)
     if one is None or not hasattr(one._c, "ensemble_new"):
         case.unseen.append("ensembles, which this integrator does not show")
