@@ -51,7 +51,7 @@ def free(model) -> list:
 
 
 def changed(model, factor=1.0625) -> dict:
-    return {name: np.multiply(factor, model.values_in[name]) for name in free(model)}
+    return {name: np.multiply(factor, model.parameters[name]) for name in free(model)}
 
 
 def at(model, place):
@@ -64,7 +64,7 @@ def at(model, place):
 def started(key, values=None, w=None, **build):
     spec, method, h = ALL[key]
     spec = spec_of(spec)
-    return smidgen.build(spec, method, values=values, **build).start(start_of(spec) if w is None else w, h=h)
+    return smidgen.build(spec, method=method, parameters=values, **build).start(start_of(spec) if w is None else w, h=h)
 
 
 @pytest.mark.parametrize("key", [pytest.param(key, marks=pytest.mark.quick) if key in SOME or key in MORE else
@@ -99,7 +99,7 @@ def test_from_rows_to_other_ways_and_back():
     """A coupling beyond which a ring no longer goes by rows, and the old one again."""
     spec, turn = spec_with(RING, "between", 32), np.arange(32.0)
     w = np.stack([0.4*np.cos(turn), 0.4*np.sin(turn), np.full(32, np.sqrt(1 - 0.16))], axis=-1)
-    one, weak, strong = (smidgen.build(spec, values={"J": J}).start(w.copy(), h=0.2) for J in (1.0, 1.0, 12.0))
+    one, weak, strong = (smidgen.build(spec, parameters={"J": J}).start(w.copy(), h=0.2) for J in (1.0, 1.0, 12.0))
     one.steps(4).set_parameters({"J": 12.0})
     strong.start(one.w.copy(), h=0.2)
     assert bits(one.steps(3).w) == bits(strong.steps(3).w)
@@ -115,7 +115,7 @@ def test_a_control_torque():
     one = smidgen.build(spec).start([[1.0, 0, 0]], h=0.125)
     assert bits(one.steps(8).w) == bits(np.array([[1.0, 0, 0]])) and one.energy([[0, 0, 1.0]]) == 0
     one.set_parameters({"B": 2.0})
-    assert one.energy([[0, 0, 1.0]]) == 2 and one.values_in["B"] == 2 and one.t == 1
+    assert one.energy([[0, 0, 1.0]]) == 2 and one.parameters["B"] == 2 and one.t == 1
     angle = 2 * np.arcsin(0.125) * 8        # of the spherical midpoint method, exactly
     one.steps(8)
     assert np.abs(one.w[0] - [np.cos(angle), -np.sin(angle), 0]).max() < 1e-14
@@ -136,7 +136,7 @@ def test_what_is_refused_changes_nothing():
     for values in ({"r": 2.0}, {"k": 0.0}):
         with pytest.raises(RunError, match="parameter"):
             one.set_parameters(values)
-    assert one.values_in["r"] == 1 and one.values_in["k"] == 1 and bits(one.save()) == bits(saved)
+    assert one.parameters["r"] == 1 and one.parameters["k"] == 1 and bits(one.save()) == bits(saved)
     assert bits(one.steps(7).save()) == bits(other.steps(7).save())
 
 
@@ -151,7 +151,7 @@ def test_where_the_new_leaf_cannot_be():
     with pytest.raises(RunError, match="leaf"):
         one.step()
     assert bits(one.w) == bits(w) and one.count == 0
-    assert bits(one.set_parameters({"c": 2.0}).steps(3).w) == bits(smidgen.build(spec, values={"c": 2.0}).start(w, h=0.1).steps(3).w)
+    assert bits(one.set_parameters({"c": 2.0}).steps(3).w) == bits(smidgen.build(spec, parameters={"c": 2.0}).start(w, h=0.1).steps(3).w)
 
 
 @pytest.mark.quick
@@ -163,7 +163,7 @@ def test_the_tangent_map_is_that_of_a_step():
     one.set_parameters({"I1": 1.5})
     with pytest.raises(RunError):
         one.tangent(v.copy())
-    other = smidgen.build(spec, values={"I1": 1.5}, features=("tangent",)).start(one.w.copy(), h=0.1)
+    other = smidgen.build(spec, parameters={"I1": 1.5}, features=("tangent",)).start(one.w.copy(), h=0.1)
     assert bits(one.push_forward(v.copy(), 3)) == bits(other.push_forward(v.copy(), 3))
 
 
@@ -174,4 +174,4 @@ def test_substeps_know_them():
     one, other = (smidgen.build(spec).start(h=0.1).steps(3) for _ in range(2))
     one.set_parameters({"J": 2.0})
     other.set_parameters({"J": 2.0})
-    assert substep(one) == 1 and bits(one.w) == bits(smidgen.build(spec, values={"J": 2.0}).start(other.w.copy(), h=0.05).steps(2).w)
+    assert substep(one) == 1 and bits(one.w) == bits(smidgen.build(spec, parameters={"J": 2.0}).start(other.w.copy(), h=0.05).steps(2).w)

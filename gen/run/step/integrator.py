@@ -93,7 +93,7 @@ class Integrator(ReadOnly):
     INSTEAD = {"": "smidgen.build(spec, ...) makes another model", "count": "steps(count) takes steps"} | dict.fromkeys(
         ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step") | {
             "w": "w[:] = ... writes into it, start(w, t0=..., h=...) begins anew from any state, time and step",
-            "values_in": "set_parameters({name: value}) gives other values from the next step on"}
+            "parameters": "set_parameters({name: value}) gives other values from the next step on"}
 
     def __init__(self, prepared: Prepared, built: Built, threads: int | None = None):
         self.prepared, self.built = prepared, built
@@ -154,7 +154,7 @@ class Integrator(ReadOnly):
         for p in self.scene.parameters:
             if p.name in values and (p.kind == "int" or p.fixed):
                 raise UsageError(f"'{p.name}' stays: it is {'an integer' if p.kind == 'int' else 'fixed, compiled in'}; build another model")
-        prepared = self.prepared.with_values(values)
+        prepared = self.prepared.with_parameters(values)
         given = passed(*packed(prepared.numbers))
         if self._state:
             self._taken()
@@ -162,7 +162,7 @@ class Integrator(ReadOnly):
             if status:
                 raise RunError(f"{self.name} keeps its parameters: {': '.join(STATUS[status])}", status)
         self._passed = given
-        self._now(prepared=prepared, values_in=prepared.numbers.parameters)
+        self._now(prepared=prepared, parameters=prepared.numbers.parameters)
         return self
 
     @property
