@@ -1,8 +1,9 @@
 /* smidgen runtime: fixed-point iteration over the stages of all sites together: when it has settled, and whether it
  * contracts.
  *
- * A method defines smg_sweep_stages(s, with), one sweep; `with` is what it works with, or NULL; it says what the sweep
- * has moved: how far w will be moved by the change of the stages, relative to the stages' own size and absolutely, next
+ * A method defines smg_begin_stages(s, with, extrapolated), the stages to begin with, by the polynomial of the steps
+ * before or at rest, and smg_sweep_stages(s, with), one sweep; `with` is what it works with, or NULL. A sweep says what
+ * it has moved: how far w will be moved by the change of the stages, relative to the stages' own size and absolutely, next
  * to the products in them. A step ends where the w of it are right to s->tolerance, as its last two changes tell; 0:
  * where nothing moves but by round-off, as long runs need it. */
 #ifndef SMG_FIXED_POINT_H
@@ -22,12 +23,15 @@
 #define SMG_FIELD_NOISE (4194304 * SMG_EPS)
 #define SMG_PATIENCE 8
 
+/* Beside this, slopes of a site at rest are nothing: next to it, 0/0 is 0. */
+#define SMG_LEAST (smg_real) DBL_MIN
+
 /* What a sweep has moved, the largest over its sites and stages, lane by lane: the fields of smg_change. */
 typedef struct smg_moved {
   smg_lanes relative, absolute, rounding_scale;
 } smg_moved;
 
-/* One sweep: every stage from all as they were. */
+static void smg_begin_stages(smg_state *s, void *with, int extrapolated);
 static smg_moved smg_sweep_stages(smg_state *s, void *with);
 
 /* What the sweeps of a step have shown: the last change and the two before it, the least one and how long ago it was,
@@ -116,6 +120,16 @@ static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
     if (!smg_sweeps_contract(&watch)) break;
   }
   return SMG_NO_CONVERGENCE;
+}
+
+/* The stages of a step: from the polynomial of the steps before; when that fails, or there are none, from rest. */
+static smg_status smg_solve_stages(smg_state *s, void *with) {
+  s->report.iterations = 0;
+  smg_begin_stages(s, with, s->history > 0);
+  const smg_status status = smg_sweep_to_rest(s, with);
+  if (status == SMG_OK || s->history == 0) return status;
+  smg_begin_stages(s, with, 0);
+  return smg_sweep_to_rest(s, with);
 }
 
 #endif

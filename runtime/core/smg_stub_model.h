@@ -28,7 +28,7 @@
 /* What methods ask of a model, and what they say of themselves, by the header that is compiled. */
 #if defined(SMG_AXIS_SPLITTING_H) || defined(SMG_CF4_H) || defined(SMG_PAIR_ROTATIONS_H) ||           \
     defined(SMG_SUBLATTICE_ROTATIONS_H) || defined(SMG_EXPLICIT_H) || defined(SMG_EXPLICIT_STEP_H) || \
-    defined(SMG_GAUSS_H)
+    defined(SMG_GAUSS_SITE_H)
 #define SMG_HISTORY 1
 #elif defined(SMG_ONE_STAGE_H) || defined(SMG_GEODESIC_MIDPOINT_H) || defined(SMG_ISOSPECTRAL_MIDPOINT_H) || \
     defined(SMG_EXPONENTIAL_MIDPOINT_H) || defined(SMG_RATTLE_H) || defined(SMG_SLOPES_H)
@@ -44,9 +44,9 @@
 #define SMG_NO_DEGREE -1
 #endif
 #endif
-#if !defined(SMG_AXIS_SPLITTING_H) && !defined(SMG_CLASSICAL_MIDPOINT_H) && !defined(SMG_DOP853_H) &&   \
-    !defined(SMG_EXPONENTIAL_MIDPOINT_H) && !defined(SMG_EXTRAPOLATION_H) && !defined(SMG_GAUSS_H) &&   \
-    !defined(SMG_ISOSPECTRAL_MIDPOINT_H) && !defined(SMG_PAIR_ROTATIONS_H) && !defined(SMG_RATTLE_H) && \
+#if !defined(SMG_AXIS_SPLITTING_H) && !defined(SMG_CLASSICAL_MIDPOINT_H) && !defined(SMG_DOP853_H) &&      \
+    !defined(SMG_EXPONENTIAL_MIDPOINT_H) && !defined(SMG_EXTRAPOLATION_H) && !defined(SMG_GAUSS_SITE_H) && \
+    !defined(SMG_ISOSPECTRAL_MIDPOINT_H) && !defined(SMG_PAIR_ROTATIONS_H) && !defined(SMG_RATTLE_H) &&    \
     !defined(SMG_SUBLATTICE_ROTATIONS_H)
 #define SMG_ONTO_LEAF 1
 #endif

@@ -245,7 +245,7 @@ IN_METHODS = (
     ("runtime/method/explicit/smg_sublattice_rows.h", r"smg_real\)0\.5 \* smg_h_over_kappa\(&s->c, 0, h\)", r"smg_real)0.5 * h"),
     ("runtime/method/explicit/smg_sublattice_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
     ("runtime/method/midpoint/smg_geodesic_midpoint.h", r"smg_sinc\(smg_norm\(a\) / r\)", r"smg_sinc(smg_norm(a))"),
-    ("runtime/method/midpoint/smg_slopes.h", r"smg_begin_slopes\(s, 0\);", r";"),
+    ("runtime/core/smg_fixed_point.h", r"smg_begin_stages\(s, with, 0\);", r";"),
     ("runtime/method/midpoint/smg_rattle.h", r"- s / 2 \* q\[1 \+ b\]", r"+ s / 2 * q[1 + b]"),
     ("runtime/method/midpoint/smg_rattle.h", r"smg_dot\(g, g\) - smg_dot\(f, f\)", r"0 * (smg_dot(g, g) - smg_dot(f, f))"),
     ("runtime/method/midpoint/smg_rattle.h", r" / \(r > 0 \? r : 1\)", r""),
@@ -262,7 +262,7 @@ IN_METHODS = (
     ("runtime/core/smg_outputs.h", r"count - 1, &done", r"count, &done"),
     ("runtime/core/smg_outputs.h", r"rho < \*o->nearest", r"rho > *o->nearest"),
     ("runtime/core/smg_fixed_point.h", r"if \(!smg_sweeps_contract\(&watch\)\) break;", r""),
-    ("runtime/method/gauss/smg_gauss_stages.h", r"smg_kind\(&s->c, k\) == SMG_SPHERE \? smg_radius\(&s->c, k\) : smg_norm\(w\)", r"smg_norm(w)"),
+    ("runtime/method/gauss/smg_gauss_stages.h", r"smg_kind\(&s->c, k\) == SMG_SPHERE \? smg_radius\(&s->c, k\) : smg_norm", r"smg_norm"),
     ("runtime/method/gauss/smg_gauss_slots.h", r"\(r \+ smg_lane_abs", r"(0 * r + smg_lane_sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + smg_lane_abs"),
 )
 

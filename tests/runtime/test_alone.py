@@ -10,7 +10,6 @@ RUNTIME = folder("runtime")
 # What needs more of a model than the stub has: functions by value, tables of a pattern, the other half of a layout.
 # This list only becomes shorter.
 NOT_ALONE = frozenset("""
-    smg_gauss_shift.h smg_gauss_slots.h smg_gauss_sweep.h
     smg_lane_dop853.h smg_lane_extrapolation.h smg_lane_sphere.h smg_outputs.h
     smg_single_sphere.h""".split())
 

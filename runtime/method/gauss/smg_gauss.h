@@ -14,7 +14,8 @@
  *
  * B(z, z) = w(z) bilinear: no difference of nearby numbers is taken. Z_i and L_i are found by fixed-point iteration
  * over all stages at once, in the lanes of vectors (smg_lanes.h): the same bits for any number of lanes. The lanes are
- * stages (smg_gauss_stages.h), or on lattices sites (smg_gauss_rows.h).
+ * stages (smg_gauss_stages.h), or on lattices sites (smg_gauss_sweep.h); the step is one text for both
+ * (smg_gauss_step.h, over the formulas of one site in smg_gauss_site.h).
  *
  * |w| of a sphere is its r, as init put it there, not the root of a sum of squares: that falls on the same few numbers
  * for good, whose rounding errors are mostly of one sign, and z too short by d makes u turn a w too short, |W| less
@@ -35,51 +36,17 @@
 #ifndef SMG_GAUSS_H
 #define SMG_GAUSS_H
 
-#define SMG_ONTO_LEAF 0
-
-#include "smg_model.h"
-#include "smg_gauss_table.h"
-#include "smg_fixed_point.h"
-#include "smg_report.h"
-
-#if !(SMG_STAGES >= 1 && SMG_STAGES <= 8) || SMG_HISTORY != 1 || SMG_EXTENDED
-#error "smg_gauss.h: SMG_STAGES 1 to 8, SMG_HISTORY 1, and no SMG_EXTENDED"
-#endif
-
-#define SMG_NO_DEGREE 0
-
-/* The history: the L_j of the step before, s->history = 1 once there are any. */
-#define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* of a site */
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
-static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
-
-/* Beside this, products of a site at rest are nothing: next to it, 0/0 is 0. */
-#define SMG_LEAST (smg_real) DBL_MIN
-
-/* ---- one site and stage, z = (z[0] + i z[1], z[2] + i z[3]) ------------------------------------ */
-
-/* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage. */
-SMG_INLINE void smg_point(smg_real r, const smg_lanes *z, smg_lanes *x, smg_lanes *p) {
-  const smg_lanes scale = r / ((z[0] * z[0] + z[1] * z[1]) + (z[2] * z[2] + z[3] * z[3]) + SMG_LEAST);
-  for (int b = 0; b < 4; ++b) x[b] = scale * z[b];
-  p[0] = 2 * (x[0] * z[2] + x[1] * z[3]);
-  p[1] = 2 * (x[0] * z[3] - x[1] * z[2]);
-  p[2] = (x[0] * z[0] + x[1] * z[1]) - (x[2] * z[2] + x[3] * z[3]);
-}
-
-/* l = i (a.sigma - along) x, stage by stage. */
-SMG_INLINE void smg_turn(const smg_lanes *a, smg_lanes along, const smg_lanes *x, smg_lanes *l) {
-  const smg_lanes up = a[2] - along, down = a[2] + along;
-  l[0] = a[1] * x[2] - a[0] * x[3] - up * x[1];
-  l[1] = a[0] * x[2] + a[1] * x[3] + up * x[0];
-  l[2] = down * x[3] - a[0] * x[1] - a[1] * x[0];
-  l[3] = a[0] * x[0] - a[1] * x[1] - down * x[2];
-}
+#include "smg_gauss_step.h"
 
 #if SMG_ROW_STAGES
 #include "smg_gauss_rows.h"
 #else
-#include "smg_gauss_stages.h"
+static smg_status smg_step(smg_state *s) {
+  smg_gauss_work a = smg_work_of(s);
+  return smg_collocate(s, &a);
+}
+
+#include "smg_steps.h"
 #endif
 
 #endif

@@ -19,6 +19,8 @@
 #ifndef SMG_GAUSS_SHIFT_H
 #define SMG_GAUSS_SHIFT_H
 
+#include "smg_gauss_site.h"
+
 #define SMG_MOST_TURN 4 /* of theta: beyond, spins turn by more than half a circle a step, and no start is near */
 /* each leaves a fifth of its error, where |X| is 1 a third: a hundredth of omega's distance from 1 */
 #define SMG_ROUNDS_OF_G 5

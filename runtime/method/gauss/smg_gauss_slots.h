@@ -2,6 +2,7 @@
 #ifndef SMG_GAUSS_SLOTS_H
 #define SMG_GAUSS_SLOTS_H
 
+#include "smg_gauss_site.h"
 #include "smg_row_slots.h"
 
 /* ---- arrays ------------------------------------------------------------------------------- */
@@ -14,9 +15,9 @@ enum {
   SMG_SLOT_Z = 6,
   SMG_SLOT_STAGES = 10,
   SMG_SLOT_POINT = 0,
-  SMG_SLOT_X = 3,
-  SMG_SLOT_SLOPE = 7,
-  SMG_SLOT_PAST = 11,
+  SMG_STAGE_X = 3,
+  SMG_STAGE_SLOPE = 7,
+  SMG_STAGE_PAST = 11,
   SMG_SLOT_STAGE = 15,
   SMG_SLOT_COMPONENTS = SMG_SLOT_STAGES + SMG_SLOT_STAGE * SMG_STAGES
 };
@@ -25,45 +26,15 @@ static inline int64_t smg_stages_size(const smg_coefficients *c) {
   return SMG_WIDEST + (SMG_SLOT_COMPONENTS + SMG_SITE_VALUES) * smg_pitch(c);
 }
 
-/* Slot 0 of a component, and of a component of stage i. */
-static inline smg_real *smg_slot_component(const smg_state *s, int64_t k);
-static inline smg_real *smg_slot_stage(const smg_state *s, int i, int64_t k) {
-  return smg_slot_component(s, SMG_SLOT_STAGES + SMG_SLOT_STAGE * i + k);
-}
-
-static inline void smg_save_history(const smg_state *s, smg_real *out);
-static inline void smg_restore_history(smg_state *s, const smg_real *in);
-
-#include "smg_state.h"
-
+/* Slot 0 of a component; where component b of the L_j before is, of a slot. */
 static inline smg_real *smg_slot_component(const smg_state *s, int64_t k) {
   return smg_line_from(s->stages) + SMG_BEFORE + k * smg_pitch(&s->c);
 }
-
-/* One of the numbers of a history on its way between sites and slots. */
-typedef struct smg_past_slots {
-  const smg_state *s;
-  const smg_real *in;
-  smg_real *out;
-} smg_past_slots;
-
-SMG_INLINE void smg_past_of_site(void *context, int64_t site, int64_t slot) {
-  const smg_past_slots *a = (const smg_past_slots *)context;
-  for (int q = 0; q < SMG_STAGE_NUMBERS; ++q) {
-    smg_real *there = smg_slot_stage(a->s, q % SMG_STAGES, SMG_SLOT_PAST + q / SMG_STAGES) + slot;
-    if (a->in) *there = a->in[SMG_STAGE_NUMBERS * site + q];
-    else a->out[SMG_STAGE_NUMBERS * site + q] = *there;
-  }
+static inline smg_real *smg_past_number(const smg_state *s, int b, int j, int64_t slot) {
+  return smg_slot_component(s, SMG_SLOT_STAGES + SMG_SLOT_STAGE * j + SMG_STAGE_PAST + b) + slot;
 }
 
-static inline void smg_save_history(const smg_state *s, smg_real *out) {
-  smg_past_slots all = {s, NULL, out};
-  smg_each_slot(&s->c, &all, smg_past_of_site);
-}
-static inline void smg_restore_history(smg_state *s, const smg_real *in) {
-  smg_past_slots all = {s, in, NULL};
-  smg_each_slot(&s->c, &all, smg_past_of_site);
-}
+static inline int64_t smg_places(const smg_coefficients *c) { return smg_slots(c); }
 
 /* Four components of some slots. */
 SMG_INLINE void smg_take_four(const smg_real *all, int64_t pitch, int64_t slot, smg_lanes *v) {
@@ -75,8 +46,7 @@ SMG_INLINE void smg_put_four(smg_real *all, int64_t pitch, int64_t slot, const s
 
 /* ---- z and w -------------------------------------------------------------------------------- */
 
-/* A z with w(z) = w, r = |w| (smg_gauss.h): the larger of z_0, z_1 is real and positive, sqrt((r + |w_3|)/2); nothing
- * cancels. */
+/* As smg_lift of smg_gauss_stages.h, with one division in place of two, and for lengths that are not 0. */
 SMG_INLINE void smg_lift(const smg_lanes *w, smg_real r, smg_lanes *z) {
   const smg_lanes zero = {0};
   const smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (r + smg_lane_abs(w[2]))), part = (smg_real)0.5 / large;
@@ -88,15 +58,7 @@ SMG_INLINE void smg_lift(const smg_lanes *w, smg_real r, smg_lanes *z) {
   z[3] = smg_lane_select(south, zero, im);
 }
 
-/* w = 2 B(y, d), 2 B(z, z) = 2 w(z): w_1 + i w_2 = 2 conj(z_0) z_1, w_3 = |z_0|^2 - |z_1|^2, made bilinear and
- * symmetric. */
-SMG_INLINE void smg_collect(const smg_lanes *y, const smg_lanes *d, smg_lanes *w) {
-  w[0] = 2 * ((y[0] * d[2] + y[2] * d[0]) + (y[1] * d[3] + y[3] * d[1]));
-  w[1] = 2 * ((y[0] * d[3] + y[3] * d[0]) - (y[1] * d[2] + y[2] * d[1]));
-  w[2] = 2 * ((y[0] * d[0] + y[1] * d[1]) - (y[2] * d[2] + y[3] * d[3]));
-}
-
-static void smg_lift_slots(const smg_state *s) {
+static void smg_lift_sites(const smg_state *s) {
   const int64_t pitch = smg_pitch(&s->c), end = smg_slots(&s->c);
   const smg_real *from = smg_slot_component(s, SMG_SLOT_W);
   smg_real *to = smg_slot_component(s, SMG_SLOT_Z);
@@ -115,7 +77,7 @@ static void smg_enter_slots(const smg_state *s) {
   for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) w[2 * pitch + slot] = smg_radius(&s->c, 0);
   smg_to_slots(s, s->w, w);
   smg_to_slots(s, s->compensation, smg_slot_component(s, SMG_SLOT_LOST));
-  smg_lift_slots(s);
+  smg_lift_sites(s);
 }
 static void smg_leave_slots(const smg_state *s) {
   smg_to_sites(s, smg_slot_component(s, SMG_SLOT_W), s->w);

@@ -3,13 +3,13 @@
 #ifndef SMG_GAUSS_SWEEP_H
 #define SMG_GAUSS_SWEEP_H
 
-#include "smg_row_piece.h"
 #include "smg_gauss_slots.h"
 #include "smg_gauss_shift.h"
+#include "smg_row_piece.h"
 
 /* What sweeps work with: where the slots are; where changes are marked, or NULL; h/(2 kappa), r, 1/r, sqrt(r); how
  * strongly fields turn spins; D; a piece, and the gradients of its stages. */
-typedef struct smg_slot_sweep {
+typedef struct smg_gauss_work {
   smg_real *w, *z, *stages, *marks;
   int64_t pitch;
   smg_real half, radius, inverse, size, strength;
@@ -17,11 +17,19 @@ typedef struct smg_slot_sweep {
   smg_besides known;
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_STAGES * SMG_PIECE_ROOM];
-} smg_slot_sweep;
+} smg_gauss_work;
 
 /* Component k of stage i. */
-SMG_INLINE smg_real *smg_sweep_stage(const smg_slot_sweep *a, int i, int64_t k) {
+SMG_INLINE smg_real *smg_sweep_stage(const smg_gauss_work *a, int i, int64_t k) {
   return a->stages + (SMG_SLOT_STAGE * i + k) * a->pitch;
+}
+
+/* The same of component b of a part, for one vector of slots. */
+SMG_INLINE smg_lanes_anywhere *smg_vector_at(const smg_gauss_work *a, int part, int b, int i, int64_t slot) {
+  return (smg_lanes_anywhere *)(smg_sweep_stage(a, i, part + b) + slot);
+}
+SMG_INLINE smg_lanes smg_number_at(const smg_gauss_work *a, int part, int b, int i, int64_t slot) {
+  return *smg_vector_at(a, part, b, i, slot);
 }
 
 /* conj(-conj z_1, conj z_0).r, what r has orthogonal to z. */
@@ -40,16 +48,14 @@ SMG_INLINE void smg_add_orthogonal(const smg_lanes *z, smg_lanes re, smg_lanes i
 
 /* L_i by F of the slots of one vector, with its change and that change's part for the shift; the largest change is
  * noted, and what is not a number. */
-SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, const smg_lanes *g, const smg_lanes *z,
+SMG_INLINE void smg_slot_slopes(const smg_gauss_work *a, int i, int64_t slot, const smg_lanes *g, const smg_lanes *z,
                                 smg_lanes *l, smg_lanes *part, smg_lanes *change) {
   const int64_t pitch = a->pitch;
-  const smg_real half = a->half * smg_gauss_weight[i];
-  const smg_lanes t[3] = {half * g[0], half * g[1], half * g[2]};
-  smg_lanes p[3], x[4], d[4];
+  smg_lanes p[3], x[4], d[4], turn[3];
   smg_take_slots(smg_sweep_stage(a, i, SMG_SLOT_POINT), pitch, slot, p);
-  smg_take_four(smg_sweep_stage(a, i, SMG_SLOT_X), pitch, slot, x);
-  smg_take_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), pitch, slot, d);
-  smg_turn(t, a->inverse * (p[0] * t[0] + p[1] * t[1] + p[2] * t[2]), x, l);
+  smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_X), pitch, slot, x);
+  smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), pitch, slot, d);
+  smg_slope(a->half * smg_stage_entry(smg_gauss_weight, i), a->inverse, g, p, x, turn, l);
   for (int b = 0; b < 4; ++b) d[b] = l[b] - d[b];
   smg_part_orthogonal(z, d, part);
   *change =
@@ -58,7 +64,7 @@ SMG_INLINE void smg_slot_slopes(const smg_slot_sweep *a, int i, int64_t slot, co
 
 /* L_i += (D part)_i/r, three products for each of complex numbers: (x + iy)(p + iq) = x(p + q) - (x + y)q + i (x(p + q)
  * + (y - x)p). */
-SMG_INLINE void smg_shift_slopes(const smg_slot_sweep *a, const smg_lanes *z, const smg_lanes (*part)[2],
+SMG_INLINE void smg_shift_slopes(const smg_gauss_work *a, const smg_lanes *z, const smg_lanes (*part)[2],
                                  smg_lanes (*l)[4]) {
   smg_lanes sum[SMG_STAGES];
   SMG_UNROLL
@@ -107,7 +113,7 @@ SMG_INLINE void smg_combine_halves(smg_lanes z, int b, const smg_lanes (*l)[4], 
 }
 
 /* Z_i = z + sum_j (a_ij/b_j) L_j as x and p, of the slots of one vector. */
-SMG_INLINE void smg_join_slots(const smg_slot_sweep *a, int64_t slot, const smg_lanes *z, const smg_lanes (*l)[4]) {
+SMG_INLINE void smg_join_slots(const smg_gauss_work *a, int64_t slot, const smg_lanes *z, const smg_lanes (*l)[4]) {
   smg_lanes sum[SMG_STAGES][4];
   SMG_UNROLL
   for (int b = 0; b < 4; ++b) smg_combine_halves(z[b], b, l, sum);
@@ -115,24 +121,24 @@ SMG_INLINE void smg_join_slots(const smg_slot_sweep *a, int64_t slot, const smg_
   for (int i = 0; i < SMG_STAGES; ++i) {
     smg_lanes x[4], p[3];
     smg_point(a->radius, sum[i], x, p);
-    smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_X), a->pitch, slot, x);
+    smg_put_four(smg_sweep_stage(a, i, SMG_STAGE_X), a->pitch, slot, x);
     smg_put_slots(smg_sweep_stage(a, i, SMG_SLOT_POINT), a->pitch, slot, p);
   }
 }
 
 /* L as it was, and no change, in all lanes but the first `in`. */
-SMG_INLINE void smg_only_first(const smg_slot_sweep *a, int64_t slot, int64_t in, smg_lanes (*l)[4],
+SMG_INLINE void smg_only_first(const smg_gauss_work *a, int64_t slot, int64_t in, smg_lanes (*l)[4],
                                smg_lanes *change) {
   const smg_lanes none = {0};
   *change = smg_lane_select(smg_lane_below(in), *change, none);
   for (int i = 0; i < SMG_STAGES; ++i)
     for (int b = 0; b < 4; ++b)
-      l[i][b] =
-          smg_lane_select(smg_lane_below(in), l[i][b], smg_lane_take(smg_sweep_stage(a, i, SMG_SLOT_SLOPE + b) + slot));
+      l[i][b] = smg_lane_select(smg_lane_below(in), l[i][b],
+                                smg_lane_take(smg_sweep_stage(a, i, SMG_STAGE_SLOPE + b) + slot));
 }
 
 /* The slots of one vector, k of the piece: `in` of them belong to it, the others stay as they are. */
-SMG_INLINE void smg_sweep_slots(const smg_slot_sweep *a, int64_t k, int64_t in, smg_lanes *change) {
+SMG_INLINE void smg_sweep_slots(const smg_gauss_work *a, int64_t k, int64_t in, smg_lanes *change) {
   const int64_t slot = a->piece.start + k;
   smg_lanes z[4], l[SMG_STAGES][4], part[SMG_STAGES][2], moved = {0};
   smg_take_four(a->z, a->pitch, slot, z);
@@ -147,12 +153,12 @@ SMG_INLINE void smg_sweep_slots(const smg_slot_sweep *a, int64_t k, int64_t in, 
   if (a->marks) smg_lane_put(a->marks + slot, moved);
   *change = smg_lane_max(*change, moved);
   SMG_UNROLL
-  for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), a->pitch, slot, l[i]);
+  for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), a->pitch, slot, l[i]);
   smg_join_slots(a, slot, z, (const smg_lanes(*)[4])l);
 }
 
 /* The next piece of a colour, all stages; 0 where the colour ends. */
-static int smg_sweep_piece(smg_state *s, smg_slot_sweep *a, smg_lanes *change) {
+static int smg_sweep_piece(smg_state *s, smg_gauss_work *a, smg_lanes *change) {
   const smg_lattice_row at = a->piece.at;
   const int64_t from = a->piece.from;
   smg_lanes most = *change;
@@ -171,55 +177,22 @@ static int smg_sweep_piece(smg_state *s, smg_slot_sweep *a, smg_lanes *change) {
 }
 
 static smg_moved smg_sweep_stages(smg_state *s, void *with) {
-  smg_slot_sweep *a = (smg_slot_sweep *)with;
+  smg_gauss_work *a = (smg_gauss_work *)with;
   smg_lanes change = {0};
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
     smg_begin_colour(&s->c, colour, &a->piece);
     while (smg_sweep_piece(s, a, &change)) continue;
   }
-  smg_real bad = 0; /* or not a number, where a lane is not: among others it may be lost */
-  for (int l = 0; l < SMG_LANES; ++l) bad += ((const smg_real *)&change)[l] - ((const smg_real *)&change)[l];
-  change += bad;
   const smg_moved moved = {change / (a->size * a->strength + SMG_LEAST), 2 * a->size * change,
                            smg_lane_of(2 * a->radius * a->strength)};
   return moved;
-}
-
-/* L_j by the polynomial through those of the step before, or 0. */
-SMG_INLINE void smg_ahead_slots(const smg_slot_sweep *a, int64_t slot, int extrapolated, smg_lanes (*l)[4]) {
-  SMG_UNROLL
-  for (int b = 0; b < 4; ++b) {
-    smg_lanes past[SMG_STAGES];
-    SMG_UNROLL
-    for (int j = 0; j < SMG_STAGES; ++j)
-      past[j] = extrapolated ? smg_lane_take(smg_sweep_stage(a, j, SMG_SLOT_PAST + b) + slot) : smg_lane_of(0);
-    SMG_UNROLL
-    for (int i = 0; i < SMG_STAGES; ++i) {
-      l[i][b] = smg_gauss_ahead[0][i] * past[0];
-      SMG_UNROLL
-      for (int j = 1; j < SMG_STAGES; ++j) l[i][b] += smg_gauss_ahead[j][i] * past[j];
-    }
-  }
-}
-
-/* What the iteration begins with. */
-static void smg_begin_slots(const smg_state *s, const smg_slot_sweep *a, int extrapolated) {
-  const int64_t end = smg_slots(&s->c);
-  for (int64_t slot = 0; slot < end; slot += SMG_LANES) {
-    smg_lanes z[4], l[SMG_STAGES][4];
-    smg_ahead_slots(a, slot, extrapolated, l);
-    SMG_UNROLL
-    for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_SLOT_SLOPE), a->pitch, slot, l[i]);
-    smg_take_four(a->z, a->pitch, slot, z);
-    smg_join_slots(a, slot, z, (const smg_lanes(*)[4])l);
-  }
 }
 
 #define SMG_LOOKS 16 /* spins of a piece that are looked at: theta by their mean is as good as by that of all */
 
 /* What a piece of the first colour tells of the fields: the largest |h b/2|, and theta, the mean h b.p/r, in eighths,
  * so that D is seldom made anew. */
-static smg_real smg_look_at_fields(smg_state *s, smg_slot_sweep *a) {
+static smg_real smg_look_at_fields(smg_state *s, smg_gauss_work *a) {
   const smg_real *p = smg_sweep_stage(a, SMG_STAGES / 2, SMG_SLOT_POINT), *g = a->piece.g;
   smg_real sum = 0, most = 0, looks = 0;
 #if SMG_TIMED
@@ -238,10 +211,42 @@ static smg_real smg_look_at_fields(smg_state *s, smg_slot_sweep *a) {
   return (smg_real)(int)(8 * theta) / 8;
 }
 
-static smg_status smg_settle_slots(smg_state *s, smg_slot_sweep *a, int extrapolated) {
-  smg_begin_slots(s, a, extrapolated);
+/* ---- what it begins and ends with ------------------------------------------------------------ */
+
+SMG_INLINE void smg_take_z(const smg_gauss_work *a, int64_t slot, smg_lanes *z) {
+  smg_take_four(a->z, a->pitch, slot, z);
+}
+
+SMG_INLINE smg_lanes smg_over_length(const smg_state *s, const smg_gauss_work *a, int64_t slot, smg_lanes x) {
+  (void)s, (void)slot;
+  return a->inverse * x;
+}
+
+SMG_INLINE void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t slot, const smg_lanes *u,
+                                 smg_lanes *z) {
+  smg_lanes w[3];
+  (void)s;
+  smg_take_slots(a->w, a->pitch, slot, w);
+  for (int k = 0; k < 3; ++k) smg_lane_add_step(w + k, a->w + (SMG_SLOT_LOST + k) * a->pitch + slot, u[k]);
+  smg_put_slots(a->w, a->pitch, slot, w);
+  smg_lift(w, a->radius, z);
+  smg_put_four(a->z, a->pitch, slot, z);
+}
+
+/* The L_j and the points of their stages. */
+SMG_INLINE void smg_begin_sites(const smg_state *s, const smg_gauss_work *a, int64_t slot, const smg_lanes (*l)[4]) {
+  smg_lanes z[4];
+  (void)s;
+  SMG_UNROLL
+  for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), a->pitch, slot, l[i]);
+  smg_take_z(a, slot, z);
+  smg_join_slots(a, slot, z, l);
+}
+
+/* D for the fields there. */
+static void smg_begin_sweeps(smg_state *s, smg_gauss_work *a, int extrapolated) {
+  (void)extrapolated;
   smg_shift_by(&a->shift, a->radius, smg_look_at_fields(s, a));
-  return smg_sweep_to_rest(s, a);
 }
 
 /* The site that moves most, or is no number. */
@@ -259,7 +264,7 @@ SMG_INLINE void smg_look_at_mark(void *context, int64_t site, int64_t slot) {
 }
 
 /* After a step that failed: by one more sweep, with marks in place of z, which the next step lifts anew. */
-static int64_t smg_moving_site(smg_state *s, smg_slot_sweep *a) {
+static int64_t smg_most_moved(smg_state *s, smg_gauss_work *a) {
   smg_slots_moved found = {a->z, -1, -1};
   for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) a->z[slot] = 0;
   a->marks = a->z;

@@ -48,9 +48,6 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
 
 /* ---- the iteration ---- */
 
-/* Beside this, slopes of a site at rest are nothing: next to it, 0/0 is 0. */
-#define SMG_LEAST (smg_real) DBL_MIN
-
 SMG_INLINE smg_real smg_sum_of_sizes(const smg_real *a, int count) {
   smg_real sum = 0;
   for (int b = 0; b < count; ++b) sum += smg_abs(a[b]);
@@ -72,21 +69,15 @@ static inline void smg_renew_slopes(smg_state *s, int64_t k, const smg_real *nex
   s->u[3 * k] = absolute;
 }
 
-/* The slopes that it begins with: extrapolated from those of so many steps, or 0. */
-static void smg_begin_slopes(smg_state *s, int steps) {
+/* The slopes that it begins with: extrapolated from those of the steps that are known, or 0. */
+static void smg_begin_stages(smg_state *s, void *with, int extrapolated) {
   const int64_t size = SMG_SLOPES * smg_sites(&s->c);
+  const int steps = extrapolated ? s->history : 0;
+  (void)with;
   for (int64_t q = 0; q < size; ++q) {
     s->slopes[q] = 0;
     for (int j = 0; j < steps; ++j) s->slopes[q] += smg_weight(steps - 1, j) * s->past_slopes[size * j + q];
   }
-}
-
-static smg_status smg_solve_stage(smg_state *s) {
-  s->report.iterations = 0;
-  smg_begin_slopes(s, s->history);
-  if (s->history > 0 && smg_sweep_to_rest(s, NULL) == SMG_OK) return SMG_OK;
-  smg_begin_slopes(s, 0);
-  return smg_sweep_to_rest(s, NULL);
 }
 
 /* The site that the last sweep moved most, or made no number. */
@@ -124,7 +115,7 @@ static smg_status smg_take_increments(smg_state *s) {
 static smg_status smg_step(smg_state *s) {
   smg_begin_report(s);
   smg_set_time_at(&s->c, s, (smg_real)0.5);
-  const smg_status status = smg_solve_stage(s);
+  const smg_status status = smg_solve_stages(s, NULL);
   if (status != SMG_OK) return smg_end_report(s, status, smg_most_moved(s));
   if (smg_take_increments(s) != SMG_OK) return s->report.status;
   if (s->history == 0) smg_begin_lengths(s);
