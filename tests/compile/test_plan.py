@@ -1,7 +1,9 @@
 """The plan: which sites are solved together, and by which solver (stage `plan`), from the coupling alone."""
 import pytest
 import smidgen
+from smidgen.compile.assemble.model import Model
 from smidgen.compile.plan.contributions import Contribution, contributions_of, require
+from smidgen.compile.plan.layout import FEW, LAYOUTS, MIDPOINT_ROWS, STAGE_ROWS, TURN_ROWS, with_layout
 from smidgen.compile.plan.plan import choose, coupled_families
 from smidgen.errors import UsageError
 from smidgen.methods import ENERGY, GRADIENT, HESSIAN, METHODS, MIDPOINTS, OFFERS, SITE_GRADIENT, WIDE_GRADIENT
@@ -33,6 +35,26 @@ def test_shipped_specs(name):
     solver, coupled, local = PLANS[name]
     assert (found.solver, len(found.coupled), len(found.local)) == (solver, len(coupled), len(local))
     assert set(found.coupled) == set(coupled_families(smidgen.load(name))) and not set(found.coupled) & set(found.local)
+
+
+@pytest.mark.parametrize("name, method, features, layout, said", [
+    ("free_rigid_body", SPHERICAL, (), "single", "every site is solved alone, by Newton in closed form"),
+    ("free_rigid_body", SPHERICAL, ("ensemble",), "members", "every site is solved alone, by Newton in closed form"),
+    ("free_rigid_body", CLASSICAL, (), "sites", "every site is solved alone, by Newton in closed form"),
+    ("point_vortices", SPHERICAL, (), "few", FEW), ("point_vortices", SPHERICAL, ("extended",), "sites", "few sites: dense Newton"),
+    ("heisenberg_chain", SPHERICAL, (), "rows", MIDPOINT_ROWS), ("heisenberg_chain", "gauss-4", (), "rows", STAGE_ROWS),
+    ("heisenberg_chain", "sublattice-rotations", (), "rows", TURN_ROWS), ("heisenberg_chain", "cf4", (), "sites", "")])
+def test_the_layout_is_taken_from_what_is_offered(name, method, features, layout, said):
+    """And the reason says so."""
+    before = plan(name, method)
+    after = Model(smidgen.load(name), before, features).plan
+    assert (before.layout, after.layout) == ("sites", layout) and after.layout in LAYOUTS
+    assert after.reason in (before.reason, said, f"{before.reason}; {said}") and said in after.reason
+
+
+def test_of_several_layouts_one_is_taken():
+    one, method = plan("free_rigid_body"), METHODS[SPHERICAL]
+    assert [with_layout(one, method, {*offered}).layout for offered in ((), ("single",), ("single", "members"), ("", "few"))] == ["sites", "single", "members", "few"]
 
 
 @pytest.mark.parametrize("name, width, closed", [("heisenberg_chain", 1, True), ("j1j2_chain", 2, True)])

@@ -5,7 +5,7 @@ belongs to a site by its number must be an entry of an array, w[i] with gamma[i]
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import sympy as sp
 
@@ -21,7 +21,6 @@ from .norms import spectral_bound
 from .part import MOST_LANES, Part, buffer
 from .response import indexed
 
-BY_LANES = "few sites: fixed-point iteration in lanes while it settles soon, else dense Newton"
 HISTORY = 12        # four vortices at h = 0.1 need 6.0 evaluations a step with 7, 4.8 with 10, 4.2 with 12
 LANES = 4           # where the number of sites is known at run time alone
 VECTOR, OUT = "const smg_lanes *", "smg_lanes *"
@@ -174,13 +173,10 @@ def term(p: Pull, f: Function, tag: str, n, numbers: int) -> tuple:
 
 class FewInLanes(Part):
     """Few sites, all at once in lanes."""
-    name = "few"
+    name = layout = "few"
 
     def made(self, model, low):
         return few(model, low)
-
-    def planned(self, plan, model):
-        return replace(plan, reason=BY_LANES)
 
     def functions(self, model):
         return few_functions(model)

@@ -78,7 +78,7 @@ def in_lanes(d):
 
 class MembersInLanes(Part):
     """Members of an ensemble of single spheres, one in each lane."""
-    name = "lane_sphere"
+    name, layout = "lane_sphere", "members"
 
     def made(self, model, low):
         return lane_sphere(model, low) if "ensemble" in model.features else None

@@ -14,6 +14,7 @@ from ..lower.kernels import term_kernels
 from ..lower.loops import Loops
 from ..lower.lowering import Lowering
 from ..plan.contributions import contributions_of, diffusions_of, require, responses_of
+from ..plan.layout import with_layout
 from ..plan.plan import Plan, require_free_body
 from .families import FamilyCode, family_codes
 from .norms import edge_norms, reach
@@ -49,6 +50,7 @@ class Model:
         self.reach = reach(self, low) if plan.rotation else None
         self.edge_norms = edge_norms(self, low) if self.reach is not None else {}
         self.add(PARTS[len(FIRST):], low)
+        self.plan = with_layout(plan, self.method, {part.layout for part in self.parts})
         self.low, self.coefficients = low, low.finished()
 
     def add(self, parts, low):
@@ -58,7 +60,6 @@ class Model:
             setattr(self, part.name, found)
             if found is not None:
                 self.parts += (part,)
-                self.plan = part.planned(self.plan, self)
 
     @property
     def history(self) -> int:

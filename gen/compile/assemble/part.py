@@ -29,14 +29,11 @@ def placed(b: Buffer, used) -> Call:
 class Part:
     """A model that has the part holds what `made` found under `name`, None without it; all else is asked of models that have it."""
     name = ""
+    layout = ""     # that a model may have with it, of gen/compile/plan/layout.py
 
     def made(self, model, low):
         """What the part is made of, its kernels first; None where the model has no use for it. low: where what is computed before steps is kept."""
         raise NotImplementedError
-
-    def planned(self, plan, model):
-        """The plan of a model with it."""
-        return plan
 
     def functions(self, model) -> list:
         """Definitions, each behind those that it mentions."""

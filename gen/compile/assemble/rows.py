@@ -30,9 +30,6 @@ from .site_values import MOST, count, differs, names, sited, value_function, wit
 from .site_values import taken as taken_values
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
-BY_ROWS = "by rows in lanes where h is so small that sweeps must converge"
-BY_STAGE_ROWS = "sites of a row in lanes"
-BY_TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
@@ -370,13 +367,10 @@ def reach_of(model, d: int) -> int:
 
 class ByRows(Part):
     """Lattices by rows, sites in lanes."""
-    name = "in_rows"
+    name, layout = "in_rows", "rows"
 
     def made(self, model, low):
         return rows(model, low)
-
-    def planned(self, plan, model):
-        return plan.also(BY_ROWS if model.method.of_midpoints else BY_TURN_ROWS if model.method.splitting else BY_STAGE_ROWS)
 
     def functions(self, model):
         return row_functions(model)

@@ -232,7 +232,7 @@ def work(e, m) -> int:
 
 class SingleSphere(Part):
     """One unit sphere, whose step is in registers."""
-    name = "solo"
+    name, layout = "solo", "single"
 
     def made(self, model, low):
         return solo_kernels(model, low)

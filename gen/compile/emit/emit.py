@@ -69,13 +69,13 @@ def emitted(spec: Spec, plan: Plan, features, contributions=None) -> Files:
     def render(template: str, **slots) -> str:
         return templates.get_template(template).render(M=M, **heads(M), **slots)
 
-    said, (kept, values) = banner(model), definitions(model)
+    said, (kept, values), by_rows = banner(model), definitions(model), model.plan.layout == "rows"
     files = Files({f"{M}.h": render("model.h.j2", **header_slots(model), **said),
                    f"{M}.c": render("model.c.j2", **source_slots(model, kept), interface=render("interface.c.j2", **interface_slots(model, M, values)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
-                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "threads": model.in_rows is not None and not model.method.stage_rows and not model.pairs,
-                   "ranks": model.in_rows is not None and model.method.of_midpoints}
+                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "threads": by_rows and not model.method.stage_rows and not model.pairs,
+                   "ranks": by_rows and model.method.of_midpoints}
     return files
 
 

@@ -33,7 +33,7 @@ class Plan:
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
     rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it;
     lanes: fixed-point iteration in lanes is tried before dense Newton, where the terms allow it;
-    coupling: what joins the sites, where Newton has a matrix.
+    coupling: what joins the sites, where Newton has a matrix; layout: one of `LAYOUTS` of layout.py.
     """
     method: str
     local: tuple
@@ -47,6 +47,7 @@ class Plan:
     tried: int = 0
     lanes: bool = False
     coupling: str = "few sites"
+    layout: str = "sites"
 
     @property
     def block(self) -> int:
