@@ -3,9 +3,9 @@
  *
  * A method defines smg_begin_stages(s, with, extrapolated), the stages to begin with, by the polynomial of the steps
  * before or at rest, and smg_sweep_stages(s, with), one sweep; `with` is what it works with, or NULL. A sweep says what
- * it has moved: how far w will be moved by the change of the stages, relative to the stages' own size and absolutely, next
- * to the products in them. A step ends where the w of it are right to s->tolerance, as its last two changes tell; 0:
- * where nothing moves but by round-off, as long runs need it. */
+ * it has moved: how far w will be moved by the change of the stages, relative to the stages' own size and absolutely,
+ * next to the products in them. A step ends where the w of it are right to s->tolerance, as its last two changes tell;
+ * 0: where nothing moves but by round-off, as long runs need it. */
 #ifndef SMG_FIXED_POINT_H
 #define SMG_FIXED_POINT_H
 
