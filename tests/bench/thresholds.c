@@ -34,37 +34,39 @@ static double largest(long n, const double *a, const double *b) {
   return most / DBL_EPSILON;
 }
 
-static void trial(const OF(_params) *p, void *mem, double *w, double h, int steps) {
+static void trial(const OF(_model) *model, void *mem, double *w, double h, int steps) {
   OF(_state) s;
-  const long n = (long)OF(_sites)(p);
+  const long n = (long)OF(_sites)(model);
   double casimirs[2][512], momentum[2][12];
   long iterations = 0;
-  int status = OF(_init)(&s, p, mem, w, 0, h);
-  OF(_casimirs)(p, s.w, casimirs[0]);
-  OF(_momentum)(p, s.w, momentum[0]);
-  const double energy = OF(_energy)(p, 0, s.w);
+  int status = OF(_init)(&s, model, mem, w, 0, h);
+  OF(_casimirs)(model, s.w, casimirs[0]);
+  OF(_momentum)(model, s.w, momentum[0]);
+  const double energy = OF(_energy)(model, 0, s.w);
   while (status == SMG_OK && s.count < steps) {
     status = OF(_step)(&s);
     iterations += s.report.iterations;
   }
-  OF(_casimirs)(p, s.w, casimirs[1]);
-  OF(_momentum)(p, s.w, momentum[1]);
+  OF(_casimirs)(model, s.w, casimirs[1]);
+  OF(_momentum)(model, s.w, momentum[1]);
   printf("%g %d %d %ld %ld %.17g %.17g %.3g %.3g %.3g\n", h, steps, status, (long)s.count, iterations, s.w[0], s.w[3 * n - 1], largest(n, casimirs[0], casimirs[1]),
-         largest(3, momentum[0], momentum[1]), fabs(OF(_energy)(p, 0, s.w) - energy) / DBL_EPSILON);
+         largest(3, momentum[0], momentum[1]), fabs(OF(_energy)(model, 0, s.w) - energy) / DBL_EPSILON);
 }
 
 int main(int argc, char **argv) {
   OF(_params) p;
+  OF(_model) model;
   double w[1536];
   int factors = 0;
   while (scanf("%lf", factor_of + factors) == 1) ++factors;
   OF(_defaults)(&p);
-  void *mem = malloc(OF(_memsize)(&p));
+  if (OF(_model_init)(&model, &p) != SMG_OK) return 1;
+  void *mem = malloc(OF(_memsize)(&model));
   for (int k = 0; k < atoi(argv[1]); ++k)
     for (int j = 3; j < argc; ++j) {
       seed = (unsigned long)k + 1;
-      for (long i = 0; i < (long)OF(_sites)(&p); ++i) draw(w + 3 * i);
-      trial(&p, mem, w, atof(argv[j]), k < 2 ? atoi(argv[2]) : 1);
+      for (long i = 0; i < (long)OF(_sites)(&model); ++i) draw(w + 3 * i);
+      trial(&model, mem, w, atof(argv[j]), k < 2 ? atoi(argv[2]) : 1);
     }
   return 0;
 }

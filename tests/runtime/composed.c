@@ -11,15 +11,16 @@
 
 int main(int argc, char **argv) {
   OF(MODEL, params) p;
+  OF(MODEL, model) model;
   OF(MODEL, state) s;
   OF(MODEL, defaults)(&p);
-  if (argc != 4) return 2;
-  const int64_t n = 3 * OF(MODEL, sites)(&p), steps = atoll(argv[3]);
+  if (argc != 4 || OF(MODEL, model_init)(&model, &p) != SMG_OK) return 2;
+  const int64_t n = 3 * OF(MODEL, sites)(&model), steps = atoll(argv[3]);
   smg_real *w = (smg_real *)malloc((size_t)n * sizeof *w);
-  void *mem = malloc(OF(MODEL, memsize)(&p));
+  void *mem = malloc(OF(MODEL, memsize)(&model));
   if (!w || !mem) return 2;
   for (int64_t k = 0; k < n; ++k) w[k] = triple_number();
-  smg_status status = OF(MODEL, init)(&s, &p, mem, w, atof(argv[2]), atof(argv[1]));
+  smg_status status = OF(MODEL, init)(&s, &model, mem, w, atof(argv[2]), atof(argv[1]));
   int64_t iterations = 0;
   for (int64_t k = 0; k < steps && status == SMG_OK; ++k) {
     status = OF(MODEL, step)(&s);

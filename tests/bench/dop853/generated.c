@@ -4,6 +4,7 @@
 #include "contender.h"
 
 typedef struct generated {
+  MODEL(model) model;
   MODEL(state) s;
   double mem[4096];
 } generated;
@@ -12,8 +13,8 @@ void FUNCTION(start)(void *state, const double *w, double h, double tolerance) {
   generated *g = (generated *)state;
   MODEL(params) p;
   MODEL(defaults)(&p);
-  if (MODEL(memsize)(&p) > sizeof g->mem) return;
-  (void)MODEL(init)(&g->s, &p, g->mem, w, 0, h);
+  if (MODEL(model_init)(&g->model, &p) != SMG_OK || MODEL(memsize)(&g->model) > sizeof g->mem) return;
+  (void)MODEL(init)(&g->s, &g->model, g->mem, w, 0, h);
   (void)MODEL(set_tolerance)(&g->s, tolerance);
 }
 

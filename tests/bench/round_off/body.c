@@ -28,13 +28,15 @@ static void constants(const F(_state) * s, quad *energy, quad *square) {
 
 static int orbit(const double *start, int counts, char **count) {
   F(_params) p;
+  F(_model) model;
   F(_state) s;
   quad before[2], now[2];
   smg_real w[3];
   F(_defaults)(&p);
+  if (F(_model_init)(&model, &p) != SMG_OK) return 1;
   for (int k = 0; k < 3; ++k) w[k] = start[k];
-  void *memory = malloc(F(_memsize)(&p));
-  smg_status status = F(_init)(&s, &p, memory, w, 0, start[3]);
+  void *memory = malloc(F(_memsize)(&model));
+  smg_status status = F(_init)(&s, &model, memory, w, 0, start[3]);
   constants(&s, before, before + 1);
   for (int n = 0; n < counts && status == SMG_OK; ++n) {
     status = F(_steps)(&s, atoll(count[n]) - s.count);

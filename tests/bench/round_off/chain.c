@@ -43,18 +43,20 @@ static double scatter(int64_t n, const quad *now, const quad *before) {
 
 int main(int count, char **words) {
   F(_params) p;
+  F(_model) model;
   F(_state) s;
   int n = 0;
   F(_defaults)(&p);
   if (scanf("%d", &n) != 1) return 1;
   p.n = n;
+  if (F(_model_init)(&model, &p) != SMG_OK) return 1;
   smg_real *w = (smg_real *)calloc(3 * (size_t)n, sizeof *w);
   quad *before = (quad *)calloc((size_t)n, sizeof *before), *now = (quad *)calloc((size_t)n, sizeof *now);
-  void *memory = malloc(F(_memsize)(&p));
-  saved = (smg_real *)malloc(F(_savesize)(&p) * sizeof *saved);
+  void *memory = malloc(F(_memsize)(&model));
+  saved = (smg_real *)malloc(F(_savesize)(&model) * sizeof *saved);
   for (int k = 0; k < 3 * n; ++k)
     if (scanf("%lf", w + k) != 1) return 1;
-  smg_status status = F(_init)(&s, &p, memory, w, 0, atof(words[1]));
+  smg_status status = F(_init)(&s, &model, memory, w, 0, atof(words[1]));
   const quad energy = constants(&s, n, before);
   for (int k = 2; k < count && status == SMG_OK; ++k) {
     status = F(_steps)(&s, atoll(words[k]) - s.count);

@@ -30,13 +30,15 @@ static void start(smg_real *w, int64_t n) {
 
 int main(void) {
   F(_params) p;
+  F(_model) model;
   F(_state) s;
   F(_defaults)(&p);
-  const int64_t n = F(_sites)(&p), steps = 300000 / n;
+  if (F(_model_init)(&model, &p) != SMG_OK) return 1;
+  const int64_t n = F(_sites)(&model), steps = 300000 / n;
   smg_real *w = (smg_real *)calloc(3 * (size_t)n, sizeof *w);
-  void *memory = malloc(F(_memsize)(&p));
+  void *memory = malloc(F(_memsize)(&model));
   start(w, n);
-  smg_status status = F(_init)(&s, &p, memory, w, 0, 0.1);
+  smg_status status = F(_init)(&s, &model, memory, w, 0, 0.1);
   if (status == SMG_OK) status = F(_steps)(&s, steps / 4 + 20);
   const double before = seconds();
   if (status == SMG_OK) status = F(_steps)(&s, steps);

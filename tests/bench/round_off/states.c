@@ -27,19 +27,21 @@ static void show(const F(_state) * s, int64_t n, smg_real *saved) {
 
 int main(int count, char **words) {
   F(_params) p;
+  F(_model) model;
   F(_state) s;
   int sites = 0;
   double x;
   F(_defaults)(&p);
+  if (F(_model_init)(&model, &p) != SMG_OK) return 1;
   if (scanf("%d", &sites) != 1) return 1;
   smg_real *w = (smg_real *)calloc(3 * (size_t)sites, sizeof *w);
-  void *memory = malloc(F(_memsize)(&p));
-  smg_real *saved = (smg_real *)malloc(F(_savesize)(&p) * sizeof *saved);
+  void *memory = malloc(F(_memsize)(&model));
+  smg_real *saved = (smg_real *)malloc(F(_savesize)(&model) * sizeof *saved);
   for (int k = 0; k < 3 * sites; ++k) {
     if (scanf("%lf", &x) != 1) return 1;
     w[k] = x;
   }
-  smg_status status = F(_init)(&s, &p, memory, w, 0, atof(words[1]));
+  smg_status status = F(_init)(&s, &model, memory, w, 0, atof(words[1]));
   for (int k = 0; k < 3 * sites && status == SMG_OK; ++k) s.w[k] = w[k]; /* not put on the sphere to more digits than given */
   for (int k = 2; k < count && status == SMG_OK; ++k) {
     status = F(_steps)(&s, atoll(words[k]) - s.count);
