@@ -62,7 +62,7 @@ h = 0.01
 steps = 10
 """
 FAULTS = {
-    "a size that is never set": ("model->n0 = model->p.n;", "", (Fault, BuildError), "compilers|sanitizers|library"),
+    "a size that is too large": ("model->n0 = model->p.n;", "model->n0 = model->p.n + 1;", (Fault, BuildError), "compilers|sanitizers|library"),
     "an entry beyond the array": ("k < smg_sites(c); ++k) {\n    const smg_real kappa", "k <= smg_sites(c); ++k) {\n    const smg_real kappa",
                                   Fault, "sanitizers"),
     "an index that nothing declares": ("  const int64_t i = k;\n  return c->model->p.gamma[i];", "  return c->model->p.gamma[i];", Fault, "compilers"),
