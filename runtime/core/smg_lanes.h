@@ -53,6 +53,9 @@ SMG_INLINE smg_lane_mask smg_lane_all(int test) {
 }
 SMG_INLINE smg_lane_mask smg_lane_not(smg_lane_mask test) { return ~test; }
 
+/* One more than n where the test holds. */
+SMG_INLINE smg_lane_mask smg_lane_counted(smg_lane_mask n, smg_lane_mask test) { return n - test; }
+
 /* a where the test holds (all bits of its lane are 1), else b. */
 SMG_INLINE smg_lanes smg_lane_select(smg_lane_mask test, smg_lanes a, smg_lanes b) {
   return (smg_lanes)((test & (smg_lane_mask)a) | (~test & (smg_lane_mask)b));
@@ -91,6 +94,14 @@ SMG_INLINE void smg_lane_put(smg_real *a, smg_lanes x) { *(smg_lanes_anywhere *)
 /* One lane. */
 SMG_INLINE smg_real smg_lane_get(const smg_lanes *a, int l) { return ((const smg_real *)a)[l]; }
 SMG_INLINE void smg_lane_set(smg_lanes *a, int l, smg_real x) { ((smg_real *)a)[l] = x; }
+
+/* Lane l of n vectors, from n numbers and back. */
+SMG_INLINE void smg_lane_insert(smg_lanes *to, int l, const smg_real *from, int n) {
+  for (int k = 0; k < n; ++k) smg_lane_set(to + k, l, from[k]);
+}
+SMG_INLINE void smg_lane_extract(const smg_lanes *from, int l, smg_real *to, int n) {
+  for (int k = 0; k < n; ++k) to[k] = smg_lane_get(from + k, l);
+}
 #if SMG_LANES == 1
 SMG_INLINE int smg_lane_holds(smg_lane_mask test, int l) { return (void)l, test != 0; }
 SMG_INLINE int smg_lane_any(smg_lane_mask test) { return test != 0; }

@@ -3,7 +3,7 @@
 #ifndef SMG_POLYNOMIAL_H
 #define SMG_POLYNOMIAL_H
 
-#include "smg_small.h"
+#include "smg_misses_template.h"
 
 #define SMG_MOST_HISTORY 12 /* values that the weights below serve */
 
@@ -23,15 +23,6 @@ static inline smg_real smg_weight(int degree, int j) {
       {11, -55, 165, -330, 462, -462, 330, -165, 55, -11, 1},
       {12, -66, 220, -495, 792, -924, 792, -495, 220, -66, 12, -1}};
   return weights[degree][j];
-}
-
-/* miss[d] += the error, squared, that each of so many degrees would have made in the newest value, row[0]: the backward
- * difference of order d + 1. row, which holds degrees + 1 values, is used up. */
-SMG_INLINE void smg_add_misses(int degrees, smg_real *row, smg_real *miss) {
-  for (int d = 0; d < degrees; ++d) {
-    for (int j = 0; j < degrees - d; ++j) row[j] -= row[j + 1];
-    miss[d] += row[0] * row[0];
-  }
 }
 
 /* The degree that missed by least, of at least one. */

@@ -50,12 +50,6 @@ static inline int64_t smg_mod(int64_t a, int64_t b) {
 }
 static inline int64_t smg_quotient(int64_t a, int64_t b) { return (a - smg_mod(a, b)) / b; }
 
-#ifdef SMG_LONG_DOUBLE
-#define SMG_MAX LDBL_MAX
-#else
-#define SMG_MAX DBL_MAX
-#endif
-
 /* How far an iterate moved: relative to each component's own size, and absolutely, a small site of R^3 as
  * if it were as large as the others; and the size of the products that increments are made of, h (1/kappa) |grad C|
  * |dH/dw|: their round-off stays. */

@@ -51,6 +51,12 @@
 #define SMG_RESTRICT
 #endif
 
+#ifdef SMG_LONG_DOUBLE
+#define SMG_MAX LDBL_MAX
+#else
+#define SMG_MAX DBL_MAX
+#endif
+
 /* A determinant below this fraction of its own terms is round-off: of its own dozen of operations, and of its
  * entries'. */
 #define SMG_ROUNDOFF (64 * SMG_EPS)

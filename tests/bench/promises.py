@@ -37,7 +37,7 @@ NO_BRANCH = (           # file of the runtime, what decides, what stands there i
     ("newton/smg_newton.h", "  if (smg_contracts(bound)) return 1;\n", "  return 1;\n"),
     ("lattice/smg_sweep.h", "if (solved && row < 1) return 1;", "if (solved) return 1;"),
     ("lattice/smg_sweep.h", "(smg_row_bound(s) < 1 ||", "(1 ||"),
-    ("method/midpoint/smg_single_sphere.h", "{ return (det > (smg_real)0.4375) & (det < 5); }", "{ (void)det; return 1; }"))
+    ("method/midpoint/smg_sphere_template.h", "return smg_less(smg_of((smg_real)0.4375), det) SMG_AND smg_less(det, smg_of(5));", "return (void)det, 1;"))
 
 
 def variants(spec, method: str, values: dict, work: Path):

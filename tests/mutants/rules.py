@@ -7,7 +7,7 @@ more is reported by `run.py --list` and by tests/mutants/test_mutants.py.
 
 STEP = "*.[jh]*"      # the headers of runtime/ and the templates
 C = STEP
-MIDPOINT, SPHERE = "runtime/newton/smg_midpoint.h", "runtime/method/midpoint/smg_single_sphere.h"
+MIDPOINT, SPHERE = "runtime/newton/smg_midpoint.h", "runtime/method/midpoint/smg_sphere_template.h"
 NEWTON, ALONE = "runtime/newton/smg_newton.h", "runtime/newton/smg_alone.h"
 BAND, NOISE = "runtime/newton/smg_band.h", "runtime/newton/smg_noise.h"
 
@@ -75,9 +75,9 @@ BRANCH = (
     (STEP, r"if \(smg_contracts\(bound\)\) return 1;", r"if (smg_contracts(bound / 100)) return 1;"),
     (STEP, r"return smg_(dense|band|sparse)_coercive\(.*\);", r"return 1;"),
     (STEP, r"\*sure = smg_contracts\(most\)", r"*sure = most <= 4"),
-    (STEP, r"if \(!smg_clear_of_branches\(det\)( \|\| .*)?\) return SMG_WRONG_BRANCH;", r""),
-    (STEP, r"smg_clear_of_branches\(det\) && ", r""),
-    (STEP, r"return \(det > .*;", r"return det > 0;"),
+    (STEP, r"if \(!smg_clear_of_branches\(n\.det\)( \|\| .*)?\) return SMG_WRONG_BRANCH;", r""),
+    (STEP, r" SMG_AND smg_clear_of_branches\(n\.det\)", r""),
+    (STEP, r"return smg_less\(smg_of\(\(smg_real\)0\.4375\), det\) .*;", r"return smg_less(smg_of(0), det);"),
     (STEP, r"solved && row < 1", r"solved"),
     (STEP, r"solved && ", r""),
     (STEP, r"smg_contracts\(mean\) \|\| \(SMG_PRODUCTS_LEFT\(s\) > 0 && smg_krylov_coercive\(&a, mean\)\)", r"1"),
@@ -199,7 +199,7 @@ IN_ROWS = (
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
 FEW, FEW_STEP, LANE_SPHERE = "runtime/lattice/smg_few.h", "runtime/lattice/smg_few_step.h", "runtime/members/smg_lane_sphere.h"
-LANE_STEPS, LANE_ROWS = "runtime/members/smg_lane_dop853.h", "runtime/members/smg_lane_extrapolation.h"
+LANE_STEPS, LANE_ROWS, LANE_BATCH = "runtime/members/smg_lane_dop853.h", "runtime/members/smg_lane_extrapolation.h", "runtime/members/smg_lane_batch.h"
 IN_LANES = (
     (FEW, r"smg_lane_select\(own, none, more\[k\]\)", r"more[k]"),
     (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
@@ -209,17 +209,16 @@ IN_LANES = (
     (FEW_STEP, r"smg_lane_cross\(u, m, R\)", r"smg_lane_cross(u, R, m)"),
     (FEW_STEP, r"s->few\[\(SMG_FEW_U \+ q\) \* pitch \+ k\]", r"s->few[SMG_FEW_U * pitch + k]"),
     ("gen/compile/assemble/few.py", r'For\("j", i \+ Index\("SMG_LANES"\), n', r'For("j", i, n'),
-    (LANE_SPHERE, r"l, s->compensation\[b\]\)", r"l, 0)"),
-    (LANE_SPHERE, r"l, s->rows\[4 \* s->row \+ k\]\)", r"l, s->rows[k])"),
-    (LANE_SPHERE, r"s->count = g->began\[l\] \+ g->taken", r"s->count = g->taken"),
-    (LANE_SPHERE, r"if \(s->report\.status != SMG_OK\) g->live\[l\] = 0;", r""),
+    (LANE_BATCH, r"smg_lane_insert\(g->compensation, l, s->compensation, 3\);", r""),
+    (LANE_SPHERE, r"s->rows \+ 4 \* s->row, newest", r"s->rows, newest"),
+    (LANE_BATCH, r"s->count = g->began\[l\] \+ g->taken", r"s->count = g->taken"),
     (LANE_STEPS, r"= smg_lane_select\(good, f->end, f->done\)", r"= f->end"),
     (LANE_STEPS, r"smg_lanes_add\(f, good, u\)", r"smg_lanes_add(f, smg_lane_all(1), u)"),
     (LANE_STEPS, r"f->natural_before = smg_lane_select\(finished, f->natural, f->natural_before\);", r""),
     (LANE_STEPS, r"smg_lane_set\(&f->natural_before, l, natural\);", r"smg_lane_set(&f->natural_before, l, 0);"),
     (LANE_ROWS, r"\(j - 1\) \* \(j - 1\) \+ m : 0", r"(j - 1) * (j - 1) + 1 : 0"),
-    (LANE_ROWS, r"g->live\[l\] = 0;", r""),
-    (LANE_ROWS, r"const int tables = b->alike \? 1 : b->groups", r"const int tables = 1"),
+    (LANE_BATCH, r"g->live\[l\] = 0;", r""),
+    (LANE_BATCH, r"k < \(alike \? 1 : b\.groups\)", r"k < 1"),
     (LANE_STEPS, r"smg_lane_select\(f->refused, smg_lane_min\(smg_lane_of\(1\), f->factor\), f->factor\)", r"f->factor"),
 )
 

@@ -13,6 +13,7 @@ STUBS = ("smg_stub_model.h", "smg_stub_functions.h")      # for editors: they co
 ASIDE = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'", re.DOTALL)
 MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 FUNCTION = re.compile(r"(\w+)\s*\([^;{}@]*\)\s*@")
+RENAMED = re.compile(r"^#define smg_(\w+) smg_lane_\1$", re.MULTILINE)      # for a template (runtime/core/smg_template.h): no definition
 TYPE = re.compile(r"\btypedef\b[^;]*?(\w+);|\b(?:struct|union|enum)\s+(\w+)\s*@")
 TABLE = re.compile(r"^(?:SMG_\w+ )?static const [\w ]+?(\w+)\[", re.MULTILINE)
 
@@ -42,7 +43,7 @@ def outside(text: str) -> str:
 
 def defined(text: str) -> set:
     """The macros, functions, types and tables that a header defines; its own guard is none of them."""
-    plain = re.sub(r"\bSMG_OF\((\w+)\)", r"smg_\1", code(text))      # of a text for scalars and lanes (smg_number.h)
+    plain = re.sub(r"\bSMG_OF\((\w+)\)", r"smg_\1", RENAMED.sub("", code(text)))      # of a text for scalars and lanes (smg_number.h)
     top = outside(re.sub(r"^[ \t]*#.*$", "", plain, flags=re.MULTILINE))
     names = {*MACRO.findall(plain), *FUNCTION.findall(top), *TABLE.findall(plain), *(name for pair in TYPE.findall(top) for name in pair if name)}
     return names - set(re.findall(r"^#ifndef (\w+_H)$", text, re.MULTILINE)[:1])

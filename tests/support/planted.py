@@ -60,10 +60,10 @@ static void planted_cap_slots(const smg_turning turn, int64_t slot, smg_lanes *g
 """
 # name -> (pattern, replacement) of the emitted text; @ is the number of the fault
 FAULTS = {
-    "no compensation": [(r"s->compensation\[(\d)\] = (y\..*);", r"s->compensation[\1] = planted == @ ? 0 : \2;"),
+    "no compensation": [(r"  smg_vec_store\(compensation, (.*)\);", r"  if (planted != @) smg_vec_store(compensation, \1);"),
                  (r"  smg_add_compensated\(w, compensation, u\);", r"  if (planted == @) *w += u; else smg_add_compensated(w, compensation, u);"),
                  (r"  smg_lane_put\(lost, carried\);", r"  if (planted != @) smg_lane_put(lost, carried);")],
-    "no branch check": [(r"if \((!smg_clear_of_branches\(det\) .*)\) return SMG_WRONG_BRANCH;", r"if (planted != @ && (\1)) return SMG_WRONG_BRANCH;"),
+    "no branch check": [(r"if \((!smg_clear_of_branches\(n\.det\) .*)\) return SMG_WRONG_BRANCH;", r"if (planted != @ && (\1)) return SMG_WRONG_BRANCH;"),
                         (r": certified \? SMG_OK : SMG_WRONG_BRANCH;", r": certified || planted == @ ? SMG_OK : SMG_WRONG_BRANCH;"),
                         (r"status == SMG_OK && sure\)", r"status == SMG_OK && (sure || planted == @))")],
     "turned": [(r"\+\+s->count;", r"++s->count; planted_turn(s->w, s->count);"),

@@ -53,29 +53,17 @@ static const smg_real smg_tableau_unit = 19958400; /* in parts of 1/smg_tableau_
 SMG_INLINE smg_real smg_tableau_part(int j, int m) { return (smg_real)m / (smg_real)(2 * j); }
 
 #if SMG_HAS_MOTION
-/* D_n of row j of the one site, in registers; sums begin at -0, to which compilers know better than to add. */
-SMG_INLINE smg_vec smg_tableau_row(smg_state *s, smg_vec w, smg_vec first, int j) {
-  const smg_real zero = -(smg_real)0, part = (smg_real)1 / (smg_real)j;
-  smg_vec older = smg_vec_of(zero, zero, zero), newer = smg_vec_scale((smg_real)0.5, first);
-  for (int m = 1; m < 2 * j; ++m) {
-    smg_set_time_at(&s->c, s, smg_tableau_part(j, m));
-    const smg_vec next = smg_vec_add(older, smg_motion(&s->c, smg_vec_add(w, smg_vec_scale(part, newer)), 1));
-    older = newer;
-    newer = next;
-  }
-  return newer;
+typedef smg_state smg_tableau_field;
+
+SMG_INLINE const smg_coefficients *smg_tableau_at(smg_state *s, int j, int m) {
+  smg_set_time_at(&s->c, s, smg_tableau_part(j, m));
+  return &s->c;
 }
 
-/* u = sum_j W_j/j D_n */
-static inline void smg_tableau_increment(smg_state *s) {
-  const smg_vec w = smg_vec_load(s->w);
-  smg_set_time_at(&s->c, s, 0);
-  const smg_vec first = smg_motion(&s->c, w, 1);
-  smg_vec sum = smg_vec_scale(smg_tableau_weights[0], smg_tableau_row(s, w, first, 1));
-  SMG_UNROLL
-  for (int j = 2; j <= SMG_TABLEAU_ROWS; ++j)
-    sum = smg_vec_add(sum, smg_vec_scale(smg_tableau_weights[j - 1], smg_tableau_row(s, w, first, j)));
-  smg_vec_store(s->u, smg_vec_of(sum.x / smg_tableau_unit, sum.y / smg_tableau_unit, sum.z / smg_tableau_unit));
+#include "smg_tableau_template.h"
+
+static inline void smg_solve_increment(smg_state *s) {
+  smg_vec_store(s->u, smg_tableau_increment(s, smg_vec_load(s->w)));
 }
 #else
 /* s->tableau: five vectors of 3 numbers a site. D_m stands in SMG_D or, of odd m, in SMG_D_ODD. */
@@ -97,7 +85,7 @@ static void smg_tableau_step(smg_state *s, int j, int m, smg_real *D, const smg_
 }
 
 /* u += W_j/j D_n, times smg_tableau_unit. */
-static void smg_tableau_row(smg_state *s, int j) {
+static void smg_add_tableau_row(smg_state *s, int j) {
   const int64_t n = 3 * smg_sites(&s->c);
   const smg_real *first = smg_tableau_vector(s, SMG_FIRST);
   smg_real *even = smg_tableau_vector(s, SMG_D), *odd = smg_tableau_vector(s, SMG_D_ODD);
@@ -109,12 +97,12 @@ static void smg_tableau_row(smg_state *s, int j) {
   for (int64_t q = 0; q < n; ++q) s->u[q] += smg_tableau_weights[j - 1] * even[q];
 }
 
-static inline void smg_tableau_increment(smg_state *s) {
+static inline void smg_solve_increment(smg_state *s) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_set_time_at(&s->c, s, 0);
   smg_right_side(&s->c, 1, s->w, smg_tableau_vector(s, SMG_FIRST));
   for (int64_t q = 0; q < n; ++q) s->u[q] = 0;
-  for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j) smg_tableau_row(s, j);
+  for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j) smg_add_tableau_row(s, j);
   for (int64_t q = 0; q < n; ++q) s->u[q] /= smg_tableau_unit;
 }
 #endif
@@ -131,7 +119,7 @@ static inline int64_t smg_lost_site(const smg_state *s) {
 }
 
 static smg_status smg_step(smg_state *s) {
-  smg_tableau_increment(s);
+  smg_solve_increment(s);
   s->report.partner = -1;
   s->report.site = smg_lost_site(s);
   s->report.status = s->report.site < 0 ? SMG_OK : SMG_NOT_FINITE;

@@ -1,0 +1,39 @@
+/* smidgen runtime: from here on templates (smg_template.h) are compiled for lanes. */
+#define smg_number smg_lanes
+#define smg_test smg_lane_mask
+#define smg_count smg_lane_mask
+#define smg_of smg_lane_of
+#define smg_select smg_lane_select
+#define smg_any smg_lane_any
+#define smg_abs smg_lane_abs
+#define smg_larger smg_lane_larger
+#define smg_vec smg_lane_vec
+#define smg_vec_of smg_lane_vec_of
+#define smg_vec_load smg_lane_vec_load
+#define smg_vec_store smg_lane_vec_store
+#define smg_vec_add smg_lane_vec_add
+#define smg_vec_sub smg_lane_vec_sub
+#define smg_vec_scale smg_lane_vec_scale
+#define smg_vec_dot smg_lane_vec_dot
+#define smg_vec_cross smg_lane_vec_cross
+#define smg_vec_largest smg_lane_vec_largest
+#define smg_vec_select smg_lane_vec_select
+#define smg_vec_finite smg_lane_vec_finite
+#define smg_coefficients smg_lane_coefficients
+#define smg_motion smg_lane_motion
+#define smg_not smg_lane_not
+#define smg_counted smg_lane_counted
+#define smg_sqrt smg_lane_sqrt
+#define smg_radial smg_lane_radial
+#define smg_derivative smg_lane_derivative
+#define smg_slope smg_lane_slope
+#define smg_slope_times smg_lane_slope_times
+#define smg_slope_minors smg_lane_slope_minors
+#define smg_slope_sums smg_lane_slope_sums
+#define smg_slope_trace smg_lane_slope_trace
+#define smg_at_most smg_lane_at_most
+#define smg_less smg_lane_less
+#undef SMG_AND
+#undef SMG_OR
+#define SMG_AND &
+#define SMG_OR |

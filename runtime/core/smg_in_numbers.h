@@ -1,0 +1,39 @@
+/* smidgen runtime: from here on templates (smg_template.h) are compiled for one number again. */
+#undef smg_number
+#undef smg_test
+#undef smg_count
+#undef smg_of
+#undef smg_select
+#undef smg_any
+#undef smg_abs
+#undef smg_larger
+#undef smg_vec
+#undef smg_vec_of
+#undef smg_vec_load
+#undef smg_vec_store
+#undef smg_vec_add
+#undef smg_vec_sub
+#undef smg_vec_scale
+#undef smg_vec_dot
+#undef smg_vec_cross
+#undef smg_vec_largest
+#undef smg_vec_select
+#undef smg_vec_finite
+#undef smg_coefficients
+#undef smg_motion
+#undef smg_not
+#undef smg_counted
+#undef smg_sqrt
+#undef smg_radial
+#undef smg_derivative
+#undef smg_slope
+#undef smg_slope_times
+#undef smg_slope_minors
+#undef smg_slope_sums
+#undef smg_slope_trace
+#undef smg_at_most
+#undef smg_less
+#undef SMG_AND
+#undef SMG_OR
+#define SMG_AND &&
+#define SMG_OR ||
