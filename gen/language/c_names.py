@@ -12,7 +12,7 @@ LIKE_A_MACRO = re.compile(r"[A-Z][A-Z0-9_]*[A-Z]|I\Z|B[0-9]+\Z")       # I: <com
 # Macros in small letters: of the C library, of POSIX, and those that compilers define for a machine.
 WORDS = frozenset("""
     alloca assert bool complex errno false fpclassify imaginary kill_dependency math_errhandling noreturn offsetof setjmp signbit static_assert stderr stdin
-    stdout thread_local true unreachable va_arg va_copy va_end va_start makedev major minor
+    stdout strdupa strndupa thread_local true unreachable va_arg va_copy va_end va_start makedev major minor
     linux unix i386 i486 i586 i686 arm hpux mips mipsel ppc sgi sparc sun tru64 vax win32 win64 cygwin m68k near far huge small interface pascal cdecl
     vector pixel
     """.split())

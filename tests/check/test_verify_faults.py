@@ -142,7 +142,7 @@ def test_outputs_that_are_wrong(name):
 @pytest.mark.parametrize("name", ["free_rigid_body", "nambu_a38"])
 def test_validate_sees_wrong_casimirs(monkeypatch, name):
     for fault, verdict in ((None, True), ("casimirs", False), ("momentum's sign", False)):
-        monkeypatch.setattr(validation, "build", lambda *_, f=fault: made(name).switch(f).double)
+        monkeypatch.setattr(validation, "model_of", lambda *_, f=fault: made(name).switch(f).double)
         line = {x.check: x for x in validation.validate(load(name), steps=2, points=1).lines}["values at the start"]
         assert line.passed == verdict, line
 

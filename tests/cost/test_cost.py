@@ -125,7 +125,7 @@ def test_an_end_that_can_be_known_is_not_lost(name, time):
 @pytest.mark.usefixtures("as_shipped")
 def test_an_end_that_nobody_knows_is_not_judged():
     spec = smidgen.load("heisenberg_chain")
-    chain = dict(values={"n": 6}, time=600, start=np.random.default_rng(3).normal(size=(6, 3)))
+    chain = dict(parameters={"n": 6}, time=600, start=np.random.default_rng(3).normal(size=(6, 3)))
     chain["start"] /= np.linalg.norm(chain["start"], axis=1)[:, None]
     found = smidgen.cost(spec, methods=("spherical-midpoint",), seconds=1, long=False, **chain)
     assert all(math.isnan(row.end_error) for row in found.rows) and "no end errors" in str(found)

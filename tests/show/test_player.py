@@ -96,7 +96,7 @@ def test_player_turns_and_plays(top, tmp_path):
 
     Frames are asked for by a timer: a browser without a window draws few of its own.
     """
-    page = draw.plot(top, "player", tmp_path / "p.html")
+    page = draw.plot(top, kind="player", out=tmp_path / "p.html")
     page.write_text(page.read_text().replace("</body>", HANDS))
     said = json.loads(re.search(r"<title>(.*?)</title>", in_browser(page, tmp_path)).group(1))
     assert said["turned"] and said["button"] == "Pause"
@@ -108,7 +108,7 @@ def test_player_turns_and_plays(top, tmp_path):
 def test_player_in_a_browser(top, tmp_path):
     """A headless browser shows user text as text, and the time."""
     hostile = result(top.w, HOSTILE, **top.values)
-    page = draw.plot(hostile, "player", tmp_path / "p.html")
+    page = draw.plot(hostile, kind="player", out=tmp_path / "p.html")
     dump = in_browser(page, tmp_path)
     assert re.search(r'<div id="clock"[^>]*>t = 0\.00000 +H \u2212 H\u2080 = 0</div>', dump)
     assert "&lt;/script&gt;" in dump and dump.count("<script") == 2
@@ -176,7 +176,7 @@ def film_said(film, tmp_path_factory):
 
 
 def moved(made, folder):
-    path = draw.plot(made, "player", folder / "p.html")
+    path = draw.plot(made, kind="player", out=folder / "p.html")
     page = path.read_text().replace("</title>", "</title>" + RECORDER, 1)
     path.write_text(page.replace("</body>", MOVES))
     title = re.search(r"<title>(.*?)</title>", in_browser(path, folder)).group(1)
@@ -273,7 +273,7 @@ def moving(top):
 def demo_page(top, tmp_path_factory):
     """index.html with three spheres that move, a table, a figure and a system with its player."""
     folder = tmp_path_factory.mktemp("page")
-    picture, played = draw.plot(top, "sphere", folder / "e 1.svg"), draw.plot(top, "player", folder / "p.html")
+    picture, played = draw.plot(top, kind="sphere", out=folder / "e 1.svg"), draw.plot(top, kind="player", out=folder / "p.html")
     spheres = [Picture(f"s{k}", picture, "One drifts", "Words of some length, as they stand below each.", part="opening", number="Figure 4", moving=moving(top)) for k in range(3)]
     return gallery(folder / "out", [("system", "criterion:"), ("error *", "\u2264 1"), ("note", "")],
                    [Row((HOSTILE, "1e-3", "fine"), True), Row(("b", "2", "bad"), False)],

@@ -112,7 +112,7 @@ def test_user_text_never_becomes_markup_or_script():
 def test_a_hostile_title_is_drawn(top, tmp_path):
     hostile = result(top.w, HOSTILE, **top.values)
     for kind in ("sphere", "energy", "player"):
-        path = draw.plot(hostile, kind, tmp_path / f"x.{'html' if kind == 'player' else 'svg'}")
+        path = draw.plot(hostile, kind=kind, out=tmp_path / f"x.{'html' if kind == 'player' else 'svg'}")
         assert path.stat().st_size > 1000
     page = (tmp_path / "x.html").read_text()
     assert page.count("<script") == 2 and "<b>" not in page
@@ -196,7 +196,7 @@ def test_a_lattice_is_seen_from_above(name):
 def test_spins_that_all_point_up_are_drawn(tmp_path):
     drawn = drawn_from("film", steps=3)
     drawn.w["w"][:] = [0, 0, 2]
-    draw.plot(drawn, "lattice", tmp_path / "up.png")
+    draw.plot(drawn, kind="lattice", out=tmp_path / "up.png")
     below = [ax.get_xlabel() != "" for ax in style.styled(pictures.draw_lattice)(drawn).axes[:4]]
     assert below == [False, True, True, True]
 
@@ -231,7 +231,7 @@ def test_what_a_run_does_not_call_is_no_lattice_of_it():
 @pytest.mark.parametrize("run, said", [("noise", "'noise' names none of a spec$"), ("picture.png", "say --out picture.png")])
 def test_a_result_has_no_runs(top, run, said):
     with pytest.raises(UsageError, match=said):
-        draw.plot(top, "sphere", None, run)
+        draw.plot(top, run, kind="sphere")
 
 
 def test_a_chain_is_no_such_lattice(ring):
@@ -241,12 +241,12 @@ def test_a_chain_is_no_such_lattice(ring):
 
 @pytest.mark.parametrize("ending", tiers(style.FORMATS, (), ("svg",)))
 def test_same_result_same_bytes(ending, top, tmp_path):
-    a, b = (draw.plot(top, "energy", tmp_path / f"{n}.{ending}").read_bytes() for n in "ab")
+    a, b = (draw.plot(top, kind="energy", out=tmp_path / f"{n}.{ending}").read_bytes() for n in "ab")
     assert a == b and len(a) > 1000
 
 
 def test_svg_of_a_sphere_has_the_same_bytes_and_no_date(top, tmp_path):
-    a, b = (draw.plot(top, "sphere", tmp_path / f"{n}.svg").read_bytes() for n in "ab")
+    a, b = (draw.plot(top, kind="sphere", out=tmp_path / f"{n}.svg").read_bytes() for n in "ab")
     assert a == b and b"<dc:date>" not in a
 
 
@@ -262,7 +262,7 @@ def test_auto_chooses_what_suits(top, ring):
 def test_the_callers_own_style_survives(top, tmp_path):
     import matplotlib
     before = dict(matplotlib.rcParams)
-    draw.plot(top, "energy", tmp_path / "a.png")
+    draw.plot(top, kind="energy", out=tmp_path / "a.png")
     assert dict(matplotlib.rcParams) == before
 
 
@@ -274,22 +274,22 @@ def test_the_callers_own_style_survives(top, tmp_path):
 ])
 def test_wrong_wishes_are_usage_errors(kind, out, words, top, tmp_path):
     with pytest.raises(UsageError, match=re.escape(words)):
-        draw.plot(top, kind, None if out is None else tmp_path / out)
+        draw.plot(top, kind=kind, out=None if out is None else tmp_path / out)
 
 
 def test_missing_columns_say_what_to_ask_for(top, tmp_path):
     bare = Result(top.meta, top.step, top.t, None, {})
     for kind in pictures.KINDS:
         with pytest.raises(UsageError, match="--what"):
-            draw.plot(bare, kind, tmp_path / ("a.html" if kind == "player" else "a.png"))
+            draw.plot(bare, kind=kind, out=tmp_path / ("a.html" if kind == "player" else "a.png"))
 
 
 def test_a_folder_that_cannot_be_written(top, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="cannot write"):
-        draw.plot(top, "energy", tmp_path / "file" / "a.png")
+        draw.plot(top, kind="energy", out=tmp_path / "file" / "a.png")
     with pytest.raises(UsageError, match="cannot write"):
-        draw.plot(top, "player", tmp_path / "file" / "a.html")
+        draw.plot(top, kind="player", out=tmp_path / "file" / "a.html")
 
 
 SPOILT = {
@@ -313,7 +313,7 @@ def test_spoilt_results_are_drawn_or_refused(how, top, tmp_path):
                     **{"momentum.w": w[:, 0], "mz": np.arange(k), "energy.rotation": np.ones(k)})
     for kind in ("sphere", "energy", "invariants", "chain", "player"):
         try:
-            draw.plot(spoilt, kind, tmp_path / ("a.html" if kind == "player" else "a.png"))
+            draw.plot(spoilt, kind=kind, out=tmp_path / ("a.html" if kind == "player" else "a.png"))
         except UsageError as error:
             assert how in ("all nan", "zero", "huge", "tiny") or "two outputs" in str(error)
 

@@ -29,7 +29,7 @@ def plot(source: Result | Spec | str | os.PathLike, run: str | None = None, *, k
     Raises UsageError for a wrong kind or ending, and what reading and running raise.
     """
     from .draw import plot as draw
-    return draw(source, run, kind, out)
+    return draw(source, run, kind=kind, out=out)
 
 
 def kinds() -> dict[str, str]:

@@ -10,7 +10,7 @@ from .pictures import KINDS, drawable, kinds, suitable
 from .style import FORMATS, save, styled
 
 
-def plot(source, run: str | None = None, kind: str = "auto", out=None) -> Path:
+def plot(source, run: str | None = None, *, kind: str = "auto", out=None) -> Path:
     """The path of the picture; `smidgen.plot` says what the arguments mean."""
     wanted(kind, out)
     result = shown(result_of(source, run))
