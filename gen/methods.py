@@ -39,7 +39,8 @@ class Method:
     splitting: what an explicit splitting of H takes apart (`compile.plan.splitting`, which looks at Hessians); keeps_linear: it keeps momentum and the
     linear integrals of sites; keeps_energy: the energy, whatever else it keeps; responds: it has a step for sites that do more than precess in
     their field (`compile.plan.contributions.Response`); equivariant: it commutes with the rotations
-    that leave H unchanged.
+    that leave H unchanged; across: it takes fields off the spheres, or turns sites about R itself, of which a torque w x R tells only what is across w:
+    so it takes torques as fields across w.
     """
     name: str
     title: str
@@ -78,6 +79,7 @@ class Method:
     keeps_energy: bool = False
     responds: bool = True
     equivariant: bool = True
+    across: bool = False
 
     @property
     def of_midpoints(self) -> bool:
@@ -107,7 +109,7 @@ MIDPOINT_METHODS = (
     Method("spherical-midpoint", "the spherical midpoint", "spherical midpoint", "spherical midpoint (symplectic, order 2)", 2,
            "smg_spherical_midpoint.h", onto_leaf=True, symplectic=True, unknowns=2, solvers=SOLVERS, lane_header="smg_lane_sphere.h"),
     Method("classical-midpoint", "the classical midpoint", "classical midpoint", "classical midpoint (comparator: not symplectic on spheres)", 2,
-           "smg_classical_midpoint.h"),
+           "smg_classical_midpoint.h", across=True),
     Method("moser-veselov", "discrete Moser-Veselov", "Moser\u2013Veselov", "discrete Moser-Veselov (free body)", 2,
            "smg_moser_veselov.h", symplectic=True, divided=True, free_body=True, responds=False, solvers=SOLVERS, asks=(ENERGY, GRADIENT, HESSIAN)))
 SPLITTINGS = (
@@ -134,13 +136,13 @@ ONE_STAGE = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "
                         ("past_slopes", 9, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
 COMPARATORS = (
     Method("cf4", "the commutator-free Lie-group method of order 4", "CF4",
-           "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True,
+           "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True, across=True,
            keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False, symmetric=False, keeps_linear=False,
            how=("explicit", "four stages of rotations"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("turns", 12, 0, "h b of the four stages"),
                    ("inverse", 1, 0, "1/|w|^2 of the start"))),
     Method("isospectral-midpoint", "the isospectral midpoint", "isospectral midpoint", "isospectral midpoint of so(3) (comparator: symplectic, order 2)", 2,
-           "smg_isospectral_midpoint.h", symplectic=True, keeps_quadratic=False, **ONE_STAGE),
+           "smg_isospectral_midpoint.h", symplectic=True, keeps_quadratic=False, across=True, **ONE_STAGE),
     Method("geodesic-midpoint", "the geodesic midpoint", "geodesic midpoint", "geodesic midpoint (comparator: not symplectic, order 2)", 2,
            "smg_geodesic_midpoint.h", onto_leaf=True, keeps_linear=False, **ONE_STAGE),
     Method("exponential-midpoint", "the Lie-group method with the exponential map", "exponential midpoint",

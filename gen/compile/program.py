@@ -14,7 +14,7 @@ def program_of(spec: Spec) -> Spec:
     return replace(spec, title="", path="", digest="", sources=(), starts=(), runs=(),
                    parameters=tuple(map(unset, spec.parameters)), effects=tuple(map(untitled, spec.effects)),
                    dampings=tuple(replace(d, meaning="") for d in spec.dampings),
-                   observables=tuple(map(untitled, spec.observables)))
+                   torques=tuple(map(untitled, spec.torques)), observables=tuple(map(untitled, spec.observables)))
 
 
 def unset(p: Parameter) -> Parameter:

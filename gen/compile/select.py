@@ -38,9 +38,10 @@ def with_effects(spec: Spec, names) -> Spec:
             raise UsageError(f"there is no effect `{name}` in {spec.name}: "
                              + nearest(name, known))
     kept = replace(spec, effects=tuple(e for e in spec.effects if e.name in set(names)),
-                   dampings=tuple(d for d in spec.dampings if d.name in set(names)))
-    if not kept.effects:
-        raise UsageError(f"damping alone moves nothing: name an energy too, such as {spec.effects[0].name}")
+                   dampings=tuple(d for d in spec.dampings if d.name in set(names)),
+                   torques=tuple(t for t in spec.torques if t.name in set(names)))
+    if not (kept.effects or kept.torques):
+        raise UsageError(f"damping alone moves nothing: name an energy too, such as {(*spec.effects, *spec.torques)[0].name}")
     return kept
 
 
@@ -100,7 +101,7 @@ def formulas(spec: Spec):
         yield from (f.count, f.kappa)
         yield from () if f.radius is None else (f.radius,)
         yield from (e for row in f.casimir or () for e in row)
-    for term in spec.effects + spec.observables:
+    for term in spec.effects + spec.torques + spec.observables:
         yield term.value
         yield from term.over.size if isinstance(term.over, Lattice) else ()
     yield from (e for d in spec.dampings for e in d.formulas.values())

@@ -83,7 +83,7 @@ def choose(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None
     settings = settle(spec, run, start=start, effects=effects, parameters=parameters, seed=seed, native=native)
     case = Case(spec, settings, asked_time(spec, settings, time))
     if case.energy_changes and energy is not None:
-        raise UsageError("the energy is not conserved, for H depends on time or sites are damped: ask for an end error")
+        raise UsageError("the energy is not conserved, for H depends on time, sites are damped or torques act: ask for an end error")
     progress("reference", 0.0)
     known = reference(case, min(1e-13, (error or 1e-6) / 1000))
     if error is not None and not known.error <= error / 3:

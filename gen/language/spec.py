@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Optional, Union
 
 from ..public import few
-from .expr import Expr
+from .expr import Expr, Spin
 
 
 @dataclass(frozen=True)
@@ -142,6 +142,13 @@ class Term:
     unit: str = ""
 
 
+@dataclass(frozen=True)
+class Torque(Term):
+    """An effect that is no energy: it moves the site of `on` by w' = .. + value, a vector that is tangent at w, as it stands: without kappa or
+    orientation. Gilbert's damping acts on it as on precession."""
+    on: Optional[Spin] = None
+
+
 FORMS = ("gilbert", "ll")     # of a damping: Gilbert's, and that of Landau and Lifshitz
 
 
@@ -233,11 +240,22 @@ class Spec:
     digest: str = ""             # sha256 of the text and of the files it names
     sources: tuple[tuple[str, str], ...] = ()
     dampings: tuple[Damping, ...] = ()
+    torques: tuple[Torque, ...] = ()
 
     @property
     def effect_names(self) -> tuple[str, ...]:
-        """Those of the energies, then those of the dampings: all that a scene may call for."""
-        return tuple(e.name for e in (*self.effects, *self.dampings))
+        """Those of the energies, then those of the dampings and torques: all that a scene may call for."""
+        return tuple(e.name for e in (*self.effects, *self.dampings, *self.torques))
+
+    @property
+    def conservative(self) -> bool:
+        """Do energies alone move its sites?"""
+        return not (self.dampings or self.torques)
+
+    @property
+    def pushed(self) -> tuple[str, ...]:
+        """The families whose sites a torque moves, in the order of the space."""
+        return tuple(f.name for f in self.families if f.name in {t.on.family for t in self.torques})
 
     @property
     def heated(self) -> tuple[str, ...]:
@@ -250,6 +268,6 @@ class Spec:
         return replace(self, dampings=tuple(replace(d, kT=None) for d in self.dampings)) if self.heated else self
 
     def __repr__(self) -> str:
-        held = ("parameters", "families", "effects", "dampings", "observables", "starts", "runs")
+        held = ("parameters", "families", "effects", "dampings", "torques", "observables", "starts", "runs")
         parts = [f"{name} {few(x.name for x in getattr(self, name))}" for name in held if getattr(self, name)]
         return f"<Spec {self.name}: {'; '.join(parts)}>"

@@ -12,7 +12,7 @@ from .terms import families_of
 
 def called_for(spec: Spec) -> Spec:
     """The spec without the families that no effect moves or names, and without what speaks of them."""
-    left = set().union(*map(families, spec.effects), *({d.over.family} for d in spec.dampings))
+    left = set().union(*map(families, (*spec.effects, *spec.torques)), *({d.over.family} for d in spec.dampings))
     if left == {f.name for f in spec.families}:
         return spec
     observables = tuple(o for o in spec.observables if families(o) <= left)

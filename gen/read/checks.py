@@ -67,6 +67,7 @@ def sound(spec: Spec, troubles) -> Spec:
                    families=tuple(without(f, lost) for f in spec.families if f.name not in lost),
                    effects=tuple(e for e in spec.effects if not named(e) & lost),
                    dampings=tuple(d for d in spec.dampings if not {d.over.family}.union(*map(elements, d.formulas.values())) & lost),
+                   torques=tuple(t for t in spec.torques if not named(t) & lost),
                    observables=tuple(e for e in spec.observables if not named(e) & lost),
                    starts=tuple(replace(s, families=tuple(p for p in s.families if not used(p, spec) & leafless))
                                 for s in spec.starts))
@@ -104,7 +105,7 @@ def space(spec: Spec, values: dict) -> Iterator[Trouble]:
 
 def terms(spec: Spec, values: dict) -> Iterator[Trouble]:
     """Effects and observables."""
-    for section, key, terms in (("effects", "energy", spec.effects),
+    for section, key, terms in (("effects", "energy", spec.effects), ("effects", "torque", spec.torques),
                                 ("observables", "value", spec.observables)):
         for term in terms:
             yield from term_fits(spec, term, (section, term.name), key, values)

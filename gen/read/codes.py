@@ -49,6 +49,9 @@ KAPPA = _code("E402", "a strength that is zero or not finite")
 COUNT = _code("E403", "a count, size or length that does not fit")
 RADIUS = _code("E404", "a radius that is not positive")
 
+# Torques
+NORMAL = _code("E405", "a torque that leaves the sphere")
+
 # Index families, lattices, graphs
 OVER = _code("E501", "an index family that cannot be read")
 BOND = _code("E502", "a bond that does not fit its lattice")

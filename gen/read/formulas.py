@@ -44,6 +44,14 @@ class Formulas:
                                hint)
         return result.expr
 
+    def vector(self, text: Text, scope: Scope) -> Expr:
+        """A formula whose value is a vector."""
+        result = self.typed(text, scope)
+        if result.kind != "v":
+            self.problems.fail(codes.KIND, text.whole, f"a vector is needed here, this is {'a number' if result.kind == 's' else 'a condition'}",
+                               "such as `cross(w[i], p)` or `vec(x, y, z)`")
+        return result.expr
+
     def free(self, node: Node, place: str, index: Optional[str] = None) -> Expr:
         """A number, or a formula of parameters (and of `index`), without vectors or time."""
         if node.is_number():

@@ -9,7 +9,7 @@ from typing import Optional
 
 from ..errors import Diagnostic, SpecError
 from ..language import limits
-from ..language.spec import Damping, Spec, Term
+from ..language.spec import Damping, Spec, Term, Torque
 from ..public import public
 from . import checks, codes
 from .called import called_for, with_parameters
@@ -228,9 +228,10 @@ class Reader:
         sources = (("", self.problems.sources.files[0].text),) + tuple(sorted(self.files.texts.items()))
         return Spec(head["name"], head["title"], tuple(self.declared.parameters.values()),
                     tuple(f for f in self.declared.families.values() if f.name not in self.declared.unread),
-                    tuple(e for e in effects if isinstance(e, Term)), observables,
+                    tuple(e for e in effects if type(e) is Term), observables,
                     tuple(self.declared.tables.items()), starts, runs, head["orientation"],
-                    self.path, digest(sources), sources, tuple(e for e in effects if isinstance(e, Damping)))
+                    self.path, digest(sources), sources, tuple(e for e in effects if isinstance(e, Damping)),
+                    tuple(e for e in effects if isinstance(e, Torque)))
 
     # What depends on values
 

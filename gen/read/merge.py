@@ -11,7 +11,7 @@ from .tree import LOST, Node
 # Keys of a table that say the same thing in different ways; * is any name.
 WAYS = {
     ("space", "*"): (("sphere", "radius"), ("r3",), ("nambu", "C")),
-    ("effects", "*"): (("energy",), ("damping", "form", "kT")),
+    ("effects", "*"): (("energy",), ("damping", "form", "kT"), ("torque", "on")),
     ("starts", "*"): tuple(FORMS.values()),
     ("starts", "*", "*"): tuple(FORMS.values()),
     ("runs", "*"): (("time",), ("steps",)),

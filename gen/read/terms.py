@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..language import limits
 from ..language.expr import Op, Spin, walk
-from ..language.spec import Damping, Each, Graph, Lattice, Once, Over, Pairs, Sites, Term
+from ..language.spec import Damping, Each, Graph, Lattice, Once, Over, Pairs, Sites, Term, Torque
 from . import codes
 from .damping import DampingReader
 from .formulas import Formulas
@@ -13,6 +13,7 @@ from .parse import parse
 from .problems import Bad, Problems
 from .scope import Declared, Scope, is_single
 from .text import meaning
+from .torque import TorqueReader
 from .tree import Node
 from .work import derivatives
 
@@ -25,13 +26,15 @@ class TermReader:
         self.declared, self.formulas, self.over_reader = declared, formulas, over
         self.problems = problems
 
-    def effects(self, section: Node) -> tuple[Term | Damping, ...]:
-        """Energies and dampings."""
-        found, dampings = [], DampingReader(self)
+    def effects(self, section: Node) -> tuple[Term | Damping | Torque, ...]:
+        """Energies, dampings and torques, each read by the keys that it has."""
+        dampings, torques = DampingReader(self), TorqueReader(self)
+        readers = {"torque": torques.read, "damping": dampings.read, "kT": dampings.read}
+        found = []
         for node in section.table().items():
             with self.problems.guard():
-                damps = isinstance(node.raw, dict) and (node.has("damping") or node.has("kT"))
-                found.append(dampings.read(node) if damps else self.term(node, "energy", "effect", ()))
+                key = next((key for key in readers if isinstance(node.raw, dict) and node.has(key)), None)
+                found.append(readers[key](node) if key else self.term(node, "energy", "effect", ()))
         if found and not any(isinstance(e, Term) for e in found):
             section.wrong(codes.MISSING, "no effect has an energy", 'a damping acts in the field of energies: give one, `energy = "..."`')
         return tuple(found)

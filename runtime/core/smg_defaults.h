@@ -19,6 +19,9 @@
 #ifndef SMG_CONSTANT_HESSIAN
 #define SMG_CONSTANT_HESSIAN 0
 #endif
+#ifndef SMG_TORQUES
+#define SMG_TORQUES 0
+#endif
 #ifndef SMG_CYCLIC
 #define SMG_CYCLIC 0
 #endif

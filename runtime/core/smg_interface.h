@@ -38,7 +38,11 @@ void SMG_PUBLIC(field)(const smg_model *model, smg_real t, const smg_real *w, sm
   smg_coefficients c;
   smg_begin(&c, model, t);
   for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) b[q] = 0;
+#if SMG_TORQUES
+  smg_energy_gradient(&c, w, b);
+#else
   smg_gradient(&c, w, b);
+#endif
   for (int64_t k = 0; k < smg_sites(&c); ++k)
     for (int64_t q = 3 * k; q < 3 * k + 3; ++q) b[q] /= smg_kappa(&c, k);
 }

@@ -15,6 +15,8 @@
  *              smg_radius(c, k)                   of a sphere
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
+ *              smg_energy_gradient(c, w, g)       the same without the fields of torques, which are no gradients: where
+ *                                                 SMG_TORQUES says so, blocks d2H/dw_i dw_j below need not be symmetric
  *              smg_motion(c, m)                   h (1/kappa) m x dH/dw of one unit sphere alone, by value, where
  *                                                 SMG_HAS_MOTION says so
  *              smg_lane_gradient(c, w, g)         the same of SMG_LANES states at once (smg_lanes.h), where

@@ -119,11 +119,17 @@ static int64_t smg_factor(const smg_state *s, int *sign) {
   return smg_solve_free(s, SMG_KRYLOV_TOLERANCE, SMG_PRODUCTS_LEFT(s));
 }
 
+/* The largest row sum of abs((J + J^T)/2 - I); not known where torques are among the fields, since their B_ji are not
+ * B_ij^T. */
+static inline smg_real smg_mean_bound(const smg_state *s) {
+  return SMG_TORQUES ? SMG_MAX : smg_most(s->mean, smg_order(s));
+}
+
 /* The sign of det J at the last point. */
 static int smg_sign(void *of) {
   smg_state *s = (smg_state *)of;
   const smg_krylov a = {s, smg_product, smg_order(s), s->work}, mean = {s, smg_times_mean, smg_order(s), s->work};
-  return smg_krylov_sign(&a, &mean, smg_most(s->mean, smg_order(s)));
+  return smg_krylov_sign(&a, &mean, smg_mean_bound(s));
 }
 
 /* The sum of abs(J - I) over a row. */
@@ -131,7 +137,7 @@ static inline smg_real smg_row_sum(const smg_state *s, int64_t row) { return s->
 
 /* Is x.J x >= x.x/4 for every x? By Gershgorin's circles of (J + J^T)/2, or by Lanczos, while products are left. */
 static inline int smg_coercive(const smg_state *s) {
-  const smg_real mean = smg_most(s->mean, smg_order(s));
+  const smg_real mean = smg_mean_bound(s);
   const smg_krylov a = {(void *)(uintptr_t)s, smg_times_mean, smg_order(s), s->work};
   return smg_contracts(mean) || (SMG_PRODUCTS_LEFT(s) > 0 && smg_krylov_coercive(&a, mean));
 }

@@ -26,9 +26,10 @@ HEATS = ("0.4", "abs(a)", "q*(1 + mod(k, 2))", "0*a", "300")      # the last: ve
 
 def spec_text(dice) -> str:
     """The text of a random spec: nearly half are of any space, the others of one layout; a fourth of those that can be are damped, half of these
-    with thermal noise."""
+    with thermal noise; a fourth are moved by torques."""
     text = dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice)
-    return warmed(damped(dice, text)) if dice.randint(0, 3) == 0 else text
+    text = warmed(damped(dice, text)) if dice.randint(0, 3) == 0 else text
+    return pushed(dice, text) if dice.randint(0, 3) == 0 else text
 
 
 def warmed(text) -> str:
@@ -49,8 +50,35 @@ def damped(dice, text) -> str:
         return text
     effects = (f'[effects.d{k}]\nover = "site(k) of {name}"\ndamping = "{dice.choice(DAMPINGS)}"\n' + f'form = "{dice.choice(FORMS)}"\n' * (kind == "sphere")
                for k, (name, kind) in enumerate(dice.sample(names, dice.randint(1, len(names)))))
-    found = re.sub(r"^(?=\[starts)", lambda _: "".join(effects), text, count=1, flags=re.MULTILINE)
-    return re.sub(r"^effects = \[", 'effects = ["d0", ', found, flags=re.MULTILINE)
+    return with_effects(text, "".join(effects), "d0")
+
+
+# tangent by their form; on the sphere alone, which no radius or R^3 has, they are not drawn
+TORQUES = ("0.2*cross({w}, cross({w}, vec(0.3, -0.2, 0.9)))", "q*cross({w}, vec(1, a, 0.5))*cos(t)", "0.1*cross(vec(0, 0, 1), {w})*{w}.z*(1 + mod(k, 2))",
+           "-0.2*cross({w}, cross({w}, vec(0.2*{w}.x, {w}.y, -{w}.z)))", "0.1*vec(0, 0, 1)*dot({w}, {w}) - 0.1*{w}*{w}.z", "if(t < 0.05, 0.1, -0.1)*cross({w}, vec(0, 1, 0))")
+
+
+def pushed(dice, text) -> str:
+    """With torques on sites, of their own vector alone or of others, where the method has a step for them."""
+    names = re.findall(r'^(\w+) = \{ (?:sphere|r3) = (?!.*tracer)', text, re.MULTILINE)
+    method = re.search(r'^method = "(.*)"', text, re.MULTILINE)
+    wanted = re.search(r"^# features: .*extended", text, re.MULTILINE)
+    if not names or wanted or not METHODS[method[1] if method else DEFAULT].responds:
+        return text
+    effects = []
+    for k in range(dice.randint(1, 2)):
+        name = dice.choice(names)
+        over, torque = f"site(k) of {name}", dice.choice(TORQUES).replace("{w}", f"{name}[k]")
+        if dice.randint(0, 3) == 0:
+            over, torque = f"pair(k, l) of {name}", f"0.05*cross({name}[k], cross({name}[k], {name}[l]) - {name}[l])"
+        effects.append(f'[effects.push{k}]\nover = "{over}"\ntorque = "{torque}"\n')
+    return with_effects(text, "".join(effects), "push0")
+
+
+def with_effects(text, effects, first) -> str:
+    """Before the starts; a run that names its effects names the first of them too."""
+    found = re.sub(r"^(?=\[starts)", lambda _: effects, text, count=1, flags=re.MULTILINE)
+    return re.sub(r"^effects = \[", f'effects = ["{first}", ', found, flags=re.MULTILINE)
 
 
 def assembled(dice, first, space, parameters, more, effects, start, method, solver, h=0.01, given="") -> str:

@@ -29,8 +29,8 @@ class Clock:
 
 
 def is_timed(scene) -> bool:
-    """Does H depend on t?"""
-    return any(isinstance(node, Time) for e in scene.effects for node in walk(e.value))
+    """Does H, or a torque, depend on t?"""
+    return any(isinstance(node, Time) for e in (*scene.effects, *scene.torques) for node in walk(e.value))
 
 
 def clock(equation: StepEquation, span: float) -> Clock | None:

@@ -34,7 +34,7 @@ class Report:
     could not be settled; splittings: explicit method -> what of H stands in its way, or None;
     searched: the classes of integrals that were looked for; damped: the families whose sites lose energy, of which no integrals but
     their lengths are looked for; heated: those that thermal noise turns; jumps: effect -> how far its energy jumps where sites cross an edge of a
-    formula."""
+    formula; pushed: those that torques move."""
     spec: str
     method: str
     families: tuple
@@ -54,6 +54,7 @@ class Report:
     damped: tuple = ()
     heated: tuple = ()
     jumps: dict = field(default_factory=dict)
+    pushed: tuple = ()
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -71,7 +72,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "jumps": self.jumps, "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "jumps": self.jumps, "pushed": list(self.pushed), "words": self.words()}
 
 
 @public
@@ -91,17 +92,17 @@ def explain(spec: Spec, run: str | None = None, *, method: str | None = None, ef
     turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families), seen)
     rotations, always, mixed = _rotations(asked, turns, seen, undecided)
     changes = time_dependent(asked)
-    damped = tuple(d.over.family for d in scene.dampings)
-    integrals = [] if damped else [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
+    damped, given_up = tuple(d.over.family for d in scene.dampings), not scene.conservative
+    integrals = [] if given_up else [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
                                    *joint_quadratic(asked, method, undecided), *energy_integral(asked, method, changes)]
     integrals += _casimirs(asked, METHODS[method].keeps_leaf)
     if changes is None:
         undecided.append("whether H depends on time")
     return Report(scene.name, method, tuple(asked.families), {n: c for n, (_, c) in asked.places.items()},
                   _parameters(asked), rotations, always,
-                  mixed, _unique(integrals), changes, [] if damped else parity(asked), undecided,
-                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if damped else attempt(lambda: splittings(scene)) or {},
-                  () if damped else tuple(looked_for(asked)), damped, scene.heated, jumps(scene))
+                  mixed, _unique(integrals), changes, [] if given_up else parity(asked), undecided,
+                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if given_up else attempt(lambda: splittings(scene)) or {},
+                  () if given_up else tuple(looked_for(asked)), damped, scene.heated, jumps(scene), scene.pushed)
 
 
 def _parameters(asked: Asked) -> dict:

@@ -8,8 +8,8 @@ from .names import axis_name
 
 
 def sentences(r) -> list[str]:
-    """One fact a line: jumps of H, rotations, damping, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
-    return [*_jumps(r), *_rotations(r), *_damping(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
+    """One fact a line: jumps of H, rotations, damping, torques, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
+    return [*_jumps(r), *_rotations(r), *_damping(r), *_torques(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
             *(f"Not decided: {text}." for text in r.undecided)]
 
 
@@ -67,6 +67,14 @@ def _damping(r):
                "time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order h^2 whatever the method. A path is that of its seed and its h.")
 
 
+def _torques(r):
+    """What torques give up, and what holds."""
+    if r.pushed:
+        symmetric = " A step of -h still undoes a step of h." if METHODS[r.method].symmetric else ""
+        yield (f"Torques move the sites of {' and '.join(r.pushed)}, which no energy does: no step is symplectic, and neither energy nor momentum is "
+               f"conserved; they may feed energy as well as take it. Torques are tangent, so that lengths stay.{symmetric}")
+
+
 def _numbers(count: int) -> str:
     return "1 number" if count == 1 else f"{count} numbers"
 
@@ -88,7 +96,7 @@ def _linear(r):
         each = " of every site" if i.name.endswith("of every site") else ""
         head = "Total momentum" if not each else "Linear integral"
         yield f"{head}, {name}{each} ({_numbers(total)}): {_kept(r, i)}{_scope(r, i.always)}."
-    if not found and not r.damped and not any("linear" in u for u in r.undecided):
+    if not found and not (r.damped or r.pushed) and not any("linear" in u for u in r.undecided):
         yield "No linear integral."
 
 

@@ -60,7 +60,7 @@ def known_integrals(case: Case) -> Known:
     quadratic = [integral(case, form(one.site, x)) for one in sites for x in one.quadratic]
     quadratic += [integral(case, i.numbers) for i in said if i.kind == "quadratic"]
     method = METHODS[case.settings.method]
-    if case.scene.dampings:
+    if not case.scene.conservative:
         return Known(found, [], [], False)
     momentum, quadratic = momentum if method.keeps_linear else [], quadratic if method.keeps_quadratic else []
     claimed = any(i.kind == "energy" for i in said)
@@ -134,8 +134,8 @@ def energy(case: Case, subject, known: Known) -> Row:
     """The energy is claimed where H is made of integrals that the method keeps."""
     if case.timed:
         return not_applicable("energy", "H depends on time")
-    if case.scene.dampings:
-        return not_applicable("energy", "damped sites lose energy")
+    if not case.scene.conservative:
+        return not_applicable("energy", "damped sites lose energy" if case.scene.dampings else "torques feed and take energy")
     if not known.energy:
         return not_applicable("energy", "not claimed: H is no sum of integrals that the method keeps")
     if subject.energy(case.w, 0.0) is None:

@@ -18,14 +18,14 @@ from .row import MOST, NO, Row, at_most, not_applicable
 DEFECT = 1e-12
 WIDTHS = (1e-3, 1e-4, 1e-5)     # angles of a difference: the wider has less round-off, the narrower less error
 FRAMES = {"quick": 4, "normal": 12}     # sites whose two tangent vectors are taken; neighbours stay together
-DAMPED = "damped sites lose area"
+DAMPED, PUSHED = "damped sites lose area", "torques are no Hamiltonian field"
 GLOBAL = 4                      # random tangent vectors of all sites at once
 
 
 def symplectic(case: Case, subject) -> list[Row]:
     """The defect of all sites that act on others, and of the tracers among themselves."""
-    if case.scene.dampings:
-        return [not_applicable("symplectic", DAMPED)]
+    if not case.scene.conservative:
+        return [not_applicable("symplectic", given_up(case.scene))]
     if not case.tracers.any():
         return [defect_row(case, subject, "symplectic", np.arange(case.sites), "")]
     why = "tracers act on nothing: with what carries them they are no Hamiltonian system"
@@ -34,6 +34,11 @@ def symplectic(case: Case, subject) -> list[Row]:
     if not case.tracers.all():
         rows = [defect_row(case, subject, "symplectic", np.flatnonzero(~case.tracers), "of the sites that are no tracers")]
     return [*rows, defect_row(case, subject, "tracers' area", carried, "")]
+
+
+def given_up(scene) -> str:
+    """Why no step is symplectic."""
+    return DAMPED if scene.dampings else PUSHED
 
 
 def defect_row(case: Case, subject, name, sites, note) -> Row:

@@ -11,7 +11,7 @@ from ...extremes import smallest
 from .case import EPS, Case
 from .leaves import LONG
 from .row import Row, at_most, not_applicable
-from .symplectic import DAMPED, WIDTHS, columns, form_defect, tangents
+from .symplectic import WIDTHS, columns, form_defect, given_up, tangents
 
 DERIVATIVE = 1e-9
 ULPS = 256              # of the symplectic form, in double precision
@@ -27,7 +27,7 @@ def tangent(case: Case, subject) -> list[Row]:
         why = "this integrator has no tangent map"
         return [not_applicable("tangent map", why), not_applicable("tangent symplectic", why)]
     apart, defect = np.max(found, axis=0)
-    form = not_applicable("tangent symplectic", DAMPED) if case.scene.dampings else at_most("tangent symplectic", defect, ULPS * EPS)
+    form = at_most("tangent symplectic", defect, ULPS * EPS) if case.scene.conservative else not_applicable("tangent symplectic", given_up(case.scene))
     return [at_most("tangent map", apart, DERIVATIVE), form]
 
 

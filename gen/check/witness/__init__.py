@@ -17,10 +17,11 @@ import numpy as np
 
 from ...errors import RunError, UsageError
 from ...language.evaluate import evaluate
-from ...language.spec import Spec, Term
+from ...language.expr import Op
+from ...language.spec import Damping, Spec, Term, Torque
 from ...run.step.evaluated import Evaluated
 from . import collocation, compositions, extrapolation, lie, native, rattle, splittings, thermal
-from .program import compile_term
+from .program import compile_term, moved_sites
 
 
 def reference(witness, w, t: float, h: float):
@@ -64,9 +65,10 @@ class Witness:
         self.sites = sum(count for _, count in self.families.values())
         self.kappa = self.numbers.kappas
         self._c = native.load()
-        chosen = _chosen((*spec.effects, *spec.dampings), effects)
-        self.effects = {e.name: self._program(e) for e in chosen if isinstance(e, Term)}
-        self.dampings = [d for d in chosen if not isinstance(d, Term)]
+        chosen = _chosen((*spec.effects, *spec.dampings, *spec.torques), effects)
+        self.effects = {e.name: self._program(e) for e in chosen if type(e) is Term}
+        self.dampings = [d for d in chosen if isinstance(d, Damping)]
+        self.torques = [self._component(e, axis) for e in chosen if isinstance(e, Torque) for axis in "xyz"]
         self.diffusion = self._diffusion()
         self.terms = {o.name: self._program(o) for o in spec.observables}
         self._system = self._whole()
@@ -88,11 +90,11 @@ class Witness:
         return self._evaluate(self._c.witness_field, w, t)
 
     def turning(self, w, t: float = 0.0) -> np.ndarray:
-        """R with w' = orientation * grad C(w) x R, shape (sites, 3): b, and what damping adds to it."""
+        """R with w' = orientation * grad C(w) x R, shape (sites, 3): b, and what damping and torques add to it."""
         return self._evaluate(self._c.witness_turning, w, t)
 
     def vector_field(self, w, t: float = 0.0) -> np.ndarray:
-        """X = w' = orientation * grad C(w) x b, shape (sites, 3); grad C = w on spheres."""
+        """X = w' = orientation * grad C(w) x b, shape (sites, 3), with damping and torques; grad C = w on spheres."""
         return self._evaluate(self._c.witness_vector_field, w, t)
 
     def jacobian(self, w, t: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -196,34 +198,41 @@ class Witness:
                 a.ctypes.data for a in (one.code, one.site, one.data, one.table, one.feels)))
         return one
 
+    def _component(self, torque, axis):
+        """(the program of one component, the sites that it moves, its number)."""
+        one = self._program(Term(torque.name, torque.over, Op(axis, (torque.value,))))
+        return one, moved_sites(torque, self.values, self.families), "xyz".index(axis)
+
     def _whole(self):
         programs = [one.struct for one in self.effects.values()]
         self._structs = (native.ProgramStruct * max(1, len(programs)))(*programs)
+        self._pushes = (native.PushStruct * max(1, len(self.torques)))(*((one.struct, moved.ctypes.data, axis) for one, moved, axis in self.torques))
         radius = self.numbers.radii
         self._arrays = [np.ascontiguousarray(a, dtype=float) for a in (
             self.kappa, self.numbers.casimir_matrices,
             radius * radius / 2, *self._damped())]
         system = native.SystemStruct(
-            self.sites, len(programs), ctypes.addressof(self._structs),
+            self.sites, len(programs), len(self.torques), ctypes.addressof(self._structs), ctypes.addressof(self._pushes),
             *(a.ctypes.data for a in self._arrays), self.spec.orientation)
         self._system_pointer = ctypes.addressof(system)
         return system
 
     def _damped(self):
-        """(alpha, and what the motion is multiplied by), each of shape (sites,)."""
-        alpha, share = np.zeros(self.sites), np.ones(self.sites)
+        """(alpha, what the motion is multiplied by, does damping act on torques too), each of shape (sites,)."""
+        alpha, share, lag = np.zeros(self.sites), np.ones(self.sites), np.zeros(self.sites)
         for d in self.dampings:
             first, count = self.families[d.over.family]
             here = slice(first, first + count)
             alpha[here] = evaluate(d.alpha, {**self.values, d.over.index: np.arange(count)})
             share[here] = 1 / (1 + alpha[here]**2) if d.form == "gilbert" else 1
-        return alpha, share
+            lag[here] = d.form == "gilbert"
+        return alpha, share, lag
 
     def _diffusion(self):
         """D of every site, (sites,); None without noise."""
         if all(d.kT is None for d in self.dampings):
             return None
-        (alpha, share), found = self._damped(), np.zeros(self.sites)
+        (alpha, share, _), found = self._damped(), np.zeros(self.sites)
         for d in (d for d in self.dampings if d.kT is not None):
             first, count = self.families[d.over.family]
             here, radius = slice(first, first + count), self.numbers.radii[first:first + count]

@@ -64,7 +64,8 @@ int equation_residual(equation *e, const real *d, real *f) {
   if (status == OK) status = field(e->s, e->t, e->m, e->b);
   if (status != OK) return status;
   turn(e->s, e->m, e->b, e->x);
-  if (e->method == MOSER_VESELOV) status = shorten(e);
+  status = push(e->s, e->t, e->m, e->x);
+  if (status == OK && e->method == MOSER_VESELOV) status = shorten(e);
   for (int64_t v = 0; v < 3 * e->s->sites; v++) f[v] = d[v] - e->h * e->x[v];
   return status;
 }
@@ -99,13 +100,15 @@ static void shorten_rows(equation *e, const double *db) {
 }
 
 /* Db in dx -> the derivative of Y; copy is room for Db where it is needed twice */
-static void derivative_of_y(equation *e, double *copy) {
+static int derivative_of_y(equation *e, double *copy) {
   const int64_t rows = 3 * e->s->sites;
   for (int64_t k = 0; k < rows * rows; k++) copy[k] = e->dx[k];
   turn(e->s, e->m, e->b, e->x);
   turn_derivative(e->s, e->m, e->b, e->dx);
+  const int status = push_derivative(e->s, e->t, e->m, e->dx, NULL);
   if (e->method == SPHERICAL_MIDPOINT) project_columns(e);
   if (e->method == MOSER_VESELOV) shorten_rows(e, copy);
+  return status;
 }
 
 /* F' = 1 - (h/2) Y' */
@@ -113,8 +116,8 @@ int equation_jacobian(equation *e, const real *d, double *jacobian) {
   const int64_t rows = 3 * e->s->sites;
   int status = midpoint(e, d);
   if (status == OK) status = field_derivative(e->s, e->t, e->m, e->b, e->dx, e->b_dt);
+  if (status == OK) status = derivative_of_y(e, jacobian);
   if (status != OK) return status;
-  derivative_of_y(e, jacobian);
   for (int64_t k = 0; k < rows * rows; k++)
     jacobian[k] = (k % (rows + 1) == 0) - (double)(e->h / 2) * e->dx[k];
   return OK;

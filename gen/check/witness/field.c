@@ -51,7 +51,7 @@ static void leaf_normal(const system_t *s, int64_t i, const real *w, real g[3]) 
     g[c] = s->orientation * (a[3 * c] * w[0] + a[3 * c + 1] * w[1] + a[3 * c + 2] * w[2]);
 }
 
-static void cross(const real a[3], const real b[3], real x[3]) {
+void cross(const real a[3], const real b[3], real x[3]) {
   x[0] = a[1] * b[2] - a[2] * b[1];
   x[1] = a[2] * b[0] - a[0] * b[2];
   x[2] = a[0] * b[1] - a[1] * b[0];
@@ -62,6 +62,9 @@ static real loss(const system_t *s, int64_t i) {
   const real r = isnan(s->leaf[i]) ? 1 : sqrtl(2 * (real)s->leaf[i]);
   return s->alpha[i] == 0 ? 0 : s->orientation * copysign(s->alpha[i], s->kappa[i]) / r;
 }
+
+/* what torques lose with the motion: under Gilbert's damping alone */
+real gilbert_loss(const system_t *s, int64_t i) { return s->lag[i] * loss(s, i); }
 
 /* R = share (b + loss w x b) of one site */
 void turning(const system_t *s, int64_t i, const real *w, const real *b, real R[3]) {

@@ -21,6 +21,7 @@ static int rate(double t, const double *y, double *dydt, void *to) {
   for (int64_t v = 0; v < n; v++) f->w[v] = y[v];
   f->status = field(f->s, t, f->w, f->b);
   turn(f->s, f->w, f->b, f->x);
+  if (f->status == OK) f->status = push(f->s, t, f->w, f->x);
   for (int64_t v = 0; v < n; v++) dydt[v] = (double)f->x[v];
   return f->status == OK ? GSL_SUCCESS : GSL_EBADFUNC;
 }
@@ -34,6 +35,7 @@ static int rate_derivative(double t, const double *y, double *dfdy, double *dfdt
   f->status = field_derivative(f->s, t, f->w, f->b, dfdy, b_dt);
   turn_derivative(f->s, f->w, f->b, dfdy);
   turn(f->s, f->w, b_dt, f->x);
+  if (f->status == OK) f->status = push_derivative(f->s, t, f->w, dfdy, f->x);
   for (int64_t v = 0; v < n; v++) dfdt[v] = (double)f->x[v];
   return f->status == OK ? GSL_SUCCESS : GSL_EBADFUNC;
 }

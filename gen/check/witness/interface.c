@@ -8,8 +8,9 @@ typedef int evaluator(const system_t *s, real t, const real *w, real *out);
 
 static int vector_field(const system_t *s, real t, const real *w, real *x) {
   real *b = malloc((size_t)(3 * s->sites) * sizeof(real));
-  const int status = b ? field(s, t, w, b) : NO_MEMORY;
+  int status = b ? field(s, t, w, b) : NO_MEMORY;
   if (status == OK) turn(s, w, b, x);
+  if (status == OK) status = push(s, t, w, x);
   free(b);
   return status;
 }
@@ -29,13 +30,27 @@ int witness_field(const system_t *s, double t, const double *w, double *b) {
   return through(field, s, t, w, b);
 }
 
+/* R += orientation (x w)/(w.w) of what torques do, x: w x R = orientation x, since x is across w. */
+static int turn_by_torques(const system_t *s, real t, const real *w, real *R) {
+  real *x = calloc((size_t)(3 * s->sites), sizeof(real));
+  const int status = x ? push(s, t, w, x) : NO_MEMORY;
+  for (int64_t i = 0; i < s->sites && status == OK; i++) {
+    const real *v = w + 3 * i, square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    real across[3];
+    cross(x + 3 * i, v, across);
+    for (int k = 0; k < 3; k++) R[3 * i + k] += s->orientation * across[k] / square;
+  }
+  free(x);
+  return status;
+}
+
 static int turnings(const system_t *s, real t, const real *w, real *R) {
   const int status = field(s, t, w, R);
   for (int64_t i = 0; i < s->sites && status == OK; i++) {
     const real b[3] = {R[3 * i], R[3 * i + 1], R[3 * i + 2]};
     turning(s, i, w + 3 * i, b, R + 3 * i);
   }
-  return status;
+  return status == OK && s->torques > 0 ? turn_by_torques(s, t, w, R) : status;
 }
 
 int witness_turning(const system_t *s, double t, const double *w, double *R) {
@@ -52,9 +67,10 @@ int witness_jacobian(const system_t *s, double t, const double *w, double *dx, d
   real *in = malloc((size_t)(4 * n) * sizeof(real));
   if (!in) return NO_MEMORY;
   for (int64_t v = 0; v < n; v++) in[v] = w[v];
-  const int status = field_derivative(s, t, in, in + n, dx, in + 2 * n);
+  int status = field_derivative(s, t, in, in + n, dx, in + 2 * n);
   if (status == OK) turn_derivative(s, in, in + n, dx);
   if (status == OK) turn(s, in, in + 2 * n, in + 3 * n);
+  if (status == OK) status = push_derivative(s, t, in, dx, in + 3 * n);
   for (int64_t v = 0; v < n && status == OK; v++) x_dt[v] = (double)in[3 * n + v];
   free(in);
   return status;

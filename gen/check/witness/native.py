@@ -23,11 +23,16 @@ class ProgramStruct(ctypes.Structure):
         (name, POINTER) for name in ("code", "site", "data", "table", "feels")]
 
 
+class PushStruct(ctypes.Structure):
+    """struct pushes of witness.h."""
+    _fields_ = [("value", ProgramStruct), ("moved", POINTER), ("component", INTEGER)]
+
+
 class SystemStruct(ctypes.Structure):
     """struct system of witness.h."""
-    _fields_ = [("sites", INTEGER), ("effects", INTEGER), ("effect", POINTER),
+    _fields_ = [("sites", INTEGER), ("effects", INTEGER), ("torques", INTEGER), ("effect", POINTER), ("torque", POINTER),
                 ("kappa", POINTER), ("casimir", POINTER), ("leaf", POINTER),
-                ("alpha", POINTER), ("share", POINTER), ("orientation", REAL)]
+                ("alpha", POINTER), ("share", POINTER), ("lag", POINTER), ("orientation", REAL)]
 
 
 TYPES = {

@@ -59,6 +59,13 @@ def compile_term(spec, term: Term, env: dict, places: dict) -> Program:
         np.array(code.table or [0.0]), _feels(spec, term.over, code.slots))
 
 
+def moved_sites(torque, env: dict, places: dict) -> np.ndarray:
+    """The site that a torque moves in every instance."""
+    indices, _ = instances_of(torque.over, env, places)
+    count = len(next(iter(indices.values()))) if indices else 1
+    return np.ascontiguousarray(_sites((torque.on.family, torque.on.slot), indices, places, count), dtype=np.int64)
+
+
 def _rows(columns, count, dtype):
     return np.ascontiguousarray(np.array(columns, dtype=dtype).reshape(len(columns), count).T)
 

@@ -133,7 +133,7 @@ def bonds(witness):
         for k, (i, j) in enumerate(one.site if one.site.shape[1] == 2 else ()):
             arrays = [np.ascontiguousarray(a) for a in (one.code, one.site[k:k + 1], one.data[k:k + 1], one.table, one.feels)]
             program = native.ProgramStruct(len(one.code), 2, one.data.shape[1], 1, *(a.ctypes.data for a in arrays))
-            system = native.SystemStruct(witness.sites, 1, ctypes.addressof(program), *(a.ctypes.data for a in witness._arrays),
+            system = native.SystemStruct(witness.sites, 1, 0, ctypes.addressof(program), None, *(a.ctypes.data for a in witness._arrays),
                                          witness.spec.orientation)
             yield i, j, (system, program, arrays)
 

@@ -61,6 +61,33 @@ int term_gradient(const program *p, real t, const real *w, real *gradient) {
   return status;
 }
 
+int term_values(const program *p, real t, const real *w, const int64_t *moved, int64_t component, real *T) {
+  work k;
+  int status = work_new(&k, p, t, 0);
+  for (int64_t n = 0; n < p->instances && status == OK; n++) {
+    status = run_instance(&k, p, n, w);
+    T[3 * moved[n] + component] += value(&k.j, p->length - 1);
+  }
+  work_free(&k);
+  return status;
+}
+
+int term_slopes(const program *p, real t, const real *w, const int64_t *moved, int64_t component, int64_t rows,
+                double *slopes, real *T_dt) {
+  work k;
+  int status = work_new(&k, p, t, 2);
+  for (int64_t n = 0; n < p->instances && status == OK; n++) {
+    const int64_t last = p->length - 1, row = 3 * moved[n] + component, *site = p->site + n * p->slots;
+    status = run_instance(&k, p, n, w);
+    if (!k.j.active[last]) continue;
+    for (int64_t v = 0; v < k.variables; v++)
+      slopes[row * rows + 3 * site[v / 3] + v % 3] += (double)jet(&k.j, last)[1 + v];
+    T_dt[row] += jet(&k.j, last)[1 + k.variables];
+  }
+  work_free(&k);
+  return status;
+}
+
 /* second derivative with respect to the local variables u and v */
 static real second(const work *k, int64_t last, int64_t u, int64_t v) {
   const int64_t row = u > v ? u : v, column = u > v ? v : u;

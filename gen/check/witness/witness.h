@@ -37,23 +37,36 @@ typedef struct program {
   const uint8_t *feels;     /* slots: 1 when the term acts on that spin */
 } program;
 
+/* One component of a torque: the value of a term, at the site that it moves in each instance. */
+typedef struct pushes {
+  program value;
+  const int64_t *moved; /* instances */
+  int64_t component;
+} pushes;
+
 typedef struct system {
-  int64_t sites, effects;
+  int64_t sites, effects, torques;
   const program *effect;
+  const pushes *torque;
   const double *kappa;   /* sites */
   const double *casimir; /* sites x 9: A_i */
   const double *leaf;    /* sites: C on the leaf if it is fixed (r^2/2), else NaN */
   const double *alpha;   /* sites: damping, 0 for none */
   const double *share;   /* sites: 1, or 1/(1 + alpha^2) */
+  const double *lag;     /* sites: 1 where damping acts on torques too (Gilbert's), else 0 */
   double orientation;
 } system_t;
 
 /* Receives the Hessian block d2H/dw_i dw_j of one instance, row-major. */
 typedef void (*block_sink)(void *to, int64_t i, int64_t j, const real block[9]);
 
-/* term.c: value, gradient and Hessian of a term, summed over its instances */
+/* term.c: value, gradient and Hessian of a term, summed over its instances; of a component of a torque its values and slopes, at the sites that they
+ * move */
 int term_value(const program *p, real t, const real *w, real *sum);
 int term_gradient(const program *p, real t, const real *w, real *gradient);
+int term_values(const program *p, real t, const real *w, const int64_t *moved, int64_t component, real *T);
+int term_slopes(const program *p, real t, const real *w, const int64_t *moved, int64_t component, int64_t rows,
+                double *slopes, real *T_dt);
 int term_hessian(const program *p, real t, const real *w, real *gradient, real *gradient_dt,
                  block_sink sink, void *to);
 
@@ -63,7 +76,13 @@ int field_derivative(const system_t *s, real t, const real *w, real *b, double *
                      real *b_dt);
 void turning(const system_t *s, int64_t i, const real *w, const real *b, real R[3]);
 void turn(const system_t *s, const real *w, const real *b, real *x);
+void cross(const real a[3], const real b[3], real x[3]);
+real gilbert_loss(const system_t *s, int64_t i);
 void turn_derivative(const system_t *s, const real *w, const real *b, double *db);
+
+/* torque.c: x += what torques do, and its derivatives; x_dt may be NULL */
+int push(const system_t *s, real t, const real *w, real *x);
+int push_derivative(const system_t *s, real t, const real *w, double *dx, real *x_dt);
 
 /* project.c: from the midpoint to the point where the field is taken */
 int leaf_of(const system_t *s, int64_t i, const real *w, real *c);

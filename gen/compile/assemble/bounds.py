@@ -25,7 +25,7 @@ class Bounds:
 
     def checks(self, spec) -> tuple:
         """Statements that refuse sizes for which an index leaves its array."""
-        tests = [test for t in (*spec.effects, *spec.observables) for e in entries(t.value)
+        tests = [test for t in (*spec.effects, *spec.torques, *spec.observables) for e in entries(t.value)
                  for test in self.interval_tests(e, families_of(t.over))]
         tests += [test for d in spec.dampings for formula in d.formulas.values() for e in entries(formula) for test in self.interval_tests(e, families_of(d.over))]
         tests += [test for f in spec.families for formula in (f.kappa, f.radius, *sum(f.casimir or (), ()))

@@ -40,7 +40,7 @@ def few(model, low):
     """The pulls of all terms, or None where a term, a factor or a feature does not allow it."""
     if not (model.plan.lanes and len(model.families) == 1 and model.families[0].kind == "sphere"):
         return None
-    if any(map(indexed, model.responses.values())) or model.method.stages > 1 or {"extended", "tangent"} & set(model.features) or not all(serves(low, t) for t in model.effects):
+    if any(map(indexed, model.responses.values())) or model.method.stages > 1 or {"extended", "tangent"} & set(model.features) or not all(serves(low, t) for t in model.fields):
         return None
     return tuple(pull(low, t, model.unit_radius()) for t in model.effects)
 
@@ -49,7 +49,7 @@ def few(model, low):
 
 def serves(low, t) -> bool:
     d = t.derived
-    if not isinstance(t.over, (Pairs, Sites)) or d.parts or switched(d) or any(slot not in t.over.bound for _, slot in t.slots):
+    if d.pushed is not None or not isinstance(t.over, (Pairs, Sites)) or d.parts or switched(d) or any(slot not in t.over.bound for _, slot in t.slots):
         return False
     if not all(plain(node) for node in d.leaves.values()) or len(t.slots) != len(t.over.bound):
         return False

@@ -11,8 +11,8 @@ VECTORS = {"const smg_real *": "const smg_lanes *", "smg_real *": "smg_lanes *"}
 
 
 def lane_functions(model) -> list:
-    kernels = [in_lanes(f) for t in model.effects for f in t.functions if f.name == f"{t.prefix}_gradient"]
-    body = sums(model, model.effects, lambda t: tuple(map(renamed, gradient_body(model, t))))
+    kernels = [in_lanes(f) for t in model.fields for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    body = sums(model, model.fields, lambda t: tuple(map(renamed, gradient_body(model, t))))
     return [*kernels, in_lanes(sum_gradient("smg_lane_gradient", body), "smg_lane_gradient")]
 
 

@@ -10,12 +10,13 @@ from ..features import ASKS, EVERYWHERE, chosen_features
 from ..lower.code import At, Name
 from ..lower.indices import one_site, safe_indices
 from ..lower.integers import Index, Int, total
-from ..lower.kernels import term_kernels
+from ..lower.kernels import field_kernels, term_kernels
 from ..lower.loops import Loops
 from ..lower.lowering import Lowering
-from ..plan.contributions import contributions_of, diffusions_of, require, responses_of
+from ..plan.contributions import contributions_of, diffusions_of, fields_of, require, responses_of
 from ..plan.layout import with_layout
 from ..plan.plan import Plan, require_free_body
+from ..plan.torque import slots
 from .families import FamilyCode, family_codes
 from .norms import edge_norms, reach
 from .parts import FIRST, PARTS
@@ -28,7 +29,7 @@ HISTORY = 7     # increments kept for the predictor; its degree adapts up to one
 class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
-    families: sizes, strengths and leaves; effects, observables: kernels of one term; responses: laws of families whose sites do more than precess;
+    families: sizes, strengths and leaves; effects, observables: kernels of one term; torques: of those that are fields beside the gradients; responses: laws of families whose sites do more than precess;
     reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; parts: those of `parts.py` that it has, each also an
     attribute by its name, what it is made of or None.
     """
@@ -36,13 +37,14 @@ class Model:
     def __init__(self, spec: Spec, plan: Plan, features=(), contributions=None):
         self.spec, self.plan, self.method = safe_indices(one_site(spec)), plan, METHODS[plan.method]
         self.features = chosen_features(features)
-        self.contributions = contributions_of(spec) if contributions is None else contributions
+        self.contributions = contributions_of(spec, self.method) if contributions is None else contributions
         self.responses = responses_of(self.contributions)
         self.refuse_what_the_method_has_not()
         low = Lowering(self.spec)
         self.families = family_codes(low, self.spec.families, plan.coupled)
         self.by_name = {f.name: f for f in self.families}
         self.effects = tuple(term_kernels(low, e, "effect") for e in self.spec.effects)
+        self.torques = tuple(field_kernels(low, t, slots(t), field) for t, field in fields_of(self.spec, self.contributions, self.method))
         self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
         self.parts = ()
         self.add(FIRST, low)
@@ -79,6 +81,11 @@ class Model:
             raise UsageError("feature tangent is for motion without noise: leave kT out")
         if self.method.free_body:
             require_free_body(self.spec, self.plan.method)
+
+    @property
+    def fields(self) -> tuple:
+        """All terms that move sites by a gradient, or by a field in the place of one."""
+        return (*self.effects, *self.torques)
 
     # -- families -----------------------------------------------------------------------------
     @property
@@ -121,15 +128,17 @@ class Model:
         return moves_tracers(term.over, term.slots, {f.name for f in self.families if f.tracer})
 
     def unfelt(self, term) -> list:
-        """Numbers of the slots whose gradient is dropped: tracers act on none."""
+        """Numbers of the slots whose gradient is dropped: tracers act on none, and a torque moves one site."""
+        if term.derived.pushed is not None:
+            return [k for k in range(len(term.slots)) if k != term.derived.pushed]
         return [k for k, s in enumerate(term.slots) if self.passive(term) and not self.is_tracer(s)]
 
     def coupled_effects(self) -> list:
-        return [e for e in self.effects if not self.passive(e) and any(f in self.plan.coupled for f, _ in e.slots)]
+        return [e for e in self.fields if not self.passive(e) and any(f in self.plan.coupled for f, _ in e.slots)]
 
     def roles(self, family: str):
         """The effects and slots through which a site of `family` feels something."""
-        for t in self.effects:
+        for t in self.fields:
             for k, s in enumerate(t.slots):
                 if s[0] == family and k not in self.unfelt(t):
                     yield t, k

@@ -72,7 +72,7 @@ def checks_of(model) -> list:
     found = [check for f in model.families for check in outside(f.count, 1)]
     sizes = [model.low.size(p.size) for p in run_time(model.spec) if p.kind == "array"]
     found += [check for n in sizes for check in outside(n, 1)]
-    for t in (*model.effects, *model.observables):
+    for t in (*model.fields, *model.observables):
         found += [check for f, k in t.slots if isinstance(k, int) for check in refuse(compare(model.by_name[f].count, "<=", k))]
         if isinstance(t.over, Lattice):
             found += lattice_checks(model, t)

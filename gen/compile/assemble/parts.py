@@ -13,8 +13,9 @@ from .rows import ByRows
 from .solo import LoneMotion, SingleSphere
 from .sublattices import Sublattices
 from .thermal import Thermal
+from .torque import Torques
 from .wide import Extended
 
 FIRST = (Responses(), Thermal())      # before bounds of the Hessian are found
-PARTS = (*FIRST, ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
+PARTS = (*FIRST, Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
          Extended(), GradientsInLanes())

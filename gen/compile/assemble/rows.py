@@ -66,7 +66,7 @@ class Rows:
 def rows(model, low):
     """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
     f = model.families[0]
-    if model.responses and (model.method.stage_rows or not steady(model, low)):
+    if model.responses and (model.torques or model.method.stage_rows or not steady(model, low)):
         return None
     if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
         return None

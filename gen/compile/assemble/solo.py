@@ -83,8 +83,8 @@ def is_lone(model, low: Lowering) -> bool:
     """One unit sphere whose field depends on itself."""
     f = model.families[0]
     return (len(model.families) == 1 and f.count == ONE and f.unit
-            and not model.closed_form(f) and not any(indexed(r) for r in model.responses.values()) and not any(t.derived.parts for t in model.effects)
-            and all(low.level(s.name) < SITE for t in model.effects for b in t.derived.hessian.values()
+            and not model.closed_form(f) and not any(indexed(r) for r in model.responses.values()) and not any(t.derived.parts for t in model.fields)
+            and all(low.level(s.name) < SITE for t in model.fields for b in t.derived.hessian.values()
                     for s in b.free_symbols if s.name[0] != "v"))
 
 
@@ -92,7 +92,7 @@ def solo_field(model, low: Lowering) -> SoloField:
     m = sp.Matrix(sp.symbols("v0x v0y v0z", real=True))
     kappa, leaves = scalar(model.families[0].family.kappa)
     low.leaves.update(leaves)
-    b = sp.Matrix([sum(t.derived.gradient[0][a] for t in model.effects if t.slots) for a in range(3)])
+    b = sp.Matrix([sum(t.derived.gradient[0][a] for t in model.fields if t.slots) for a in range(3)])
     b = in_its_field(low, b, m, model.responses.get(model.families[0].name))
     b = (b * low.step_size() / kappa).applyfunc(low.number_values).applyfunc(lambda e: shorter(e, m))
     X = m.cross(b).applyfunc(lambda e: shorter(e, m))

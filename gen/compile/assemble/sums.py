@@ -47,7 +47,7 @@ def value_body(model, t) -> tuple:
 # The contract: gradients, Hessian blocks and products over all sites
 
 def sum_functions(model) -> list:
-    every = sums(model, model.effects, lambda t: gradient_body(model, t))
+    every = sums(model, model.fields, lambda t: gradient_body(model, t))
     some = sums(model, model.coupled_effects(), lambda t: gradient_body(model, t))
     found = [sum_gradient("smg_gradient", every)]
     if model.plan.coupled:

@@ -11,7 +11,7 @@ from .norms import share_tables
 
 def tables(model) -> list:
     found = [Table(f"table_{name}", "double", tuple(values)) for name, values in model.low.constants().items()]
-    graphs = {graph_name(t.over): t.over for t in (*model.effects, *model.observables) if isinstance(t.over, Graph)}
+    graphs = {graph_name(t.over): t.over for t in (*model.fields, *model.observables) if isinstance(t.over, Graph)}
     found += [table for name, over in graphs.items() for table in graph_tables(name, over)]
     found += share_tables(model)
     return found + (pattern_tables(model.plan.pattern) if model.plan.solver == "sparse" else [])

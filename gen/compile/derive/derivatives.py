@@ -14,7 +14,7 @@ import sympy as sp
 
 from ...errors import UsageError
 from ...language.expr import Expr, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
-from ...language.spec import Term
+from ...language.spec import Term, Torque
 from .parts import SCALAR, Parts, TooLarge, Whole
 from .pieces import chosen
 from .written import known, minus, negative, over, plus, times
@@ -106,7 +106,8 @@ class Derived:
     vectors[k]: the three symbols of slot k; gradient[k]: de/d(slot k), three expressions;
     hessian[k, l]: 3x3 matrix d2e/d(slot k)d(slot l), only the non-zero blocks;
     leaves: symbol name -> the expression node (parameter, entry, index, ..) it stands for;
-    parts: symbol -> expression of each part of a large formula, in order of definition.
+    parts: symbol -> expression of each part of a large formula, in order of definition;
+    pushed: of a torque the number of the slot that it moves: gradient[pushed] is its field, and the rest is 0.
     """
     term: Term
     slots: tuple
@@ -116,6 +117,7 @@ class Derived:
     hessian: dict
     leaves: dict
     parts: dict
+    pushed: int | None = None
 
 
 def switched(d: Derived) -> set:
@@ -324,26 +326,43 @@ def hessian_blocks(gradient: tuple, vectors: tuple, parts) -> dict:
 
 def derive(term: Term, with_derivatives: bool = True) -> Derived:
     """Gradient and Hessian blocks of the representative term of one effect. Raises UsageError where it has none."""
+    return _by_parts(term, lambda parts: _derived(term, parts, with_derivatives))
+
+
+def derive_field(torque: Torque, slots: tuple, field: Expr) -> Derived:
+    """A field, a formula in the vectors of `slots`, in the place of the gradient by the first of them, and its derivatives."""
+    def derived(parts):
+        algebra = Algebra(slots, parts)
+        rows = (algebra.of(field), *[(sp.S.Zero,) * 3] * (len(slots) - 1))
+        return _checked(torque, algebra, sp.S.Zero, rows, pushed=0)
+    return _by_parts(torque, derived)
+
+
+def _by_parts(term: Term, derived) -> Derived:
+    """derived(parts) of a formula in one piece, or where that is too large by parts."""
     try:
         try:
-            return _derived(term, Whole(), with_derivatives)
+            return derived(Whole())
         except TooLarge:
-            return _derived(term, Parts(), with_derivatives)
+            return derived(Parts())
     except NoRealValue:
         raise NoRealValue(f"the formula of `{term.name}`, or its derivative,") from None
 
 
 def _derived(term: Term, parts, with_derivatives: bool) -> Derived:
-    slots = slots_of(term.value)
-    algebra = Algebra(slots, parts)
+    algebra = Algebra(slots_of(term.value), parts)
     value = algebra.of(term.value)
-    vectors = tuple(algebra.vectors[s] for s in slots)
-    gradient = tuple(tuple(parts.slope(value, x) for x in v) for v in vectors if with_derivatives)
+    return _checked(term, algebra, value, tuple(tuple(parts.slope(value, x) for x in v) for v in algebra.vectors.values() if with_derivatives))
+
+
+def _checked(term: Term, algebra: Algebra, value, gradient: tuple, pushed=None) -> Derived:
+    """With the derivatives of the gradient; all of them have real values."""
+    parts, slots, vectors = algebra.parts, tuple(algebra.vectors), tuple(algebra.vectors.values())
     hessian = hessian_blocks(gradient, vectors, parts)
     if not all(map(is_real, [value, *parts.of.values(), *(x for row in gradient for x in row), *hessian.values()])):
         raise NoRealValue()
     return Derived(term, slots, vectors, bare(value), tuple(tuple(map(bare, row)) for row in gradient),
-                   {k: block.applyfunc(bare) for k, block in hessian.items()}, algebra.leaves, {u: bare(e) for u, e in parts.of.items()})
+                   {k: block.applyfunc(bare) for k, block in hessian.items()}, algebra.leaves, {u: bare(e) for u, e in parts.of.items()}, pushed)
 
 
 def bare(e):

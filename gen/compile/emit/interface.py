@@ -73,16 +73,23 @@ def declare(p) -> dict:
 def banner(model: Model) -> dict:
     """What the comments at the head of the files say."""
     spec, plan = model.spec, model.plan
-    counts = [f"{t.derived.term.name} {t.operations[1]}" for t in model.effects]
+    counts = [f"{t.derived.term.name} {t.operations[1]}" for t in model.fields]
     return dict(
         title=comment(spec.title or spec.name), version=VERSION, digest=spec.digest[:16] or "(no file)",
-        method_text=model.method.summary + "; damped sites: not symplectic" * bool(model.responses and model.method.symplectic), solver_text=comment(f"{plan.solver}: {plan.reason}"),
-        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(f", damped by {d.name} ({d.form}{', with thermal noise' * (d.kT is not None)})") for d in spec.dampings),
+        method_text=model.method.summary + not_symplectic(model), solver_text=comment(f"{plan.solver}: {plan.reason}"),
+        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(f", damped by {d.name} ({d.form}{', with thermal noise' * (d.kT is not None)})") for d in spec.dampings)
+        + "".join(comment(f", with the torque {t.name}") for t in spec.torques),
         effects_text=comment(", ".join(spec.effect_names) or "none"),
         extended=model.wide is not None, **features(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
         families_text=comment(", ".join(f.name for f in model.families)),
         family_names=comment(", ".join(f.name for f in model.families)))
+
+
+def not_symplectic(model: Model) -> str:
+    """What is given up of a symplectic method."""
+    why = "damped sites" if model.spec.dampings or not model.spec.torques else "torques"
+    return f"; {why}: not symplectic" * bool(model.responses and model.method.symplectic)
 
 
 def abi_slots(model: Model, M: str) -> dict:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from ...language.c_names import index_in_c
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Elem, Idx, Num, Op, Spin
-from ...language.spec import Damping, Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, Term
+from ...language.spec import Damping, Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, Term, Torque
 from ...read.terms import families_of
 
 
@@ -33,7 +33,8 @@ def rename_over(over):
 
 
 def rename_term(term: Term) -> Term:
-    return replace(term, over=rename_over(term.over), value=rename(term.value))
+    found = replace(term, over=rename_over(term.over), value=rename(term.value))
+    return replace(found, on=rename(term.on)) if isinstance(term, Torque) else found
 
 
 def rename_damping(d: Damping) -> Damping:
@@ -43,7 +44,7 @@ def rename_damping(d: Damping) -> Damping:
 def safe_indices(spec: Spec) -> Spec:
     """The same spec; only the index names inside its effects and observables may differ."""
     return replace(spec, effects=tuple(map(rename_term, spec.effects)), dampings=tuple(map(rename_damping, spec.dampings)),
-                   observables=tuple(map(rename_term, spec.observables)))
+                   torques=tuple(map(rename_term, spec.torques)), observables=tuple(map(rename_term, spec.observables)))
 
 
 def at_zero(e, names):
@@ -72,4 +73,4 @@ def one_site(spec: Spec) -> Spec:
         return replace(d, alpha=at_zero(d.alpha, none), kT=d.kT and at_zero(d.kT, none))
 
     return replace(spec, families=tuple(map(family, spec.families)), effects=tuple(map(term, spec.effects)), dampings=tuple(map(damping, spec.dampings)),
-                   observables=tuple(map(term, spec.observables)))
+                   torques=tuple(map(term, spec.torques)), observables=tuple(map(term, spec.observables)))

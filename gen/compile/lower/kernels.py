@@ -5,12 +5,12 @@ slots; gradients and Hessians add into their outputs, so that sums need no other
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from ...language.spec import Graph, Term
-from ..derive.derivatives import Derived, derive
+from ...language.spec import Graph, Term, Torque
+from ..derive.derivatives import Derived, derive, derive_field
 from .code import Add, Argument, Call, Component, Function, Name, Return
 from .integers import Index
 from .lowering import Kernel, Lowering
@@ -69,6 +69,15 @@ def term_kernels(low: Lowering, term: Term, role: str, with_derivatives: bool = 
         functions.append(gradient_function(bare, gradient))
         functions += [hessian_function(low, bare, pair) for pair in d.hessian]
     return TermKernels(d, bare.prefix, tuple(functions), tuple(operations))
+
+
+def field_kernels(low: Lowering, torque: Torque, slots: tuple, field) -> TermKernels:
+    """The field of a torque in the place of a gradient, and its derivatives; it has no value."""
+    bare = TermKernels(derive_field(torque, slots, field), f"torque_{torque.name}")
+    d = bare.derived
+    gradient = low.kernel([x for row in d.gradient for x in row], d.leaves, d.parts)
+    return replace(bare, functions=(gradient_function(bare, gradient), *(hessian_function(low, bare, pair) for pair in d.hessian)),
+                   operations=(0, gradient.operations))
 
 
 def value_function(term: TermKernels, kernel: Kernel) -> Function:

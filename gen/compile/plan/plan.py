@@ -115,7 +115,7 @@ def chain_band(overs, coupled) -> tuple:
 def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
     """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain'), from what methods ask and
     contributions offer (None: the effects of the spec)."""
-    contributions = contributions_of(spec) if contributions is None else contributions
+    contributions = contributions_of(spec, METHODS[method]) if contributions is None else contributions
     coupled = coupled_families(spec, contributions)
     local = tuple(f.name for f in spec.families if f.name not in coupled)
     check_space(spec, METHODS[method])

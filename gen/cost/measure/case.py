@@ -21,7 +21,7 @@ from .clock import processor_seconds
 
 class Case:
     """spec and settings of a run; time: how long; w: its start, (sites, 3); rate: the fastest turning at the start,
-    max |(1/kappa) dH/dw|; size: the largest |w|; energy_changes: does H depend on time, or are sites damped? peers: general integrators beside
+    max |(1/kappa) dH/dw|; size: the largest |w|; energy_changes: does H depend on time, or are sites damped, do torques act? conservative: do energies alone move sites? peers: general integrators beside
     the methods, name -> integrator (`peers.of_case`)"""
 
     def __init__(self, spec: Spec, settings: Settings, time: float | None = None):
@@ -38,7 +38,7 @@ class Case:
         any_model.start(self.w.copy(), h=settings.h)
         self.rate = float(np.linalg.norm(np.asarray(any_model.field(), float), axis=1).max())
         self.size = float(np.linalg.norm(self.w, axis=1).max())
-        self.energy_changes, self.damped = driven(any_model.scene), bool(any_model.scene.dampings)
+        self.energy_changes, self.conservative = driven(any_model.scene), any_model.scene.conservative
 
     def _start(self) -> np.ndarray:
         s = self.settings

@@ -34,8 +34,8 @@ PEERS = {"gsl-rk8pd": Peer("GSL rk8pd", Compiled), "gsl-msadams": Peer("GSL msad
 def of_case(case: Case, names=tuple(PEERS)) -> tuple[dict, dict]:
     """(name -> integrator, name -> what is missing)."""
     found, missing = {}, {}
-    if case.damped:
-        return {}, {name: "a right-hand side with damping: it has that of the energy alone" for name in names}
+    if not case.conservative:
+        return {}, {name: "a right-hand side with damping or torques: it has that of the energy alone" for name in names}
     for name in names:
         peer = PEERS[name]
         try:

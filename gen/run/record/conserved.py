@@ -1,7 +1,7 @@
 """The energy and the momentum that are reported, and what of them is conserved: one rule for all.
 
 The energy is that of the effects that no tracer feels: a tracer moves in a given flow, and what
-it adds to H is not conserved. It is conserved when none of these effects depends on time and no site is damped. The
+it adds to H is not conserved. It is conserved when none of these effects depends on time, no site is damped and no torque acts. The
 momentum is sum kappa w of the sites that are no tracers; the directions in which it is
 conserved follow from the field.
 """
@@ -30,9 +30,9 @@ def of_time(spec, effects=None) -> bool:
 
 
 def driven(spec, effects=None) -> bool:
-    """Does the reported energy (of the effects named) change along the flow: does it depend on time, or is a site damped?"""
+    """Does the reported energy (of the effects named) change along the flow: does it depend on time, is a site damped or moved by a torque?"""
     called = set(spec.effect_names if effects is None else effects)
-    return of_time(spec, called - with_tracers(spec)) or any(d.name in called for d in spec.dampings)
+    return of_time(spec, called - with_tracers(spec)) or any(d.name in called for d in (*spec.dampings, *spec.torques))
 
 
 def energy_of(values, without=()):
@@ -55,10 +55,10 @@ def conserved_axes(model, span: float = 5.0) -> np.ndarray:
     """Orthonormal rows (k, 3), k = 0, 1 or 3: the directions in which the field keeps the momentum.
 
     d/dt sum kappa w = sum kappa w x b vanishes along them at random states and times within
-    `span` of the present one. Nambu factors have other brackets, and no such momentum; nor has what is damped.
+    `span` of the present one. Nambu factors have other brackets, and no such momentum; nor has what is damped or moved by torques.
     """
     spec, own = model.scene, acting_sites(model)
-    if not own.size or spec.dampings or any(f.kind == "nambu" for f in spec.families):
+    if not own.size or not spec.conservative or any(f.kind == "nambu" for f in spec.families):
         return np.zeros((0, 3))
     dice, kappa = generator("conserved momentum"), model.prepared.numbers.kappas[own, None]
     rows = [torque(model, random_state(model, dice), model.t + dice.uniform(0, 1) * span, own, kappa)

@@ -35,7 +35,8 @@ def with_facts(result):
 
 def why_driven(spec, called) -> str:
     """Why the energy of these effects is not conserved, in words."""
-    return ", ".join(["H depends on time"] * of_time(spec, called) + ["sites are damped"] * any(d.name in called for d in spec.dampings))
+    return ", ".join(["H depends on time"] * of_time(spec, called) + ["sites are damped"] * any(d.name in called for d in spec.dampings)
+                     + ["torques act"] * any(t.name in called for t in spec.torques))
 
 
 def bonds(numbers: Evaluated, called) -> dict:
