@@ -106,9 +106,19 @@ def go(args, out):
     if out is not None:
         known_format(out)
     spec, name, given = asked(args)
-    total = settle(spec, name, **given).steps
-    with progress(total, spec.name) as tick:
+    settings = settle(spec, name, **given)
+    warn_of_jumps(spec, settings)
+    with progress(settings.steps, spec.name) as tick:
         return run(spec, name, out=out, keep=False, progress=tick, **given)
+
+
+def warn_of_jumps(spec, settings):
+    """Before the first step: what an energy that jumps does to every method."""
+    from ..analyse.symmetry.jumps import jumps
+    from ..compile.select import select
+    for name, size in jumps(select(spec, settings.effects, settings.parameters)).items():
+        say(f"warning: the energy of '{name}' jumps, by {size:.2g} in one term, where a vector crosses an edge of its formula: "
+            "a step across keeps neither energy nor order; see `smidgen explain`")
 
 
 def go_on(args):
