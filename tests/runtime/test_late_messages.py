@@ -12,7 +12,8 @@ from test_ranks import LONG, MPI, SMALL, mpirun, needs_mpi, programs
 LATE = Path(__file__).parent / "late_messages.c"
 RANKS = [folder("runtime") / "lattice" / name for name in ("smg_row_ranks.h", "smg_row_halo.h")]
 CASES = tuple(LONG)
-RUNS = int(os.environ.get("SMIDGEN_RANK_RUNS", "40"))       # of each case in the long tier; SMIDGEN_RANK_RUNS=1500 makes over 10,000
+RUNS = int(os.environ.get("SMIDGEN_RANK_RUNS", "1000"))     # of each case in the long tier, over 10,000 together
+TIMES = 25              # runs of one start of the ranks, each in fresh memory full of another byte
 needs_valgrind = pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind: apt-get install valgrind")
 
 
@@ -29,25 +30,25 @@ def preloaded(where) -> None:
     assert called <= set(re.findall(r"^int (MPI_\w+)", LATE.read_text(), re.MULTILINE))
 
 
-def late_run(where, ranks, run):
-    """One run with delays of its own, fresh memory filled with a byte of its own; what it said, or None where it did not end."""
-    words = ("env", f"LD_PRELOAD={where / 'late.so'}", f"LATE_SEED={run + 1}", f"MALLOC_PERTURB_={run % 255 + 1}", "./shared", "of")
+def late_run(where, ranks, run, times=1):
+    """Some runs with delays of their own, fresh memory filled with a byte of its own; what they said, or None where they did not end."""
+    words = ("env", f"LD_PRELOAD={where / 'late.so'}", f"LATE_SEED={run + 1}", f"MALLOC_PERTURB_={run % 255 + 1}", "./shared", "of", times)
     try:
-        return mpirun(ranks, *words, cwd=where, limit=60)
+        return mpirun(ranks, *words, cwd=where, limit=60 + 4 * times)
     except subprocess.TimeoutExpired:
         return None
 
 
-def check_late_runs(where, name, runs):
-    """On 2 and 3 ranks in turn, which send each other messages."""
+def check_late_runs(where, name, runs, times):
+    """On 2 and 3 ranks in turn, which send each other messages; every so many runs processes start anew."""
     programs(where, LONG[name], *SMALL)
     preloaded(where)
     bits = wanted(where)
-    for run in range(runs):
+    for run in range(-(-runs // times)):
         ranks = 2 + run % 2
-        said = late_run(where, ranks, run)
+        said = late_run(where, ranks, run, times)
         assert said is not None and said.returncode == 0, said and said.stderr
-        assert min(map(int, re.findall(r"late_messages: (\d+)", said.stderr))) > 100
+        assert min(map(int, re.findall(r"late_messages: (\d+)", said.stderr))) > 100 * times
         assert [(where / f"of.{k}").read_bytes() == bits for k in range(ranks)] == [True] * ranks, f"run {run}"
 
 
@@ -79,14 +80,14 @@ def test_a_message_that_is_not_waited_for_is_noticed(tmp_path, name, fault):
 
 @needs_mpi
 def test_late_messages_change_no_bit(tmp_path):
-    check_late_runs(tmp_path, "long cubic", 2)
+    check_late_runs(tmp_path, "long cubic", 4, 2)
 
 
 @needs_mpi
 @pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_late_messages_change_no_bit_in_many_runs(tmp_path, name):
-    check_late_runs(tmp_path, name, RUNS)
+    check_late_runs(tmp_path, name, RUNS, TIMES)
 
 
 @needs_mpi

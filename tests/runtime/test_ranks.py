@@ -29,11 +29,36 @@ MAIN = """
 #ifdef SMG_MPI
 #include <mpi.h>
 #endif
+#include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include "{M}.h"
 
-/* Five steps, a saved state restored, one step seven times, eight more, and six from a state that was set; the state of every rank. */
+/* Five steps, a saved state restored, one step seven times, eight more, and six from a state that was set: in memory of its own. */
+static int integrate(const {M}_model *model, const double *start, smg_real *out) {{
+  const size_t n = 3 * (size_t){M}_sites(model);
+  smg_real *w = malloc(n * sizeof *w);
+  void *mem = malloc({M}_memsize(model));
+  {M}_state s;
+  for (size_t k = 0; k < n; ++k) w[k] = start[k];
+  int status = {M}_init(&s, model, mem, w, 0, 0.1);
+  status += {M}_steps(&s, 5);
+  {M}_save(&s, out);
+  status += {M}_init(&s, model, mem, w, 0, 0.1);
+  status += {M}_restore(&s, out);
+  for (int k = 0; k < 7; ++k) status += {M}_step(&s);
+  status += {M}_steps(&s, 8);
+  for (size_t k = 0; k < n; ++k) w[k] = -s.w[k];
+  status += {M}_set_state(&s, w);
+  status += {M}_steps(&s, 6);
+  {M}_save(&s, out);
+  free(mem);
+  free(w);
+  return status;
+}}
+
+/* NAME [TIMES]: the state that every rank ends with, in NAME.rank; each time again in memory full of another byte, and of the same bits. */
 int main(int argc, char **argv) {{
   int rank = 0, status = 0;
 #ifdef SMG_MPI
@@ -42,28 +67,20 @@ int main(int argc, char **argv) {{
 #endif
   {M}_params p;
   {M}_model model;
-  {M}_state s;
   {M}_defaults(&p);
   status += {M}_model_init(&model, &p);
   const size_t n = 3 * (size_t){M}_sites(&model), size = {M}_savesize(&model);
-  smg_real *w = malloc(n * sizeof *w), *out = malloc(size * sizeof *out);
+  smg_real *out = malloc(size * sizeof *out), *again = malloc(size * sizeof *again);
   double *start = malloc(n * sizeof *start);
-  void *mem = malloc({M}_memsize(&model));
   FILE *f = fopen("start.bin", "rb");
   if (argc < 2 || !f || fread(start, sizeof *start, n, f) != n) return 9;
   fclose(f);
-  for (size_t k = 0; k < n; ++k) w[k] = start[k];
-  status += {M}_init(&s, &model, mem, w, 0, 0.1);
-  status += {M}_steps(&s, 5);
-  {M}_save(&s, out);
-  status += {M}_init(&s, &model, mem, w, 0, 0.1);
-  status += {M}_restore(&s, out);
-  for (int k = 0; k < 7; ++k) status += {M}_step(&s);
-  status += {M}_steps(&s, 8);
-  for (size_t k = 0; k < n; ++k) w[k] = -s.w[k];
-  status += {M}_set_state(&s, w);
-  status += {M}_steps(&s, 6);
-  {M}_save(&s, out);
+  status += integrate(&model, start, out);
+  for (int k = 1; k < (argc > 2 ? atoi(argv[2]) : 1); ++k) {{
+    mallopt(M_PERTURB, 1 + k % 255);
+    status += integrate(&model, start, again);
+    if (memcmp(out, again, size * sizeof *out) != 0) fprintf(stderr, "rank %d: other bits, time %d\\n", rank, k), status += 100;
+  }}
   char name[99];
   sprintf(name, "%s.%d", argv[1], rank);
   f = fopen(name, "wb");
@@ -71,7 +88,7 @@ int main(int argc, char **argv) {{
 #ifdef SMG_MPI
   MPI_Finalize();
 #endif
-  return status;
+  return status != 0;
 }}
 """
 
