@@ -1,37 +1,70 @@
-"""`smidgen effects`: the library of pieces, or one of them."""
+"""`smidgen effects`: the library of pieces, one of them, or the effects of a scene."""
 from __future__ import annotations
 
 import dataclasses
 
-from .options import json_option, library_option
-from .say import printed
+from ..errors import Exit, UsageError
+from .options import json_option, library_option, model_options
+from .say import printed, say
 
 EXAMPLES = """  smidgen effects
   smidgen effects spins/uniaxial
-  smidgen effects mine/pump --library ~/pieces"""
+  smidgen effects mine/pump --library ~/pieces
+  smidgen effects film.toml                         what each effect of a scene costs and gives up
+  smidgen effects --test --library ~/pieces         what the laws of pieces say, in numbers"""
 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("effects", command, "show the library of effects, or one of them: formula, arguments, law, source", EXAMPLES)
-    parser.add_argument("piece", metavar="PIECE", nargs="?", help="a name of the library; default: all, a line each")
+    parser = commands.add("effects", command, "show the library of effects, one of them (formula, arguments, law, source), or what those of a scene cost "
+                          "and give up", EXAMPLES)
+    parser.add_argument("word", metavar="PIECE or SPEC", nargs="?", help="a name of the library, or a scene; default: all of the library, a line each")
+    model_options(parser)
+    parser.add_argument("--test", action="store_true", help="check the laws: run the [test] of each piece, and compare")
+    parser.add_argument("--no-times", action="store_true", help="of a scene: measure nothing")
     library_option(parser)
     json_option(parser)
 
 
 def command(args):
-    """One line a piece, or all that is known of one."""
+    """One line a piece, all that is known of one, or a table of a scene."""
     from ..read.catalogue import catalogue, piece
-    found = [piece(name, args.library) for name in ([args.piece] if args.piece else catalogue(args.library))]
+    known = catalogue(args.library)
+    if args.word is not None and args.word not in known and is_spec(args.word):
+        return of_scene(args)
+    if args.run:
+        raise UsageError("a piece has no runs: a RUN is that of a SPEC")
+    found = [piece(name, args.library) for name in ([args.word] if args.word else known)]
+    if args.test:
+        return tested(found, args)
     if args.json:
-        return printed([dataclasses.asdict(one) for one in found])
+        return printed([{**dataclasses.asdict(one), "kind": one.kind} for one in found])
     width = max(len(one.name) for one in found)
-    print("\n".join([f"{one.name:{width}}  {one.title}" for one in found] if args.piece is None else whole(found[0])))
+    print("\n".join([f"{one.name:{width}}  {one.kind:7}  {one.title}" for one in found] if args.word is None else whole(found[0])))
+
+
+def is_spec(word: str) -> bool:
+    from ..resources import shipped
+    return word in shipped() or word.endswith(".toml")
+
+
+def of_scene(args):
+    """A line for each effect."""
+    from ..cost.effects import effects_table, table
+    from ..read.origins import origins
+    from ..read.shipped import find_spec
+    from ..tables import show
+    spec, places = origins(find_spec(args.word), args.library)
+    rows = effects_table(spec, places, args.run, method=args.method, solver=args.solver, effects=args.effects,
+                         parameters=dict(args.parameters), times=not args.no_times)
+    if args.json:
+        return printed([dataclasses.asdict(row) for row in rows])
+    show(table(rows))
 
 
 def whole(one) -> list[str]:
     """All that is known of a piece."""
-    lines = [f"{one.name}: {one.title}", *(f"  {key} = {value}" for key, value in one.effect.items()), "arguments"]
+    lines = [f"{one.name}: {one.title}", f"kind: {one.kind}", *(f"  {key} = {value}" for key, value in one.effect.items()), "arguments"]
     width = max(map(len, one.arguments), default=0)
     lines += [f"  {name:{width}}  {argument(says)}" for name, says in one.arguments.items()]
     return lines + [f"{key}: {text}" for key, text in (("law", one.law), ("source", one.source), ("file", one.path)) if text]
@@ -42,3 +75,21 @@ def argument(says: dict) -> str:
     choices = f"one of {', '.join(map(str, says['one_of']))}" if "one_of" in says else ""
     default = f"default {says['default']}" if "default" in says else "needed"
     return "; ".join(part for part in (says.get("meaning", ""), says.get("unit", ""), choices, default) if part)
+
+
+def tested(found, args):
+    """A line a law; exit code 5 where one does not hold."""
+    from ..check.laws import table, verdicts
+    from ..tables import show
+    laws = [law for one in found for law in verdicts(one, args.library)]
+    without = [one.name for one in found if not one.test]
+    if args.json:
+        printed({"laws": [{**dataclasses.asdict(law), "passed": law.passed} for law in laws], "without": without})
+    else:
+        show(table(laws))
+    if without:
+        say(f"without a [test]: {', '.join(without)}")
+    broken = dict.fromkeys(law.piece for law in laws if not law.passed)
+    if broken:
+        say(f"smidgen: a law does not hold: {', '.join(broken)}")
+    return Exit.VALIDATION if broken else Exit.OK

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import UsageError
@@ -12,6 +12,8 @@ from .pieces import sound
 from .problems import Problems, nearest
 from .source import Source
 from .toml import document
+
+KINDS = {"torque": "torque", "kT": "bath", "damping": "damping", "energy": "energy"}     # key of an effect -> its kind
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,16 @@ class Piece:
     law: str
     arguments: dict[str, dict]
     effect: dict[str, object]
+    test: dict[str, object] = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        return kind_of(self.effect)
+
+
+def kind_of(keys) -> str:
+    """What an effect with these keys is."""
+    return next((kind for key, kind in KINDS.items() if key in keys), "")
 
 
 def catalogue(library=()) -> dict[str, Path]:
@@ -52,4 +64,4 @@ def piece(name: str, library=()) -> Piece:
     root = next(iter(problems.tried(lambda: sound(document(problems.sources.files[0], problems)[0]))))
     problems.finish()
     says = root.raw["piece"]
-    return Piece(name, path, says["title"], says.get("source", ""), says.get("law", ""), says.get("arguments", {}), root.raw["effect"])
+    return Piece(name, path, says["title"], says.get("source", ""), says.get("law", ""), says.get("arguments", {}), root.raw["effect"], root.raw.get("test", {}))

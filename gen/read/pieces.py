@@ -30,6 +30,7 @@ from .tree import LOST, Node
 
 PIECE = ("title", "source", "law", "arguments")
 ARGUMENT = ("meaning", "unit", "default", "one_of")
+TEST = ("space", "parameters", "lattices", "formulas", "effects", "arguments", "start", "orientation", "method", "time", "steps", "law", "mean", "within")
 WORD = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)?", re.ASCII)
 ATOM = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z|[0-9.]+(e[+-]?[0-9]+)?\Z", re.ASCII)
 PLAIN = ("over", "form", "meaning", "unit")     # keys whose words stand without brackets
@@ -78,13 +79,15 @@ def checked(file: Source, problems: Problems):
 
 def sound(root: Node) -> Node:
     """A piece with all that it needs."""
-    root.table("piece", "effect")
+    root.table("piece", "effect", "test")
     says = root.need("piece", 'begin with [piece] and `title = "..."`').table(*PIECE)
     says.need("title", 'say what it is: `title = "..."`')
     for key in ("title", "source", "law"):
         meaning(says, key)
     for node in says.get("arguments").table().items() if says.has("arguments") else ():
         node.table(*ARGUMENT)
+    if root.has("test"):
+        root.get("test").table(*TEST)
     effect = root.need("effect", "[effect] is the effect, with `$words` for arguments").table()
     if effect.has("use"):
         effect.get("use").wrong(codes.NOT_HERE, "a piece uses no other piece", "write its effect out")

@@ -1,8 +1,12 @@
 """The pieces of the library: each does what its law says, by a formula of its own, in numbers."""
+import tomllib
+
 import numpy as np
 import pytest
 
 import smidgen
+from smidgen.check.laws import verdicts, written
+from smidgen.read.catalogue import piece
 from smidgen.resources import pieces
 
 pytestmark = pytest.mark.quick
@@ -126,6 +130,56 @@ def test_damping_raises_spins_in_a_field(form, g, use, more):
     same(found[:, 2], np.tanh(g * 0.2 * 0.9 * 1.5 / 1.7 + np.arctanh(w[:, 2])), 2e-12 if not more else 1e-7)
 
 
+@pytest.mark.parametrize("form, g", [("gilbert", 1 / (1 + 0.2 ** 2)), ("ll", 1)])
+@pytest.mark.parametrize("part", [0.7, 1, 1.4])
+def test_slonczewskis_torque_and_its_threshold(form, g, part):
+    """tau = alpha lam balances damping."""
+    w, lam = directions(2), 0.9 / 1.7
+    spec = spec_of("spins/slonczewski", tau=part * 0.2 * lam, p=[0, 0, 1],
+                   more=f'[effects.f]\nuse = "spins/zeeman"\nB = [0, 0, 0.9]\n[effects.d]\nuse = "spins/damping"\nalpha = 0.2\nform = "{form}"\n')
+    same(moved(spec, w)[:, 2], np.tanh(g * 0.2 * lam * (1 - part) * 1.5 + np.arctanh(w[:, 2])))
+
+
+@pytest.mark.parametrize("orientation", [1, -1])
+def test_spin_orbit_torque_drives_and_turns_about_its_direction(orientation):
+    w, p = directions(2), np.array([2, -1, 2]) / 3
+    found = moved(spec_of("spins/spin_orbit", orientation=orientation, tau=0.15, eta=0.4, p=p.tolist()), w)
+    still = moved(spec_of("spins/spin_orbit", tau=0.15, p=p.tolist()), w)
+    same(found @ p, np.tanh(np.arctanh(w @ p) - 0.15 * 1.5))
+    same(found, turned(still, p, -0.4 * 1.5))
+
+
+LINE = '[lattices.line]\nsize = ["n"]\nboundary = "open"\nbonds.next = [{ offset = [1] }]\nbonds.three = [{ at = [[0, -1], [0, 0], [0, 1]] }]\n'
+WALL = """[effects.exchange]
+use = "spins/exchange"
+J = 1
+bonds = "line.next"
+[effects.axis]
+use = "spins/uniaxial"
+K = 0.0625
+[effects.damping]
+use = "spins/damping"
+alpha = 0.1
+[starts.wall]
+theta = "2*atan(exp((i - 30)/sqrt(8)))"
+phi = 0.3
+"""
+
+
+@pytest.mark.parametrize("beta, speed, rate", [(0.1, 0.979, 0), (0.0, 0.969, -1.741e-3), (0.2, 0.988, 1.741e-3)])
+def test_a_wall_under_zhang_lis_torque(beta, speed, rate):
+    """A wall of width sqrt(J/(2K)): its azimuth turns at (beta - alpha) u/(d (1 + alpha^2)), 1.750e-3 of a wall in the continuum."""
+    spec = spec_of("spins/zhang_li", 'w = { sphere = "n" }', parameters="n = 80", u=0.05, beta=beta, bonds="line.three", more=LINE + WALL)
+    one, found = smidgen.build(spec).start("wall", h=0.2).steps(200), []
+    for _ in range(2):
+        w, z = one.w, one.w[:, 2]
+        k = np.flatnonzero((z[:-1] > 0) & (z[1:] <= 0))[0]
+        found.append((k + z[k] / (z[k] - z[k + 1]), np.arctan2(w[:, 1].sum(), w[:, 0].sum())))
+        one.steps(600)
+    place, azimuth = np.subtract(found[1], found[0]) / 120
+    assert abs(place / 0.05 - speed) < 2e-3 and abs(azimuth - rate) < 1e-5
+
+
 # Bodies
 
 INERTIA = np.array([[1.0, 0.1, -0.2], [0.1, 2.0, 0.3], [-0.2, 0.3, 3.0]])
@@ -170,6 +224,13 @@ def test_damping_of_bodies_keeps_their_momentum():
     same(np.linalg.norm(moved(spec, w)), np.linalg.norm(w))
 
 
+@pytest.mark.parametrize("orientation", [1, -1])
+def test_gravity_turns_a_fast_body_about_the_normal_of_its_orbit(orientation):
+    w, normal = 1.7 * directions(1), np.array([2, -1, 2]) / 3
+    spec = spec_of("bodies/gravity_gradient", "w = { r3 = 1 }", orientation=orientation, n=0.9, CA=0.7, normal=normal.tolist())
+    same(moved(spec, w), turned(w, normal, orientation * 1.5 * 1.5 * 0.9 ** 2 * 0.7 * (w[0] @ normal) / 1.7 ** 2))
+
+
 # Vortices
 
 VORTICES = {"space": 'w = { sphere = 2, kappa = "gamma[i]" }', "parameters": "gamma = { default = [1.0, -0.4], size = 2 }"}
@@ -201,9 +262,65 @@ def test_tracers_are_carried_and_do_not_act():
     same(moved(carried, w, method="spherical-midpoint")[:2], alone, 1e-14)
 
 
-def test_every_piece_has_a_law_that_is_tested():
+@pytest.mark.parametrize("Omega", [0.0, 0.6])
+def test_a_ring_of_vortices_turns_at_one_rate_with_the_sphere_or_without(Omega):
+    """N of strength gamma at the height z: (N - 1) gamma z / (4 pi (1 - z^2)), and Omega."""
+    n, gamma, z, phi = 5, 0.8, 0.6, 2 * np.pi * np.arange(5) / 5
+    ring = np.stack([0.8 * np.cos(phi), 0.8 * np.sin(phi), np.full(n, z)], -1)
+    spec = spec_of("vortices/interaction", 'w = { sphere = 5, kappa = "gamma[i]" }', orientation=-1, parameters="gamma = { default = 0.8, size = 5 }",
+                   gamma="gamma", more=f'[effects.f]\nuse = "vortices/rotation"\nOmega = {-Omega}\ngamma = "gamma[i]"\n')
+    same(moved(spec, ring), turned(ring, Z, 1.5 * ((n - 1) * gamma * z / (4 * np.pi * (1 - z * z)) + Omega)))
+
+
+def test_a_stream_function_of_latitude_turns_sites_about_the_axis():
+    w = directions(3)
+    found = moved(spec_of("vortices/stream_function", "p = { sphere = 3 }", psi="0.3*p[i].z^2*cos(t)"), w)
+    same(found, [turned(v, Z, -0.6 * v[2] * np.sin(1.5)) for v in w])
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", "dop853"])
+def test_tracers_of_a_rossby_haurwitz_wave_keep_its_stream_function_in_the_frame_of_the_wave(method):
+    """It turns at c = omega - 2 (omega + Omega)/(l (l + 1)), l = 5."""
+    A, omega, Omega, time, w = 0.9, 0.2, 1.3, 10.0, directions(50)
+    c = omega - 2 * (omega + Omega) / 30
+    spec = spec_of("vortices/rossby_haurwitz", "v = { sphere = 1 }\np = { sphere = 50, tracer = true }", A=A, omega=omega, Omega=Omega, more='[effects.f]\nenergy = "v.z"\n')
+    found = moved(spec, np.vstack([Z, w]), time, method, 1000)[1:]
+
+    def stream(v):
+        return (c - omega) * v[:, 2] + A * v[:, 2] * ((v[:, 0] + 1j * v[:, 1]) ** 4).real
+    assert np.linalg.norm(found - w, axis=1).min() > 0.01
+    same(stream(turned(found, Z, -c * time)), stream(w), 1e-10 if method == "dop853" else 1e-4)
+
+
+# The laws that pieces carry themselves
+
+@pytest.mark.parametrize("name", pieces())
+def test_the_law_of_a_piece_holds_and_a_wrong_sign_is_seen(name, tmp_path):
+    """Its energy, torque or damping with another sign or size is another law."""
+    laws = verdicts(piece(name))
+    assert laws and all(law.passed for law in laws), laws
+    tables = tomllib.loads(pieces()[name].read_text())
+    effect = tables["effect"]
+    key = next(key for key in ("kT", "damping", "torque", "energy") if key in effect)
+    effect[key] = f"{2 if key in ('kT', 'damping') else -1}*({effect[key]})"
+    (tmp_path / "wrong.toml").write_text(written(tables))
+    assert not all(law.passed for law in verdicts(piece("wrong", [tmp_path]), [tmp_path]))
+
+
+def test_every_piece_says_what_it_is_and_what_its_arguments_mean():
     text = open(__file__, encoding="utf-8").read()
     assert [name for name in pieces() if f'"{name}"' not in text] == []
-    for path in pieces().values():
-        head = path.read_text()
-        assert all(f"\n{key} = " in head for key in ("title", "source", "law"))
+    for one in map(piece, pieces()):
+        assert one.title and one.source and one.law and all(says.get("meaning") for says in one.arguments.values()), one.name
+        assert len(open(one.path).read().partition("[test]")[0].partition("[effect]")[2].splitlines()) < 10
+
+
+def test_a_piece_without_a_test_and_one_whose_test_is_no_spec(tmp_path):
+    text = pieces()["spins/zeeman"].read_text()
+    (tmp_path / "plain.toml").write_text(text.partition("[test]")[0])
+    assert verdicts(piece("plain", [tmp_path]), [tmp_path]) == []
+    for old, new, said in (
+            ("law = [", 'law = ["w[0] = w0[0]", ', "left == right"), ("B = [0.3", "C = [0.3", "gives no `B`"), ("mu = 2 }", 'mu = 2 }\nwithin = "much"', "`within` is a number")):
+        (tmp_path / "wrong.toml").write_text(text[:text.index("[test]")] + text[text.index("[test]"):].replace(old, new))
+        with pytest.raises(smidgen.SmidgenError, match=said):
+            verdicts(piece("wrong", [tmp_path]), [tmp_path])

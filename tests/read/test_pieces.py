@@ -5,8 +5,10 @@ import re
 import pytest
 
 import smidgen
+from smidgen.check.laws import verdicts
 from smidgen.errors import SpecError
 from smidgen.read import load, shown
+from smidgen.read.catalogue import piece
 from smidgen.resources import pieces, shipped
 
 pytestmark = pytest.mark.quick
@@ -136,8 +138,12 @@ def test_the_command_lists_and_shows_pieces(spec_of, tmp_path, capsys):
     assert main(["effects", "mine/easy", "--library", str(tmp_path)]) == 3
 
 
-def test_the_piece_of_the_page_is_one(spec_of):
+def test_the_piece_of_the_page_is_one_and_its_law_holds(spec_of, tmp_path):
     from pathlib import Path
     page = (Path(__file__).parents[2] / "docs/spec.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"^```toml-piece\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     assert effect(spec_of('use = "mine/pump"\nB = 0.2', mine__pump=text)).meaning == "Field that turns in the plane"
+    (law,) = re.findall(r"^```toml-test\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    (tmp_path / "mine/pump.toml").write_text(text + law)
+    (found,) = verdicts(piece("mine/pump", [tmp_path]), [tmp_path])
+    assert found.passed
