@@ -1,8 +1,8 @@
-"""Random numbers for analysis: every generator that is not a random start's is made here.
+"""Random numbers for analysis: every generator of numpy is made here.
 
-A start is drawn from PCG64(seed) or PCG64([seed, k]). If a measurement drew its directions from the same generator
-with the same seed, they would be those of the start: a tangent vector would be parallel to w, a rotation about it
-would leave w where it is. So all uses here have Philox, another generator, and a key of their own for each use.
+A start is drawn from the seed by language/draws.py. If a measurement drew its directions from the same numbers, a tangent
+vector would be parallel to w, a rotation about it would leave w where it is. So all uses here have another generator,
+Philox4x64, and a key of their own for each use.
 """
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import operator
 import numpy as np
 
 from ..errors import UsageError
-from . import limits
+from . import draws, limits
 from .expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight
 
 
@@ -151,4 +151,5 @@ _OPERATORS = {
     "atan2": np.arctan2, "mod": _modulo, "min": np.minimum, "max": np.maximum,
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
     "==": operator.eq, "!=": operator.ne, "not": np.logical_not,
+    "uniform": draws.uniform, "normal": draws.normal,
 }

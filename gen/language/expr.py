@@ -62,6 +62,9 @@ class Op:
 
 Expr = Union[Num, Par, Elem, Time, Idx, Weight, Spin, Op]
 
+# Random numbers that integers decide, a seed and one or two indices: a node of their own to whoever differentiates or evaluates.
+DRAWS = ("uniform", "normal")
+
 # op -> (argument kinds, result kind); s scalar, v vector, b truth value.
 SIGNATURES = {
     "+": [("ss", "s"), ("vv", "v")], "-": [("ss", "s"), ("vv", "v")],
@@ -80,6 +83,7 @@ SIGNATURES = {
     "if": [("bss", "s"), ("bvv", "v")],
     "<": [("ss", "b")], "<=": [("ss", "b")], ">": [("ss", "b")], ">=": [("ss", "b")],
     "==": [("ss", "b")], "!=": [("ss", "b")],
+    **{f: [("ss", "s"), ("sss", "s")] for f in DRAWS},
     "and": [("bb", "b")], "or": [("bb", "b")], "not": [("b", "b")],
 }
 
@@ -92,6 +96,11 @@ def kind_of(e: Expr) -> str:
         kinds = "".join(kind_of(a) for a in e.args)
         return dict(SIGNATURES[e.op])[kinds]
     return "s"
+
+
+def is_draw(e: Expr) -> bool:
+    """Is it a random number?"""
+    return isinstance(e, Op) and e.op in DRAWS
 
 
 def walk(e: Expr):

@@ -4,6 +4,7 @@ from __future__ import annotations
 import re
 
 from ..language import limits
+from ..language.expr import DRAWS
 from . import codes
 from .problems import Problems
 from .source import Span
@@ -13,6 +14,8 @@ IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z", re.ASCII)
 FUNCTIONS = frozenset(
     "dot cross triple norm vec sqrt exp log sin cos tan asin acos atan atan2 "
     "sinh cosh tanh abs min max floor mod if".split())
+# functions whose names stay free: they are meant where arguments follow
+UNRESERVED = frozenset(DRAWS)
 CONSTANTS = frozenset(("t", "pi"))
 GRAMMAR = frozenset("and or not of on periodic open".split())
 C_WORDS = frozenset("""

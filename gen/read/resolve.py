@@ -8,7 +8,7 @@ from ..language.expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Wei
 from . import codes
 from .arithmetic import CONSTANT
 from .guesses import SELDOM, meant
-from .names import FUNCTIONS
+from .names import FUNCTIONS, UNRESERVED
 from .problems import Bad, Problems, TooBig, nearest
 from .scope import Scope, Typed, is_single
 from .source import Span
@@ -97,7 +97,7 @@ class Resolver:
         if node.name == "t":
             self.fail(codes.NOT_HERE, node.span, f"time `t` may not stand in {self.scope.place}",
                       "time enters through effects: `energy = \"B*cos(t)*w.z\"`")
-        if node.name in FUNCTIONS:
+        if node.name in FUNCTIONS | UNRESERVED:
             self.fail(codes.SYNTAX, node.span, f"`{node.name}` is a function without arguments",
                       f"write `{node.name}(...)`")
         return self.unknown(node.name, node.span)
@@ -211,17 +211,29 @@ class Resolver:
     def call(self, node: Call) -> Typed:
         if node.name in self.scope.declared.formulas:
             return self.expand(node)
+        if node.name in UNRESERVED:
+            return self.draw(node)
         if node.name not in FUNCTIONS:
             if node.name in self.scope.known():
                 self.fail(codes.SYNTAX, node.head, f"`{node.name}` is not a function",
                           f"entries are written `{node.name}[i]`, products with `*`")
-            names = FUNCTIONS | set(self.scope.declared.formulas)
+            names = FUNCTIONS | UNRESERVED | set(self.scope.declared.formulas)
             if node.name in self.scope.declared.broken:
                 self.operands(node.args)
                 raise Bad
             self.fail(codes.UNKNOWN_NAME, node.head, f"there is no function `{node.name}`",
                       SELDOM.get(node.name) or nearest(node.name, names))
         return self.apply(node.name, self.operands(node.args), node.head, node)
+
+    def draw(self, node: Call) -> Typed:
+        """A random number of a seed and one or two sites: integers all."""
+        args = self.operands(node.args)
+        found = self.apply(node.name, args, node.head, node)
+        for a, written in zip(args, node.args):
+            if not integral(a.expr, self.scope.declared.parameters):
+                self.fail(codes.INTEGER, written.span, f"`{node.name}` takes a seed and one or two indices: integers, integer parameters and indices with + - *",
+                          f"such as `{node.name}(7, i)` of a site, or `{node.name}(7, i, j)` of a bond")
+        return found
 
     def apply(self, op: str, args: list[Typed], sign: Span, node: Syntax) -> Typed:
         kinds = "".join(a.kind for a in args)

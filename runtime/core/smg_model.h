@@ -64,6 +64,7 @@
  *                                                 (smg_pair_rows.h): which they are; in lanes the derivative of a
  *                                                 bond's energy by the scalar product of its ends; a bound on it where
  *                                                 that is at most `size`
+ *   numbers    smg_site_number(c, n, i)           the n-th of SMG_SITE_NUMBERS that the i-th site of a family has
  *   few        smg_few_field(c, all, pitch, i, g), smg_few_norms  dH/dw of the sites in the lanes from i on: smg_few.h,
  *                                                 where SMG_FEW_IN_LANES says so
  *   bound      smg_hessian_row_norm(c, k)                    sum of bounds on the norms of the Hessian blocks in the

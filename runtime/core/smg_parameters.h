@@ -10,6 +10,9 @@
 /* The coefficients of a call that has no state, at the time t. */
 static const smg_coefficients *smg_begin(smg_coefficients *c, const smg_model *model, smg_real t) {
   c->model = model;
+#if SMG_SITE_NUMBERS
+  c->of_sites = NULL;
+#endif
   smg_set_step(c, 0);
   smg_set_time(c, t);
   return c;

@@ -7,7 +7,12 @@
 #include "smidgen.h"
 
 /* What numbers are drawn for: the field `use` of the counter, 8 bits. A number is never given twice. */
-enum { SMG_USE_NOISE = 0 }; /* 0 to 63: two halves of a step, 32 turns each */
+enum {
+  SMG_USE_NOISE = 0,    /* 0 to 63: two halves of a step, 32 turns each */
+  SMG_USE_UNIFORM = 64, /* in formulas: of a site, or of two */
+  SMG_USE_NORMAL = 65,
+  SMG_USE_START = 66 /* the directions of a random start (gen/language/draws.py), step: its family */
+};
 
 typedef struct smg_philox {
   uint32_t word[4];
@@ -80,6 +85,24 @@ static inline void smg_three_normals(smg_philox random, double *x) {
   double left;
   smg_polar(sqrt(smg_minus_two_log(random.word[0])), random.word[1], x, x + 1);
   smg_polar(sqrt(smg_minus_two_log(random.word[2])), random.word[3], x + 2, &left);
+}
+
+/* Disorder: the words of a site, and of two in either order. */
+static inline smg_philox smg_words_of_site(int64_t seed, int64_t i, int use) {
+  return smg_philox_of(smg_counter(0, i, use, 0), (uint64_t)seed);
+}
+static inline smg_philox smg_words_of_bond(int64_t seed, int64_t i, int64_t j, int use) {
+  return smg_philox_of(smg_counter((i < j ? j : i) + 1, i < j ? i : j, use, 0), (uint64_t)seed);
+}
+
+/* A number in (0, 1), of 52 bits; a normal one, of mean 0 and variance 1. */
+static inline double smg_uniform_number(smg_philox random) {
+  return ((double)((int64_t)random.word[0] << 20 | random.word[1] >> 12) + 0.5) / 4503599627370496.0;
+}
+static inline double smg_normal_number(smg_philox random) {
+  double x, left;
+  smg_polar(sqrt(smg_minus_two_log(random.word[0])), random.word[1], &x, &left);
+  return x;
 }
 
 #endif

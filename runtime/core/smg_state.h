@@ -155,9 +155,22 @@ static inline void smg_set_size(smg_state *s, smg_real h) {
 #endif
 }
 
+#if SMG_SITE_NUMBERS
+/* What formulas have of single sites, found once. */
+static void smg_fill_site_numbers(smg_state *s) {
+  const int64_t sites = smg_sites(&s->c);
+  for (int64_t k = 0; k < SMG_SITE_NUMBERS * sites; ++k)
+    s->site_numbers[k] = smg_site_number(&s->c, k / sites, k % sites);
+  s->c.of_sites = s->site_numbers;
+}
+#endif
+
 /* All that h and the parameters decide, and the arrays, empty but for tables and the first `kept` numbers; w comes
  * first. */
 static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
+#if SMG_SITE_NUMBERS
+  s->c.of_sites = NULL; /* those of other parameters */
+#endif
   smg_set_size(s, smg_signed_h(s->h));
 #if SMG_BY_ROWS
   smg_choose_rows(s);
@@ -166,6 +179,9 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
   for (size_t k = (size_t)kept; k < used; ++k) mem[k] = 0;
 #if SMG_BY_ROWS
   smg_make_tables(s);
+#endif
+#if SMG_SITE_NUMBERS
+  if (s->site_numbers) smg_fill_site_numbers(s);
 #endif
   s->version = s->c.model->version;
 }

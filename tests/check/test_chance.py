@@ -19,6 +19,7 @@ from smidgen.check.verify.case import Case
 from smidgen.check.verify.row import NO, YES
 from smidgen.check.verify.subject import emitted
 from smidgen.extremes import largest, smallest, with_largest, with_smallest
+from smidgen.language.draws import directions
 from smidgen.run.record.record import Deviations
 from smidgen.run.settings import settle
 from smidgen.run.step.start import initial_state
@@ -72,16 +73,17 @@ def names_in(path):
 
 
 @quick
-def test_generators_are_made_in_two_files():
+def test_generators_are_made_in_one_file():
     found = {str(p.relative_to(GEN)) for p in GEN.rglob("*.py") if MAKERS & set(names_in(p))}
-    assert found == {"chance.py", "run/step/start.py"}
+    assert found == {"chance.py"}
 
 
 @quick
 def test_no_use_draws_what_another_or_a_start_draws():
     seeds = range(21)
-    starts = [np.random.Generator(np.random.PCG64(s)) for s in (*seeds, *([s, k] for s in seeds for k in (1, 2)))]
-    found = [dice.standard_normal(3) for dice in (*starts, *(generator(use, s) for use in USES for s in seeds))]
+    starts = [directions(s, family, 1)[0] for s in seeds for family in range(3)]
+    drawn = [dice.standard_normal(3) for dice in (generator(use, s) for use in USES for s in seeds)]
+    found = starts + [x / np.linalg.norm(x) for x in drawn]
     assert len({x.tobytes() for x in found}) == len(found)
     assert len(set(USES.values())) == len(USES)
     assert np.array_equal(generator("times", 3).uniform(size=5), generator("times", 3).uniform(size=5))

@@ -45,7 +45,7 @@ def followed(case, h, **more):
 
 def test_a_matrix_that_is_not_coercive_has_its_branch_followed(tmp_path):
     """Sites of a random graph: the step is accepted as it stands while x.J x >= x.x/4, and followed from h = 0 beyond."""
-    seen = [followed(begin(texts.read(texts.GLASS, tmp_path)), h, solver="newton") for h in (0.8, 0.9, 1.1, 1.2)]
+    seen = [followed(begin(texts.read(texts.GLASS.replace("random = 3", "random = 7"), tmp_path)), h, solver="newton") for h in (0.8, 0.9, 1.1, 1.2)]
     assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
 
 
@@ -99,7 +99,7 @@ energy = "w.z^2/2"
 
 def test_a_site_alone_has_its_branch_followed_unless_its_step_contracts(tmp_path):
     """The row sums of J - 1 are within a factor of sqrt(2) of its norm, whatever the frame: 0.75 is between."""
-    case, seen = begin(texts.read(TOP, tmp_path)), set()
+    case, seen = begin(texts.read(TOP.replace("random = 1", "random = 3"), tmp_path)), set()
     for h in (0.1, 0.3, 2.0, 2.4):
         one = model(case, SPHERICAL).start(case.w.copy(), h=h).step()
         size = np.linalg.norm(newton_matrix(case, one.w, h) - np.eye(2), 2) / 0.75

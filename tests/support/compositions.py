@@ -86,7 +86,7 @@ g = { default = [6.0, -4.0, 5.0, 8.0], size = 4 }
 over = "pair(i, j) of v"
 energy = "-g[i]*g[j]*log(2 - 2*dot(v[i], v[j]))/(4*pi)"
 [starts.a]
-random = 1
+random = 4
 [runs.r]
 start = "a"
 h = 0.1

@@ -8,7 +8,8 @@ from fractions import Fraction
 import numpy as np
 import sympy as sp
 
-from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight
+from ...language import draws
+from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Spin, Time, Weight, is_draw
 from . import bounds
 from . import polynomial as poly
 from .algebra import Algebra
@@ -73,8 +74,19 @@ class Formulas:
         return np.asarray(given[name], float) if name in given else None
 
     def _op(self, e: Op):
+        if is_draw(e):
+            return self._draw(e)
         arguments = [self.value(a) for a in e.args]
         return _OPERATIONS[e.op](self, *arguments)
+
+    def _draw(self, e: Op):
+        """A random number: itself where its seed and sites are known, else a function of them."""
+        arguments = [self.value(a) for a in e.args]
+        known = [poly.number_of(a) for a in arguments]
+        if None not in known:
+            return poly.constant(_finite(float(getattr(draws, e.op)(*map(int, known)))))
+        seed, *sites = arguments
+        return self.algebra.of(e.op, seed, *sorted(sites, key=repr))
 
     def add(self, a, b, sign=1):
         if isinstance(a, tuple):

@@ -11,9 +11,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import UsageError
-from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight
+from ...language.evaluate import evaluate
+from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, is_draw
 from ...language.spec import Term
 from ...language.instances import instances_of
+from . import disorder
 
 OPERATIONS = (
     "constant", "time", "column", "spin", "element",
@@ -49,13 +51,13 @@ def compile_term(spec, term: Term, env: dict, places: dict) -> Program:
     places: family -> (first site, count). Raises UsageError when an index leaves its family.
     """
     indices, columns = instances_of(term.over, env, places)
-    code = Code(env, [*indices, *columns])
-    code.result(term.value)
     count = len(next(iter(indices.values()))) if indices else 1
+    code = Code(env, {**indices, **columns}, count)
+    code.result(term.value)
     sites = [_sites(slot, indices, places, count) for slot in code.slots]
     return Program(
         term.name, np.array(code.instructions, dtype=INSTRUCTION),
-        _rows(sites, count, np.int64), _rows([*indices.values(), *columns.values()], count, float),
+        _rows(sites, count, np.int64), _rows([*code.columns.values()], count, float),
         np.array(code.table or [0.0]), _feels(spec, term.over, code.slots))
 
 
@@ -94,7 +96,8 @@ def _feels(spec, over, slots):
 class Code:
     """Instructions under construction. A scalar is a register, a vector a triple of them."""
     env: dict
-    columns: list
+    columns: dict
+    count: int
     instructions: list = field(default_factory=list)
     slots: list = field(default_factory=list)
     table: list = field(default_factory=list)
@@ -133,7 +136,7 @@ class Code:
         return self.emit("constant", number=float(value))
 
     def column(self, name):
-        return self.emit("column", self.columns.index(name))
+        return self.emit("column", [*self.columns].index(name))
 
     def element(self, e):
         if e.name not in self.placed:
@@ -148,7 +151,15 @@ class Code:
             self.slots.append(slot)
         return tuple(self.emit("spin", self.slots.index(slot), c) for c in range(3))
 
+    def drawn(self, kind, *args):
+        """A random number: a column of its own, one for every instance."""
+        found = [np.broadcast_to(evaluate(a, {**self.env, **self.columns}), self.count).astype(int).tolist() for a in args]
+        return self.columns.setdefault((kind, *args), [disorder.number(kind, *one) for one in zip(*found)])
+
     def operation(self, e):
+        if is_draw(e):
+            self.drawn(e.op, *e.args)
+            return self.column((e.op, *e.args))
         if e.op in _BY_SIDES:
             return _BY_SIDES[e.op](self, *e.args)
         arguments = [self.rounded(a) if e.op in SIDES else self.value(a) for a in e.args]

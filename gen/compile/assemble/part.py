@@ -35,6 +35,14 @@ class Part:
         """What the part is made of, its kernels first; None where the model has no use for it. low: where what is computed before steps is kept."""
         raise NotImplementedError
 
+    def first(self, model) -> list:
+        """Definitions that kernels mention."""
+        return []
+
+    def held(self, model) -> list:
+        """Members of the coefficients, (declaration, meaning)."""
+        return []
+
     def functions(self, model) -> list:
         """Definitions, each behind those that it mentions."""
         return []

@@ -10,6 +10,7 @@ from .pair_rows import PairsByRows
 from .pairs import PairsOfSites
 from .response import Responses
 from .rows import ByRows
+from .site_numbers import SiteNumbers
 from .solo import LoneMotion, SingleSphere
 from .sublattices import Sublattices
 from .thermal import Thermal
@@ -18,4 +19,4 @@ from .wide import Extended
 
 FIRST = (Responses(), Thermal())      # before bounds of the Hessian are found
 PARTS = (*FIRST, Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
-         Extended(), GradientsInLanes())
+         Extended(), GradientsInLanes(), SiteNumbers())

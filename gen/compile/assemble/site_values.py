@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import sympy as sp
 from sympy.logic.boolalg import Boolean
 
-from ...language.expr import Elem, Idx, Time
+from ...language.expr import Elem, Idx, Time, is_draw
 from ...language.spec import Sites
 from ..lower.code import Argument, Call, Function, If, Let, Local, Name, Ordered, Return, mentions
 from ..lower.integers import Index, compare, total
@@ -42,7 +42,7 @@ def differs(t) -> bool:
 
 def numbered(low, e) -> bool:
     """Does the number of the site enter?"""
-    return any(isinstance(node := low.leaves.get(s.name), Idx) or isinstance(node, Elem) and index_names(node.index) for s in e.free_symbols)
+    return any(isinstance(node := low.leaves.get(s.name), Idx) or (isinstance(node, Elem) or is_draw(node)) and index_names(node) for s in e.free_symbols)
 
 
 def lasting(low, e) -> bool:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from ...errors import UsageError
-from ...language.expr import Expr, Idx, Num, Op, Par, Spin, Time, Weight, slots_of
+from ...language.expr import Expr, Idx, Num, Op, Par, Spin, Time, Weight, is_draw, slots_of
 from ...language.spec import Term, Torque
 from .parts import SCALAR, Parts, TooLarge, Whole
 from .pieces import chosen
@@ -197,7 +197,7 @@ class Algebra:
             return sp.Integer(e.value) if isinstance(e.value, int) else sp.Float(e.value)
         if isinstance(e, Spin):
             return self.vectors[e.family, e.slot]
-        if isinstance(e, Op):
+        if isinstance(e, Op) and not is_draw(e):
             value = self.operation(e)
             return tuple(map(self.checked, value)) if isinstance(value, tuple) else self.checked(value)
         return self.leaf(leaf_name(e), e)
@@ -301,6 +301,8 @@ def leaf_name(e: Expr) -> str:
         return f"i.{e.name}"
     if isinstance(e, Weight):
         return f"e.{e.name}"
+    if is_draw(e):
+        return f"r.{e.op}({' '.join(map(index_text, e.args))})"
     return f"a.{e.name}[{index_text(e.index)}]"
 
 
@@ -308,7 +310,7 @@ def index_text(e: Expr) -> str:
     """Canonical text of an integer index expression."""
     if isinstance(e, Num):
         return str(e.value)
-    if isinstance(e, Op):
+    if isinstance(e, Op) and not is_draw(e):
         return f"({e.op} {' '.join(index_text(a) for a in e.args)})"
     return leaf_name(e)
 

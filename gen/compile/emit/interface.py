@@ -58,6 +58,7 @@ def header_slots(model: Model) -> dict:
     """Of model.h.j2."""
     return dict(
         params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=model.history, keeps_history=keeps_history(model), composed=model.method.stages > 1,
+        held=[member for part in model.parts for member in part.held(model)],
         members=[member for part in model.parts for member in part.members(model)],
         integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.effects],
         model_names=model.coefficients.of_model, state_names=model.coefficients.of_state, observables=[o.name for o in model.spec.observables],

@@ -115,6 +115,13 @@ class Scalar:
     def leaf_entry(self, n):
         return f"{n.table}[{self(n.place)}]", ATOM
 
+    def leaf_drawn(self, n):
+        where = "site" if len(n.of) == 2 else "bond"
+        return f"smg_{n.kind}_number(smg_words_of_{where}({self.args(n.of)}, SMG_USE_{n.kind.upper()}))", ATOM
+
+    def leaf_ofsite(self, n):
+        return f"{n.function}(c, {self(n.place)})", ATOM
+
     # -- other values -------------------------------------------------------------------------
     def show_name(self, n):
         return n.text, ATOM

@@ -9,7 +9,7 @@ from sympy.core.sorting import default_sort_key
 
 from ..derive import derivatives as derive
 from ..derive import written
-from ..lower.code import Component, Constant, Entry, Local, Parameter, Real, walk
+from ..lower.code import Component, Constant, Drawn, Entry, Local, Parameter, Real, walk
 from ..lower.integers import Int
 from .formulas import ATOM, ELEMENTARY, RELATIONS, WRITTEN, Formulas, number, power_of
 from .print_scalar import Scalar
@@ -104,7 +104,7 @@ class Wide(Scalar):
         if isinstance(node, Component):
             return f"smg_wide_load({node.vector}, {node.axis})", ATOM
         text, strength = super().leaf(node)
-        exact = isinstance(node, (Int, Parameter, Constant, Entry)) or isinstance(node, Local) and node.exact
+        exact = isinstance(node, (Int, Parameter, Constant, Drawn, Entry)) or isinstance(node, Local) and node.exact
         return (f"smg_wide_of({text})", ATOM) if exact else (text, strength)
 
     def do_add(self, s):

@@ -74,6 +74,26 @@ class Entry(Node):
 
 
 @dataclass(frozen=True)
+class Drawn(Node):
+    """A random number: `uniform` or `normal`, of a seed and one or two sites."""
+    kind: str
+    of: tuple[Int, ...]
+
+    def names(self):
+        return (f"smg_{self.kind}_number",)
+
+
+@dataclass(frozen=True)
+class OfSite(Node):
+    """What a function of the coefficients gives of a site."""
+    function: str
+    place: Int
+
+    def names(self):
+        return (self.function, "c")
+
+
+@dataclass(frozen=True)
 class Real(Node):
     """A real number (or truth value): a sympy expression, and what its symbols stand for."""
     expr: sp.Basic

@@ -14,12 +14,12 @@ from sympy.logic.boolalg import Boolean
 from sympy.simplify.cse_main import tree_cse
 
 from ...language.counts import constant_integer, runtime_names, sizes_of
-from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Time, Weight, walk
+from ...language.expr import Elem, Expr, Idx, Num, Op, Par, Time, Weight, is_draw, walk, with_index
 from ...language.spec import Spec
 from ..derive.derivatives import is_real, scalar
 from ..derive.parts import in_order, needed
-from .code import Component, Constant, Entry, Held, Local, Parameter, Real, Value
-from .integers import Computed, Given, Index, Int, Size, Whole, modulo, times, total
+from .code import Component, Constant, Drawn, Entry, Held, Local, OfSite, Parameter, Real, Value, real_of
+from .integers import Computed, Given, Index, Int, Node, Size, Whole, modulo, times, total
 
 STEP = object()     # stands for the step h among the leaves
 COEFFICIENTS = "c"  # what kernels are given
@@ -78,6 +78,9 @@ class Lowering:
         self.leaves: dict = {}
         self.levels: dict = {}          # expression of the kernel that is made -> its level
         self.reads_time = False
+        self.draws = False              # is any number random?
+        self.keeps = holder == COEFFICIENTS
+        self.site_numbers: dict = {}    # formula in Idx("i") -> function that gives its value, which a state keeps
 
     # -- leaves -----------------------------------------------------------------------------
     def level(self, name: str) -> int:
@@ -90,7 +93,7 @@ class Lowering:
             return CLOCK
         if isinstance(node, Par):
             return NUMBER if self.parameters[node.name].fixed else PREPARE
-        if isinstance(node, Elem) and not index_names(node.index):
+        if (isinstance(node, Elem) or is_draw(node)) and not index_names(node):
             return PREPARE
         return SITE
 
@@ -112,7 +115,7 @@ class Lowering:
             return Index(node.name)
         if isinstance(node, Weight):
             return Local(f"weight_{node.name}", exact=True)
-        return self.entry(node)
+        return self.drawn(node) if is_draw(node) else self.entry(node)
 
     def real(self, e, own=MappingProxyType({})) -> Real:
         """An expression with what its symbols stand for; own: symbol name -> leaf, where it is another than the model's."""
@@ -136,6 +139,26 @@ class Lowering:
         if p is not None and not p.fixed:
             return Parameter(e.name, self.index(e.index))
         return Entry(f"table_{e.name}", self.index(e.index))
+
+    def drawn(self, e: Op) -> Node:
+        """A random number: that of a single site is kept, where there is a state to keep it."""
+        self.draws = True
+        names = index_names(e)
+        if len(names) != 1 or not self.keeps:
+            return Drawn(e.op, tuple(map(self.index, e.args)))
+        (name,) = names
+        return OfSite(self.site_number(with_index(e, name, Idx("i"))), Index(name))
+
+    def site_number(self, e: Expr) -> str:
+        """The function of the coefficients and the number i of a site in its family that gives e, which depends on no more than i and parameters."""
+        return self.site_numbers.setdefault(e, f"site_number_{len(self.site_numbers)}")
+
+    def unkept(self, e: Expr) -> Kernel:
+        """A formula in Idx("i") that `site_number` has a name for, as it is found."""
+        self.keeps = False
+        found = self.formula(e)
+        self.keeps = True
+        return found
 
     def constants(self) -> dict:
         """Tables and arrays whose values are compiled in."""
@@ -197,10 +220,13 @@ class Lowering:
             return e.func(*late)
         return e.func(self.remember(e.func(*early), max(self.when(a) for a in early)), *late)
 
+    def is_atom(self, e) -> bool:
+        """Is it at hand without work?"""
+        return e.is_Symbol and not is_draw(self.leaves.get(e.name))
+
     def remember(self, e, level: int):
         """The symbol that holds e; atoms and their negatives are no work and stay."""
-        if level == NUMBER or e.is_Symbol or (e.is_Mul and e.args[0] == -1 and len(e.args) == 2
-                                              and e.args[1].is_Symbol):
+        if level == NUMBER or self.is_atom(e) or (e.is_Mul and e.args[0] == -1 and len(e.args) == 2 and self.is_atom(e.args[1])):
             return e
         if e.could_extract_minus_sign():
             return -self.remember(-e, level)
@@ -231,8 +257,15 @@ class Lowering:
         shared, results = shared_parts(late, work)
         operations = sum(int(sp.count_ops(e)) for e in [e for _, e in shared] + results)
         kept = needed(results, dict(shared))        # without what has cancelled out
-        return Kernel(tuple(Value(s.name, self.real(e, own)) for s, e in kept.items()),
+        draws = self.draws_of([*kept.values(), *results])
+        own = {**own, **{symbol: Local(name) for symbol, name in draws.items()}}
+        return Kernel((*(Value(name, real_of(self.leaf(symbol))) for symbol, name in draws.items()), *(Value(s.name, self.real(e, own)) for s, e in kept.items())),
                       tuple(self.real(e, own) for e in results), operations)
+
+    def draws_of(self, expressions) -> dict:
+        """Symbol -> name of the random numbers, each found once."""
+        found = sorted({s.name for e in expressions for s in e.free_symbols if is_draw(self.leaves.get(s.name))})
+        return {symbol: f"random{n}" for n, symbol in enumerate(found)}
 
     def placed(self, parts: dict):
         """(what stands for those parts that are known before the sites, the others as statements)."""

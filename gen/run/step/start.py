@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import UsageError
-from ...language import limits
+from ...language import draws, limits
 from ...language.evaluate import integer
 from ...language.spec import FamilyStart, Lattice, Spec, Start
 from .evaluated import Evaluated, per_site, radius
+from .noise import SEEDS
 
 
 def find_start(spec: Spec, start: str | Start | None) -> Start:
@@ -35,8 +36,8 @@ def initial_state(spec: Spec, start: str | Start | None = None, parameters: dict
 def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | None = None) -> np.ndarray:
     """The state at a start of the spec of these numbers, shape (sites, 3).
 
-    `seed` replaces the seed of every random family (that of noise is drawn from elsewhere). The first family of [space] takes
-    numpy's PCG64(seed), family k PCG64([seed, k]): with one seed they are independent. Raises UsageError
+    `seed` replaces the seed of every random family. The families of [space] are independent of each other, and of all else that
+    is drawn with the same seed (gen/language/draws.py). Raises UsageError
     when the shape is wrong, a number is not finite or a point is off its sphere by more
     than 1e-12 of the radius (unless the start says normalise).
     """
@@ -121,12 +122,12 @@ def _vectors(spec, family, number, one: FamilyStart, env, count, seed):
 
 
 def _random_directions(seed, number, count):
-    """Uniform on the unit sphere: normal vectors, normalised."""
+    """Uniform on the unit sphere."""
     if not isinstance(seed, (int, np.integer)) or seed < 0:
         raise UsageError(f"a seed must be an integer from 0 up, not {seed!r}")
-    bits = np.random.PCG64([int(seed), number] if number else int(seed))
-    x = np.random.Generator(bits).standard_normal((count, 3))
-    return x / np.linalg.norm(x, axis=1)[:, None]
+    if seed >= SEEDS:
+        raise UsageError(f"a seed is at most {SEEDS - 1}, not {seed}")
+    return draws.directions(np.uint64(seed), number, count)
 
 
 def _scale(family, env, count):
