@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..language.spec import Parameter, Spec, Term
+from ..language.spec import Parameter, Spec
 
 
 def program_of(spec: Spec) -> Spec:
@@ -12,15 +12,10 @@ def program_of(spec: Spec) -> Spec:
     Values that decide how a step is solved, sizes above all, come in through the plan alone (`gen/compile/plan/plan.py`).
     """
     return replace(spec, title="", path="", digest="", sources=(), starts=(), runs=(),
-                   parameters=tuple(map(unset, spec.parameters)), effects=tuple(map(untitled, spec.effects)),
-                   dampings=tuple(replace(d, meaning="") for d in spec.dampings),
-                   torques=tuple(map(untitled, spec.torques)), observables=tuple(map(untitled, spec.observables)))
+                   parameters=tuple(map(unset, spec.parameters)), effects=tuple(e.untitled for e in spec.effects),
+                   observables=tuple(o.untitled for o in spec.observables))
 
 
 def unset(p: Parameter) -> Parameter:
     """Without its texts and, unless it is compiled in, without its value."""
     return replace(p, meaning="", unit="") if p.fixed else replace(p, meaning="", unit="", default=None, fill=False)
-
-
-def untitled(term: Term) -> Term:
-    return replace(term, meaning="", unit="")

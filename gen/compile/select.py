@@ -37,11 +37,9 @@ def with_effects(spec: Spec, names) -> Spec:
         if name not in known:
             raise UsageError(f"there is no effect `{name}` in {spec.name}: "
                              + nearest(name, known))
-    kept = replace(spec, effects=tuple(e for e in spec.effects if e.name in set(names)),
-                   dampings=tuple(d for d in spec.dampings if d.name in set(names)),
-                   torques=tuple(t for t in spec.torques if t.name in set(names)))
-    if not (kept.effects or kept.torques):
-        raise UsageError(f"damping alone moves nothing: name an energy too, such as {(*spec.effects, *spec.torques)[0].name}")
+    kept = replace(spec, effects=tuple(e for e in spec.effects if e.name in set(names)))
+    if not any(e.moves for e in kept.effects):
+        raise UsageError(f"damping alone moves nothing: name an energy too, such as {next(e.name for e in spec.effects if e.moves)}")
     return kept
 
 
@@ -101,10 +99,9 @@ def formulas(spec: Spec):
         yield from (f.count, f.kappa)
         yield from () if f.radius is None else (f.radius,)
         yield from (e for row in f.casimir or () for e in row)
-    for term in spec.effects + spec.torques + spec.observables:
-        yield term.value
-        yield from term.over.size if isinstance(term.over, Lattice) else ()
-    yield from (e for d in spec.dampings for e in d.formulas.values())
+    for e in spec.effects + spec.observables:
+        yield from e.formulas.values()
+        yield from e.over.size if isinstance(e.over, Lattice) else ()
     for start in spec.starts:
         for part in start.families:
             yield from part.value if part.kind == "formula" else ()

@@ -15,12 +15,13 @@ import sympy as sp
 from ..analyse.symmetry import explain
 from ..compile.assemble.model import Model
 from ..compile.derive.derivatives import derive, derive_field
-from ..compile.plan.torque import slots
+from ..effects.damping import Damping
+from ..effects.torque import Torque
 from ..errors import SmidgenError
 from ..language.evaluate import evaluate
 from ..language.expr import Elem, Weight, slots_of
 from ..language.instances import instances_of
-from ..language.spec import Damping, Run, Spec, Torque
+from ..language.spec import Run, Spec
 from ..read.origins import Origin
 from ..run.record.conserved import of_time
 from ..run.step.integrator import compiled
@@ -57,7 +58,7 @@ def effects_table(spec: Spec, origins: Mapping[str, Origin], run: str | None = N
 
 def row_of(spec, one, called, name, origin, clockwork) -> Row:
     numbers = prepare(spec, one.method, None, dict(one.parameters), one.solver).numbers
-    effect = next(e for e in (*spec.effects, *spec.dampings, *spec.torques) if e.name == name)
+    effect = next(e for e in spec.effects if e.name == name)
     operations, moved = counts(effect, numbers, {f.name for f in spec.families if f.tracer})
     having, lacking = tuple({*called, name}), tuple(x for x in called if x != name)
     return Row(name, name in called, origin.kind, origin.source, operations, moved, clockwork.ns(having), clockwork.ns(lacking),
@@ -70,7 +71,7 @@ def counts(effect, numbers, tracers) -> tuple[float, float]:
     """(operations, bytes) for each site that it moves."""
     if isinstance(effect, Damping):
         return damping_operations(), VECTOR
-    d = derive_field(effect, slots(effect), effect.value) if isinstance(effect, Torque) else derive(effect)
+    d = derive_field(effect, effect.slots, effect.value) if isinstance(effect, Torque) else derive(effect)
     number = len(next(iter(instances_of(effect.over, numbers.values, numbers.places)[0].values()), [0]))
     rows = {slot: row for slot, row in zip(d.slots, d.gradient) if any(x != 0 for x in row)}
     if carried := {slot: row for slot, row in rows.items() if slot[0] in tracers}:
@@ -162,7 +163,7 @@ def given_up(spec, one, effect) -> dict[str, str]:
 
 def turned_about(spec, one, effect) -> np.ndarray:
     """The axes about which all sites may turn together, for this energy alone."""
-    found = explain(replace(spec, dampings=(), torques=()), one.name or None, effects=[effect.name], parameters=dict(one.parameters))
+    found = explain(replace(spec, effects=spec.energies), one.name or None, effects=[effect.name], parameters=dict(one.parameters))
     named = {family for family, _ in slots_of(effect.value)}
     whole = [np.asarray(axes).reshape(-1, 3) for families, axes in found.rotations if named <= set(families)]
     return max(whole, key=len, default=np.empty((0, 3)))

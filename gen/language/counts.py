@@ -8,7 +8,7 @@ from .spec import Lattice, Spec
 def sizes_of(spec: Spec):
     """Every size that the C reads: of families, of lattices, of arrays that are not compiled in."""
     yield from (f.count for f in spec.families)
-    for term in (*spec.effects, *spec.torques, *spec.observables):
+    for term in (*spec.effects, *spec.observables):
         yield from term.over.size if isinstance(term.over, Lattice) else ()
     yield from (p.size for p in spec.parameters if p.kind == "array" and not p.fixed)
 

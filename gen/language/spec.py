@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Optional, Union
 
 from ..public import few
-from .expr import Expr, Spin
+from .expr import Expr, Spin, walk
 
 
 @dataclass(frozen=True)
@@ -132,52 +132,92 @@ class Graph:
 Over = Union[Once, Sites, Pairs, Each, Lattice, Graph]
 
 
+def families_of(over: Over) -> dict[str, str]:
+    """Bound index -> the family whose sites it runs over."""
+    if isinstance(over, Sites):
+        return {over.index: over.family}
+    if isinstance(over, Each):
+        return dict(zip(over.indices, over.families))
+    if isinstance(over, (Pairs, Lattice, Graph)):
+        return {index: over.family for index in over.bound}
+    return {}
+
+
 @dataclass(frozen=True)
 class Term:
-    """A named sum over an index family: an effect (energy) or an observable (value)."""
+    """A named sum over an index family: of an energy, of an observable (key `value`)."""
     name: str
     over: Over
     value: Expr
     meaning: str = ""
     unit: str = ""
 
-
-@dataclass(frozen=True)
-class Torque(Term):
-    """An effect that is no energy: it moves the site of `on` by w' = .. + value, a vector that is tangent at w, as it stands: without kappa or
-    orientation. Gilbert's damping acts on it as on precession."""
-    on: Optional[Spin] = None
-
-
-FORMS = ("gilbert", "ll")     # of a damping: Gilbert's, and that of Landau and Lifshitz
-
-
-@dataclass(frozen=True)
-class Damping:
-    """An effect that is no energy: the sites of `over` lose energy on their spheres.
-
-    alpha: dimensionless, a formula of parameters and of the site's number Idx(over.index). With b = (1/kappa) dH/dw,
-    r the radius, o the orientation and s the sign of kappa, form 'll' moves a site by
-
-        w' = o w x b + s (alpha/r) w x (w x b),
-
-    and 'gilbert', w' = o w x b + o s (alpha/r) w x w', by the same divided by 1 + alpha^2. In R^3, where r is the state's, the form is
-    'll' and r is 1: alpha has the unit of 1/|w|.
-
-    kT: of a heat bath in the unit of the energy, a formula of the same kind, or None: noise then turns the sites, and the distribution
-    exp(-H/kT) is stationary.
-    """
-    name: str
-    over: Sites
-    alpha: Expr
-    form: str = "gilbert"
-    meaning: str = ""
-    kT: Optional[Expr] = None
+    key = "value"       # of its formula in a spec
 
     @property
     def formulas(self) -> dict[str, Expr]:
-        """Those that it has, by their keys."""
-        return {"damping": self.alpha} if self.kT is None else {"damping": self.alpha, "kT": self.kT}
+        """By their keys."""
+        return {self.key: self.value}
+
+    @property
+    def families(self) -> set[str]:
+        """Those that it runs over or names."""
+        return {e.family for e in walk(self.value) if isinstance(e, Spin)} | set(families_of(self.over).values())
+
+    def mapped(self, over, formula):
+        """The same with another index family, `over` of its own, and other formulas, `formula` of each."""
+        return replace(self, over=over(self.over), value=formula(self.value))
+
+    @property
+    def untitled(self):
+        """Without its texts."""
+        return replace(self, meaning="", unit="")
+
+
+class Effect:
+    """A part of the motion that a scene calls for by its name. Each kind is a class in a file of gen/effects, with name, over, meaning,
+    and what a `Term` has: formulas, families, mapped, untitled; beside that:
+
+    told_by: keys of a spec by which the kind is known; keys: those that exclude the keys of other kinds; reader: what reads one
+    (`gen/effects/kinds.py`); moves: does it move sites where there is no other effect? conservative: is it the gradient of an energy?
+    not_negative: key of a formula -> why it may not be negative; gives_up: of what is not conservative, "symplectic" and "energy" -> why not, and
+    "by" and "as", what gives it up, as a noun and as a sentence.
+    """
+    told_by: tuple = ()
+    keys: tuple = ()
+    moves = True
+    conservative = False
+    not_negative: dict = {}
+    gives_up: dict = {}
+
+    @property
+    def pushes(self) -> tuple[str, ...]:
+        """The families whose sites it moves in a way that no energy could."""
+        return ()
+
+    @property
+    def damps(self) -> tuple[str, ...]:
+        """The families whose sites lose energy."""
+        return ()
+
+    @property
+    def heats(self) -> tuple[str, ...]:
+        """The families whose sites noise turns."""
+        return ()
+
+    @property
+    def calm(self) -> "Effect":
+        """The same without noise."""
+        return self
+
+    @property
+    def note(self) -> str:
+        """What the C says of it beside the bracket."""
+        return ""
+
+    def contribution(self, spec: "Spec", method):
+        """How it moves sites (`gen/effects/motion.py`), for a method; None: for any."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -230,7 +270,7 @@ class Spec:
     title: str
     parameters: tuple[Parameter, ...]
     families: tuple[Family, ...]
-    effects: tuple[Term, ...]
+    effects: tuple[Effect, ...]     # of all kinds, in their order in gen/effects/kinds.py
     observables: tuple[Term, ...] = ()
     tables: tuple[tuple[str, tuple[float, ...]], ...] = ()   # constant lists, e.g. kappa = [1, 2]
     starts: tuple[Start, ...] = ()
@@ -239,35 +279,52 @@ class Spec:
     path: str = ""
     digest: str = ""             # sha256 of the text and of the files it names
     sources: tuple[tuple[str, str], ...] = ()
-    dampings: tuple[Damping, ...] = ()
-    torques: tuple[Torque, ...] = ()
+
+    def of(self, kind) -> tuple:
+        """Its effects of a kind."""
+        return tuple(e for e in self.effects if isinstance(e, kind))
+
+    @property
+    def energies(self) -> tuple[Term, ...]:
+        """The terms of H: effects that are the energies of one representative term."""
+        return tuple(e for e in self.effects if e.conservative and isinstance(e, Term))
 
     @property
     def effect_names(self) -> tuple[str, ...]:
-        """Those of the energies, then those of the dampings and torques: all that a scene may call for."""
-        return tuple(e.name for e in (*self.effects, *self.dampings, *self.torques))
+        """All that a scene may call for."""
+        return tuple(e.name for e in self.effects)
 
     @property
     def conservative(self) -> bool:
         """Do energies alone move its sites?"""
-        return not (self.dampings or self.torques)
+        return all(e.conservative for e in self.effects)
 
     @property
     def pushed(self) -> tuple[str, ...]:
         """The families whose sites a torque moves, in the order of the space."""
-        return tuple(f.name for f in self.families if f.name in {t.on.family for t in self.torques})
+        found = {family for e in self.effects for family in e.pushes}
+        return tuple(f.name for f in self.families if f.name in found)
+
+    def given_up(self, what: str, default: str = "") -> str:
+        """Why something is given up (`Effect.gives_up`), by the first effect that does."""
+        return next((e.gives_up[what] for e in self.effects if what in e.gives_up), default)
+
+    @property
+    def damped(self) -> tuple[str, ...]:
+        """The families whose sites are damped."""
+        return tuple(family for e in self.effects for family in e.damps)
 
     @property
     def heated(self) -> tuple[str, ...]:
         """The families whose sites noise turns."""
-        return tuple(d.over.family for d in self.dampings if d.kT is not None)
+        return tuple(family for e in self.effects for family in e.heats)
 
     @property
     def calm(self) -> "Spec":
         """The same without noise: what is between its two halves in a step."""
-        return replace(self, dampings=tuple(replace(d, kT=None) for d in self.dampings)) if self.heated else self
+        return replace(self, effects=tuple(e.calm for e in self.effects)) if self.heated else self
 
     def __repr__(self) -> str:
-        held = ("parameters", "families", "effects", "dampings", "torques", "observables", "starts", "runs")
+        held = ("parameters", "families", "effects", "observables", "starts", "runs")
         parts = [f"{name} {few(x.name for x in getattr(self, name))}" for name in held if getattr(self, name)]
         return f"<Spec {self.name}: {'; '.join(parts)}>"

@@ -3,28 +3,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..language.expr import Spin, walk
 from ..language.names_used import unused
-from ..language.spec import Run, Spec, Term
+from ..language.spec import Run, Spec
 from .names import COMPUTED, OUTPUTS
-from .terms import families_of
 
 
 def called_for(spec: Spec) -> Spec:
     """The spec without the families that no effect moves or names, and without what speaks of them."""
-    left = set().union(*map(families, (*spec.effects, *spec.torques)), *({d.over.family} for d in spec.dampings))
+    left = set().union(*(e.families for e in spec.effects))
     if left == {f.name for f in spec.families}:
         return spec
-    observables = tuple(o for o in spec.observables if families(o) <= left)
+    observables = tuple(o for o in spec.observables if o.families <= left)
     kept = {*OUTPUTS, *COMPUTED, *(o.name for o in observables)}
     return replace(spec, families=tuple(f for f in spec.families if f.name in left), observables=observables,
                    starts=tuple(replace(s, families=tuple(p for p in s.families if p.family in left)) for s in spec.starts),
                    runs=tuple(with_outputs(run, kept) for run in spec.runs))
-
-
-def families(term: Term) -> set[str]:
-    """Those that a term runs over or names."""
-    return {e.family for e in walk(term.value) if isinstance(e, Spin)} | set(families_of(term.over).values())
 
 
 def with_outputs(run: Run, kept: set[str]) -> Run:

@@ -16,10 +16,9 @@ from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate
 from ..language.expr import Elem, Idx, Num, Op, Par, Spin, walk, with_index
-from ..language.spec import Damping, Family, Graph, Lattice, Run, Spec, Term
-from . import codes
+from ..language.spec import Family, Graph, Lattice, Run, Spec, Term, families_of
+from ..language import codes
 from .names import plural
-from .terms import families_of
 from .values import integer, number
 
 
@@ -66,8 +65,6 @@ def sound(spec: Spec, troubles) -> Spec:
     return replace(spec, parameters=tuple(p for p in spec.parameters if p.name not in lost),
                    families=tuple(without(f, lost) for f in spec.families if f.name not in lost),
                    effects=tuple(e for e in spec.effects if not named(e) & lost),
-                   dampings=tuple(d for d in spec.dampings if not {d.over.family}.union(*map(elements, d.formulas.values())) & lost),
-                   torques=tuple(t for t in spec.torques if not named(t) & lost),
                    observables=tuple(e for e in spec.observables if not named(e) & lost),
                    starts=tuple(replace(s, families=tuple(p for p in s.families if not used(p, spec) & leafless))
                                 for s in spec.starts))
@@ -85,8 +82,9 @@ def elements(*formulas) -> set[str]:
             for e in walk(f) if isinstance(e, (Elem, Spin))}
 
 
-def named(term: Term) -> set[str]:
-    return elements(term.value) | set(families_of(term.over).values())
+def named(e) -> set[str]:
+    """Of an effect or an observable."""
+    return elements(*e.formulas.values()) | e.families
 
 
 def used(part, spec: Spec) -> set[str]:
@@ -105,24 +103,26 @@ def space(spec: Spec, values: dict) -> Iterator[Trouble]:
 
 def terms(spec: Spec, values: dict) -> Iterator[Trouble]:
     """Effects and observables."""
-    for section, key, terms in (("effects", "energy", spec.effects), ("effects", "torque", spec.torques),
-                                ("observables", "value", spec.observables)):
-        for term in terms:
-            yield from term_fits(spec, term, (section, term.name), key, values)
-    for damping in spec.dampings:
-        yield from damping_fits(spec, damping, values)
+    for section, found in (("effects", spec.effects), ("observables", spec.observables)):
+        for e in found:
+            for key, formula in e.formulas.items():
+                yield from formula_fits(spec, e, (section, e.name), key, formula, values)
 
 
-def damping_fits(spec: Spec, d: Damping, values: dict) -> Iterator[Trouble]:
-    """Entries of arrays; alpha >= 0 and kT >= 0 at every site."""
-    path, family = ("effects", d.name), next(f for f in spec.families if f.name == d.over.family)
-    for key, formula in d.formulas.items():
-        found = list(term_fits(spec, Term(d.name, d.over, formula), path, key, values))
-        yield from found
-        bad = () if found else first_bad(with_index(formula, d.over.index, Idx("i")), family, values, lambda a: ~(np.isfinite(a) & (a >= 0)))
-        if bad:
-            yield Trouble(path + (key,), codes.VALUE, f"the {key} of `{family.name}[{bad[0]}]` is {bad[1]:g}",
-                          "a damping is finite and not negative: energy falls" if key == "damping" else "a temperature is finite and not negative")
+def formula_fits(spec: Spec, e, path: tuple, key: str, formula, values: dict) -> Iterator[Trouble]:
+    """Sites, entries of arrays; and where its kind says so, no negative value at any site."""
+    found = list(term_fits(spec, Term(e.name, e.over, formula), path, key, values))
+    yield from found
+    if not found and key in getattr(e, "not_negative", ()):
+        yield from negative(spec, e, path, key, formula, values)
+
+
+def negative(spec: Spec, e, path: tuple, key: str, formula, values: dict) -> Iterator[Trouble]:
+    """The first site where a formula of the sites of a family is negative or no number."""
+    family = next(f for f in spec.families if f.name == e.over.family)
+    bad = first_bad(with_index(formula, e.over.index, Idx("i")), family, values, lambda a: ~(np.isfinite(a) & (a >= 0)))
+    if bad:
+        yield Trouble(path + (key,), codes.VALUE, f"the {key} of `{family.name}[{bad[0]}]` is {bad[1]:g}", e.not_negative[key])
 
 
 # Sizes

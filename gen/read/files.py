@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 
 from ..language import limits
 from ..resources import pieces, shipped
-from . import codes
+from ..language import codes
 from .problems import nearest
 from .tree import Node, number_trouble
 

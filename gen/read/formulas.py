@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Optional
 
 from ..language.expr import Expr, Num, Op, walk
-from . import codes
+from ..language import codes
 from .parse import parse
 from .problems import Bad, Problems
 from .resolve import Resolver, integral

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..language import limits
 from ..language.spec import Graph
-from . import codes
+from ..language import codes
 from .files import Files
 from .formulas import Formulas
 from .names import identifier

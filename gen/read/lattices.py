@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ..language import limits
 from ..language.expr import Expr
 from ..language.spec import Lattice
-from . import codes
+from ..language import codes
 from .formulas import Formulas
 from .names import identifier, plural
 from .problems import Problems, nearest

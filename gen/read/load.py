@@ -9,9 +9,11 @@ from typing import Optional
 
 from ..errors import Diagnostic, SpecError
 from ..language import limits
-from ..language.spec import Damping, Spec, Term, Torque
+from ..effects.kinds import ordered
+from ..language.spec import Spec
 from ..public import public
-from . import checks, codes
+from ..language import codes
+from . import checks
 from .called import called_for, with_parameters
 from .files import Files
 from .flat_text import flat_text
@@ -228,10 +230,8 @@ class Reader:
         sources = (("", self.problems.sources.files[0].text),) + tuple(sorted(self.files.texts.items()))
         return Spec(head["name"], head["title"], tuple(self.declared.parameters.values()),
                     tuple(f for f in self.declared.families.values() if f.name not in self.declared.unread),
-                    tuple(e for e in effects if type(e) is Term), observables,
-                    tuple(self.declared.tables.items()), starts, runs, head["orientation"],
-                    self.path, digest(sources), sources, tuple(e for e in effects if isinstance(e, Damping)),
-                    tuple(e for e in effects if isinstance(e, Torque)))
+                    ordered(effects), observables, tuple(self.declared.tables.items()), starts, runs, head["orientation"],
+                    self.path, digest(sources), sources)
 
     # What depends on values
 

@@ -5,13 +5,14 @@ table is its new default; a real parameter stays one where its new value is writ
 """
 from __future__ import annotations
 
+from ..effects.kinds import KINDS
 from .starts import FORMS
 from .tree import LOST, Node
 
 # Keys of a table that say the same thing in different ways; * is any name.
 WAYS = {
     ("space", "*"): (("sphere", "radius"), ("r3",), ("nambu", "C")),
-    ("effects", "*"): (("energy",), ("damping", "form", "kT"), ("torque", "on")),
+    ("effects", "*"): tuple(kind.keys for kind in KINDS),
     ("starts", "*"): tuple(FORMS.values()),
     ("starts", "*", "*"): tuple(FORMS.values()),
     ("runs", "*"): (("time",), ("steps",)),

@@ -4,8 +4,8 @@ from __future__ import annotations
 import re
 
 from ..language import limits
+from ..language import codes
 from ..language.expr import DRAWS
-from . import codes
 from .problems import Problems
 from .source import Span
 

@@ -11,7 +11,7 @@ from typing import Optional
 
 from ..language import limits
 from ..language.spec import Each, Once, Over, Pairs, Sites
-from . import codes
+from ..language import codes
 from .names import identifier
 from .parse import Parser
 from .problems import Bad, Problems, nearest

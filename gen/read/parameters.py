@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..language import limits
 from ..language.expr import Num
 from ..language.spec import Parameter
-from . import codes
+from ..language import codes
 from .formulas import Formulas
 from .names import CONSTANTS, FUNCTIONS, identifier
 from .parse import parse

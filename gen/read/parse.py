@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 
 from ..language import limits
-from . import codes
+from ..language import codes
 from .problems import Problems
 from .source import Span, Text
 from .syntax import Call, Component, Item, Name, Number, Operation, Syntax

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import re
 
-from . import codes
+from ..language import codes
 from .files import Files
 from .marks import Mark
 from .problems import Bad, Problems, nearest

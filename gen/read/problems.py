@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 from ..errors import Diagnostic, SpecError
 from ..language import limits
-from . import codes
+from ..language import codes
 from .source import Source, Sources, Span
 
 

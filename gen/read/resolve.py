@@ -5,7 +5,7 @@ import math
 
 from ..language import limits
 from ..language.expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Weight
-from . import codes
+from ..language import codes
 from .arithmetic import CONSTANT
 from .guesses import SELDOM, meant
 from .names import FUNCTIONS, UNRESERVED

@@ -4,7 +4,7 @@ from __future__ import annotations
 from ..methods import NAMES as METHODS, SOLVERS
 from ..language import limits
 from ..language.spec import LOOSEST, Run
-from . import codes
+from ..language import codes
 from .formulas import Formulas
 from .names import COMPUTED, OUTPUTS, identifier
 from .problems import Problems, nearest

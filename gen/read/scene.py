@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from ..language import limits
-from . import codes
+from ..language import codes
 from .files import Files
 from .marks import Mark
 from .merge import Merge, merged

@@ -6,7 +6,7 @@ from dataclasses import replace
 from ..language import limits
 from ..language.expr import Elem, Expr, Idx, Num
 from ..language.spec import Family
-from . import codes
+from ..language import codes
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .parameters import bounded

@@ -5,7 +5,7 @@ from math import cos, sin
 
 from ..language.expr import Expr, Num, Op
 from ..language.spec import Family, FamilyStart, Start
-from . import codes
+from ..language import codes
 from .files import Files
 from .formulas import Formulas
 from .names import identifier

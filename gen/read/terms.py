@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from ..language import limits
 from ..language.expr import Op, Spin, walk
-from ..language.spec import Damping, Each, Graph, Lattice, Once, Over, Pairs, Sites, Term, Torque
-from . import codes
-from .damping import DampingReader
+from ..language.spec import Each, Effect, Graph, Once, Over, Sites, Term, families_of
+from ..effects.kinds import KINDS, kind_of
+from ..language import codes
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .over import OverReader
@@ -13,29 +13,25 @@ from .parse import parse
 from .problems import Bad, Problems
 from .scope import Declared, Scope, is_single
 from .text import meaning
-from .torque import TorqueReader
 from .tree import Node
 from .work import derivatives
 
 
 class TermReader:
-    """Reads effects (key `energy`) and observables (key `value`)."""
+    """Reads effects, by their kinds, and observables (key `value`)."""
 
     def __init__(self, declared: Declared, formulas: Formulas, over: OverReader,
                  problems: Problems):
         self.declared, self.formulas, self.over_reader = declared, formulas, over
         self.problems = problems
 
-    def effects(self, section: Node) -> tuple[Term | Damping | Torque, ...]:
-        """Energies, dampings and torques, each read by the keys that it has."""
-        dampings, torques = DampingReader(self), TorqueReader(self)
-        readers = {"torque": torques.read, "damping": dampings.read, "kT": dampings.read}
-        found = []
+    def effects(self, section: Node) -> tuple[Effect, ...]:
+        """Each read by its kind."""
+        readers, found = {kind: kind.reader(self) for kind in KINDS}, []
         for node in section.table().items():
             with self.problems.guard():
-                key = next((key for key in readers if isinstance(node.raw, dict) and node.has(key)), None)
-                found.append(readers[key](node) if key else self.term(node, "energy", "effect", ()))
-        if found and not any(isinstance(e, Term) for e in found):
+                found.append(readers[kind_of(node.raw if isinstance(node.raw, dict) else ())].read(node))
+        if found and not any(e.moves for e in found):
             section.wrong(codes.MISSING, "no effect has an energy", 'a damping acts in the field of energies: give one, `energy = "..."`')
         return tuple(found)
 
@@ -43,15 +39,20 @@ class TermReader:
         terms = []
         for node in section.table().items():
             with self.problems.guard():
-                terms.append(self.term(node, key, what, taken))
+                terms.append(Term(*self.term(node, key, what, taken)))
         return tuple(terms)
 
-    def term(self, node: Node, key: str, what: str, taken) -> Term:
+    def term(self, node: Node, key: str, what: str, taken) -> tuple:
+        """What a `Term` has."""
         node.table("over", key, "meaning", "unit")
         name, (over, value), said, unit = self.problems.together(
             lambda: self.name(node, what, taken), lambda: self.sum(node, key, what),
-            lambda: meaning(node, "meaning"), lambda: meaning(node, "unit"))
-        return Term(name, over, value, said, unit)
+            lambda: self.text(node, "meaning"), lambda: self.text(node, "unit"))
+        return name, over, value, said, unit
+
+    @staticmethod
+    def text(node: Node, key: str) -> str:
+        return meaning(node, key)
 
     def name(self, node: Node, what: str, taken) -> str:
         name = identifier(self.problems, node.key, node.name, what)
@@ -70,13 +71,19 @@ class TermReader:
         self.known({*families_of(over).values(), *(e.family for e in walk(value) if isinstance(e, Spin))})
         if key == "energy" and not isinstance(over, Once):
             over, value = self.summed(formula, over, value)
-        if key == "energy" and (work := derivatives(value)) > limits.DERIVATIVES:
-            formula.wrong(codes.BIG, f"the derivatives of `{node.name}` take some {work} operations; at most {limits.DERIVATIVES} are "
-                          "allowed", "write it as several effects, each with some terms of the sum, or shorter")
+        if key == "energy":
+            self.affordable(node, formula, value)
         if key == "energy" and len(self.tracers(value)) > 1:
             formula.wrong(codes.NOT_HERE, "this energy joins two tracers, which act on none",
                           "join each tracer to families that are no tracers")
         return over, value
+
+    @staticmethod
+    def affordable(node: Node, formula: Node, value) -> None:
+        """Refuse a formula whose derivatives would take too long."""
+        if (work := derivatives(value)) > limits.DERIVATIVES:
+            formula.wrong(codes.BIG, f"the derivatives of `{node.name}` take some {work} operations; at most {limits.DERIVATIVES} are "
+                          "allowed", "write it as several effects, each with some terms of the sum, or shorter")
 
     def known(self, families: set) -> None:
         """Leave a term of families whose declaration has errors: what it does to them is not known."""
@@ -128,14 +135,3 @@ def moved(e, extra: dict[str, str]):
     if isinstance(e, Op):
         return Op(e.op, tuple(moved(a, extra) for a in e.args))
     return e
-
-
-def families_of(over: Over) -> dict[str, str]:
-    """Bound index -> the family whose sites it runs over."""
-    if isinstance(over, Sites):
-        return {over.index: over.family}
-    if isinstance(over, Each):
-        return dict(zip(over.indices, over.families))
-    if isinstance(over, (Pairs, Lattice, Graph)):
-        return {index: over.family for index in over.bound}
-    return {}

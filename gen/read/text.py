@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..errors import plain
 from ..language import limits
-from . import codes
+from ..language import codes
 from .tree import Node
 
 FORBIDDEN = ("*/", "/*", "*)", "(*", "??/", "\\")

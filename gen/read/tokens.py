@@ -5,7 +5,7 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
-from . import codes
+from ..language import codes
 from .problems import Problems
 from .source import Span, Text
 

@@ -6,7 +6,7 @@ import re
 import tomllib
 
 from ..language import limits
-from . import codes
+from ..language import codes
 from .marks import Marks
 from .problems import Bad, Problems
 from .recover import Aside, recovered

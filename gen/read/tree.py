@@ -6,7 +6,7 @@ from typing import Iterator, Optional
 
 from ..language import limits
 from ..renamed import KEYS, now
-from . import codes
+from ..language import codes
 from .problems import Bad, Problems, meant, nearest
 from .source import Span, Text
 

@@ -7,7 +7,7 @@ from ..language import limits
 from ..language.evaluate import evaluate
 from ..language.expr import Expr
 from ..language.spec import Parameter, Spec
-from . import codes
+from ..language import codes
 from .problems import nearest
 from .scope import Declared
 from .tree import Node

@@ -14,11 +14,12 @@ from support.witness_models import (body, chord, nambu, one_term, op, precession
                             vortices)
 
 import smidgen
+from smidgen.effects.energy import Energy
 from smidgen.errors import BuildError, MissingTool, RunError, UsageError
 from smidgen.language.evaluate import evaluate
 from smidgen.language.expr import SIGNATURES, Elem, Idx, Num, Par, Spin, Weight
 from smidgen.resources import folder
-from smidgen.language.spec import Each, Graph, Lattice, Once, Pairs, Parameter, Sites, Spec, Term
+from smidgen.language.spec import Each, Graph, Lattice, Once, Pairs, Parameter, Sites, Spec
 from smidgen.run.step.start import initial_state
 from smidgen.check.witness import Witness, native
 from smidgen.language.instances import instances_of
@@ -113,7 +114,7 @@ def test_elements_of_arrays_and_their_limits():
     w = points(3)
     assert Witness(spec).energy(w) == pytest.approx(w[:, 2] @ [-3, 5, 2], rel=1e-15)
     beyond = op("*", Elem("gamma", op("+", Idx("i"), 1)), op("z", Spin("w", "i")))
-    wrong = dataclasses.replace(spec, effects=(Term("e", Sites("i", "w"), beyond),))
+    wrong = dataclasses.replace(spec, effects=(Energy("e", Sites("i", "w"), beyond),))
     with pytest.raises(RunError, match="no such entry"):
         Witness(wrong).energy(w)
 
@@ -289,7 +290,7 @@ def test_tracers_feel_and_do_not_act():
     tracer = sphere(2, name="p", tracer=True)
     alone = vortices(3)
     both = dataclasses.replace(alone, families=(*alone.families, tracer), effects=(
-        *alone.effects, Term("transport", Each(("i", "j"), ("p", "w")), chord("p", "i", "w", "j"))))
+        *alone.effects, Energy("transport", Each(("i", "j"), ("p", "w")), chord("p", "i", "w", "j"))))
     w = points(5, 4)
     together = Witness(both).steps(w, 0, 0.1, 20)
     assert np.abs(together[:, :3] - Witness(alone).steps(w[:3], 0, 0.1, 20)).max() < 1e-16
@@ -348,7 +349,7 @@ def test_wrong_names_and_shapes():
 
 
 def test_effects_are_left_out():
-    a, b = Term("a", Once(), op("x", Spin("w", 0))), Term("b", Once(), op("z", Spin("w", 0)))
+    a, b = Energy("a", Once(), op("x", Spin("w", 0))), Energy("b", Once(), op("z", Spin("w", 0)))
     spec = Spec("m", "m", (), (sphere(),), (a, b))
     assert Witness(spec, effects=["b"]).energies(W0) == {"b": W0[0, 2]}
     assert Witness(spec, effects=[]).energy(W0) == 0

@@ -2,9 +2,10 @@
 import pytest
 import smidgen
 from smidgen.compile.assemble.model import Model
-from smidgen.compile.plan.contributions import Contribution, contributions_of, require
+from smidgen.compile.plan.contributions import contributions_of, require
 from smidgen.compile.plan.layout import FEW, LAYOUTS, MIDPOINT_ROWS, STAGE_ROWS, TURN_ROWS, with_layout
 from smidgen.compile.plan.plan import choose, coupled_families
+from smidgen.effects.motion import Contribution
 from smidgen.errors import UsageError
 from smidgen.methods import ENERGY, GRADIENT, HESSIAN, METHODS, MIDPOINTS, OFFERS, SITE_GRADIENT, WIDE_GRADIENT
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 import re
 
-from smidgen.language.spec import FORMS
+from smidgen.effects.damping import FORMS
 from smidgen.methods import DEFAULT, METHODS
 
 from .drawn import COMPOSED, FREE, SINGLE, SPLIT, comments

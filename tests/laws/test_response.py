@@ -7,8 +7,9 @@ from scipy.integrate import solve_ivp
 from support.responses import Law, files_of, integrator, library, midpoint
 
 import smidgen
-from smidgen.compile.plan.contributions import Contribution, contributions_of
+from smidgen.compile.plan.contributions import contributions_of
 from smidgen.compile.plan.plan import choose
+from smidgen.effects.motion import Contribution
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
 

@@ -13,7 +13,7 @@ import smidgen
 from smidgen.build.binary import write_files
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
-from smidgen.compile.plan.torque import closed
+from smidgen.effects.torque import Torque, closed
 from smidgen.compile.select import select
 from smidgen.errors import SpecError, UsageError
 from smidgen.methods import METHODS
@@ -69,7 +69,7 @@ def height(form, o, kappa, alpha, tau, time):
 def test_slonczewski_in_closed_form(form, o, kappa, radius, torque):
     """w_z = tanh(g (alpha lam - tau) t + atanh w_z0), g = 1 or 1/(1 + alpha^2); as a turn in closed form, and tangent on the sphere alone, so by Newton."""
     spec = spin(form, o, kappa, radius, 0.1, 0.25, torque)
-    assert (closed(spec.torques[0], spec) is not None) == torque.startswith("tau/R")
+    assert (closed(spec.of(Torque)[0], spec) is not None) == torque.startswith("tau/R")
     one, errors = build(spec), []
     for h in (0.1, 0.05):
         one.start("a", h=h).steps(round(5 / h))
@@ -305,9 +305,9 @@ def test_the_tangent_map_is_the_derivative_of_the_step(name, solver):
 def test_what_a_scene_does_not_call_for_leaves_nothing(name, method):
     """Left out by name, it gives the C of a spec that never had it, byte for byte but for the spec's own digest."""
     with_it = named(name)
-    energies = [e.name for e in with_it.effects]
+    energies = [e.name for e in with_it.energies]
     text = with_it.sources[0][1]
-    begin = min(text.index(f"[effects.{t.name}]") for t in with_it.torques)
+    begin = min(text.index(f"[effects.{t.name}]") for t in with_it.of(Torque))
     without = smidgen.load_text(text[:begin] + text[text.index("[starts.a]"):])
     one, other = (replace(select(spec, energies), digest="") for spec in (with_it, without))
     assert generate(one, method) == generate(other, method) != generate(with_it, method)

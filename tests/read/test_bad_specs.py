@@ -10,7 +10,7 @@ import pytest
 
 from smidgen.errors import Exit, SpecError
 from smidgen.read import load
-from smidgen.read.codes import CODES
+from smidgen.language.codes import CODES
 
 pytestmark = pytest.mark.quick
 BAD = Path(__file__).parents[1] / "bad"

@@ -11,8 +11,8 @@ from support.faulty_specs import BASE, MANY, errors_of, faults, planted
 
 from smidgen.errors import SpecError
 from smidgen.read import load_text
-from smidgen.read.codes import BIG, BOND, COUNT, DURATION, EMPTY, INDEX, LATTICE, LIMIT, METHOD, OFF, START, STEP
-from smidgen.read.codes import ARITY, CHOICE, EXPONENT, INTEGER, KIND, NOT_HERE, OVER, UNKNOWN_NAME, VALUE
+from smidgen.language.codes import BIG, BOND, COUNT, DURATION, EMPTY, INDEX, LATTICE, LIMIT, METHOD, OFF, START, STEP
+from smidgen.language.codes import ARITY, CHOICE, EXPONENT, INTEGER, KIND, NOT_HERE, OVER, UNKNOWN_NAME, VALUE
 
 pytestmark = pytest.mark.quick
 DECLARING = ("space", "parameters")

@@ -14,7 +14,7 @@ from smidgen.errors import SpecError, UsageError
 from smidgen.language.evaluate import evaluate
 from smidgen.language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, kind_of, walk
 from smidgen.read import load, load_text
-from smidgen.read.codes import CODES
+from smidgen.language.codes import CODES
 from smidgen.read.marks import Marks
 from smidgen.read.names import FUNCTIONS
 from smidgen.compile.select import select

@@ -128,7 +128,7 @@ def test_ends_hold_all_values(formula):
     """At many times, and for parameters of both signs."""
     spec = smidgen.load_text(f'[model]\nname = "one"\n[space]\nw = {{ sphere = 2 }}\n[parameters]\na = 1.0\nb = 1.0\n[effects.all]\nover = "site(i) of w"\nenergy = "({formula})*w[i].z"\n[starts.up]\nrandom = 1\n')
     model = Model(spec, choose(spec, MIDPOINT, "auto"))
-    low, e = model.low, model.effects[0].derived.gradient[0][2]
+    low, e = model.low, model.energies[0].derived.gradient[0][2]
     nodes = {type(low.leaves[s.name]).__name__ + getattr(low.leaves[s.name], "name", ""): s for s in e.free_symbols}
     ends = extent(low, e)
     assert None not in ends

@@ -9,7 +9,8 @@ import numpy as np
 
 from smidgen.build.binary import build_library
 from smidgen.compile.emit.emit import emitted
-from smidgen.compile.plan.contributions import Contribution, Response, contributions_of
+from smidgen.compile.plan.contributions import contributions_of
+from smidgen.effects.motion import Contribution, Response
 from smidgen.compile.plan.plan import choose
 from smidgen.compile.program import program_of
 from smidgen.language.expr import Num

@@ -1,6 +1,7 @@
 """Small specs written as `Spec` objects, for the tests of the witness."""
+from smidgen.effects.energy import Energy
 from smidgen.language.expr import Num, Op, Spin, Time
-from smidgen.language.spec import Family, Once, Pairs, Spec, Term
+from smidgen.language.spec import Family, Once, Pairs, Spec
 
 ONE = Num(1.0)
 
@@ -19,7 +20,7 @@ def nambu(rows):
 
 
 def one_term(value, family, over=Once(), **more):
-    return Spec("m", "m", (), (family,), (Term("e", over, value),), **more)
+    return Spec("m", "m", (), (family,), (Energy("e", over, value),), **more)
 
 
 def body(moments, family=None, **more):

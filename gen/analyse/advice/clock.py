@@ -30,7 +30,7 @@ class Clock:
 
 def is_timed(scene) -> bool:
     """Does H, or a torque, depend on t?"""
-    return any(isinstance(node, Time) for e in (*scene.effects, *scene.torques) for node in walk(e.value))
+    return any(isinstance(node, Time) for e in scene.effects for formula in e.formulas.values() for node in walk(formula))
 
 
 def clock(equation: StepEquation, span: float) -> Clock | None:

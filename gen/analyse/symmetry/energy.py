@@ -14,7 +14,7 @@ class Energy:
 
     def __init__(self, spec: Spec, values: dict | None = None, effects=None):
         self.env, self.places = parameter_values(spec, values), sizes(spec, values)
-        self.terms = [(e, *instances_of(e.over, self.env, self.places)) for e in spec.effects
+        self.terms = [(e, *instances_of(e.over, self.env, self.places)) for e in spec.energies
                       if effects is None or e.name in effects]
 
     def __call__(self, w, t: float = 0.0) -> float:

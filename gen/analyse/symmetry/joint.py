@@ -144,7 +144,7 @@ def _symbols(asked: Asked) -> Torques:
     if any(f.kappa.__class__.__name__ != "Num" for f in asked.spec.families):
         return None
     tables = {name: asked.values[name] for name, _ in asked.spec.tables}
-    return torques(asked.spec, written_out(asked.spec.effects, asked.values, asked.places), None, tables, Budget(), True)
+    return torques(asked.spec, written_out(asked.spec.energies, asked.values, asked.places), None, tables, Budget(), True)
 
 
 def implied(one: Joint) -> list:

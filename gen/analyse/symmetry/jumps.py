@@ -24,7 +24,7 @@ CLEAR = 1e-6            # of the larger energy and 1: beyond what bisection leav
 def jumps(scene: Spec, values: dict | None = None) -> dict:
     """Effect -> the largest jump of one of its terms that was seen; without those that jump nowhere."""
     numbers = Evaluated(scene, values)
-    found = {effect.name: _largest(effect, numbers) for effect in scene.effects if edges(effect.value)}
+    found = {effect.name: _largest(effect, numbers) for effect in scene.energies if edges(effect.value)}
     return {name: size for name, size in found.items() if size > 0}
 
 

@@ -26,7 +26,7 @@ def time_dependent(asked: Asked):
 
 def _holds_time(spec) -> bool:
     """Is t in any formula of the energy? No work is too much for this question."""
-    return any(isinstance(node, Time) for e in spec.effects for node in walk(e.value))
+    return any(isinstance(node, Time) for e in spec.energies for node in walk(e.value))
 
 
 def _timed(found) -> bool:
@@ -48,12 +48,12 @@ def _deep(algebra, p: dict) -> set:
 def energy_integral(asked: Asked, method: str, changes):
     """The energy, unless H depends on time; tracers move in a given flow and have none of their own."""
     tracers = {f.name for f in asked.spec.families if f.tracer}
-    active = [e.name for e in asked.spec.effects if not passive(e, tracers)]
+    active = [e.name for e in asked.spec.energies if not passive(e, tracers)]
     if changes is not False or not active:
         return
     always = not _holds_time(asked.spec) or asked.always is not None and attempt(lambda: _timed(asked.always)) is False
     kept, why = _kept(asked, method)
-    name = "energy" if len(active) == len(asked.spec.effects) else f"energy of {', '.join(active)}"
+    name = "energy" if len(active) == len(asked.spec.energies) else f"energy of {', '.join(active)}"
     held: list = []
 
     def numbers(w):

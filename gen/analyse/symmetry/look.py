@@ -33,7 +33,7 @@ def unchanged(spec, values: dict):
 def _cost(spec, values) -> int:
     """Numbers that one energy touches, at least one a site."""
     env, places = parameter_values(spec, values), sizes(spec, values)
-    sums = (terms(e.over, env, places) * sum(1 for _ in walk(e.value)) for e in spec.effects)
+    sums = (terms(e.over, env, places) * sum(1 for _ in walk(e.value)) for e in spec.energies)
     return sum(count for _, count in places.values()) + sum(sums)
 
 

@@ -38,7 +38,7 @@ def ask(spec, values: dict, on_sphere: bool) -> Asked:
     """All readings of a selected spec."""
     numbers, places = parameter_values(spec, values), sizes(spec, values)
     tables = {name: numbers[name] for name, _ in spec.tables}
-    sums, terms = orbits(spec.effects), written_out(spec.effects, numbers, places)
+    sums, terms = orbits(spec.energies), written_out(spec.energies, numbers, places)
 
     def read(which, given, sphere):
         return None if which is None else attempt(lambda: torques(spec, which, given, tables, Budget(), sphere))

@@ -92,7 +92,7 @@ def explain(spec: Spec, run: str | None = None, *, method: str | None = None, ef
     turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families), seen)
     rotations, always, mixed = _rotations(asked, turns, seen, undecided)
     changes = time_dependent(asked)
-    damped, given_up = tuple(d.over.family for d in scene.dampings), not scene.conservative
+    given_up = not scene.conservative
     integrals = [] if given_up else [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
                                    *joint_quadratic(asked, method, undecided), *energy_integral(asked, method, changes)]
     integrals += _casimirs(asked, METHODS[method].keeps_leaf)
@@ -102,7 +102,7 @@ def explain(spec: Spec, run: str | None = None, *, method: str | None = None, ef
                   _parameters(asked), rotations, always,
                   mixed, _unique(integrals), changes, [] if given_up else parity(asked), undecided,
                   tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if given_up else attempt(lambda: splittings(scene)) or {},
-                  () if given_up else tuple(looked_for(asked)), damped, scene.heated, jumps(scene), scene.pushed)
+                  () if given_up else tuple(looked_for(asked)), scene.damped, scene.heated, jumps(scene), scene.pushed)
 
 
 def _parameters(asked: Asked) -> dict:

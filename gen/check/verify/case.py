@@ -33,7 +33,7 @@ class Case:
         self.leaves = Leaves(s.numbers.kappas.astype(LONG), s.numbers.casimir_matrices.astype(LONG), s.numbers.radii)
         self.dice = generator("verify", seed)
         self.w, self.h, self.sites = self._start(), s.h, self.witness.sites
-        self.timed = any(isinstance(node, Time) for e in (*self.scene.effects, *self.scene.torques) for node in walk(e.value))
+        self.timed = any(isinstance(node, Time) for e in self.scene.effects for formula in e.formulas.values() for node in walk(formula))
         self.small = self.sites <= LARGEST_DENSE
         self.tracers = self._tracers()
         self.probe = self._probe()

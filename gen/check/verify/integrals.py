@@ -135,7 +135,7 @@ def energy(case: Case, subject, known: Known) -> Row:
     if case.timed:
         return not_applicable("energy", "H depends on time")
     if not case.scene.conservative:
-        return not_applicable("energy", "damped sites lose energy" if case.scene.dampings else "torques feed and take energy")
+        return not_applicable("energy", case.scene.given_up("energy"))
     if not known.energy:
         return not_applicable("energy", "not claimed: H is no sum of integrals that the method keeps")
     if subject.energy(case.w, 0.0) is None:

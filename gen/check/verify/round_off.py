@@ -81,7 +81,7 @@ def walks(case: Case, subject, known, steps, samples) -> list:
 
 def at_rest(case: Case, subject, ends, t) -> np.ndarray:
     """Which orbits are damped and end where one more step moves nothing."""
-    if not case.scene.dampings:
+    if not case.scene.damped:
         return np.zeros(len(ends), bool)
     moved = np.abs(subject.run(ends, t, case.h, [1])[0] - ends)
     return moved.max(axis=(1, 2)) <= STILL * np.abs(ends).max(axis=(1, 2))

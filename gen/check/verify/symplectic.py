@@ -18,7 +18,6 @@ from .row import MOST, NO, Row, at_most, not_applicable
 DEFECT = 1e-12
 WIDTHS = (1e-3, 1e-4, 1e-5)     # angles of a difference: the wider has less round-off, the narrower less error
 FRAMES = {"quick": 4, "normal": 12}     # sites whose two tangent vectors are taken; neighbours stay together
-DAMPED, PUSHED = "damped sites lose area", "torques are no Hamiltonian field"
 GLOBAL = 4                      # random tangent vectors of all sites at once
 
 
@@ -38,7 +37,7 @@ def symplectic(case: Case, subject) -> list[Row]:
 
 def given_up(scene) -> str:
     """Why no step is symplectic."""
-    return DAMPED if scene.dampings else PUSHED
+    return scene.given_up("symplectic")
 
 
 def defect_row(case: Case, subject, name, sites, note) -> Row:

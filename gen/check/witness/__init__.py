@@ -15,10 +15,13 @@ import functools
 
 import numpy as np
 
+from ...effects.damping import Damping
+from ...effects.energy import Energy
+from ...effects.torque import Torque
 from ...errors import RunError, UsageError
 from ...language.evaluate import evaluate
 from ...language.expr import Op
-from ...language.spec import Damping, Spec, Term, Torque
+from ...language.spec import Spec, Term
 from ...run.step.evaluated import Evaluated
 from . import collocation, compositions, extrapolation, lie, native, rattle, splittings, thermal
 from .program import compile_term, moved_sites
@@ -65,8 +68,8 @@ class Witness:
         self.sites = sum(count for _, count in self.families.values())
         self.kappa = self.numbers.kappas
         self._c = native.load()
-        chosen = _chosen((*spec.effects, *spec.dampings, *spec.torques), effects)
-        self.effects = {e.name: self._program(e) for e in chosen if type(e) is Term}
+        chosen = _chosen(spec.effects, effects)
+        self.programs = {e.name: self._program(e) for e in chosen if isinstance(e, Energy)}
         self.dampings = [d for d in chosen if isinstance(d, Damping)]
         self.torques = [self._component(e, axis) for e in chosen if isinstance(e, Torque) for axis in "xyz"]
         self.diffusion = self._diffusion()
@@ -79,7 +82,7 @@ class Witness:
 
     def energies(self, w, t: float = 0.0) -> dict:
         """The energy of each effect, by name."""
-        return {name: self._sum(one, w, t) for name, one in self.effects.items()}
+        return {name: self._sum(one, w, t) for name, one in self.programs.items()}
 
     def observables(self, w, t: float = 0.0) -> dict:
         """The value of each observable, by name."""
@@ -204,7 +207,7 @@ class Witness:
         return one, moved_sites(torque, self.values, self.families), "xyz".index(axis)
 
     def _whole(self):
-        programs = [one.struct for one in self.effects.values()]
+        programs = [one.struct for one in self.programs.values()]
         self._structs = (native.ProgramStruct * max(1, len(programs)))(*programs)
         self._pushes = (native.PushStruct * max(1, len(self.torques)))(*((one.struct, moved.ctypes.data, axis) for one, moved, axis in self.torques))
         radius = self.numbers.radii

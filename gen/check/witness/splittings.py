@@ -29,7 +29,7 @@ def turned(w, axis, angle):
 def axes(witness, w, t: float, h: float):
     """x, y for half the step, z for all of it, y, x: the time in the middle. Where no effect joins sites each angle is twice the
     arcus tangent of its half."""
-    joined = any(one.site.shape[1] > 1 for one in witness.effects.values())
+    joined = any(one.site.shape[1] > 1 for one in witness.programs.values())
     for a, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
         angle = witness.spec.orientation * part * h * witness.field(w, t + h / 2)[:, a]
         w = turned(w, np.eye(3)[a], angle if joined else 2 * np.arctan(angle / 2))
@@ -51,7 +51,7 @@ class Rule:
 def colours(witness) -> np.ndarray:
     """The colour of every site, by the definition of the method: on a lattice whose rings fit that of its place; 0 where no term joins
     sites; else every site is its own."""
-    if all(one.site.shape[1] < 2 for one in witness.effects.values()):
+    if all(one.site.shape[1] < 2 for one in witness.programs.values()):
         return np.zeros(witness.sites, int)
     found, _ = lattice_colours(witness)
     return np.arange(witness.sites) if found is None else found
@@ -60,9 +60,9 @@ def colours(witness) -> np.ndarray:
 @functools.lru_cache(maxsize=4)
 def lattice_colours(witness):
     """(the colours of all sites of a lattice whose rings fit, the rule); else None for both."""
-    terms = [e for e in witness.spec.effects if e.name in witness.effects]
+    terms = [e for e in witness.spec.energies if e.name in witness.programs]
     overs = [e.over for e in terms if isinstance(e.over, Lattice)]
-    off = [e for e in terms if not isinstance(e.over, Lattice) and witness.effects[e.name].site.shape[1] > 1]
+    off = [e for e in terms if not isinstance(e.over, Lattice) and witness.programs[e.name].site.shape[1] > 1]
     if off or not overs or len(witness.families) > 1 or any((o.size, o.sites) != (overs[0].size, overs[0].sites) for o in overs):
         return None, None
     rule = first_rule(overs)
@@ -107,7 +107,7 @@ def continues(witness, over, rule: Rule, colour) -> bool:
 
 def proper(witness, colour) -> np.ndarray:
     """The colours; RunError where a term joins two sites of one colour."""
-    for name, one in witness.effects.items():
+    for name, one in witness.programs.items():
         of_terms = np.sort(colour[one.site], axis=1)
         if np.any(of_terms[:, 1:] == of_terms[:, :-1]):
             raise RunError(f"effect {name} joins two sites of one colour: the sublattices are not those of this model")
@@ -129,7 +129,7 @@ def sublattices(witness, w, t: float, h: float):
 
 def bonds(witness):
     """(i, j, system of that term alone) of all terms of two sites, in the order in which the interpreter has them."""
-    for one in witness.effects.values():
+    for one in witness.programs.values():
         for k, (i, j) in enumerate(one.site if one.site.shape[1] == 2 else ()):
             arrays = [np.ascontiguousarray(a) for a in (one.code, one.site[k:k + 1], one.data[k:k + 1], one.table, one.feels)]
             program = native.ProgramStruct(len(one.code), 2, one.data.shape[1], 1, *(a.ctypes.data for a in arrays))
@@ -146,8 +146,8 @@ def classes(witness, found):
     if colour is None:
         return None
     members, left = {}, iter(found)
-    for e, term in enumerate(witness.spec.effects):
-        if term.name not in witness.effects or witness.effects[term.name].site.shape[1] != 2:
+    for e, term in enumerate(witness.spec.energies):
+        if term.name not in witness.programs or witness.programs[term.name].site.shape[1] != 2:
             continue
         over, first = term.over, min(term.over.indices.index(index) for _, index in slots_of(term.value))
         if not all(any(not any(offset) for _, offset in bond) for bond in over.bonds):

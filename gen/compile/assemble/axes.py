@@ -17,7 +17,7 @@ SLOPES = Argument("smg_real *", "g")
 
 def axis_kernels(model, low: Lowering) -> tuple:
     """For each axis {effect: function that adds its slopes}, without the effects that have none."""
-    return tuple({t.prefix: f for t in model.effects if t.slots and (f := slopes_kernel(model, low, t, a)) is not None} for a in range(3))
+    return tuple({t.prefix: f for t in model.energies if t.slots and (f := slopes_kernel(model, low, t, a)) is not None} for a in range(3))
 
 
 def slopes_kernel(model, low: Lowering, t: TermKernels, axis: int) -> Function | None:
@@ -39,7 +39,7 @@ def shortened(low: Lowering, t: TermKernels, e):
 
 def is_separate(model) -> bool:
     """Does no term join two sites?"""
-    return all(len(t.slots) < 2 and isinstance(t.over, (Sites, Once)) for t in model.effects)
+    return all(len(t.slots) < 2 and isinstance(t.over, (Sites, Once)) for t in model.energies)
 
 
 def axes_in_use(model) -> int:
@@ -56,7 +56,7 @@ def axis_functions(model) -> list:
 
 
 def slopes_of_all(model, axis: int) -> Function:
-    terms = [t for t in model.effects if t.prefix in model.axes[axis]]
+    terms = [t for t in model.energies if t.prefix in model.axes[axis]]
     return Function("void", f"smg_slopes_{AXES[axis]}", (COEFFICIENTS, W, SLOPES),
                     sums(model, terms, lambda t: slopes_body(model, t, axis)), wanted=True)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import sympy as sp
 
 from ...language.expr import Elem, Idx, Num, Par, walk
-from ...read.terms import families_of
+from ...language.spec import families_of
 from ..derive.derivatives import greater, lesser
 from ..lower.code import For, If, Local, Name, Not, Real, Return, Value, refuse
 from ..lower.integers import ZERO, Int, Node, Whole, compare, terms_of
@@ -25,9 +25,8 @@ class Bounds:
 
     def checks(self, spec) -> tuple:
         """Statements that refuse sizes for which an index leaves its array."""
-        tests = [test for t in (*spec.effects, *spec.torques, *spec.observables) for e in entries(t.value)
+        tests = [test for t in (*spec.effects, *spec.observables) for formula in t.formulas.values() for e in entries(formula)
                  for test in self.interval_tests(e, families_of(t.over))]
-        tests += [test for d in spec.dampings for formula in d.formulas.values() for e in entries(formula) for test in self.interval_tests(e, families_of(d.over))]
         tests += [test for f in spec.families for formula in (f.kappa, f.radius, *sum(f.casimir or (), ()))
                   for e in entries(formula) for test in self.site_tests(e, f)]
         return (*(Value(symbol.name, self.real(e)) for e, symbol in self.products.items()), *tests)

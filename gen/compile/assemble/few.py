@@ -42,7 +42,7 @@ def few(model, low):
         return None
     if any(map(indexed, model.responses.values())) or model.method.stages > 1 or {"extended", "tangent"} & set(model.features) or not all(serves(low, t) for t in model.fields):
         return None
-    return tuple(pull(low, t, model.unit_radius()) for t in model.effects)
+    return tuple(pull(low, t, model.unit_radius()) for t in model.energies)
 
 
 # Which terms serve

@@ -12,7 +12,7 @@ from ..lower.trim import trim
 
 def value_sums(model) -> list:
     """[(kind, name of the term, statements that add up its values)] of the energies and observables."""
-    terms = [("energy", t) for t in model.effects] + [("observe", t) for t in model.observables]
+    terms = [("energy", t) for t in model.energies] + [("observe", t) for t in model.observables]
     return [(kind, t.derived.term.name, sums(model, [t], lambda t: value_body(model, t))) for kind, t in terms]
 
 

@@ -16,7 +16,6 @@ from ..lower.lowering import Lowering
 from ..plan.contributions import contributions_of, diffusions_of, fields_of, require, responses_of
 from ..plan.layout import with_layout
 from ..plan.plan import Plan, require_free_body
-from ..plan.torque import slots
 from .families import FamilyCode, family_codes
 from .norms import edge_norms, reach
 from .parts import FIRST, PARTS
@@ -29,7 +28,7 @@ HISTORY = 7     # increments kept for the predictor; its degree adapts up to one
 class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
-    families: sizes, strengths and leaves; effects, observables: kernels of one term; torques: of those that are fields beside the gradients; responses: laws of families whose sites do more than precess;
+    families: sizes, strengths and leaves; energies, observables: kernels of one term; torques: of those that are fields beside the gradients; responses: laws of families whose sites do more than precess;
     reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; parts: those of `parts.py` that it has, each also an
     attribute by its name, what it is made of or None.
     """
@@ -43,8 +42,8 @@ class Model:
         low = Lowering(self.spec)
         self.families = family_codes(low, self.spec.families, plan.coupled)
         self.by_name = {f.name: f for f in self.families}
-        self.effects = tuple(term_kernels(low, e, "effect") for e in self.spec.effects)
-        self.torques = tuple(field_kernels(low, t, slots(t), field) for t, field in fields_of(self.spec, self.contributions, self.method))
+        self.energies = tuple(term_kernels(low, e, "effect") for e in self.spec.energies)
+        self.torques = tuple(field_kernels(low, t, t.slots, field) for t, field in fields_of(self.spec, self.contributions, self.method))
         self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
         self.parts = ()
         self.add(FIRST, low)
@@ -85,7 +84,7 @@ class Model:
     @property
     def fields(self) -> tuple:
         """All terms that move sites by a gradient, or by a field in the place of one."""
-        return (*self.effects, *self.torques)
+        return (*self.energies, *self.torques)
 
     # -- families -----------------------------------------------------------------------------
     @property

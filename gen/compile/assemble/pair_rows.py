@@ -45,7 +45,7 @@ def lane_slope(model) -> Function:
 
 
 def joint(model) -> list:
-    return [t for t in model.effects if t.slots]
+    return [t for t in model.energies if t.slots]
 
 
 def class_table(model) -> Table:

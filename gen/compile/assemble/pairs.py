@@ -25,7 +25,7 @@ OF_CLASS = (COEFFICIENTS, Argument("int64_t", "which"), *VISIT[1:])
 
 def pair_kernels(model, low: Lowering) -> dict:
     """{effect: function f'(w_i.w_j)}."""
-    return {t.prefix: slope_kernel(low, t) for t in model.effects if t.slots}
+    return {t.prefix: slope_kernel(low, t) for t in model.energies if t.slots}
 
 
 def slope_of(t: TermKernels):
@@ -42,7 +42,7 @@ def slope_bound(model, low: Lowering):
     """A function that bounds |f'| of every bond at all times where |w_i.w_j| is at most `product`; None where it is no polynomial, cells differ, or there is
     no such bound."""
     total = sp.S.Zero
-    for t in model.effects:
+    for t in model.energies:
         slope = slope_of(t) if t.slots else sp.S.Zero
         if not slope.is_polynomial(PRODUCT):
             return None
@@ -59,7 +59,7 @@ def pair_functions(model) -> list:
     """The kernels, and what runtime/method/explicit/smg_pair_rotations.h asks of a model."""
     if model.pairs is None:
         return []
-    there = tuple(line for t in model.effects if t.slots for line in bonds(model, t))
+    there = tuple(line for t in model.energies if t.slots for line in bonds(model, t))
     return [*model.pairs.values(), visits("smg_each_pair", tidy(there)), visits("smg_each_pair_back", backward(tidy(there))), *class_functions(model)]
 
 
@@ -114,7 +114,7 @@ def count_function(*body) -> Function:
 def of_bond(model, group) -> If:
     """The classes of one bond: by the colour of its first site."""
     (start, one), here = group[0], Index("which")
-    t = next(t for t in model.effects if t.derived.term.name == one.effect)
+    t = next(t for t in model.energies if t.derived.term.name == one.effect)
     cells = [Index(f"s{d}") for d in range(len(t.over.size))]
     inner = (model.loops.bond(t.over, one.bond, cells, (visit_of(model, t),)),)
     rule = sublattices(model.spec).colours if len(group) > 1 else one_colour(t.over)      # where the place alone decides, all cells have it

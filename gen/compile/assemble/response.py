@@ -4,7 +4,7 @@ from __future__ import annotations
 from ..derive.derivatives import scalar
 from ..lower.code import Argument, Assign, Element
 from ..lower.lowering import Kernel, index_names
-from ..plan.contributions import Response
+from ...effects.motion import Response
 from .families import SITE, by_family
 from .part import Part
 

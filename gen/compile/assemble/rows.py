@@ -75,8 +75,8 @@ def rows(model, low):
     over = one_lattice(model.lattices(f.name))
     if over is not None and paired(model):
         return pair_rows(model, low, over)
-    apart = [t for t in model.effects if differs(t)]
-    if over is None or not all(quadratic(low, t) for t in model.effects) or count(low, apart) > MOST:
+    apart = [t for t in model.energies if differs(t)]
+    if over is None or not all(quadratic(low, t) for t in model.energies) or count(low, apart) > MOST:
         return None
     bounds = {t.prefix: (None, None) if model.method.stage_rows else (rest_norm(low, t, 0), hessian_norm(low, t, 0)) for t in apart}
     found = Rows(over, colouring(model.lattices(f.name)), *((None, None) if model.method.stage_rows else (rest_field(model, low, f), hessian(model, low, f))))
@@ -111,7 +111,7 @@ def pair_rows(model, low, over):
     """Where all bonds have two ends, and slopes f'(w_i.w_j) that are the same in every cell and have a bound."""
     lattices = model.lattices(model.families[0].name)
     found = Rows(over, colouring(lattices), None, slopes=slope_bound(model, low))
-    same = found.colours == sublattices(model.spec).colours and all(len(t.over.indices) == 2 for t in model.effects if t.slots)
+    same = found.colours == sublattices(model.spec).colours and all(len(t.over.indices) == 2 for t in model.energies if t.slots)
     return found if same and found.slopes is not None and fits(found, lattices) else None
 
 
@@ -189,7 +189,7 @@ def row_functions(model) -> list:
     places = range(found.over.sites)
     size = [model.low.size(n) for n in found.over.size]
     apart = [f for one in found.sited.values() for f in one.functions]
-    kernels = [in_lanes(f) for t in model.effects if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    kernels = [in_lanes(f) for t in model.energies if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
     return [*apart, *value_function(found.sited.values()), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),

@@ -38,7 +38,7 @@ def colour_functions(model) -> list:
     """smg_colours, how many there are, and smg_each_of_colour, a visit of all sites of one. On a lattice whose ring is no multiple of its
     colours, and where there is no lattice, every site is a colour of its own."""
     found = sublattices(model.spec)
-    if found is None and all(len(t.slots) < 2 for t in model.effects):
+    if found is None and all(len(t.slots) < 2 for t in model.energies):
         return [colours(Return(ONE)), each_of_colour(For("site", ZERO, model.total, called(SITE, ZERO, ())))]
     alone = called(Index("colour"), ZERO, ())
     if found is None:

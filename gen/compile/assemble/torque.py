@@ -14,7 +14,7 @@ class Torques(Part):
 
     def functions(self, model):
         """smg_energy_gradient(c, w, g): g += dH/dw, without them."""
-        return [sum_gradient("smg_energy_gradient", sums(model, model.effects, lambda t: gradient_body(model, t)))]
+        return [sum_gradient("smg_energy_gradient", sums(model, model.energies, lambda t: gradient_body(model, t)))]
 
     def settings(self, model):
         return {"SMG_TORQUES": 1}

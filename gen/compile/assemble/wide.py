@@ -28,13 +28,13 @@ class Wide:
 def wide_kernels(model) -> Wide:
     """Kernels in pairs of numbers, with coefficients of their own."""
     low = Lowering(model.spec, holder="wide")
-    terms = [wide_gradient(low, t) for t in model.effects if t.slots]
+    terms = [wide_gradient(low, t) for t in model.energies if t.slots]
     return Wide((*terms, *wide_sites(model, low)), low.finished())
 
 
 def wide_functions(model) -> list:
     """What runtime/core/smg_extended.h asks of a model."""
-    effects = [t for t in model.effects if t.slots]
+    effects = [t for t in model.energies if t.slots]
     found = [*model.wide.functions, over_all("smg_wide_gradient", sums(model, effects, lambda t: wide_body(model, t)))]
     if not model.solo:
         found.append(over_all("smg_wide_hessian_vector", sums(model, effects, lambda t: hessian_vector_body(model, t))))

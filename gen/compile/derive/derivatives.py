@@ -14,7 +14,7 @@ import sympy as sp
 
 from ...errors import UsageError
 from ...language.expr import Expr, Idx, Num, Op, Par, Spin, Time, Weight, is_draw, slots_of
-from ...language.spec import Term, Torque
+from ...language.spec import Term
 from .parts import SCALAR, Parts, TooLarge, Whole
 from .pieces import chosen
 from .written import known, minus, negative, over, plus, times
@@ -331,7 +331,7 @@ def derive(term: Term, with_derivatives: bool = True) -> Derived:
     return _by_parts(term, lambda parts: _derived(term, parts, with_derivatives))
 
 
-def derive_field(torque: Torque, slots: tuple, field: Expr) -> Derived:
+def derive_field(torque: Term, slots: tuple, field: Expr) -> Derived:
     """A field, a formula in the vectors of `slots`, in the place of the gradient by the first of them, and its derivatives."""
     def derived(parts):
         algebra = Algebra(slots, parts)

@@ -17,7 +17,7 @@ from .text import comment
 def interface_slots(model: Model, M: str, sums: list) -> dict:
     """Of interface.c.j2; sums: `value_sums`, without arguments that nothing reads."""
     values = [value_slots(*one) for one in sums]
-    energy = " + ".join(f"{M}_energy_{t.derived.term.name}(model, t, w)" for t in model.effects)
+    energy = " + ".join(f"{M}_energy_{t.derived.term.name}(model, t, w)" for t in model.energies)
     return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", **features(model))
 
 
@@ -60,7 +60,7 @@ def header_slots(model: Model) -> dict:
         params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=model.history, keeps_history=keeps_history(model), composed=model.method.stages > 1,
         held=[member for part in model.parts for member in part.held(model)],
         members=[member for part in model.parts for member in part.members(model)],
-        integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.effects],
+        integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.energies],
         model_names=model.coefficients.of_model, state_names=model.coefficients.of_state, observables=[o.name for o in model.spec.observables],
         wide_names=model.wide.coefficients.names if model.wide else [])
 
@@ -78,8 +78,7 @@ def banner(model: Model) -> dict:
     return dict(
         title=comment(spec.title or spec.name), version=VERSION, digest=spec.digest[:16] or "(no file)",
         method_text=model.method.summary + not_symplectic(model), solver_text=comment(f"{plan.solver}: {plan.reason}"),
-        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(f", damped by {d.name} ({d.form}{', with thermal noise' * (d.kT is not None)})") for d in spec.dampings)
-        + "".join(comment(f", with the torque {t.name}") for t in spec.torques),
+        bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(e.note) for e in spec.effects),
         effects_text=comment(", ".join(spec.effect_names) or "none"),
         extended=model.wide is not None, **features(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
@@ -89,7 +88,7 @@ def banner(model: Model) -> dict:
 
 def not_symplectic(model: Model) -> str:
     """What is given up of a symplectic method."""
-    why = "damped sites" if model.spec.dampings or not model.spec.torques else "torques"
+    why = model.spec.given_up("by", "damped sites")
     return f"; {why}: not symplectic" * bool(model.responses and model.method.symplectic)
 
 
@@ -100,7 +99,7 @@ def abi_slots(model: Model, M: str) -> dict:
     lines = [f"p.{in_c(p.name)} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
              for k, p in enumerate(scalars)]
     lines += [f"p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
-    effects, observables = [e.name for e in model.spec.effects], [o.name for o in model.spec.observables]
+    effects, observables = [e.name for e in model.spec.energies], [o.name for o in model.spec.observables]
     return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(asked(model))], **features(model),
                 effects=effects, observables=observables, families=model.families,
                 columns=1 + len(effects) + 3 * len(model.families) + len(observables))

@@ -6,8 +6,7 @@ from dataclasses import replace
 from ...language.c_names import index_in_c
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Elem, Idx, Num, Op, Spin
-from ...language.spec import Damping, Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, Term, Torque
-from ...read.terms import families_of
+from ...language.spec import Each, Family, Graph, Lattice, Once, Pairs, Sites, Spec, families_of
 
 
 def rename(e):
@@ -32,19 +31,10 @@ def rename_over(over):
     return over
 
 
-def rename_term(term: Term) -> Term:
-    found = replace(term, over=rename_over(term.over), value=rename(term.value))
-    return replace(found, on=rename(term.on)) if isinstance(term, Torque) else found
-
-
-def rename_damping(d: Damping) -> Damping:
-    return replace(d, over=rename_over(d.over), alpha=rename(d.alpha), kT=d.kT and rename(d.kT))
-
-
 def safe_indices(spec: Spec) -> Spec:
     """The same spec; only the index names inside its effects and observables may differ."""
-    return replace(spec, effects=tuple(map(rename_term, spec.effects)), dampings=tuple(map(rename_damping, spec.dampings)),
-                   torques=tuple(map(rename_term, spec.torques)), observables=tuple(map(rename_term, spec.observables)))
+    return replace(spec, effects=tuple(e.mapped(rename_over, rename) for e in spec.effects),
+                   observables=tuple(o.mapped(rename_over, rename) for o in spec.observables))
 
 
 def at_zero(e, names):
@@ -65,12 +55,8 @@ def one_site(spec: Spec) -> Spec:
     def family(f: Family) -> Family:
         return replace(f, kappa=at_zero(f.kappa, "i"), radius=f.radius and at_zero(f.radius, "i")) if f.name in alone else f
 
-    def term(t: Term) -> Term:
-        return replace(t, value=at_zero(t.value, {i for i, f in families_of(t.over).items() if f in alone}))
+    def term(e):
+        none = {i for i, f in families_of(e.over).items() if f in alone}
+        return e.mapped(lambda over: over, lambda formula: at_zero(formula, none))
 
-    def damping(d: Damping) -> Damping:
-        none = {d.over.index} if d.over.family in alone else set()
-        return replace(d, alpha=at_zero(d.alpha, none), kT=d.kT and at_zero(d.kT, none))
-
-    return replace(spec, families=tuple(map(family, spec.families)), effects=tuple(map(term, spec.effects)), dampings=tuple(map(damping, spec.dampings)),
-                   torques=tuple(map(term, spec.torques)), observables=tuple(map(term, spec.observables)))
+    return replace(spec, families=tuple(map(family, spec.families)), effects=tuple(map(term, spec.effects)), observables=tuple(map(term, spec.observables)))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from ...language.spec import Graph, Term, Torque
+from ...language.spec import Graph, Term
 from ..derive.derivatives import Derived, derive, derive_field
 from .code import Add, Argument, Call, Component, Function, Name, Return
 from .integers import Index
@@ -71,7 +71,7 @@ def term_kernels(low: Lowering, term: Term, role: str, with_derivatives: bool = 
     return TermKernels(d, bare.prefix, tuple(functions), tuple(operations))
 
 
-def field_kernels(low: Lowering, torque: Torque, slots: tuple, field) -> TermKernels:
+def field_kernels(low: Lowering, torque: Term, slots: tuple, field) -> TermKernels:
     """The field of a torque in the place of a gradient, and its derivatives; it has no value."""
     bare = TermKernels(derive_field(torque, slots, field), f"torque_{torque.name}")
     d = bare.derived

@@ -219,7 +219,7 @@ def require_free_body(spec: Spec, method: str) -> None:
     coupled = coupled_families(spec)
     if any(f.kind == "nambu" for f in spec.families):
         raise UsageError(f"method {method} needs a rigid body on a sphere or in R^3, not a Nambu factor")
-    for effect in spec.effects:
+    for effect in spec.energies:
         d = derive(effect)
         if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
             raise UsageError(f"method {method} needs a single body whose energy does not depend on time")

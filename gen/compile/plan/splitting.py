@@ -38,7 +38,7 @@ def obstacle(spec: Spec, method: Method) -> str | None:
             return f"'{f.name}' is a Nambu factor, on which the parts of H make no rotations"
         if f.tracer and method.splitting == "pairs":
             return f"'{f.name}' is a family of tracers, which turn nothing"
-    derived = ((e.name, derive(e)) for e in spec.effects)
+    derived = ((e.name, derive(e)) for e in spec.energies)
     found = ((name, "has a condition on its vectors" if switched(d) else OBSTACLES[method.splitting](d)) for name, d in derived)
     return next((f"effect '{name}' {why}" for name, why in found if why), None)
 
@@ -127,8 +127,8 @@ def bending(d: Derived) -> str | None:
 
 def sublattices(spec: Spec) -> Sublattices | None:
     """None where sites are taken one by one: several families, or terms that live on no lattice or on several."""
-    joint = [e.over for e in spec.effects if len(slots_of(e.value)) > 1]
-    overs = [e.over for e in spec.effects if isinstance(e.over, Lattice)]
+    joint = [e.over for e in spec.energies if len(slots_of(e.value)) > 1]
+    overs = [e.over for e in spec.energies if isinstance(e.over, Lattice)]
     if len(spec.families) > 1 or not joint or any(not isinstance(over, Lattice) for over in joint) or len({(o.size, o.sites) for o in overs}) > 1:
         return None
     colours, directions = colouring(overs), range(len(overs[0].size))
@@ -155,7 +155,7 @@ class BondClass:
 def bond_classes(spec: Spec) -> tuple:
     """The classes in which the bonds of a lattice are taken, where its rings fit the colours; none where bonds go one after the other."""
     found = sublattices(spec)
-    joint = [e for e in spec.effects if len(slots_of(e.value)) == 2]
+    joint = [e for e in spec.energies if len(slots_of(e.value)) == 2]
     bonds = [(e, n, bond) for e in joint if isinstance(e.over, Lattice) for n, bond in enumerate(e.over.bonds)]
     if found is None or not all(any(not any(offset) for _, offset in bond) for _, _, bond in bonds):
         return ()

@@ -23,7 +23,7 @@ def system(hy, case) -> list:
     tracers = {f.name for f in spec.families if f.tracer}
     w = [hy.make_vars(f"x{i}", f"y{i}", f"z{i}") for i in range(len(case.w))]
     slopes = [[[] for _ in range(3)] for _ in w]
-    for effect in spec.effects:
+    for effect in spec.energies:
         for value, sites in terms(hy, effect, known, places, w, tracers):
             for i in sites:
                 for b, variable in enumerate(w[i]):

@@ -76,7 +76,7 @@ def of(source, family: str | None = None, parameters: dict | None = None) -> Gri
 def grids_of(numbers: Evaluated, family: str, called=None) -> list[Grid]:
     """All lattices that join the sites of a family, or those of the effects `called`; those that differ in their ends alone are one."""
     spec, count, found = numbers.spec, numbers.places[family][1], {}
-    terms = (*spec.effects, *spec.observables) if called is None else [e for e in spec.effects if e.name in called]
+    terms = (*spec.energies, *spec.observables) if called is None else [e for e in spec.energies if e.name in called]
     for over in (term.over for term in terms):
         if isinstance(over, Lattice) and over.family == family:
             key = tuple(integer(e, numbers.values, "the size of a lattice") for e in over.size), over.sites

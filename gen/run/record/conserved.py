@@ -20,19 +20,19 @@ EPSILON = 1e-10     # a torque below this part of its terms is round-off
 def with_tracers(spec) -> set[str]:
     """Names of the effects that move tracers alone: their energy is not conserved."""
     tracers = {f.name for f in spec.families if f.tracer}
-    return {e.name for e in spec.effects if moves_tracers(e.over, slots_of(e.value), tracers)}
+    return {e.name for e in spec.energies if moves_tracers(e.over, slots_of(e.value), tracers)}
 
 
 def of_time(spec, effects=None) -> bool:
     """Does an effect (of those named) depend on the time?"""
-    return any(isinstance(node, Time) for e in spec.effects if effects is None or e.name in effects
+    return any(isinstance(node, Time) for e in spec.energies if effects is None or e.name in effects
                for node in walk(e.value))
 
 
 def driven(spec, effects=None) -> bool:
     """Does the reported energy (of the effects named) change along the flow: does it depend on time, is a site damped or moved by a torque?"""
     called = set(spec.effect_names if effects is None else effects)
-    return of_time(spec, called - with_tracers(spec)) or any(d.name in called for d in (*spec.dampings, *spec.torques))
+    return of_time(spec, called - with_tracers(spec)) or any(e.name in called and not e.conservative for e in spec.effects)
 
 
 def energy_of(values, without=()):

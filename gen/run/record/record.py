@@ -165,7 +165,7 @@ def columns_of(model: Integrator, what) -> dict:
         named.update({f: ((count, 3), real) for f, (_, count) in model.families.items()})
     if "energy" in what:
         named["energy"] = ((), real)
-        named.update({f"energy.{e.name}": ((), real) for e in scene.effects})
+        named.update({f"energy.{e.name}": ((), real) for e in scene.energies})
     if "momentum" in what:
         named.update({f"momentum.{f}": ((3,), real) for f in model.families})
     if "casimirs" in what:

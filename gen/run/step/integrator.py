@@ -420,7 +420,7 @@ class Integrator(ReadOnly):
 def value_columns(scene: Spec) -> list[str]:
     """Names of what `m_abi_values` fills, in its order."""
     axes = [f"momentum.{f.name}.{axis}" for f in scene.families for axis in "xyz"]
-    return ["energy", *(f"energy.{e.name}" for e in scene.effects), *axes,
+    return ["energy", *(f"energy.{e.name}" for e in scene.energies), *axes,
             *(o.name for o in scene.observables)]
 
 

@@ -69,7 +69,7 @@ def wrong_start(numbers: Evaluated, w: np.ndarray) -> str:
 def wrong_lattice(numbers: Evaluated) -> str:
     """The lattice whose bonds reach farther than it goes, or whose cells hold another number of sites than there are."""
     env, places = numbers.values, numbers.places
-    for term in (*numbers.spec.effects, *numbers.spec.observables):
+    for term in (*numbers.spec.energies, *numbers.spec.observables):
         if not isinstance(term.over, Lattice):
             continue
         size = [integer(e, env, "the size of a lattice") for e in term.over.size]

@@ -35,15 +35,15 @@ def with_facts(result):
 
 def why_driven(spec, called) -> str:
     """Why the energy of these effects is not conserved, in words."""
-    return ", ".join(["H depends on time"] * of_time(spec, called) + ["sites are damped"] * any(d.name in called for d in spec.dampings)
-                     + ["torques act"] * any(t.name in called for t in spec.torques))
+    others = dict.fromkeys(e.gives_up["as"] for e in spec.effects if e.name in called and e.gives_up)
+    return ", ".join(["H depends on time"] * of_time(spec, called) + [*others])
 
 
 def bonds(numbers: Evaluated, called) -> dict:
     """family -> (m, 2) numbers of the sites that its lattices and graphs join, each pair once."""
     from ...language.instances import instances_of
     places, found = numbers.places, {}
-    for over in (e.over for e in numbers.spec.effects if e.name in called):
+    for over in (e.over for e in numbers.spec.energies if e.name in called):
         if isinstance(over, (Lattice, Graph)) and len(over.bound) == 2 and places[over.family][1] <= BONDED:
             sites, _ = instances_of(over, numbers.values, places)
             found.setdefault(over.family, []).append(np.stack([sites[index] for index in over.bound], axis=1))
