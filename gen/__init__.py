@@ -17,6 +17,7 @@ from .analyse.spectrum_file import load_spectrum
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
 from .run.step.integrator import Integrator, build
+from .run.many.average import Average, Averages, average, load_averages
 from .run.many.ensemble import Ensemble, ensemble
 from .run.many.sweep import sweep
 from .run.fields.field import load_field
@@ -39,9 +40,9 @@ if TYPE_CHECKING:
     from .analyse.advice import advise
     from .analyse.symmetry import explain
 
-__all__ = ["BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
+__all__ = ["Average", "Averages", "BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "UsageError", "ValidationError",
-           "advise", "build", "choose", "cost", "ensemble", "explain", "flat", "lattice", "load", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
+           "advise", "average", "build", "choose", "cost", "ensemble", "explain", "flat", "lattice", "load", "load_averages", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
            "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "sweep", "validate", "verify"]
 
 

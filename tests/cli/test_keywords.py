@@ -7,7 +7,7 @@ from smidgen.run.files.options import OPTIONS
 
 pytestmark = pytest.mark.quick
 ORDER = [option.name for option in OPTIONS]
-OF_A_RUN = ("run", "build", "ensemble", "sweep", "validate", "verify", "cost", "choose", "advise", "explain", "spectrum", "plot")
+OF_A_RUN = ("run", "build", "average", "ensemble", "sweep", "validate", "verify", "cost", "choose", "advise", "explain", "spectrum", "plot")
 LAST = ("out", "keep", "progress")
 
 

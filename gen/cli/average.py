@@ -1,0 +1,57 @@
+"""`smidgen average`: means over time and members, with their errors."""
+from __future__ import annotations
+
+from .options import chosen, json_option, model_options, number, run_option, spec_argument, start_of, whole
+from .say import printed, say
+
+EXAMPLES = """  smidgen average hot.toml --after 50 --out hot.json
+  smidgen average hot.toml --what mz,energy --time 20 --after 10 --members 1000 --out hot.json
+  smidgen average hot.toml --what mz,energy --time 20 --after 10 --members 1000 --out hot.json   goes on where it was stopped"""
+CHOICES = ("method", "solver", "h", "steps", "time", "every", "what", "effects", "seed", "tolerance")
+
+
+def add(commands):
+    """The sub-command."""
+    parser = commands.add("average", command, "average observables over time and over members: mean, variance, standard error, histogram", EXAMPLES)
+    spec_argument(parser)
+    model_options(parser)
+    for name in ("h", "start", "seed", "every", "tolerance"):
+        run_option(parser, name)
+    run_option(parser, "what", help="numbers: energy, energy.EFFECT, momentum.FAMILY.x, names of observables; default: the energy and all observables")
+    long = parser.add_mutually_exclusive_group()
+    for name in ("steps", "time"):
+        run_option(long, name)
+    parser.add_argument("--after", type=lambda text: number(text, "--after"), default=0.0, metavar="TIME", help="samples from that time on; default: from the start")
+    parser.add_argument("--members", type=whole, default=1, metavar="N", help="as many trajectories, each with noise of its own; default: 1")
+    parser.add_argument("--bins", type=whole, default=64, metavar="N", help="of a histogram, at most; default: 64")
+    parser.add_argument("--out", metavar="FILE", help="a file .json; where FILE.part lies, a run that was stopped goes on")
+    json_option(parser)
+
+
+def command(args):
+    """A line a number, or all of it as JSON."""
+    import json
+    from ..progress import progress
+    from ..read.shipped import load_spec
+    from ..run.many.average import average
+    from ..tables import show
+    with progress(args.members, "members") as tick:
+        found = average(load_spec(args.spec, args.library), args.run, **chosen(args, CHOICES), start=None if args.start is None else start_of(args.start),
+                        parameters=dict(args.parameters), after=args.after, members=args.members, bins=args.bins, out=args.out, progress=tick)
+    if args.out:
+        say(f"wrote {args.out}")
+    if args.json:
+        return printed(json.loads(found.text()))
+    show(table(found))
+
+
+def table(found):
+    """A rich Table."""
+    from rich.table import Table
+    shown = Table(title=f"{found.meta['spec']}: {found.meta['samples']} samples of {found.meta['members']} members, each to t = "
+                        f"{found.meta['steps'] * found.meta['h']:g}, from t = {found.meta['after']:g} on")
+    for column in ("", "mean", "standard error", "variance", "correlation time"):
+        shown.add_column(column, justify="right" if column else "left")
+    for name, one in found.of.items():
+        shown.add_row(name, f"{one.mean:.8g}", *("" if x is None else f"{x:.3g}" for x in (one.error, one.variance, one.correlation)))
+    return shown

@@ -1,0 +1,243 @@
+"""Averages over time and over members, which differ by their noise: what an experiment at a temperature measures.
+
+    found = smidgen.average(spec, what=["mz"], after=50, members=1000, out="mz.json")
+    found["mz"].mean, found["mz"].error
+
+Members go one after the other, and of each the samples are those of a run with the same seed: at every `every`-th step, later than `after`.
+Memory does not grow with members or steps. While it runs, what is known lies in OUT.part, from which a run that was killed goes on.
+"""
+from __future__ import annotations
+
+import base64
+import json
+import math
+import os
+import time as clock
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import OutputError, UsageError
+from ...language.spec import Spec
+from ...public import few, public
+from ...version import __version__
+from ..files.durable import write_new
+from ..settings import Settings, model_of, number, settle, whole
+from ..step.block import Block
+from ..step.pace import Pace
+from ..step.start import find_start, state_at
+from .statistics import Statistics
+
+FORMAT = "smidgen averages 1"
+PART, BETWEEN = ".part", 30.0       # the ending of a file that is not complete; seconds between two that are written
+BINS = 64
+
+
+@dataclass(frozen=True)
+class Average:
+    """Of one quantity: mean, variance, standard error of the mean (None where there are too few samples to tell it), the time over which
+    samples are correlated (integrated autocorrelation), and a histogram: low, width and counts of its bins."""
+    mean: float
+    variance: float
+    error: float | None
+    correlation: float | None
+    histogram: dict
+
+
+@dataclass(frozen=True)
+class Averages:
+    """What `smidgen.average` found: name -> Average; meta: all choices, and `samples`, the number of them."""
+    meta: dict
+    of: dict
+
+    def __getitem__(self, name: str) -> Average:
+        return self.of[name]
+
+    def __repr__(self) -> str:
+        return f"<Averages {self.meta['spec']}: {few(self.of)}; {self.meta['samples']} samples of {self.meta['members']} members>"
+
+    def text(self) -> str:
+        """As the file has it."""
+        return json.dumps({"format": FORMAT, **self.meta, "averages": {name: vars(one) for name, one in self.of.items()}}, ensure_ascii=False, indent=1) + "\n"
+
+
+@public
+def average(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+            h: float | str | None = None, steps: int | None = None, time: float | str | None = None, every: int | None = None,
+            what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
+            seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float = 0.0, members: int = 1, bins: int = BINS,
+            out: str | os.PathLike | None = None, progress: Callable[[int], object] | None = None) -> Averages:
+    """Averages over a run and over members.
+
+    what: names of observables, `energy`, `energy.<effect>`, `momentum.<family>.x`, ..; by default the energy and all observables. after: the
+    time from which on samples count; members: as many trajectories, each with noise of its own, that of `run(.., member)`; bins: of a
+    histogram, at most; out: a file .json; where FILE.part lies beside it, a run that was stopped goes on. progress: a function of the
+    members done. The other arguments as for `run`. Raises UsageError for what does not fit, RunError for a step that fails.
+    """
+    settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, effects=effects,
+                      parameters=parameters, seed=seed, native=native, tolerance=tolerance)
+    job = Job(spec, settings, what, after, members, bins, None if out is None else Path(out))
+    job.go_on()
+    while job.done < job.members:
+        job.member()
+        if progress:
+            progress(job.done)
+    return job.finish()
+
+
+class Job:
+    """done: how many members are complete; begun: whether the next one is."""
+
+    def __init__(self, spec: Spec, settings: Settings, what, after, members, bins, out: Path | None):
+        self.settings, self.out, self.done, self.begun, self.saved = settings, out, 0, False, clock.monotonic()
+        self.model = model_of(spec, settings)
+        self.members, self.bins = whole(members, "members"), whole(bins, "bins")
+        self.names = chosen(self.model, what)
+        self.first = first_sample(after, settings)
+        if self.members > 1 and not self.model.scene.heated:
+            raise UsageError("members differ by their noise, and there is none: no effect of the scene has kT; give members=1")
+        if min(self.members, self.bins - 1) < 1:
+            raise UsageError("an average is over one member or more, in two bins or more")
+        self.w = np.array(self.start(spec))
+        self.block, self.pace = Block(self.model, False), Pace()
+        self.at = [self.model.columns.index(name) for name in self.names]
+        self.statistics = Statistics(len(self.names), self.bins)
+        self.meta = self.facts(spec, after)
+
+    def start(self, spec):
+        s = self.settings
+        if isinstance(s.start, np.ndarray):
+            return s.start
+        find_start(spec, s.start)
+        return state_at(self.model.prepared.numbers, s.start, s.seed)
+
+    def facts(self, spec, after) -> dict:
+        """All that decides the averages."""
+        s = self.settings
+        start = s.start.tolist() if isinstance(s.start, np.ndarray) else find_start(spec, s.start).name
+        return {"program": "smidgen", "version": __version__, "generator": self.model.built.generator, "spec": spec.name, "title": spec.title,
+                "digest": spec.digest, "run": s.run, "effects": list(self.model.scene.effect_names), "start": start, "method": s.method, "solver": s.solver,
+                "h": s.h, "steps": s.steps, "every": s.every, "after": float(after), "seed": s.seed, "tolerance": s.tolerance, "members": self.members,
+                "bins": self.bins, "parameters": {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.model.parameters.items()},
+                "what": list(self.names)}
+
+    # A member
+
+    def member(self) -> None:
+        """From where the present one is, to its end."""
+        s = self.settings
+        if not self.begun:
+            self.begin()
+        while self.model.count < s.steps:
+            self.some_steps()
+            if clock.monotonic() - self.saved > BETWEEN:
+                self.save()
+        self.statistics.end()
+        self.done, self.begun = self.done + 1, False
+
+    def begin(self) -> None:
+        s, self.begun = self.settings, True
+        self.model.start(self.w.copy(), h=s.h, seed=s.seed, tolerance=s.tolerance, **({"member": self.done} if self.done else {}))
+
+    def some_steps(self) -> None:
+        """As many as fit in a moment, with the samples on the way."""
+        s, model = self.settings, self.model
+        left, size = s.steps - model.count, self.pace.size
+        ahead = max(self.first, (model.count // s.every + 1) * s.every) - model.count
+        if ahead > min(left, size):
+            asked = min(left, size)
+            done = self.pace.timed(model.advance, asked)
+        else:
+            rows = min(self.block.capacity, 1 + (min(left, size) - ahead) // s.every)
+            asked, before = ahead + (rows - 1) * s.every, model.count
+            got = self.pace.timed(lambda _: model.outputs(ahead, s.every, self.block, 0, rows), asked)
+            self.statistics.add(self.block.values[:got, self.at])
+            done = model.count - before
+        if done < asked:
+            raise model.failure()
+
+    # The file
+
+    def part(self) -> Path:
+        return self.out.with_name(self.out.name + PART)
+
+    def save(self) -> None:
+        """What a killed run goes on from."""
+        self.saved = clock.monotonic()
+        if self.out is not None:
+            state = base64.b64encode(self.model.save().tobytes()).decode()
+            write(self.part(), json.dumps({"meta": self.meta, "done": self.done, "state": state, "statistics": self.statistics.facts()}))
+
+    def go_on(self) -> None:
+        """Be where the file of a stopped run is, if there is one. Raises UsageError for that of other choices."""
+        if self.out is None or not self.part().is_file():
+            return
+        try:
+            found = json.loads(self.part().read_text(encoding="utf-8"))
+            other = [key for key, value in self.meta.items() if json.loads(json.dumps(value)) != found["meta"].get(key)]
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            raise UsageError(f"{self.part()} is not what a stopped run left: remove it") from None
+        if other:
+            raise UsageError(f"{self.part()} is of a run with other choices ({', '.join(other)}): remove it, or choose another file")
+        self.done = found["done"]
+        self.begin()
+        self.model.restore(np.frombuffer(base64.b64decode(found["state"]), self.model.real))
+        self.statistics.go_on(found["statistics"])
+
+    def finish(self) -> Averages:
+        found = Averages({**self.meta, "samples": self.statistics.samples}, dict(zip(self.names, self.results())))
+        if self.out is not None:
+            write(self.out, found.text())
+            self.part().unlink(missing_ok=True)
+        return found
+
+    def results(self) -> Iterator[Average]:
+        """error^2 = variance 2 tau/(n dt), tau the correlation time."""
+        moments, dt = self.statistics.levels[0], self.settings.every * abs(self.settings.h)
+        for histogram, mean, variance, error in zip(self.statistics.histograms, moments.mean, moments.variance(), self.statistics.errors()):
+            correlation = error ** 2 * moments.n * dt / (2 * variance) if variance > 0 else math.nan
+            yield Average(float(mean), none(variance), none(error), none(correlation), histogram.table())
+
+
+def none(x) -> float | None:
+    return float(x) if math.isfinite(x) else None
+
+
+def chosen(model, what) -> tuple[str, ...]:
+    """Columns of the model. Raises UsageError for a name that is none."""
+    known = model.columns
+    names = tuple(what) if what else ("energy", *(o.name for o in model.scene.observables))
+    for name in names:
+        if name not in known:
+            raise UsageError(f"no number '{name}' in {model.name} to be averaged; there are: {', '.join(known)}")
+    return tuple(dict.fromkeys(names))
+
+
+def first_sample(after, settings) -> int:
+    """Steps until the first sample, not the start itself. Raises UsageError where none is left."""
+    after = number(after, {}, "after")
+    first = max(1, math.ceil(after / abs(settings.h) / settings.every * (1 - 1e-15))) * settings.every
+    if after < 0 or first > settings.steps:
+        raise UsageError(f"no sample after t = {after:g}: the run ends at {settings.steps * abs(settings.h):g}, and takes one each {settings.every} steps")
+    return first
+
+
+def write(path: Path, text: str) -> None:
+    try:
+        write_new(path, text.encode())
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror}") from None
+
+
+@public
+def load_averages(path: str | os.PathLike) -> Averages:
+    """Read a file that `average` wrote. Raises UsageError when it is none."""
+    try:
+        meta = json.loads(Path(path).read_text(encoding="utf-8"))
+        if meta.pop("format") != FORMAT:
+            raise ValueError
+        return Averages(meta, {name: Average(**one) for name, one in meta.pop("averages").items()})
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise UsageError(f"{path} holds no averages") from None

@@ -1,0 +1,208 @@
+"""Averages over time and members: the numbers of the samples, errors that count correlation, and the same bytes after a kill."""
+import json
+import math
+
+import numpy as np
+import pytest
+
+import smidgen
+from smidgen.errors import UsageError
+from smidgen.run.many import average as module
+from smidgen.run.many.statistics import Histogram, Statistics
+
+quick = pytest.mark.quick
+SPIN = """[model]
+name = "spin"
+[space]
+w = { sphere = 1 }
+[parameters]
+kT = 0.5
+[effects.field]
+energy = "-w.z"
+[effects.bath]
+over = "site(i) of w"
+damping = 0.5
+kT = "kT"
+[observables.mz]
+value = "w.z"
+[observables.mx]
+value = "w.x"
+[starts.up]
+theta = 1.0
+phi = 0.0
+[runs.demo]
+start = "up"
+h = 0.1
+time = 300
+"""
+
+
+def correlated(n, rho, seed=1):
+    """An AR(1) sequence of variance 1: the variance of its mean is (1 + rho)/(1 - rho)/n."""
+    dice = np.random.default_rng(seed)
+    x, noise = np.empty(n), dice.standard_normal(n) * math.sqrt(1 - rho * rho)
+    x[0] = noise[0] / math.sqrt(1 - rho * rho)
+    for k in range(1, n):
+        x[k] = rho * x[k - 1] + noise[k]
+    return x
+
+
+@quick
+def test_the_same_bits_however_samples_are_handed_over():
+    x, dice = np.random.default_rng(3).standard_normal((10_000, 2)), np.random.default_rng(4)
+    one, other = Statistics(2, 20), Statistics(2, 20)
+    for k in range(0, 10_000, 5_000):
+        one.add(x[k:k + 5_000])
+        one.end()
+        at = k
+        while at < k + 5_000:
+            step = min(int(dice.integers(1, 1500)), k + 5_000 - at)
+            other.add(x[at:at + step])
+            kept, at = json.loads(json.dumps(other.facts())), at + step
+            other = Statistics(2, 20)
+            other.go_on(kept)
+        other.end()
+    assert one.facts() == other.facts() and one.samples == 10_000 and one.members.n == 2
+    np.testing.assert_allclose(one.levels[0].mean, x.mean(0), rtol=1e-13)
+    np.testing.assert_allclose(one.levels[0].variance(), x.var(0, ddof=1), rtol=1e-13)
+
+
+@quick
+@pytest.mark.parametrize("rho", [0.0, 0.9, 0.99])
+def test_the_standard_error_counts_correlation(rho):
+    """One trajectory by blocking, 64 of them by their means."""
+    n, spread = 2 ** 16, math.sqrt((1 + rho) / (1 - rho) / 2 ** 16)
+    one, many = Statistics(1, 8), Statistics(1, 8)
+    one.add(correlated(n, rho)[:, None])
+    for k in range(64):
+        many.add(correlated(n // 64, rho, k)[:, None])
+        many.end()
+    assert one.errors()[0] == pytest.approx(spread, rel=0.3) and many.errors()[0] == pytest.approx(spread, rel=0.3)
+    assert abs(one.levels[0].mean[0]) < 4 * spread and abs(many.levels[0].mean[0]) < 4 * spread
+
+
+@quick
+def test_too_few_samples_tell_no_error():
+    one = Statistics(1, 8)
+    one.add(np.arange(20.0)[:, None])
+    one.end()
+    assert math.isnan(one.errors()[0]) and one.levels[0].mean[0] == 9.5
+
+
+@quick
+def test_memory_does_not_grow_with_samples():
+    sizes = []
+    for n in (2 ** 14, 2 ** 18):
+        one = Statistics(1, 64)
+        one.add(np.random.default_rng(0).standard_normal((n, 1)))
+        one.end()
+        sizes.append(len(json.dumps(one.facts())))
+    assert sizes[1] < sizes[0] + 1000
+
+
+@quick
+@pytest.mark.parametrize("scale", [1e-200, 1.0, 1e200])
+def test_a_histogram_counts_every_sample_in_its_bin(scale):
+    x = scale * np.concatenate([np.random.default_rng(0).standard_normal(1000), [0.0, 7.0, -3.0]])
+    whole, parts = Histogram(32), Histogram(32)
+    whole.add(x)
+    for part in np.array_split(x, 17):
+        parts.add(part)
+    table = whole.table()
+    assert table["counts"] == parts.table()["counts"] and table["width"] == parts.table()["width"]
+    edges = table["low"] + table["width"] * np.arange(len(table["counts"]) + 1)
+    assert np.histogram(x, edges)[0].tolist() == table["counts"] and 16 <= len(table["counts"]) <= 32
+
+
+@quick
+def test_samples_are_those_of_runs(tmp_path):
+    """Of each member, at every third step from t = 5 on; the file is read again."""
+    spec = smidgen.load_text(SPIN)
+    found = smidgen.average(spec, what=["mz", "energy"], time=30, every=3, after=5, members=5, seed=9, out=tmp_path / "a.json")
+    samples, one = [], smidgen.build(spec)
+    for k in range(5):
+        one.start("up", h=0.1, seed=9, member=k).steps(48)
+        for _ in range(51, 301, 3):
+            samples.append(one.steps(3).w[0, 2])
+    assert found.meta["samples"] == len(samples) == 5 * 84
+    assert found["mz"].mean == pytest.approx(np.mean(samples), rel=1e-13) and found["energy"].mean == pytest.approx(-np.mean(samples), rel=1e-13)
+    assert found["mz"].variance == pytest.approx(np.var(samples, ddof=1), rel=1e-12) and sum(found["mz"].histogram["counts"]) == len(samples)
+    again = smidgen.load_averages(tmp_path / "a.json")
+    assert again == found and "5 members" in repr(found)
+
+
+@quick
+def test_a_scene_without_noise_is_averaged_over_time():
+    """Free precession: mx = sin(1) cos(t) has the variance sin(1)^2/2."""
+    found = smidgen.average(smidgen.load_text(SPIN), effects=["field"], time=2000, what=["mx"])
+    assert abs(found["mx"].mean) < 1e-3 and found["mx"].variance == pytest.approx(math.sin(1) ** 2 / 2, rel=1e-2)
+
+
+class Killed(Exception):
+    pass
+
+
+@quick
+@pytest.mark.parametrize("members, after_saves", [(1, 3), (6, 1), (6, 9)])
+def test_a_killed_run_goes_on_to_the_byte(tmp_path, monkeypatch, members, after_saves):
+    spec, choices = smidgen.load_text(SPIN), dict(after=2, members=members, seed=4, time=600 / members)
+    smidgen.average(spec, **choices, out=tmp_path / "whole.json")
+    monkeypatch.setattr(module, "BETWEEN", 0.0)
+    saves, save = [], module.Job.save
+
+    def killing(self):
+        save(self)
+        saves.append(self.model.count)
+        if len(saves) == after_saves:
+            raise Killed
+    monkeypatch.setattr(module.Job, "save", killing)
+    with pytest.raises(Killed):
+        smidgen.average(spec, **choices, out=tmp_path / "killed.json")
+    assert (tmp_path / "killed.json.part").is_file() and not (tmp_path / "killed.json").exists()
+    with pytest.raises(UsageError, match=r"other choices \(seed\)"):
+        smidgen.average(spec, **{**choices, "seed": 5}, out=tmp_path / "killed.json")
+    smidgen.average(spec, **choices, out=tmp_path / "killed.json")
+    assert (tmp_path / "killed.json").read_bytes() == (tmp_path / "whole.json").read_bytes()
+    assert not (tmp_path / "killed.json.part").exists()
+
+
+@quick
+@pytest.mark.parametrize("given, said", [
+    (dict(what=["my"]), "no number 'my'.*mz"), (dict(after=400), "no sample after t = 400"), (dict(after=-1), "no sample"), (dict(members=0), "one member or more"),
+    (dict(members=2, effects=["field"]), "no effect of the scene has kT"), (dict(bins=1), "two bins"), (dict(h=-0.1), "no step backward")])
+def test_what_does_not_fit_is_refused(given, said):
+    with pytest.raises(UsageError, match=said):
+        smidgen.average(smidgen.load_text(SPIN), **given)
+
+
+@quick
+def test_files_that_are_none(tmp_path):
+    (tmp_path / "a.json").write_text("{}")
+    with pytest.raises(UsageError, match="holds no averages"):
+        smidgen.load_averages(tmp_path / "a.json")
+    (tmp_path / "b.json.part").write_text('{"meta": 3}')
+    with pytest.raises(UsageError, match="not what a stopped run left"):
+        smidgen.average(smidgen.load_text(SPIN), out=tmp_path / "b.json")
+
+
+@quick
+def test_the_command(tmp_path, capsys):
+    from smidgen.cli import main
+    (tmp_path / "spin.toml").write_text(SPIN)
+    words = ["average", str(tmp_path / "spin.toml"), "--what", "mz", "--time", "20", "--after", "10", "--members", "3", "--out", str(tmp_path / "m.json")]
+    assert main(words) == 0
+    out = capsys.readouterr().out
+    assert "303 samples of 3 members" in out and "standard error" in out
+    assert main([*words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["averages"]["mz"]["mean"] == smidgen.load_averages(tmp_path / "m.json")["mz"].mean
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kT", [0.5, 0.2])
+def test_a_hundred_thousand_members_have_langevins_mean(tmp_path, kT):
+    """coth(1/kT) - kT; the bias of the step is below 1e-4 at h = 0.05."""
+    found = smidgen.average(smidgen.load_text(SPIN), what=["mz"], h=0.05, time=16, after=16, members=100_000, parameters={"kT": kT}, out=tmp_path / "a.json")
+    exact = 1 / math.tanh(1 / kT) - kT
+    assert found.meta["samples"] == 100_000 and found["mz"].error < 2e-3
+    assert abs(found["mz"].mean - exact) < 3 * found["mz"].error
+    assert (tmp_path / "a.json").stat().st_size < 1e6
