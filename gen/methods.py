@@ -40,7 +40,7 @@ class Method:
     linear integrals of sites; keeps_energy: the energy, whatever else it keeps; responds: it has a step for sites that do more than precess in
     their field (`compile.plan.contributions.Response`); equivariant: it commutes with the rotations
     that leave H unchanged; across: it takes fields off the spheres, or turns sites about R itself, of which a torque w x R tells only what is across w:
-    so it takes torques as fields across w.
+    so it takes torques as fields across w; points: how often a step that is no midpoint, or a sweep of it, takes the field.
     """
     name: str
     title: str
@@ -80,6 +80,7 @@ class Method:
     responds: bool = True
     equivariant: bool = True
     across: bool = False
+    points: int = 1
 
     @property
     def of_midpoints(self) -> bool:
@@ -136,7 +137,7 @@ ONE_STAGE = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "
                         ("past_slopes", 9, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
 COMPARATORS = (
     Method("cf4", "the commutator-free Lie-group method of order 4", "CF4",
-           "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True, across=True,
+           "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True, across=True, points=4,
            keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False, symmetric=False, keeps_linear=False,
            how=("explicit", "four stages of rotations"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("turns", 12, 0, "h b of the four stages"),
@@ -149,7 +150,7 @@ COMPARATORS = (
            "Lie-group method with the exponential map on T*SU(2), reduced (comparator: symplectic, order 2)", 2,
            "smg_exponential_midpoint.h", symplectic=True, keeps_quadratic=False, responds=False, **ONE_STAGE),
     Method("rattle", "RATTLE on T*S^3", "RATTLE", "RATTLE on T*S^3, reduced (comparator: symplectic, order 2)", 2,
-           "smg_rattle.h", symplectic=True, keeps_quadratic=False, responds=False, **ONE_STAGE | {
+           "smg_rattle.h", symplectic=True, keeps_quadratic=False, responds=False, points=2, **ONE_STAGE | {
                "how": ("fixed-point", "both points of all sites together, by fixed-point iteration"),
                "arrays": (("points", 7, 0, "where the field is taken, twice, and e (s - sigma)"), ("slopes", 8, 0, "h b/2 at both, e s and e sigma"),
                           ("past_slopes", 24, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}))
@@ -175,7 +176,7 @@ METHODS = {m.name: m for m in (
     Method("extrapolation-12", "extrapolation of order 12", "extrapolation 12",
            "Gragg-Bulirsch-Stoer extrapolation, explicit, order 12 (not symplectic)", 12, "smg_extrapolation.h",
            keeps_quadratic=False, keeps_leaf=False, by_field=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
-           how=("explicit", "six rows of the explicit midpoint rule"), arrays=(("tableau", 15, 0, "slopes, points and increments of a row of the tableau"),),
+           how=("explicit", "six rows of the explicit midpoint rule"), points=37, arrays=(("tableau", 15, 0, "slopes, points and increments of a row of the tableau"),),
            lane_header="smg_lane_extrapolation.h"),
 )}
 NAMES = tuple(METHODS)

@@ -1,9 +1,12 @@
 """Where the data that travels with the code lies: in a wheel inside the package, in a
 checkout beside it."""
+import re
+from functools import cache
 from pathlib import Path
 
 # The floors of runtime/, from the lowest: no header includes one that lies above it, or that of another family of methods.
 ROOMS = ("core", "newton", "lattice", "method/tables", "method/midpoint", "method/gauss", "method/explicit", "members")
+NUMBER = re.compile(r"^[ \t]*#define (SMG_\w+) \(?(\d+)\b", re.MULTILINE)
 HERE = Path(__file__).resolve().parent
 
 
@@ -27,6 +30,16 @@ def runtime_header(name: str) -> Path | None:
     """The file of a header of runtime/, whatever its folder; None where there is no such."""
     found = (place / name for place in runtime_folders())
     return next((path for path in found if path.is_file()), None)
+
+
+@cache
+def runtime_numbers() -> dict:
+    """Macro of runtime/ -> the integers that headers define it as; of a product the first factor."""
+    found: dict = {}
+    for path in (p for place in runtime_folders() for p in sorted(place.glob("*.h"))):
+        for name, value in NUMBER.findall(path.read_text()):
+            found.setdefault(name, []).append(int(value))
+    return found
 
 
 def shipped() -> dict[str, Path]:

@@ -20,19 +20,19 @@ LIBRARIES = frozenset("c m dl rt pthread util mvec crypt resolv gcc gcc_s atomic
 
 
 def export_sources(spec: Spec, where, method: str, solver: str, amalgamate: bool = False, features=(), finish=lambda files: files):
-    """Write the C of a selected spec to the folder `where`; returns (files, notes).
+    """Write the C of a selected spec to the folder `where`; returns (files, notes, what a step takes at most).
 
     finish: what is done to the files (name -> text) before they are written.
     """
     from ..compile.emit.emit import generate
-    files, notes = split_notes(generate(spec, method=method, solver=solver,
-                                        amalgamate=amalgamate, features=features))
+    made = generate(spec, method=method, solver=solver, amalgamate=amalgamate, features=features)
+    files, notes = split_notes(made)
     linked = {name: text for name, text in files.items() if not name.endswith("_abi.c")}
     if not amalgamate:
         linked.update(runtime_headers(linked))
     linked = finish(linked)
     _write(linked, Path(where))
-    return [Path(where) / name for name in linked], notes
+    return [Path(where) / name for name in linked], notes, made.most
 
 
 def runtime_headers(files: dict) -> dict:
@@ -55,7 +55,7 @@ def export_library(spec: Spec, where, method: str, solver: str, features=()):
         raise UsageError(f"a library of the model `{name}` would be lib{name}.a, which hides a system library of this name: rename the model")
     include, lib = where / "include", where / "lib"
     with tempfile.TemporaryDirectory(prefix="smidgen-") as work:
-        files, notes = export_sources(spec, work, method, solver, features=features)
+        files, notes, _ = export_sources(spec, work, method, solver, features=features)
         headers = {f.name: f.read_text() for f in files if f.suffix == ".h"}
         _write(headers, include)
         _write({f"{name}.pc": pkgconfig(spec)}, lib / "pkgconfig")

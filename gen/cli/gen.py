@@ -55,8 +55,8 @@ def gen(args):
     def certified(files):
         return files if args.certificate is None else with_certificate(files, scene, method, solver, args.features, args.certificate)
 
-    files, notes = export_sources(scene, args.out, method, solver, args.amalgamate, args.features, certified)
-    report(args, scene, method, notes, files)
+    files, notes, most = export_sources(scene, args.out, method, solver, args.amalgamate, args.features, certified)
+    report(args, scene, method, notes, files, most)
 
 
 def build(args):
@@ -72,11 +72,26 @@ def build(args):
     report(args, scene, method, notes, files)
 
 
-def report(args, scene, method, notes, files):
-    """What was chosen, and which files there are now."""
+MOST = {"gradients": "evaluations of dH/dw of a site", "hessians": "evaluations of d2H/dw2 of a site", "iterations": "iterations", "stack": "bytes of stack"}
+SIZES = {"model": "sizeof(model)", "state": "sizeof(state)", "memory": "memsize(&model)"}
+
+
+def report(args, scene, method, notes, files, most=None):
+    """What was chosen, what a step takes at most, and which files there are now."""
     if args.json:
-        return printed({"model": scene.name, "method": method, "chosen": notes,
-                        "files": [str(f) for f in files]})
+        return printed({"model": scene.name, "method": method, "chosen": notes, **({"most": most} if most else {}), "files": [str(f) for f in files]})
     say(f"{scene.name}: {method}" + (f"; {notes_line(notes)}" if notes else ""))
+    for line in effort_lines(most) if most else ():
+        say(line)
     for file in files:
         print(file)
+
+
+def effort_lines(most: dict):
+    """What a step takes at most, and the bytes of a model, a state and its arrays: a short table."""
+    yield "a step takes at most"
+    for key, meaning in MOST.items():
+        yield f"  {most[key]:>13,}  {meaning}"
+    yield "bytes, in doubles"
+    for key, meaning in SIZES.items():
+        yield f"  {'?' if most[key] is None else format(most[key], ','):>13}  {meaning}" + " depends on the sizes" * (most[key] is None)

@@ -29,6 +29,9 @@ class Composed(Part):
         stage = ("int stage", "stages done of the step under way, or of the step just taken")
         return [stage] if model.solo else [stage, (f"smg_real *spare[{model.history}]", "room for as many: a failed stage leaves the history as it was")]
 
+    def most_around(self, model, step):
+        return step.times_reported(model.composed)
+
     def step(self, model):
         return "smg_composition.h"
 

@@ -18,6 +18,7 @@ from ..lower.kernels import COEFFICIENTS, additions
 from ..lower.lowering import index_names
 from ..plan.splitting import of_the_product
 from .norms import spectral_bound
+from .effort import few_in_lanes
 from .part import MOST_LANES, Part, buffer
 from .response import indexed
 
@@ -189,6 +190,9 @@ class FewInLanes(Part):
 
     def buffers(self, model):
         return [buffer("few", Computed("SMG_FEW_SIZE", (model.total,)), "the same in lanes, by components")]
+
+    def most(self, model, step):
+        return few_in_lanes() + step
 
     def history(self, model):
         return HISTORY

@@ -95,5 +95,9 @@ class MembersInLanes(Part):
     def member_headers(self, model):
         return [model.method.lane_header]
 
+    def most(self, model, step):
+        """In lanes, then, where that does not settle, alone."""
+        return step * 2
+
     def lanes(self, model):
         return MOST_LANES

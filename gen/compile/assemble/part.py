@@ -91,6 +91,14 @@ class Part:
         """What takes the members of an ensemble at once."""
         return []
 
+    def most(self, model, step):
+        """The most that a step, or a stage, can take (`effort.py`), of what it takes without the part."""
+        return step
+
+    def most_around(self, model, step):
+        """The same of what is around the stages of a step."""
+        return step
+
     def lanes(self, model) -> int:
         """The most lanes that its functions take; 0: none."""
         return 0

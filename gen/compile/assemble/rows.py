@@ -24,6 +24,7 @@ from .families import SITE
 from .lanes import in_lanes, named
 from .norms import row_sums, spectral_bound
 from .pairs import slope_bound
+from .effort import by_rows
 from .part import MOST_LANES, Part, buffer, placed
 from .response import indexed
 from .site_values import MOST, count, differs, names, sited, value_function, with_sites
@@ -397,6 +398,9 @@ class ByRows(Part):
             used = placed(b, used)
         by_rows = If((Member("s", "rows"),), (Return(used),))
         return () if model.method.stage_rows else (by_rows,)
+
+    def most(self, model, step):
+        return step.either(by_rows()) if model.method.of_midpoints else step
 
     def lanes(self, model):
         return MOST_LANES

@@ -11,6 +11,7 @@ from ..lower.code import Argument, Assign, Call, Component, Function, Local, Nam
 from ..lower.integers import ONE, ZERO, Computed, Field, whole
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import SITE, Lowering
+from .effort import single_sphere
 from .part import Part, buffer
 from .response import formulas, indexed
 
@@ -263,6 +264,9 @@ class SingleSphere(Part):
 
     def step(self, model):
         return "smg_single_sphere.h"
+
+    def most(self, model, step):
+        return single_sphere()
 
 
 class LoneMotion(Part):

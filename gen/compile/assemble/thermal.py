@@ -26,6 +26,10 @@ class Thermal(Part):
     def around(self, model):
         return [buffer("unturned", 3 * model.total, "w before the noise of the step under way")]
 
+    def most_around(self, model, step):
+        """A step that fails, and two halves."""
+        return step * 3
+
     def members(self, model):
         return [("uint64_t seed", "of the noise"), ("uint32_t member", "of an ensemble: each has noise of its own"),
                 ("int64_t halved", "steps that were taken as two of h/2, with the same noise")]

@@ -8,6 +8,7 @@ from ..lower.code import Argument, Assign, Call, Function, Let, Member, Name, Nu
 from ..lower.integers import ZERO
 from ..lower.kernels import COEFFICIENTS, gradient_function
 from ..lower.lowering import CLOCK, PREPARE, STRIDE, Coefficients, Lowering
+from .effort import widened
 from .families import by_family, normal_kernel, returned
 from .families import normal_body as normal_of
 from .part import Part, buffer, where_true
@@ -129,6 +130,9 @@ class Extended(Part):
 
     def settings(self, model):
         return {"SMG_EXTENDED": 1, **where_true(SMG_WIDE_TIMED=model.wide.coefficients.timed, SMG_UNIT_RADIUS=model.method.onto_leaf and model.unit_radius())}
+
+    def most(self, model, step):
+        return step + widened()
 
     def buffers(self, model):
         """Pairs of numbers: three high parts and three low ones for each site."""

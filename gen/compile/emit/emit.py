@@ -5,6 +5,7 @@ A model is the functions that runtime/core/smg_model.h asks for; the method and 
 from __future__ import annotations
 
 import functools
+from dataclasses import asdict
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
@@ -12,6 +13,7 @@ from ...language.spec import Spec
 from ...methods import DEFAULT
 from ...resources import folder
 from ..assemble.buffers import layout
+from ..assemble.effort import most
 from ..assemble.functions import definitions
 from ..assemble.model import Model
 from ..assemble.plain import is_plain, own_settings
@@ -20,14 +22,16 @@ from ..plan.plan import Plan, choose
 from ..program import program_of
 from .amalgamate import inline_runtime
 from .interface import abi_slots, banner, header_slots, interface_slots
+from .memory import array_bytes, model_bytes, state_bytes
 from .signatures import heads
 from .settings import headers, method_headers, most_lanes, settings
 from .targets import printed
 
 
 class Files(dict):
-    """File name -> text. `notes`: what was chosen and why, for people."""
+    """File name -> text. `notes`: what was chosen and why, for people; most: what a step takes at most, and the memory of a model and its states."""
     notes: dict
+    most: dict
 
 
 def read_template(name: str) -> str:
@@ -69,13 +73,16 @@ def emitted(spec: Spec, plan: Plan, features, contributions=None) -> Files:
     def render(template: str, **slots) -> str:
         return templates.get_template(template).render(M=M, **heads(M), **slots)
 
+    slots, step = header_slots(model), most(model)
     said, (kept, values), by_rows = banner(model), definitions(model), model.plan.layout == "rows"
-    files = Files({f"{M}.h": render("model.h.j2", **header_slots(model), **said),
+    files = Files({f"{M}.h": render("model.h.j2", **slots, most=asdict(step), memory=array_bytes(model, {}), **said),
                    f"{M}.c": render("model.c.j2", **source_slots(model, kept), interface=render("interface.c.j2", **interface_slots(model, M, values)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
                    "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "threads": by_rows and not model.method.stage_rows and not model.pairs,
                    "ranks": by_rows and model.method.of_midpoints}
+    files.most = {**asdict(step), "model": model_bytes(slots), "state": state_bytes(slots),
+                  "memory": array_bytes(model, {p.name: p.default for p in spec.parameters if p.kind == "int" and p.default is not None})}
     return files
 
 

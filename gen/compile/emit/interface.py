@@ -62,7 +62,7 @@ def header_slots(model: Model) -> dict:
         members=[member for part in model.parts for member in part.members(model)],
         integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.energies],
         model_names=model.coefficients.of_model, state_names=model.coefficients.of_state, observables=[o.name for o in model.spec.observables],
-        wide_names=model.wide.coefficients.names if model.wide else [])
+        wide_names=model.wide.coefficients.names if model.wide else [], wide=model.wide is not None)
 
 
 def declare(p) -> dict:
