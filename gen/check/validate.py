@@ -256,7 +256,7 @@ def expected_casimirs(one: Witness, w) -> np.ndarray:
     for family in one.spec.families:
         first, count = one.families[family.name]
         half[first:first + count] = family.kind == "nambu"
-    return np.where(half, twice / 2, twice)
+    return np.where(one.absent, 0, np.where(half, twice / 2, twice))
 
 
 def expected_values(one: Witness, w, t) -> dict:
@@ -265,7 +265,7 @@ def expected_values(one: Witness, w, t) -> dict:
     found.update({f"energy.{name}": e for name, e in one.energies(w, t).items()})
     for family, (first, count) in one.families.items():
         part = slice(first, first + count)
-        total = [math.fsum(column) for column in (one.kappa[part, None] * w[part]).T]
+        total = [math.fsum(column) for column in (np.where(one.absent, 0, one.kappa)[part, None] * w[part]).T]
         found.update({f"momentum.{family}.{axis}": total[k] for k, axis in enumerate("xyz")})
     return found
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from .damping import Damping
 from .energy import Energy
+from .held import Held
 from .torque import Torque
 
-KINDS = (Energy, Damping, Torque)
+KINDS = (Energy, Damping, Torque, Held)
 
 
 def kind_of(keys):

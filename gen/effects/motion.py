@@ -34,6 +34,10 @@ class Response:
         return replace(self, F0=tuple(plus(a, times(scale, plus(x, times(across, y)))) for a, x, y in zip(self.F0, F, Q)),
                        Q0=tuple(plus(a, times(scale, plus(y, times(along, x)))) for a, x, y in zip(self.Q0, F, Q)))
 
+    def times(self, share: Expr) -> "Response":
+        """A part of it."""
+        return replace(self, f=times(share, self.f), q=times(share, self.q), F0=tuple(times(share, x) for x in self.F0), Q0=tuple(times(share, x) for x in self.Q0))
+
     @property
     def drag(self) -> Expr:
         """What of a torque R it turns by q w x R although it is to leave torques alone."""
@@ -45,7 +49,8 @@ class Contribution:
     """name; slots: the sites (family, slot) that one term joins; over: its index family, None where it is no sum of terms;
     offers: words of `methods.OFFERS`; conservative: is it the gradient of an energy? response: of the family of its slots, where it is
     no energy but tells how that one moves; diffusion: the rate D at which noise turns these sites, a formula as in a `Response`, where there is
-    noise; push: (F, Q, o kappa, r) of a torque in closed form; bends: is it a field of its own, beside the gradients?"""
+    noise; push: (F, Q, o kappa, r) of a torque in closed form; bends: is it a field of its own, beside the gradients? moves: of the
+    family of its slots, 1 where a site moves and 0 where it does not, a formula as in a `Response`."""
     name: str
     slots: tuple
     over: object = None
@@ -55,6 +60,7 @@ class Contribution:
     diffusion: Expr | None = None
     push: tuple | None = None
     bends: bool = False
+    moves: Expr | None = None
 
     def lacks(self, asked) -> list:
         """What of `asked` it does not offer."""

@@ -117,6 +117,10 @@ class Torque(Term, Effect):
         return (self.on.family,)
 
     @property
+    def moved(self) -> tuple:
+        return ((self.on.family, self.on.slot),)
+
+    @property
     def note(self) -> str:
         return f", with the torque {self.name}"
 

@@ -151,5 +151,5 @@ _OPERATORS = {
     "atan2": np.arctan2, "mod": _modulo, "min": np.minimum, "max": np.maximum,
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
     "==": operator.eq, "!=": operator.ne, "not": np.logical_not,
-    "uniform": draws.uniform, "normal": draws.normal,
+    "uniform": draws.uniform, "normal": draws.normal, "kept": lambda a: a,
 }

@@ -83,7 +83,7 @@ SIGNATURES = {
     "if": [("bss", "s"), ("bvv", "v")],
     "<": [("ss", "b")], "<=": [("ss", "b")], ">": [("ss", "b")], ">=": [("ss", "b")],
     "==": [("ss", "b")], "!=": [("ss", "b")],
-    **{f: [("ss", "s"), ("sss", "s")] for f in DRAWS},
+    **{f: [("ss", "s"), ("sss", "s")] for f in DRAWS}, "kept": [("s", "s")],
     "and": [("bb", "b")], "or": [("bb", "b")], "not": [("b", "b")],
 }
 
@@ -99,8 +99,8 @@ def kind_of(e: Expr) -> str:
 
 
 def is_draw(e: Expr) -> bool:
-    """Is it a random number?"""
-    return isinstance(e, Op) and e.op in DRAWS
+    """Is it a number that integers decide, a random one or one that is `kept`: the value of a formula of a single site that a state keeps?"""
+    return isinstance(e, Op) and (e.op in DRAWS or e.op == "kept")
 
 
 def walk(e: Expr):

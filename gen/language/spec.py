@@ -40,6 +40,7 @@ class Family:
     kind 'nambu': w' = (1/kappa) grad C x grad H, C = w.(casimir w)/2, casimir symmetric 3x3.
     kappa (and radius) are formulas in the site's index Idx('i').
     tracer: feels others and acts on none; its kappa scales its own energy only.
+    fixed: no site of it moves.
     """
     name: str
     kind: str
@@ -48,6 +49,7 @@ class Family:
     radius: Optional[Expr] = None
     casimir: Optional[tuple[tuple[Expr, ...], ...]] = None
     tracer: bool = False
+    fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,11 @@ class Term:
     key = "value"       # of its formula in a spec
 
     @property
+    def moved(self) -> tuple:
+        """Slots that it moves, beside those that it names."""
+        return ()
+
+    @property
     def formulas(self) -> dict[str, Expr]:
         """By their keys."""
         return {self.key: self.value}
@@ -187,6 +194,7 @@ class Effect:
     keys: tuple = ()
     moves = True
     conservative = False
+    gone = False
     not_negative: dict = {}
     gives_up: dict = {}
 
@@ -204,6 +212,11 @@ class Effect:
     def heats(self) -> tuple[str, ...]:
         """The families whose sites noise turns."""
         return ()
+
+    @property
+    def holds(self) -> tuple | None:
+        """(a family, the condition on Idx("i") that a site of it does not move) of an effect that holds sites; `gone`: they are not there."""
+        return None
 
     @property
     def calm(self) -> "Effect":

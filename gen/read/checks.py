@@ -16,6 +16,7 @@ from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate
 from ..language.expr import Elem, Idx, Num, Op, Par, Spin, walk, with_index
+from ..language.held import absent
 from ..language.spec import Family, Graph, Lattice, Run, Spec, Term, families_of
 from ..language import codes
 from .names import plural
@@ -107,6 +108,20 @@ def terms(spec: Spec, values: dict) -> Iterator[Trouble]:
         for e in found:
             for key, formula in e.formulas.items():
                 yield from formula_fits(spec, e, (section, e.name), key, formula, values)
+    yield from nothing_left(spec, values)
+
+
+def nothing_left(spec: Spec, values: dict) -> Iterator[Trouble]:
+    """Some site must be there."""
+    gone = [e for e in spec.effects if e.gone]
+    if gone and not any(np.any(is_there(spec, f, values)) for f in spec.families):
+        yield Trouble(("effects", gone[0].name, "absent"), codes.VALUE, "every site is absent: nothing is left that could move", "leave some sites")
+
+
+def is_there(spec: Spec, family: Family, values: dict):
+    """Is every site of a family there? True where all are."""
+    condition = absent(spec, family.name)
+    return True if condition is None else ~np.asarray(evaluate(condition, {**values, "i": np.arange(integer(family.count, values))}), bool)
 
 
 def formula_fits(spec: Spec, e, path: tuple, key: str, formula, values: dict) -> Iterator[Trouble]:

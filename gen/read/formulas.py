@@ -60,6 +60,13 @@ class Formulas:
         return self.scalar(node.text(), Scope(self.declared, place, families=False,
                                               indices=indices))
 
+    def condition(self, node: Node, place: str, index: str, key: str) -> Expr:
+        """A condition on parameters and an index, without vectors or time."""
+        found = self.typed(node.text(), Scope(self.declared, place, families=False, indices={index: ""}))
+        if found.kind != "b":
+            node.wrong(codes.KIND, f"`{key}` needs a condition", f'such as `{key} = "{index} < 10"` or `{key} = "uniform(7, {index}) < 0.1"`')
+        return found.expr
+
     def count(self, node: Node) -> Expr:
         """[int]: an integer or an integer formula of integer parameters."""
         if isinstance(node.raw, str):

@@ -9,7 +9,7 @@ from ..language.expr import Num
 from ..language.spec import Parameter
 from ..language import codes
 from .formulas import Formulas
-from .names import CONSTANTS, FUNCTIONS, identifier
+from .names import CONSTANTS, FUNCTIONS, UNRESERVED, identifier
 from .parse import parse
 from .problems import Problems, nearest
 from .resolve import SELDOM
@@ -204,7 +204,7 @@ def undeclared(declared: Declared, problems: Problems) -> None:
     for formula in declared.formulas.values():
         known = declared.names() | declared.broken | set(formula.args) | CONSTANTS
         for node in called(formula.body):
-            if node.name in known or isinstance(node, Call) and node.name in FUNCTIONS:
+            if node.name in known or isinstance(node, Call) and node.name in FUNCTIONS | UNRESERVED:
                 continue
             where = node.span if isinstance(node, Name) else node.head
             problems.note(codes.UNKNOWN_NAME, where, f"`{node.name}` is not declared "

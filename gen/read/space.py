@@ -18,7 +18,7 @@ from .tree import Node
 KINDS = ("sphere", "r3", "nambu")
 SPACES = ("there are `sphere`, `r3` (of so(3)) and `nambu` (grad C x grad H, C quadratic: SO(2,1), SE(2), SE(1,1), Heisenberg), and products of "
           "them; outside are canonical pairs, e(3), so(4), su(n)")
-KEYS = {"sphere": ("kappa", "radius", "tracer"), "r3": ("kappa", "tracer"),
+KEYS = {"sphere": ("kappa", "radius", "tracer", "fixed"), "r3": ("kappa", "tracer", "fixed"),
         "nambu": ("kappa", "C", "tracer")}
 
 
@@ -42,15 +42,15 @@ class SpaceReader:
     def family(self, node: Node) -> None:
         """Declare it. Plain parts stand in for those with errors, so that what names it can be read."""
         name, parts = self.problems.tried(lambda: self.name(node), lambda: self.parts(node))
-        kind, count, kappa, leaf, tracer = ("sphere", Bad, Bad, Bad, Bad) if parts is Bad else parts
+        kind, count, kappa, leaf, tracer, fixed = ("sphere", Bad, Bad, Bad, Bad, Bad) if parts is Bad else parts
         self.declared.nameless |= name is Bad
         self.declared.unread |= {node.name} if count is Bad else set()
         self.declared.rough |= {node.name} if leaf is Bad else set()
         plain = (Num(1) if kind == "sphere" else None, None)
         if name is not Bad:
             self.declared.families[name] = Family(name, kind, *(Num(1) if x is Bad else x for x in (count, kappa)),
-                                                  *(plain if leaf is Bad else leaf), tracer=tracer is True)
-        if Bad in (name, count, kappa, leaf, tracer):
+                                                  *(plain if leaf is Bad else leaf), tracer=tracer is True, fixed=fixed is True)
+        if Bad in (name, count, kappa, leaf, tracer, fixed):
             self.declared.hollow = True
             raise Bad
 
@@ -63,13 +63,13 @@ class SpaceReader:
         return name
 
     def parts(self, node: Node) -> tuple:
-        """kind, and what can be read of count, kappa, (radius, casimir), tracer."""
+        """kind, and what can be read of count, kappa, (radius, casimir), tracer, fixed."""
         kind = self.kind(node)
         node.table(kind, *KEYS[kind])
         return (kind, *self.problems.tried(
             lambda: self.formulas.count(node.get(kind)), lambda: self.kappa(node, node.name),
             lambda: (self.radius(node, kind), self.casimir(node, node.name) if kind == "nambu" else None),
-            lambda: node.has("tracer") and node.get("tracer").flag()))
+            lambda: node.has("tracer") and node.get("tracer").flag(), lambda: node.has("fixed") and node.get("fixed").flag()))
 
     def kind(self, node: Node) -> str:
         node.table()

@@ -56,7 +56,7 @@ void SMG_PUBLIC(momentum)(const smg_model *model, const smg_real *w, smg_real *o
     for (int b = 0; b < 3; ++b) {
       smg_real sum = 0, lost = 0;
       for (int64_t k = first; k < smg_family_end(&c, f); ++k)
-        smg_add_compensated(&sum, &lost, smg_kappa(&c, k) * w[3 * k + b]);
+        smg_add_compensated(&sum, &lost, smg_present(&c, k) * smg_kappa(&c, k) * w[3 * k + b]);
       out[3 * f + b] = sum + lost;
     }
     first = smg_family_end(&c, f);
@@ -67,7 +67,7 @@ void SMG_PUBLIC(momentum)(const smg_model *model, const smg_real *w, smg_real *o
 void SMG_PUBLIC(casimirs)(const smg_model *model, const smg_real *w, smg_real *out) {
   smg_coefficients c;
   smg_begin(&c, model, 0);
-  for (int64_t k = 0; k < smg_sites(&c); ++k) out[k] = smg_casimir(&c, k, w + 3 * k);
+  for (int64_t k = 0; k < smg_sites(&c); ++k) out[k] = smg_present(&c, k) * smg_casimir(&c, k, w + 3 * k);
 }
 
 #endif

@@ -12,6 +12,7 @@
  *              smg_alone(c, n), smg_tracer(c, k)  the n-th site that is solved alone; does it feel the coupled ones?
  *   a site     smg_kind(c, k)                     SMG_SPHERE, SMG_R3 or SMG_NAMBU
  *              smg_kappa(c, k), smg_h_over_kappa(c, k, h) its strength, and h/kappa
+ *              smg_present(c, k)                  1, or 0 where the site is not there: no sum has it
  *              smg_radius(c, k)                   of a sphere
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out

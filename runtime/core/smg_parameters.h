@@ -18,9 +18,12 @@ static const smg_coefficients *smg_begin(smg_coefficients *c, const smg_model *m
   return c;
 }
 
-/* Strengths and radii that no step could use, and radii other than `before`, where that is not NULL. */
+/* Strengths and radii that no step could use, sites of which none is there, and radii other than `before`, where that
+ * is not NULL. */
 static smg_status smg_check_sites(const smg_coefficients *c, const smg_coefficients *before) {
+  int there = 0;
   for (int64_t k = 0; k < smg_sites(c); ++k) {
+    there |= smg_present(c, k) > 0;
     const smg_real kappa = smg_kappa(c, k);
     if (!(kappa != 0) || !(SMG_MATH(fabs)(kappa) <= SMG_MAX)) return SMG_BAD_PARAMETER;
 #if SMG_THERMAL
@@ -32,7 +35,7 @@ static smg_status smg_check_sites(const smg_coefficients *c, const smg_coefficie
     if (!(radius > 0 && radius <= SMG_MAX)) return SMG_BAD_PARAMETER;
     if (before && !(radius == smg_radius(before, k))) return SMG_BAD_PARAMETER;
   }
-  return SMG_OK;
+  return there ? SMG_OK : SMG_BAD_PARAMETER;
 }
 
 /* The parameters, with what they alone decide; in place of those of a model that states have, where `before` is not

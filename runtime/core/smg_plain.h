@@ -77,6 +77,14 @@ static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) {
 }
 #endif
 
+#if !SMG_OWN_PRESENT
+static inline smg_real smg_present(const smg_coefficients *c, int64_t k) {
+  (void)c;
+  (void)k;
+  return 1;
+}
+#endif
+
 #if !SMG_OWN_H_OVER_KAPPA
 static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, smg_real h) {
   (void)c;

@@ -87,6 +87,7 @@ static inline smg_status smg_check_times(double t0, double h) {
  * the method projects onto, C != 0. */
 static inline smg_status smg_check_site(const smg_coefficients *c, int64_t k, const smg_real *w, smg_real off) {
   const smg_real leaf = smg_leaf_value_of(c, k, w);
+  if (!(smg_present(c, k) > 0)) return SMG_OK;
   if (smg_kind(c, k) == SMG_SPHERE) {
     const smg_real size = SMG_MATH(sqrt)(smg_dot(w, w));
     return size > 0 && size <= SMG_MAX && SMG_MATH(fabs)(size - leaf) <= off * leaf ? SMG_OK : SMG_OFF_MANIFOLD;
@@ -122,10 +123,19 @@ static smg_status smg_check_state(const smg_coefficients *c, const smg_real *w, 
   return SMG_OK;
 }
 
+/* Whatever is given of a site that is not there, it stands at (0, 0, r) in all states. Is it absent? */
+static inline int smg_put_away(const smg_state *s, int64_t k) {
+  if (smg_present(&s->c, k) > 0) return 0;
+  s->w[3 * k] = s->w[3 * k + 1] = 0;
+  s->w[3 * k + 2] = smg_kind(&s->c, k) == SMG_SPHERE ? smg_radius(&s->c, k) : 1;
+  return 1;
+}
+
 /* s->w = w, which is checked, each site on its sphere to round-off; s->scale is the largest component. */
 static void smg_put_state(smg_state *s, const smg_real *w) {
   s->scale = 0;
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
+    if (smg_put_away(s, k)) continue;
     const smg_real leaf = smg_leaf_value_of(&s->c, k, w + 3 * k), size = SMG_MATH(sqrt)(smg_dot(w + 3 * k, w + 3 * k));
     /* given with some digits less */
     const int off = smg_kind(&s->c, k) == SMG_SPHERE && SMG_MATH(fabs)(size - leaf) > 8 * SMG_EPS * leaf;
@@ -181,7 +191,7 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
   smg_make_tables(s);
 #endif
 #if SMG_SITE_NUMBERS
-  if (s->site_numbers) smg_fill_site_numbers(s);
+  smg_fill_site_numbers(s);
 #endif
   s->version = s->c.model->version;
 }

@@ -6,6 +6,7 @@ import pytest
 
 import smidgen
 from smidgen.check.laws import verdicts, written
+from smidgen.language import draws
 from smidgen.read.catalogue import piece
 from smidgen.resources import pieces
 
@@ -180,6 +181,31 @@ def test_a_wall_under_zhang_lis_torque(beta, speed, rate):
     assert abs(place / 0.05 - speed) < 2e-3 and abs(azimuth - rate) < 1e-5
 
 
+def test_random_bonds_and_axes_are_those_of_their_seed():
+    w, i, a = directions(6), np.arange(5), np.arange(6)
+    J = 0.3 + 0.8 * draws.normal(5, i, i + 1)
+    energy, b = energy_and_slopes(spec_of("spins/random_bonds", "w = { sphere = 6 }", bonds="chain(6, open)", mean=0.3, spread=0.8, seed=5), w)
+    same(energy, -np.sum(J * np.sum(w[:-1] * w[1:], axis=1)))
+    same(b[2], -J[1] * w[1] - J[2] * w[3])
+    n = np.stack([draws.normal(4 + k, a) for k in range(3)], axis=1)
+    n /= np.linalg.norm(n, axis=1)[:, None]
+    energy, b = energy_and_slopes(spec_of("spins/random_anisotropy", "w = { sphere = 6 }", K=0.6, seed=4), w)
+    same(energy, -0.6 * np.sum(np.sum(w * n, axis=1) ** 2))
+    same(b, -1.2 * np.sum(w * n, axis=1)[:, None] * n)
+
+
+def test_pinned_edges_stay_and_vacancies_leave_a_chain():
+    more = '[effects.f]\nuse = "spins/exchange"\nJ = 1.1\nbonds = "chain(6, open)"\n'
+    w, there = directions(6), draws.uniform(3, np.arange(6)) >= 0.3
+    assert np.array_equal(moved(spec_of("spins/pinned_edge", "w = { sphere = 6 }", where="i < 2", more=more), w)[:2], w[:2])
+    energy, b = energy_and_slopes(spec_of("spins/vacancies", "w = { sphere = 6 }", part=0.3, seed=3, more=more), w)
+    bonds = there[:-1] & there[1:]
+    assert bonds.any() and not bonds.all()
+    same(energy, -1.1 * np.sum(bonds * np.sum(w[:-1] * w[1:], axis=1)))
+    part = np.mean(draws.uniform(3, np.arange(100_000)) < 0.3)
+    assert abs(part - 0.3) < 3 * np.sqrt(0.21 / 100_000)
+
+
 # Bodies
 
 INERTIA = np.array([[1.0, 0.1, -0.2], [0.1, 2.0, 0.3], [-0.2, 0.3, 3.0]])
@@ -296,13 +322,14 @@ def test_tracers_of_a_rossby_haurwitz_wave_keep_its_stream_function_in_the_frame
 
 @pytest.mark.parametrize("name", pieces())
 def test_the_law_of_a_piece_holds_and_a_wrong_sign_is_seen(name, tmp_path):
-    """Its energy, torque or damping with another sign or size is another law."""
+    """Its energy, torque or damping with another sign or size is another law, as is the opposite condition."""
     laws = verdicts(piece(name))
     assert laws and all(law.passed for law in laws), laws
     tables = tomllib.loads(pieces()[name].read_text())
     effect = tables["effect"]
-    key = next(key for key in ("kT", "damping", "torque", "energy") if key in effect)
-    effect[key] = f"{2 if key in ('kT', 'damping') else -1}*({effect[key]})"
+    key = next(key for key in ("kT", "damping", "torque", "energy", "pinned", "absent") if key in effect)
+    other = {"kT": "2*", "damping": "2*", "pinned": "not ", "absent": "not "}.get(key, "-1*")
+    effect[key] = f"{other}({effect[key]})"
     (tmp_path / "wrong.toml").write_text(written(tables))
     assert not all(law.passed for law in verdicts(piece("wrong", [tmp_path]), [tmp_path]))
 

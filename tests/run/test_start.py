@@ -33,7 +33,7 @@ PLAIN = {       # operator -> the same with numpy, for arguments 0.6 and 0.4, or
     "max": max, "if": lambda c, a, b: a if c else b,
     "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal,
     "==": np.equal, "!=": np.not_equal, "and": np.logical_and, "or": np.logical_or,
-    "not": np.logical_not,
+    "not": np.logical_not, "kept": lambda a: a,
 }
 CASES = [(op, kinds) for op, signatures in SIGNATURES.items() for kinds, _ in signatures if op not in DRAWS]
 

@@ -82,6 +82,8 @@ class Formulas:
     def _draw(self, e: Op):
         """A random number: itself where its seed and sites are known, else a function of them."""
         arguments = [self.value(a) for a in e.args]
+        if e.op == "kept":
+            return arguments[0]
         known = [poly.number_of(a) for a in arguments]
         if None not in known:
             return poly.constant(_finite(float(getattr(draws, e.op)(*map(int, known)))))

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy as sp
 
+from ...language.held import lacking, standing
 from ...language.spec import Spec
 from ...methods import METHODS
 from ...compile.plan.splitting import splittings
+from ...compile.plan.held import present
 from ...compile.select import select
 from ...public import few, public
 from ...run.step.prepared import asked as asked_of, choose
@@ -34,7 +36,7 @@ class Report:
     could not be settled; splittings: explicit method -> what of H stands in its way, or None;
     searched: the classes of integrals that were looked for; damped: the families whose sites lose energy, of which no integrals but
     their lengths are looked for; heated: those that thermal noise turns; jumps: effect -> how far its energy jumps where sites cross an edge of a
-    formula; pushed: those that torques move."""
+    formula; pushed: those that torques move; standing: those with sites that are pinned, or fixed; absent: those that lack some."""
     spec: str
     method: str
     families: tuple
@@ -55,6 +57,8 @@ class Report:
     heated: tuple = ()
     jumps: dict = field(default_factory=dict)
     pushed: tuple = ()
+    standing: tuple = ()
+    absent: tuple = ()
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -72,7 +76,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "jumps": self.jumps, "pushed": list(self.pushed), "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "jumps": self.jumps, "pushed": list(self.pushed), "standing": list(self.standing), "absent": list(self.absent), "words": self.words()}
 
 
 @public
@@ -86,23 +90,24 @@ def explain(spec: Spec, run: str | None = None, *, method: str | None = None, ef
     one = asked_of(spec, run, method, None, effects, parameters)
     method = choose("method", one.method, METHODS)
     scene = select(spec, one.effects, dict(one.parameters))
-    asked = ask(scene, {}, on_sphere=METHODS[method].onto_leaf)
+    asked = ask(present(scene), {}, on_sphere=METHODS[method].onto_leaf)
     undecided: list = []
     seen = attempt(lambda: unchanged(asked.spec, asked.values))
     turns = space(asked, "all", lambda t: conserved.linear_rows(t, asked.families, "all"), 3 * len(asked.families), seen)
     rotations, always, mixed = _rotations(asked, turns, seen, undecided)
     changes = time_dependent(asked)
     given_up = not scene.conservative
-    integrals = [] if given_up else [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
+    held = bool(standing(scene))
+    integrals = [] if given_up else [*energy_integral(asked, method, changes)] if held else [*_linear(asked, method, turns, undecided), *_quadratic(asked, method, undecided),
                                    *joint_quadratic(asked, method, undecided), *energy_integral(asked, method, changes)]
     integrals += _casimirs(asked, METHODS[method].keeps_leaf)
     if changes is None:
         undecided.append("whether H depends on time")
     return Report(scene.name, method, tuple(asked.families), {n: c for n, (_, c) in asked.places.items()},
                   _parameters(asked), rotations, always,
-                  mixed, _unique(integrals), changes, [] if given_up else parity(asked), undecided,
-                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if given_up else attempt(lambda: splittings(scene)) or {},
-                  () if given_up else tuple(looked_for(asked)), scene.damped, scene.heated, jumps(scene), scene.pushed)
+                  mixed, _unique(integrals), changes, [] if given_up or held else parity(asked), undecided,
+                  tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if given_up or held or lacking(scene) else attempt(lambda: splittings(scene)) or {},
+                  () if given_up or held else tuple(looked_for(asked)), scene.damped, scene.heated, jumps(scene), scene.pushed, standing(scene), lacking(scene))
 
 
 def _parameters(asked: Asked) -> dict:

@@ -9,7 +9,7 @@ from .names import axis_name
 
 def sentences(r) -> list[str]:
     """One fact a line: jumps of H, rotations, damping, torques, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
-    return [*_jumps(r), *_rotations(r), *_damping(r), *_torques(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
+    return [*_jumps(r), *_rotations(r), *_damping(r), *_torques(r), *_held(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
             *(f"Not decided: {text}." for text in r.undecided)]
 
 
@@ -75,6 +75,17 @@ def _torques(r):
                f"conserved; they may feed energy as well as take it. Torques are tangent, so that lengths stay.{symmetric}")
 
 
+def _held(r):
+    """What sites that stand give up."""
+    if r.standing:
+        yield (f"Sites of {' and '.join(r.standing)} stand still and are felt by the others: total momentum is not conserved. What moves is Hamiltonian in their field; "
+               "of integrals the energy alone is looked for.")
+    if r.absent:
+        yield f"Sites of {' and '.join(r.absent)} are absent, in no term and in no sum."
+    if r.standing or r.absent:
+        yield "No explicit splitting serves where sites are pinned or absent; lattices and few sites go site by site, not in lanes."
+
+
 def _numbers(count: int) -> str:
     return "1 number" if count == 1 else f"{count} numbers"
 
@@ -96,7 +107,7 @@ def _linear(r):
         each = " of every site" if i.name.endswith("of every site") else ""
         head = "Total momentum" if not each else "Linear integral"
         yield f"{head}, {name}{each} ({_numbers(total)}): {_kept(r, i)}{_scope(r, i.always)}."
-    if not found and not (r.damped or r.pushed) and not any("linear" in u for u in r.undecided):
+    if not found and not (r.damped or r.pushed or r.standing) and not any("linear" in u for u in r.undecided):
         yield "No linear integral."
 
 

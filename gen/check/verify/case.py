@@ -10,7 +10,7 @@ from ...extremes import largest
 from ...language.expr import Time, walk
 from ...language.spec import Spec
 from ...run.settings import Settings
-from ...run.step.start import state_at
+from ...run.step.start import put_away, state_at
 from ..witness import LARGEST_DENSE, Witness
 from .leaves import LONG, Leaves, lengths
 
@@ -92,7 +92,7 @@ class Case:
     def nudged(self, size: float) -> np.ndarray:
         """A state about size*|w| away from the start, on its spheres."""
         away = self.w + size * lengths(self.w)[:, None] * self.dice.uniform(-1, 1, self.w.shape)
-        return np.array(self.leaves.polished(away), float)
+        return put_away(self.settings.numbers, np.array(self.leaves.polished(away), float))
 
     def find_states(self, subject) -> None:
         """points: (w, t) of the start and of states beside it, at the busiest times.

@@ -14,6 +14,7 @@ import numpy as np
 from ...chance import generator
 from ...errors import RunError
 from ...extremes import largest
+from ...language.held import standing
 from ...methods import METHODS
 from .case import EPS, Case
 from .leaves import LONG, lengths
@@ -54,7 +55,7 @@ def known_integrals(case: Case) -> Known:
     report = explained(case)
     found, sites = actions(case, report), site_integrals(case)
     said = [i for i in report.integrals if i.kept] if report else []
-    momentum = [integral(case, total(case, a)) for a in found if a.mask.all()]
+    momentum = [integral(case, total(case, a)) for a in found if a.mask.all() and not standing(case.scene)]
     momentum += [integral(case, row(one.site, x)) for one in sites for x in one.linear]
     momentum += [integral(case, i.numbers) for i in said if i.kind == "linear"]
     quadratic = [integral(case, form(one.site, x)) for one in sites for x in one.quadratic]
@@ -80,7 +81,7 @@ def integral(case: Case, numbers) -> Integral:
 
 def total(case: Case, action):
     """w -> sum kappa axis.w over the sites that act on others."""
-    acting = action.mask & ~case.tracers
+    acting = action.mask & ~case.tracers & case.settings.numbers.present
     weight = np.where(acting if acting.any() else action.mask, case.witness.kappa, 0)[:, None] * action.axis
     return lambda w: np.einsum("si,si->", weight, w)
 

@@ -25,14 +25,16 @@ def symplectic(case: Case, subject) -> list[Row]:
     """The defect of all sites that act on others, and of the tracers among themselves."""
     if not case.scene.conservative:
         return [not_applicable("symplectic", given_up(case.scene))]
+    moving = case.settings.numbers.moving
     if not case.tracers.any():
-        return [defect_row(case, subject, "symplectic", np.arange(case.sites), "")]
+        return [defect_row(case, subject, "symplectic", np.flatnonzero(moving), "" if moving.all() else "of the sites that move")] if moving.any() else [
+            not_applicable("symplectic", "no site moves")]
     why = "tracers act on nothing: with what carries them they are no Hamiltonian system"
-    carried = np.flatnonzero(case.tracers)
+    carried = np.flatnonzero(case.tracers & moving)
     rows = [not_applicable("symplectic", why)]
-    if not case.tracers.all():
-        rows = [defect_row(case, subject, "symplectic", np.flatnonzero(~case.tracers), "of the sites that are no tracers")]
-    return [*rows, defect_row(case, subject, "tracers' area", carried, "")]
+    if (~case.tracers & moving).any():
+        rows = [defect_row(case, subject, "symplectic", np.flatnonzero(~case.tracers & moving), "of the sites that are no tracers")]
+    return [*rows, defect_row(case, subject, "tracers' area", carried, "")] if carried.size else rows
 
 
 def given_up(scene) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...effects.damping import Damping
 from ...effects.energy import Energy
+from ...effects.held import Held
 from ...effects.torque import Torque
 from ...errors import RunError, UsageError
 from ...language.evaluate import evaluate
@@ -69,6 +70,7 @@ class Witness:
         self.kappa = self.numbers.kappas
         self._c = native.load()
         chosen = _chosen(spec.effects, effects)
+        self.absent, self.still = self._held([e for e in chosen if isinstance(e, Held)])
         self.programs = {e.name: self._program(e) for e in chosen if isinstance(e, Energy)}
         self.dampings = [d for d in chosen if isinstance(d, Damping)]
         self.torques = [self._component(e, axis) for e in chosen if isinstance(e, Torque) for axis in "xyz"]
@@ -194,7 +196,7 @@ class Witness:
         return out
 
     def _program(self, term):
-        one = compile_term(self.spec, term, self.values, self.families)
+        one = compile_term(self.spec, term, self.values, self.families, self.absent)
         instances, slots = one.site.shape
         one.struct = native.ProgramStruct(
             len(one.code), slots, one.data.shape[1], instances, *(
@@ -204,7 +206,7 @@ class Witness:
     def _component(self, torque, axis):
         """(the program of one component, the sites that it moves, its number)."""
         one = self._program(Term(torque.name, torque.over, Op(axis, (torque.value,))))
-        return one, moved_sites(torque, self.values, self.families), "xyz".index(axis)
+        return one, moved_sites(torque, self.values, self.families, self.absent), "xyz".index(axis)
 
     def _whole(self):
         programs = [one.struct for one in self.programs.values()]
@@ -229,7 +231,20 @@ class Witness:
             alpha[here] = evaluate(d.alpha, {**self.values, d.over.index: np.arange(count)})
             share[here] = 1 / (1 + alpha[here]**2) if d.form == "gilbert" else 1
             lag[here] = d.form == "gilbert"
+        share[self.still] = 0
         return alpha, share, lag
+
+    def _held(self, held):
+        """(is each site absent, does it stay where it is), each of shape (sites,)."""
+        absent, still = np.zeros(self.sites, bool), np.zeros(self.sites, bool)
+        for h in held:
+            first, count = self.families[h.over.family]
+            here = np.broadcast_to(evaluate(h.where, {**self.values, h.over.index: np.arange(count)}), count)
+            still[first:first + count] |= here
+            absent[first:first + count] |= here & h.gone
+        for f in (f for f in self.spec.families if f.fixed):
+            still[self.families[f.name][0]:sum(self.families[f.name])] = True
+        return absent, still
 
     def _diffusion(self):
         """D of every site, (sites,); None without noise."""
@@ -259,7 +274,14 @@ class Witness:
         if array.shape != (self.sites, 3):
             raise UsageError(f"a state of {self.spec.name} has shape ({self.sites}, 3), "
                              f"not {np.shape(w)}")
-        return array
+        return self._put_away(array) if self.absent.any() else array
+
+    def _put_away(self, w):
+        """With absent sites where they are kept, at (0, 0, r)."""
+        radius = self.numbers.radii[self.absent]
+        w = w.copy()
+        w[self.absent], w[self.absent, 2] = 0, np.where(np.isnan(radius), 1, radius)
+        return w
 
     def _small(self):
         if self.sites > LARGEST_DENSE:

@@ -71,7 +71,7 @@ void turning(const system_t *s, int64_t i, const real *w, const real *b, real R[
   real across[3];
   const real c = loss(s, i);
   cross(w, b, across);
-  for (int k = 0; k < 3; k++) R[k] = c == 0 ? b[k] : s->share[i] * (b[k] + c * across[k]);
+  for (int k = 0; k < 3; k++) R[k] = s->share[i] * (c == 0 ? b[k] : b[k] + c * across[k]);
 }
 
 /* X_i = orientation * (A_i w_i) x R_i */

@@ -12,8 +12,8 @@ import numpy as np
 
 from ...errors import UsageError
 from ...language.evaluate import evaluate
-from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, is_draw
-from ...language.spec import Term
+from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, is_draw, walk
+from ...language.spec import Term, families_of
 from ...language.instances import instances_of
 from . import disorder
 
@@ -45,13 +45,12 @@ class Program:
     feels: np.ndarray
 
 
-def compile_term(spec, term: Term, env: dict, places: dict) -> Program:
+def compile_term(spec, term: Term, env: dict, places: dict, absent) -> Program:
     """The program of an effect or observable for the parameter values `env`.
 
-    places: family -> (first site, count). Raises UsageError when an index leaves its family.
+    places: family -> (first site, count); absent: of all sites; no instance has one of them. Raises UsageError when an index leaves its family.
     """
-    indices, columns = instances_of(term.over, env, places)
-    count = len(next(iter(indices.values()))) if indices else 1
+    indices, columns, count = instances_left(term, env, places, absent)
     code = Code(env, {**indices, **columns}, count)
     code.result(term.value)
     sites = [_sites(slot, indices, places, count) for slot in code.slots]
@@ -61,10 +60,23 @@ def compile_term(spec, term: Term, env: dict, places: dict) -> Program:
         np.array(code.table or [0.0]), _feels(spec, term.over, code.slots))
 
 
-def moved_sites(torque, env: dict, places: dict) -> np.ndarray:
-    """The site that a torque moves in every instance."""
-    indices, _ = instances_of(torque.over, env, places)
+def instances_left(term: Term, env: dict, places: dict, absent) -> tuple:
+    """(indices, columns, their number) of the instances of a term that have no absent site."""
+    indices, columns = instances_of(term.over, env, places)
     count = len(next(iter(indices.values()))) if indices else 1
+    bound = [*families_of(term.over).items(), *((e.slot, e.family) for e in walk(term.value) if isinstance(e, Spin) and isinstance(e.slot, int))]
+    gone = np.zeros(count, bool)
+    for index, family in bound:
+        number = np.broadcast_to(indices[index] if isinstance(index, str) else index, count)
+        first, size = places[family]
+        inside = (number >= 0) & (number < size)
+        gone |= inside & absent[first + np.where(inside, number, 0).astype(int)]
+    return {i: v[~gone] for i, v in indices.items()}, {c: np.asarray(v)[~gone] for c, v in columns.items()}, int((~gone).sum())
+
+
+def moved_sites(torque, env: dict, places: dict, absent) -> np.ndarray:
+    """The site that a torque moves in every instance."""
+    indices, _, count = instances_left(torque, env, places, absent)
     return np.ascontiguousarray(_sites((torque.on.family, torque.on.slot), indices, places, count), dtype=np.int64)
 
 

@@ -52,7 +52,7 @@ typedef struct system {
   const double *casimir; /* sites x 9: A_i */
   const double *leaf;    /* sites: C on the leaf if it is fixed (r^2/2), else NaN */
   const double *alpha;   /* sites: damping, 0 for none */
-  const double *share;   /* sites: 1, or 1/(1 + alpha^2) */
+  const double *share;   /* sites: 1, or 1/(1 + alpha^2); 0 where a site does not move */
   const double *lag;     /* sites: 1 where damping acts on torques too (Gilbert's), else 0 */
   double orientation;
 } system_t;

@@ -11,8 +11,9 @@ from ..lower.code import Argument, Assign, Call, Element, Function, If, Let, Nam
 from ..lower.integers import ZERO, Index, Int, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from ..lower.lowering import Kernel, index_names
+from ..plan.held import there
 
-ALWAYS = ("smg_kind", "smg_kappa", "smg_radius", "smg_normal")     # what runtime/core asks of every model
+ALWAYS = ("smg_kind", "smg_kappa", "smg_present", "smg_radius", "smg_normal")     # what runtime/core asks of every model
 KINDS = {"sphere": "SMG_SPHERE", "r3": "SMG_R3", "nambu": "SMG_NAMBU"}
 SITE = (COEFFICIENTS, Argument("int64_t", "k"))
 V = {f"v0{axis}": Element("v", a) for a, axis in enumerate("xyz")}      # the vector in C(v), of numbers as the target has them
@@ -30,6 +31,7 @@ class FamilyCode:
     radius: Kernel | None
     normal: Kernel | None
     h_over_kappa: object
+    there: Kernel
 
     @property
     def name(self):
@@ -49,15 +51,15 @@ class FamilyCode:
         return self.kind == "sphere" and not self.radius.values and self.radius.results[0].is_number(1)
 
 
-def family_codes(low, families, coupled) -> tuple:
+def family_codes(low, spec, coupled) -> tuple:
     """The families one after the other, with their numbers."""
     found, first, rows = [], [], {True: [], False: []}
-    for f in families:
+    for f in spec.families:
         count, mine = low.size(f.count), rows[f.name in coupled]
         kappa = low.formula(f.kappa)
         radius = low.formula(f.radius) if f.kind == "sphere" else None
         normal = normal_kernel(low, f) if f.kind == "nambu" else None
-        found.append(FamilyCode(f, count, total(*first), total(*mine), kappa, radius, normal, h_over(low, f, kappa)))
+        found.append(FamilyCode(f, count, total(*first), total(*mine), kappa, radius, normal, h_over(low, f, kappa), low.formula(there(spec, f))))
         first.append(count)
         mine.append(count)
     return tuple(found)
@@ -152,6 +154,7 @@ def site_functions(model) -> list:
     functions = [("int", "smg_kind", SITE, lambda f: (Return(Name(KINDS[f.kind])),)),
                  ("smg_real", "smg_kappa", SITE, lambda f: returned(f.kappa)),
                  ("smg_real", "smg_h_over_kappa", (*SITE, Argument("smg_real", "h")), lambda f: (Return(f.h_over_kappa),)),
+                 ("smg_real", "smg_present", SITE, lambda f: returned(f.there)),
                  ("smg_real", "smg_radius", SITE, lambda f: returned(f.radius) if f.radius else (Return(ZERO),)),
                  ("void", "smg_normal", (*SITE, *vector), lambda f: normal_body(f.normal))]
     needs = () if model.motion else model.method.needs      # whose field alone has the strength in it

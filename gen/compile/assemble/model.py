@@ -14,6 +14,7 @@ from ..lower.kernels import field_kernels, term_kernels
 from ..lower.loops import Loops
 from ..lower.lowering import Lowering
 from ..plan.contributions import contributions_of, diffusions_of, fields_of, require, responses_of
+from ..plan.held import present
 from ..plan.layout import with_layout
 from ..plan.plan import Plan, require_free_body
 from .families import FamilyCode, family_codes
@@ -34,13 +35,13 @@ class Model:
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=(), contributions=None):
-        self.spec, self.plan, self.method = safe_indices(one_site(spec)), plan, METHODS[plan.method]
+        self.spec, self.plan, self.method = safe_indices(one_site(present(spec))), plan, METHODS[plan.method]
         self.features = chosen_features(features)
         self.contributions = contributions_of(spec, self.method) if contributions is None else contributions
         self.responses = responses_of(self.contributions)
         self.refuse_what_the_method_has_not()
         low = Lowering(self.spec)
-        self.families = family_codes(low, self.spec.families, plan.coupled)
+        self.families = family_codes(low, self.spec, plan.coupled)
         self.by_name = {f.name: f for f in self.families}
         self.energies = tuple(term_kernels(low, e, "effect") for e in self.spec.energies)
         self.torques = tuple(field_kernels(low, t, t.slots, field) for t, field in fields_of(self.spec, self.contributions, self.method))

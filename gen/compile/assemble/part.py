@@ -64,7 +64,7 @@ class Part:
         return []
 
     def around(self, model) -> list:
-        """Arrays of a map around the step, whatever that is and by whatever layout."""
+        """Arrays of a map around the step, or of all methods, by whatever layout."""
         return []
 
     def instead(self, model) -> list:

@@ -16,7 +16,7 @@ class SiteNumbers(Part):
     name = "site_numbers"
 
     def made(self, model, low):
-        return {name: low.unkept(e) for e, name in low.site_numbers.items()} if low.draws else None
+        return {name: low.unkept(e) for e, name in low.site_numbers.items()} if low.site_numbers or low.draws else None
 
     def first(self, model):
         """site_number_0, ..: out of the array, where there is one, which has room for the number of any site of any family."""
@@ -35,7 +35,7 @@ class SiteNumbers(Part):
         return [Function("smg_real", "smg_site_number", (COEFFICIENTS, Argument("int64_t", "n"), *SITE[1:]), (*tests, Return(last)), wanted=True)]
 
     def headers(self, model):
-        return ["smg_random.h"]
+        return ["smg_random.h"] * model.low.draws
 
     def settings(self, model):
         return {"SMG_SITE_NUMBERS": len(model.site_numbers)}
@@ -43,6 +43,6 @@ class SiteNumbers(Part):
     def held(self, model):
         return [("const smg_real *of_sites", "numbers of sites, one after the other, or NULL: found where they are asked for")] * bool(model.site_numbers)
 
-    def buffers(self, model):
+    def around(self, model):
         numbers = len(model.site_numbers)
         return [buffer("site_numbers", numbers * model.total, "what formulas have of single sites")] if numbers else []

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from ...errors import UsageError
-from ...language.expr import Expr, Idx, Num, Op, Par, Spin, Time, Weight, is_draw, slots_of
+from ...language.expr import Expr, Idx, Num, Op, Par, Spin, Time, Weight, is_draw, slots_of, walk
 from ...language.spec import Term
 from .parts import SCALAR, Parts, TooLarge, Whole
 from .pieces import chosen
@@ -197,6 +197,8 @@ class Algebra:
             return sp.Integer(e.value) if isinstance(e.value, int) else sp.Float(e.value)
         if isinstance(e, Spin):
             return self.vectors[e.family, e.slot]
+        if isinstance(e, Op) and e.op == "kept" and not any(isinstance(n, Idx) for n in walk(e)):
+            return self.of(e.args[0])
         if isinstance(e, Op) and not is_draw(e):
             value = self.operation(e)
             return tuple(map(self.checked, value)) if isinstance(value, tuple) else self.checked(value)

@@ -89,7 +89,7 @@ def banner(model: Model) -> dict:
 def not_symplectic(model: Model) -> str:
     """What is given up of a symplectic method."""
     why = model.spec.given_up("by", "damped sites")
-    return f"; {why}: not symplectic" * bool(model.responses and model.method.symplectic)
+    return f"; {why}: not symplectic" * (not model.spec.conservative and model.method.symplectic)
 
 
 def abi_slots(model: Model, M: str) -> dict:

@@ -142,12 +142,13 @@ class Lowering:
 
     def drawn(self, e: Op) -> Node:
         """A random number: that of a single site is kept, where there is a state to keep it."""
-        self.draws = True
+        self.draws |= any(is_draw(node) and node.op != "kept" for node in walk(e))
         names = index_names(e)
         if len(names) != 1 or not self.keeps:
             return Drawn(e.op, tuple(map(self.index, e.args)))
         (name,) = names
-        return OfSite(self.site_number(with_index(e, name, Idx("i"))), Index(name))
+        number = e.args[0] if e.op == "kept" else e
+        return OfSite(self.site_number(with_index(number, name, Idx("i"))), Index(name))
 
     def site_number(self, e: Expr) -> str:
         """The function of the coefficients and the number i of a site in its family that gives e, which depends on no more than i and parameters."""
@@ -263,9 +264,9 @@ class Lowering:
                       tuple(self.real(e, own) for e in results), operations)
 
     def draws_of(self, expressions) -> dict:
-        """Symbol -> name of the random numbers, each found once."""
+        """Symbol -> name of the numbers that are random or kept, each found once."""
         found = sorted({s.name for e in expressions for s in e.free_symbols if is_draw(self.leaves.get(s.name))})
-        return {symbol: f"random{n}" for n, symbol in enumerate(found)}
+        return {symbol: f"number{n}" for n, symbol in enumerate(found)}
 
     def placed(self, parts: dict):
         """(what stands for those parts that are known before the sites, the others as statements)."""

@@ -1,15 +1,17 @@
 """What moves the sites of a spec, and what methods, solvers and features ask of it."""
 from __future__ import annotations
 
-from ...effects.motion import Response
+from ...effects.held import fixed
+from ...effects.motion import Response, times
 from ...errors import UsageError
+from ...language.expr import Num
 from ...language.spec import Spec
 from ...methods import METHODS, Method
 
 
 def contributions_of(spec: Spec, method: Method | None = None) -> tuple:
-    """One of each effect, as the method takes it."""
-    return tuple(e.contribution(spec, method) for e in spec.effects)
+    """One of each effect, as the method takes it, and of each family that is fixed."""
+    return (*(e.contribution(spec, method) for e in spec.effects), *(fixed(f) for f in spec.families if f.fixed))
 
 
 def fields_of(spec: Spec, contributions, method: Method) -> tuple:
@@ -20,7 +22,17 @@ def fields_of(spec: Spec, contributions, method: Method) -> tuple:
 
 def diffusions_of(contributions) -> dict:
     """Family -> its D, of those with noise."""
-    return {family: c.diffusion for c in contributions if c.diffusion is not None for family, _ in c.slots}
+    moves = shares_of(contributions)
+    return {family: times(moves.get(family, Num(1)), c.diffusion) for c in contributions if c.diffusion is not None for family, _ in c.slots}
+
+
+def shares_of(contributions) -> dict:
+    """Family -> 1 where a site moves, 0 where it does not; of those that have sites of both kinds, or none that moves."""
+    found = {}
+    for c in contributions:
+        if c.moves is not None:
+            found[c.slots[0][0]] = times(found.get(c.slots[0][0], Num(1)), c.moves)
+    return found
 
 
 def responses_of(contributions) -> dict:
@@ -36,6 +48,8 @@ def responses_of(contributions) -> dict:
         if family:
             law = found.get(family, Response())
             found[family] = law.pushed(*c.push) if c.push else law
+    for family, share in shares_of(contributions).items():
+        found[family] = found.get(family, Response()).times(share)
     return found
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...chance import generator
 from ...language.expr import Time, slots_of, walk
+from ...language.held import standing
 from ...language.tracers import moves_tracers
 
 STATES = 6          # random states at which the torque is looked at
@@ -55,10 +56,10 @@ def conserved_axes(model, span: float = 5.0) -> np.ndarray:
     """Orthonormal rows (k, 3), k = 0, 1 or 3: the directions in which the field keeps the momentum.
 
     d/dt sum kappa w = sum kappa w x b vanishes along them at random states and times within
-    `span` of the present one. Nambu factors have other brackets, and no such momentum; nor has what is damped or moved by torques.
+    `span` of the present one. Nambu factors have other brackets, and no such momentum; nor has what is damped, moved by torques or pinned.
     """
     spec, own = model.scene, acting_sites(model)
-    if not own.size or not spec.conservative or any(f.kind == "nambu" for f in spec.families):
+    if not own.size or not spec.conservative or standing(spec) or any(f.kind == "nambu" for f in spec.families):
         return np.zeros((0, 3))
     dice, kappa = generator("conserved momentum"), model.prepared.numbers.kappas[own, None]
     rows = [torque(model, random_state(model, dice), model.t + dice.uniform(0, 1) * span, own, kappa)
@@ -92,7 +93,7 @@ def torque(model, w, t: float, own, kappa) -> np.ndarray:
 
 
 def acting_sites(model) -> np.ndarray:
-    """Numbers of the sites that are no tracers."""
-    parts = [np.arange(first, first + count) for f in model.scene.families if not f.tracer
+    """Numbers of the sites that are there and no tracers."""
+    parts = [first + np.flatnonzero(model.prepared.numbers.present[first:first + count]) for f in model.scene.families if not f.tracer
              for first, count in [model.families[f.name]]]
     return np.concatenate([np.arange(0), *parts])

@@ -28,6 +28,8 @@ class Recorder:
         entries = outputs_of(model, self.block)
         self.columns = {name: entries[name] for name in layout if name in entries}
         self.deviations = Deviations(model, model.values(), model.casimirs(), span)
+        gone = ~model.prepared.numbers.present      # in no output: their vectors are 0
+        self.gone = np.flatnonzero(gone) if gone.any() else None
         self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
 
     @property
@@ -49,6 +51,8 @@ class Recorder:
         done = self.model.outputs(first, every, self.block, begin, count)
         self.steps[begin:begin + done] = before + first + every * np.arange(done)
         new = slice(begin, begin + done)
+        if self.gone is not None and self.block.states is not None:
+            self.block.states[new, self.gone] = 0
         if done:
             self.begun = True
             self.deviations.see(self.block.values[new], self.block.casimirs[new])

@@ -9,6 +9,7 @@ import numpy as np
 from ...errors import UsageError
 from ...language import limits
 from ...language.evaluate import evaluate, integer
+from ...language.held import absent, still
 from ...language.spec import Family, Parameter, Spec
 from ...read.problems import meant
 
@@ -70,6 +71,22 @@ class Evaluated:
         The identity on spheres and in R^3: grad C = w there, as the bracket says.
         """
         return self._of_sites(lambda f, count: _matrix(f, self.values, count))
+
+    @functools.cached_property
+    def present(self) -> np.ndarray:
+        """Is each site there? Shape (sites,). That none is, is refused."""
+        found = self._of_sites(lambda f, count: ~self._where(absent(self.spec, f.name), count))
+        if not found.any():
+            raise UsageError("every site is absent: nothing is left that could move")
+        return found
+
+    @functools.cached_property
+    def moving(self) -> np.ndarray:
+        """Does each site move, being neither absent nor pinned nor of a fixed family? Shape (sites,)."""
+        return self._of_sites(lambda f, count: ~self._where(still(self.spec, f.name), count))
+
+    def _where(self, condition, count) -> np.ndarray:
+        return np.zeros(count, bool) if condition is None else per_site(condition, self.values, count).astype(bool)
 
     def _of_sites(self, one) -> np.ndarray:
         """one(family, count) of all families, one after the other; read-only, since it is shared."""

@@ -53,7 +53,15 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
         one, count = given[family.name], numbers.places[family.name][1]
         w = _vectors(spec, family, number, one, env, count, seed)
         parts.append(_on_manifold(family, one, w, radius(family, env, count)))
-    return np.concatenate(parts)
+    return put_away(numbers, np.concatenate(parts))
+
+
+def put_away(numbers: Evaluated, w: np.ndarray) -> np.ndarray:
+    """The state with absent sites where all states have them, at (0, 0, r)."""
+    gone = ~numbers.present
+    if gone.any():
+        w[gone], w[gone, 2] = 0, np.where(np.isnan(numbers.radii[gone]), 1, numbers.radii[gone])
+    return w
 
 
 def wrong_start(numbers: Evaluated, w: np.ndarray) -> str:
