@@ -85,7 +85,6 @@ SMG_INLINE smg_lane_mask smg_lane_only(int64_t n) {
 #endif
 
 SMG_INLINE smg_lanes smg_lane_load(const smg_real *a) { return *(const smg_lanes *)a; }
-SMG_INLINE void smg_lane_store(smg_real *a, smg_lanes x) { *(smg_lanes *)a = x; }
 
 /* The same where a may be any number of an array. */
 SMG_INLINE smg_lanes smg_lane_take(const smg_real *a) { return *(const smg_lanes_anywhere *)a; }

@@ -15,12 +15,15 @@
 #endif
 #endif
 
-/* Functions off the usual path: kept out of it, so that it stays in registers. */
+/* A function that stays out of its callers. */
 #if defined(__GNUC__)
-#define SMG_COLD __attribute__((noinline))
+#define SMG_APART __attribute__((noinline))
 #else
-#define SMG_COLD
+#define SMG_APART
 #endif
+
+/* Functions off the usual path: kept out of it, so that it stays in registers. */
+#define SMG_COLD SMG_APART
 
 /* Before a loop of constant length: asks gcc for its full unrolling (clang does it unasked). */
 #if defined(__GNUC__) && !defined(__clang__)

@@ -49,49 +49,44 @@ SMG_INLINE int smg_open_piece(smg_piece *piece) {
   return piece->size > 0;
 }
 
-/* Where the run ends that a piece is at, in slots from its own: in blocks with the sites of a place, else with so many
- * rows. */
-static inline int64_t smg_end_of_run(const smg_coefficients *c, const smg_piece *piece, int64_t rows) {
-  const int64_t alike = smg_colour_slots(c) / SMG_RANKS;
-  return SMG_BLOCKS && piece->known->beside ? (piece->from / alike + 1) * alike : rows * piece->length;
-}
-
-/* Of a lattice in blocks, what its sites have alike. */
-static inline void smg_run_of_blocks(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
-  run->sub = smg_place(piece->at.colour, run->from / (smg_colour_slots(c) / SMG_RANKS));
+/* Of a lattice in blocks: what there is in `room` slots of the sites of a place, and what they have alike. */
+static inline void smg_run_of_blocks(const smg_coefficients *c, smg_piece *piece, int64_t room, smg_run *run) {
+  const int64_t alike = smg_colour_slots(c) / SMG_RANKS, rank = run->from / alike, end = (rank + 1) * alike;
+  run->to = end - run->from > room ? run->from + room : end;
+  run->sub = smg_place(piece->at.colour, rank);
   run->b = NULL;
   run->length = run->sites = run->to;
   piece->from = run->to;
 }
 
-/* Of rows, and the row where the next run begins. */
-static inline void smg_run_in_rows(const smg_coefficients *c, smg_piece *piece, int64_t rows, smg_run *run) {
-  const int64_t length = piece->length, gone = run->to == rows * length ? rows : run->to / length;
+/* Of rows, as many as are alike; and the row where the next run begins. */
+static inline void smg_run_in_rows(const smg_coefficients *c, smg_piece *piece, int64_t room, smg_run *run) {
+  const int64_t length = piece->length, rows = smg_run_of_rows(c, &piece->at, length), end = rows * length;
+  run->to = end - run->from > room ? run->from + room : end;
   run->sub = piece->at.sub;
   run->sites = piece->at.sites;
   run->b = smg_besides_of(c, &piece->at, piece->known);
   run->length = length;
+  const int64_t gone = run->to == end ? rows : run->to / length;
   piece->from = run->to - gone * length;
   if (gone > 0) smg_after_rows(c, length, gone, &piece->at);
 }
 
 /* The next run, or what there is of it in the piece; 0 where that ends. */
-static inline int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
-  const int64_t room = piece->size - piece->done, rows = smg_run_of_rows(c, &piece->at, piece->length),
-                end = smg_end_of_run(c, piece, rows);
+SMG_INLINE int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run *run) {
+  const int64_t room = piece->size - piece->done;
   if (room <= 0) return 0;
   run->start = piece->at.start;
   run->from = piece->from;
-  run->to = end - run->from > room ? run->from + room : end;
   run->place = piece->known->place;
 #if SMG_SITE_VALUES
   run->values = piece->known->values;
 #endif
   run->beside = piece->known->beside;
   run->order = piece->known->order;
+  if (SMG_BLOCKS && run->beside) smg_run_of_blocks(c, piece, room, run);
+  else smg_run_in_rows(c, piece, room, run);
   piece->done += run->to - run->from;
-  if (SMG_BLOCKS && run->beside) smg_run_of_blocks(c, piece, run);
-  else smg_run_in_rows(c, piece, rows, run);
   return 1;
 }
 

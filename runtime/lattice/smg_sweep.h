@@ -14,6 +14,11 @@
 #endif
 #endif
 
+/* mbar = w + u/2 of all sites. */
+static inline void smg_set_midpoints(smg_state *s) {
+  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * s->u[k];
+}
+
 #if SMG_ROTATION
 /* What a sweep works on. */
 typedef struct smg_sweeping {
@@ -54,8 +59,8 @@ static inline void smg_relax(void *context, smg_lattice_site at) {
   smg_state *s = sweep->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
-  smg_real g[3] = {0, 0, 0}, next[3];
-  smg_gather(c, at, s->m, s->m + 3 * k, g);
+  smg_real g[3] = {0, 0, 0}, next[3], *m = s->m + 3 * k;
+  smg_gather(c, at, s->m, m, g);
   if (!smg_relaxed(s, sweep->h, k, g, next)) { /* as the others stand: no step yet, and not settled */
     sweep->change.absolute =
         smg_max(sweep->change.absolute, smg_kind(c, k) == SMG_R3 ? s->scale : smg_leaf_value(s, k));
@@ -63,14 +68,13 @@ static inline void smg_relax(void *context, smg_lattice_site at) {
     return;
   }
   const smg_real up = smg_kind(c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
-  for (int b = 0; b < 3; ++b) {
-    smg_change_add(&sweep->change, next[b] - s->m[3 * k + b], SMG_MATH(fabs)(next[b]), up);
-    s->m[3 * k + b] = next[b];
-  }
+  for (int b = 0; b < 3; ++b) smg_change_add(&sweep->change, next[b] - m[b], SMG_MATH(fabs)(next[b]), up);
+  smg_copy(m, next, 3);
 }
 
-/* One sweep, colour after colour: each site sees the newest values of the others. */
-static smg_change smg_sweep(smg_state *s, smg_real h) {
+/* One sweep, colour after colour: each site sees the newest values of the others. Apart, so that the loop over sites
+ * has all registers: of compositions 3 % fewer instructions. */
+SMG_APART static smg_change smg_sweep(smg_state *s, smg_real h) {
   smg_sweeping sweep = {s, h, {0, 0, 0}};
   smg_each_coloured(&s->c, &sweep, smg_relax);
   return sweep.change;
@@ -95,14 +99,14 @@ typedef struct smg_sweep_end {
 } smg_sweep_end;
 
 /* u = 2((n.w/n.n) n - w), n along m: free of the round-off of h X. */
-static inline void smg_reflect(const smg_state *s, int64_t k, smg_sweep_end *end) {
+static inline void smg_reflect(const smg_real *w, const smg_real *m, smg_real *u, smg_real *residual) {
   smg_real n[3];
-  smg_unit(s->m + 3 * k, n);
-  const smg_real rho = smg_dot(n, s->w + 3 * k) / smg_dot(n, n);
+  smg_unit(m, n);
+  const smg_real rho = smg_dot(n, w) / smg_dot(n, n);
   for (int b = 0; b < 3; ++b) {
-    const smg_real x = s->u[3 * k + b];
-    s->u[3 * k + b] = 2 * (rho * n[b] - s->w[3 * k + b]);
-    smg_take(&end->residual, smg_abs(s->u[3 * k + b] - x));
+    const smg_real x = u[b];
+    u[b] = 2 * (rho * n[b] - w[b]);
+    smg_take(residual, smg_abs(u[b] - x));
   }
 }
 
@@ -110,26 +114,25 @@ static inline void smg_reflect(const smg_state *s, int64_t k, smg_sweep_end *end
  * diag(s) (J - I) diag(1/s) has it, the rows are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
 static inline void smg_end_site(void *context, smg_lattice_site at) {
   smg_sweep_end *end = (smg_sweep_end *)context;
-  smg_state *s = end->s;
+  const smg_state *s = end->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
-  smg_real g[3] = {0, 0, 0}, m[3], room[3];
-  smg_gather(c, at, s->m, s->m + 3 * k, g);
-  smg_increment(c, k, end->h, s->m + 3 * k, g, s->u + 3 * k);
-  const smg_real rounding_scale = smg_product_scale(c, k, end->h, s->m + 3 * k, g);
+  const smg_real *m = s->m + 3 * k, *w = s->w + 3 * k, leaf = smg_leaf_value(s, k);
+  smg_real g[3] = {0, 0, 0}, u[3], again[3], room[3];
+  smg_gather(c, at, s->m, m, g);
+  smg_increment(c, k, end->h, m, g, u);
+  const smg_real rounding_scale = smg_product_scale(c, k, end->h, m, g);
   smg_take(&end->rounding_scale, rounding_scale);
   if (smg_kind(c, k) != SMG_NAMBU) {
-    if (rounding_scale > s->scale) smg_reflect(s, k, end);
-    if (3 * rounding_scale > s->scale)
-      smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), smg_respond(c, k, s->m + 3 * k, g, room),
-                  s->u + 3 * k);
+    if (rounding_scale > s->scale) smg_reflect(w, m, u, &end->residual);
+    if (3 * rounding_scale > s->scale) smg_stretch(w, s->compensation + 3 * k, leaf, smg_respond(c, k, m, g, room), u);
   }
-  const smg_real stretch = smg_halfway(s, k, s->u + 3 * k, m);
-  for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(m[b] - s->m[3 * k + b]));
+  const smg_real stretch = smg_halfway(s, k, u, again);
+  for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(again[b] - m[b]));
+  smg_copy(s->u + 3 * k, u, 3);
 #if SMG_CONSTANT_HESSIAN
-  const smg_real r = smg_leaf_value(s, k);
   smg_take(&end->row, stretch * smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) *
-                          smg_respond_norm(c, k, s->m + 3 * k, g, r, smg_hessian_row_norm(c, k)));
+                          smg_respond_norm(c, k, m, g, leaf, smg_hessian_row_norm(c, k)));
 #else
   (void)stretch;
 #endif
@@ -148,7 +151,7 @@ static int smg_end_sweeps(smg_state *s, smg_real h, smg_real *row) {
 /* One sweep of the plain fixed point mbar = w + (h/2) X(P(mbar)). */
 static smg_change smg_sweep(smg_state *s, smg_real h) {
   const smg_change change = smg_evaluate(s, h);
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * s->u[k];
+  smg_set_midpoints(s);
   return change;
 }
 
@@ -171,7 +174,7 @@ static smg_status smg_settle(smg_state *s, smg_real h) {
 
 /* Midpoints and frames at the solution that the sweeps left, for the matrix. */
 static void smg_sweep_midpoints(smg_state *s, smg_real h) {
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * s->u[k];
+  smg_set_midpoints(s);
   (void)smg_evaluate(s, h);
 }
 

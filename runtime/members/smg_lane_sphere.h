@@ -138,14 +138,11 @@ SMG_COLD static void smg_lanes_resume(smg_group *g, smg_lane_mask left, const sm
   const smg_lane_mask near = left & (smg_lane_mask)(n->size < SMG_SECOND);
   smg_lane_mask alone = left & ~near;
   if (smg_lane_any(near)) {
+    const smg_lane_vec w = smg_lane_vec_load(g->w), compensation = smg_lane_vec_load(g->compensation);
     smg_lane_found again;
-    alone |= near & ~smg_lane_sphere_again(g->c, smg_lane_vec_load(g->w), smg_lane_vec_load(g->compensation), near, *n,
-                                           &again, &g->iterations);
-    f.v = smg_lane_vec_select(near, again.v, f.v);
-    f.y = smg_lane_vec_select(near, again.y, f.y);
-    f.W = smg_lane_vec_select(near, again.W, f.W);
-    f.q = smg_lane_select(near, again.q, f.q);
-    f.residual = smg_lane_select(near, again.residual, f.residual);
+    alone |= near & ~smg_lane_sphere_again(g->c, w, compensation, near, *n, &again, &g->iterations);
+    smg_lane_set_found(&f, w, compensation, smg_lane_vec_select(near, again.v, f.v),
+                       smg_lane_select(near, again.q, f.q), smg_lane_select(near, again.residual, f.residual));
   }
   if (smg_lane_any(alone)) smg_lanes_step_alone(g, alone);
   smg_lanes_commit(g, &f);

@@ -87,11 +87,15 @@ SMG_INLINE int64_t smg_dense_factor(int64_t n, smg_real *A, smg_real *x, int *si
 
 /* x = U^-1 L^-1 x. */
 SMG_INLINE void smg_dense_substitute(int64_t n, const smg_real *A, smg_real *x) {
-  for (int64_t i = 1; i < n; i++)
-    for (int64_t j = 0; j < i; j++) x[i] -= A[i * n + j] * x[j];
+  for (int64_t i = 1; i < n; i++) {
+    smg_real sum = x[i];
+    for (int64_t j = 0; j < i; j++) sum -= A[i * n + j] * x[j];
+    x[i] = sum;
+  }
   for (int64_t i = n - 1; i >= 0; i--) {
-    for (int64_t j = i + 1; j < n; j++) x[i] -= A[i * n + j] * x[j];
-    x[i] /= A[i * n + i];
+    smg_real sum = x[i];
+    for (int64_t j = i + 1; j < n; j++) sum -= A[i * n + j] * x[j];
+    x[i] = sum / A[i * n + i];
   }
 }
 

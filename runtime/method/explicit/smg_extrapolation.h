@@ -118,7 +118,9 @@ static inline int64_t smg_lost_site(const smg_state *s) {
   return -1;
 }
 
-static smg_status smg_step(smg_state *s) {
+/* Apart: in the loop over steps gcc keeps what is the same in all of them in registers that a step needs, of the
+ * irreversible body 8 % more instructions. */
+SMG_APART static smg_status smg_step(smg_state *s) {
   smg_solve_increment(s);
   s->report.partner = -1;
   s->report.site = smg_lost_site(s);
