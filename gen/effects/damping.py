@@ -52,7 +52,7 @@ class DampingReader:
             what = "are tracers, which follow what carries them" if family.tracer else "are on Nambu leaves"
             at.wrong(codes.NOT_HERE, f"the sites of `{family.name}` {what}", "a damping is for sites on spheres or in R^3")
         if over.family in self.damped:
-            at.wrong(codes.CONFLICT, f"`{self.damped[over.family]}` damps the sites of `{over.family}` already", "write one damping with the sum of both")
+            node.problems.fail(codes.CONFLICT, node.key, f"`{self.damped[over.family]}` damps the sites of `{over.family}` already", "write one damping with the sum of both")
         self.damped[over.family] = node.name
         return over
 

@@ -468,6 +468,7 @@ def run(spec: Spec, r: Run, values: dict) -> Iterator[Trouble]:
     if r.period is not None:
         yield from period(r, h, path + ("output", "period"), values)
     yield from method(spec, r, path + ("method",))
+    yield from effects(spec, r, h, path)
 
 
 def duration(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
@@ -500,6 +501,18 @@ def multiple(time: float, h: float, path, code: str, what: str) -> Iterator[Trou
 def period(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
     between = abs(number(r.period, values)) * (1 if h > 0 else -1)
     yield from multiple(between, h, path, codes.STEP, "period")
+
+
+def effects(spec: Spec, r: Run, h: float, path: tuple) -> Iterator[Trouble]:
+    """Effects that the step or the method of a run does not go with."""
+    called = [e for e in spec.effects if r.effects is None or e.name in r.effects]
+    noise = next((e.name for e in called if e.heats), None)
+    if noise and h < 0:
+        yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}, and the noise of `{noise}` has no step backward", f"give a positive step, or `without = [\"{noise}\"]`")
+    more = next((e.name for e in called if e.pushes or e.damps), None)
+    if more and not METHODS[r.method].responds:
+        yield Trouble(path + ("method",), codes.METHOD, f"method {r.method} is for sites that precess in their field alone, and `{more}` moves them otherwise",
+                      f"use {others(r.method)}, or `without = [\"{more}\"]`")
 
 
 def method(spec: Spec, r: Run, path: tuple) -> Iterator[Trouble]:

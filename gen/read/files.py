@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from ..language import limits
 from ..resources import pieces, shipped
 from ..language import codes
-from .problems import nearest
+from .problems import meant, nearest
 from .tree import Node, number_trouble
 
 LIBRARY = ".library"        # no file of a spec has such a name
@@ -53,7 +53,7 @@ class Files:
     def by_name(self, node: Node, word: str) -> tuple[str, str]:
         """(folder, file) of a spec of the library, or of one that comes with smidgen."""
         return self.among(node, self.library) or self.of_smidgen(
-            node, shipped(), f"no spec `{word}` comes with smidgen", "a file is named with its ending, `film.toml`; ")
+            node, shipped(), f"no spec `{word}` comes with smidgen", f"a file is named with its ending, `{word}.toml`; ")
 
     def piece(self, node: Node) -> tuple[str, str, str]:
         """As `spec`, of the piece that `node` names: beside the spec, in the library, or one that comes with smidgen."""
@@ -150,6 +150,8 @@ class Files:
     def check_name(self, node: Node, name: str) -> None:
         """Only plain relative names: no `..`, no drive, no absolute path."""
         parts = PurePosixPath(name).parts
+        if ".." in parts or name.startswith("/"):
+            node.wrong(codes.PATH, f"`{name}` leads out of the spec's folder", HOME)
         if not parts or name != "/".join(parts) or not all(PART.match(p) for p in parts):
             node.wrong(codes.PATH, "this is not the plain name of a file", HOME)
 
@@ -161,7 +163,7 @@ class Files:
         try:
             info = os.stat(real)
         except OSError as e:
-            node.wrong(codes.PATH, f"`{node.raw}` cannot be read: {reason(e)}", HOME)
+            node.wrong(codes.PATH, f"`{node.raw}` cannot be read: {reason(e)}", neighbour(path, folder) or HOME)
         if not stat.S_ISREG(info.st_mode):
             node.wrong(codes.PATH, f"`{node.raw}` is not a file", HOME)
         if info.st_size > limits.TABLE_BYTES:
@@ -192,6 +194,16 @@ def plain_number(cell: str):
     if number_trouble(value):
         raise ValueError(cell)
     return value
+
+
+def neighbour(path: Path, folder: str) -> str:
+    """A guess for a file that is not there: one beside it."""
+    try:
+        names = [entry.name for entry in path.parent.iterdir() if entry.suffix == path.suffix]
+    except OSError:
+        return ""
+    guess = meant(path.name, names)
+    return f"did you mean `{path.with_name(guess).relative_to(folder).as_posix()}`?" if guess else ""
 
 
 def shown(path: Path) -> str:

@@ -39,6 +39,8 @@ class Merge:
             return LOST
         if path[:1] == ("parameters",) and len(path) == 2 and isinstance(far, dict) != isinstance(near, dict):
             return self.parameter(far, near, path)
+        if path[:1] == ("effects",) and len(path) == 2 and another(far, near):
+            return near
         if not (isinstance(far, dict) and isinstance(near, dict)):
             return float(near) if isinstance(far, float) and type(near) is int and path[0] == "parameters" else near
         kept = {key: value for key, value in far.items() if not displaced(key, near, path)}
@@ -52,6 +54,15 @@ class Merge:
             return {**far, "default": self.over(far.get("default"), near, place)}
         self.marks.setdefault(place, self.far[path])
         return {"default": far, **near}
+
+
+def another(far, near) -> bool:
+    """Is the nearer table another effect, of which nothing of the farther one is meant: by another piece, or one of the two by its own formula?"""
+    if not (isinstance(far, dict) and isinstance(near, dict)):
+        return False
+    if "use" in near:
+        return near["use"] != far.get("use")
+    return "use" in far and any(key in near for kind in KINDS for key in kind.told_by)
 
 
 def displaced(key: str, near: dict, path: tuple) -> bool:

@@ -108,6 +108,9 @@ class RunReader:
             return None
         known, child = [*self.effects, *self.scene.left_out], node.get(key)
         names = self.problems.together(*(lambda e=e: self.choice(e, known, "effect") for e in child.entries("list of effects")))
+        for entry in child.entries() if self.problems.sources.of(child.span.start) is self.problems.sources.files[0] else ():
+            if key == "effects" and entry.raw in self.scene.left_out:
+                entry.wrong(codes.UNKNOWN_NAME, f"the scene leaves out `{entry.raw}`", "call for it in [scene], or take it out of this run")
         added = self.added(child) if key == "effects" else ()
         return tuple(name for name in (*self.unique(child, tuple(names)), *added) if name not in self.scene.left_out)
 

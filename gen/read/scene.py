@@ -135,7 +135,7 @@ def chosen(scene: Scene, says: Node) -> Scene:
     called = frozenset(effect_names(scene, says.get("effects"))) if says.has("effects") else scene.called
     called -= frozenset(effect_names(scene, says.get("without"))) if says.has("without") else frozenset()
     if scene.known and not called:
-        says.wrong(codes.MISSING, "this scene calls for no effect", "name at least one energy")
+        (says.get("effects") or says.get("without") or says).wrong(codes.MISSING, "this scene calls for no effect", "name at least one energy")
     return replace(scene, called=called)
 
 

@@ -58,9 +58,15 @@ class SpaceReader:
         name = identifier(self.problems, node.key, node.name, "family of vectors")
         if name in self.declared.names() or name in COLUMNS:
             self.declared.broken.add(name)
-            self.problems.fail(codes.CLASH, node.key, f"`{name}` means something already",
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` means something already{self.elsewhere(node)}",
                                "choose another name")
         return name
+
+    def elsewhere(self, node: Node) -> str:
+        """Where what has its name stands, in another file."""
+        mark = next((node.marks[path] for path in (("parameters", node.name), ("formulas", node.name)) if path in node.marks), None)
+        file = self.problems.sources.of(mark.key.start if mark else node.key.start)
+        return f", in {file.name}, line {file.place(mark.key.start - file.begin)[0]}" if file is not self.problems.sources.of(node.key.start) else ""
 
     def parts(self, node: Node) -> tuple:
         """kind, and what can be read of count, kappa, (radius, casimir), tracer, fixed."""

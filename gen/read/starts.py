@@ -61,8 +61,8 @@ class StartReader:
                 lambda f=f: self.family(node, f, (*tables, "meaning")) if f.name in others else self.of(node, f) for f in families.values())))
         if itself:
             self.problems.fail(codes.START, node.key, "the space has several families: "
-                               + ", ".join(families), "give each a table of its own: "
-                               f"[{node.label}.{next(iter(families))}]")
+                               + ", ".join(families), "give each a table of its own, "
+                               f"or all but one: {', '.join(f'[{node.label}.{name}]' for name in families)}")
         node.table(*families, "meaning")
         return tuple(self.problems.together(*(lambda f=f: self.of(node, f) for f in families.values())))
 

@@ -270,8 +270,8 @@ def test_a_base_that_is_no_toml_is_told_at_its_place(written):
 @pytest.mark.parametrize("texts, code, line", [
     ({"a": '[scene]\nbase = "a.toml"\n'}, "E305", 2),
     ({"film": FILM, "a": on_film('effects = ["exchnge"]\n')}, "E302", 3),
-    ({"film": FILM, "a": on_film('without = ["exchange", "field", "anisotropy"]\n')}, "E202", 1),
-    ({"film": FILM, "a": on_film("effects = []\n")}, "E202", 1),
+    ({"film": FILM, "a": on_film('without = ["exchange", "field", "anisotropy"]\n')}, "E202", 3),
+    ({"film": FILM, "a": on_film("effects = []\n")}, "E202", 3),
     ({"film": FILM, "a": on_film("effects = 3\n")}, "E203", 3),
     ({"film": FILM, "a": on_film("bases = 3\n")}, "E201", 3),
     ({"film": FILM, "a": on_film('[runs.x]\nlike = "dem"\n')}, "E302", 4),
