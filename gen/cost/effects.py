@@ -68,7 +68,9 @@ def row_of(spec, one, called, name, origin, clockwork) -> Row:
 # Counted
 
 def counts(effect, numbers, tracers) -> tuple[float, float]:
-    """(operations, bytes) for each site that it moves."""
+    """(operations, bytes) for each site that it moves; what holds sites moves none."""
+    if effect.holds:
+        return 0, 0
     if isinstance(effect, Damping):
         return damping_operations(), VECTOR
     d = derive_field(effect, effect.slots, effect.value) if isinstance(effect, Torque) else derive(effect)
@@ -153,6 +155,8 @@ def given_up(spec, one, effect) -> dict[str, str]:
     if isinstance(effect, Damping):
         lost = {"energy": "falls", "momentum": "is damped", "symplectic": "areas shrink"}
         return lost if effect.kT is None else {**dict.fromkeys(lost, "noise"), "reversible": "no step undoes noise"}
+    if effect.holds:
+        return {} if effect.gone else {"momentum": "the others turn about sites that do not move"}
     lost = {"energy": "depends on the time"} if of_time(spec, {effect.name}) else {}
     about = turned_about(spec, one, effect)
     if len(about) < 3:

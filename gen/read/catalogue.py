@@ -5,6 +5,7 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..effects.kinds import KINDS
 from ..errors import UsageError
 from ..resources import pieces
 from .load import read_file
@@ -13,7 +14,6 @@ from .problems import Problems, nearest
 from .source import Source
 from .toml import document
 
-KINDS = {"torque": "torque", "kT": "bath", "damping": "damping", "energy": "energy"}     # key of an effect -> its kind
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class Piece:
 
 
 def kind_of(keys) -> str:
-    """What an effect with these keys is."""
-    return next((kind for key, kind in KINDS.items() if key in keys), "")
+    """What an effect with these keys is: the key by which its kind is known; with a temperature, a bath."""
+    return "bath" if "kT" in keys else next((key for kind in KINDS for key in kind.told_by if key in keys), "")
 
 
 def catalogue(library=()) -> dict[str, Path]:

@@ -13,7 +13,7 @@ from .load import read_file, reader_of
 
 @dataclass(frozen=True)
 class Origin:
-    """called: by the scene; kind: energy, torque, damping, bath; source: of its piece, or file and line."""
+    """called: by the scene; kind: energy, torque, damping, bath, pinned, absent; source: of its piece, or file and line."""
     called: bool
     kind: str
     source: str

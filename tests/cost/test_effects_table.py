@@ -99,3 +99,19 @@ def test_tracers_are_what_an_effect_of_tracers_moves():
     found = {row.effect: row for row in effects_table(*origins(path), times=False)}
     assert found["interaction"].lost == {} and found["transport"].lost == {}
     assert found["transport"].bytes == 3 * (3 * 24 + 8)
+
+
+HOLDING = BASE + """[effects.edge]
+use = "spins/pinned_edge"
+where = "i < n"
+[effects.holes]
+over = "site(i) of w"
+absent = "i > 30"
+"""
+
+
+def test_sites_that_are_held_cost_no_operation(tmp_path):
+    (tmp_path / "film.toml").write_text(HOLDING.replace(', "bath"]', "]").replace('without = ["pulse"]', 'without = ["gone"]'))
+    found = {row.effect: row for row in effects_table(*origins(tmp_path / "film.toml"), "bare", times=False)}
+    assert [(found[name].kind, found[name].operations, found[name].bytes) for name in ("edge", "holes")] == [("pinned", 0, 0), ("absent", 0, 0)]
+    assert "do not move" in found["edge"].lost["momentum"] and found["holes"].lost == {}
