@@ -10,6 +10,8 @@ import re
 import stat
 from pathlib import Path, PurePosixPath
 
+import numpy as np
+
 from ..language import limits
 from ..resources import pieces, shipped
 from ..language import codes
@@ -106,6 +108,32 @@ class Files:
         if not rows:
             node.wrong(codes.TABLE, f"`{node.raw}` holds no numbers", f"it should hold {what}")
         return rows
+
+    def numbers(self, node: Node, columns: int) -> list[tuple]:
+        """The rows of a table, of a .csv or a .npy file, each with `columns` numbers and no more."""
+        what = "a number in each row" if columns == 1 else "rows `x, y, z`"
+        if str(node.raw).endswith(".npy"):
+            return self.array(node, columns, what)
+        rows = self.rows(node, columns, what)
+        if len(rows[0]) != columns:
+            self.broken(node, 1, f"{len(rows[0])} columns", what)
+        return rows
+
+    def array(self, node: Node, columns: int, what: str) -> list[tuple]:
+        """Those of a .npy file, which holds real numbers and no objects."""
+        folder, name = self.place(node)
+        try:
+            found = np.load(Path(folder, name), mmap_mode="r", allow_pickle=False)
+            shape = found.shape
+            numbers = np.array(found, dtype=float).reshape(-1, columns) if found.dtype.kind in "fiu" and shape in ((shape[0], columns), (shape[0],)[:columns == 1]) else None
+        except Exception:       # of what a damaged head is taken for, numpy gives no list
+            node.wrong(codes.TABLE, f"`{name}` cannot be read: it is no .npy file of numbers", "write it by numpy.save, without objects")
+        if numbers is None or not len(numbers):
+            node.wrong(codes.TABLE, f"`{name}` holds an array of shape {shape} and type {found.dtype}", f"it should hold real numbers, {what}")
+        if (bad := np.flatnonzero([bool(number_trouble(x)) for x in numbers.ravel().tolist()])).size:
+            node.wrong(codes.TABLE, f"`{name}`, row {bad[0] // columns}: {numbers.ravel()[bad[0]]:g} is out of range", f"it should hold {what}")
+        self.keep(folder, name, "\n".join(",".join(map(repr, row)) for row in numbers.tolist()))
+        return list(map(tuple, numbers.tolist()))
 
     def row(self, node: Node, number: int, cells: list[str], columns: int, what: str) -> tuple:
         for cell in cells:

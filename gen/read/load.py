@@ -205,7 +205,7 @@ class Reader:
     def declarations(self) -> None:
         """Parameters, then formulas, then the space."""
         with self.problems.guard():
-            ParameterReader(self.declared, self.formulas, self.problems).read(
+            ParameterReader(self.declared, self.formulas, self.files, self.problems).read(
                 self.section("parameters"))
         with self.problems.guard():
             FormulaReader(self.declared, self.problems).read(self.section("formulas"))

@@ -13,6 +13,7 @@ from .tree import LOST, Node
 WAYS = {
     ("space", "*"): (("sphere", "radius"), ("r3",), ("nambu", "C")),
     ("effects", "*"): tuple(kind.keys for kind in KINDS),
+    ("parameters", "*"): (("default",), ("file",)),
     ("starts", "*"): tuple(FORMS.values()),
     ("starts", "*", "*"): tuple(FORMS.values()),
     ("runs", "*"): (("time",), ("steps",)),

@@ -5,9 +5,10 @@ import re
 from dataclasses import replace
 
 from ..language import limits
-from ..language.expr import Num
+from ..language.expr import Num, Op
 from ..language.spec import Parameter
 from ..language import codes
+from .files import Files
 from .formulas import Formulas
 from .names import CONSTANTS, FUNCTIONS, UNRESERVED, identifier
 from .parse import parse
@@ -24,8 +25,8 @@ HEAD = re.compile(r"\s*([^\s(]+)\s*(?:\(([^()]*)\)\s*)?\Z")
 class ParameterReader:
     """Reads [parameters] into `declared.parameters`."""
 
-    def __init__(self, declared: Declared, formulas: Formulas, problems: Problems):
-        self.declared, self.formulas, self.problems = declared, formulas, problems
+    def __init__(self, declared: Declared, formulas: Formulas, files: Files, problems: Problems):
+        self.declared, self.formulas, self.files, self.problems = declared, formulas, files, problems
 
     def read(self, section: Node) -> None:
         bounded(section.table(), limits.PARAMETERS, "parameters")
@@ -48,20 +49,50 @@ class ParameterReader:
     def value(self, name: str, node: Node) -> Parameter:
         if node.is_number():                                # J = 1.0
             return Parameter(name, kind(node.number()), node.number())
-        node.table("default", "size", "vector", "fixed", "unit", "meaning")
+        node.table("default", "file", "size", "vector", "fixed", "unit", "meaning")
         p, unit, said, fixed = self.problems.together(
             lambda: self.table(name, node), lambda: meaning(node, "unit"), lambda: meaning(node, "meaning"),
             lambda: node.has("fixed") and node.get("fixed").flag())
         return replace(p, unit=unit, meaning=said, fixed=fixed)
 
     def table(self, name: str, node: Node) -> Parameter:
+        if node.has("file"):
+            return self.filed(name, node)
         default = node.need("default", "give its value: `{ default = 1.0 }`")
         if isinstance(default.raw, list) or node.has("size") or node.has("vector"):
             return self.array(name, node, default)
         return Parameter(name, kind(default.number()), default.number())
 
+    def filed(self, name: str, node: Node) -> Parameter:
+        """An array whose entries are the rows of a file: numbers, or with `vector` vectors."""
+        if node.has("default"):
+            node.get("file").wrong(codes.CONFLICT, f"`{name}` has a file and a default", "give one of them")
+        width = 3 if node.has("vector") and node.get("vector").flag() else 1
+        size, rows = self.problems.together(lambda: self.size(node), lambda: self.files.numbers(node.get("file"), width))
+        if len(rows) * width > limits.ARRAY:
+            node.get("file").wrong(codes.LIMIT, f"`{name}` has {len(rows) * width} entries; at most {limits.ARRAY} are allowed", "use a smaller table")
+        return self.rows(name, width, size, rows)
+
+    def rows(self, name: str, width: int, size, rows) -> Parameter:
+        if width == 1:
+            return Parameter(name, "array", tuple(float(x) for (x,) in rows), size)
+        self.declared.lists.add(name)
+        return Parameter(name, "array", tuple(float(x) for row in rows for x in row), Op("*", (Num(3), size)))
+
+    def vectors(self, name: str, node: Node, default: Node) -> Parameter:
+        """A list of vectors, with their number."""
+        def three(entry):
+            row = entry.entries("vector of three numbers")
+            if len(row) != 3:
+                entry.wrong(codes.COUNT, f"a vector has three components, not {len(row)}", "write `[x, y, z]`")
+            return tuple(float(c.number()) for c in row)
+        size, rows = self.problems.together(lambda: self.size(node), lambda: [three(e) for e in default.entries("list of vectors")])
+        return self.rows(name, 3, size, rows)
+
     def array(self, name: str, node: Node, default: Node) -> Parameter:
         """A list with a size; or one number that every entry has."""
+        if node.has("size") and node.has("vector") and node.get("vector").flag() and isinstance(default.raw, list) and all(isinstance(x, list) for x in default.raw):
+            return self.vectors(name, node, default)
         size, values = self.problems.together(lambda: self.length(name, node, default),
                                               lambda: self.entries(name, default))
         return Parameter(name, "array", values, size, fill=not isinstance(default.raw, list))
@@ -83,7 +114,7 @@ class ParameterReader:
         """Three numbers that formulas use as a vector."""
         if node.has("size"):
             node.get("size").wrong(codes.CONFLICT, f"the vector `{name}` has three entries",
-                                   "leave `size` out")
+                                   "leave `size` out, or give a list of vectors, `[[0, 0, 1], ..]`")
         if not isinstance(default.raw, list) or len(default.raw) != 3:
             default.wrong(codes.COUNT, f"the vector `{name}` needs three numbers",
                           "write `default = [0.0, 0.0, 1.0]`")

@@ -193,8 +193,18 @@ class Resolver:
         if not integral(index.expr, self.scope.declared.parameters):
             self.fail(codes.INDEX, node.index.span, "an index is made of integers, integer "
                       "parameters and indices with + - *", "such as `gamma[i]` or `gamma[2*i + 1]`")
+        if p.name in self.scope.declared.lists:
+            return self.row(p.name, index, node)
         return self.placed(Typed(Elem(p.name, index.expr), "s", index.nodes + 1,
                                  index.depth + 1), node)
+
+    def row(self, name: str, index: Typed, node: Item) -> Typed:
+        """The vector of three entries."""
+        first = Op("*", (Num(3), index.expr))
+        parts = tuple(Elem(name, Op("+", (first, Num(k)))) for k in range(3))
+        for part in parts:
+            self.places.setdefault(part, node.span)
+        return Typed(Op("vec", parts), "v", 3 * index.nodes + 13, index.depth + 4)
 
     # Operators and functions
 

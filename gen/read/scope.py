@@ -37,6 +37,7 @@ class Declared:
     """All that the sections declare; one name space."""
     parameters: dict[str, Parameter] = field(default_factory=dict)
     vectors: set[str] = field(default_factory=set)      # array parameters used as vectors
+    lists: set[str] = field(default_factory=set)        # array parameters whose entries are vectors
     families: dict[str, Family] = field(default_factory=dict)
     formulas: dict[str, Formula] = field(default_factory=dict)
     broken: set[str] = field(default_factory=set)       # declared, but with errors

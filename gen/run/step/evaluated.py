@@ -161,6 +161,7 @@ def _array(p: Parameter, value, is_default, env):
     """A list of the right size; one number stands for that many equal ones."""
     try:
         array = np.array(value, dtype=float)
+        array = array.ravel() if array.ndim == 2 and array.shape[1] == 3 else array     # a list of vectors
     except (TypeError, ValueError):
         raise UsageError(f"'{p.name}' must be a list of numbers") from None
     size = integer(p.size, env, f"the size of '{p.name}'") if p.size is not None else array.size
