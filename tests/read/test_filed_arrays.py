@@ -104,7 +104,7 @@ class Trap:
     ("pickle.npy", lambda p: p.write_bytes(pickle.dumps(Trap())), "", "no .npy file of numbers"),
     ("torn.npy", lambda p: (np.save(p, K), p.write_bytes(p.read_bytes()[:-8])), "", "no .npy file of numbers"),
     ("none.npy", lambda p: None, "", "cannot be read"),
-    ("../k.csv", lambda p: None, "", "not the plain name of a file"),
+    ("../k.csv", lambda p: None, "", "leads out of the spec's folder"),
     ("both.csv", lambda p: p.write_text("1\n"), ", default = 1.0", "has a file and a default"),
 ])
 def test_what_is_no_array(home, capfd, name, write, given, said):
