@@ -47,6 +47,11 @@ def shipped() -> dict[str, Path]:
     return {p.stem: p for p in sorted(folder("specs").glob("*.toml"))}
 
 
+def scenes() -> dict[str, Path]:
+    """name -> path of every scene that comes with smidgen: specs that use pieces, or build on another spec."""
+    return {p.stem: p for p in sorted((folder("specs") / "scenes").glob("*.toml"))}
+
+
 def pieces() -> dict[str, Path]:
     """name, such as spins/exchange -> path of every piece that comes with smidgen."""
     home = folder("specs") / "pieces"

@@ -44,8 +44,8 @@ def command(args):
 
 
 def is_spec(word: str) -> bool:
-    from ..resources import shipped
-    return word in shipped() or word.endswith(".toml")
+    from ..resources import scenes, shipped
+    return word in {**shipped(), **scenes()} or word.endswith(".toml")
 
 
 def of_scene(args):

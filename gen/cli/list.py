@@ -21,8 +21,8 @@ def command(args):
     if args.methods:
         return list_methods(args)
     from ..read import load
-    from ..read.shipped import shipped
-    found = [facts(name, path, load(str(path))) for name, path in shipped().items()]
+    from ..resources import scenes, shipped
+    found = [facts(name, path, load(str(path))) for name, path in {**shipped(), **scenes()}.items()]
     if args.json:
         return printed(found)
     width = max((len(f["name"]) for f in found), default=0)

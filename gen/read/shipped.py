@@ -9,12 +9,12 @@ from .. import read
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
-from ..resources import shipped
+from ..resources import scenes, shipped
 
 
 def find_spec(word: str) -> Path:
     """The file that `word` means: a path, or the name of a shipped spec."""
-    path, known = Path(word), shipped()
+    path, known = Path(word), {**shipped(), **scenes()}
     if path.is_file() or os.sep in word or word.endswith(".toml"):
         return path
     if word in known:

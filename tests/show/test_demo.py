@@ -11,7 +11,8 @@ from smidgen.show.plot import facts, gallery, portraits
 from smidgen.show.plot.text import in_script
 from smidgen.show.plot.equilibria import equilibria
 from smidgen.show.plot.figures import FIGURES
-from smidgen.read.shipped import load_spec, shipped
+from smidgen.read.shipped import load_spec
+from smidgen.resources import scenes, shipped
 
 FREE_BODY = {(1, 2, 4): (-0.45036353307, -0.09362899306, 0.88792246270),
              (1, 4 / 3, 2): (-0.44165602784, 0.14621487230, 0.88518990289)}
@@ -114,7 +115,7 @@ def test_a_spec_that_cannot_be_read_is_a_failed_line(tmp_path):
 def test_tasks():
     everything = stages.chosen("")
     assert {n for k, n in everything if k == "figure"} == set(FIGURES) == set(experiments.EXPERIMENTS)
-    assert {n.split(":")[0] for k, n in everything if k == "system"} == set(shipped())
+    assert {n.split(":")[0] for k, n in everything if k == "system"} == {*shipped(), *scenes()}
     assert stages.chosen("lagrange") == [("system", "lagrange")]
     assert stages.main(["--only", "lagrangian"]) == smidgen.errors.Exit.USAGE
 

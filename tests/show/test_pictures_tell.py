@@ -105,6 +105,7 @@ SITES_DRAWN = {     # kind -> how many sites a figure of it shows
     "leaf": lambda f: len(f.axes),
     "chain": lambda f: f.axes[0].images[0].get_array().shape[1],
     "curves": lambda f: discs(f.axes[0]),
+    "cloud": lambda f: discs(f.axes[0]),
     "sphere": lambda f: discs(f.axes[0]),
     "section": lambda f: discs(f.axes[0]) // 5,
 }

@@ -16,7 +16,7 @@ from ...version import __version__
 from ...build import compiler_version, find_compiler
 from ...cost.report import machine
 from ...errors import Exit, MissingTool, SmidgenError, UsageError
-from ...read.shipped import shipped
+from ...resources import scenes, shipped
 from ..plot.figures import FIGURES
 from ..plot.gallery import Picture, Row, Words, gallery
 from ..plot.style import save
@@ -70,8 +70,8 @@ def chosen(only: str) -> list[tuple[str, str]]:
 
 
 def systems() -> list[str]:
-    """Every shipped spec, each followed by its runs with other methods."""
-    return sorted([*shipped(), *COMPARED])
+    """Every shipped spec and scene, each followed by its runs with other methods."""
+    return sorted([*shipped(), *scenes(), *COMPARED])
 
 
 def demo(out: Path, jobs: int, tasks) -> int:

@@ -9,13 +9,14 @@ import dataclasses
 import numpy as np
 
 from ...errors import UsageError
-from . import chain, curves, lattice, player, portraits, surfaces
+from . import chain, cloud, curves, lattice, player, portraits, surfaces
 from .colours import of_sites
 from .facts import conserved_energy
 from .text import of_all, printable
 
 TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
 SMALLEST, LARGEST = 1e-100, 1e100      # coordinates whose squares are still numbers
+CLOUD = 1000        # sites from which on, where neighbours by number are far apart, they are a cloud of points
 MANY = 12           # sites from which on a family is drawn as a chain
 CURVES, LEAVES = 7, 9       # most sites of a picture of components, most leaves of one picture
 
@@ -227,6 +228,13 @@ def draw_curves(result):
                               note=others(result, name))
 
 
+def draw_cloud(result):
+    """The largest family at six times, a point a site."""
+    spheres_only(result)
+    name, w = largest(result)
+    return cloud.cloud(result.t, w, title=first_line(result), note=others(result, name))
+
+
 def others(result, name: str) -> str:
     """What to say of the sites of other families, where `name` alone is drawn."""
     counts = {n: w.shape[1] for n, w in states_of(result).items()}
@@ -275,6 +283,7 @@ KINDS = {
     "chain": (draw_chain, "angles and w_z over site and time"),
     "lattice": (draw_lattice, "a lattice from above at up to six times: w_z as colour, w_x and w_y as arrows"),
     "curves": (draw_curves, "a chain or lattice on the sphere at six times, its bonds as arcs"),
+    "cloud": (draw_cloud, "thousands of sites as points on the sphere at six times"),
     "player": (draw_player, "an HTML page that turns and plays the trajectory"),
 }
 
@@ -298,6 +307,8 @@ def suitable(result, html: bool) -> str:
     film, (_, w) = film_of(result)[0], largest(result)
     if film and result.w[film].shape[1] > MANY:
         return "lattice"
+    if w.shape[1] > CLOUD and not smooth(w[0]):
+        return "cloud"
     many = w.shape[1] > MANY
     return "chain" if many and (smooth(w[0]) or travelled(w) > TANGLED) else "sphere"
 

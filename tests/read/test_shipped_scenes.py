@@ -1,0 +1,57 @@
+"""The scenes that come with smidgen: short, of pieces, and each does what it is there to show."""
+import numpy as np
+import pytest
+
+import smidgen
+from smidgen.check.validate import validate
+from smidgen.cli.effects import is_spec
+from smidgen.resources import scenes, shipped
+
+quick = pytest.mark.quick
+
+
+@quick
+@pytest.mark.parametrize("name", scenes())
+def test_scenes_are_short_and_by_name(name):
+    text = scenes()[name].read_text()
+    assert len(text.splitlines()) <= 35 and 'use = "' in text and name not in shipped() and is_spec(name)
+    assert smidgen.load(name).runs[0].name == "demo"
+
+
+@quick
+def test_there_are_three():
+    assert list(scenes()) == ["film_pulse", "stirred_sphere", "tumbling_satellite"]
+
+
+@quick
+def test_the_satellite_comes_to_rest_as_a_gyrostat():
+    """Where w is along the angular velocity, at the least energy; without sloshing it tumbles on."""
+    end = smidgen.run(smidgen.load("tumbling_satellite"), time=2000, every=20_000, what=["states", "energy"])
+    inertia = np.array([[1, 0.1, 0], [0.1, 2, 0], [0, 0, 4]])
+    w = end.final[0]
+    omega = np.linalg.solve(inertia, w - [0.3, 0, 0])
+    assert np.linalg.norm(np.cross(w, omega)) < 1e-6 and abs(np.linalg.norm(w) - np.linalg.norm(end.w["w"][0, 0])) < 1e-14
+    sphere = np.random.default_rng(0).standard_normal((2000, 3))
+    others = np.linalg.norm(w) * sphere / np.linalg.norm(sphere, axis=1)[:, None] - [0.3, 0, 0]
+    assert end.values["energy"][-1] <= (others * np.linalg.solve(inertia, others.T).T).sum(1).min() / 2
+    free = smidgen.run(smidgen.load("tumbling_satellite"), "without_sloshing", what=["states", "energy"])
+    assert np.ptp(free.values["energy"]) < 1e-3 and np.ptp(free.w["w"][-500:, 0], axis=0).max() > 1
+
+
+@quick
+def test_the_film_is_hit_and_calms_down():
+    found = smidgen.run(smidgen.load("film_pulse"), what=["magnetisation"])
+    mz = found.values["magnetisation.w"][:, 2]
+    assert mz[0] == 1 and mz.min() < 0.8 and mz[-1] > 0.9
+    cold = smidgen.run(smidgen.load("film_pulse"), parameters={"kT": 0.0, "D": 0.0}, time=0.2, every=4, what=["states"])
+    assert found.values["magnetisation.w"][1, 2] < 1 - 1e-4 and np.isfinite(cold.final).all()
+
+
+@quick
+def test_the_sphere_is_stirred_and_what_is_small_is_validated():
+    few = {"m": 20}
+    spec = smidgen.load("stirred_sphere")
+    assert all(line.passed for line in validate(spec, parameters=few).lines)
+    found = smidgen.run(spec, parameters={"m": 200}, what=["states", "energy", "momentum"])
+    z = found.w["p"][:, :, 2]
+    assert z[0].min() > 0.69 and np.ptp(z[-1]) > 1 and np.ptp(found.values["momentum.w"][:, 2]) < 1e-13
