@@ -109,14 +109,14 @@ class Pair:
         self.integrals(w, found)
 
     def scalars(self):
-        for effect in self.spec.effects:
+        for effect in self.spec.energies:
             yield f"energy.{effect.name}", lambda w, t, n=effect.name: self.witness.energies(w, t)[n]
         yield "energy", self.witness.energy
         for term in self.spec.observables:
             yield term.name, lambda w, t, n=term.name: self.witness.observables(w, t)[n]
 
     def integrals(self, w, found):
-        kappa, k = kappas(self.spec, self.values), 0
+        kappa, k = np.where(self.witness.absent, 0, kappas(self.spec, self.values)), 0
         for name, (_, count) in sizes(self.spec, self.values).items():
             parts = kappa[k:k + count, None] * w[k:k + count]
             mine = [found[f"momentum.{name}.{axis}"] for axis in "xyz"]
@@ -129,7 +129,7 @@ class Pair:
         nambu = np.concatenate([[f.kind == "nambu"] * n for f, n in zip(
             self.spec.families, (n for _, n in sizes(self.spec, self.values).values()))])
         form = np.einsum("sa,sab,sb->s", w, casimir_matrices(self.spec, self.values), w)
-        return np.where(nambu, form / 2, form)
+        return np.where(self.witness.absent, 0, np.where(nambu, form / 2, form))
 
     def step_size(self, w, t):
         """h of a fifth of the inverse rate: the largest of |DX|, and what moves w by a fifth of itself."""

@@ -26,10 +26,10 @@ HEATS = ("0.4", "abs(a)", "q*(1 + mod(k, 2))", "0*a", "300")      # the last: ve
 
 def spec_text(dice) -> str:
     """The text of a random spec: nearly half are of any space, the others of one layout; a fourth of those that can be are damped, half of these
-    with thermal noise; a fourth are moved by torques."""
+    with thermal noise; a fourth are moved by torques; a fourth have random numbers, and a fourth sites that are pinned or absent."""
     text = dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice)
     text = warmed(damped(dice, text)) if dice.randint(0, 3) == 0 else text
-    return pushed(dice, text) if dice.randint(0, 3) == 0 else text
+    return held(disordered(pushed(dice, text) if dice.randint(0, 3) == 0 else text))
 
 
 def warmed(text) -> str:
@@ -73,6 +73,41 @@ def pushed(dice, text) -> str:
             over, torque = f"pair(k, l) of {name}", f"0.05*cross({name}[k], cross({name}[k], {name}[l]) - {name}[l])"
         effects.append(f'[effects.push{k}]\nover = "{over}"\ntorque = "{torque}"\n')
     return with_effects(text, "".join(effects), "push0")
+
+
+HOLDS = ('pinned = "k < 1"', 'pinned = "uniform(3, k) < 0.4"', 'pinned = "mod(k, 2) == 0 and normal(2, k) < 0.8"', 'absent = "k > 0 and uniform(5, k) < 0.3"', 'absent = "k == 1"',
+         'absent = "mod(k, 3) == 1"')
+NOISES = ("0.2*normal(4, k)*{w}.x", "(1 + 0.3*uniform(7, k))*{w}.z^2", "if(uniform(2, k) < 0.3, a, 0)*{w}.y*{w}.z", "0.1*normal(9, 2*k + 1)*cos(t)*{w}.x")
+
+
+def responding(text) -> list:
+    """The families of spheres and R^3, no tracers, where the method has a step for sites that do more than precess."""
+    method, wanted = re.search(r'^method = "(.*)"', text, re.MULTILINE), re.search(r"^# features: .*extended", text, re.MULTILINE)
+    if wanted or not METHODS[method[1] if method else DEFAULT].responds:
+        return []
+    return re.findall(r'^(\w+) = \{ (?:sphere|r3) = (?!.*tracer)', text, re.MULTILINE)
+
+
+def disordered(text) -> str:
+    """A fourth with random numbers of sites, and of bonds where there are some, by dice of their own."""
+    dice = random.Random(text + "disorder")
+    names = responding(text)
+    if not names or dice.randint(0, 3):
+        return text
+    name = dice.choice(names)
+    text = with_effects(text, f'[effects.noise]\nover = "site(k) of {name}"\nenergy = "{dice.choice(NOISES).replace("{w}", f"{name}[k]")}"\n', "noise")
+    bonds = re.compile(r'(over = "(?:bond|pair|edge)\((\w+), (\w+)[^"]*"\nenergy = """)(.*?)(""")', re.DOTALL)
+    return bonds.sub(lambda m: f"{m[1]}(1 + 0.2*{dice.choice(('uniform', 'normal'))}(6, {m[2]}, {m[3]}))*({m[4]}){m[5]}", text, count=1)
+
+
+def held(text) -> str:
+    """A fourth with sites that are pinned or absent, likewise."""
+    dice = random.Random(text + "held")
+    names = responding(text)
+    if not names or dice.randint(0, 3):
+        return text
+    effects = [f'[effects.held{k}]\nover = "site(k) of {dice.choice(names)}"\n{dice.choice(HOLDS)}\n' for k in range(dice.randint(1, 2))]
+    return with_effects(text, "".join(effects), "held0")
 
 
 def with_effects(text, effects, first) -> str:

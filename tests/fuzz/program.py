@@ -186,7 +186,7 @@ def program(scene, values, w, t0, h, features) -> str:
     arrays = {p.name: values[p.name] for p in free if p.kind == "array"}
     numbers = {p.name: values[p.name] for p in free if p.kind != "array"}
     name = scene.name
-    calls = [(f"energy.{e.name}", f"{name}_energy_{e.name}") for e in scene.effects]
+    calls = [(f"energy.{e.name}", f"{name}_energy_{e.name}") for e in scene.energies]
     calls += [(o.name, f"{name}_observe_{o.name}") for o in scene.observables]
     return TEXT.format(
         M=name, start=listed(w.ravel()), t0=literal(t0), h=literal(h), count=COUNT, families=len(scene.families),

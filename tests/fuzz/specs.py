@@ -45,7 +45,7 @@ KINDS = {"sphere": r"sphere =", "r3": r"r3 =", "nambu": r"nambu =", "tracer": r"
          "a[n - 1 - i]": r"\[n - 1 - ", "site": r"site\(", "pair": r"pair\(", "each": r"each\(", "chain": r"chain\(", "square": r"square\(\w+, \w+, [op]",
          "cubic": r"cubic\(", "declared": r"\[lattices", "3 or 4 sites": r"at = \[\[", "graph": r"\[graphs", "periodic": r"periodic",
          "open": r"\bopen\b", "if": r"if\(", "mod": r"mod\(", "floor": r"floor\(", "min": r"min\(", "max": r"max\(", "abs": r"abs\(",
-         "damping": r"\ndamping =", "kT": r"\nkT =", "torque": r"\ntorque =", "time": r"\bt[)* +^/,]", "observable": r"\[observables", "orientation -1": r"orientation = -1", "start file": r"file = \"start",
+         "damping": r"\ndamping =", "kT": r"\nkT =", "torque": r"\ntorque =", "pinned": r"\npinned =", "absent": r"\nabsent =", "random of sites": r"(uniform|normal)\(\d+, [^,]*\)", "random of bonds": r"(uniform|normal)\(6, \w+, \w+\)", "time": r"\bt[)* +^/,]", "observable": r"\[observables", "orientation -1": r"orientation = -1", "start file": r"file = \"start",
          "start random": r"\nrandom =", "start angles": r"\ntheta", "start vectors": r"\nvectors", "start formula": r"\nx = ",
          "set": r"\nset =", "set sizes": r"set = .*\bn =", "set array": r"set = .*(gamma|delta|rho) =", "effects of a run": r"\neffects =",
          "layout": r"# layout: (few|rows|blocks|wave|single)"}

@@ -163,3 +163,14 @@ def test_their_names_stay_free():
 def test_what_they_do_not_take(call, said):
     with pytest.raises(smidgen.SpecError, match=said):
         glass(field=call)
+
+
+@quick
+@pytest.mark.parametrize("sites", [1, 2])
+def test_numbers_of_a_site_that_is_named(sites):
+    """They are found with the coefficients, once a model or a step."""
+    spec = smidgen.load_text(f'[model]\nname = "one"\n[space]\nw = {{ sphere = {sites} }}\n[effects.e]\nover = "site(k) of w"\nenergy = "0.1*normal(9, 1)*cos(t)*w[k].x + uniform(2, k)*w[k].z^2"\n')
+    one = smidgen.build(spec).start(np.array([[0.6, 0, 0.8]] * sites), h=0.1)
+    w = one.w.copy()
+    assert one.energy() == pytest.approx(np.sum(0.06 * draws.normal(9, 1) + draws.uniform(2, np.arange(sites)) * 0.64), abs=1e-15)
+    assert np.abs(one.steps(5).w - Witness(spec).steps(w, 0.0, 0.1, 5)[-1]).max() < 1e-14

@@ -142,7 +142,6 @@ class Lowering:
 
     def drawn(self, e: Op) -> Node:
         """A random number: that of a single site is kept, where there is a state to keep it."""
-        self.draws |= any(is_draw(node) and node.op != "kept" for node in walk(e))
         names = index_names(e)
         if len(names) != 1 or not self.keeps:
             return Drawn(e.op, tuple(map(self.index, e.args)))
@@ -251,6 +250,7 @@ class Lowering:
         parts: of large formulas, symbol -> expression, as `derive` gives them; own: as in `real`.
         """
         self.leaves.update(leaves)
+        self.draws = self.draws or any(is_draw(node) and node.op != "kept" for leaf in leaves.values() for node in walk(leaf))
         self.levels.clear()
         work = [sp.sympify(e) for e in expressions]
         known, late = self.placed(needed(work, parts or {}))
