@@ -6,6 +6,9 @@
 #include <stdlib.h>
 
 #include "smidgen.h"
+#ifndef SMG_ABI
+#include "smg_stub_abi.h"
+#endif
 
 /* Room for `rows` outputs: t of each, states (3 numbers a site; NULL: not asked for), values, Casimirs (one a site).
  * near: pairs of sites (from, to) whose midpoints are looked at; nearest: the smallest |w + W|^2/(4 |W|^2) so far;

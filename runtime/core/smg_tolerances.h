@@ -65,4 +65,16 @@
  * more. */
 #define SMG_CONTINUATION_STEPS 16
 
+/* Of a single sphere (smg_sphere_template.h). The square of a Newton change whose remainder is far below round-off: a
+ * larger one would leave a drift. */
+#define SMG_SMALL (SMG_EPS / 64)
+/* The square of a change of a tenth: from a larger one a second iteration there would not settle; Newton with a matrix
+ * takes over. */
+#define SMG_SECOND (smg_real)0.01
+/* Newton iterations in a row: from a tenth the changes are 1e-1, 1e-2, 1e-4, 1e-8, 1e-16, and one more. */
+#define SMG_MOST_IN_A_ROW 6
+/* The part of the square of a change that the next one may be: those that fall by less than 4 are not Newton's of one
+ * solution. */
+#define SMG_FALLS (smg_real)0.0625
+
 #endif

@@ -23,7 +23,7 @@ static int smg_row_solved(smg_state *s, smg_real residual) {
   s->report.residual = residual;
   if (smg_swept_to_round_off(residual, s->scale)) return 1;
   s->report.residual = 2 * s->row_bound / (1 - s->row_bound) * residual;
-  return s->report.residual <= s->tolerance * s->scale;
+  return smg_tolerated(s, s->report.residual);
 }
 
 /* The increments of all sites but of a colour that has them, and whether they solve the step. */

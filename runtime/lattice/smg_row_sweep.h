@@ -294,7 +294,7 @@ SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const
 static inline int smg_rows_settled(const smg_state *s, const smg_row_sweeping *sweep) {
   if (sweep->passes < SMG_COLOURS) return 0;
   if (s->tolerance > 0 &&
-      2 * s->row_bound / (1 - s->row_bound) * sweep->whole.rate * sweep->whole.now <= s->tolerance * s->scale)
+      smg_tolerated(s, 2 * s->row_bound / (1 - s->row_bound) * sweep->whole.rate * sweep->whole.now))
     return 1;
   return smg_rest_settled(&sweep->whole, SMG_EPS * s->scale) && smg_rest_settled(&sweep->part, SMG_EPS);
 }

@@ -16,8 +16,9 @@
 #ifndef SMG_LANE_BATCH_H
 #define SMG_LANE_BATCH_H
 
-#include "smg_lanes.h"
 #include "smg_model.h"
+
+#include "smg_lanes.h"
 #include "smg_state.h"
 
 #if SMG_TIMED

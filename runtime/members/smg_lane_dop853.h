@@ -55,16 +55,11 @@ SMG_INLINE smg_lane_vec smg_lanes_weighted(const smg_real *a, int count, const s
   return sum;
 }
 
-SMG_INLINE smg_lane_mask smg_lanes_finite(smg_lane_vec a) {
-  return (smg_lane_mask)(smg_lane_abs(a.x) <= SMG_MAX) & (smg_lane_mask)(smg_lane_abs(a.y) <= SMG_MAX) &
-         (smg_lane_mask)(smg_lane_abs(a.z) <= SMG_MAX);
-}
-
 /* k_1 */
 SMG_INLINE void smg_lanes_first_stage(smg_lane_group *f) {
   const smg_lane_vec k = smg_lane_motion(&f->c, smg_lane_vec_load(f->y), f->size);
   smg_lane_vec_store(f->k, k);
-  f->lost = ~smg_lanes_finite(k);
+  f->lost = ~smg_lane_vec_finite(k);
 }
 
 /* k_(i+1), i = 1 .. 11 */
@@ -115,7 +110,7 @@ SMG_INLINE void smg_lanes_estimate(smg_lane_group *f) {
   const smg_lanes first = smg_lane_vec_dot(e5, e5), both = first + smg_lane_vec_dot(e3, e3) * (smg_real)0.01;
   smg_lanes square = smg_lane_select((smg_lane_mask)(first > none), first * (first / both), first);
   square = smg_lane_select((smg_lane_mask)(both <= SMG_MAX), square, smg_lane_of(SMG_MAX));
-  f->square = smg_lane_select(smg_lanes_finite(smg_lane_vec_add(smg_lane_vec_load(f->y), u)), square,
+  f->square = smg_lane_select(smg_lane_vec_finite(smg_lane_vec_add(smg_lane_vec_load(f->y), u)), square,
                               smg_lane_of((smg_real)NAN));
   smg_lane_vec_store(f->u, u);
 }

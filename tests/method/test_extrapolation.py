@@ -17,7 +17,7 @@ from support.triples import apart
 from test_comparators import MIX
 
 METHOD, ORDER, ROWS = "extrapolation-12", 12, 6
-HEADER = Path(__file__).parents[2] / "runtime" / "method" / "explicit" / "smg_extrapolation.h"
+HEADER = Path(__file__).parents[2] / "runtime" / "method" / "tables" / "smg_tableau.h"
 FREE, FORCED, VORTICES = (smidgen.load(name) for name in ("free_rigid_body", "forced_rigid_body", "point_vortices"))
 # w(10) from (cos 1.1, 0, sin 1.1), I = (1, 2, 4), by elliptic functions
 FREE_AT_10 = (-0.4503635330766926960600452, -0.09362899305780025785077625, 0.8879224626810953221192839)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 RUNTIME = ROOT / "runtime"
-STUBS = ("smg_stub_model.h", "smg_stub_functions.h")      # for editors: they compile into no program
+STUBS = ("smg_stub_model.h", "smg_stub_functions.h", "smg_stub_template.h", "smg_stub_abi.h")      # for editors: they compile into no program
 ASIDE = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'", re.DOTALL)
 MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 FUNCTION = re.compile(r"(\w+)\s*\([^;{}@]*\)\s*@")

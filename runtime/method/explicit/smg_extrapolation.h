@@ -41,17 +41,10 @@ static inline void smg_save_history(const smg_state *s, smg_real *out) { (void)s
 static inline void smg_restore_history(smg_state *s, const smg_real *in) { (void)s, (void)in; }
 
 #include "smg_right_side.h"
+#include "smg_tableau.h"
 
 /* ---- the increment
  * --------------------------------------------------------------------------------------------------------- */
-enum { SMG_TABLEAU_ROWS = 6 };
-/* of the rows 1 .. 6, */
-static const smg_real smg_tableau_weights[SMG_TABLEAU_ROWS] = {-66, 84480, -3247695, 23068672, -48828125, 30233088};
-static const smg_real smg_tableau_unit = 19958400; /* in parts of 1/smg_tableau_unit */
-
-/* The part m/n of the step, n = 2j. */
-SMG_INLINE smg_real smg_tableau_part(int j, int m) { return (smg_real)m / (smg_real)(2 * j); }
-
 #if SMG_HAS_MOTION
 typedef smg_state smg_tableau_field;
 

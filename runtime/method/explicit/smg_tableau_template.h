@@ -1,5 +1,9 @@
 /* smidgen method: the rows of smg_extrapolation.h for one site in registers; a template (smg_template.h), which
  * smg_lane_extrapolation.h compiles for several states. smg_tableau_at(f, j, m): the coefficients for t + m h/(2j). */
+#include "smg_tableau.h"
+
+#include "smg_model.h"
+#include "smg_vec.h"
 
 /* D_n of row j; first: k_0. Sums begin at -0, to which compilers know better than to add. */
 SMG_INLINE smg_vec smg_tableau_row(smg_tableau_field *f, smg_vec w, smg_vec first, int j) {

@@ -1,5 +1,7 @@
 /* smidgen method: the arithmetic of smg_single_sphere.h, where its equations are; a template (smg_template.h), of which
  * smg_lane_sphere.h makes several states in lanes. */
+#include "smg_sphere_history.h"
+#include "smg_vec.h"
 
 /* A Newton iterate: the increment, q = 1/|w + W|, det(1 - E), and the square of the change that led to it; q is off by
  * an eighth of that. */
