@@ -98,7 +98,7 @@ def test_new_never_overwrites(chain, command):
 @pytest.mark.quick
 def test_list(command, root):
     found = json.loads(command("list", "--json").stdout)
-    assert {f["name"] for f in found} == {p.stem for p in (root / "specs").glob("*.toml")}
+    assert {f["name"] for f in found} == {p.stem for folder in ("specs", "specs/scenes") for p in (root / folder).glob("*.toml")}
     text = command("list").stdout
     for one in found:
         assert one["name"] in text and one["title"] in text and one["runs"]
