@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from smidgen.compile.assemble.functions import definitions
 from smidgen.compile.assemble.model import Model
+from smidgen.compile.assemble.parts import PARTS
 from smidgen.compile.assemble.plain import PLAIN, macro
 from smidgen.compile.emit.print_scalar import Scalar
 from smidgen.compile.emit.print_wide import elementary
@@ -248,6 +249,22 @@ def test_no_text_is_edited_or_searched(path):
     if path.name not in TEXTS:
         assert "re" not in imported
         assert called & set(PRINTED) <= SPARED.get(path.name, set())
+
+
+SHELL = ("assemble/model.py", "assemble/functions.py", "assemble/buffers.py", "emit/settings.py", "emit/emit.py", "emit/interface.py")
+KNOWN = {("emit/settings.py", "wide")}      # whose functions of extended precision the printer of them knows
+
+
+def test_the_shell_of_a_model_knows_no_part_by_its_name():
+    """Neither its attribute of a model nor its name as a word; the templates include its files by the slots that it fills."""
+    names = {part.name for part in PARTS}
+    for path in SHELL:
+        tree = ast.parse((ROOT / "gen/compile" / path).read_text())
+        said = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in ("model", "self")}
+        said |= {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+        assert {(path, name) for name in said & names} <= KNOWN
+    for name in ("model.h.j2", "model.c.j2", "abi.c.j2", "interface.c.j2"):
+        assert not set(re.findall(r"{%-? *(?:if|for \w+ in) (\w+)", (ROOT / "templates" / name).read_text())) & names
 
 
 def test_plain_functions_are_those_of_the_header():

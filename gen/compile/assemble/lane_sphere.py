@@ -92,7 +92,7 @@ class MembersInLanes(Part):
     def settings(self, model):
         return {"SMG_LANE_SPHERE": 1}
 
-    def member_headers(self, model):
+    def behind(self, model):
         return [model.method.lane_header]
 
     def most(self, model, step):

@@ -13,7 +13,7 @@ from ..lower.integers import Index, Int, total
 from ..lower.kernels import field_kernels, term_kernels
 from ..lower.loops import Loops
 from ..lower.lowering import Lowering
-from ..plan.contributions import contributions_of, diffusions_of, fields_of, require, responses_of
+from ..plan.contributions import contributions_of, fields_of, require, responses_of
 from ..plan.held import present
 from ..plan.layout import with_layout
 from ..plan.plan import Plan, require_free_body
@@ -61,6 +61,7 @@ class Model:
             found = part.made(self, low)
             setattr(self, part.name, found)
             if found is not None:
+                part.fits(self)
                 self.parts += (part,)
 
     @property
@@ -75,10 +76,6 @@ class Model:
             raise UsageError(f"method {self.plan.method} has no feature '{missing[0]}'")
         for feature in self.features:
             require(self.contributions, ASKS.get(feature, ()), f"feature {feature}")
-        if self.responses and "extended" in self.features:
-            raise UsageError("feature extended is for sites that precess in their field alone")
-        if diffusions_of(self.contributions) and "tangent" in self.features:
-            raise UsageError("feature tangent is for motion without noise: leave kT out")
         if self.method.free_body:
             require_free_body(self.spec, self.plan.method)
 

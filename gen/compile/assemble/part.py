@@ -30,6 +30,9 @@ class Part:
     """A model that has the part holds what `made` found under `name`, None without it; all else is asked of models that have it."""
     name = ""
     layout = ""     # that a model may have with it, of gen/compile/plan/layout.py
+    templates: dict = {}    # what it adds to the shell of a model: "structs" (before the state), "between" (functions between steps), "public" (others) of
+    #                         the header, "bodies" of their bodies, "flat" of the functions for ctypes -> the file of templates/
+    types: tuple = ()       # of the header, which runtime headers call smg_<word>
 
     def made(self, model, low):
         """What the part is made of, its kernels first; None where the model has no use for it. low: where what is computed before steps is kept."""
@@ -43,12 +46,19 @@ class Part:
         """Members of the coefficients, (declaration, meaning)."""
         return []
 
+    def fits(self, model) -> None:
+        """Raises UsageError where the model cannot have it."""
+
     def functions(self, model) -> list:
         """Definitions, each behind those that it mentions."""
         return []
 
     def headers(self, model) -> list:
         """Of the runtime, that its functions are written with."""
+        return []
+
+    def included(self, model) -> list:
+        """Headers of the runtime that the public header needs."""
         return []
 
     def settings(self, model) -> dict:
@@ -61,6 +71,14 @@ class Part:
 
     def members(self, model) -> list:
         """Other members of the state, (declaration, meaning)."""
+        return []
+
+    def slots(self, model) -> dict:
+        """What its templates are filled with."""
+        return {}
+
+    def first_members(self, model) -> list:
+        """Members of the state behind its coefficients: declarations."""
         return []
 
     def around(self, model) -> list:
@@ -87,8 +105,8 @@ class Part:
         """The header of the step of a midpoint; "": as others have it."""
         return ""
 
-    def member_headers(self, model) -> list:
-        """What takes the members of an ensemble at once."""
+    def behind(self, model) -> list:
+        """Headers behind that of the step."""
         return []
 
     def most(self, model, step):

@@ -1,6 +1,7 @@
 """All parts, in the order in which they are made; the functions of each may mention those of parts before it."""
 from __future__ import annotations
 
+from .asked import Ensemble, PlainSums, Tangent
 from .axes import Axes
 from .composed import Composed
 from .few import FewInLanes
@@ -18,5 +19,5 @@ from .torque import Torques
 from .wide import Extended
 
 FIRST = (Responses(), Thermal())      # before bounds of the Hessian are found
-PARTS = (*FIRST, Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
-         Extended(), GradientsInLanes(), SiteNumbers())
+PARTS = (*FIRST, PlainSums(), Tangent(), Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
+         Extended(), GradientsInLanes(), SiteNumbers(), Ensemble())

@@ -11,6 +11,7 @@ from .part import Part, buffer
 class Thermal(Part):
     """Sites in a heat bath: the kernels of D of all families, 0 of those that are in none."""
     name = "thermal"
+    templates = {"between": "thermal.h.j2", "flat": "thermal_abi.c.j2"}
 
     def made(self, model, low):
         found = diffusions_of(model.contributions)

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...errors import UsageError
 from ..derive.derivatives import scalar
 from ..lower.code import Argument, Assign, Call, Function, Let, Member, Name, Number, Ordered, Return, Unary, Zeros
 from ..lower.integers import ZERO
@@ -121,12 +122,27 @@ def normal_body(low: Lowering, f) -> tuple:
 class Extended(Part):
     """The last evaluation of a step in extended precision."""
     name = "wide"
+    types = ("wide_coefficients",)
+    templates = {"structs": "wide_struct.h.j2"}
 
     def made(self, model, low):
         return wide_kernels(model) if "extended" in model.features else None
 
+    def fits(self, model):
+        if model.responses:
+            raise UsageError("feature extended is for sites that precess in their field alone")
+
     def functions(self, model):
         return wide_functions(model)
+
+    def included(self, model):
+        return ["smg_wide.h"]
+
+    def slots(self, model):
+        return {"wide_names": model.wide.coefficients.names}
+
+    def first_members(self, model):
+        return [f"{model.spec.name}_wide_coefficients wide"]
 
     def settings(self, model):
         return {"SMG_EXTENDED": 1, **where_true(SMG_WIDE_TIMED=model.wide.coefficients.timed, SMG_UNIT_RADIUS=model.method.onto_leaf and model.unit_radius())}

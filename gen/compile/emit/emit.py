@@ -18,6 +18,7 @@ from ..assemble.functions import definitions
 from ..assemble.model import Model
 from ..assemble.plain import is_plain, own_settings
 from ..lower.code import Table
+from ..plan.layout import by_ranks, by_threads
 from ..plan.plan import Plan, choose
 from ..program import program_of
 from .amalgamate import inline_runtime
@@ -74,13 +75,12 @@ def emitted(spec: Spec, plan: Plan, features, contributions=None) -> Files:
         return templates.get_template(template).render(M=M, **heads(M), **slots)
 
     slots, step = header_slots(model), most(model)
-    said, (kept, values), by_rows = banner(model), definitions(model), model.plan.layout == "rows"
+    said, (kept, values) = banner(model), definitions(model)
     files = Files({f"{M}.h": render("model.h.j2", **slots, most=asdict(step), memory=array_bytes(model, {}), **said),
                    f"{M}.c": render("model.c.j2", **source_slots(model, kept), interface=render("interface.c.j2", **interface_slots(model, M, values)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason,
-                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "threads": by_rows and not model.method.stage_rows and not model.pairs,
-                   "ranks": by_rows and model.method.of_midpoints}
+                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "threads": by_threads(model.plan, model.method), "ranks": by_ranks(model.plan, model.method)}
     files.most = {**asdict(step), "model": model_bytes(slots), "state": state_bytes(slots),
                   "memory": array_bytes(model, {p.name: p.default for p in spec.parameters if p.kind == "int" and p.default is not None})}
     return files
@@ -90,4 +90,4 @@ def source_slots(model: Model, kept: list) -> dict:
     """Of model.c.j2; every definition is printed once."""
     functions = [printed(d) for d in kept if not isinstance(d, Table) and not is_plain(d)]
     return dict(tables=[printed(d) for d in kept if isinstance(d, Table)], functions=functions,
-                settings=[*settings(model), *own_settings(kept)], headers=headers(model), method=method_headers(model), layout=printed(layout(model)))
+                settings=[*settings(model), *own_settings(kept)], headers=headers(model), types=[word for part in model.parts for word in part.types], method=method_headers(model), layout=printed(layout(model)))

@@ -14,11 +14,14 @@ from .targets import PRINTERS
 from .text import comment
 
 
+SLOTS = ("structs", "between", "public", "bodies", "flat")
+
+
 def interface_slots(model: Model, M: str, sums: list) -> dict:
     """Of interface.c.j2; sums: `value_sums`, without arguments that nothing reads."""
     values = [value_slots(*one) for one in sums]
     energy = " + ".join(f"{M}_energy_{t.derived.term.name}(model, t, w)" for t in model.energies)
-    return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", **features(model))
+    return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", **shell(model))
 
 
 def value_slots(kind: str, name: str, body) -> dict:
@@ -28,15 +31,10 @@ def value_slots(kind: str, name: str, body) -> dict:
     return dict(function=f"{kind}_{name}", sums="\n".join(indent(PRINTERS["scalar"].lines(body))), unused=unused, coefficients="c" in known)
 
 
-def features(model: Model) -> dict:
-    """Which functions are there because they were asked for."""
-    return {"thermal": model.thermal is not None, **{name: name in model.features for name in ("tangent", "ensemble")}}
-
-
-def asked(model: Model) -> tuple:
-    """What functions of the ABI are there for."""
-    heated = ("thermal", *("thermal " + name for name in model.features)) if model.thermal else ()
-    return (*model.features, *heated)
+def shell(model: Model) -> dict:
+    """What the parts of a model add to the templates: slot -> files; has: their names."""
+    found = {slot: [part.templates[slot] for part in model.parts if slot in part.templates] for slot in SLOTS}
+    return {**found, "has": {part.name for part in model.parts}}
 
 
 def defaults(model: Model):
@@ -60,9 +58,10 @@ def header_slots(model: Model) -> dict:
         params=[declare(p) for p in run_time(model.spec)], arrays=buffers(model), H=model.history, keeps_history=keeps_history(model), composed=model.method.stages > 1,
         held=[member for part in model.parts for member in part.held(model)],
         members=[member for part in model.parts for member in part.members(model)],
+        first=[member for part in model.parts for member in part.first_members(model)], included=[name for part in model.parts for name in part.included(model)],
         integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.energies],
         model_names=model.coefficients.of_model, state_names=model.coefficients.of_state, observables=[o.name for o in model.spec.observables],
-        wide_names=model.wide.coefficients.names if model.wide else [], wide=model.wide is not None)
+        **{slot: value for part in model.parts for slot, value in part.slots(model).items()})
 
 
 def declare(p) -> dict:
@@ -80,7 +79,7 @@ def banner(model: Model) -> dict:
         method_text=model.method.summary + not_symplectic(model), solver_text=comment(f"{plan.solver}: {plan.reason}"),
         bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(e.note) for e in spec.effects),
         effects_text=comment(", ".join(spec.effect_names) or "none"),
-        extended=model.wide is not None, **features(model),
+        **shell(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
         families_text=comment(", ".join(f.name for f in model.families)),
         family_names=comment(", ".join(f.name for f in model.families)))
@@ -100,6 +99,6 @@ def abi_slots(model: Model, M: str) -> dict:
              for k, p in enumerate(scalars)]
     lines += [f"p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
     effects, observables = [e.name for e in model.spec.energies], [o.name for o in model.spec.observables]
-    return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(asked(model))], **features(model),
+    return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(shell(model)["has"])], **shell(model),
                 effects=effects, observables=observables, families=model.families,
                 columns=1 + len(effects) + 3 * len(model.families) + len(observables))

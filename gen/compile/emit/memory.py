@@ -40,8 +40,8 @@ def model_bytes(slots: dict) -> int:
 def state_bytes(slots: dict) -> int:
     """Of <model>_state."""
     coefficients = struct_bytes(["const smg_model *model", "smg_real t, h", *(f"smg_real {name}" for name in slots["state_names"]), *(d for d, _ in slots["held"])])
-    unit = SIZES["smg_wide"] if slots["wide"] else WORD
-    wide = SIZES["smg_wide"] * (2 + len(slots["wide_names"])) if slots["wide"] else 0
+    unit = SIZES["smg_wide"] if slots["first"] else WORD
+    wide = SIZES["smg_wide"] * (2 + len(slots["wide_names"])) if slots["first"] else 0
     history = ["int newton_steps", f"smg_real *past[{slots['H']}]"] * bool(slots["keeps_history"])
     found = struct_bytes([aligned(coefficients, unit) + wide, "uint64_t version", "double t0, h", "int64_t count", "int history", "int degree", *history,
                          *(d for d, _ in slots["members"]), *(f"smg_real *{a.name}" for a in slots["arrays"]), "smg_real tolerance, scale", struct_bytes(REPORT)])

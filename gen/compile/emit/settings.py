@@ -25,12 +25,11 @@ def settings(model: Model) -> list:
         "SMG_ALONE_LINEAR": any(model.closed_form(f) for f in alone),
         "SMG_ALONE_NEWTON": any(not model.closed_form(f) for f in alone),
         "SMG_COUPLED_NAMBU": any(f.kind == "nambu" for f in coupled),
-        "SMG_COUPLED_LIFTED": "tangent" in model.features and model.lifts(),
         "SMG_MATRIX_FREE": bool(coupled) and not plan.matrix, "SMG_SWEPT": plan.swept, "SMG_ROTATION": turned,
         "SMG_TRIED_SWEEPS": plan.tried if turned else 0, "SMG_CONSTANT_HESSIAN": turned and model.reach is not None,
         "SMG_BAND": plan.band if plan.solver == "band" else 0, "SMG_CYCLIC": plan.solver == "band" and plan.wrap,
         "SMG_FEW": bool(coupled) and isinstance(model.rows, Whole) and model.rows.value <= FEW,
-        "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0, "SMG_PLAIN_SUMS": "plain-sums" in model.features,
+        "SMG_ORDER": plan.pattern.size if plan.solver == "sparse" else 0,
         "SMG_HAS_LANES": most_lanes(model) > 0, "SMG_MOST_LANES": most_lanes(model), **dict(model.method.defines)}
     said = {name: value for part in model.parts for name, value in part.settings(model).items()}
     usual = defaults()
@@ -62,12 +61,11 @@ def method_headers(model: Model) -> list:
     """The method, what its step is made of, and its features."""
     composed = model.method.stages > 1
     names = [*([model.method.scheme] if composed else []), model.method.header]
-    members = [name for part in model.parts for name in part.member_headers(model)]
-    ensemble = [*members, "smg_ensemble.h"] if "ensemble" in model.features else []
+    behind = [name for part in model.parts for name in part.behind(model)]
     if not model.method.of_midpoints:
-        return [*names, *ensemble]
+        return [*names, *behind]
     if model.plan.coupled:
         names.append(MATRICES.get(model.plan.solver, "smg_matrix_free.h"))
     steps = [step for part in model.parts if (step := part.step(model))]
     names.append(steps[-1] if steps else "smg_step.h")
-    return [*names, *(["smg_tangent.h"] if "tangent" in model.features else []), *ensemble]
+    return [*names, *behind]

@@ -84,12 +84,12 @@ PUBLIC = (
     of(INT, "ensemble_lanes"),
 )
 
-# feature that asks for them -> functions over `void *`, for callers without the types of the header
+# parts that ask for them -> functions over `void *`, for callers without the types of the header
 FLAT = {
-    "tangent": (
+    ("tangent",): (
         of(INT, "tangent", s=POINTER, v=REALS, columns=LONG, count=LONG, done=LONGS),
     ),
-    "ensemble": (
+    ("ensemble",): (
         of(POINTER, "ensemble_new", scalars=CONST_DOUBLES, arrays=ARRAYS, own=INT, members=LONG, w=CONST_REALS, t0=DOUBLE, h=DOUBLE, tolerance=DOUBLE),
         of(LONG, "ensemble_steps", e=POINTER, first=LONG, members=LONG, count=LONG),
         of(INT, "ensemble_lanes"),
@@ -98,14 +98,14 @@ FLAT = {
         of(VOID, "ensemble_energies", e=POINTER, began=FLAGS, energy=REALS),
         of(VOID, "ensemble_free", e=POINTER),
     ),
-    "thermal": (
+    ("thermal",): (
         of(VOID, "set_seed", s=POINTER, seed=LONG, member=LONG),
         of(LONG, "halved", s=POINTER),
     ),
-    "thermal ensemble": (
+    ("thermal", "ensemble"): (
         of(VOID, "ensemble_set_seed", e=POINTER, seed=LONG),
     ),
-    "": (        # always
+    (): (        # always
         of(POINTER, "new", scalars=CONST_DOUBLES, arrays=ARRAYS, w=CONST_REALS, t0=DOUBLE, h=DOUBLE, status=INTS),
         of(INT, "set_parameters", s=POINTER, scalars=CONST_DOUBLES, arrays=ARRAYS),
         of(INT, "set_tolerance", s=POINTER, tolerance=DOUBLE),
@@ -130,12 +130,12 @@ FLAT = {
 }
 
 
-def flat(features) -> list[Signature]:
-    """The functions of the ABI with these features."""
-    return [one for feature, found in FLAT.items() if not feature or feature in features for one in found]
+def flat(having) -> list[Signature]:
+    """The functions of the ABI of a model with these parts."""
+    return [one for parts, found in FLAT.items() if set(parts) <= set(having) for one in found]
 
 
 def heads(model: str) -> dict:
     """For the templates: C has the heads of public functions by their words, F those of the ABI."""
     return {"C": SimpleNamespace(**{one.word: one.declared(model) for one in PUBLIC}),
-            "F": SimpleNamespace(**{one.word: one.declared(model, "_abi_") for one in flat(FLAT)})}
+            "F": SimpleNamespace(**{one.word: one.declared(model, "_abi_") for found in FLAT.values() for one in found})}

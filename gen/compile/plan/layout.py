@@ -31,3 +31,13 @@ def with_layout(plan: Plan, method: Method, offered) -> Plan:
     if layout == "rows":
         return laid.also(MIDPOINT_ROWS if method.of_midpoints else TURN_ROWS if method.splitting else STAGE_ROWS)
     return replace(laid, reason=FEW) if layout == "few" else laid
+
+
+def by_threads(plan: Plan, method: Method) -> bool:
+    """May several threads share a step?"""
+    return plan.layout == "rows" and not method.stage_rows and method.splitting != "pairs"
+
+
+def by_ranks(plan: Plan, method: Method) -> bool:
+    """May several ranks of MPI?"""
+    return plan.layout == "rows" and method.of_midpoints

@@ -13,7 +13,7 @@ from .evaluated import Evaluated
 
 SPINS = "5000"
 TYPES = {"void": None, "int": ctypes.c_int, "int64_t": ctypes.c_int64, "double": ctypes.c_double}
-ASKED = {feature: found[0].word for feature, found in FLAT.items() if feature}       # feature -> a function that says that it is there
+ASKED = {parts: found[0].word for parts, found in FLAT.items() if parts}       # parts of a model -> a function that says that it has them
 
 
 def packed(numbers: Evaluated):
@@ -50,9 +50,9 @@ def loaded_with_threads(path):
 
 def functions(library, name: str) -> SimpleNamespace:
     """The C functions of <name>_abi.c with their types, by the words of `signatures`; those of a feature where the library has them."""
-    features = [feature for feature, word in ASKED.items() if hasattr(library, f"{name}_abi_{word}")]
+    having = {part for parts, word in ASKED.items() if hasattr(library, f"{name}_abi_{word}") for part in parts}
     found = SimpleNamespace()
-    for one in flat(features):
+    for one in flat(having):
         function = getattr(library, f"{name}_abi_{one.word}", None)
         if function is None:
             raise BuildError(f"the library of {name} shows no function {name}_abi_{one.word}: use the compiler without options "
