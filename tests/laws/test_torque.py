@@ -257,7 +257,7 @@ def test_a_matrix_that_is_not_stored_is_no_more_symmetric():
     spec, found = named("square"), 0
     one, by_hand = build(spec, solver="plain"), Witness(spec)
     for h in (1.5, 2.0, 2.5):
-        first = one.start("a", h=h).w.copy()
+        first = one.start("a", h=h, seed=4).w.copy()
         try:
             one.step()
         except smidgen.RunError:
