@@ -232,7 +232,7 @@ def test_a_reversed_bracket_is_refused():
 def test_a_wrong_sign_with_its_hessian_is_refused(name, effect):
     """The step is a perfect symplectic map of another system."""
     spec, values = load(name), SIZES.get(name, {})
-    certificate = certify(spec, tier=SHORT, parameters=values, subject=generated(wrong.wrong_sign(spec, effect), values=values))
+    certificate = certify(spec, tier=SHORT, parameters=values, subject=generated(wrong.wrong_sign(spec, effect), parameters=values))
     print(certificate.text())
     assert {"order", "field", "energy formula", "step", "residual"} <= said(certificate, NO)
     assert said(certificate, YES) >= {"symplectic", "tangent map", "tangent symplectic", "reversible", "casimirs"}

@@ -324,7 +324,7 @@ def test_no_cluster_is_a_clear_error(command, path, address, said):
 def test_a_cluster_that_ends_is_a_clear_error(path, tmp_path):
     """The scheduler goes after the first cell: what has ended stays, and the same call goes on."""
     from distributed import LocalCluster
-    given, spec = dict(axes={"a": [k / 8 for k in range(6)]}, steps=20_000), smidgen.load(str(path))
+    given, spec = dict(axes={"a": [k / 8 for k in range(6)]}, steps=200_000), smidgen.load(str(path))
     with LocalCluster(n_workers=1, threads_per_worker=4, dashboard_address=None) as several:
         with pytest.raises(smidgen.RunError, match="was killed"):
             sweep(spec, "demo", out=tmp_path / "cells", cluster=several.scheduler_address, tell=lambda outcome: several.close(), **given)

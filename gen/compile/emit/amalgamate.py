@@ -37,8 +37,7 @@ def inline_runtime(files, name: str):
         return "\n".join(lines)
 
     out = type(files)()
-    if hasattr(files, "notes"):
-        out.notes = files.notes
+    vars(out).update(vars(files))
     for key in (f"{name}.h", f"{name}.c"):
         out[key] = expand(files[key]) + "\n"
     out[f"{name}_abi.c"] = files[f"{name}_abi.c"]
