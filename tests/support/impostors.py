@@ -243,7 +243,7 @@ def compiled(spec, change, method="spherical-midpoint", values=None) -> Emitted:
 
 def frozen_time(text):
     """Time is read where the step begins."""
-    return text.replace("smg_time_at(s, (smg_real)0.5)", "smg_time_at(s, 0)")
+    return text.replace("smg_time_at(s, (smg_real)0.5)", "smg_time_at(s, 0)").replace("smg_set_time_at(&s->c, s, (smg_real)0.5)", "smg_set_time_at(&s->c, s, 0)")
 
 
 def turned_round(text):
