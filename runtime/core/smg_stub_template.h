@@ -1,4 +1,4 @@
-/* smidgen runtime: the kernels of one site by value, for editors (smg_stub_functions.h); a template (smg_template.h). */
+/* smidgen runtime: the kernels of one site, for editors (smg_stub_functions.h); a template (smg_template.h). */
 #include "smg_model.h"
 #include "smg_vec.h"
 

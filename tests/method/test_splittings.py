@@ -262,10 +262,13 @@ def test_sublattice_rotations_keep_the_volume(name):
 @pytest.mark.parametrize("name", ["even", "odd", "pairs", "two families"])
 @pytest.mark.parametrize("method", ["sublattice-rotations", "sublattice-rotations-8"])
 def test_the_energy_is_kept_at_any_step(name, method):
-    """To the walk of so many rounded turns, at most two of a site in a stage, whose energies are about 1."""
-    integrator = smidgen.build(LATTICES[name], method=method).start("a", h=1.7)
-    first, turns = integrator.values()[0], 10000 * METHODS[method].stages * 2 * integrator.sites
-    assert abs(integrator.steps(10000).values()[0] - first) < 3 * 2**-53 * turns**0.5
+    """To the walk of so many rounded turns, at most two of a site in a stage, whose energies are about 1: the median of nine starts, since in a
+    regular motion the roundings of some starts repeat."""
+    integrator, walked = smidgen.build(LATTICES[name], method=method), []
+    for seed in range(9):
+        first = integrator.start("a", h=1.7, seed=seed).values()[0]
+        walked.append(abs(integrator.steps(10000).values()[0] - first))
+    assert np.median(walked) < 1.5 * 2**-53 * (10000 * METHODS[method].stages * 2 * integrator.sites)**0.5
 
 
 @pytest.mark.parametrize("scheme", ["4", "8"])

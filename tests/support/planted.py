@@ -76,9 +76,9 @@ FAULTS = {
              r"smg_vec smg_right_motion\1SMG_INLINE smg_vec smg_motion(const smg_coefficients *c, smg_vec m) { return "
              r"smg_vec_scale(planted_cap(m.x, m.y, m.z), smg_right_motion(c, m)); }\n")],
     "momentum's sign": [(r"(out\[3 \* f \+ b\] = )sum \+ lost;", r"\1(planted == @ ? -1 : 1) * (sum + lost);")],
-    "momentum without kappa": [(r"(&sum, &lost, )(smg_kappa\(&c, k\))", r"\1(planted == @ ? 1 : \2)")],
+    "momentum without kappa": [(r"(&sum, &lost, smg_present\(&c, k\) \* )(smg_kappa\(&c, k\))", r"\1(planted == @ ? 1 : \2)")],
     "momentum of a family": [(r"(out\[3 \* f \+ b\] = )", r"\1f > 0 && planted == @ ? 0 : ")],
-    "casimirs": [(r"(out\[k\] = )(smg_casimir\()", r"\1(planted == @ ? (smg_real)1.5 : 1) * \2")],
+    "casimirs": [(r"(out\[k\] = smg_present\(&c, k\) \* )(smg_casimir\()", r"\1(planted == @ ? (smg_real)1.5 : 1) * \2")],
 }
 # of every function energy_<effect> and observe_<observable>
 FUNCTION = r"(smg_real \w+_((?:energy|observe)_\w+)\(const \w+_model \*model, smg_real t, const smg_real \*w\) \{.*?)return sum \+ lost;"

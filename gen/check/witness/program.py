@@ -64,6 +64,8 @@ def instances_left(term: Term, env: dict, places: dict, absent) -> tuple:
     """(indices, columns, their number) of the instances of a term that have no absent site."""
     indices, columns = instances_of(term.over, env, places)
     count = len(next(iter(indices.values()))) if indices else 1
+    if not np.any(absent):
+        return indices, columns, count
     bound = [*families_of(term.over).items(), *((e.slot, e.family) for e in walk(term.value) if isinstance(e, Spin) and isinstance(e.slot, int))]
     gone = np.zeros(count, bool)
     for index, family in bound:
