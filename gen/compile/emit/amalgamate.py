@@ -37,7 +37,8 @@ def inline_runtime(files, name: str):
         return "\n".join(lines)
 
     out = type(files)()
-    vars(out).update(vars(files))
+    for kept, value in getattr(files, "__dict__", {}).items():
+        setattr(out, kept, value)
     for key in (f"{name}.h", f"{name}.c"):
         out[key] = expand(files[key]) + "\n"
     out[f"{name}_abi.c"] = files[f"{name}_abi.c"]
