@@ -63,7 +63,7 @@ steps = 10
 """
 FAULTS = {
     "a size that is too large": ("model->n0 = model->p.n;", "model->n0 = model->p.n + 1;", (Fault, BuildError), "compilers|sanitizers|library"),
-    "an entry beyond the array": ("k < smg_sites(c); ++k) {\n    const smg_real kappa", "k <= smg_sites(c); ++k) {\n    const smg_real kappa",
+    "an entry beyond the array": ("k < smg_sites(c); ++k) {\n    there |=", "k <= smg_sites(c); ++k) {\n    there |=",
                                   Fault, "sanitizers"),
     "an index that nothing declares": ("  const int64_t i = k;\n  return c->model->p.gamma[i];", "  return c->model->p.gamma[i];", Fault, "compilers"),
     "a variable that nothing uses": ("  return h / smg_kappa(c, k);", "  int unused;\n  return h / smg_kappa(c, k);", Fault, "compilers"),
