@@ -115,7 +115,7 @@ def nothing_left(spec: Spec, values: dict) -> Iterator[Trouble]:
     """Some site must be there."""
     gone = [e for e in spec.effects if e.gone]
     if gone and not any(np.any(is_there(spec, f, values)) for f in spec.families):
-        yield Trouble(("effects", gone[0].name, "absent"), codes.VALUE, "every site is absent: nothing is left that could move", "leave some sites")
+        yield Trouble(("effects", gone[0].name), codes.VALUE, "every site is absent: nothing is left that could move", "leave some sites")
 
 
 def is_there(spec: Spec, family: Family, values: dict):

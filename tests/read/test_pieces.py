@@ -147,3 +147,19 @@ def test_the_piece_of_the_page_is_one_and_its_law_holds(spec_of, tmp_path):
     (tmp_path / "mine/pump.toml").write_text(text + law)
     (found,) = verdicts(piece("mine/pump", [tmp_path]), [tmp_path])
     assert found.passed
+
+
+def test_where_a_piece_leaves_no_site_the_effect_that_uses_it_is_named():
+    text = """[model]
+name = "empty"
+[space]
+w = { sphere = 3 }
+[effects.field]
+energy = "w[0].z"
+[effects.holes]
+use = "spins/vacancies"
+part = 1
+"""
+    with pytest.raises(smidgen.SpecError, match="E307.*every site is absent") as error:
+        smidgen.load_text(text, "empty.toml")
+    assert "empty.toml:7:1" in str(error.value)
