@@ -6,7 +6,7 @@ PY     := $(VENV)/bin/python
 KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs frozen imports clean
+.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
@@ -57,6 +57,11 @@ fuzz: $(VENV)/ready-test
 fuzz-specs: $(VENV)/ready-test
 	cd tests && ../$(PY) -m fuzz.specs --count $(or $(COUNT),1000) --seed $(or $(SEED),0) --jobs 2; found=$$?; \
 	../$(PY) -m fuzz.table ../out/fuzz/specs.csv --count $(or $(COUNT),1000) --seed $(or $(SEED),0) && exit $$found
+
+# The same for scenes: bases, switched effects, pieces, tables of numbers; writes docs/fuzz_scenes.csv and its tables.
+fuzz-scenes: $(VENV)/ready-test
+	cd tests && ../$(PY) -m fuzz.specs --scenes --count $(or $(COUNT),1000) --seed $(or $(SEED),0) --jobs 2; found=$$?; \
+	../$(PY) -m fuzz.table ../out/fuzz/scenes.csv --scenes --count $(or $(COUNT),1000) --seed $(or $(SEED),0) && exit $$found
 
 # What only the tests use: other compilers, a browser. Tests say so when one is missing. What both of their processes import is compiled once.
 $(VENV)/ready-test: $(VENV)/ready

@@ -26,8 +26,9 @@ def with_outputs(run: Run, kept: set[str]) -> Run:
 
 
 def with_parameters(spec: Spec, inherited: set[str]) -> Spec:
-    """The spec without those of these parameters that nothing uses."""
+    """The spec, and its runs, without those of these parameters that nothing uses."""
     idle = inherited & set(unused(spec))
     if not idle:
         return spec
-    return with_parameters(replace(spec, parameters=tuple(p for p in spec.parameters if p.name not in idle)), inherited)
+    runs = tuple(replace(run, parameters=tuple(p for p in run.parameters if p[0] not in idle)) for run in spec.runs)
+    return with_parameters(replace(spec, parameters=tuple(p for p in spec.parameters if p.name not in idle), runs=runs), inherited)

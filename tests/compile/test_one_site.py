@@ -55,6 +55,14 @@ def test_the_number_of_the_only_site_is_zero(case, method, features):
     assert files_of(case, method, features) == files_of(here, method, features)
 
 
+def test_a_bond_that_has_no_second_end_is_nowhere(tmp_path):
+    """A single sphere on an open chain of one site: its effect has no term."""
+    bond = '[effects.bond]\nover = "bond(i, j) of chain(1, open)"\nenergy = "dot(w[i], w[j])"\n[effects'
+    spec = load_text(SPEC.format(**{**PLAIN, **CASES[0]}).replace("[effects", bond, 1))
+    write_files(generate(spec), tmp_path)
+    assert not compile_all(tmp_path, ["alone.c"], "gcc")
+
+
 @pytest.mark.parametrize("case", CASES[1:8:6], ids=lambda case: " ".join(case.values()))
 def test_its_c_compiles(case, tmp_path):
     assert "-Werror" in WARNINGS

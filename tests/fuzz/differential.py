@@ -22,6 +22,8 @@ from smidgen.methods import METHODS
 from smidgen.run.step.evaluated import casimir_matrices, kappas, parameter_values, radii, sizes
 from smidgen.check.witness import Witness
 
+from .invent import put_files
+
 EPSILON = np.finfo(float).eps
 UNIT = 2.0**-30             # of the changes that show how data carry their last bit
 JUMP = 1e-3          # of a value, by which no smooth one changes then
@@ -47,9 +49,7 @@ class Mismatch(AssertionError):
 
 def read(text, files):
     with tempfile.TemporaryDirectory() as where:
-        for name, content in files.items():
-            (Path(where) / name).write_text(content)
-        (Path(where) / "model.toml").write_text(text)
+        put_files(Path(where), files | {"model.toml": text})
         return smidgen.load(Path(where) / "model.toml")
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import product
 
+import numpy as np
 from support.random_specs import FORMS, Writer
 
 from .drawn import any_method, comments
@@ -35,6 +36,7 @@ MORE = (*FORMS, "1/(2 + (3 + {0})^2)", "1/(2 + (3 + ({0})^2)^2)", "mod({0}, 1.30
 # what jumps where a quotient of integers is whole, and where sites take one side each
 DIVIDED = ("floor({i}/n)", "floor({i}*m/n)", "mod({i}, m)", "mod({i}/m, one)", "if({i}/m == floor({i}/m), 0.9, -0.4)", "if({i}/n >= 1/n, 1.1, 0.3)",
            "if(2*{i} < n and {i} != m or {i} == n - 1, -0.8, 0.6)", "floor({i}/(2*m))", "abs({i} - n/2)")
+WHOLE = "whole.toml"      # the file of a scene that says the same as one spec
 DEPTHS = (0, 0, 0, 1, 1, 1, 1, 2, 2, 3)
 SITES = 26
 
@@ -429,6 +431,17 @@ def set_values(w):
             found.append(f"{name} = [{', '.join(w.coefficient() for _ in range(size))}]" if dice.randint(0, 2) else f"{name} = {w.coefficient()}")
     found += [f"{name} = {float(w.coefficient())!r}" for name in ("a", "b", w.extra) if dice.randint(0, 3) == 0]
     return found + ["B = [-0.2, 0.4, 0.9]"] * (dice.randint(0, 3) == 0)
+
+
+def put_files(where, files):
+    """Files in a folder and below it; of a `.npy` file the text has its numbers, as a table."""
+    for name, content in files.items():
+        path = where / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if name.endswith(".npy"):
+            np.save(path, np.loadtxt(content.splitlines(), ndmin=1))
+        else:
+            path.write_text(content)
 
 
 def files_of(text) -> dict:

@@ -1,6 +1,7 @@
 """Whole random specs through everything: reader, generator, four strict compilers, sanitizers, restore, witness.
 
     python -m fuzz.specs --count 2000 --seed 0 --jobs 2     # goes on where it was stopped
+    python -m fuzz.specs --scenes --count 1000              # scenes, which build on other files and use pieces
     python -m fuzz.specs --spec FILE                        # one saved text again
 
 One line a spec goes to out/fuzz/specs.csv; a table closes the run. What is found lies in out/fuzz/specs/SEED: the whole
@@ -31,7 +32,9 @@ import smidgen
 from smidgen.build.binary import generator_digest
 from smidgen.check.witness import Witness
 
+from .invent import files_of
 from .layouts import spec_text
+from .scenes import scene_text
 from .smaller import smaller
 from .through import SECONDS, Fault, through
 
@@ -49,6 +52,16 @@ KINDS = {"sphere": r"sphere =", "r3": r"r3 =", "nambu": r"nambu =", "tracer": r"
          "start random": r"\nrandom =", "start angles": r"\ntheta", "start vectors": r"\nvectors", "start formula": r"\nx = ",
          "set": r"\nset =", "set sizes": r"set = .*\bn =", "set array": r"set = .*(gamma|delta|rho) =", "effects of a run": r"\neffects =",
          "layout": r"# layout: (few|rows|blocks|wave|single)"}
+
+
+SCENES = {"base": r"\nbase =", "two bases or more": r"\n# \[scene\]", "effects of a scene": r"\[scene\](\n.*)*?\neffects =", "without": r"\nwithout =", "shipped piece": r'"(spins|bodies|vortices)/',
+          "own piece": r'"mine/', "table .csv": r'file = "(tables/)?\w+.csv', "table .npy": r".npy", "library": r"\n# file: library/"}
+
+
+def kinds_of(text) -> list:
+    """What a spec has, in its own text or in those that it builds on."""
+    files = "\n".join(["", text, *files_of(text).values()])
+    return [name for name, pattern in {**KINDS, **SCENES}.items() if re.search(pattern, files)]
 
 
 def attempt(text, seconds=SECONDS):
@@ -165,7 +178,7 @@ def place(problem) -> str:
 def code() -> str:
     """What the verdicts depend on: the generator, the witness and this target."""
     here = Path(__file__).parent
-    parts = [here / n for n in ("invent.py", "layouts.py", "drawn.py", "through.py", "program.py", "differential.py")] + [here.parent / "support" / "random_specs.py"]
+    parts = [here / n for n in ("invent.py", "layouts.py", "scenes.py", "pieces.py", "drawn.py", "through.py", "program.py", "differential.py")] + [here.parent / "support" / "random_specs.py"]
     parts += sorted(Path(smidgen.__file__).parent.joinpath("witness").glob("*"))
     return hashlib.sha256(b"".join([generator_digest().encode(), *(p.read_bytes() for p in parts if p.is_file())])).hexdigest()[:10]
 
@@ -181,7 +194,7 @@ def rows_of(path) -> list:
         return list(csv.DictReader(lines))
 
 
-def many(seeds, jobs, path, until=float("inf")):
+def many(seeds, jobs, path, until=float("inf"), draw=spec_text):
     """Rows of the seeds that the file does not have yet are added to it, `jobs` at a time."""
     now = code()
     done = {int(r["seed"]) for r in rows_of(path) if r["code"] == now}
@@ -194,7 +207,7 @@ def many(seeds, jobs, path, until=float("inf")):
         try:
             while True:
                 while len(running) < jobs and time.monotonic() < until and (k := next(waiting, None)) is not None:
-                    text = spec_text(random.Random(k))
+                    text = draw(random.Random(k))
                     running[k] = Child(text)
                 if not running:
                     return
@@ -202,7 +215,7 @@ def many(seeds, jobs, path, until=float("inf")):
                 for k in [k for k, c in running.items() if c.ended()]:
                     one = running.pop(k)
                     row = {name: one.row.get(name, "") for name in (*COLUMNS, "full")}
-                    row.update(seed=k, code=now, kinds="|".join(n for n, p in KINDS.items() if re.search(p, one.text)))
+                    row.update(seed=k, code=now, kinds="|".join(kinds_of(one.text)))
                     keep(row, one.text, path)
                     table.writerow({n: str(v).replace("\n", " ") for n, v in row.items()})
                     out.flush()
@@ -221,7 +234,7 @@ def keep(row, text, path):
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "whole.toml").write_text(text)
     (folder / "said.txt").write_text(f"{row['stage']}: {row['said']}\ncd tests && ../.venv/bin/python -m fuzz.specs --spec "
-                                     f"../out/fuzz/specs/{row['seed']}/whole.toml\n\n{row['full']}\n")
+                                     f"{folder}/whole.toml\n\n{row['full']}\n")
 
 
 def shrink(rows, path, seconds):
@@ -249,7 +262,7 @@ def plain(said) -> str:
 def closing(rows, path) -> str:
     """The table that closes a run: what the specs were made of, what was refused, what was found, how many."""
     kinds = collections.Counter(k for r in rows for k in r["kinds"].split("|"))
-    lines = ["specs with: " + ", ".join(f"{kinds[k]} {k}" for k in KINDS)]
+    lines = ["specs with: " + ", ".join(f"{kinds[k]} {k}" for k in {**KINDS, **SCENES} if kinds[k])]
     for what in ("method", "solver", "features"):
         lines.append(f"{what}: " + ", ".join(f"{n} {k or 'none'}" for k, n in collections.Counter(r[what] for r in rows).most_common()))
     refused = collections.Counter(re.sub(r"[-+]?\d[\d.e+-]*", "#", r["said"])[:110] for r in rows if r["verdict"] == "refused")
@@ -279,20 +292,22 @@ def main(words=None):
     parser.add_argument("--seconds", type=float, help="of the clock, in place of a count")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=OUT / "specs.csv")
+    parser.add_argument("--scenes", action="store_true", help="specs that build on others, with pieces and files (fuzz.scenes)")
+    parser.add_argument("--out", type=Path, help="default: specs.csv or scenes.csv in out/fuzz")
     parser.add_argument("--shrink", type=float, default=120, help="seconds to look for a smaller text of a fault; 0: none")
     parser.add_argument("--spec", help="a saved text, alone")
     args = parser.parse_args(words)
     if args.spec:
         return one_again(args.spec)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))      # the processes of the specs end with it
+    args.out = args.out or OUT / ("scenes.csv" if args.scenes else "specs.csv")
     args.out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as cache:
         os.environ["SMIDGEN_CACHE"] = cache
         Witness(smidgen.load_text(FIRST))           # compiled here, once
         count = 10 ** 9 if args.seconds else args.count
         until = time.monotonic() + args.seconds if args.seconds else float("inf")
-        many(range(args.seed, args.seed + count), args.jobs, args.out, until)
+        many(range(args.seed, args.seed + count), args.jobs, args.out, until, scene_text if args.scenes else spec_text)
         rows = [r for r in rows_of(args.out) if r["code"] == code() and args.seed <= int(r["seed"]) < args.seed + count]
         shrink(rows, args.out, args.shrink) if args.shrink else None
     print(closing(rows, args.out))

@@ -40,7 +40,7 @@ from smidgen.check.witness import Witness, thermal
 
 from .differential import ALLOWED, EPSILON, UNIT, Pair, compare, random_state
 from .drawn import builds_of, features_of, said
-from .invent import files_of
+from .invent import WHOLE, files_of, put_files
 from .program import COUNT, numbers_of, program
 
 SECONDS = 20        # of processor time, for each stage and each program that it starts
@@ -51,6 +51,7 @@ STRICT = ("-ffp-contract=off", "-Wno-psabi", *WARNINGS)
 STANDARD = ("-std=c11", "-fno-math-errno")
 LAYOUTS = ("sites", "single sphere", "few in lanes", "rows", "blocks", "wavefronts")      # in the order of fuzz.program
 DENSE = 60          # sites: beyond, a midpoint's steps are judged by their residuals, for the witness's matrix is dense
+DIGEST = re.compile(r"from spec \w+")     # of a text, in the first comment
 EDGES = re.compile(r"\b(if|mod|floor|abs|min|max)\(")
 TOLERANCE, COARSE = 1e-11, 1e-6     # ten times what step control aims at; across an edge its estimates are none
 STAGES = {"extrapolation-12": 16}   # the sum of the weights of its rows, in absolute value, is 14.9
@@ -79,6 +80,7 @@ def through(text: str, stage=nothing, change=lambda files: files, found=None) ->
         one = Passage(text, Path(where), stage, change, {} if found is None else found)
         one.read()
         one.generate()
+        one.scene_of_files()
         one.compilers()
         one.sanitizers()
         one.shared_library()
@@ -102,15 +104,35 @@ class Passage:
     def read(self):
         """Read the spec and its run; the state, time and step to begin with, of a fifth of the inverse rate."""
         self.stage("read")
-        for name, content in files_of(self.text).items():
-            (self.where / name).write_text(content)
-        (self.where / "model.toml").write_text(self.text)
-        self.spec = smidgen.load(self.where / "model.toml")
+        put_files(self.where, files_of(self.text) | {"model.toml": self.text})
+        self.spec = self.loaded("model.toml")
         s = self.settings = settle(self.spec, self.spec.runs[0].name)
         self.features = tuple(f for f in self.features if f in (*METHODS[s.method].features, *EVERYWHERE))
         self.values = parameter_values(self.spec, s.parameters)
         self.w = initial_state(self.spec, s.start, s.parameters)
         self.found.update(method=s.method, features=" ".join(self.features), sites=len(self.w))
+
+    def loaded(self, name):
+        library = self.where / "library"
+        return smidgen.load(self.where / name, library=[library] if library.exists() else [])
+
+    def scene_of_files(self):
+        """A scene is what its files say together: the same spec written as one has the same C, start and run."""
+        if not (self.where / WHOLE).exists():
+            return
+        self.stage("scene")
+        whole = self.loaded(WHOLE)
+        s = settle(whole, whole.runs[0].name)
+        for what, mine, other in (("step", self.settings.h, s.h), ("method", self.settings.method, s.method), ("steps", self.settings.steps, s.steps),
+                                  ("start", self.w.tolist(), initial_state(whole, s.start, s.parameters).tolist())):
+            if mine != other:
+                raise Fault(f"the {what} of the scene is another one than that of the spec written as one: {mine}, {other}")
+        other = self.generated(scene_of(whole, s.effects, s.parameters))
+        for name in self.files:
+            text, by_one = DIGEST.sub("", self.files[name]), DIGEST.sub("", other[name])
+            if text != by_one:
+                gap = next(((a, b) for a, b in zip(text.splitlines(), by_one.splitlines()) if a != b), ("more or less lines", ""))
+                raise Fault(f"the C of the scene is another one than that of the spec written as one\n{name}: {gap[0]}\nby one: {gap[1]}")
 
     def generate(self):
         """C for the values of the run, as Python and the command build it; and C for the defaults, where it differs."""

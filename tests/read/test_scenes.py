@@ -171,6 +171,11 @@ def test_a_run_of_the_base_does_without_what_the_scene_leaves_out(written):
     assert load(path).runs[1].effects == ("exchange",)
 
 
+def test_a_run_of_the_base_does_not_set_parameters_that_are_gone(written):
+    path = written(film=FILM + "set = { K = 0.5, J = 2.0 }\n", hot=on_film('without = ["anisotropy"]\n'))
+    assert load(path).runs[0].parameters == (("J", 2.0),)
+
+
 def test_a_run_of_the_base_has_what_the_scene_adds(written):
     new = '[effects.more]\nover = "site(i) of w"\nenergy = "w[i].y"\n[effects.anisotropy]\nenergy = "-2*K*w[i].z^2"\n'
     path = written(film=FILM + 'effects = ["exchange"]\n', hot=on_film(new), top='[scene]\nbase = "hot.toml"\n[runs.own]\nlike = "demo"\neffects = ["field"]\n')

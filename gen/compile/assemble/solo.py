@@ -83,7 +83,7 @@ def may_be_solo(model, low: Lowering) -> bool:
 def is_lone(model, low: Lowering) -> bool:
     """One unit sphere whose field depends on itself."""
     f = model.families[0]
-    return (len(model.families) == 1 and f.count == ONE and f.unit
+    return (len(model.families) == 1 and f.count == ONE and f.unit and all(len(t.slots) < 2 for t in model.fields)     # no bond has both ends
             and not model.closed_form(f) and not any(indexed(r) for r in model.responses.values()) and not any(t.derived.parts for t in model.fields)
             and all(low.level(s.name) < SITE for t in model.fields for b in t.derived.hessian.values()
                     for s in b.free_symbols if s.name[0] != "v"))
