@@ -27,9 +27,9 @@ enum {
 };
 
 /* Numbers before the history. */
-static size_t smg_saved_past(const smg_coefficients *c) { return SMG_SAVED_HEAD + (size_t)(6 * smg_sites(c)); }
+SMG_RARE static size_t smg_saved_past(const smg_coefficients *c) { return SMG_SAVED_HEAD + (size_t)(6 * smg_sites(c)); }
 
-static size_t smg_saved_size(const smg_coefficients *c) { return smg_saved_past(c) + smg_history_size(c); }
+SMG_RARE static size_t smg_saved_size(const smg_coefficients *c) { return smg_saved_past(c) + smg_history_size(c); }
 
 /* Steps that stay with Newton: models that try something else first count them. By rows, as a number below 0: the
  * passes of a step that are not watched. */
@@ -55,7 +55,7 @@ static inline void smg_set_newton_steps(smg_state *s, int steps) { (void)s, (voi
 #endif
 
 /* What a step has lost to rounding, and the increments before it, site by site. */
-static void smg_save_sites(const smg_state *s, smg_real *lost, smg_real *past) {
+SMG_RARE static void smg_save_sites(const smg_state *s, smg_real *lost, smg_real *past) {
 #if SMG_BY_ROWS
   if (s->rows) {
     smg_save_rows(s, lost, past);
@@ -66,7 +66,7 @@ static void smg_save_sites(const smg_state *s, smg_real *lost, smg_real *past) {
   smg_save_history(s, past);
 }
 
-static void smg_restore_sites(smg_state *s, const smg_real *lost, const smg_real *past) {
+SMG_RARE static void smg_restore_sites(smg_state *s, const smg_real *lost, const smg_real *past) {
 #if SMG_BY_ROWS
   if (s->rows) {
     smg_restore_rows(s, lost, past);
@@ -90,21 +90,21 @@ static inline int smg_steps_known(const smg_state *s) {
 
 #if SMG_THERMAL
 /* Which noise it has. */
-static void smg_save_noise(const smg_state *s, smg_real *out) {
+SMG_RARE static void smg_save_noise(const smg_state *s, smg_real *out) {
   out[SMG_SAVED_SEED_HIGH] = (smg_real)(s->seed >> 32);
   out[SMG_SAVED_SEED_LOW] = (smg_real)(s->seed & 0xFFFFFFFFu);
   out[SMG_SAVED_MEMBER] = (smg_real)s->member;
   out[SMG_SAVED_HALVED] = (smg_real)s->halved;
 }
 
-static void smg_restore_noise(smg_state *s, const smg_real *in) {
+SMG_RARE static void smg_restore_noise(smg_state *s, const smg_real *in) {
   s->seed = (uint64_t)in[SMG_SAVED_SEED_HIGH] << 32 | (uint64_t)in[SMG_SAVED_SEED_LOW];
   s->member = (uint32_t)in[SMG_SAVED_MEMBER];
   s->halved = (int64_t)in[SMG_SAVED_HALVED];
 }
 #endif
 
-static void smg_save_state(const smg_state *s, smg_real *out) {
+SMG_RARE static void smg_save_state(const smg_state *s, smg_real *out) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c);
   out[SMG_SAVED_PAST] = (smg_real)smg_saved_past(&s->c);
@@ -124,7 +124,7 @@ static void smg_save_state(const smg_state *s, smg_real *out) {
   smg_save_sites(s, out + SMG_SAVED_HEAD + n3, out + smg_saved_past(&s->c));
 }
 
-static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
+SMG_RARE static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
   return x >= least && x <= most && x == (smg_real)(int64_t)x;
 }
 
@@ -157,7 +157,7 @@ static inline smg_real smg_saved_off_sphere(const smg_real *in) {
 }
 
 #if SMG_THERMAL
-static int smg_good_noise(const smg_real *in) {
+SMG_RARE static int smg_good_noise(const smg_real *in) {
   const smg_real most = 4294967295;
   return smg_integer_in(in[SMG_SAVED_SEED_HIGH], 0, most) && smg_integer_in(in[SMG_SAVED_SEED_LOW], 0, most) &&
          smg_integer_in(in[SMG_SAVED_MEMBER], 0, most) && smg_integer_in(in[SMG_SAVED_HALVED], 0, 281474976710656);
@@ -167,7 +167,7 @@ static int smg_good_noise(const smg_real *in) {
 #endif
 
 /* Are the numbers of the head within their ranges? */
-static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
+SMG_RARE static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
   return in[SMG_SAVED_PAST] == (smg_real)smg_saved_past(c) &&
          smg_integer_in(in[SMG_SAVED_COUNT_HIGH], 0, SMG_MOST_COUNT_HIGH) &&
          smg_integer_in(in[SMG_SAVED_COUNT_LOW], 0, 4294967295) &&
@@ -179,7 +179,7 @@ static int smg_good_head(const smg_coefficients *c, const smg_real *in) {
 
 /* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does
  * it. */
-static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in) {
+SMG_RARE static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in) {
   const size_t size = smg_saved_size(c);
   const smg_real *w = in + SMG_SAVED_HEAD;
   int64_t site;
@@ -196,7 +196,7 @@ static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in)
 }
 
 /* The head. */
-static void smg_restore_head(smg_state *s, const smg_real *in) {
+SMG_RARE static void smg_restore_head(smg_state *s, const smg_real *in) {
   s->t0 = (double)in[SMG_SAVED_T0];
   s->h = (double)in[SMG_SAVED_H];
   s->count = (int64_t)in[SMG_SAVED_COUNT_HIGH] * 4294967296 + (int64_t)in[SMG_SAVED_COUNT_LOW];
@@ -209,7 +209,7 @@ static void smg_restore_head(smg_state *s, const smg_real *in) {
 #endif
 }
 
-static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
+SMG_RARE static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   const smg_status status = s->w ? smg_check_saved(&s->c, in) : SMG_BAD_PARAMETER;
   if (status != SMG_OK) return status;

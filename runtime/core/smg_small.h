@@ -25,6 +25,13 @@
 /* Functions off the usual path: kept out of it, so that it stays in registers. */
 #define SMG_COLD SMG_APART
 
+/* What a run does once, or hardly ever: compiled for size, in less time. */
+#if defined(__GNUC__)
+#define SMG_RARE __attribute__((cold))
+#else
+#define SMG_RARE
+#endif
+
 /* Before a loop of constant length: asks gcc for its full unrolling (clang does it unasked). */
 #if defined(__GNUC__) && !defined(__clang__)
 #define SMG_UNROLL _Pragma("GCC unroll 16")

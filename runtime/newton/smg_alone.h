@@ -249,7 +249,7 @@ static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y,
 }
 
 /* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
-static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real *mbar) {
+SMG_RARE static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real *mbar) {
   smg_site_whole whole = {s, h, k};
   smg_real room[15];
   smg_curve f;
@@ -267,7 +267,8 @@ static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 
 /* What Newton found with `status` may be another branch's: follow the right one, and solve again at its end. */
-SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+SMG_COLD SMG_RARE static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar,
+                                                    smg_status status) {
   int sure;
   const smg_status followed = smg_site_follow(s, h, k, mbar);
   if (followed == SMG_OK) return smg_site_newton(s, h, k, mbar, s->u + 3 * k, &sure);
@@ -275,7 +276,8 @@ SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, 
 }
 #else
 /* The solution from W = w at h = 0 by stages of h. */
-SMG_COLD static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_status status) {
+SMG_COLD SMG_RARE static smg_status smg_site_branch(smg_state *s, smg_real h, int64_t k, smg_real *mbar,
+                                                    smg_status status) {
   const smg_real *w = s->w + 3 * k;
   smg_real *u = s->u + 3 * k;
   int sure;

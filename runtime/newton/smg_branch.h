@@ -11,7 +11,8 @@ typedef struct smg_whole {
 } smg_whole;
 
 /* Newton's correction a of the midpoints y for the part p of h, and slope, how they change with p. */
-static smg_status smg_curve_newton(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *slope, int *sign) {
+SMG_RARE static smg_status smg_curve_newton(void *of, smg_real p, const smg_real *y, smg_real *a, smg_real *slope,
+                                            int *sign) {
   const smg_whole *whole = (const smg_whole *)of;
   smg_state *s = whole->s;
   const smg_real h = whole->h;
@@ -24,11 +25,11 @@ static smg_status smg_curve_newton(void *of, smg_real p, const smg_real *y, smg_
 }
 
 #if SMG_MATRIX_FREE
-static int smg_curve_sign(void *of) { return smg_sign(((smg_whole *)of)->s); }
+SMG_RARE static int smg_curve_sign(void *of) { return smg_sign(((smg_whole *)of)->s); }
 #endif
 
 /* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
-static smg_status smg_follow_branch(smg_state *s, smg_real h) {
+SMG_RARE static smg_status smg_follow_branch(smg_state *s, smg_real h) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_whole whole = {s, h};
   smg_curve f;

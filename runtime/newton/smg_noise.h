@@ -33,7 +33,8 @@ static inline smg_real smg_probed_noise(smg_real odd, smg_real even) { return ev
 
 #if SMG_ALONE_NEWTON
 /* h X of a site alone at the components of m, changed. */
-static void smg_probe_site(const smg_state *s, smg_real h, int64_t k, const smg_real *m, unsigned down, smg_real *u) {
+SMG_RARE static void smg_probe_site(const smg_state *s, smg_real h, int64_t k, const smg_real *m, unsigned down,
+                                    smg_real *u) {
   smg_real x[3], g[3] = {0, 0, 0};
   for (int b = 0; b < 3; ++b) x[b] = m[b] * smg_probe_factor(down, b);
   smg_gather(&s->c, smg_at(k), s->m, x, g);
@@ -41,8 +42,8 @@ static void smg_probe_site(const smg_state *s, smg_real h, int64_t k, const smg_
 }
 
 /* How far u = h X(m) of a site alone moves, at most, when each component of m does by an ulp of its own. */
-SMG_COLD static smg_real smg_site_noise(const smg_state *s, smg_real h, int64_t k, const smg_real *m,
-                                        const smg_real *u) {
+SMG_COLD SMG_RARE static smg_real smg_site_noise(const smg_state *s, smg_real h, int64_t k, const smg_real *m,
+                                                 const smg_real *u) {
   smg_real odd = 0, even = 0;
   for (unsigned down = 0; down < 4; ++down) { /* the other four are their opposites */
     smg_real one[3], other[3];
@@ -65,7 +66,7 @@ static inline unsigned smg_probe_signs(int64_t k, unsigned probe) {
 }
 
 /* u = h X at the components of m = P(mbar), changed; `back`: by the opposite. */
-static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back, smg_real *u) {
+SMG_RARE static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back, smg_real *u) {
   const smg_coefficients *c = &s->c;
   smg_project_all(s);
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
@@ -79,8 +80,8 @@ static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back, sm
 
 /* noise: of every site how far its h X moves, at most, when each component of all midpoints does by an ulp of its own.
  * u: h X at P(s->mbar), where all is evaluated again at the end. up, even: room for 3 numbers a site and for one. */
-SMG_COLD static void smg_noise_of_all(smg_state *s, smg_real h, const smg_real *u, smg_real *up, smg_real *even,
-                                      smg_real *noise) {
+SMG_COLD SMG_RARE static void smg_noise_of_all(smg_state *s, smg_real h, const smg_real *u, smg_real *up,
+                                               smg_real *even, smg_real *noise) {
   const smg_coefficients *c = &s->c;
   const int64_t n = smg_sites(c);
   smg_zero(noise, n);
