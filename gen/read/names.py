@@ -6,6 +6,7 @@ import re
 from ..language import limits
 from ..language import codes
 from ..language.expr import DRAWS
+from ..language.harmonics import NORMS
 from .problems import Problems
 from .source import Span
 
@@ -15,7 +16,7 @@ FUNCTIONS = frozenset(
     "dot cross triple norm vec sqrt exp log sin cos tan asin acos atan atan2 "
     "sinh cosh tanh abs min max floor mod if".split())
 # functions whose names stay free: they are meant where arguments follow
-UNRESERVED = frozenset(DRAWS)
+UNRESERVED = frozenset((*DRAWS, *NORMS))
 CONSTANTS = frozenset(("t", "pi"))
 GRAMMAR = frozenset("and or not of on periodic open".split())
 C_WORDS = frozenset("""

@@ -6,8 +6,10 @@ import math
 from ..language import limits
 from ..language.expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Weight
 from ..language import codes
+from ..language.harmonics import NORMS
 from .arithmetic import CONSTANT
 from .guesses import SELDOM, meant
+from .harmonics import harmonics
 from .names import FUNCTIONS, UNRESERVED
 from .problems import Bad, Problems, TooBig, nearest
 from .scope import Scope, Typed, is_single
@@ -221,6 +223,8 @@ class Resolver:
     def call(self, node: Call) -> Typed:
         if node.name in self.scope.declared.formulas:
             return self.expand(node)
+        if node.name in NORMS:
+            return harmonics(self, node)
         if node.name in UNRESERVED:
             return self.draw(node)
         if node.name not in FUNCTIONS:
