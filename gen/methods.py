@@ -40,7 +40,8 @@ class Method:
     linear integrals of sites; keeps_energy: the energy, whatever else it keeps; responds: it has a step for sites that do more than precess in
     their field (`compile.plan.contributions.Response`); equivariant: it commutes with the rotations
     that leave H unchanged; across: it takes fields off the spheres, or turns sites about R itself, of which a torque w x R tells only what is across w:
-    so it takes torques as fields across w; points: how often a step that is no midpoint, or a sweep of it, takes the field.
+    so it takes torques as fields across w; points: how often a step that is no midpoint, or a sweep of it, takes the field;
+    noise_within: thermal noise is in its step, not around it.
     """
     name: str
     title: str
@@ -81,6 +82,7 @@ class Method:
     equivariant: bool = True
     across: bool = False
     points: int = 1
+    noise_within: bool = False
 
     @property
     def of_midpoints(self) -> bool:
@@ -135,6 +137,9 @@ ONE_STAGE = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "
              "how": ("fixed-point", "the points of all sites together, by fixed-point iteration"),
              "arrays": (("points", 3, 0, "where the field is taken"), ("slopes", 3, 0, "what the iteration is for"),
                         ("past_slopes", 9, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
+TWO_POINTS = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "asks": (GRADIENT,), "midpoint": False, "symmetric": False, "keeps_linear": False,
+               "keeps_quadratic": False, "onto_leaf": True, "across": True, "points": 2, "history": 1, "noise_within": True, "defines": (("SMG_NOISE_WITHIN", 1),),
+               "arrays": (("points", 3, 0, "w on the way through the step"), ("turns", 6, 0, "h b at both ends of the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
 COMPARATORS = (
     Method("cf4", "the commutator-free Lie-group method of order 4", "CF4",
            "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True, across=True, points=4,
@@ -142,6 +147,11 @@ COMPARATORS = (
            how=("explicit", "four stages of rotations"), history=1,
            arrays=(("points", 3, 0, "w on the way through the step"), ("turns", 12, 0, "h b of the four stages"),
                    ("inverse", 1, 0, "1/|w|^2 of the start"))),
+    Method("heun", "Heun's method", "Heun", "Heun's method with projection (comparator: explicit, order 2, not symplectic)", 2, "smg_heun.h",
+           how=("explicit", "a point ahead, and the mean of both slopes"), **TWO_POINTS),
+    Method("depondt-mertens", "the method of Depondt and Mertens", "Depondt\u2013Mertens",
+           "predictor and corrector by rotations (comparator: explicit, order 2, not symplectic)", 2, "smg_depondt_mertens.h",
+           how=("explicit", "a point ahead, and a turn by the mean of both fields"), **TWO_POINTS),
     Method("isospectral-midpoint", "the isospectral midpoint", "isospectral midpoint", "isospectral midpoint of so(3) (comparator: symplectic, order 2)", 2,
            "smg_isospectral_midpoint.h", symplectic=True, keeps_quadratic=False, across=True, **ONE_STAGE),
     Method("geodesic-midpoint", "the geodesic midpoint", "geodesic midpoint", "geodesic midpoint (comparator: not symplectic, order 2)", 2,

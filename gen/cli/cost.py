@@ -21,6 +21,7 @@ def add(commands):
     parser.add_argument("--no-ends", action="store_true", help="leave end errors out: judge by what is kept")
     parser.add_argument("--peers", type=names, nargs="?", const=True, default=False, metavar="A,B",
                         help="also general integrators, these or all that are there: GSL, SUNDIALS, SciPy, heyoka, C by hand")
+    parser.add_argument("--mean", metavar="NUMBER", help="of a scene at a temperature: the number whose mean is judged, energy or an observable; default: the energy")
     parser.add_argument("--out", metavar="FILE", help="the table as .csv")
     parser.add_argument("--plot", metavar="FILE", help="the figure: .png, .svg or .pdf")
     parser.add_argument("--from", metavar="FILE", dest="table", help="a table that was written before, instead of measuring")
@@ -29,10 +30,13 @@ def add(commands):
 
 def command(args):
     """Measure, or read; then the file, the figure and the words."""
-    from ..cost import load_cost
+    from ..cost import Cost, load_cost
+    from ..errors import UsageError
     table = load_cost(args.table) if args.table else measured(args)
     if args.out:
         say(f"wrote {table.save(args.out)}")
+    if args.plot and not isinstance(table, Cost):
+        raise UsageError("at a temperature there is no figure: --out writes the table")
     if args.plot:
         from ..show.plot.cost import draw_cost
         say(f"wrote {draw_cost(table, args.plot)}")
@@ -51,4 +55,4 @@ def measured(args):
         raise UsageError("a spec to measure, or --from FILE")
     with progress(1000, "cost") as tick:
         return cost(load_spec(args.spec, args.library), args.run, **study_choices(args), seconds=args.seconds, long=not args.no_long,
-                    ends=not args.no_ends, peers=args.peers, progress=lambda what, done: tick(int(1000 * done)))
+                    ends=not args.no_ends, peers=args.peers, mean=args.mean, progress=lambda what, done: tick(int(1000 * done)))

@@ -16,7 +16,7 @@ from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
-from ..run.step.prepared import choose as one_of
+from ..run.step.prepared import choose as one_of, scene_of
 from ..run.settings import settle
 from .measure.case import Case, asked_time, candidates
 from .choice import Choice, choose, known_methods
@@ -24,8 +24,9 @@ from .report import Cost, load_cost, machine
 from .measure.reference import no_reference, reference
 from .measure.sweep import Row, ladder, sample
 from .measure.timing import asked, take_times
+from .weak import WeakCost, weak_cost
 
-__all__ = ["Choice", "Cost", "choose", "cost", "load_cost"]
+__all__ = ["Choice", "Cost", "WeakCost", "choose", "cost", "load_cost"]
 
 SECONDS = 60.0      # what the timed runs may take together
 LONG = 100          # times the time: the long runs
@@ -37,17 +38,23 @@ AIM = 1e-6          # end error of the runs that are made long
 def cost(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
          effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
          native: bool | None = None, methods: Iterable[str] | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
-         peers: bool | Iterable[str] = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost:
+         peers: bool | Iterable[str] = False, mean: str | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost | WeakCost:
     """Sweep the methods of the registry over steps, and time them.
 
     run, start, effects, parameters, seed, native: as for `run`; time: how long, by default that of the run; methods: names,
     by default all that serve; seconds: what the timed runs may take together; long: also the energy along runs a hundred
     times as long; ends: measure the error of the end, else what is kept alone; peers: also general integrators
-    (`cost.peers`), those named or all that are there; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
+    (`cost.peers`), those named or all that are there; mean: of a scene at a temperature the number whose mean is judged (`cost.weak`), by default the energy; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
     and where no reference can be had (`reference.reference`).
     """
     settings = settle(spec, run, start=start, effects=effects, parameters=parameters, seed=seed, native=native, time=None)
     methods = known_methods(methods)
+    if scene_of(spec, settings.effects, settings.parameters).heated:
+        if peers or not ends:
+            raise UsageError("at a temperature the error is that of a mean: there are no general integrators beside, and no run without ends")
+        return weak_cost(spec, settings, time, methods, mean, seconds, lambda: {"machine": machine(), **measured(settings.native)}, progress)
+    if mean is not None:
+        raise UsageError(f"the mean of `{mean}` is judged at a temperature, and there is none: no effect of the scene has kT")
     case = Case(spec, settings, asked_time(spec, settings, time))
     progress("reference", 0.0)
     known = reference(case) if ends else no_reference(case)

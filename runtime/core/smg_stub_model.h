@@ -26,10 +26,13 @@
 #define SMG_CONSTANT_HESSIAN 1
 
 /* What methods ask of a model, and what they say of themselves, by the header that is compiled. */
-#if defined(SMG_AXIS_SPLITTING_H) || defined(SMG_CF4_H) || defined(SMG_PAIR_ROTATIONS_H) ||           \
-    defined(SMG_SUBLATTICE_ROTATIONS_H) || defined(SMG_EXPLICIT_H) || defined(SMG_EXPLICIT_STEP_H) || \
-    defined(SMG_GAUSS_SITE_H)
+#if defined(SMG_AXIS_SPLITTING_H) || defined(SMG_ANGLES_H) || defined(SMG_CF4_H) || defined(SMG_DEPONDT_MERTENS_H) || \
+    defined(SMG_HEUN_H) || defined(SMG_PAIR_ROTATIONS_H) || defined(SMG_SUBLATTICE_ROTATIONS_H) ||                    \
+    defined(SMG_EXPLICIT_H) || defined(SMG_EXPLICIT_STEP_H) || defined(SMG_GAUSS_SITE_H)
 #define SMG_HISTORY 1
+#ifndef SMG_ANGLES
+#define SMG_ANGLES 2
+#endif
 #elif defined(SMG_ONE_STAGE_H) || defined(SMG_GEODESIC_MIDPOINT_H) || defined(SMG_ISOSPECTRAL_MIDPOINT_H) || \
     defined(SMG_EXPONENTIAL_MIDPOINT_H) || defined(SMG_RATTLE_H) || defined(SMG_SLOPES_H)
 #define SMG_HISTORY 3

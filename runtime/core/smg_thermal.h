@@ -24,6 +24,12 @@ static inline void smg_set_seed(smg_state *s, uint64_t seed, uint32_t member) {
   s->member = member;
 }
 
+#if SMG_NOISE_WITHIN
+/* A method with the noise in its own step (smg_angles.h). */
+static smg_status smg_thermal_step(smg_state *s) {
+  return s->count < SMG_THERMAL_STEPS ? smg_step(s) : (s->report.status = SMG_BAD_PARAMETER);
+}
+#else
 /* w turned about theta by |theta|. The quaternion (q, p theta) of the angle |theta|/8, which needs no root, is squared
  * three times; the product with w is divided by its length, so that |w| stays whatever q and p are rounded to. */
 static inline void smg_turn_about(const double *theta, smg_real *w) {
@@ -111,5 +117,6 @@ static smg_status smg_thermal_step(smg_state *s) {
   }
   return status;
 }
+#endif
 
 #endif

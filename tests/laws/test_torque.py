@@ -406,3 +406,18 @@ def test_no_compiler_complains(tmp_path, name, features, compiler, real):
     write_files(files, tmp_path)
     how = OPTIMISED if compiler == "gcc" else READ
     assert not compile_all(tmp_path, [f for f in files if f.endswith(".c")], compiler, real=real, how=how)
+
+
+def test_clang_does_not_complain_of_a_gradient_that_no_step_asks_for(tmp_path):
+    """Sites that are alone under a torque that goes by its derivatives, beside others that are coupled."""
+    if "clang" not in COMPILERS:
+        pytest.skip("no such compiler")
+    spec = smidgen.load_text("""[model]
+name = "beside"
+[space]
+x = { sphere = 3 }
+z = { sphere = 2 }
+""" + effect("own", "site(i) of x", "energy", "x[i].z^2") + effect("push", "site(i) of x", "torque", "cross(x[i], vec(x[i].y, 0, x[i].x^2))")
+                             + effect("bond", "pair(i, j) of z", "energy", "dot(z[i], z[j])^2"))
+    write_files(files := generate(spec, solver="plain"), tmp_path)
+    assert not compile_all(tmp_path, [f for f in files if f.endswith(".c")], "clang")

@@ -16,7 +16,7 @@ from support.runtime_faults import Fault, plant
 from support.triples import apart
 from support.strict import COMMANDS, WARNINGS
 
-COMPARED = ("cf4", "isospectral-midpoint", "geodesic-midpoint", "exponential-midpoint", "rattle")
+COMPARED = ("cf4", "heun", "depondt-mertens", "isospectral-midpoint", "geodesic-midpoint", "exponential-midpoint", "rattle")
 BODY, VORTICES, FREE = SPECS["irreversible body"], SPECS["vortices"], smidgen.load("free_rigid_body")
 CHAIN = smidgen.load("heisenberg_chain")
 # a drive, R^3 beside spheres of another radius, strengths of both signs, the other orientation, tracers
@@ -85,6 +85,8 @@ def test_the_witness_takes_the_same_steps(name, method):
 
 # method -> rows that say no on a body and on vortices; rows that say yes on vortices
 CLAIMED = {"cf4": ({"symplectic", "reversible"}, {"order", "equivariant", "casimirs", "step"}),
+           "heun": ({"symplectic", "reversible"}, {"order", "equivariant", "casimirs", "step"}),
+           "depondt-mertens": ({"symplectic", "reversible"}, {"order", "equivariant", "casimirs", "step"}),
            "isospectral-midpoint": (set(), {"order", "symplectic", "reversible", "equivariant", "momentum", "casimirs", "step"}),
            "rattle": (set(), {"order", "symplectic", "reversible", "equivariant", "momentum", "casimirs", "step", "tolerance"}),
            "exponential-midpoint": (set(), {"order", "symplectic", "reversible", "equivariant", "momentum", "casimirs", "step", "tolerance"}),
@@ -107,7 +109,7 @@ def test_the_certificate_measures_what_is_kept_and_what_is_given_up(name, method
 
 
 # method -> is the momentum of a chain shown to be kept, the energy of the free body?
-SHOWN = {"cf4": (False, False), "isospectral-midpoint": (True, False), "geodesic-midpoint": (False, True), "exponential-midpoint": (True, False), "rattle": (True, False)}
+SHOWN = {**dict.fromkeys(("cf4", "heun", "depondt-mertens"), (False, False)), "isospectral-midpoint": (True, False), "geodesic-midpoint": (False, True), "exponential-midpoint": (True, False), "rattle": (True, False)}
 
 
 @pytest.mark.quick
@@ -257,7 +259,7 @@ phi = 0.4
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("method", [m for m in COMPARED if m != "cf4"])
+@pytest.mark.parametrize("method", [m for m in COMPARED if METHODS[m].how[0] != "explicit"])
 @pytest.mark.parametrize("radius, kappa, orientation", [(3.0, -2.5, 1), (0.25, 4.0, -1)])
 def test_a_step_depends_on_the_motion_alone(method, radius, kappa, orientation):
     """X/r as a function of w/r is the same, and so is W/r: whatever r, kappa and the orientation."""

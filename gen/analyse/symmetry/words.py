@@ -62,7 +62,10 @@ def _damping(r):
         yield (f"The sites of {' and '.join(r.damped)} are damped: no step is symplectic, and neither energy nor momentum is conserved."
                f"{falls} The step{stays} symmetric." if METHODS[r.method].symmetric else f"The sites of {' and '.join(r.damped)} are damped: "
                f"neither energy nor momentum is conserved.{falls}")
-    if r.heated:
+    if r.heated and METHODS[r.method].noise_within:
+        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} within each step; their lengths stay. Where all have one kT, H depends on no "
+               "time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order h. A path is that of its seed and its h.")
+    elif r.heated:
         yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} before and after each step; their lengths stay. Where all have one kT, H depends on no "
                "time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order h^2 whatever the method. A path is that of its seed and its h.")
 

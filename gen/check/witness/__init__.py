@@ -34,11 +34,11 @@ def reference(witness, w, t: float, h: float):
 
 
 EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 2}      # of midpoints, solved in C
-# methods by numpy: name -> function(witness, w, t, h), None where it fails
+# methods by numpy: name -> function(witness, w, t, h), None where it fails; WITHIN: with the noise of the step after h
 STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)},
             "extrapolation-12": functools.partial(extrapolation.step, rows=6), "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
-            "pair-rotations": splittings.pairs, "cf4": lie.cf4, "isospectral-midpoint": lie.isospectral, "geodesic-midpoint": lie.geodesic,
+            "pair-rotations": splittings.pairs, "cf4": lie.cf4, **(WITHIN := {"heun": lie.heun, "depondt-mertens": lie.depondt_mertens}), "isospectral-midpoint": lie.isospectral, "geodesic-midpoint": lie.geodesic,
             "exponential-midpoint": lie.exponential, "rattle": rattle.step,
             **{f"{base}-{scheme}": functools.partial(compositions.step, base=base, scheme=scheme)
                for base in (*EQUATIONS, "axis-splitting", "sublattice-rotations", "pair-rotations") for scheme in compositions.HALVES}}
@@ -141,12 +141,22 @@ class Witness:
         """Steps of the system without noise between its two halves."""
         found, calm = [self._state(w)], Witness(self.spec.calm, *self._given)
         for k in range(count):
-            w = thermal.heat(self._state(w), self.diffusion, h, self.seed, k, 0, self.member)
-            w = calm.step(w, t0 + k * h, h, method)
-            w = thermal.heat(w, self.diffusion, h, self.seed, k, 1, self.member)
+            w = self._kicked(calm, w, t0 + k * h, h, method, k) if method in WITHIN else self._between(calm, w, t0 + k * h, h, method, k)
             if (k + 1) % every == 0:
                 found.append(w)
         return np.array(found)
+
+    def _between(self, calm, w, t, h, method, k):
+        """Step k between two halves of noise."""
+        w = thermal.heat(self._state(w), self.diffusion, h, self.seed, k, 0, self.member)
+        return thermal.heat(calm.step(w, t, h, method), self.diffusion, h, self.seed, k, 1, self.member)
+
+    def _kicked(self, calm, w, t, h, method, k):
+        """Step k with the noise in it."""
+        kick = np.sqrt(2 * self.diffusion * h)[:, None] * thermal.normals(self.seed, k, self.sites, 0, self.member)
+        w = WITHIN[method](calm, self._state(w), t, h, kick)
+        _check(1 if w is None else 0, f"step {k + 1}", k)
+        return w
 
     def _stepped(self, w, t0, h, count, method, every):
         found = [self._state(w)]

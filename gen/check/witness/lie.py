@@ -26,6 +26,28 @@ def cf4(witness, w, t: float, h: float):
     return w if np.all(np.isfinite(w)) else None
 
 
+def heun(witness, w, t: float, h: float, kick=0):
+    """Garcia-Palacios and Lazaro 1998, with noise in the sense of Stratonovich: kick (sites, 3) turns with h b. Both points are brought to |w|."""
+    def slope(x, part):
+        return np.cross(x, witness.spec.orientation * h * witness.turning(x, t + part * h) + kick)
+
+    def projected(x):
+        length, size = np.linalg.norm(w, axis=1), np.linalg.norm(x, axis=1)
+        return x * np.where(size > 0, length / np.where(size > 0, size, 1), 1)[:, None]
+    one = slope(w, 0)
+    w = projected(w + (one + slope(projected(w + one), 1)) / 2)
+    return w if np.all(np.isfinite(w)) else None
+
+
+def depondt_mertens(witness, w, t: float, h: float, kick=0):
+    """Depondt and Mertens 2009: turned by the mean of the angles at w and at the point ahead, kick in both."""
+    def turn(x, part):
+        return witness.spec.orientation * h * witness.turning(x, t + part * h) + kick
+    one = turn(w, 0)
+    w = by((one + turn(by(one, w), 1)) / 2, w)
+    return w if np.all(np.isfinite(w)) else None
+
+
 MOST = 1000     # iterations
 PATIENCE = 5    # of them without a smaller change: round-off is reached
 

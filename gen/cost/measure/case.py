@@ -30,7 +30,7 @@ class Case:
         if not self.time:
             raise UsageError("a time that is not 0 is needed")
         self.models, self.refused, self.compiled, self.peers = {}, {}, {}, {}
-        refuse_with_noise(scene_of(spec, settings.effects, settings.parameters), "no cost and no choice", "errors are those of one path")
+        refuse_with_noise(scene_of(spec, settings.effects, settings.parameters), "no choice", "the error of a mean is known up to its standard error alone: `smidgen cost` shows it for every method and step")
         self.w = self._start()
         any_model = self.model(settings.method)
         if any_model is None:

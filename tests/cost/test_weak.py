@@ -1,0 +1,89 @@
+"""What accuracy costs at a temperature: errors of means, with their standard errors."""
+import math
+
+import pytest
+
+import smidgen
+from smidgen.cost import WeakCost
+from smidgen.cost.weak import COLUMNS, FEWEST, WeakRow, fastest
+from smidgen.errors import UsageError
+from smidgen.methods import METHODS
+
+WARM = """[model]
+name = "warm"
+[space]
+w = { sphere = "n" }
+[parameters]
+n = 200
+kT = 0.5
+[effects.field]
+over = "site(i) of w"
+energy = "-w[i].z"
+[effects.bath]
+over = "site(i) of w"
+damping = 0.5
+kT = "kT"
+[observables.mz]
+over = "site(i) of w"
+value = "w[i].z/n"
+[starts.up]
+theta = 0.5
+phi = 0
+[runs.demo]
+start = "up"
+h = 0.15625
+time = 40
+"""
+
+
+@pytest.fixture(scope="module")
+def warm():
+    return smidgen.load_text(WARM)
+
+
+@pytest.fixture(scope="module")
+def heun(warm):
+    """As few members as a standard error needs, so that the numbers are the same on every machine."""
+    return smidgen.cost(warm, methods=["heun"], mean="mz", seconds=1e-3)
+
+
+def test_the_error_of_a_mean_is_that_of_the_step(heun):
+    """One spin in a field: Heun's mean is 3.6e-3 too large at h = 0.1, by tests/laws/test_weak_order.py, so some 2.3e-2 at h = 0.625."""
+    assert [row.members for row in heun.rows] == [FEWEST] * 4 and [round(row.h / 0.078125) for row in heun.rows] == [8, 4, 2, 1]
+    first = heun.rows[0]
+    assert abs(first.error - 0.0225) < 3 * first.error_error and first.error > 4 * first.error_error
+    exact = 1 / math.tanh(2) - 0.5
+    assert abs(heun.reference.mean - exact) < 4 * heun.reference.mean_error < 0.012
+    assert first.mean - heun.reference.mean == first.error
+
+
+def test_its_table_and_its_words(heun, tmp_path):
+    assert isinstance(heun, WeakCost)
+    lines = heun.save(tmp_path / "warm.csv").read_text().splitlines()
+    assert ",".join(("kind", *COLUMNS)) in lines and sum(line.startswith("weak,heun,") for line in lines) == 4
+    assert any(line.startswith("reference,spherical-midpoint,") for line in lines) and "# number = mz" in lines
+    said = str(heun)
+    assert "mean of `mz` from t = 20 to 40" in said and "* the error of the step" in said and "time to an error of 0.1" in said
+
+
+def test_the_time_for_an_error_has_both_kinds():
+    """Chance falls as one over the root of the time; what the step adds stays."""
+    row = WeakRow("heun", 0.1, 10, members=100, mean=1, mean_error=0.01, error=0.03, error_error=0.01, seconds=2)
+    assert row.takes(0.05) == pytest.approx(2 * 0.01**2 / (0.05**2 - 0.03**2)) and row.takes(0.03) == math.inf
+    lucky = WeakRow("heun", 0.1, 10, members=100, mean=1, mean_error=0.01, error=0.0, error_error=0.01, seconds=2)
+    assert lucky.takes(0.01) == math.inf        # an error that is not told from 0 may be as large as its standard error
+    assert WeakRow("heun", 0.1, 10, status="fails").takes(1) == math.inf
+    found = fastest(WeakCost([row, lucky], WeakRow("spherical-midpoint", 0.1, 10, mean_error=0.001), {}))
+    assert len(found) > 1 and all("Heun" in line for line in found[1:])
+
+
+def test_what_does_not_fit_is_refused(warm):
+    with pytest.raises(UsageError, match="no number 'my'"):
+        smidgen.cost(warm, mean="my", seconds=1e-3)
+    with pytest.raises(UsageError, match="the error is that of a mean: there are no general integrators"):
+        smidgen.cost(warm, peers=True)
+    with pytest.raises(UsageError, match="the mean of `mz` is judged at a temperature, and there is none"):
+        smidgen.cost(warm, effects=["field"], mean="mz")
+    with pytest.raises(UsageError, match="no choice of a scene with thermal noise: the error of a mean is known up to its standard error alone"):
+        smidgen.choose(warm, error=1e-3)
+    assert METHODS["heun"].noise_within and not METHODS["cf4"].noise_within
