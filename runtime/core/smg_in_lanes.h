@@ -7,6 +7,7 @@
 #define smg_any smg_lane_any
 #define smg_abs smg_lane_abs
 #define smg_larger smg_lane_larger
+#define smg_smaller smg_lane_smaller
 #define smg_vec smg_lane_vec
 #define smg_vec_of smg_lane_vec_of
 #define smg_vec_load smg_lane_vec_load
@@ -33,6 +34,15 @@
 #define smg_slope_trace smg_lane_slope_trace
 #define smg_at_most smg_lane_at_most
 #define smg_less smg_lane_less
+#define smg_of_bits smg_lane_of_bits
+#define smg_dot smg_lane_dot
+#define smg_cross smg_lane_cross
+#define smg_add_compensated smg_lane_add_compensated
+#define smg_all smg_lane_all
+#define smg_number_of smg_lane_number_of
+#define smg_way_back smg_lane_way_back
+#define smg_turn_one smg_lane_turn_one
+#define smg_turn_both smg_lane_turn_both
 #undef SMG_AND
 #undef SMG_OR
 #define SMG_AND &

@@ -7,6 +7,7 @@
 #undef smg_any
 #undef smg_abs
 #undef smg_larger
+#undef smg_smaller
 #undef smg_vec
 #undef smg_vec_of
 #undef smg_vec_load
@@ -33,6 +34,15 @@
 #undef smg_slope_trace
 #undef smg_at_most
 #undef smg_less
+#undef smg_of_bits
+#undef smg_dot
+#undef smg_cross
+#undef smg_add_compensated
+#undef smg_all
+#undef smg_number_of
+#undef smg_way_back
+#undef smg_turn_one
+#undef smg_turn_both
 #undef SMG_AND
 #undef SMG_OR
 #define SMG_AND &&

@@ -7,7 +7,7 @@
 #ifndef SMG_LANES_H
 #define SMG_LANES_H
 
-#include "smg_small.h"
+#include "smg_template.h"
 
 #if defined(SMG_LONG_DOUBLE) || defined(SMG_QUAD) || !defined(__GNUC__) || !SMG_HAS_LANES
 #undef SMG_LANES
@@ -52,6 +52,13 @@ SMG_INLINE smg_lane_mask smg_lane_all(int test) {
   return none - (int64_t)(test != 0);
 }
 SMG_INLINE smg_lane_mask smg_lane_not(smg_lane_mask test) { return ~test; }
+
+/* As a number. */
+SMG_INLINE smg_lanes smg_lane_number_of(smg_lane_mask n) {
+  smg_lanes x = {0};
+  for (int l = 0; l < SMG_LANES; ++l) x[l] = (smg_real)n[l];
+  return x;
+}
 
 /* One more than n where the test holds. */
 SMG_INLINE smg_lane_mask smg_lane_counted(smg_lane_mask n, smg_lane_mask test) { return n - test; }
@@ -123,9 +130,9 @@ SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
 SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x); }
 
 /* smg_lane_dot, smg_lane_cross, smg_lane_add_compensated. */
-#define SMG_IN_LANES
-#include "smg_triple.h"
-#undef SMG_IN_LANES
+#include "smg_in_lanes.h"
+#include "smg_triple_template.h"
+#include "smg_in_numbers.h"
 
 /* smg_add_step in lanes; what it has lost is at `lost`. */
 SMG_INLINE void smg_lane_add_step(smg_lanes *w, smg_real *lost, smg_lanes u) {
@@ -147,16 +154,7 @@ SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) { return 1 / SMG_M
 SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) { return 1 / x; }
 #else
 #if SMG_LANES == 1
-typedef union smg_lane_union {
-  smg_real number;
-  uint64_t bits;
-} smg_lane_union;
-SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) {
-  smg_lane_union both;
-  both.number = x;
-  both.bits = from - (both.bits >> shift);
-  return both.number;
-}
+SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) { return smg_of_bits(from, x, shift); }
 #else
 SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) {
   return (smg_lanes)(from - ((smg_lane_bits)x >> shift));
@@ -181,7 +179,10 @@ SMG_INLINE smg_lanes smg_lane_inverse_root(smg_lanes x) {
   return y;
 }
 
-/* The larger; b where either is not a number. */
+/* The smaller and the larger; b where either is not a number. */
+SMG_INLINE smg_lanes smg_lane_smaller(smg_lanes a, smg_lanes b) {
+  return smg_lane_select((smg_lane_mask)(a < b), a, b);
+}
 SMG_INLINE smg_lanes smg_lane_larger(smg_lanes a, smg_lanes b) { return smg_lane_select((smg_lane_mask)(a > b), a, b); }
 
 /* smg_min, smg_max and the sign; what is not a number stays so in the first two. */

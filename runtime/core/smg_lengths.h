@@ -7,7 +7,7 @@
 #define SMG_LENGTHS_H
 
 #include "smg_model.h"
-#include "smg_turn.h"
+#include "smg_turn_template.h"
 
 /* 1/|w|^2 where the trajectory begins, on a sphere by its radius. A site of R^3 that is 0 stays so. */
 SMG_COLD static void smg_begin_lengths(smg_state *s) {

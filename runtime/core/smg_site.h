@@ -2,7 +2,7 @@
 #ifndef SMG_SITE_H
 #define SMG_SITE_H
 
-#include "smg_triple.h"
+#include "smg_triple_template.h"
 
 /* Right-handed orthonormal (e1, e2, m) of a unit vector m; branch-free, no case is singular. Duff et al.,
  * "Building an orthonormal basis, revisited", JCGT 6 (2017). */

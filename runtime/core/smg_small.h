@@ -71,6 +71,18 @@
  * entries'. */
 #define SMG_ROUNDOFF (64 * SMG_EPS)
 
+#if !defined(SMG_LONG_DOUBLE) && !defined(SMG_QUAD)
+/* The number whose bits are `from` less those of x. */
+SMG_INLINE smg_real smg_of_bits(uint64_t from, smg_real x, int shift) {
+  union {
+    smg_real number;
+    uint64_t bits;
+  } both = {x};
+  both.bits = from - (both.bits >> shift);
+  return both.number;
+}
+#endif
+
 SMG_INLINE smg_real smg_abs(smg_real a) { return SMG_MATH(fabs)(a); }
 
 /* The smaller and the larger; what is not a number stays so. */

@@ -42,6 +42,12 @@ typedef struct smg_group {
 
 smg_status smg_step(smg_state *s);
 #endif
+#if defined(SMG_DOP853_CONTROL_H) && !defined(SMG_DOP853_H)
+typedef smg_state smg_trial;
+smg_real *smg_vector(const smg_trial *f, int i);
+int64_t smg_width(const smg_trial *f);
+void smg_slope(smg_trial *f, smg_real part, smg_real size, const smg_real *z, smg_real *k);
+#endif
 #if defined(SMG_TABLEAU_H) && !defined(SMG_EXTRAPOLATION_H)
 typedef smg_state smg_tableau_field;
 const smg_coefficients *smg_tableau_at(smg_tableau_field *f, int j, int m);

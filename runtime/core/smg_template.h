@@ -15,6 +15,9 @@ typedef int smg_test, smg_count;
 /* x in every lane. */
 SMG_INLINE smg_real smg_of(smg_real x) { return x; }
 
+/* The same test in every lane. */
+SMG_INLINE smg_test smg_all(int test) { return test; }
+
 /* a where the test holds, else b. */
 SMG_INLINE smg_real smg_select(smg_test test, smg_real a, smg_real b) { return test ? a : b; }
 
@@ -30,9 +33,13 @@ SMG_INLINE int smg_any(smg_test test) { return test; }
 /* One more than n where it holds. */
 SMG_INLINE smg_count smg_counted(smg_count n, smg_test test) { return n + test; }
 
+/* As a number. */
+SMG_INLINE smg_real smg_number_of(smg_count n) { return (smg_real)n; }
+
 SMG_INLINE smg_real smg_sqrt(smg_real x) { return SMG_MATH(sqrt)(x); }
 
-/* The larger; b where either is not a number. */
+/* The smaller and the larger; b where either is not a number. */
+SMG_INLINE smg_real smg_smaller(smg_real a, smg_real b) { return a < b ? a : b; }
 SMG_INLINE smg_real smg_larger(smg_real a, smg_real b) { return a > b ? a : b; }
 
 #endif

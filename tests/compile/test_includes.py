@@ -29,6 +29,6 @@ def test_what_is_not_decided_counts_as_true():
 
 
 def test_a_text_for_several_kinds_of_numbers_is_put_in_for_each():
-    """smg_triple.h, once for scalars and once for lanes; headers with a guard once."""
+    """smg_triple_template.h, once for scalars and once for lanes; headers with a guard once."""
     text = generate(smidgen.load("heisenberg_chain"), amalgamate=True)["heisenberg_chain.c"]
-    assert text.count("SMG_OF(cross)(SMG_NUMBER *c") == 2 and text.count("#ifndef SMG_LANES_H") == 1
+    assert text.count("void smg_cross(smg_number *c") == 2 and text.count("#ifndef SMG_LANES_H") == 1

@@ -29,7 +29,7 @@ MADE_FOR = {"rows": r"test_row(s|_wave|_blocks)|statuses", "method": r"test_(com
                 ("one_stage slopes cf4 isospectral geodesic exponential rattle explicit", r"test_comparators|edges_of_steps"), ("axis", r"test_splittings"), ("sublattice", r"test_(splittings|sublattice)"),
                 ("pair_", r"test_(splittings|pair_rows)"), ("turn_", r"test_(sublattice|pair)_rows"),
                 ("compos stage_pred suzuki ss kl", r"test_compositions"), ("gauss", r"test_gauss"), ("dop853", r"test_dop853"),
-                ("extrapolation right_side", r"test_(extrapolation|dop853)"), ("lane_batch lane_sphere lane_dop853 lane_extrapolation tableau_template", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
+                ("extrapolation right_side", r"test_(extrapolation|dop853)"), ("lane_batch lane_sphere lane_dop853 lane_extrapolation tableau_template dop853_template", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
             "runtime/lattice/smg_row": r"test_row(s|_wave)", "runtime/lattice/smg_few": r"test_few", "runtime/newton/smg_rest": r"test_(rows|few|gauss_rows)",
             "runtime/core/smg_fixed": r"test_(comparators|gauss)", "runtime/newton/smg_matrix": r"band|sparse|dense|newton|krylov",
             "runtime/newton/smg_krylov": r"krylov", "runtime/newton/smg_predictor": r"effort|few|predict", "runtime/members/smg_ensemble": r"test_ensemble",

@@ -199,7 +199,8 @@ IN_ROWS = (
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
 FEW, FEW_STEP, LANE_SPHERE = "runtime/lattice/smg_few.h", "runtime/lattice/smg_few_step.h", "runtime/members/smg_lane_sphere.h"
-LANE_STEPS, LANE_ROWS, LANE_BATCH = "runtime/members/smg_lane_dop853.h", "runtime/members/smg_lane_extrapolation.h", "runtime/members/smg_lane_batch.h"
+LANE_STEPS, CONTROL = "runtime/members/smg_lane_dop853.h", "runtime/method/explicit/smg_dop853_template.h"
+LANE_ROWS, LANE_BATCH = "runtime/members/smg_lane_extrapolation.h", "runtime/members/smg_lane_batch.h"
 IN_LANES = (
     (FEW, r"smg_lane_select\(own, none, more\[k\]\)", r"more[k]"),
     (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
@@ -212,14 +213,14 @@ IN_LANES = (
     (LANE_BATCH, r"smg_lane_insert\(g->compensation, l, s->compensation, 3\);", r""),
     (LANE_SPHERE, r"s->rows \+ 4 \* s->row, newest", r"s->rows, newest"),
     (LANE_BATCH, r"s->count = g->began\[l\] \+ g->taken", r"s->count = g->taken"),
-    (LANE_STEPS, r"= smg_lane_select\(good, f->end, f->done\)", r"= f->end"),
-    (LANE_STEPS, r"smg_lanes_add\(f, good, u\)", r"smg_lanes_add(f, smg_lane_all(1), u)"),
-    (LANE_STEPS, r"f->natural_before = smg_lane_select\(finished, f->natural, f->natural_before\);", r""),
-    (LANE_STEPS, r"smg_lane_set\(&f->natural_before, l, natural\);", r"smg_lane_set(&f->natural_before, l, 0);"),
+    (CONTROL, r"= smg_select\(good, pace->end, pace->done\)", r"= pace->end"),
+    (CONTROL, r"smg_add_where\(good, y", r"smg_add_where(smg_all(1), y"),
+    (LANE_STEPS, r"f->natural_before = smg_lane_select\(finished, pace->natural, f->natural_before\);", r""),
+    (LANE_STEPS, r"smg_lane_set\(&f->natural_before, l, smg_kept\(s\)\[SMG_NATURAL\]\);", r"smg_lane_set(&f->natural_before, l, 0);"),
     (LANE_ROWS, r"\(j - 1\) \* \(j - 1\) \+ m : 0", r"(j - 1) * (j - 1) + 1 : 0"),
     (LANE_BATCH, r"g->live\[l\] = 0;", r""),
     (LANE_BATCH, r"k < \(alike \? 1 : b\.groups\)", r"k < 1"),
-    (LANE_STEPS, r"smg_lane_select\(f->refused, smg_lane_min\(smg_lane_of\(1\), f->factor\), f->factor\)", r"f->factor"),
+    (CONTROL, r"smg_select\(pace->refused, smg_of\(1\), smg_of\(SMG_GROWTH\)\)", r"smg_of(SMG_GROWTH)"),
 )
 
 # Comparators, splittings and compositions: the order of their parts, the part of h that each has, the length that they keep; and the outputs.
@@ -234,13 +235,13 @@ IN_METHODS = (
     (CF4, r"\{first\[3\], first\[1\], first\[2\], first\[0\]\}", r"{first[0], first[1], first[2], first[3]}"),
     (CF4, r"smg_take_turns\(s, 4, h, 1\)", r"smg_take_turns(s, 4, h, (smg_real)0.5)"),
     ("runtime/method/explicit/smg_pair_rotations.h", r"smg_each_pair_back\(", r"smg_each_pair("),
-    ("runtime/core/smg_turn.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
+    ("runtime/core/smg_turn_template.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
     ("runtime/method/explicit/smg_pair_rotations.h", r"smg_turn_h\(k, n, h\)", r"0.5 * h"),
     ("runtime/method/explicit/smg_pair_rows.h", r"if \(around\) smg_put_some_spins\(.*\);", r";"),
     ("runtime/method/explicit/smg_pair_rows.h", r"behind \+ \(away > 0 \? away : 0\)", r"behind"),
     ("runtime/method/explicit/smg_pair_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
     ("runtime/method/explicit/smg_sublattice_rotations.h", r"smg_turn_h\(k, n, h\)", r"0.5 * h"),
-    ("runtime/core/smg_triple.h", r"\*compensation = y - \(sum - \*w\)", r"*compensation = 0 * y"),
+    ("runtime/core/smg_triple_template.h", r"\*compensation = y - \(sum - \*w\)", r"*compensation = 0 * y"),
     ("runtime/method/explicit/smg_sublattice_rows.h", r"smg_real\)0\.5 \* smg_h_over_kappa\(&s->c, 0, h\)", r"smg_real)0.5 * h"),
     ("runtime/method/explicit/smg_sublattice_state.h", r"!smg_meet_at_seam\(&s->c\) && ", r""),
     ("runtime/method/midpoint/smg_geodesic_midpoint.h", r"smg_sinc\(smg_norm\(a\) / r\)", r"smg_sinc(smg_norm(a))"),
@@ -250,7 +251,7 @@ IN_METHODS = (
     ("runtime/method/midpoint/smg_rattle.h", r" / \(r > 0 \? r : 1\)", r""),
     ("runtime/method/midpoint/smg_exponential_midpoint.h", r" \+ 4 \* c \* xx\[b\]", r""),
     ("runtime/method/midpoint/smg_exponential_midpoint.h", r"< SMG_HALF_TURN", r"< SMG_MAX"),
-    ("runtime/core/smg_turn.h", r"\(1 - inverse \* SMG_OF\(dot\)\(w, w\)\)", r"(inverse * SMG_OF(dot)(w, w) - 1)"),
+    ("runtime/core/smg_turn_template.h", r"\(1 - inverse \* smg_dot\(w, w\)\)", r"(inverse * smg_dot(w, w) - 1)"),
     ("runtime/method/explicit/smg_explicit_step.h", r"done \+ \(smg_real\)0\.5 \* smg_gamma\[i\]", r"done"),
     ("runtime/method/explicit/smg_turn_steps.h", r"done \+ \(smg_real\)0\.5 \* smg_gamma\[i\]", r"done"),
     ("runtime/method/midpoint/smg_composition.h", r"s->prepared\[1\] == \(smg_real\)s->h", r"1"),

@@ -14,7 +14,7 @@ TOLD_BY = {
     "predictor": r"\{3, -3|3, 3, 3, 3, -3|smg_stage_weights\[s->stage\]",
     "choice of its degree": r"-= row\[j \+ 1\]|s->misses\[l\] \+=",
     "history": r"\bsmg_save_(?:history|rows)\(const smg_state \*s, smg_real \*\w+(?:, smg_real \*\w+)?\) \{",
-    "compensated sum": r"- \(sum - |- \(W\.x - |_sub\((?:y|more|f->y), smg_lane_vec_sub\(|\(smg_wide\)sum - ",
+    "compensated sum": r"- \(sum - |- \(W\.x - |_sub\((?:y|f->y), smg_vec_sub\(|\(smg_wide\)sum - ",
     "rollback": r"\bsmg_give_back\(|s->unturned, n3\)|newton_steps = newton_steps",
 }
 

@@ -43,7 +43,7 @@ def outside(text: str) -> str:
 
 def defined(text: str) -> set:
     """The macros, functions, types and tables that a header defines; its own guard is none of them."""
-    plain = re.sub(r"\bSMG_OF\((\w+)\)", r"smg_\1", RENAMED.sub("", code(text)))      # of a text for scalars and lanes (smg_number.h)
+    plain = RENAMED.sub("", code(text))
     top = outside(re.sub(r"^[ \t]*#.*$", "", plain, flags=re.MULTILINE))
     names = {*MACRO.findall(plain), *FUNCTION.findall(top), *TABLE.findall(plain), *(name for pair in TYPE.findall(top) for name in pair if name)}
     return names - set(re.findall(r"^#ifndef (\w+_H)$", text, re.MULTILINE)[:1])

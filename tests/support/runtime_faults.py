@@ -56,7 +56,7 @@ COMMIT, ROWS, SAVED, STATE, HALO = ("smg_row_commit.h", "smg_rows.h", "smg_saved
 FAULTS = {
     "increments in the last lane": Fault("ensemble", "smg_lane_sphere.h", "  else smg_lanes_commit(g, &f);", f"  else {{\n    smg_lane_found wrong = f;\n    {LAST.format('&wrong.W.x')}\n    smg_lanes_commit(g, &wrong);\n  }}", BODY, {}, ENSEMBLE),
     "a vector that is not full": Fault("ensemble", "smg_lane_batch.h", "g->live = smg_lane_below(n);", "g->live = smg_lane_below(n > 1 && n < SMG_LANES ? n - 1 : n);", BODY, {}, ENSEMBLE),
-    "the last lane of step control": Fault("ensemble", "smg_lane_dop853.h", "    s->w[b] = smg_lane_get(f->w + b, l);", "    s->w[b] = smg_lane_get(f->w + b, l) * (l == SMG_LANES - 1 ? 1 + 4 * SMG_EPS : 1);", BODY, CONTROLLED, ENSEMBLE),
+    "the last lane of step control": Fault("ensemble", "smg_lane_dop853.h", "  smg_lane_extract(f->w, l, s->w, 3);", "  smg_lane_extract(f->w, l, s->w, 3);\n  s->w[0] *= l == SMG_LANES - 1 ? 1 + 4 * SMG_EPS : 1;", BODY, CONTROLLED, ENSEMBLE),
     "the last lane of extrapolation": Fault("ensemble", "smg_lane_batch.h", "  s->count = g->began[l] + g->taken;\n}", "  s->count = g->began[l] + g->taken - (l == SMG_LANES - 1);\n}", BODY, EXTRAPOLATED, ENSEMBLE),
     "members with parameters of their own": Fault("ensemble", "smg_lane_batch.h", "smg_lane_fill(to, l, smg_lane_at(b->group + k, l, part));", "smg_lane_fill(to, l, smg_lane_at(b->group + k, l == SMG_LANES - 1 ? 0 : l, part));", BODY, {}, ENSEMBLE),
     "a second member, one by one": Fault("ensemble", "smg_ensemble.h", "e->member[k].report.status = smg_steps(e->member + k, count);", "e->member[k].report.status = smg_steps(e->member + k, k == 1 && count > 5 ? count - 1 : count);", CHAIN, {}, ENSEMBLE),

@@ -7,8 +7,8 @@
  *
  * both turn about L by the angle h f' |L|/(kappa_i kappa_j). Any angle that is a function of w_i.w_j makes a symplectic
  * map; here it is that whose half has the tangent |g|, g = a L, a = h f'/(2 kappa_i kappa_j), right to third order
- * (smg_turn.h). Where kappa_i = kappa_j the sum of both keeps all its digits. At the end of a step lengths come some of
- * the way back to what they were (smg_lengths.h).
+ * (smg_turn_template.h). Where kappa_i = kappa_j the sum of both keeps all its digits. At the end of a step lengths
+ * come some of the way back to what they were (smg_lengths.h).
  *
  * On a lattice whose rings fit its colours the bonds go by classes: all of one direction whose first site has one
  * colour. No two of them meet, so that their order is of no account. A step is the symmetric splitting: the classes one

@@ -4,8 +4,8 @@
  *
  * b_k = (1/kappa_k) dH/dw_k depends on the others alone, and H = w_k.dH/dw_k + what w_k is not in: a turn of w_k about
  * b_k by whatever angle keeps H, and the volume. The angle is that whose half has the tangent |g|, g = (h/2) b_k: right
- * to third order, and easy to take (smg_turn.h). With the last turn of a stage the length comes some of the way back to
- * what it was.
+ * to third order, and easy to take (smg_turn_template.h). With the last turn of a stage the length comes some of the
+ * way back to what it was.
  *
  * Sites of one colour do not feel each other, so that their order is of no account. A step is the symmetric splitting:
  * the colours one after the other for h/2, the last for h, and back. With SMG_COMPOSED it is so many of these

@@ -7,9 +7,9 @@
 #include "smg_row_team.h"
 #include "smg_state.h"
 
-#define SMG_IN_LANES
-#include "smg_turn.h"
-#undef SMG_IN_LANES
+#include "smg_in_lanes.h"
+#include "smg_turn_template.h"
+#include "smg_in_numbers.h"
 
 #define SMG_FINITE_FIELD (smg_real)1e100 /* |g|^2 up to which no turn overflows, by far */
 
