@@ -15,8 +15,6 @@ import sympy as sp
 from ..analyse.symmetry import explain
 from ..compile.assemble.model import Model
 from ..compile.derive.derivatives import derive, derive_field
-from ..effects.damping import Damping
-from ..effects.torque import Torque
 from ..errors import SmidgenError
 from ..language.evaluate import evaluate
 from ..language.expr import Elem, Weight, slots_of
@@ -69,11 +67,9 @@ def row_of(spec, one, called, name, origin, clockwork) -> Row:
 
 def counts(effect, numbers, tracers) -> tuple[float, float]:
     """(operations, bytes) for each site that it moves; what holds sites moves none."""
-    if effect.holds:
-        return 0, 0
-    if isinstance(effect, Damping):
-        return damping_operations(), VECTOR
-    d = derive_field(effect, effect.slots, effect.value) if isinstance(effect, Torque) else derive(effect)
+    if effect.work is not None:
+        return effect.work
+    d = derive(effect) if effect.conservative else derive_field(effect, effect.slots, effect.value)
     number = len(next(iter(instances_of(effect.over, numbers.values, numbers.places)[0].values()), [0]))
     rows = {slot: row for slot, row in zip(d.slots, d.gradient) if any(x != 0 for x in row)}
     if carried := {slot: row for slot, row in rows.items() if slot[0] in tracers}:
@@ -98,13 +94,6 @@ def moved_bytes(row, d) -> int:
     free = set().union(*(x.free_symbols for x in row))
     read = sum(bool(free & set(v)) for v in d.vectors)
     return VECTOR * (read + 1) + 8 * sum(isinstance(d.leaves.get(s.name), (Elem, Weight)) for s in free)
-
-
-def damping_operations() -> int:
-    """F = f g and Q = q g, then F + m x Q."""
-    g, m, f, q = sp.Matrix(sp.symbols("x y z")), sp.Matrix(sp.symbols("a b c")), *sp.symbols("f q")
-    Q = sp.Matrix(sp.symbols("u v w"))
-    return int(sum(map(unsigned, [*(f * g), *(q * g), *(g + m.cross(Q))])))
 
 
 # Measured
@@ -150,13 +139,8 @@ def seconds(model, begun, count: int) -> float:
 
 def given_up(spec, one, effect) -> dict[str, str]:
     """What this effect alone takes from a motion by energies that rotations and time leave unchanged."""
-    if isinstance(effect, Torque):
-        return dict.fromkeys(("energy", "momentum", "symplectic"), "a torque is no energy")
-    if isinstance(effect, Damping):
-        lost = {"energy": "falls", "momentum": "is damped", "symplectic": "areas shrink"}
-        return lost if effect.kT is None else {**dict.fromkeys(lost, "noise"), "reversible": "no step undoes noise"}
-    if effect.holds:
-        return {} if effect.gone else {"momentum": "the others turn about sites that do not move"}
+    if effect not in spec.energies:
+        return effect.lost
     lost = {"energy": "depends on the time"} if of_time(spec, {effect.name}) else {}
     about = turned_about(spec, one, effect)
     if len(about) < 3:

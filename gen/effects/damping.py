@@ -95,6 +95,7 @@ class Damping(Effect):
     reader = DampingReader
     moves = False
     gives_up = {"by": "damped sites", "as": "sites are damped", "symplectic": "damped sites lose area", "energy": "damped sites lose energy"}
+    work = 18, 24       # F = f g and Q = q g, then F + m x Q; the vector that it adds
     not_negative = {"damping": "a damping is finite and not negative: energy falls", "kT": "a temperature is finite and not negative"}
 
     @property
@@ -119,6 +120,11 @@ class Damping(Effect):
     @property
     def heats(self) -> tuple[str, ...]:
         return () if self.kT is None else (self.over.family,)
+
+    @property
+    def lost(self) -> dict[str, str]:
+        found = {"energy": "falls", "momentum": "is damped", "symplectic": "areas shrink"}
+        return found if self.kT is None else {**dict.fromkeys(found, "noise"), "reversible": "no step undoes noise"}
 
     @property
     def calm(self) -> Damping:

@@ -55,6 +55,11 @@ class Held(Effect):
     reader = HeldReader
     moves = False
     conservative = True
+    work = 0, 0
+
+    @property
+    def lost(self) -> dict[str, str]:
+        return {} if self.gone else {"momentum": "the others turn about sites that do not move"}
 
     @property
     def formulas(self) -> dict[str, Expr]:

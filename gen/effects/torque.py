@@ -117,6 +117,10 @@ class Torque(Term, Effect):
         return (self.on.family,)
 
     @property
+    def lost(self) -> dict[str, str]:
+        return dict.fromkeys(("energy", "momentum", "symplectic"), "a torque is no energy")
+
+    @property
     def moved(self) -> tuple:
         return ((self.on.family, self.on.slot),)
 

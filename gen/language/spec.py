@@ -188,7 +188,7 @@ class Effect:
     told_by: keys of a spec by which the kind is known; keys: those that exclude the keys of other kinds; reader: what reads one
     (`gen/effects/kinds.py`); moves: does it move sites where there is no other effect? conservative: is it the gradient of an energy?
     not_negative: key of a formula -> why it may not be negative; gives_up: of what is not conservative, "symplectic" and "energy" -> why not, and
-    "by" and "as", what gives it up, as a noun and as a sentence.
+    "by" and "as", what gives it up, as a noun and as a sentence; work: (operations, bytes) for each site that it moves, of what is no sum of terms.
     """
     told_by: tuple = ()
     keys: tuple = ()
@@ -197,6 +197,12 @@ class Effect:
     gone = False
     not_negative: dict = {}
     gives_up: dict = {}
+    work: tuple | None = None
+
+    @property
+    def lost(self) -> dict[str, str]:
+        """What it alone takes from a motion by energies that rotations and time leave unchanged -> why; of energies their symmetries tell."""
+        return {}
 
     @property
     def pushes(self) -> tuple[str, ...]:

@@ -155,3 +155,30 @@ def test_sizes_of_model_and_state_are_those_of_the_compiler(name, method, featur
                                      f'_Static_assert(sizeof({name}_state) == {files.most["state"]}, "state");\n')
     (tmp_path / f"{name}.h").write_text(files[f"{name}.h"])
     subprocess.run(["gcc", "-std=c11", "-fsyntax-only", *include_flags(), f"-I{tmp_path}", str(tmp_path / "size.c")], check=True)
+
+
+ASKED = """#include <stdio.h>
+#include "{name}.h"
+int main(void) {{
+  {name}_params p;
+  {name}_model model;
+  {name}_defaults(&p);
+  {name}_model_init(&model, &p);
+  printf("%zu", {name}_memsize(&model));
+  return 0;
+}}
+"""
+
+
+@pytest.mark.parametrize("name, sizes, method", [
+    ("cubic_lattice", {"nx": 5, "ny": 4, "nz": 3}, "spherical-midpoint"), ("cubic_lattice", {"nx": 70, "ny": 4, "nz": 2}, "sublattice-rotations"),
+    ("heisenberg_chain", {"n": 150}, "gauss-4"), ("honeycomb", {"nx": 6, "ny": 4}, "pair-rotations"), ("j1j2_chain", {"n": 36}, "spherical-midpoint-4")])
+def test_the_memory_of_rows_is_that_of_memsize(name, sizes, method, tmp_path):
+    """Compiled for any processor; blocks have their table whether there are blocks or not."""
+    scene = select(smidgen.load(name), None, sizes)
+    files = generate(scene, method)
+    for file, text in {**files, "main.c": ASKED.format(name=name)}.items():
+        (tmp_path / file).write_text(text)
+    subprocess.run(["gcc", "-std=gnu11", "-w", "-O0", *include_flags(), str(tmp_path / "main.c"), str(tmp_path / f"{name}.c"), "-o", str(tmp_path / "asked"), "-lm"], check=True)
+    memory = int(subprocess.run([tmp_path / "asked"], check=True, capture_output=True, text=True).stdout)
+    assert memory <= files.most["memory"] <= 1.1 * memory

@@ -21,6 +21,7 @@ from .norms import spectral_bound
 from .effort import few_in_lanes
 from .part import MOST_LANES, Part, buffer
 from .response import indexed
+from .slots import whole_vectors
 
 HISTORY = 12        # four vortices at h = 0.1 need 6.0 evaluations a step with 7, 4.8 with 10, 4.2 with 12
 LANES = 4           # where the number of sites is known at run time alone
@@ -190,6 +191,9 @@ class FewInLanes(Part):
 
     def buffers(self, model):
         return [buffer("few", Computed("SMG_FEW_SIZE", (model.total,)), "the same in lanes, by components")]
+
+    def sizes(self, model, value):
+        return {"SMG_FEW_SIZE": lambda n: 15 * whole_vectors(n)}
 
     def most(self, model, step):
         return few_in_lanes() + step

@@ -97,6 +97,14 @@ class Part:
         """Increments that are kept; 0: as the method has it."""
         return 0
 
+    def sizes(self, model, value) -> dict:
+        """Function of the runtime that an array of its is as large as -> how large that is, of the arguments; value: the number that a size is."""
+        return {}
+
+    def numbers(self, model, value) -> int:
+        """Those of its arrays by a layout of its own, at most; 0: by the other arrays alone."""
+        return 0
+
     def own_history(self, model) -> bool:
         """Does the history stand in a buffer of the part, in place of rows of its own?"""
         return False

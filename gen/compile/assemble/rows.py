@@ -29,6 +29,7 @@ from .part import MOST_LANES, Part, buffer, placed
 from .response import indexed
 from .site_values import MOST, count, differs, names, sited, value_function, with_sites
 from .site_values import taken as taken_values
+from .slots import Slots
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
@@ -240,8 +241,8 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": sum(len(one.values) for one in found.sited.values()), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
-            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": max([1, *(len(neighbours(model, sub)) for sub in range(found.over.sites))]),
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
 
@@ -366,6 +367,20 @@ def reach_of(model, d: int) -> int:
     return max([abs(one.offset[d]) for sub in range(model.in_rows.over.sites) for one in neighbours(model, sub)], default=0)
 
 
+def slots_of(model, value) -> Slots:
+    return Slots(model.in_rows, model.low.size, value)
+
+
+def site_values(model) -> int:
+    """The numbers that differ from site to site."""
+    return sum(len(one.values) for one in model.in_rows.sited.values())
+
+
+def besides(model) -> int:
+    """The most sites that stand beside one."""
+    return max([1, *(len(neighbours(model, sub)) for sub in range(model.in_rows.over.sites))])
+
+
 class ByRows(Part):
     """Lattices by rows, sites in lanes."""
     name, layout = "in_rows", "rows"
@@ -401,6 +416,17 @@ class ByRows(Part):
 
     def most(self, model, step):
         return step.either(by_rows()) if model.method.of_midpoints else step
+
+    def sizes(self, model, value):
+        return {"smg_stages_size": lambda: MOST_LANES + (10 + 15 * dict(model.method.defines)["SMG_STAGES"] + site_values(model)) * slots_of(model, value).pitch}
+
+    def numbers(self, model, value):
+        """smg_row_layout, and of maps around the step."""
+        if model.method.stage_rows:
+            return 0
+        around = sum(value(b.size) for part in model.parts for b in part.around(model))
+        slots = slots_of(model, value)
+        return around + slots.arrays(model.method.of_midpoints) + slots.tables(site_values(model), besides(model))
 
     def lanes(self, model):
         return MOST_LANES

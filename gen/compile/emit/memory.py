@@ -4,9 +4,9 @@ from __future__ import annotations
 import re
 from math import prod
 
+from ...resources import runtime_numbers
 from ..assemble.buffers import buffers, keeps_history
-from ..assemble.part import MOST_LANES
-from ..lower.integers import Computed, Given, Size, Sum, Whole
+from ..lower.integers import Computed, Given, Index, Size, Sum, Whole
 
 SIZES = {"int": 4, "int32_t": 4, "uint32_t": 4, "smg_status": 4, "smg_wide": 16}     # of what is not 8, as pointers, numbers and int64_t are
 REPORT = ("smg_status status", "int iterations", "smg_real residual", "int64_t site, partner", "smg_real reached")
@@ -52,11 +52,10 @@ def state_bytes(slots: dict) -> int:
 
 def array_bytes(model, given: dict) -> int | None:
     """What <model>_memsize says, at most, where the integer parameters are those given; None where only it knows."""
-    if model.plan.layout == "rows":
-        return None
     try:
         numbers = sum(value(b.size, model, given) for b in buffers(model))
-        return WORD * (numbers + (history_numbers(model, given) if keeps_history(model) else 0))
+        others = (part.numbers(model, lambda e: value(e, model, given)) for part in model.parts)
+        return WORD * max(numbers + (history_numbers(model, given) if keeps_history(model) else 0), *others, 0)
     except KeyError:
         return None
 
@@ -75,10 +74,21 @@ def value(e, model, given: dict) -> int:
     if isinstance(e, Given):
         return given[e.name]
     if isinstance(e, Computed):
-        return FUNCTIONS[e.function](model.plan.block ** 2, *(value(x, model, given) for x in e.args))
+        return function(e.function, model, given)(*(value(x, model, given) for x in e.args if x != Index("c")))
     return (sum if isinstance(e, Sum) else prod)(value(x, model, given) for x in (e.terms if isinstance(e, Sum) else e.factors))
 
 
-# Those of the runtime, by the numbers of a block: of few sites in lanes with the widest registers
-FUNCTIONS = {"smg_band_worksize": lambda block, n, k: 2 * k * n * block, "smg_sparse_worksize": lambda block, n: n * block,
-             "SMG_FEW_SIZE": lambda block, n: 15 * MOST_LANES * -(-n // MOST_LANES)}
+def function(name: str, model, given: dict):
+    """One of the runtime that says how large an array is: of a solver, or of a part."""
+    block = model.plan.block ** 2
+    found = {"smg_band_worksize": lambda n, k: 2 * k * n * block, "smg_sparse_worksize": lambda n: n * block, "smg_krylov_worksize": krylov}
+    for part in model.parts:
+        found |= part.sizes(model, lambda e: value(e, model, given))
+    return found[name]
+
+
+def krylov(n: int) -> int:
+    """smg_krylov_worksize."""
+    whole, dense, long, short = (runtime_numbers()[f"SMG_KRYLOV_{word}"][0] for word in ("WHOLE", "DENSE", "BASIS", "SHORT"))
+    vectors = min(n, long if n <= whole else short) + 3
+    return (n + 1 if vectors <= n <= dense else vectors) * n + 1

@@ -1,0 +1,41 @@
+"""The slots of a lattice by rows as numbers, at most: how much memory its states take."""
+from __future__ import annotations
+
+from math import prod
+
+from ...resources import runtime_numbers
+from .part import MOST_LANES
+
+
+class Slots:
+    """As runtime/lattice/smg_rows.h has them; found: a lattice, value: the number that a size is."""
+
+    def __init__(self, found, size, value):
+        first, *others = (value(size(n)) for n in found.over.size)
+        length = -(-first // found.step)
+        row = length if length < number("SMG_LONG_ROW") else whole_vectors(length)
+        self.colours, self.ends = found.colours.colours, number("SMG_BEFORE") + number("SMG_AFTER")
+        self.colour = whole_vectors(found.ranks * prod(others) * row)
+
+    @property
+    def pitch(self) -> int:
+        """smg_pitch."""
+        return self.colours * self.colour + self.ends
+
+    def arrays(self, of_midpoints: bool) -> int:
+        """Those of smg_row_layout."""
+        history = 5 if self.colours == 2 else 4
+        of_sweeps = 3 * (self.colour + self.ends) + 3 * (history + 1) * (self.pitch - self.colour)
+        return MOST_LANES + 9 * self.pitch + of_sweeps * of_midpoints
+
+    def tables(self, values: int, besides: int) -> int:
+        """Those of smg_place_tables, with the neighbours of blocks, whether there are blocks or not."""
+        return (MOST_LANES + values * self.pitch) * (values > 0) + -(-self.colours * self.colour // MOST_LANES * besides // 2)
+
+
+def number(name: str) -> int:
+    return runtime_numbers()[name][0]
+
+
+def whole_vectors(n: int) -> int:
+    return -(-n // MOST_LANES) * MOST_LANES
