@@ -107,7 +107,8 @@ class Torque(Term, Effect):
     told_by = ("torque",)
     keys = ("torque", "on")
     reader = TorqueReader
-    gives_up = {"by": "torques", "as": "torques act", "symplectic": "torques are no Hamiltonian field", "energy": "torques feed and take energy"}
+    gives_up = {"by": "torques", "as": "torques act", "symplectic": "torques are no Hamiltonian field", "energy": "torques feed and take energy",
+                "momentum": "torques turn sites without turning others back"}
 
     def mapped(self, over, formula) -> Torque:
         return replace(super().mapped(over, formula), on=formula(self.on))

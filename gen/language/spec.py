@@ -187,7 +187,7 @@ class Effect:
 
     told_by: keys of a spec by which the kind is known; keys: those that exclude the keys of other kinds; reader: what reads one
     (`gen/effects/kinds.py`); moves: does it move sites where there is no other effect? conservative: is it the gradient of an energy?
-    not_negative: key of a formula -> why it may not be negative; gives_up: of what is not conservative, "symplectic" and "energy" -> why not, and
+    not_negative: key of a formula -> why it may not be negative; gives_up: of what is not conservative, "symplectic", "energy" and "momentum" -> why not, and
     "by" and "as", what gives it up, as a noun and as a sentence; work: (operations, bytes) for each site that it moves, of what is no sum of terms.
     """
     told_by: tuple = ()
@@ -325,8 +325,8 @@ class Spec:
         return tuple(f.name for f in self.families if f.name in found)
 
     def given_up(self, what: str, default: str = "") -> str:
-        """Why something is given up (`Effect.gives_up`), by the first effect that does."""
-        return next((e.gives_up[what] for e in self.effects if what in e.gives_up), default)
+        """Why something is given up (`Effect.gives_up`), by all kinds of effects that do."""
+        return " and ".join(dict.fromkeys(e.gives_up[what] for e in self.effects if what in e.gives_up)) or default
 
     @property
     def damped(self) -> tuple[str, ...]:

@@ -62,18 +62,24 @@ def _damping(r):
         yield (f"The sites of {' and '.join(r.damped)} are damped: no step is symplectic, and neither energy nor momentum is conserved."
                f"{falls} The step{stays} symmetric." if METHODS[r.method].symmetric else f"The sites of {' and '.join(r.damped)} are damped: "
                f"neither energy nor momentum is conserved.{falls}")
-    if r.heated and METHODS[r.method].noise_within:
-        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} within each step; their lengths stay. Where all have one kT, H depends on no "
-               "time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order h. A path is that of its seed and its h.")
-    elif r.heated:
-        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} before and after each step; their lengths stay. Where all have one kT, H depends on no "
-               "time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order h^2 whatever the method. A path is that of its seed and its h.")
+    if r.heated:
+        when = "within" if METHODS[r.method].noise_within else "before and after"
+        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} {when} each step; their lengths stay. "
+               f"{_stationary(r)} A path is that of its seed and its h.")
+
+
+def _stationary(r) -> str:
+    """Whether Boltzmann's distribution stays."""
+    if r.pushed:
+        return "Torques act as well: exp(-H/kT) is not stationary."
+    order = "h" if METHODS[r.method].noise_within else "h^2 whatever the method"
+    return f"Where all have one kT, H depends on no time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order {order}."
 
 
 def _torques(r):
     """What torques give up, and what holds."""
     if r.pushed:
-        symmetric = " A step of -h still undoes a step of h." if METHODS[r.method].symmetric else ""
+        symmetric = f" A step of -h{', without the noise,' * bool(r.heated)} still undoes a step of h." if METHODS[r.method].symmetric else ""
         yield (f"Torques move the sites of {' and '.join(r.pushed)}, which no energy does: no step is symplectic, and neither energy nor momentum is "
                f"conserved; they may feed energy as well as take it. Torques are tangent, so that lengths stay.{symmetric}")
 

@@ -19,7 +19,7 @@ def equivariant(case: Case, subject, actions) -> list[Row]:
     if not METHODS[case.settings.method].equivariant:
         return [not_applicable("equivariant", "the method takes the axes one after the other")]
     if not actions:
-        return [not_applicable("equivariant", "no rotation leaves H unchanged")]
+        return [not_applicable("equivariant", f"no rotation leaves H{' and the torques' * bool(case.scene.pushed)} unchanged")]
     found = [apart(case, subject, x, t, h, action) for w, t, h in case.trials()
              for x in (w, case.long(w)) for action in actions]
     return [at_most("equivariant", largest(*found), ULPS, said(case, actions))]

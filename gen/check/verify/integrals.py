@@ -105,6 +105,8 @@ def integrals(case: Case, subject, known: Known) -> list[Row]:
 
 def no_momentum(case: Case) -> str:
     method = METHODS[case.settings.method]
+    if not case.scene.conservative:
+        return case.scene.given_up("momentum")
     if method.keeps_linear:
         return "no rotation leaves H unchanged"
     return "not claimed: the parts of H keep none by themselves" if method.splitting else "not claimed of this method"

@@ -62,13 +62,13 @@ def explained(case: Case):
 
 
 def actions(case: Case, report) -> list[Action]:
-    """Every action that leaves H unchanged, those found in numbers first."""
+    """Every action that leaves H unchanged, and the torques if there are any; those found in numbers first."""
     found = [Action(np.ones(case.sites, bool), axis) for axis in axes_in_numbers(case)]
     for names, axes in report.rotations if report else ():
         mask = members(case, names)
         if not (mask.all() and len(axes) == len(found)):
             found += [Action(mask, np.array(axis, float)) for axis in axes]
-    return found
+    return [action for action in found if not case.scene.pushed or commutes(case, action)]
 
 
 def members(case: Case, names) -> np.ndarray:
@@ -86,7 +86,7 @@ def axes_in_numbers(case: Case) -> np.ndarray:
     rows = [np.sum((case.witness.kappa[:, None] * np.cross(case.leaves.normal(w), case.witness.field(w, t)))[acting],
                    axis=0).astype(float) / scale for w, t, scale in samples(case, 12)]
     found = null_space(np.array(rows).reshape(-1, 3))
-    return np.array([a for a in found if commutes(case, a)]).reshape(-1, 3)
+    return np.array([a for a in found if commutes(case, Action(np.ones(case.sites, bool), a))]).reshape(-1, 3)
 
 
 def samples(case: Case, count):
@@ -114,9 +114,8 @@ def null_space(rows) -> np.ndarray:
     return np.where(np.abs(found) < 1e-9, 0.0, found)
 
 
-def commutes(case: Case, axis) -> bool:
+def commutes(case: Case, turn: Action) -> bool:
     """X(R w) = R X(w) at random states, tracers included."""
-    turn = Action(np.ones(case.sites, bool), axis)
     for w, t, _ in samples(case, 3):
         try:
             at, there = (case.witness.vector_field(x, t) for x in (w, turn(case, w, 0.3)))
