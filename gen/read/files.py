@@ -61,7 +61,7 @@ class Files:
         """As `spec`, of the piece that `node` names: beside the spec, in the library, or one that comes with smidgen."""
         home = node.problems.sources.of(node.span.start).folder
         folder, name = self.among(node, [home, *self.library] if home else self.library) or self.of_smidgen(
-            node, pieces(), f"there is no piece `{node.raw}`", "")
+            node, pieces(), f"there is no piece `{node.raw}`", "", [*filter(None, (home,)), *self.library])
         return self.opened(node, folder, name)
 
     def among(self, node: Node, folders) -> tuple[str, str] | None:
@@ -74,9 +74,10 @@ class Files:
         self.check_kind(node, Path(folder, name), folder)
         return folder, name
 
-    def of_smidgen(self, node: Node, known: dict[str, Path], cause: str, hint: str) -> tuple[str, str]:
+    def of_smidgen(self, node: Node, known: dict[str, Path], cause: str, hint: str, folders=()) -> tuple[str, str]:
         if node.raw not in known:
-            node.wrong(codes.UNKNOWN_NAME, cause, hint + nearest(node.raw, known))
+            near = next(filter(None, (neighbour(Path(folder, f"{node.raw}.toml"), folder, "") for folder in folders)), "")
+            node.wrong(codes.UNKNOWN_NAME, cause, hint + (near or nearest(node.raw, known)))
         path, name = known[node.raw], f"{node.raw}.toml"
         return (str(path)[:-len(name) - 1], name) if str(path).endswith(f"/{name}") else (str(path.parent), path.name)
 
@@ -116,7 +117,7 @@ class Files:
             return self.array(node, columns, what)
         rows = self.rows(node, columns, what)
         if len(rows[0]) != columns:
-            self.broken(node, 1, f"{len(rows[0])} columns", what)
+            self.broken(node, 1, f"{len(rows[0])} columns", what + "; with `vector = true` rows `x, y, z`" * (columns == 1 and len(rows[0]) == 3))
         return rows
 
     def array(self, node: Node, columns: int, what: str) -> list[tuple]:
@@ -129,9 +130,10 @@ class Files:
         except Exception:       # of what a damaged head is taken for, numpy gives no list
             node.wrong(codes.TABLE, f"`{name}` cannot be read: it is no .npy file of numbers", "write it by numpy.save, without objects")
         if numbers is None or not len(numbers):
-            node.wrong(codes.TABLE, f"`{name}` holds an array of shape {shape} and type {found.dtype}", f"it should hold real numbers, {what}")
+            flat = "; its entries in the order of the sites are `a.ravel()`" if len(shape) > 1 and columns == 1 else ""
+            node.wrong(codes.TABLE, f"`{name}` holds an array of shape {shape} and type {found.dtype}", f"it should hold real numbers, {what}{flat}")
         if (bad := np.flatnonzero([bool(number_trouble(x)) for x in numbers.ravel().tolist()])).size:
-            node.wrong(codes.TABLE, f"`{name}`, row {bad[0] // columns}: {numbers.ravel()[bad[0]]:g} is out of range", f"it should hold {what}")
+            node.wrong(codes.TABLE, f"`{name}`, row {bad[0] // columns + 1}: {numbers.ravel()[bad[0]]:g} is out of range", f"it should hold {what}")
         self.keep(folder, name, "\n".join(",".join(map(repr, row)) for row in numbers.tolist()))
         return list(map(tuple, numbers.tolist()))
 
@@ -224,14 +226,17 @@ def plain_number(cell: str):
     return value
 
 
-def neighbour(path: Path, folder: str) -> str:
-    """A guess for a file that is not there: one beside it."""
+def neighbour(path: Path, folder: str, ending: str | None = None) -> str:
+    """A guess for a file that is not there: one beside it; with `ending` in place of its own."""
     try:
         names = [entry.name for entry in path.parent.iterdir() if entry.suffix == path.suffix]
     except OSError:
         return ""
     guess = meant(path.name, names)
-    return f"did you mean `{path.with_name(guess).relative_to(folder).as_posix()}`?" if guess else ""
+    if not guess:
+        return ""
+    found = path.with_name(guess)
+    return f"did you mean `{(found if ending is None else found.with_suffix(ending)).relative_to(folder).as_posix()}`?"
 
 
 def shown(path: Path) -> str:

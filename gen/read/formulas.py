@@ -13,6 +13,7 @@ from .source import Span, Text
 from .syntax import Syntax
 from .tree import Node
 
+NOT_IN_COUNTS = {"^": "write a power as a product: `n*n`", "/": "a count has no division: make half of it a parameter, `m`, and write `2*m`"}
 FREE = "a formula of parameters"
 WITHOUT_POINT = "a parameter is an integer when its default is written without a point: `n = { default = 100 }`"
 
@@ -80,8 +81,8 @@ class Formulas:
         scope = Scope(self.declared, "a count", families=False)
         expr = Resolver(scope, self.problems).resolve(tree).expr
         if not integral(expr, self.declared.parameters):
-            power = any(isinstance(e, Op) and e.op == "^" for e in walk(expr))
-            self.not_integral(tree.span, "write a power as a product: `n*n`" if power else WITHOUT_POINT)
+            used = {e.op for e in walk(expr) if isinstance(e, Op)}
+            self.not_integral(tree.span, next((hint for op, hint in NOT_IN_COUNTS.items() if op in used), WITHOUT_POINT))
         return expr
 
     def not_integral(self, span: Span, hint: str = WITHOUT_POINT):

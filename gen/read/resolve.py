@@ -178,6 +178,9 @@ class Resolver:
         index = node.index
         if isinstance(index, Number) and isinstance(index.value, int):
             return index.value
+        if isinstance(index, Name) and len(index.name) == 1 and not self.scope.inside and index.name not in self.scope.known() | self.scope.declared.broken:
+            bound = " and ".join(f"`{name}`" for name in self.scope.indices)
+            self.fail(codes.UNKNOWN_NAME, index.span, f"`{index.name}` is not declared", f"`over` binds {bound}" if bound else "`over` binds indices: `over = \"site(i) of w\"`")
         found = self.resolve(index).expr if isinstance(index, Name) else None
         if isinstance(found, Idx):
             return found.name

@@ -44,6 +44,7 @@ CASES = {       # name: (the scene, other files, file and line of the error, of 
     "a run that calls for what the scene leaves out": (ON + 'without = ["field"]\n[runs.x]\nlike = "demo"\neffects = ["exchange", "field"]\n', {},
                                                       "a.toml", 6, "the scene leaves out `field`", "call for it in [scene]"),
     "a run like none": (ON + '[runs.x]\nlike = "dmeo"\n', {}, "a.toml", 4, "there is no run `dmeo`", "did you mean `demo`?"),
+    "a piece beside the spec that is misspelt": (ON + '[effects.easy]\nuse = "sott"\n', {"sot": ""}, "a.toml", 4, "there is no piece `sott`", "did you mean `sot`?"),
     "a piece that is misspelt": (ON + '[effects.easy]\nuse = "spins/uniaxal"\nK = 1\n', {}, "a.toml", 4, "there is no piece `spins/uniaxal`", "`spins/uniaxial`"),
     "an argument that is missing": (ON + '[effects.easy]\nuse = "spins/uniaxial"\n', {}, "a.toml", 3, "gives no `K`", "`K = ...`"),
     "an argument too many": (ON + '[effects.easy]\nuse = "spins/uniaxial"\nK = 1\naxes = [0, 0, 1]\n', {}, "a.toml", 6, "no argument `axes`", "did you mean `axis`?"),
