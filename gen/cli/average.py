@@ -21,9 +21,9 @@ def add(commands):
     long = parser.add_mutually_exclusive_group()
     for name in ("steps", "time"):
         run_option(long, name)
-    parser.add_argument("--after", type=lambda text: number(text, "--after"), default=0.0, metavar="TIME", help="samples from that time on; default: from the start")
+    parser.add_argument("--after", type=lambda text: number(text, "--after"), default=None, metavar="TIME", help="samples from that time on; default: what the run's averages say, else from the start")
     parser.add_argument("--members", type=whole, default=1, metavar="N", help="as many trajectories, each with noise of its own; default: 1")
-    parser.add_argument("--bins", type=whole, default=64, metavar="N", help="of a histogram, at most; default: 64")
+    parser.add_argument("--bins", type=whole, default=None, metavar="N", help="of a histogram, at most; default: the run's, else 64")
     parser.add_argument("--out", metavar="FILE", help="a file .json; where FILE.part lies, a run that was stopped goes on")
     json_option(parser)
 

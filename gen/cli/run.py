@@ -202,12 +202,21 @@ def lines(args, result):
     yield from split_lines(result)
     yield from halved_lines(result)
     yield from near_lines(result)
+    yield from mean_lines(meta)
     if meta["status"] != "complete":
         yield f"status: {meta['status'] if meta['status'] == 'interrupted' else 'failed'}"
     if args.out not in (None, "-"):
         yield f"{args.out} was complete already: nothing was done" if getattr(args, "complete", False) else f"wrote {args.out}"
         if meta["status"] == "interrupted" and folder_of(args.out).is_dir():
             yield f"go on with: smidgen run --resume {args.out}"
+
+
+def mean_lines(meta):
+    """The averages of a run that takes some."""
+    for name, one in (meta["means"] or {}).items():
+        error = "" if one["error"] is None else f" ± {one['error']:.2g}"
+        correlation = "" if one["correlation"] is None else f", correlation time {one['correlation']:.3g}"
+        yield f"mean of {name} from t = {meta['averages']['after']:g} on: {one['mean']:.8g}{error}, variance {one['variance'] or 0:.4g}{correlation}"
 
 
 def deviation_lines(summary):

@@ -18,7 +18,8 @@ from pathlib import Path
 from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import DEFAULT, METHODS
-from ..run.many.average import BINS, Job
+from ..run.many.average import Job
+from ..run.record.means import BINS
 from ..run.settings import Settings
 from ..run.step.prepared import choose as one_of
 from ..tables import text_of

@@ -263,6 +263,14 @@ LOOSEST = 1e-2      # a tolerance beyond this tells nothing of a step
 
 
 @dataclass(frozen=True)
+class Averages:
+    """Of numbers over the outputs of a run: their names, () for the energy and all observables; from which time on; bins of a histogram, None for the usual."""
+    what: tuple[str, ...] = ()
+    after: Optional[Expr] = None
+    bins: Optional[int] = None
+
+
+@dataclass(frozen=True)
 class Run:
     """A named run. h and time are Exprs in the parameters (h may be negative)."""
     name: str
@@ -281,6 +289,7 @@ class Run:
     checkpoint: Optional[int] = None    # steps between checkpoints of a run that writes a file
     substeps: bool = False              # take a step that fails as smaller ones
     tolerance: Optional[float] = None   # of a step; None: round-off
+    averages: Optional[Averages] = None
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,8 @@ def called_for(spec: Spec) -> Spec:
 
 def with_outputs(run: Run, kept: set[str]) -> Run:
     """A run without the outputs that are gone."""
-    return replace(run, what=tuple(word for word in run.what if word in kept))
+    averages = run.averages and replace(run.averages, what=tuple(word for word in run.averages.what if "." in word or word in kept))
+    return replace(run, what=tuple(word for word in run.what if word in kept), averages=averages)
 
 
 def with_parameters(spec: Spec, inherited: set[str]) -> Spec:

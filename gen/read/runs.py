@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..methods import NAMES as METHODS, SOLVERS
 from ..language import limits
-from ..language.spec import LOOSEST, Run
+from ..language.spec import LOOSEST, Averages, Run
 from ..language import codes
 from .formulas import Formulas
 from .names import COMPUTED, OUTPUTS, identifier
@@ -14,7 +14,7 @@ from .tree import Node
 from .values import ValueReader
 
 KEYS = ("start", "method", "h", "time", "steps", "effects", "without", "set", "solver", "output", "meaning",
-        "checkpoint", "substeps", "tolerance")
+        "checkpoint", "substeps", "tolerance", "averages")
 
 
 class RunReader:
@@ -50,8 +50,24 @@ class RunReader:
         return self.formulas.free(node.need("h", "give the step: `h = 0.1`"), "a step")
 
     def safety(self, node: Node) -> dict:
-        """checkpoint, substeps, tolerance."""
-        return self.given(node, checkpoint=lambda child: child.integer(1, limits.EVERY), substeps=Node.flag, tolerance=self.tolerance)
+        """checkpoint, substeps, tolerance, averages."""
+        return self.given(node, checkpoint=lambda child: child.integer(1, limits.EVERY), substeps=Node.flag, tolerance=self.tolerance, averages=self.averages)
+
+    def averages(self, node: Node) -> Averages:
+        node.table("what", "after", "bins")
+        return Averages(**self.given(node, what=self.averaged, bins=lambda child: child.integer(2, limits.LIST),
+                                     after=lambda child: self.formulas.free(child, "a time")))
+
+    def averaged(self, node: Node) -> tuple[str, ...]:
+        """Names of numbers; those of effects and families are looked up when a run starts, which may do without them."""
+        entries = node.entries("list of numbers")
+        return self.unique(node, tuple(self.problems.together(*(lambda e=e: self.number(e) for e in entries))))
+
+    def number(self, entry: Node) -> str:
+        word, known = entry.string(), ("energy", *(f"energy.{name}" for name in (*self.effects, *self.scene.left_out)), *self.observables)
+        if word not in known and not word.startswith("momentum.") and word not in self.declared.broken:
+            entry.wrong(codes.OUTPUT, f"there is no number `{word}` to be averaged", nearest(word, known))
+        return word
 
     def tolerance(self, node: Node) -> float:
         value = node.number()
@@ -131,14 +147,15 @@ class RunReader:
         return names
 
     def output(self, node: Node) -> dict:
-        """every, period, what."""
+        """every, period, what; a run with averages has no rows unless it asks for some."""
+        rows = {"what": ()} if node.has("averages") else {}
         if not node.has("output"):
-            return {}
+            return rows
         out = node.get("output").table("every", "period", "what")
         if out.has("every") and out.has("period"):
             self.problems.fail(codes.CONFLICT, out.get("every").key,
                                "`every` and `period` exclude each other", "keep one of them")
-        return self.given(out, every=lambda child: child.integer(1, limits.EVERY), what=self.what,
+        return rows | self.given(out, every=lambda child: child.integer(1, limits.EVERY), what=self.what,
                           period=lambda child: self.formulas.free(child, "a period of outputs"))
 
     def what(self, node: Node) -> tuple[str, ...]:

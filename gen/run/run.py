@@ -26,6 +26,7 @@ from .files.options import OPTIONS
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise
 from .step.pace import Pace
+from .record.means import Means
 from .record.record import Recorder, columns_of, entry_size
 from .files.safe import SafeSink
 from .settings import Settings, model_of, settle
@@ -50,7 +51,7 @@ def run(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = 
         period: float | str | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None,
         parameters: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double", native: bool | None = None,
         substeps: bool | None = None, checkpoint: int | None = None, estimate: bool | None = False, tolerance: float | None = None,
-        fast: bool = False, threads: int | None = None, out: str | os.PathLike | None = None, keep: bool | None = None,
+        fast: bool = False, threads: int | None = None, averages: Mapping[str, object] | None = None, out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None) -> Result:
     """Run `spec` and return a Result.
 
@@ -68,7 +69,9 @@ def run(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = 
     compile for this processor (None: as `build` does); estimate: repeat the run with larger and smaller steps, and estimate from the
     differences the error of the final state, `meta["end_error"]`, in units of the largest |w|, or None and in `meta["end_error_withheld"]` why;
     None: where the run took less than 2 s, as `meta["estimate"]` then says;
-    tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation; threads: as for `build`.
+    tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation; threads: as for `build`;
+    averages: {"what": names, "after": time, "bins": how many}, each optional: `meta["means"]` then has the averages over the outputs from that time on, and `what=()` keeps no
+    rows but the first and the last.
     Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
     Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
     cannot be written, MissingTool and BuildError as `build` does.
@@ -78,7 +81,7 @@ def run(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = 
     settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time,
                       every=every, period=period, what=what, effects=effects, parameters=parameters, seed=seed,
                       real=real, native=native, substeps=substeps, checkpoint=checkpoint, estimate=estimate, tolerance=tolerance, fast=fast,
-                      threads=threads)
+                      threads=threads, averages=averages)
     return execute(begun(spec, settings), settings, out, out is None if keep is None else keep, progress)
 
 
@@ -114,7 +117,7 @@ def execute(model: Integrator, settings: Settings, out, keep: bool, progress=Non
     if out is not None:
         sinks.append(ranks.on_first(lambda: _file_sink(out, model, settings, layout, place), send=False)
                      or (ElsewhereSafe() if place or settings.checkpoint else Elsewhere()))
-    recorder = Recorder(model, layout, sinks, settings.steps * settings.h)
+    recorder = Recorder(model, layout, sinks, settings.steps * settings.h, averaging(model, settings), settings)
     began = clock.perf_counter()
     try:
         began -= _go_on(model, recorder, sinks, place)
@@ -125,6 +128,11 @@ def execute(model: Integrator, settings: Settings, out, keep: bool, progress=Non
         for sink in sinks:
             getattr(sink, "abandon", lambda: None)()
         raise
+
+
+def averaging(model: Integrator, settings: Settings) -> Means | None:
+    """What takes the averages of a run that has some."""
+    return None if settings.averages is None else Means(model, **settings.averages, interval=settings.every * abs(settings.h))
 
 
 def _file_sink(out, model, settings, layout, place):
@@ -206,7 +214,7 @@ def _save(model, recorder, began) -> None:
 
 
 def _affordable(layout, settings, keep):
-    total = entry_size(layout) * (settings.steps // settings.every + 1)
+    total = entry_size(layout) * (settings.steps // settings.every + 1 if settings.what else 2)
     if keep and total > MEMORY:
         raise UsageError(f"the outputs take {total / 2 ** 30:.1f} GiB of memory: write them to "
                          "a file (out=\"result.h5\"), or give a larger every")
@@ -227,7 +235,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "parameters": _plain(model.parameters), "effects": list(scene.effect_names),
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),
-        "status": status, "done": model.count, "end_error": None, "end_error_withheld": None,
+        "status": status, "done": model.count, "end_error": None, "end_error_withheld": None, "means": None,
     }
 
 
@@ -247,6 +255,7 @@ def _finish(model, settings, recorder, status, error, began):
     if settings.substeps:
         extras["substeps"] = np.array(recorder.substeps, float).reshape(-1, 3)
     memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]
+    meta["means"] = None if recorder.means is None else recorder.means.found()
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
     summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps), "halved": model.halved,

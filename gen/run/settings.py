@@ -12,11 +12,12 @@ from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate, integer
 from ..language.expr import Expr
-from ..language.spec import Run, Spec
+from ..language.spec import Averages, Run, Spec
 from ..read.given import formula
 from ..read.names import COMPUTED
 from .fields.field import Field
 from ..methods import NAMES as METHODS, SOLVERS
+from .record.means import BINS
 from .step.integrator import Integrator, compiled
 from .step.prepared import Prepared, asked, checked_tolerance, choose, prepare
 from .step.evaluated import Evaluated
@@ -31,7 +32,7 @@ class Settings:
     array; period: the time between outputs when every came from one; substeps: take a step
     that fails as smaller ones; checkpoint: steps between two checkpoints, None for none; estimate: of the
     error at the end; tolerance: of a step, None for round-off; fast: for this processor, and
-    products and sums in one operation; numbers: the spec's, evaluated with these parameters."""
+    products and sums in one operation; averages: what, after and bins of those that the run takes, None for none; numbers: the spec's, evaluated with these parameters."""
     run: str
     start: object
     method: str
@@ -53,6 +54,7 @@ class Settings:
     tolerance: float | None = None
     fast: bool = False
     threads: int | None = None
+    averages: dict | None = None
 
     @property
     def own_start(self):
@@ -72,7 +74,7 @@ def model_of(spec: Spec, s: Settings, real: str | None = None, features=()) -> I
 def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solver=None,
            h=None, steps=None, time=None, every=None, period=None, what=None, effects=None,
            parameters=None, seed=None, real="double", native=None, substeps=None,
-           checkpoint=None, estimate=False, tolerance=None, fast=False, threads=None) -> Settings:
+           checkpoint=None, estimate=False, tolerance=None, fast=False, threads=None, averages=None) -> Settings:
     """All choices of a run: what is given, else what the run says, else the defaults."""
     base = asked(spec, run, method, solver, effects, parameters)
     parameters = dict(base.parameters)
@@ -90,11 +92,23 @@ def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solve
         base.name, _placed(base.start if start is None else start, numbers),
         choose("method", base.method, METHODS), choose("solver", base.solver, SOLVERS), h,
         number_of_steps(steps, time, h, env), interval(every, period, h), period,
-        chosen_outputs(spec, tuple(what or base.what)),
+        chosen_outputs(spec, tuple(what or base.what if averages is None and base.averages is None or what is None else what)),
         base.effects, parameters, numbers,
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), None if estimate is None else bool(estimate),
-        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads)
+        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads,
+        averages_of(base.averages if averages is None else Averages(**averages), env))
+
+
+def averages_of(given: Averages | None, env) -> dict | None:
+    """As metadata have them."""
+    if given is None:
+        return None
+    after = 0.0 if given.after is None else number(given.after, env, "after")
+    bins = BINS if given.bins is None else whole(given.bins, "bins")
+    if after < 0 or bins < 2:
+        raise UsageError("averages are from a time on that is not negative, in two bins or more")
+    return {"what": list(given.what), "after": after, "bins": bins}
 
 
 def _read(spec: Spec, what: str, value):

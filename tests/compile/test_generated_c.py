@@ -6,7 +6,7 @@ import sys
 import pytest
 from support import texts
 from support.strict import COMPILERS, REALS, WARNINGS, compile_all, driver, run_sanitized
-from support.systems import (CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, load,
+from support.systems import (CLASSICAL, FREE_BODIES, SCENES, SPECS, SPHERICAL, VESELOV, begin, load,
                              model, tiers)
 
 from smidgen.build.binary import write_files
@@ -93,7 +93,7 @@ def solved(names):
 
 
 @pytest.mark.parametrize("name, method", [pytest.param(n, m, marks=() if n in CLEAN[m] else pytest.mark.long)
-                                          for n in SPECS for m in (SPHERICAL, CLASSICAL)])
+                                          for n in (*SPECS, *SCENES) for m in (SPHERICAL, CLASSICAL)])
 def test_every_spec_compiles_clean(name, method, tmp_path):
     check_clean(tmp_path, written(tmp_path, load(name), method))
 

@@ -1,6 +1,6 @@
 """`make frozen UPDATE=1`, then a change, then `make frozen`: which integrators have other bits than before?
 
-Every shipped spec in the sizes that select its layouts, by every method, feature, solver and precision that it is offered. The table is
+Every shipped spec and scene in the sizes that select its layouts, by every method, feature, solver and precision that it is offered. The table is
 out/frozen.csv, made on the machine that compares, since sines and logarithms are those of its C library. Compiled without optimisation,
 which decides no bit and takes a fifth of the time; some 6,700 integrators take a quarter of an hour on two idle cores.
 """

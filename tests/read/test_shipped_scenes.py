@@ -5,6 +5,7 @@ import pytest
 import smidgen
 from smidgen.check.validate import validate
 from smidgen.cli.effects import is_spec
+from smidgen.compile.select import select
 from smidgen.resources import scenes, shipped
 
 quick = pytest.mark.quick
@@ -15,7 +16,22 @@ quick = pytest.mark.quick
 def test_scenes_are_short_and_by_name(name):
     text = scenes()[name].read_text()
     assert len(text.splitlines()) <= 35 and 'use = "' in text and name not in shipped() and is_spec(name)
-    assert smidgen.load(name).runs[0].name == "demo"
+    spec = smidgen.load(name)
+    assert spec.runs[0].name == "demo" and spec.title and spec.name == name and all(p.meaning for p in spec.parameters)
+    assert len({select(spec, run.effects).effect_names for run in spec.runs}) == len(spec.runs)
+
+
+SMALL = {"film_pulse": {"n": 4}, "stirred_sphere": {"m": 5}}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name, run", [(name, run) for name, runs in (("film_pulse", ["demo"]), ("stirred_sphere", ["demo"]), ("tumbling_satellite", ["demo", "without_sloshing"])) for run in runs])
+@pytest.mark.usefixtures("few_states", "optimised_here")
+def test_scenes_agree_with_the_witness_and_have_a_certificate(name, run):
+    spec, values = smidgen.load(name), SMALL.get(name, {})
+    assert {r.name for r in spec.runs} <= {"demo", "without_sloshing"}
+    validate(spec, run, parameters=values).check()
+    smidgen.verify(spec, run, parameters=values, tier="quick").check()
 
 
 @quick

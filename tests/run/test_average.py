@@ -8,7 +8,7 @@ import pytest
 import smidgen
 from smidgen.errors import UsageError
 from smidgen.run.many import average as module
-from smidgen.run.many.statistics import Histogram, Statistics
+from smidgen.run.record.statistics import Histogram, Statistics
 
 quick = pytest.mark.quick
 SPIN = """[model]
@@ -206,3 +206,54 @@ def test_a_hundred_thousand_members_have_langevins_mean(tmp_path, kT):
     assert found.meta["samples"] == 100_000 and found["mz"].error < 2e-3
     assert abs(found["mz"].mean - exact) < 3 * found["mz"].error
     assert (tmp_path / "a.json").stat().st_size < 1e6
+
+
+# --- averages of a run
+
+AVERAGED = SPIN + 'output = { every = 2 }\naverages = { what = ["mz", "energy.field"], after = "100*kT - 40", bins = 16 }\n'
+
+
+def test_a_run_gives_the_averages_that_its_spec_asks_for(tmp_path):
+    """Those of `average`; rows are the first and the last alone, in memory and in files."""
+    spec = smidgen.load_text(AVERAGED)
+    found = smidgen.average(spec, seed=3)
+    for out in (None, tmp_path / "a.h5", tmp_path / "a.csv", tmp_path / "a.npz"):
+        result = smidgen.run(spec, seed=3, out=out)
+        if out is not None:
+            assert smidgen.load_result(out).step.tolist() == [0, 3000]
+            assert smidgen.load_result(out).meta["means"] == result.meta["means"]
+        assert {name: vars(one) for name, one in found.of.items()} == result.meta["means"]
+    assert list(found.of) == ["mz", "energy.field"] and found.meta["after"] == 10 and found.meta["bins"] == 16
+    assert smidgen.repeat(tmp_path / "a.h5").meta["means"] == result.meta["means"]
+    long = smidgen.run(spec, seed=3, steps=20_000, out=tmp_path / "long.h5")
+    assert long.meta["done"] == 20_000 and (tmp_path / "long.h5").stat().st_size < 1.05 * (tmp_path / "a.h5").stat().st_size
+
+
+@quick
+def test_rows_beside_averages_and_averages_from_python():
+    spec = smidgen.load_text(SPIN)
+    plain = smidgen.run(spec, seed=2, steps=200, what=["mz"])
+    found = smidgen.run(spec, seed=2, steps=200, what=["mz"], averages={"what": ["mz"], "after": 5})
+    assert plain.meta["means"] is None and np.array_equal(found.values["mz"], plain.values["mz"])
+    assert found.meta["means"]["mz"]["mean"] == pytest.approx(plain.values["mz"][50:].mean(), rel=1e-14)
+    assert len(smidgen.run(spec, steps=50, what=(), averages={}).t) == 2
+    with pytest.raises(UsageError, match="no number 'my' in spin to be averaged"):
+        smidgen.run(spec, steps=5, averages={"what": ["my"]})
+    with pytest.raises(smidgen.SpecError, match="there is no number `mw` to be averaged"):
+        smidgen.load_text(AVERAGED.replace('"mz"', '"mw"'))
+
+
+def test_a_killed_run_goes_on_to_the_same_averages(tmp_path):
+    spec, calls = smidgen.load_text(AVERAGED), []
+
+    def stop(done):
+        calls.append(done)
+        if len(calls) == 3:
+            raise RuntimeError
+
+    whole = smidgen.run(spec, seed=5, out=tmp_path / "whole.h5", checkpoint=700)
+    with pytest.raises(RuntimeError):
+        smidgen.run(spec, seed=5, out=tmp_path / "a.h5", checkpoint=700, progress=stop)
+    again = smidgen.resume(tmp_path / "a.h5")
+    assert again.meta["means"] == whole.meta["means"] and np.array_equal(again.final, whole.final)
+    assert smidgen.load_result(tmp_path / "a.h5").step.tolist() == [0, 3000]

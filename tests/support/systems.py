@@ -7,11 +7,12 @@ import pytest
 import smidgen
 from smidgen.errors import UsageError
 from smidgen.methods import MIDPOINTS as METHODS
-from smidgen.resources import folder
+from smidgen.resources import folder, scenes
 from smidgen.run.settings import settle
 from smidgen.run.step.start import initial_state
 
 SPECS = sorted(path.stem for path in folder("specs").glob("*.toml"))
+SCENES = sorted(scenes())
 SPHERICAL, CLASSICAL, VESELOV = METHODS
 SHORT = {SPHERICAL: "SM", CLASSICAL: "CM", VESELOV: "DMV"}
 QUICK = ("free_rigid_body", "forced_rigid_body", "nambu_a34")       # small C, a moment to compile
@@ -29,8 +30,8 @@ class Begin:
 
 
 def load(name):
-    """The shipped spec of that name."""
-    return smidgen.load(folder("specs") / f"{name}.toml")
+    """The shipped spec or scene of that name."""
+    return smidgen.load(scenes().get(name) or folder("specs") / f"{name}.toml")
 
 
 def begin(spec, **values):

@@ -50,4 +50,5 @@ OPTIONS = (
            "or step control aims at it; default: round-off"),
     Option("fast", flag, False, "flag", "--native, and products and sums in one operation: for whom the same bits on every machine are too dear"),
     Option("threads", either(none, count), None, "whole", "how many may share a step: of lattices by rows, with the same bits", "N"),
+    Option("averages", either(none, table(either(number, listed(text)))), None),
 )

@@ -13,7 +13,7 @@ import json
 import math
 import os
 import time as clock
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,26 +24,15 @@ from ...language.spec import Spec
 from ...public import few, public
 from ...version import __version__
 from ..files.durable import write_new
+from ..record.means import BINS, Average, averages, numbers_of
+from ..record.statistics import Statistics
 from ..settings import Settings, model_of, number, settle, whole
 from ..step.block import Block
 from ..step.pace import Pace
 from ..step.start import find_start, state_at
-from .statistics import Statistics
 
 FORMAT = "smidgen averages 1"
 PART, BETWEEN = ".part", 30.0       # the ending of a file that is not complete; seconds between two that are written
-BINS = 64
-
-
-@dataclass(frozen=True)
-class Average:
-    """Of one quantity: mean, variance, standard error of the mean (None where there are too few samples to tell it), the time over which
-    samples are correlated (integrated autocorrelation), and a histogram: low, width and counts of its bins."""
-    mean: float
-    variance: float
-    error: float | None
-    correlation: float | None
-    histogram: dict
 
 
 @dataclass(frozen=True)
@@ -67,18 +56,19 @@ class Averages:
 def average(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
             h: float | str | None = None, steps: int | None = None, time: float | str | None = None, every: int | None = None,
             what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
-            seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float = 0.0, members: int = 1, bins: int = BINS,
+            seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float | None = None, members: int = 1, bins: int | None = None,
             out: str | os.PathLike | None = None, progress: Callable[[int], object] | None = None) -> Averages:
     """Averages over a run and over members.
 
-    what: names of observables, `energy`, `energy.<effect>`, `momentum.<family>.x`, ..; by default the energy and all observables. after: the
-    time from which on samples count; members: as many trajectories, each with noise of its own, that of `run(.., member)`; bins: of a
+    what: names of observables, `energy`, `energy.<effect>`, `momentum.<family>.x`, ..; by default those of the run's `averages`, else the energy and
+    all observables. after: the time from which on samples count, by default that of the run, else 0; members: as many trajectories, each with noise of its own, that of `run(.., member)`; bins: of a
     histogram, at most; out: a file .json; where FILE.part lies beside it, a run that was stopped goes on. progress: a function of the
     members done. The other arguments as for `run`. Raises UsageError for what does not fit, RunError for a step that fails.
     """
     settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, effects=effects,
                       parameters=parameters, seed=seed, native=native, tolerance=tolerance)
-    job = Job(spec, settings, what, after, members, bins, None if out is None else Path(out))
+    said = settings.averages or {}
+    job = Job(spec, settings, what or said.get("what"), said.get("after", 0.0) if after is None else after, members, said.get("bins", BINS) if bins is None else bins, None if out is None else Path(out))
     job.go_on()
     while job.done < job.members:
         job.member()
@@ -94,7 +84,7 @@ class Job:
         self.settings, self.out, self.done, self.begun, self.saved = settings, out, 0, False, clock.monotonic()
         self.model = model_of(spec, settings)
         self.members, self.bins = whole(members, "members"), whole(bins, "bins")
-        self.names = chosen(self.model, what)
+        self.names = numbers_of(self.model, what)
         self.first = first_sample(after, settings)
         if self.members > 1 and not self.model.scene.heated:
             raise UsageError("members differ by their noise, and there is none: no effect of the scene has kT; give members=1")
@@ -187,32 +177,11 @@ class Job:
         self.statistics.go_on(found["statistics"])
 
     def finish(self) -> Averages:
-        found = Averages({**self.meta, "samples": self.statistics.samples}, dict(zip(self.names, self.results())))
+        found = Averages({**self.meta, "samples": self.statistics.samples}, dict(zip(self.names, averages(self.statistics, self.settings.every * abs(self.settings.h)))))
         if self.out is not None:
             write(self.out, found.text())
             self.part().unlink(missing_ok=True)
         return found
-
-    def results(self) -> Iterator[Average]:
-        """error^2 = variance 2 tau/(n dt), tau the correlation time."""
-        moments, dt = self.statistics.levels[0], self.settings.every * abs(self.settings.h)
-        for histogram, mean, variance, error in zip(self.statistics.histograms, moments.mean, moments.variance(), self.statistics.errors()):
-            correlation = error ** 2 * moments.n * dt / (2 * variance) if variance > 0 else math.nan
-            yield Average(float(mean), none(variance), none(error), none(correlation), histogram.table())
-
-
-def none(x) -> float | None:
-    return float(x) if math.isfinite(x) else None
-
-
-def chosen(model, what) -> tuple[str, ...]:
-    """Columns of the model. Raises UsageError for a name that is none."""
-    known = model.columns
-    names = tuple(what) if what else ("energy", *(o.name for o in model.scene.observables))
-    for name in names:
-        if name not in known:
-            raise UsageError(f"no number '{name}' in {model.name} to be averaged; there are: {', '.join(known)}")
-    return tuple(dict.fromkeys(names))
 
 
 def first_sample(after, settings) -> int:

@@ -17,10 +17,12 @@ from .computed import SHAPES, computed_columns, functions_of
 class Recorder:
     """Collects outputs in blocks and hands them to the sinks; keeps the largest deviations.
 
-    span: how long the run is.
+    span: how long the run is; means: takes averages of all outputs, or None; settings: of a run, whose first and last outputs alone are kept where they name none.
     """
 
-    def __init__(self, model, layout, sinks, span: float):
+    def __init__(self, model, layout, sinks, span: float, means=None, settings=None):
+        self.means, self.every = means, 1 if settings is None else settings.every
+        self.ends = None if settings is None or settings.what else (0, settings.steps)
         self.model, self.sinks, self.count, self.begun = model, sinks, 0, False
         self.computed = functions_of(model, layout)
         self.block = Block(model, bool(self.computed) or any(f in layout for f in model.families))
@@ -56,6 +58,8 @@ class Recorder:
         if done:
             self.begun = True
             self.deviations.see(self.block.values[new], self.block.casimirs[new])
+            if self.means is not None:
+                self.means.see(self.steps[new] // self.every, self.block.values[new])
         self.count += done if self.sinks else 0
         if not self.room:
             self.flush()
@@ -67,20 +71,24 @@ class Recorder:
 
     def facts(self) -> dict:
         """What a resumed run must know beside the state and the rows."""
-        return {**self.deviations.facts(), "substeps": self.substeps}
+        return {**self.deviations.facts(), "substeps": self.substeps, **({} if self.means is None else {"means": self.means.statistics.facts()})}
 
     def go_on(self, facts: dict) -> None:
         """Be where `facts` were taken."""
         self.begun = True
         self.deviations.go_on(facts)
         self.substeps = [tuple(row) for row in facts["substeps"]]
+        if self.means is not None:
+            self.means.statistics.go_on(facts["means"])
 
     def flush(self) -> None:
         """Hand the buffered outputs on."""
         chunk = {"step": self.steps[:self.count], "t": self.block.t[:self.count],
                  **{name: clean(rows[:self.count]) for name, rows in self.columns.items()},
                  **{name: of(self.block.states[:self.count]) for name, of in self.computed.items()}}
-        for sink in self.sinks:
+        if self.ends is not None:
+            chunk = {name: rows[np.isin(self.steps[:self.count], self.ends)] for name, rows in chunk.items()}
+        for sink in self.sinks if len(chunk["step"]) else ():
             sink.write(chunk)
         self.count = 0
 
