@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-HELPERS = {"run.py", "machine.py"}
+HELPERS = {"run.py", "machine.py", "beside.py"}
 
 
 def main() -> int:
