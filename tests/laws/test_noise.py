@@ -9,9 +9,8 @@ import subprocess
 
 import numpy as np
 import pytest
-from numpy.polynomial import legendre
-from scipy.integrate import quad
 from support.strict import COMPILERS, OPTIMISED, READ, REALS, compile_all
+from support.thermal import heat, nodes, stationary, transition
 
 import smidgen
 from smidgen.build.binary import write_files
@@ -165,27 +164,11 @@ def test_lengths_walk_at_random():
 
 # --- the stationary mean, without sampling
 
-def kernel(one, h, diffusion, degree=60):
-    """The matrix by which one step takes the coefficients of a function of u in Legendre polynomials to those of its mean after the step."""
-    nodes, weights = legendre.leggauss(2 * degree)
-    w = np.stack([np.sqrt(1 - nodes**2), 0 * nodes, nodes], 1)
-    ends = one.start(w, h=h).step().state()[:, 2]           # every node is a spin of its own
-    vander = legendre.legvander(nodes, degree)
-    step = (np.arange(degree + 1) + 0.5)[:, None] * (vander * weights[:, None]).T @ legendre.legvander(ends, degree)
-    x = diffusion * h / 2
-    variance = 2 * (x - x * x / 6)
-    l, density = np.arange(degree + 1), lambda t: np.sqrt(2 / np.pi) * t * t / variance**1.5 * np.exp(-t * t / (2 * variance))
-    # a turn by t about a random axis: the character of the rotation, over its dimension
-    heat = np.array([quad(lambda t, n=n: density(t) * np.sin((n + 0.5) * t) / np.sin(t / 2) / (2 * n + 1), 1e-9, 12 * np.sqrt(variance), limit=400, points=None, epsabs=1e-14)[0]
-                     for n in l])
-    return heat[:, None] * step * heat[None, :]
-
-
-def mean_height(matrix):
-    """Of the stationary distribution: the functional p with p K = p, p(1) = 1, at u."""
-    values, vectors = np.linalg.eig(matrix.T)
-    p = vectors[:, np.argmin(np.abs(values - 1))].real
-    return p[1] / p[0]
+def mean_height(one, h, diffusion):
+    """Of the stationary distribution; every node is a spin of its own."""
+    u, factors = nodes()[0], heat(diffusion, h)
+    ends = one.start(np.stack([np.sqrt(1 - u**2), 0 * u, u], 1), h=h).step().state()[:, 2]
+    return stationary(factors[:, None] * transition(ends) * factors)[1]
 
 
 @quick
@@ -198,7 +181,7 @@ def test_the_bias_of_the_mean_of_a_spin_in_a_field(form, biases):
     diffusion = Witness(spec).diffusion[0]
     assert np.isclose(diffusion, 0.25 if form == "ll" else 0.2, rtol=1e-15)
     for h, bias in zip((0.4, 0.2, 0.1), biases):
-        assert abs(mean_height(kernel(one, h, diffusion)) - exact - bias) < 6e-9 + 6e-6 * abs(bias)
+        assert abs(mean_height(one, h, diffusion) - exact - bias) < 6e-9 + 6e-6 * abs(bias)
 
 
 def test_the_mean_that_is_sampled():
