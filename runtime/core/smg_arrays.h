@@ -12,6 +12,10 @@ SMG_INLINE void smg_zero(smg_real *y, int64_t n) {
   for (int64_t k = 0; k < n; ++k) y[k] = 0;
 }
 
+SMG_INLINE void smg_scale(smg_real *y, smg_real a, int64_t n) {
+  for (int64_t k = 0; k < n; ++k) y[k] *= a;
+}
+
 /* y += a x. */
 SMG_INLINE void smg_axpy(smg_real *y, smg_real a, const smg_real *x, int64_t n) {
   for (int64_t k = 0; k < n; ++k) y[k] += a * x[k];

@@ -5,29 +5,21 @@
 #ifndef SMG_BLOCK_H
 #define SMG_BLOCK_H
 
-#include "smg_small.h"
+#include "smg_arrays.h"
 
 #ifndef SMG_BS
 #define SMG_BS 2
 #endif
 #define SMG_BB (SMG_BS * SMG_BS)
 
-SMG_INLINE void smg_block_copy(smg_real *C, const smg_real *A) {
-  for (int e = 0; e < SMG_BB; e++) C[e] = A[e];
-}
+SMG_INLINE void smg_block_copy(smg_real *C, const smg_real *A) { smg_copy(C, A, SMG_BB); }
 
-SMG_INLINE void smg_block_zero(smg_real *C) {
-  for (int e = 0; e < SMG_BB; e++) C[e] = 0;
-}
+SMG_INLINE void smg_block_zero(smg_real *C) { smg_zero(C, SMG_BB); }
 
-SMG_INLINE void smg_vector_copy(smg_real *y, const smg_real *x) {
-  for (int e = 0; e < SMG_BS; e++) y[e] = x[e];
-}
+SMG_INLINE void smg_vector_copy(smg_real *y, const smg_real *x) { smg_copy(y, x, SMG_BS); }
 
 /* C += A. */
-SMG_INLINE void smg_block_add(smg_real *C, const smg_real *A) {
-  for (int e = 0; e < SMG_BB; e++) C[e] += A[e];
-}
+SMG_INLINE void smg_block_add(smg_real *C, const smg_real *A) { smg_axpy(C, 1, A, SMG_BB); }
 
 /* Sum of absolute entries. */
 SMG_INLINE smg_real smg_block_norm(const smg_real *A) {
@@ -105,7 +97,7 @@ SMG_INLINE int smg_block_inverse(smg_real *C, const smg_real *D, smg_real before
   if (smg_vanishes(det, smg_block_scale(D) + before)) return 1;
   const smg_real reciprocal = 1 / det;
   smg_block_adjugate(C, D);
-  for (int e = 0; e < SMG_BB; e++) C[e] *= reciprocal;
+  smg_scale(C, reciprocal, SMG_BB);
   return 0;
 }
 

@@ -33,11 +33,7 @@ static inline smg_wide smg_wide_scale_of(const smg_state *s, int64_t k, const sm
   return smg_wide_mul(smg_wide_radius(c, wide, k), smg_wide_rsqrt(square));
 #endif
 #else
-  (void)s;
-  (void)k;
-  (void)w;
-  (void)mbar;
-  return smg_wide_of(1);
+  return (void)s, (void)k, (void)w, (void)mbar, smg_wide_of(1);
 #endif
 }
 
@@ -115,9 +111,9 @@ static inline void smg_wide_turn(smg_state *s, int64_t k) {
   const smg_real square = smg_dot(n, m), along = square != 0 ? smg_dot(n, d) / square : 0;
   for (int b = 0; b < 3; ++b) d[b] = half * (d[b] - along * m[b]);
 #else
-  for (int b = 0; b < 3; ++b) d[b] *= 0.5;
+  smg_scale(d, 0.5, 3);
 #endif
-  for (int b = 0; b < 3; ++b) s->wide_y[3 * k + b] = 0;
+  smg_zero(s->wide_y + 3 * k, 3);
 }
 
 /* d <- the change of h X(m) when m changes by d and dH/dw by y; joins v. */
@@ -135,12 +131,10 @@ static inline void smg_wide_follow(smg_state *s, int64_t k) {
 /* d <- E d, E = d(h X(P(w + u/2)))/du; returns the largest component. */
 static smg_real smg_wide_linear(smg_state *s) {
   const int64_t sites = smg_sites(&s->c);
-  smg_real most = 0;
   for (int64_t k = 0; k < sites; ++k) smg_wide_turn(s, k);
   smg_wide_hessian_vector(s);
   for (int64_t k = 0; k < sites; ++k) smg_wide_follow(s, k);
-  for (int64_t k = 0; k < 3 * sites; ++k) most = smg_max(most, smg_abs(s->wide_d[k]));
-  return most;
+  return smg_most(s->wide_d, 3 * sites);
 }
 
 /* The solution to the digits of smg_wide: (u, low) = v + e, e = E d + E^2 d + .., d = v - u, where u solves the step
@@ -150,14 +144,14 @@ static void smg_widen(smg_state *s) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   smg_real last = SMG_MAX;
   smg_wide_evaluate(s);
-  for (int64_t k = 0; k < n3; ++k) s->wide_e[k] = 0;
+  smg_zero(s->wide_e, n3);
   for (int n = 0; n < SMG_WIDE_TERMS; ++n) {
     const smg_real most = smg_wide_linear(s);
     if (!(most < last)) {
-      for (int64_t k = 0; k < n3; ++k) s->wide_e[k] = 0;
+      smg_zero(s->wide_e, n3);
       break;
     }
-    for (int64_t k = 0; k < n3; ++k) s->wide_e[k] += s->wide_d[k];
+    smg_axpy(s->wide_e, 1, s->wide_d, n3);
     if (most <= SMG_WIDE_SMALL * s->scale) break;
     last = most;
   }

@@ -37,7 +37,7 @@ smg_status SMG_PUBLIC(restore)(smg_state *s, const smg_real *in) { return smg_re
 void SMG_PUBLIC(field)(const smg_model *model, smg_real t, const smg_real *w, smg_real *b) {
   smg_coefficients c;
   smg_begin(&c, model, t);
-  for (int64_t q = 0; q < 3 * smg_sites(&c); ++q) b[q] = 0;
+  smg_zero(b, 3 * smg_sites(&c));
 #if SMG_TORQUES
   (void)smg_gradient; /* methods may ask for that of coupled sites alone */
   smg_energy_gradient(&c, w, b);

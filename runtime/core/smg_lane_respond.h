@@ -25,27 +25,19 @@ SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
   return told;
 }
 
-#if SMG_RESPONDS
-SMG_INLINE void smg_lane_respond_parts(const smg_told *told, const smg_lanes *g, smg_lanes *F, smg_lanes *Q) {
-  const smg_real *r = told->r;
-  for (int b = 0; b < 3; ++b) {
-    F[b] = r[0] * g[b] + r[SMG_RESPONSE_F0 + b];
-    Q[b] = r[1] * g[b] + r[SMG_RESPONSE_Q0 + b];
-  }
-}
-#endif
+#define smg_told_parts smg_lane_told_parts
+#define smg_told_respond smg_lane_told_respond
+#include "smg_in_lanes.h"
+#include "smg_respond_template.h"
+#include "smg_in_numbers.h"
+#undef smg_told_parts
+#undef smg_told_respond
 
 /* R = F + m x Q, in `room`. */
 SMG_INLINE const smg_lanes *smg_lane_respond(const smg_told *told, const smg_lanes *m, const smg_lanes *g,
                                              smg_lanes *room) {
 #if SMG_RESPONDS
-  smg_lanes F[3], Q[3];
-  smg_lane_respond_parts(told, g, F, Q);
-  for (int b = 0; b < 3; ++b) {
-    const int i = (b + 1) % 3, j = (b + 2) % 3;
-    room[b] = F[b] + (m[i] * Q[j] - m[j] * Q[i]);
-  }
-  return room;
+  return smg_lane_told_respond(told->r, m, g, room);
 #else
   return (void)told, (void)m, (void)room, g;
 #endif

@@ -25,7 +25,7 @@ SMG_INLINE int smg_is_finite(const smg_real *u) { return smg_abs(u[0]) + smg_abs
  * an ulp, to be added with the next turn. */
 SMG_INLINE void smg_restore_length(smg_state *s, int64_t k) {
   const smg_real *w = s->w + 3 * k, back = smg_way_back(s->inverse[k], w);
-  for (int b = 0; b < 3; ++b) s->compensation[3 * k + b] += back * w[b];
+  smg_axpy(s->compensation + 3 * k, back, w, 3);
 }
 
 /* w + u of site k, and along v = w + u back to the length that it had at the start, by the part SMG_RESTORED of the

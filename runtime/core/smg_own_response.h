@@ -38,9 +38,9 @@ static inline int smg_own_response(const smg_coefficients *c, int64_t k, smg_rea
   if (!(r > 0)) return 1;
   const int ends = smg_response_ends(w, r, G, P);
   const smg_real size = smg_norm(u), scale = r / size;
-  for (int b = 0; b < 3; ++b) G[b] *= scale;
+  smg_scale(G, scale, 3);
   if (ends || size == 0 || !smg_own_spin(u, size, G, m)) return 0;
-  for (int b = 0; b < 3; ++b) m[b] *= scale;
+  smg_scale(m, scale, 3);
   return !(smg_dot(w, m) <= 0); /* r^2 rho */
 }
 

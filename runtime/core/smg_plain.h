@@ -54,8 +54,7 @@ static inline int64_t smg_row(const smg_coefficients *c, int64_t k) {
 
 #if !SMG_OWN_TRACER
 static inline int smg_tracer(const smg_coefficients *c, int64_t k) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   return 0;
 }
 #endif
@@ -63,48 +62,42 @@ static inline int smg_tracer(const smg_coefficients *c, int64_t k) {
 /* ---- a site: w.w = 1, kappa = 1 ---------------------------------------------------------- */
 #if !SMG_OWN_KIND
 static inline int smg_kind(const smg_coefficients *c, int64_t k) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   return SMG_SPHERE;
 }
 #endif
 
 #if !SMG_OWN_KAPPA
 static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   return 1;
 }
 #endif
 
 #if !SMG_OWN_PRESENT
 static inline smg_real smg_present(const smg_coefficients *c, int64_t k) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   return 1;
 }
 #endif
 
 #if !SMG_OWN_H_OVER_KAPPA
 static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, smg_real h) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   return h;
 }
 #endif
 
 #if !SMG_OWN_RADIUS
 static inline smg_real smg_radius(const smg_coefficients *c, int64_t k) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   return 1;
 }
 #endif
 
 #if !SMG_OWN_NORMAL
 static inline void smg_normal(const smg_coefficients *c, int64_t k, const smg_real *v, smg_real *n) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   n[0] = v[0];
   n[1] = v[1];
   n[2] = v[2];
@@ -142,8 +135,7 @@ static inline int64_t smg_place(int64_t colour, int64_t rank) {
 
 #if !SMG_OWN_REST_FIELD_NORM
 static inline smg_real smg_rest_field_norm(const smg_coefficients *c, int64_t k) {
-  (void)c;
-  (void)k;
+  (void)c, (void)k;
   return 0;
 }
 #endif

@@ -15,24 +15,21 @@ enum { SMG_RESPONSE_F0 = 2, SMG_RESPONSE_Q0 = 5, SMG_RESPONSE_SIZE = 8 };
 
 static inline void smg_response(const smg_coefficients *c, int64_t k, smg_real *r);
 
+#include "smg_respond_template.h"
+
 /* F and Q. */
 SMG_INLINE void smg_respond_parts(const smg_coefficients *c, int64_t k, const smg_real *g, smg_real *F, smg_real *Q) {
   smg_real r[SMG_RESPONSE_SIZE];
   smg_response(c, k, r);
-  for (int b = 0; b < 3; ++b) {
-    F[b] = r[0] * g[b] + r[SMG_RESPONSE_F0 + b];
-    Q[b] = r[1] * g[b] + r[SMG_RESPONSE_Q0 + b];
-  }
+  smg_told_parts(r, g, F, Q);
 }
 
 /* R = F + m x Q, in `room`. */
 SMG_INLINE const smg_real *smg_respond(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
                                        smg_real *room) {
-  smg_real F[3], Q[3];
-  smg_respond_parts(c, k, g, F, Q);
-  smg_cross(room, m, Q);
-  for (int b = 0; b < 3; ++b) room[b] += F[b];
-  return room;
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_response(c, k, r);
+  return smg_told_respond(r, m, g, room);
 }
 
 /* The change f y + q m x y of R, y that of g, in `room`. */
@@ -60,7 +57,7 @@ SMG_INLINE void smg_respond_turn(const smg_coefficients *c, int64_t k, const smg
   smg_respond_parts(c, k, g, F, Q);
   smg_cross(x, d, Q);
   smg_cross(y, m, x);
-  for (int b = 0; b < 3; ++b) turned[b] += y[b];
+  smg_axpy(turned, 1, y, 3);
 }
 
 /* (kappa/h) times a bound on a row of the derivative of h X, where the norms of the Hessian in it add up to `norm`: of
@@ -79,7 +76,7 @@ static inline void smg_respond_all(const smg_coefficients *c, const smg_real *w,
   for (int64_t k = 0; k < smg_sites(c); ++k) {
     smg_real room[3];
     (void)smg_respond(c, k, w + 3 * k, g + 3 * k, room);
-    for (int b = 0; b < 3; ++b) g[3 * k + b] = room[b];
+    smg_copy(g + 3 * k, room, 3);
   }
 }
 

@@ -22,7 +22,7 @@ static inline void smg_forget_compensation(smg_state *s) {
     return;
   }
 #endif
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->compensation[k] = 0;
+  smg_zero(s->compensation, 3 * smg_sites(&s->c));
 }
 
 /* Has the model other parameters than the last step had? */

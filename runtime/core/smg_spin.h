@@ -18,6 +18,7 @@
 #ifndef SMG_SPIN_H
 #define SMG_SPIN_H
 
+#include "smg_arrays.h"
 #include "smg_site.h"
 
 /* sqrt(a^2 + b^2) of a, b >= 0, also where the squares leave the range of a double. */
@@ -41,7 +42,7 @@ SMG_INLINE smg_real smg_own_rho(smg_real k, smg_real d, smg_real *ratio) {
  * strength no longer counts. What is not finite becomes NaN. */
 static inline void smg_shorten(smg_real *g) {
   const smg_real scale = (smg_real)1e100 / smg_norm(g);
-  for (int e = 0; e < 3; e++) g[e] *= scale;
+  smg_scale(g, scale, 3);
 }
 
 /* m, |m| = r, for the spin w, |w| = r > 0, and g = (h/2) b; W = w + 2 m x g follows. Returns 0
@@ -51,7 +52,7 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   const smg_real d = (w[0] * g[0] + w[1] * g[1] + w[2] * g[2]) / r;
   smg_real ratio;
   if (!(r > 0)) { /* nothing to turn */
-    for (int e = 0; e < 3; e++) m[e] = w[e];
+    smg_copy(m, w, 3);
     return 1;
   }
   const smg_real rho = smg_own_rho(k, d, &ratio);
@@ -62,14 +63,14 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   m[1] = a * w[1] + unit * (w[2] * g[0] - w[0] * g[2]) + s * g[1];
   m[2] = a * w[2] + unit * (w[0] * g[1] - w[1] * g[0]) + s * g[2];
   const smg_real scale = r / smg_norm(m);
-  for (int e = 0; e < 3; e++) m[e] *= scale;
+  smg_scale(m, scale, 3);
   return 1;
 }
 
 /* Takes from v its part along n, |n| = 1 to round-off. */
 SMG_INLINE void smg_across(const smg_real *n, smg_real *v) {
   const smg_real along = smg_dot(n, v) / smg_dot(n, n);
-  for (int e = 0; e < 3; e++) v[e] -= along * n[e];
+  smg_axpy(v, -along, n, 3);
 }
 
 /* Takes from u = h m x b its part along b, which is round-off, and changes the rest until |W| = |w|, W = w + u, w with

@@ -46,7 +46,7 @@ smg_status smg_step(smg_state *s);
 typedef smg_state smg_trial;
 smg_real *smg_vector(const smg_trial *f, int i);
 int64_t smg_width(const smg_trial *f);
-void smg_slope(smg_trial *f, smg_real part, smg_real size, const smg_real *z, smg_real *k);
+void smg_trial_slope(smg_trial *f, smg_real part, smg_real size, const smg_real *z, smg_real *k);
 #endif
 #if defined(SMG_TABLEAU_H) && !defined(SMG_EXTRAPOLATION_H)
 typedef smg_state smg_tableau_field;

@@ -106,13 +106,13 @@ static smg_status smg_two_halves(smg_state *s) {
 static smg_status smg_thermal_step(smg_state *s) {
   const int64_t step = s->count;
   if (step >= SMG_THERMAL_STEPS) return s->report.status = SMG_BAD_PARAMETER;
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->unturned[k] = s->w[k];
+  smg_copy(s->unturned, s->w, 3 * smg_sites(&s->c));
   smg_heat(s, step, 0);
   smg_status status = smg_step(s);
   if (smg_may_halve(status)) status = smg_two_halves(s);
   if (status == SMG_OK) smg_heat(s, step, 1);
   else {
-    for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->w[k] = s->unturned[k];
+    smg_copy(s->w, s->unturned, 3 * smg_sites(&s->c));
     smg_forget_compensation(s);
   }
   return status;

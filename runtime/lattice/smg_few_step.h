@@ -138,7 +138,7 @@ SMG_INLINE smg_lanes smg_few_norm(const smg_told *told, const smg_lanes *m, cons
                                   smg_lanes norms) {
 #if SMG_RESPONDS
   smg_lanes F[3], Q[3];
-  smg_lane_respond_parts(told, g, F, Q);
+  smg_lane_told_parts(told->r, g, F, Q);
   return (smg_abs(told->r[0]) + r * smg_abs(told->r[1])) * norms * r + smg_lane_abs(smg_lane_dot(m, F)) / r +
          smg_lane_abs(smg_lane_dot(m, Q));
 #else

@@ -83,7 +83,7 @@ static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   smg_gather_saved(s, SMG_ROW_HISTORY, SMG_LATE_PITCH(&s->c));
   smg_to_sites(s, s->row_compensation, lost);
-  for (int64_t k = 0; k < SMG_HISTORY * n3; ++k) past[k] = 0;
+  smg_zero(past, SMG_HISTORY * n3);
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
     smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
     smg_each_slot(&s->c, &late, smg_slot_to_site);

@@ -43,7 +43,7 @@ SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
 SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) {
 #if SMG_RESPONDS
   smg_lanes F[3], Q[3];
-  smg_lane_respond_parts(&turn.told, g, F, Q);
+  smg_lane_told_parts(turn.told.r, g, F, Q);
   for (int k = 0; k < 3; ++k) {
     g[k] = turn.half * F[k];
     w[k] -= turn.half / turn.inverse * Q[k];

@@ -48,7 +48,7 @@ static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_rea
   return smg_own_response(c, k, h, s->w + 3 * k, smg_leaf_value(s, k), g, next, &square);
 #else
   const smg_real half = 0.5 * smg_h_over_kappa(c, k, h);
-  for (int b = 0; b < 3; ++b) g[b] *= half;
+  smg_scale(g, half, 3);
   return smg_own_spin(s->w + 3 * k, smg_leaf_value(s, k), g, next);
 #endif
 }

@@ -24,7 +24,8 @@ typedef struct smg_lane_trial {
 
 SMG_INLINE smg_lanes *smg_lane_vector(smg_lane_trial *f, int i) { return f->stages + 3 * i; }
 SMG_INLINE int64_t smg_lane_width(const smg_lane_trial *f) { return (void)f, 3; }
-SMG_INLINE void smg_lane_slope(smg_lane_trial *f, smg_lanes part, smg_lanes size, const smg_lanes *w, smg_lanes *k) {
+SMG_INLINE void smg_lane_trial_slope(smg_lane_trial *f, smg_lanes part, smg_lanes size, const smg_lanes *w,
+                                     smg_lanes *k) {
   (void)part;
   smg_lane_vec_store(k, smg_lane_motion(&f->c, smg_lane_vec_load(w), size));
 }
@@ -32,7 +33,7 @@ SMG_INLINE void smg_lane_slope(smg_lane_trial *f, smg_lanes part, smg_lanes size
 #define smg_trial smg_lane_trial
 #define smg_vector smg_lane_vector
 #define smg_width smg_lane_width
-#define smg_slope smg_lane_slope
+#define smg_trial_slope smg_lane_trial_slope
 #define smg_sixteenth smg_lane_sixteenth
 #define smg_pace smg_lane_pace
 #define smg_weighted smg_lane_weighted
@@ -77,7 +78,7 @@ typedef struct smg_queue {
 /* ---- one internal step ---- */
 /* k_1 */
 SMG_INLINE void smg_lanes_first_stage(smg_lane_group *f) {
-  smg_lane_slope(&f->trial, f->pace.done, f->pace.size, smg_lane_vector(&f->trial, SMG_Y), f->trial.stages);
+  smg_lane_trial_slope(&f->trial, f->pace.done, f->pace.size, smg_lane_vector(&f->trial, SMG_Y), f->trial.stages);
   f->lost = ~smg_lane_vec_finite(smg_lane_vec_load(f->trial.stages));
 }
 
@@ -108,7 +109,7 @@ SMG_INLINE int smg_lanes_back_on_leaf(smg_lane_group *f) {
 /* Lane l is at the beginning of a step of the state s. */
 static void smg_lane_take_up(smg_lane_group *f, int l, smg_state *s) {
   smg_pace pace;
-  for (int b = 0; b < 3; ++b) smg_vector(s, SMG_Y)[b] = s->w[b];
+  smg_copy(smg_vector(s, SMG_Y), s->w, 3);
   smg_begin_pace(s, &pace);
   smg_lane_insert(smg_lane_vector(&f->trial, SMG_Y), l, s->w, 3);
   smg_lane_insert(smg_lane_vector(&f->trial, SMG_Y_COMPENSATION), l, s->compensation, 3);

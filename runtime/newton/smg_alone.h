@@ -158,8 +158,7 @@ SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k
     for (int n = 0; n < SMG_BS; ++n) e->J[SMG_BS * n + l] -= 0.5 * u[n] * slope;
   }
 #else
-  (void)h;
-  (void)u;
+  (void)h, (void)u;
 #endif
   return smg_bound(SMG_BS, e->J);
 }

@@ -80,7 +80,7 @@ SMG_INLINE int64_t smg_tri_rows(smg_tri *q, int64_t first, int64_t last, int bor
 SMG_INLINE void smg_tri_begin(smg_tri *q) {
   smg_block_zero(q->U);
   smg_block_zero(q->E);
-  for (int e = 0; e < SMG_BS; e++) q->r[e] = 0;
+  smg_zero(q->r, SMG_BS);
 }
 
 /* Open chain downwards: row 0 has no L, row n-1 no U. */
@@ -350,8 +350,7 @@ static inline int64_t smg_band_ring_down(int64_t n, int k, const smg_real *A, sm
   if (!failed && i < end) {
     failed = smg_band_rows(n, k, m, i, end, 0, A, x, work, q, ok);
     smg_band_open_border(n, k, end, A, q);
-    for (int64_t j = end - k > i ? end - k : i; j < end; j++)
-      for (int e = 0; e < k * SMG_BB; e++) work[(2 * j + 1) * k * SMG_BB + e] = 0;
+    for (int64_t j = end - k > i ? end - k : i; j < end; j++) smg_zero(work + (2 * j + 1) * k * SMG_BB, k * SMG_BB);
   }
   return failed ? failed : smg_band_rows(n, k, m, end, m, 1, A, x, work, q, ok);
 }

@@ -10,8 +10,7 @@ static inline int64_t smg_kept_size(const smg_coefficients *c) {
 }
 
 static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
-  (void)s;
-  (void)keep;
+  (void)s, (void)keep;
   return 0;
 }
 

@@ -25,7 +25,7 @@ static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real 
   smg_normal(c, k, m, n);
   /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
   smg_cross(u, n, smg_respond(c, k, m, g, room));
-  for (int b = 0; b < 3; ++b) u[b] *= rate;
+  smg_scale(u, rate, 3);
 }
 
 /* r = w + u/2 - mbar, the residual of the step equation at site k, and how large it is. */
@@ -46,7 +46,7 @@ static inline void smg_tangential(const smg_coefficients *c, int64_t k, const sm
   smg_normal(c, k, mbar, n);
   smg_unit(n, n);
   const smg_real off = smg_dot(n, u) / smg_dot(n, n);
-  for (int b = 0; b < 3; ++b) u[b] -= off * n[b];
+  smg_axpy(u, -off, n, 3);
 }
 
 /* The size of the products that u is made of. */
@@ -111,7 +111,7 @@ static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_
                                       const smg_real *g, const smg_real *res, const smg_real *S, const smg_real *a,
                                       smg_real *mbar) {
   if (!SMG_ONTO_LEAF) {
-    for (int b = 0; b < 3; ++b) mbar[b] += a[b];
+    smg_axpy(mbar, 1, a, 3);
     return;
   }
   const smg_real rate = 0.5 * smg_h_over_kappa(c, k, h);

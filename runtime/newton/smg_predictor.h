@@ -15,7 +15,7 @@ static inline int smg_time_to_choose(const smg_state *s) { return s->history < S
 
 /* the highest degree that so many increments serve */
 #define SMG_MOST_DEGREE(history) ((history)-1)
-#define SMG_LOOKED 8 /* components that are looked at together, for the compiler to take them in lanes */
+#define SMG_SUMS 8 /* that the errors of the components are added up in, by turns */
 
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree) {
   smg_real sum = 0;
@@ -23,29 +23,19 @@ static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree
   return sum;
 }
 
-/* The error that every degree would have made in the components k, k + stride, .. of the step just solved, squared: the
- * backward difference of order d + 1. */
-static inline void smg_predictor_misses(const smg_state *s, int64_t k, int64_t stride, int64_t size,
-                                        smg_real (*miss)[SMG_LOOKED]) {
-  smg_real row[SMG_HISTORY + 1][SMG_LOOKED] = {{0}};
-  for (int l = 0; l < SMG_LOOKED && k + l * stride < size; ++l) {
-    row[0][l] = s->u[k + l * stride];
-    for (int j = 0; j < s->history; ++j) row[j + 1][l] = s->past[j][k + l * stride];
-  }
-  for (int d = 0; d < s->history; ++d) {
-    for (int j = 0; j < s->history - d; ++j)
-      for (int l = 0; l < SMG_LOOKED; ++l) row[j][l] -= row[j + 1][l];
-    for (int l = 0; l < SMG_LOOKED; ++l) miss[d][l] += row[0][l] * row[0][l];
-  }
+/* miss[d] += the error, squared, that every degree would have made in the component k of the step just solved. */
+static inline void smg_component_misses(const smg_state *s, int64_t k, smg_real *miss) {
+  smg_real row[SMG_HISTORY + 1] = {s->u[k]};
+  for (int j = 0; j < s->history; ++j) row[j + 1] = s->past[j][k];
+  smg_add_misses(s->history, row, miss);
 }
 
 /* Which degree would have served best? A sample of the components decides, now and then. */
 static void smg_choose_degree(smg_state *s) {
   const int64_t size = 3 * smg_sites(&s->c), stride = 1 + size / 256;
-  smg_real miss[SMG_HISTORY][SMG_LOOKED] = {{0}}, total[SMG_HISTORY] = {0};
-  for (int64_t k = 0; k < size; k += SMG_LOOKED * stride) smg_predictor_misses(s, k, stride, size, miss);
-  for (int d = 0; d < s->history; ++d)
-    for (int l = 0; l < SMG_LOOKED; ++l) total[d] += miss[d][l];
+  smg_real miss[SMG_SUMS][SMG_HISTORY] = {{0}}, total[SMG_HISTORY] = {0};
+  for (int64_t n = 0; n * stride < size; ++n) smg_component_misses(s, n * stride, miss[n % SMG_SUMS]);
+  for (int l = 0; l < SMG_SUMS; ++l) smg_axpy(total, 1, miss[l], s->history);
   s->degree = s->history > 0 ? smg_best_degree(s->history, total) : SMG_NO_DEGREE;
 }
 

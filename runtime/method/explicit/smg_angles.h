@@ -1,9 +1,9 @@
 /* smidgen method: angle vectors of all sites, for explicit methods that turn sites by sums of some of them.
  *
- * k_i = h b, b = (1/kappa) dH/dw (smg_respond.h), is taken at s->points and at a time within the step. Where a method has
- * thermal noise in its step (SMG_NOISE_WITHIN), not around it (smg_thermal.h), every k_i of a step has the same Gaussian
- * vector more, whose components have the variance 2 D h, D = smg_diffusion: one path of Brownian motion on the sphere, in
- * the sense of Stratonovich.
+ * k_i = h b, b = (1/kappa) dH/dw (smg_respond.h), is taken at s->points and at a time within the step. Where a method
+ * has thermal noise in its step (SMG_NOISE_WITHIN), not around it (smg_thermal.h), every k_i of a step has the same
+ * Gaussian vector more, whose components have the variance 2 D h, D = smg_diffusion: one path of Brownian motion on the
+ * sphere, in the sense of Stratonovich.
  *
  * Of the model it needs smg_gradient; and beside w, compensation and u the arrays s->points, 3 numbers a site,
  * s->turns, 3 SMG_ANGLES, and s->inverse, 1. */
@@ -37,9 +37,7 @@ static void smg_draw_noise(smg_state *s, smg_real h) {
   }
 }
 
-static void smg_add_noise(const smg_state *s, smg_real *k) {
-  for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) k[q] += s->unturned[q];
-}
+static void smg_add_noise(const smg_state *s, smg_real *k) { smg_axpy(k, 1, s->unturned, 3 * smg_sites(&s->c)); }
 #else
 SMG_INLINE void smg_draw_noise(smg_state *s, smg_real h) { (void)s, (void)h; }
 SMG_INLINE void smg_add_noise(const smg_state *s, smg_real *k) { (void)s, (void)k; }
@@ -50,7 +48,7 @@ static void smg_take_turns(smg_state *s, int i, smg_real h, smg_real part) {
   const int64_t sites = smg_sites(&s->c);
   smg_real *k = smg_turns(s, i);
   smg_set_time_at(&s->c, s, part);
-  for (int64_t q = 0; q < 3 * sites; ++q) k[q] = 0;
+  smg_zero(k, 3 * sites);
   smg_gradient(&s->c, s->points, k);
   smg_respond_all(&s->c, s->points, k);
   for (int64_t q = 0; q < 3 * sites; ++q) k[q] *= smg_h_over_kappa(&s->c, q / 3, h);

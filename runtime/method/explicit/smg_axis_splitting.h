@@ -72,7 +72,7 @@ static inline void smg_stage(smg_state *s, smg_real h) {
 SMG_INLINE void smg_turn_all(smg_state *s, int axis, smg_real h) {
   const int64_t sites = smg_sites(&s->c);
   if (!SMG_HAS_AXIS(axis)) return;
-  for (int64_t k = 0; k < sites; ++k) s->slopes[k] = 0;
+  smg_zero(s->slopes, sites);
   if (axis == 0) smg_slopes_x(&s->c, s->points, s->slopes);
   if (axis == 1) smg_slopes_y(&s->c, s->points, s->slopes);
   if (axis == 2) smg_slopes_z(&s->c, s->points, s->slopes);

@@ -53,10 +53,7 @@ static inline smg_real *smg_kept(const smg_state *s) { return smg_vector(s, SMG_
 static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 
 /* Numbers of the history. */
-static inline size_t smg_history_size(const smg_coefficients *c) {
-  (void)c;
-  return 1;
-}
+static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 1; }
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) { out[0] = smg_kept(s)[SMG_NATURAL]; }
 
@@ -76,7 +73,7 @@ typedef smg_state smg_trial;
 
 SMG_INLINE int64_t smg_width(const smg_state *s) { return 3 * smg_sites(&s->c); }
 
-SMG_INLINE void smg_slope(smg_state *s, smg_real part, smg_real size, const smg_real *w, smg_real *k) {
+SMG_INLINE void smg_trial_slope(smg_state *s, smg_real part, smg_real size, const smg_real *w, smg_real *k) {
   smg_set_time_at(&s->c, s, part);
   smg_right_side(&s->c, size, w, k);
 }
@@ -87,7 +84,7 @@ SMG_INLINE void smg_slope(smg_state *s, smg_real part, smg_real size, const smg_
 static inline int smg_first_stage(smg_state *s, const smg_pace *pace) {
   const smg_real *k = smg_vector(s, 0);
   const int64_t n = smg_width(s);
-  smg_slope(s, pace->done, pace->size, smg_vector(s, SMG_Y), smg_vector(s, 0));
+  smg_trial_slope(s, pace->done, pace->size, smg_vector(s, SMG_Y), smg_vector(s, 0));
   for (int64_t q = 0; q < n; ++q) {
     if (smg_abs(k[q]) <= SMG_MAX) continue;
     s->report.site = q / 3;
@@ -99,11 +96,9 @@ static inline int smg_first_stage(smg_state *s, const smg_pace *pace) {
 /* The very first size, where k_1 alone would move w by the eighth root of the tolerance; the control soon finds a
  * better one. */
 static inline smg_real smg_first_size(smg_state *s) {
-  const smg_real *k = smg_vector(s, 0);
-  smg_real most = 0;
-  smg_slope(s, 0, 1, smg_vector(s, SMG_Y), smg_vector(s, 0));
-  for (int64_t q = 0; q < smg_width(s); ++q) most = smg_max(most, smg_abs(k[q]));
-  const smg_real may = SMG_MATH(sqrt)(SMG_MATH(sqrt)(SMG_MATH(sqrt)(s->tolerance))) * s->scale;
+  smg_trial_slope(s, 0, 1, smg_vector(s, SMG_Y), smg_vector(s, 0));
+  const smg_real most = smg_most(smg_vector(s, 0), smg_width(s)),
+                 may = SMG_MATH(sqrt)(SMG_MATH(sqrt)(SMG_MATH(sqrt)(s->tolerance))) * s->scale;
   return most > may ? may / most : 1;
 }
 
@@ -147,7 +142,7 @@ static inline void smg_back_on_leaf(const smg_state *s, int64_t k, smg_real *y, 
 /* The increment u is taken, and y is back on the leaves. */
 static inline void smg_take_step(smg_state *s) {
   smg_real *y = smg_vector(s, SMG_Y), *before = smg_vector(s, SMG_Y_BEFORE);
-  for (int64_t q = 0; q < smg_width(s); ++q) before[q] = y[q];
+  smg_copy(before, y, smg_width(s));
   smg_take_increment(s, 1);
 #if SMG_PROJECT
   for (int64_t k = 0; k < smg_sites(&s->c); ++k)
@@ -182,15 +177,10 @@ static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
 
 /* The state after the step. */
 static void smg_commit_steps(smg_state *s, const smg_pace *pace) {
-  const smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION);
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
-      s->w[q] = y[q];
-      s->compensation[q] = compensation[q];
-    }
-    /* open leaves: orbits grow */
-    if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(y + 3 * k));
-  }
+  smg_copy(s->w, smg_vector(s, SMG_Y), smg_width(s));
+  smg_copy(s->compensation, smg_vector(s, SMG_Y_COMPENSATION), smg_width(s));
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) /* open leaves: orbits grow */
+    if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k));
   smg_kept(s)[SMG_NATURAL] = pace->natural;
   smg_kept(s)[SMG_LAST_SIZE] = pace->size;
   ++s->count;
@@ -205,12 +195,9 @@ static inline void smg_report_pace(smg_state *s, int accepted, smg_real largest)
 }
 
 static smg_status smg_step(smg_state *s) {
-  smg_real *y = smg_vector(s, SMG_Y), *compensation = smg_vector(s, SMG_Y_COMPENSATION);
   smg_pace pace;
-  for (int64_t q = 0; q < smg_width(s); ++q) {
-    y[q] = s->w[q];
-    compensation[q] = s->compensation[q];
-  }
+  smg_copy(smg_vector(s, SMG_Y), s->w, smg_width(s));
+  smg_copy(smg_vector(s, SMG_Y_COMPENSATION), s->compensation, smg_width(s));
   smg_kept(s)[SMG_LAST_SIZE] = smg_kept(s)[SMG_EXTRA_READY] = 0;
   s->report.site = -1;
   smg_begin_pace(s, &pace);
@@ -258,7 +245,7 @@ static inline void smg_dense(const smg_state *s, smg_real theta, smg_real *w) {
   const smg_real end = theta * theta * (3 - 2 * theta), bump = theta * r * (theta * r);
   smg_real a[SMG_STAGES_USED];
   if (!(smg_dense_part(s) > 0)) {
-    for (int64_t q = 0; q < n; ++q) w[q] = s->w[q];
+    smg_copy(w, s->w, n);
     return;
   }
   if (smg_kept(s)[SMG_EXTRA_READY] == 0) smg_extra_stages(s);

@@ -2,8 +2,8 @@
  * (smg_template.h), of which smg_lane_dop853.h makes several states in lanes.
  *
  * Who includes it gives, before: smg_trial, a state or several, with the member u; smg_vector(f, i), the i-th vector of
- * its numbers, of smg_width(f) each; smg_slope(f, part, size, z, k), k = p f(t, z), p the part `size` of h and t at the
- * part `part` of it. */
+ * its numbers, of smg_width(f) each; smg_trial_slope(f, part, size, z, k), k = p f(t, z), p the part `size` of h and t
+ * at the part `part` of it. */
 #include "smg_dop853_control.h"
 #include "smg_dop853_table.h"
 #include "smg_model.h"
@@ -45,7 +45,7 @@ typedef struct smg_pace {
 /* k_(i+1), i = 1 .. 11, of the internal step that is tried. */
 SMG_INLINE void smg_dop853_stage(smg_trial *f, const smg_pace *pace, int i) {
   smg_dop853_point(i, smg_vector(f, SMG_Y), smg_vector(f, 0), smg_width(f), f->u);
-  smg_slope(f, pace->done + smg_dop853_c[i] * pace->size, pace->size, f->u, smg_vector(f, i));
+  smg_trial_slope(f, pace->done + smg_dop853_c[i] * pace->size, pace->size, f->u, smg_vector(f, i));
 }
 
 /* k_2 .. k_12 */

@@ -36,9 +36,7 @@ static inline void smg_save_history(const smg_state *s, smg_real *out) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) out[k] = s->history > 0 ? s->inverse[k] : 0;
 }
 
-static inline void smg_restore_history(smg_state *s, const smg_real *in) {
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) s->inverse[k] = in[k];
-}
+static inline void smg_restore_history(smg_state *s, const smg_real *in) { smg_copy(s->inverse, in, smg_sites(&s->c)); }
 
 #include "smg_state.h"
 

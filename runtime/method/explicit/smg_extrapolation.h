@@ -74,7 +74,7 @@ static void smg_tableau_step(smg_state *s, int j, int m, smg_real *D, const smg_
   for (int64_t q = 0; q < n; ++q) point[q] = s->w[q] + part * newer[q];
   smg_set_time_at(&s->c, s, smg_tableau_part(j, m));
   smg_right_side(&s->c, 1, point, k);
-  for (int64_t q = 0; q < n; ++q) D[q] += k[q];
+  smg_axpy(D, 1, k, n);
 }
 
 /* u += W_j/j D_n, times smg_tableau_unit. */
@@ -94,7 +94,7 @@ static inline void smg_solve_increment(smg_state *s) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_set_time_at(&s->c, s, 0);
   smg_right_side(&s->c, 1, s->w, smg_tableau_vector(s, SMG_FIRST));
-  for (int64_t q = 0; q < n; ++q) s->u[q] = 0;
+  smg_zero(s->u, n);
   for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j) smg_add_tableau_row(s, j);
   for (int64_t q = 0; q < n; ++q) s->u[q] /= smg_tableau_unit;
 }

@@ -1,6 +1,7 @@
 /* smidgen method: Heun's method with projection onto the spheres, of order 2, with thermal noise of weak order 1 in
- * general, in the sense of Stratonovich (Garcia-Palacios and Lazaro, Phys. Rev. B 58 (1998) 14937; predicted points are projected too,
- * as by Evans and others, J. Phys.: Condens. Matter 26 (2014) 103202). A comparator: explicit; not symplectic, not reversible.
+ * general, in the sense of Stratonovich (Garcia-Palacios and Lazaro, Phys. Rev. B 58 (1998) 14937; predicted points are
+ * projected too, as by Evans and others, J. Phys.: Condens. Matter 26 (2014) 103202). A comparator: explicit; not
+ * symplectic, not reversible.
  *
  *     x_1 = w x k_1                 k_1 at w and t
  *     x_2 = w_1 x k_2               k_2 at w_1 = P(w + x_1) and t + h,      W = P(w + (x_1 + x_2)/2),

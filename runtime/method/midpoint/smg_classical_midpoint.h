@@ -11,10 +11,8 @@
 /* m = mbar; returns m/mbar = 1. */
 static inline smg_real smg_project(const smg_coefficients *c, int64_t k, smg_real leaf, const smg_real *mbar,
                                    smg_real *m) {
-  (void)c;
-  (void)k;
-  (void)leaf;
-  for (int b = 0; b < 3; ++b) m[b] = mbar[b];
+  (void)c, (void)k, (void)leaf;
+  smg_copy(m, mbar, 3);
   return 1;
 }
 

@@ -38,14 +38,14 @@ SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *a
 
 SMG_INLINE void smg_stage_slope(const smg_real *v, const smg_real *g, smg_real *a) {
   (void)v;
-  for (int b = 0; b < 3; ++b) a[b] = g[b];
+  smg_copy(a, g, 3);
 }
 
 SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *a, smg_real *u) {
   const smg_real x[3] = {2 * a[0], 2 * a[1], 2 * a[2]};
   smg_real W[3] = {w[0], w[1], w[2]};
   (void)r;
-  for (int b = 0; b < 3; ++b) u[b] = 0;
+  smg_zero(u, 3);
   smg_turn_by(x, W, u);
 }
 

@@ -26,9 +26,9 @@ SMG_INLINE void smg_half_chord(smg_real r, const smg_real *a, smg_real *u) {
 /* m. */
 SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *a, smg_real *m) {
   smg_half_chord(r, a, m);
-  for (int b = 0; b < 3; ++b) m[b] += w[b];
+  smg_axpy(m, 1, w, 3);
   const smg_real size = smg_norm(m), scale = size > 0 ? r / size : 0;
-  for (int b = 0; b < 3; ++b) m[b] *= scale;
+  smg_scale(m, scale, 3);
 }
 
 /* a = (h/2) X(m) = m x g. */
@@ -37,7 +37,7 @@ SMG_INLINE void smg_stage_slope(const smg_real *m, const smg_real *g, smg_real *
 SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *a, smg_real *u) {
   (void)w;
   smg_half_chord(r, a, u);
-  for (int b = 0; b < 3; ++b) u[b] *= 2;
+  smg_scale(u, 2, 3);
 }
 
 SMG_INLINE smg_real smg_stage_weight(smg_real r) { return (void)r, 1; }

@@ -29,7 +29,7 @@ SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *g
 
 SMG_INLINE void smg_stage_slope(const smg_real *v, const smg_real *g, smg_real *a) {
   (void)v;
-  for (int b = 0; b < 3; ++b) a[b] = g[b];
+  smg_copy(a, g, 3);
 }
 
 SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *g, smg_real *u) {

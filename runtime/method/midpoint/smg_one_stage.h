@@ -18,7 +18,7 @@
 static inline void smg_new_slope(smg_state *s, int64_t k, smg_moved *moved) {
   smg_real *g = s->u + 3 * k, next[3];
   const smg_real half = 0.5 * smg_h_over_kappa(&s->c, k, smg_signed_h(s->h)), size = smg_norm(s->w + 3 * k);
-  for (int b = 0; b < 3; ++b) g[b] *= half;
+  smg_scale(g, half, 3);
   smg_stage_slope(s->points + 3 * k, g, next);
   smg_renew_slopes(s, k, next, smg_stage_weight(size), smg_sum_of_sizes(g, 3), moved);
 }

@@ -65,7 +65,7 @@ SMG_INLINE smg_vec smg_sphere_predict(smg_state *s, smg_real *q) {
   if (s->degree >= SMG_FEW_ROWS)
     for (int j = SMG_FEW_ROWS; j < SMG_HISTORY - 1; ++j)
       for (int i = 0; i < 4; ++i) sum[i] += a[4 * j + i] * row[4 * j + i];
-  for (int i = 0; i < 4; ++i) s->older[i] = sum[i];
+  smg_copy(s->older, sum, 4);
   *q = (s->older[3] + a[4] * row[7]) + a[0] * row[3];
   return smg_vec_of((s->older[0] + a[4] * row[4]) + a[0] * row[0], (s->older[1] + a[4] * row[5]) + a[0] * row[1],
                     (s->older[2] + a[4] * row[6]) + a[0] * row[2]);
@@ -117,7 +117,7 @@ SMG_INLINE void smg_sphere_commit(smg_state *s, const smg_found *f) {
 #if SMG_EXTENDED
   smg_sphere_widen(s, f->v, f->q);
 #if SMG_PLAIN_SUMS
-  for (int k = 0; k < 3; ++k) s->w[k] += s->u[k];
+  smg_axpy(s->w, 1, s->u, 3);
 #else
   for (int k = 0; k < 3; ++k) smg_wide_commit(&s->w[k], &s->compensation[k], s->u[k], s->low[k]);
 #endif

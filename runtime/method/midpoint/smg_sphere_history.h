@@ -13,7 +13,7 @@ static inline void smg_blank_history(smg_state *s) {
   s->degree = SMG_NO_DEGREE;
   s->begun = s->count;
   s->row = SMG_ROWS - SMG_HISTORY;
-  for (int k = 0; k < 4; ++k) s->older[k] = 0;
+  smg_zero(s->older, 4);
 #if SMG_COMPOSED
   s->stage = 0;
 #endif
@@ -21,9 +21,7 @@ static inline void smg_blank_history(smg_state *s) {
 
 /* The rows of the first steps are 0. */
 #define SMG_HISTORY_ARRAYS 1
-static inline void smg_forget_arrays(smg_state *s) {
-  for (int k = 0; k < 4 * SMG_ROWS; ++k) s->rows[k] = 0;
-}
+static inline void smg_forget_arrays(smg_state *s) { smg_zero(s->rows, 4 * SMG_ROWS); }
 
 /* Rows of the history that are of steps taken, `count` of them in all; those of a composition are counted as they
  * come. */
@@ -48,7 +46,7 @@ static inline const smg_real *smg_last_increment(const smg_state *s, int64_t k) 
 }
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
-  for (int k = 0; k < 4 * SMG_HISTORY; ++k) out[k] = s->rows[4 * s->row + k];
+  smg_copy(out, s->rows + 4 * s->row, 4 * SMG_HISTORY);
 }
 
 static inline void smg_restore_history(smg_state *s, const smg_real *in) {
@@ -56,7 +54,7 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
 #if SMG_COMPOSED
   s->stage = 0;
 #endif
-  for (int k = 0; k < 4 * SMG_HISTORY; ++k) s->rows[4 * s->row + k] = in[k];
+  smg_copy(s->rows + 4 * s->row, in, 4 * SMG_HISTORY);
 }
 
 #endif
