@@ -20,7 +20,7 @@ from .specs import SCENES
 
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- random {0} -->\n", "<!-- end of random {0} -->"
-MADE = (*SCENES, "damping", "kT", "torque", "pinned", "absent", "random of sites", "random of bonds", "families", "tracer")
+MADE = (*SCENES, "damping", "kT", "torque", "pinned", "absent", "random of sites", "random of bonds", "tracer")
 LEVELS = ("-O0", "-O1", "-O2", "-O3")
 VERDICTS = ("fine", "refused", "fault")
 ENDED = "ended from outside"      # a process that took too long has told nothing

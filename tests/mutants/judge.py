@@ -26,7 +26,7 @@ MADE_FOR = {"rows": r"test_row(s|_wave|_blocks)|statuses", "method": r"test_(com
             "time": r"middle_of_the_step|forced|pulse|kicked", "tolerance": r"test_tolerance|round_off|hard_cases|statuses|effort|decayed|bad_steps|digits",
             "wrap": r"lattice|chain|honeycomb|glass|graph|corners|band|triangular",
             **{f"smg_{word}": made for words, made in (
-                ("one_stage slopes cf4 isospectral geodesic exponential rattle explicit", r"test_comparators|edges_of_steps"), ("axis", r"test_splittings"), ("sublattice", r"test_(splittings|sublattice)"),
+                ("one_stage slopes angles cf4 heun depondt isospectral geodesic exponential rattle explicit", r"test_(comparators|noise)|edges_of_steps"), ("axis", r"test_splittings"), ("sublattice", r"test_(splittings|sublattice)"),
                 ("pair_", r"test_(splittings|pair_rows)"), ("turn_", r"test_(sublattice|pair)_rows"),
                 ("compos stage_pred suzuki ss kl", r"test_compositions"), ("gauss", r"test_gauss"), ("dop853", r"test_dop853"),
                 ("extrapolation right_side", r"test_(extrapolation|dop853)"), ("lane_batch lane_sphere lane_dop853 lane_extrapolation tableau_template dop853_template", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},

@@ -224,7 +224,7 @@ IN_LANES = (
 )
 
 # Comparators, splittings and compositions: the order of their parts, the part of h that each has, the length that they keep; and the outputs.
-AXES, CF4 = (f"runtime/method/explicit/{name}.h" for name in ("smg_axis_splitting", "smg_cf4"))
+AXES, CF4, ANGLES, HEUN, TURNED = (f"runtime/method/explicit/{name}.h" for name in ("smg_axis_splitting", "smg_cf4", "smg_angles", "smg_heun", "smg_depondt_mertens"))
 IN_METHODS = (
     (AXES, r"smg_turn_h\(n, 3, h\)", r"0.5 * h"),
     (AXES, r"smg_turn_h\(n, 3, half\)", r"0.5 * half"),
@@ -234,6 +234,7 @@ IN_METHODS = (
     (CF4, r"third\[4\] = \{-0\.5, 0, 1, 0\}", r"third[4] = {0, 0, 1, 0}"),
     (CF4, r"\{first\[3\], first\[1\], first\[2\], first\[0\]\}", r"{first[0], first[1], first[2], first[3]}"),
     (CF4, r"smg_take_turns\(s, 4, h, 1\)", r"smg_take_turns(s, 4, h, (smg_real)0.5)"),
+    (ANGLES, r"sqrt\)\(2 \* smg_diffusion", r"sqrt)(smg_diffusion"), (HEUN, r"\(x\[b\] \+ y\[b\]\)", r"(2 * x[b])"), (TURNED, r"mean\[2\] = \{0\.5, 0\.5\}", r"mean[2] = {1, 0}"),
     ("runtime/method/explicit/smg_pair_rotations.h", r"smg_each_pair_back\(", r"smg_each_pair("),
     ("runtime/core/smg_turn_template.h", r"one \* v\[b\] \+ other \* w\[b\]", r"v[b] + w[b]"),
     ("runtime/method/explicit/smg_pair_rotations.h", r"smg_turn_h\(k, n, h\)", r"0.5 * h"),
