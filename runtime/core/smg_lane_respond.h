@@ -7,7 +7,7 @@
 
 /* What is kept of a response where sites all have the same. */
 typedef struct smg_told {
-#if SMG_RESPONDS
+#if SMG_TOLD
   smg_real r[SMG_RESPONSE_SIZE];
 #else
   char none;
@@ -16,8 +16,8 @@ typedef struct smg_told {
 
 SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
   smg_told told;
-#if SMG_RESPONDS
-  smg_response(c, k, told.r);
+#if SMG_TOLD
+  smg_law(c, k, told.r);
 #else
   (void)c, (void)k;
   told.none = 0;
@@ -36,7 +36,7 @@ SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
 /* R = F + m x Q, in `room`. */
 SMG_INLINE const smg_lanes *smg_lane_respond(const smg_told *told, const smg_lanes *m, const smg_lanes *g,
                                              smg_lanes *room) {
-#if SMG_RESPONDS
+#if SMG_TOLD
   return smg_lane_told_respond(told->r, m, g, room);
 #else
   return (void)told, (void)m, (void)room, g;

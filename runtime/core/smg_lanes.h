@@ -150,8 +150,8 @@ SMG_INLINE void smg_lane_add_step(smg_lanes *w, smg_real *lost, smg_lanes u) {
  * "Fast inverse square root" (2003); of numbers other than doubles, and where lanes are no vectors of them, sqrt and /
  * say it. */
 #if defined(SMG_LONG_DOUBLE) || defined(SMG_QUAD)
-SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) { return 1 / SMG_MATH(sqrt)(x); }
-SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) { return 1 / x; }
+SMG_INLINE smg_lanes smg_lane_rough_inverse_root(smg_lanes x) { return 1 / SMG_MATH(sqrt)(x + DBL_MIN); }
+SMG_INLINE smg_lanes smg_lane_rough_inverse(smg_lanes x) { return 1 / (x + DBL_MIN); }
 #else
 #if SMG_LANES == 1
 SMG_INLINE smg_lanes smg_lane_of_bits(uint64_t from, smg_lanes x, int shift) { return smg_of_bits(from, x, shift); }

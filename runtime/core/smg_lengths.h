@@ -33,6 +33,7 @@ SMG_INLINE void smg_restore_length(smg_state *s, int64_t k) {
 SMG_INLINE void smg_commit_site(smg_state *s, int64_t k, const smg_real *v, const smg_real *u) {
   smg_real *w = s->w + 3 * k;
   const smg_real back = smg_way_back(s->inverse[k], w);
+  if (!(smg_moves(&s->c, k) > 0)) return;
   for (int b = 0; b < 3; ++b) smg_add_compensated(w + b, &s->compensation[3 * k + b], u[b] + back * v[b]);
 }
 

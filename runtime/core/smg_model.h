@@ -13,6 +13,7 @@
  *   a site     smg_kind(c, k)                     SMG_SPHERE, SMG_R3 or SMG_NAMBU
  *              smg_kappa(c, k), smg_h_over_kappa(c, k, h) its strength, and h/kappa
  *              smg_present(c, k)                  1, or 0 where the site is not there: no sum has it
+ *              smg_moves(c, k)                    1, or 0 where the site is pinned or absent: it stays, to the bit
  *              smg_radius(c, k)                   of a sphere
  *              smg_normal(c, k, v, n)             n = grad C(v), linear in v
  *   energy     smg_gradient(c, w, g)              g += dH/dw of all sites; what tracers do to others is left out
@@ -93,7 +94,8 @@
  * SMG_COUPLED_NAMBU: some coupled sites are Nambu factors; SMG_COUPLED_LIFTED: the leaf of some moves with w. The
  * matrix: SMG_MATRIX_FREE, or SMG_BAND blocks on either side, SMG_CYCLIC, or SMG_ORDER rows in an elimination order.
  * SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice,
- * with SMG_COLOURS and what else smg_rows.h asks for, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES: that
+ * with SMG_COLOURS and what else smg_rows.h asks for, SMG_LAW, SMG_ALL_OR_NOTHING: how sites respond beside some that
+ * stand still (smg_respond.h), SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES: that
  * takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once
  * in lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a composition,
  * SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4;

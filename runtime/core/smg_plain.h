@@ -75,10 +75,11 @@ static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) {
 #endif
 
 #if !SMG_OWN_PRESENT
-static inline smg_real smg_present(const smg_coefficients *c, int64_t k) {
-  (void)c, (void)k;
-  return 1;
-}
+static inline smg_real smg_present(const smg_coefficients *c, int64_t k) { return (void)c, (void)k, (smg_real)1; }
+#endif
+
+#if !SMG_OWN_MOVES
+static inline smg_real smg_moves(const smg_coefficients *c, int64_t k) { return (void)c, (void)k, (smg_real)1; }
 #endif
 
 #if !SMG_OWN_H_OVER_KAPPA

@@ -10,6 +10,18 @@
 
 #include "smg_model.h"
 
+/* SMG_TOLD: do sites in lanes have a response? It is that of those that move, smg_law(c, k, r), which a model has
+ * (SMG_LAW) where some stand still: their gradient is 0 in lanes (smg_slot_gradient). SMG_ALL_OR_NOTHING: the only
+ * response is that some do. */
+#if SMG_RESPONDS && !SMG_ALL_OR_NOTHING
+#define SMG_TOLD 1
+#else
+#define SMG_TOLD 0
+#endif
+#if !SMG_LAW
+#define smg_law smg_response
+#endif
+
 #if SMG_RESPONDS
 enum { SMG_RESPONSE_F0 = 2, SMG_RESPONSE_Q0 = 5, SMG_RESPONSE_SIZE = 8 };
 

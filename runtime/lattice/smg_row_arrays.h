@@ -61,9 +61,16 @@ static inline const smg_blocks *smg_blocks_of(const smg_state *s, smg_blocks *b)
   return s->row_beside ? b : NULL;
 }
 
+/* Sites that are not there: by slots 0, so that others feel nothing of them, else as smg_put_away has them. */
+static inline void smg_put_absent(smg_state *s, int by_slots) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    if (smg_put_away(s, k) && by_slots) s->w[3 * k + 2] = 0;
+}
+
 /* w into slots, and back; empty ones hold a spin that nothing turns. */
 static void smg_enter_rows(smg_state *s) {
   const int64_t slots = smg_slots(&s->c), pitch = smg_pitch(&s->c);
+  smg_put_absent(s, 1);
   for (int64_t slot = 0; slot < slots; ++slot) s->row_w[2 * pitch + slot] = smg_radius(&s->c, 0);
   smg_to_slots(s, s->w, s->row_w);
 }
@@ -83,6 +90,9 @@ static void smg_begin_call(smg_state *s, smg_besides *known) {
   if (s->row_team > 1 && !blocks) smg_know_besides(&s->c, known);
   smg_enter_rows(s);
 }
-static void smg_leave_rows(smg_state *s) { smg_to_sites(s, s->row_w, s->w); }
+static void smg_leave_rows(smg_state *s) {
+  smg_to_sites(s, s->row_w, s->w);
+  smg_put_absent(s, 0);
+}
 
 #endif

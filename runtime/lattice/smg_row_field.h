@@ -30,10 +30,10 @@ static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
   const smg_real g =
       smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) *
       (smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_radius(c, 0) + smg_at_all_sites(c, smg_rest_field_norm));
-#if SMG_RESPONDS
+#if SMG_TOLD
   const smg_real x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
   smg_real r[SMG_RESPONSE_SIZE];
-  smg_response(c, 0, r);
+  smg_law(c, 0, r);
   const smg_real G = smg_abs(r[0]) * g + x * smg_norm(r + SMG_RESPONSE_F0),
                  P = smg_abs(r[1]) * g + x * smg_norm(r + SMG_RESPONSE_Q0);
   return G * G + 2 * smg_radius(c, 0) * P;
@@ -44,9 +44,9 @@ static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
 
 /* sqrt(f^2 + r^2 q^2): how much m x (f y + q m x y) is larger than r |y|, at most. */
 static inline smg_real smg_row_gain(const smg_coefficients *c) {
-#if SMG_RESPONDS
+#if SMG_TOLD
   smg_real r[SMG_RESPONSE_SIZE];
-  smg_response(c, 0, r);
+  smg_law(c, 0, r);
   return SMG_MATH(sqrt)(r[0] * r[0] + smg_radius(c, 0) * smg_radius(c, 0) * r[1] * r[1]);
 #else
   return (void)c, (smg_real)1;

@@ -41,7 +41,7 @@ SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
 /* The spin w and the field g = (h/2 kappa) b of precession, from w and the gradient b; with a response w - r^2 P and G
  * (smg_own_response.h). */
 SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) {
-#if SMG_RESPONDS
+#if SMG_TOLD
   smg_lanes F[3], Q[3];
   smg_lane_told_parts(turn.told.r, g, F, Q);
   for (int k = 0; k < 3; ++k) {
@@ -56,7 +56,7 @@ SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) 
 
 /* |w|^2/r^2 of such a spin. */
 SMG_INLINE smg_lanes smg_precessing(const smg_turning turn, const smg_lanes *w) {
-#if SMG_RESPONDS
+#if SMG_TOLD
   return turn.inverse * smg_lane_dot(w, w);
 #else
   return (void)turn, (void)w, smg_lane_of(1);

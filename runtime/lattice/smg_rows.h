@@ -274,6 +274,21 @@ typedef struct smg_offset {
 /* All that is beside the sites of a place, SMG_BESIDES at most: as the model says. */
 static inline int64_t smg_offsets(int64_t sub, smg_offset *beside);
 
+/* The number of the site that is the n-th beside one, -1 beyond an open end. */
+static inline int64_t smg_site_beside(const smg_coefficients *c, int64_t site, int64_t n) {
+  smg_offset all[SMG_BESIDES];
+  int64_t cell = site / SMG_PLACES, found = 0, size = SMG_PLACES;
+  const smg_offset *o = all + n * (smg_offsets(site % SMG_PLACES, all) > n);
+  for (int d = 0; d < 4; ++d) {
+    const int64_t cells = smg_cells(c, d), to = cell % cells + o->cell[d];
+    if (!(o->ring >> d & 1) && (to < 0 || to >= cells)) return -1;
+    found += size * ((to % cells + cells) % cells);
+    size *= cells;
+    cell /= cells;
+  }
+  return found + o->sub;
+}
+
 /* What stands there beside a row. */
 static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lattice_row *at, const smg_offset *o) {
   const int ring = o->ring;

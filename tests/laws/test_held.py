@@ -61,14 +61,27 @@ RESPONDING = [name for name, m in METHODS.items() if m.responds and not m.free_b
 
 @pytest.mark.parametrize("method", [pytest.param(m, marks=quick if METHODS[m].stages == 1 and m not in ("gauss-10", "gauss-12", "gauss-14", "gauss-16") else ()) for m in RESPONDING])
 def test_every_method_leaves_them_where_they_are(method):
+    """To the bit, though their vectors are some ulps off their spheres, where no step has put them."""
     spec = held()
-    one = smidgen.build(spec, method=method).start("r", h=0.05)
-    w = one.w.copy()
-    found = one.steps(6).w
+    one = smidgen.build(spec, method=method)
+    w = initial_state(spec, "r")
+    w[[0, 1, 7]] *= np.array([[1 + 1.5e-15], [1 - 1.5e-15], [1 + 4e-16]])
+    w[[4, 5, 10]] = 0, 0, 1
+    found = one.start(w.copy(), h=0.05).steps(6).w
     assert np.array_equal(found[[0, 1, 4, 5, 7, 10]], w[[0, 1, 4, 5, 7, 10]])
     assert np.abs(found[FEW] - w[FEW]).max(axis=1).min() > 1e-3
     tolerance = 1e-9 if METHODS[method].controlled else 2e-13
     assert np.abs(found - Witness(spec).steps(w, 0.0, 0.05, 6, method)[-1]).max() < tolerance
+
+
+@pytest.mark.parametrize("kind", ["sphere", "r3"])
+@pytest.mark.parametrize("method", ["dop853-projected", "cf4"])
+def test_a_pinned_site_alone_stays_where_it_is(method, kind):
+    """Of an ensemble too, whose members do not go in lanes then."""
+    spec = smidgen.load_text(f'[model]\nname = "alone"\n[space]\nw = {{ {kind} = 1 }}\n[effects.field]\nenergy = "-w.z - 0.3*w.x^2"\n' + PINNED.format("i < 1"))
+    w = np.array([[0.6, 0, 0.8]]) * (1 + 1.5e-15)
+    assert np.array_equal(smidgen.build(spec, method=method).start(w.copy(), h=0.05).steps(6).w, w)
+    assert np.array_equal(smidgen.ensemble(spec, start=np.array([w] * 9), h=0.05, steps=6, method=method).w, np.array([w] * 9))
 
 
 @quick

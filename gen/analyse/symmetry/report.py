@@ -17,6 +17,7 @@ from ...public import few, public
 from ...run.step.prepared import asked as asked_of, choose
 from ...run.step.evaluated import casimir_matrices, kappas
 from . import conserved, spaces
+from .by_site import why_by_site
 from .integrals import WHY, Integral
 from .jumps import jumps
 from .joint import joint_quadratic, looked_for
@@ -36,7 +37,8 @@ class Report:
     could not be settled; splittings: explicit method -> what of H stands in its way, or None;
     searched: the classes of integrals that were looked for; damped: the families whose sites lose energy, of which no integrals but
     their lengths are looked for; heated: those that thermal noise turns; jumps: effect -> how far its energy jumps where sites cross an edge of a
-    formula; pushed: those that torques move; standing: those with sites that are pinned, or fixed; absent: those that lack some."""
+    formula; pushed: those that torques move; standing: those with sites that are pinned, or fixed; absent: those that lack some;
+    by_site: why the steps of a lattice go site by site, where they do."""
     spec: str
     method: str
     families: tuple
@@ -59,6 +61,7 @@ class Report:
     pushed: tuple = ()
     standing: tuple = ()
     absent: tuple = ()
+    by_site: str = ""
 
     def __repr__(self) -> str:
         return f"<Report {self.spec}: {self.method}; conserved: {few(i.name for i in self.integrals) or 'nothing'}>"
@@ -76,7 +79,7 @@ class Report:
         return {"spec": self.spec, "method": self.method, "parameters": self.parameters, "rotations": turns,
                 "mixed": mixed, "integrals": [i.as_dict() for i in self.integrals],
                 "energy_changes": self.energy_changes, "signs": [list(s) for s in self.signs],
-                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "jumps": self.jumps, "pushed": list(self.pushed), "standing": list(self.standing), "absent": list(self.absent), "words": self.words()}
+                "undecided": self.undecided, "splittings": self.splittings, "searched": list(self.searched), "damped": list(self.damped), "heated": list(self.heated), "jumps": self.jumps, "pushed": list(self.pushed), "standing": list(self.standing), "absent": list(self.absent), "by_site": self.by_site, "words": self.words()}
 
 
 @public
@@ -107,7 +110,7 @@ def explain(spec: Spec, run: str | None = None, *, method: str | None = None, ef
                   _parameters(asked), rotations, always,
                   mixed, _unique(integrals), changes, [] if given_up or held else parity(asked), undecided,
                   tuple(f.name for f in scene.families if f.tracer), _algebras(asked), {} if given_up or held or lacking(scene) else attempt(lambda: splittings(scene)) or {},
-                  () if given_up or held else tuple(looked_for(asked)), scene.damped, scene.heated, jumps(scene), scene.pushed, standing(scene), lacking(scene))
+                  () if given_up or held else tuple(looked_for(asked)), scene.damped, scene.heated, jumps(scene), scene.pushed, standing(scene), lacking(scene), why_by_site(scene, method))
 
 
 def _parameters(asked: Asked) -> dict:

@@ -8,8 +8,8 @@ from .names import axis_name
 
 
 def sentences(r) -> list[str]:
-    """One fact a line: jumps of H, rotations, damping, torques, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, what is open."""
-    return [*_jumps(r), *_rotations(r), *_damping(r), *_torques(r), *_held(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r),
+    """One fact a line: jumps of H, rotations, damping, torques, linear and quadratic integrals, energy, Casimirs, reversal, explicit splittings, the layout, what is open."""
+    return [*_jumps(r), *_rotations(r), *_damping(r), *_torques(r), *_held(r), *_linear(r), *_quadratic(r), *_energy(r), *_casimirs(r), *_searched(r), *_signs(r), *_splittings(r), *_by_site(r),
             *(f"Not decided: {text}." for text in r.undecided)]
 
 
@@ -92,7 +92,13 @@ def _held(r):
     if r.absent:
         yield f"Sites of {' and '.join(r.absent)} are absent, in no term and in no sum."
     if r.standing or r.absent:
-        yield "No explicit splitting serves where sites are pinned or absent; lattices and few sites go site by site, not in lanes."
+        yield "No explicit splitting serves where sites are pinned or absent."
+
+
+def _by_site(r):
+    """What prevents the fast layout."""
+    if r.by_site:
+        yield f"The steps of its lattice go site by site, not by rows in lanes, because {r.by_site}."
 
 
 def _numbers(count: int) -> str:

@@ -81,7 +81,7 @@ class MembersInLanes(Part):
     name, layout = "lane_sphere", "members"
 
     def made(self, model, low):
-        return lane_sphere(model, low) if "ensemble" in model.features else None
+        return lane_sphere(model, low) if "ensemble" in model.features and not model.moving else None
 
     def functions(self, model):
         return [*model.lane_sphere]

@@ -31,11 +31,11 @@ class Model:
 
     families: sizes, strengths and leaves; energies, observables: kernels of one term; torques: of those that are fields beside the gradients; responses: laws of families whose sites do more than precess;
     reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; parts: those of `parts.py` that it has, each also an
-    attribute by its name, what it is made of or None.
+    attribute by its name, what it is made of or None; whole: the spec with absent sites in its terms; why_by_site: why a lattice goes site by site.
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=(), contributions=None):
-        self.spec, self.plan, self.method = safe_indices(one_site(present(spec))), plan, METHODS[plan.method]
+        self.whole, self.spec, self.plan, self.method = safe_indices(one_site(spec)), safe_indices(one_site(present(spec))), plan, METHODS[plan.method]
         self.features = chosen_features(features)
         self.contributions = contributions_of(spec, self.method) if contributions is None else contributions
         self.responses = responses_of(self.contributions)
@@ -157,6 +157,11 @@ class Model:
     def closed_form(self, f: FamilyCode) -> bool:
         """A site alone in a field that does not depend on it: the step is an exact rotation."""
         return self.method.onto_leaf and f.kind != "nambu" and self.is_linear(f.name)
+
+    @property
+    def by_site(self) -> str:
+        """Why the steps of its lattice go site by site, where they do."""
+        return self.why_by_site if self.plan.layout == "sites" else ""
 
     def lifts(self) -> bool:
         """Does the leaf of a coupled site move with w?"""

@@ -5,6 +5,7 @@ from .asked import Ensemble, PlainSums, Tangent
 from .axes import Axes
 from .composed import Composed
 from .few import FewInLanes
+from .held import Standing
 from .lane_sphere import MembersInLanes
 from .lanes import GradientsInLanes
 from .pair_rows import PairsByRows
@@ -18,6 +19,6 @@ from .thermal import Thermal
 from .torque import Torques
 from .wide import Extended
 
-FIRST = (Responses(), Thermal())      # before bounds of the Hessian are found
+FIRST = (Responses(), Standing(), Thermal())      # before bounds of the Hessian are found
 PARTS = (*FIRST, PlainSums(), Tangent(), Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
          Extended(), GradientsInLanes(), SiteNumbers(), Ensemble())

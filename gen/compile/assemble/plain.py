@@ -23,6 +23,7 @@ PLAIN = {
     "smg_h_over_kappa": (Return(Name("h")),),
     "smg_radius": (Return(ONE_REAL),),
     "smg_present": (Return(ONE_REAL),),
+    "smg_moves": (Return(ONE_REAL),),
     "smg_normal": tuple(Assign(Element("n", a), Element("v", a)) for a in range(3)),
     "smg_coupled_gradient": (Call("smg_gradient", (Name("c"), Name("w"), Name("g"))),),
     "smg_shift": (Return(ZERO),),

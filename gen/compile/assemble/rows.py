@@ -11,14 +11,16 @@ from math import prod
 
 import sympy as sp
 
+from ...language.held import lacking
 from ...language.spec import Lattice, Sites
-from ..derive.derivatives import switched
-from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, mentions, where
+from ..lower.code import Argument, Assign, Braces, Call, Element, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
-from ..lower.kernels import COEFFICIENTS
-from ..lower.lowering import CLOCK, index_names
+from ..lower.kernels import COEFFICIENTS, term_kernels
 from ..plan.colouring import Colouring, colouring
+from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
+from .bond_values import Bonded, Role, bonded, numbers_of, two_ended
+from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_term
 from .extent import in_time, largest_ever
 from .families import SITE
 from .lanes import in_lanes, named
@@ -26,9 +28,9 @@ from .norms import row_sums, spectral_bound
 from .pairs import slope_bound
 from .effort import by_rows
 from .part import MOST_LANES, Part, buffer, placed
-from .response import indexed
-from .site_values import MOST, count, differs, names, sited, value_function, with_sites
-from .site_values import taken as taken_values
+from .response import response_kernel, stored
+from .site_values import count, differs, names, sited, value_function, with_sites
+from .site_values import taken as taken_values, taken_value
 from .slots import Slots
 
 KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
@@ -39,7 +41,8 @@ REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 class Rows:
     """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds.
 
-    sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room.
+    sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
+    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? law: the kernel of the response of the others.
     """
     over: Lattice
     colours: Colouring
@@ -47,6 +50,9 @@ class Rows:
     norm: object = None
     slopes: object = None
     sited: dict = field(default_factory=dict, compare=False)
+    whole: dict = field(default_factory=dict, compare=False)
+    held: bool = False
+    law: object = field(default=None, compare=False)
 
     @property
     def step(self) -> int:
@@ -66,32 +72,71 @@ class Rows:
 
 
 def rows(model, low):
-    """`Rows`, or None where they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
-    f = model.families[0]
-    if model.responses and (model.torques or model.method.stage_rows or not steady(model, low)):
-        return None
-    if len(model.families) > 1 or f.kind != "sphere" or not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
-        return None
-    if index_names(f.family.kappa) or f.radius.values or index_names(f.family.radius) or f.kappa.values:
-        return None
+    """`Rows`, or why they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
+    f, laws = model.families[0], laws_of(model.contributions)
     over = one_lattice(model.lattices(f.name))
-    if over is not None and paired(model):
-        return pair_rows(model, low, over)
-    apart = [t for t in model.energies if differs(t)]
-    if over is None or not all(quadratic(low, t) for t in model.energies) or count(low, apart) > MOST:
-        return None
-    bounds = {t.prefix: (None, None) if model.method.stage_rows else (rest_norm(low, t, 0), hessian_norm(low, t, 0)) for t in apart}
-    found = Rows(over, colouring(model.lattices(f.name)), *((None, None) if model.method.stage_rows else (rest_field(model, low, f), hessian(model, low, f))))
-    bounded = model.method.stage_rows or None not in (found.rest, found.norm, *(e for ends in bounds.values() for e in ends))
-    if not bounded or not fits(found, model.lattices(f.name)):
-        return None
-    return replace(found, sited=sited(low, apart, lambda t: bounds[t.prefix]))
+    why_not = of_lattices(model) or of_family(model, f) or of_laws(model, low, laws)
+    if why_not is None and not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
+        why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
+    if why_not is not None:
+        return why_not
+    if paired(model):
+        return pair_rows(model, low, over) or "the slopes of its bonds have no bound"
+    return held_rows(rows_of(model, low, f, over, whole_terms(model, low)), model, low, laws.get(f.name))
 
 
-def steady(model, low) -> bool:
-    """Are the responses the same for all sites at all times?"""
-    numbers = [x for kernel in model.responding.values() for x in kernel.results]
-    return not any(map(indexed, model.responses.values())) and all(low.when(x.expr) < CLOCK for x in numbers)
+def rows_of(model, low, f, over, whole):
+    """The same, by the terms; whole: {prefix: the term} of those that are others where some sites are absent."""
+    terms, bounded = [whole.get(t.prefix, t) for t in model.energies], not model.method.stage_rows
+    why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, whole.values())), None)
+    apart = [t for t in terms if differs(t)]
+    joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
+    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving))
+    if why_not:
+        return why_not
+    bounds = {t.prefix: bounds_of(low, t, 0, bounded) for t in apart}
+    ends = [*bounds.values(), *(bounds_of(low, t, k, bounded) for t in terms if t.prefix in joined for k in (0, 1))] if bounded else []
+    found = Rows(over, colouring(model.lattices(f.name)), *((rest_field(model, low, f, whole), hessian(model, low, f, whole)) if bounded else (None, None)), whole=whole)
+    if bounded and None in (found.rest, found.norm, *(e for both in ends for e in both)):
+        return "its fields have no bound that holds at all times"
+    if not fits(found, model.lattices(f.name)):
+        return "its colours do not have equally many sites, or its bonds reach too far"
+    alone = sited(low, apart, lambda t: bounds[t.prefix])
+    return replace(found, sited={**alone, **bonds_of_terms(low, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounded)})
+
+
+def bounds_of(low, t, k: int, bounded: bool) -> tuple:
+    """Of the field of no spins and of the Hessian, in the row of slot k; None where nobody asks."""
+    return (rest_norm(low, t, k), hessian_norm(low, t, k)) if bounded else (None, None)
+
+
+def roles_of(model, t, places: int, whole) -> tuple:
+    """How the sites of each place feel a term on bonds that differ."""
+    def of(sub):
+        beside_it = neighbours(model, sub, whole)
+        return tuple(Role(k, bond, beside_it.index(beside(t, bond, k, 1 - k)), t.over.indices.index(t.slots[k][1]) == 0) for k in (0, 1) for bond in bonds_of(t, k, sub))
+    return tuple(map(of, range(places)))
+
+
+def bonds_of_terms(low, terms, roles, first: int, bounded: bool) -> dict:
+    """{prefix: `Bonded`}."""
+    found = {}
+    for t in terms:
+        found[t.prefix] = bonded(low, t, first, roles[t.prefix], lambda k: bounds_of(low, t, k, bounded))
+        first += found[t.prefix].width
+    return found
+
+
+def whole_terms(model, low) -> dict:
+    """{prefix: the term as it is where all its sites are there}, of a lattice that lacks some."""
+    if not lacking(model.whole):
+        return {}
+    return {t.prefix: term_kernels(low, e, "row") for t, e in zip(model.energies, model.whole.energies)}
+
+
+def held_rows(found, model, low, law):
+    """With what is asked for where some sites do not move: which they are, and the law of the others."""
+    return replace(found, held=True, law=response_kernel(low, law) if law else None) if isinstance(found, Rows) and model.moving else found
 
 
 def one_lattice(overs):
@@ -123,16 +168,6 @@ def midpoint_rows(model, f) -> bool:
     return swept and "extended" not in model.features and model.method.stages == 1
 
 
-def quadratic(low, t) -> bool:
-    """Is its Hessian free of vectors, and the term the same in every cell, or one of single sites?"""
-    blocks = [x for block in t.derived.hessian.values() for x in block]
-    if t.derived.parts or switched(t.derived) or not isinstance(t.over, (Lattice, Sites)):
-        return False
-    gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
-    same = differs(t) or not set(t.over.bound) & mentions(*gradient.body)
-    return same and not any(x.free_symbols & {v for vector in t.derived.vectors for v in vector} for x in blocks)
-
-
 def fits(found: Rows, lattices) -> bool:
     """Several colours of equally many sites; bonds that begin in the cell of a member, and reach no further than vectors may."""
     c = found.colours
@@ -148,9 +183,14 @@ def known_rows(found: Rows, lattices) -> int:
     return found.colours.colours * found.ranks * found.step * (2 * (reach or [0])[0] + found.step) * prod(2 * r + 1 for r in reach[1:])
 
 
-def rest_field(model, low, f):
+def rest_field(model, low, f, whole):
     """A bound on the norm of the field where all w are 0, at all times, of what all sites have alike; None where there is none."""
-    return row_sums(model, low, f, lambda t, k: 0 if differs(t) else rest_norm(low, t, k))
+    return row_sums(model, low, f, lambda t, k: alike(low, whole.get(t.prefix, t), k, rest_norm))
+
+
+def alike(low, t, k, norm):
+    """The norm of a term that all sites have alike, 0 of others."""
+    return 0 if differs(t) or two_ended(t) else norm(low, t, k)
 
 
 def rest_norm(low, t, k):
@@ -160,9 +200,9 @@ def rest_norm(low, t, k):
     return largest_ever(low, sp.sqrt(sum(x ** 2 for x in values)))
 
 
-def hessian(model, low, f):
+def hessian(model, low, f, whole):
     """The same of the norms of the Hessian's blocks in a row."""
-    return row_sums(model, low, f, lambda t, k: 0 if differs(t) else hessian_norm(low, t, k))
+    return row_sums(model, low, f, lambda t, k: alike(low, whole.get(t.prefix, t), k, hessian_norm))
 
 
 def hessian_norm(low, t, k):
@@ -191,9 +231,9 @@ def row_functions(model) -> list:
     places = range(found.over.sites)
     size = [model.low.size(n) for n in found.over.size]
     apart = [f for one in found.sited.values() for f in one.functions]
-    kernels = [in_lanes(f) for t in model.energies if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    kernels = [in_lanes(f) for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
-    return [*apart, *value_function(found.sited.values()), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+    return [*apart, *value_function(found.sited.values(), found.held), *law_function(found), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
@@ -202,8 +242,8 @@ def row_functions(model) -> list:
 def bounds_of_a_row(model) -> list:
     """Those that midpoints and turns ask for: of the field of no spins; of the Hessian, where sweeps from site to site have another one or none."""
     found, apart = model.in_rows, model.in_rows.sited.values()
-    said = (("smg_rest_field_norm", found.rest, [one.rest for one in apart]),
-            ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm, [one.norm for one in apart]))
+    said = (("smg_rest_field_norm", found.rest, [one.rest for one in apart if one.rest]),
+            ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm, [one.norm for one in apart if one.norm]))
     return [Function("smg_real", name, SITE, (Return(with_sites(bound, some)),), wanted=True) for name, bound, some in said if bound is not None and (name, bound) != swept(model)]
 
 
@@ -234,6 +274,16 @@ def place_function(found: Rows) -> Function:
     return Function("int64_t", "smg_place", arguments, (*tests, Return(ZERO)), wanted=True)
 
 
+def number_of_values(found: Rows) -> int:
+    """That differ from site to site; the last tells which sites move."""
+    return sum(one.width for one in found.sited.values()) + found.held
+
+
+def law_function(found: Rows) -> list:
+    """smg_law(c, k, r): smg_response of sites that move."""
+    return [Function("void", "smg_law", (*SITE, Argument("smg_real *", "r")), stored(found.law), wanted=True)] if found.law else []
+
+
 def row_settings(model) -> dict:
     """The macros of smg_rows.h."""
     found = model.in_rows
@@ -241,7 +291,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_LAW" if found.law else "SMG_ALL_OR_NOTHING": 1} if found.held else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
@@ -265,10 +315,20 @@ class Beside:
     ring: int
 
 
-def neighbours(model, sub: int) -> list:
+def row_terms(model) -> list:
+    """Those of the energy, as rows have them."""
+    return [model.in_rows.whole.get(t.prefix, t) for t in model.energies]
+
+
+def row_roles(model, whole=None) -> list:
+    """The effects and slots through which a site feels something."""
+    whole = model.in_rows.whole if whole is None else whole
+    return [(whole.get(t.prefix, t), k) for t, k in model.roles(model.families[0].name)]
+
+
+def neighbours(model, sub: int, whole=None) -> list:
     """What stands beside the sites of a place, each once."""
-    f = model.families[0]
-    found = [beside(t, bond, k, q) for t, k in model.roles(f.name) for bond in bonds_of(t, k, sub) for q in range(len(t.slots)) if q != k]
+    found = [beside(t, bond, k, q) for t, k in row_roles(model, whole) for bond in bonds_of(t, k, sub) for q in range(len(t.slots)) if q != k]
     return list(dict.fromkeys(found))
 
 
@@ -297,15 +357,25 @@ def row_gradient(model) -> Function:
 
 
 def row_part(model, sub: int) -> tuple:
-    """The terms of the sites of a place."""
+    """The terms of the sites of a place; 0 of those that do not move."""
+    return (*terms_of_place(model, sub), *(held_still(model.in_rows) if model.in_rows.held else ()))
+
+
+def held_still(found: Rows) -> tuple:
+    moves = Let("moves", taken_value(number_of_values(found) - 1), "const smg_lanes")
+    return (moves, *(Assign(Element("sum", a), Name("moves"), "*=") for a in range(3)))
+
+
+def terms_of_place(model, sub: int) -> tuple:
     beside = neighbours(model, sub)
     own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Pointed("run", "start") + Index("j"), Name("own"))))
-    return (*own, *(line for t, k in model.roles(model.families[0].name) for bond in bonds_of(t, k, sub) for line in one_term(model, t, k, bond, beside)))
+    return (*own, *(line for t, k in row_roles(model) for bond in bonds_of(t, k, sub) for line in one_term(model, t, k, bond, beside, sub)))
 
 
-def one_term(model, t, k: int, bond, known: list) -> list:
+def one_term(model, t, k: int, bond, known: list, sub: int) -> list:
     """Of a term that differs from site to site, with its values."""
     one = model.in_rows.sited.get(t.prefix)
+    one = one.at(sub, k, bond) if isinstance(one, Bonded) else one
     return term_of_row(t, k, bond, known) if one is None else [Scope((*taken_values(one), *term_of_row(t, k, bond, known, names(one))))]
 
 
@@ -372,8 +442,8 @@ def slots_of(model, value) -> Slots:
 
 
 def site_values(model) -> int:
-    """The numbers that differ from site to site."""
-    return sum(len(one.values) for one in model.in_rows.sited.values())
+    """The numbers that stand in arrays by slots."""
+    return number_of_values(model.in_rows)
 
 
 def besides(model) -> int:
@@ -386,7 +456,9 @@ class ByRows(Part):
     name, layout = "in_rows", "rows"
 
     def made(self, model, low):
-        return rows(model, low)
+        found = rows(model, low)
+        model.why_by_site = found if isinstance(found, str) else ""
+        return found if isinstance(found, Rows) else None
 
     def functions(self, model):
         return row_functions(model)
@@ -398,7 +470,7 @@ class ByRows(Part):
         return row_settings(model)
 
     def members(self, model):
-        values = [("smg_real *row_values", "numbers of sites by slots, one after the other")] if model.in_rows.sited else []
+        values = [("smg_real *row_values", "numbers of sites by slots, one after the other")] if number_of_values(model.in_rows) else []
         return values + ([] if model.method.stage_rows else row_members(model.method.of_midpoints))
 
     def instead(self, model):

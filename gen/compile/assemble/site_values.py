@@ -30,6 +30,15 @@ class Sited:
     norm: Function | None
 
     @property
+    def width(self) -> int:
+        """Numbers that a site has of it."""
+        return len(self.values)
+
+    def calls(self) -> list:
+        """The statements that return each."""
+        return [value_call(f.name) for f in self.values]
+
+    @property
     def functions(self) -> list:
         return [f for f in (self.gradient, *self.values, self.rest, self.norm) if f is not None]
 
@@ -119,8 +128,11 @@ def of_site(low, t, what: str, e) -> Function:
 
 def taken(one: Sited) -> tuple:
     """The values of the slots of one vector, in lanes."""
-    return tuple(Let(name, Call("smg_take_value", (Name("run"), total(one.first + n), Index("pitch"), Index("j"))), "const smg_lanes")
-                 for n, name in enumerate(names(one)))
+    return tuple(Let(name, taken_value(one.first + n), "const smg_lanes") for n, name in enumerate(names(one)))
+
+
+def taken_value(n: int) -> Call:
+    return Call("smg_take_value", (Name("run"), total(n), Index("pitch"), Index("j")))
 
 
 def names(one: Sited) -> list:
@@ -128,13 +140,17 @@ def names(one: Sited) -> list:
     return [a.name for a in one.gradient.arguments if a.kind == "smg_lanes"]
 
 
-def value_function(found) -> list:
-    """smg_site_value(c, n, site): the n-th number of a site."""
-    calls = [Call(f.name, (Name("c"), Index("site"))) for one in found for f in one.values]
-    if not calls:
+def value_function(found, held: bool) -> list:
+    """smg_site_value(c, n, site): the n-th number of a site; held: behind those of terms whether it moves."""
+    bodies = [body for one in found for body in one.calls()] + [value_call("smg_moves")] * held
+    if not bodies:
         return []
-    tests = [If((compare(Index("n"), "==", total(n)),), (Return(call),)) for n, call in enumerate(calls[:-1])]
-    return [Function("smg_real", "smg_site_value", (COEFFICIENTS, Argument("int64_t", "n"), Argument("int64_t", "site")), (*tests, Return(calls[-1])), wanted=True)]
+    tests = [If((compare(Index("n"), "==", total(n)),), body) for n, body in enumerate(bodies[:-1])]
+    return [Function("smg_real", "smg_site_value", (COEFFICIENTS, Argument("int64_t", "n"), Argument("int64_t", "site")), (*tests, *bodies[-1]), wanted=True)]
+
+
+def value_call(name: str) -> tuple:
+    return (Return(Call(name, (Name("c"), Index("site")))),)
 
 
 def with_sites(bound, functions):

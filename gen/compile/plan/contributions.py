@@ -36,7 +36,15 @@ def shares_of(contributions) -> dict:
 
 
 def responses_of(contributions) -> dict:
-    """Family -> its `Response`, of those that have one: a law, with what torques add to it. Raises UsageError where a family has two laws."""
+    """Family -> its `Response`, of those that have one: its law, or nothing at sites that do not move."""
+    found = laws_of(contributions)
+    for family, share in shares_of(contributions).items():
+        found[family] = found.get(family, Response()).times(share)
+    return found
+
+
+def laws_of(contributions) -> dict:
+    """Family -> the `Response` of those of its sites that move: a law, with what torques add to it. Raises UsageError where a family has two laws."""
     found = {}
     for c in contributions:
         for family in dict.fromkeys(family for family, _ in c.slots if c.response is not None):
@@ -48,8 +56,6 @@ def responses_of(contributions) -> dict:
         if family:
             law = found.get(family, Response())
             found[family] = law.pushed(*c.push) if c.push else law
-    for family, share in shares_of(contributions).items():
-        found[family] = found.get(family, Response()).times(share)
     return found
 
 

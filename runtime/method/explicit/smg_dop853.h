@@ -146,7 +146,7 @@ static inline void smg_take_step(smg_state *s) {
   smg_take_increment(s, 1);
 #if SMG_PROJECT
   for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-    smg_back_on_leaf(s, k, y + 3 * k, smg_vector(s, SMG_Y_COMPENSATION) + 3 * k);
+    if (smg_moves(&s->c, k) > 0) smg_back_on_leaf(s, k, y + 3 * k, smg_vector(s, SMG_Y_COMPENSATION) + 3 * k);
 #endif
 }
 

@@ -1,0 +1,110 @@
+"""Bonds that differ from cell to cell, on lattices by rows: what the numbers of their two sites decide stands in arrays by slots, one for each of
+the bonds of a site, which the gradient loads in lanes as it does that of `site_values.py`.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...language.spec import Lattice
+from ..lower.code import Argument, Assign, Call, Function, If, Let, Name, Return, Scope, Variable, mentions
+from ..lower.integers import ZERO, Computed, Index, compare, modulo, total, whole
+from ..lower.kernels import COEFFICIENTS
+from .families import returned
+from .site_values import Sited, lane_gradient, parted
+
+SITE = (COEFFICIENTS, Argument("int64_t", "k"))
+
+
+@dataclass(frozen=True)
+class Role:
+    """A site feels a term by a slot, through a bond; beside: the number of the other end among what stands beside it; first: is it the first end?"""
+    slot: int
+    bond: tuple
+    beside: int
+    first: bool
+
+
+@dataclass(frozen=True)
+class Bonded(Sited):
+    """A term on bonds; roles: for each place the `Role`s in which its sites feel it; ends: the functions of the bounds of one bond, by slot: (of the
+    field of no spins, of the Hessian)."""
+    roles: tuple = ()
+    ends: tuple = ()
+
+    @property
+    def width(self) -> int:
+        return len(self.values) * max(map(len, self.roles))
+
+    @property
+    def functions(self) -> list:
+        return [*[f for pair in self.ends for f in pair if f is not None], *super().functions]
+
+    def at(self, sub: int, k: int, bond) -> Sited:
+        """With the number of the first value of a role."""
+        n = next(n for n, role in enumerate(self.roles[sub]) if (role.slot, role.bond) == (k, bond))
+        return replace(self, first=self.first + n * len(self.values))
+
+    def calls(self) -> list:
+        """The statements that return each number of a site, in their order; 0 where it has none."""
+        return [self.returned(n // len(self.values), self.values[n % len(self.values)]) for n in range(self.width)]
+
+    def returned(self, n: int, f: Function) -> tuple:
+        """Of the n-th role of each place."""
+        return (Let("k", Index("site")), *by_sub(self.roles, lambda some: found_end(some[n], (Return(ended(f, some[n])),)) if n < len(some) else ()), Return(ZERO))
+
+
+def two_ended(t) -> bool:
+    """Is it a term on bonds of two sites whose gradient depends on their numbers?"""
+    gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
+    both = isinstance(t.over, Lattice) and len(t.slots) == 2 and {slot for _, slot in t.slots} == set(t.over.bound)
+    return both and bool(set(t.over.bound) & mentions(*gradient.body))
+
+
+def bonded(low, t, first: int, roles, bounds) -> Bonded:
+    """bounds(k): (of the field of no spins, of the Hessian) of one bond in the row of slot k; None where nobody asks."""
+    gradient, values = bond_partings(low, t)
+    functions = tuple(of_bond(low, t, symbol.name, e) for e, symbol in values.items())
+    ends = tuple(tuple(None if e is None or e == 0 else of_bond(low, t, f"{what}{k}", e) for what, e in zip(("rest", "norm"), bounds(k))) for k in (0, 1))
+    sums = [sum_of(t, what, n, roles, ends) if all(end[n] for end in ends) else None for n, what in enumerate(("rest", "norm"))]
+    return Bonded(lane_gradient(low, t, gradient, values), functions, first, *sums, roles, ends)
+
+
+def bond_partings(low, t) -> tuple:
+    values: dict = {}
+    return [parted(low, low.number_values(x), values) for row in t.derived.gradient for x in row], values
+
+
+def numbers_of(low, t, roles) -> int:
+    return len(bond_partings(low, t)[1]) * max(map(len, roles))
+
+
+def of_bond(low, t, what: str, e) -> Function:
+    """A number of a bond."""
+    arguments = (COEFFICIENTS, *(Argument("int64_t", i) for i in t.over.bound))
+    return Function("smg_real", f"{t.prefix}_{what}", arguments, returned(low.kernel([e], t.derived.leaves)))
+
+
+def ended(f: Function, role: Role) -> Call:
+    """That number of the bond of a role, of site k and the one beside it."""
+    return Call(f.name, (Name("c"), *((Index("k"), Index("other")) if role.first else (Index("other"), Index("k")))))
+
+
+def found_end(role, body) -> tuple:
+    """The statements where the bond of a role is not cut at an open end."""
+    other = Let("other", Computed("smg_site_beside", (Index("c"), Index("k"), whole(role.beside))))
+    return (other, If((compare(Index("other"), ">=", ZERO),), body))
+
+
+def by_sub(roles, body_of) -> tuple:
+    """Statements for the sites of each place."""
+    if len(roles) == 1:
+        return body_of(roles[0])
+    place = modulo(Index("k"), total(len(roles)))
+    return tuple(If((compare(place, "==", total(sub)),), body_of(some)) for sub, some in enumerate(roles) if body_of(some))
+
+
+def sum_of(t, what: str, n: int, roles, ends) -> Function:
+    """A bound at site k: the sum of those of its bonds."""
+    def added(some):
+        return tuple(Scope(found_end(role, (Assign(Name("sum"), ended(ends[role.slot][n], role), "+="),))) for role in some)
+    return Function("smg_real", f"{t.prefix}_{what}", SITE, (Variable("smg_real", "sum", ZERO), *by_sub(roles, added), Return(Name("sum"))))

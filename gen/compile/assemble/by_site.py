@@ -1,0 +1,81 @@
+"""Why the steps of a lattice go site by site, and not by rows (rows.py): the first reason that is found, as a sentence goes on behind
+"because"; None where there is none.
+"""
+from __future__ import annotations
+
+import sympy as sp
+
+from ...language.expr import Num
+from ...language.spec import Lattice, Sites
+from ..derive.derivatives import switched
+from ..lower.code import mentions
+from ..lower.lowering import CLOCK, index_names
+from .bond_values import two_ended
+from .response import indexed, response_kernel
+from .site_values import MOST, differs
+
+
+def of_lattices(model) -> str | None:
+    """The bonds: "" where there are none of a lattice, and nobody asks."""
+    found = {(t.over.size, t.over.sites) for t in model.fields if isinstance(t.over, Lattice)}
+    return "" if not found else "its bonds are those of several lattices" if len(found) > 1 else None
+
+
+def of_family(model, f) -> str | None:
+    """The space."""
+    if len(model.families) > 1:
+        return f"there are {len(model.families)} families"
+    if f.kind != "sphere":
+        return f"`{f.name}` is not a family of spheres"
+    for what, formula, kernel in (("kappa", f.family.kappa, f.kappa), ("radius", f.family.radius, f.radius)):
+        if index_names(formula) or kernel.values:
+            return f"the {what} of `{f.name}` differs from site to site"
+    return None
+
+
+def of_laws(model, low, laws) -> str | None:
+    """What sites do beside precession; laws: of those that move."""
+    effects = [c.name for c in model.contributions if c.response is not None or c.push or c.bends or c.moves is not None]
+    if model.torques:
+        return f"the torque `{model.torques[0].derived.term.name}` has no closed form"
+    if model.responses and model.method.stage_rows:
+        return f"{model.method.title} has no step by rows with `{effects[0]}`"
+    names = " and ".join(f"`{c.name}`" for c in model.contributions if c.response is not None or c.push)
+    if any(map(indexed, laws.values())):
+        return f"what sites do by {names} differs from site to site"
+    if any(low.when(x.expr) >= CLOCK for law in laws.values() for x in response_kernel(low, law).results):
+        return f"what sites do by {names} depends on time"
+    if model.moving and any(x != Num(0) for law in laws.values() for x in (*law.F0, *law.Q0)):
+        torques = " and ".join(f"`{c.name}`" for c in model.contributions if c.push)
+        return f"some sites do not move, and the torque {torques} turns sites where there is no field"
+    return None
+
+
+def of_term(low, t) -> str | None:
+    """A term of the energy: its Hessian is free of vectors, and it is the same in every cell, or one of single sites or of bonds of two."""
+    name = f"`{t.derived.term.name}`"
+    if not isinstance(t.over, (Lattice, Sites)):
+        return f"{name} is a sum over neither sites nor bonds of the lattice"
+    if switched(t.derived):
+        return f"{name} has branches"
+    blocks = [x for block in t.derived.hessian.values() for x in block]
+    if t.derived.parts or any(x.free_symbols & {v for vector in t.derived.vectors for v in vector} for x in blocks):
+        return f"{name} is not quadratic in the spins"
+    gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
+    if not differs(t) and not two_ended(t) and set(t.over.bound) & mentions(*gradient.body):
+        return f"{name} differs from bond to bond"
+    return None
+
+
+def of_absent(t) -> str | None:
+    """A term on bonds of a lattice with absent sites, which stand there as 0: then others must feel nothing of it."""
+    for k, row in enumerate(t.derived.gradient):
+        for q, vector in enumerate(t.derived.vectors):
+            if q != k and any(sp.expand(sp.sympify(x).subs({v: 0 for v in vector})) != 0 for x in row):
+                return f"`{t.derived.term.name}` does not vanish where one of its spins is 0, and some sites are absent"
+    return None
+
+
+def of_numbers(found: int) -> str | None:
+    """The numbers that differ from site to site."""
+    return f"{found} numbers differ from site to site, more than {MOST}" if found > MOST else None
