@@ -61,17 +61,11 @@ static inline int smg_tracer(const smg_coefficients *c, int64_t k) {
 
 /* ---- a site: w.w = 1, kappa = 1 ---------------------------------------------------------- */
 #if !SMG_OWN_KIND
-static inline int smg_kind(const smg_coefficients *c, int64_t k) {
-  (void)c, (void)k;
-  return SMG_SPHERE;
-}
+static inline int smg_kind(const smg_coefficients *c, int64_t k) { return (void)c, (void)k, SMG_SPHERE; }
 #endif
 
 #if !SMG_OWN_KAPPA
-static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) {
-  (void)c, (void)k;
-  return 1;
-}
+static inline smg_real smg_kappa(const smg_coefficients *c, int64_t k) { return (void)c, (void)k, (smg_real)1; }
 #endif
 
 #if !SMG_OWN_PRESENT
@@ -90,10 +84,7 @@ static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, sm
 #endif
 
 #if !SMG_OWN_RADIUS
-static inline smg_real smg_radius(const smg_coefficients *c, int64_t k) {
-  (void)c, (void)k;
-  return 1;
-}
+static inline smg_real smg_radius(const smg_coefficients *c, int64_t k) { return (void)c, (void)k, (smg_real)1; }
 #endif
 
 #if !SMG_OWN_NORMAL

@@ -277,8 +277,9 @@ static inline int64_t smg_offsets(int64_t sub, smg_offset *beside);
 /* The number of the site that is the n-th beside one, -1 beyond an open end. */
 static inline int64_t smg_site_beside(const smg_coefficients *c, int64_t site, int64_t n) {
   smg_offset all[SMG_BESIDES];
+  const smg_offset *o = all + n;
   int64_t cell = site / SMG_PLACES, found = 0, size = SMG_PLACES;
-  const smg_offset *o = all + n * (smg_offsets(site % SMG_PLACES, all) > n);
+  if (n >= smg_offsets(site % SMG_PLACES, all)) return -1;
   for (int d = 0; d < 4; ++d) {
     const int64_t cells = smg_cells(c, d), to = cell % cells + o->cell[d];
     if (!(o->ring >> d & 1) && (to < 0 || to >= cells)) return -1;

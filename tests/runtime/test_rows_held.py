@@ -72,11 +72,35 @@ def test_restored_it_goes_on(spec):
     assert restored(model) and one_by_one(model)
 
 
+BONDS = {       # of these lattices, by numbers of their ends
+    "drawn": '[effects.random]\nover = "bond(i, j) of {}"\nenergy = "-normal(1, i, j)*dot(w[i], w[j])/4"\n', "in time": '[effects.random]\nover = "bond(i, j) of {}"\nenergy = "0.3*cos(t + i - j)*w[i].x*w[j].z"\n',
+    "by site": '[effects.random]\nover = "bond(i, j) of {}"\nenergy = "0.4*a[i]*triple(vec(0, 0, 1), w[i], w[j]) + 0.2*(w[i].x + w[j].y)*b[j]"\n'}
+
+
+@pytest.mark.parametrize("place, kind", [("odd square", "drawn"), ("ladder", "in time"), *(pytest.param(p, k, marks=pytest.mark.long) for p, k in
+                                         [("ring", "drawn"), ("open chain", "by site"), ("blocks", "drawn"), ("ladder", "by site"), ("pieces", "drawn")])])
+def test_bonds_that_differ_go_by_rows(place, kind):
+    """Without absent sites, with fields by site beside them."""
+    spec = drawn(place, KINDS["field"], bonds=BONDS[kind].format(PLACES[place][0]))
+    model, steps = smidgen.build(spec).start("random", h=0.08, t0=0.37), 4 if PLACES[place][3] < 200 else 2
+    w = model.w.copy()
+    assert by_rows(spec) and np.abs(model.steps(steps).w - Witness(spec).steps(w, 0.37, 0.08, steps)[-1]).max() <= 2e-14
+
+
+@pytest.mark.parametrize("method", ["sublattice-rotations", pytest.param("gauss-4", marks=pytest.mark.long)])
+def test_so_they_do_by_other_methods(method):
+    spec = drawn("ladder", KINDS["field"], bonds=BONDS["drawn"].format("rungs.all"))
+    model = smidgen.build(spec, method=method).start("random", h=0.08)
+    w, found = model.w.copy(), model.steps(4).w
+    assert by_rows(spec, method) and np.abs(found - Witness(spec).steps(w, 0.0, 0.08, 4, method)[-1]).max() <= 2e-14
+
+
 @pytest.mark.parametrize("what, said", [
     (PINNED + TORQUE, "some sites do not move, and the torque `current` turns sites where there is no field"),
     (PINNED + DAMPED.replace("0.1", '"0.1*(1 + mod(i, 2))"'), "what sites do by `bath` differs from site to site"),
     (ABSENT + '[effects.squares]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(w[i] - w[j], w[i] - w[j])"\n', "`squares` does not vanish where one of its spins is 0, and some sites are absent"),
-    ('[effects.random]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "uniform(1, i, j)*w[i].x*w[j].x"\n', "`random` differs from bond to bond"),
+    ('[effects.random]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(vec(uniform(1, i, j), uniform(2, i, j), uniform(3, i, j)), w[i])*w[j].x"\n',
+     "10 numbers differ from site to site, more than 8"),
     ('[effects.quartic]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(w[i], w[j])^2"\n', "`quartic` is not quadratic in the spins")])
 def test_what_prevents_it_is_said(what, said):
     """In `gen` and `run`, by the notes, and by `explain`."""

@@ -1,7 +1,7 @@
 """Rows of a lattice for vectors of lanes: where sites stand, and the gradient of some slots (runtime/lattice/smg_rows.h).
 
 They serve one family of spheres, alone on a lattice of several colours, all alike: a constant strength and radius, and a quadratic
-energy whose terms are the same in every cell. They may depend on time where a bound is known that holds at all times: a state goes by
+energy whose terms are the same in every cell, or differ by numbers that stand in arrays by slots. They may depend on time where a bound is known that holds at all times: a state goes by
 rows or it does not, whatever the time is.
 """
 from __future__ import annotations
@@ -75,7 +75,8 @@ def rows(model, low):
     """`Rows`, or why they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
     f, laws = model.families[0], laws_of(model.contributions)
     over = one_lattice(model.lattices(f.name))
-    why_not = of_lattices(model) or of_family(model, f) or of_laws(model, low, laws)
+    why_not = of_lattices(model)
+    why_not = why_not if why_not is not None else of_family(model, f) or of_laws(model, low, laws) or (None if over else "its sites feel no bond")
     if why_not is None and not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
         why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
     if why_not is not None:
