@@ -12,10 +12,7 @@ static inline void smg_gradient(const smg_coefficients *c, const smg_real *w, sm
 
 /* ---- parameters and time ---------------------------------------------------------------- */
 #if !SMG_OWN_PREPARE
-static inline int smg_prepare(smg_model *model) {
-  (void)model;
-  return 1;
-}
+static inline int smg_prepare(smg_model *model) { return (void)model, 1; }
 #endif
 
 #if !SMG_OWN_SET_STEP
@@ -32,31 +29,19 @@ static inline int64_t smg_coupled(const smg_coefficients *c) { return smg_sites(
 #endif
 
 #if !SMG_OWN_FAMILY_END
-static inline int64_t smg_family_end(const smg_coefficients *c, int f) {
-  (void)f;
-  return smg_sites(c);
-}
+static inline int64_t smg_family_end(const smg_coefficients *c, int f) { return (void)f, smg_sites(c); }
 #endif
 
 #if !SMG_OWN_SITE
-static inline int64_t smg_site(const smg_coefficients *c, int64_t row) {
-  (void)c;
-  return row;
-}
+static inline int64_t smg_site(const smg_coefficients *c, int64_t row) { return (void)c, row; }
 #endif
 
 #if !SMG_OWN_ROW
-static inline int64_t smg_row(const smg_coefficients *c, int64_t k) {
-  (void)c;
-  return k;
-}
+static inline int64_t smg_row(const smg_coefficients *c, int64_t k) { return (void)c, k; }
 #endif
 
 #if !SMG_OWN_TRACER
-static inline int smg_tracer(const smg_coefficients *c, int64_t k) {
-  (void)c, (void)k;
-  return 0;
-}
+static inline int smg_tracer(const smg_coefficients *c, int64_t k) { return (void)c, (void)k, 0; }
 #endif
 
 /* ---- a site: w.w = 1, kappa = 1 ---------------------------------------------------------- */
@@ -78,8 +63,7 @@ static inline smg_real smg_moves(const smg_coefficients *c, int64_t k) { return 
 
 #if !SMG_OWN_H_OVER_KAPPA
 static inline smg_real smg_h_over_kappa(const smg_coefficients *c, int64_t k, smg_real h) {
-  (void)c, (void)k;
-  return h;
+  return (void)c, (void)k, h;
 }
 #endif
 
@@ -105,31 +89,19 @@ static inline void smg_coupled_gradient(const smg_coefficients *c, const smg_rea
 
 /* ---- rows of a lattice with one site in a cell, in no field ------------------------------- */
 #if !SMG_OWN_SHIFT
-static inline int64_t smg_shift(int64_t sub) {
-  (void)sub;
-  return 0;
-}
+static inline int64_t smg_shift(int64_t sub) { return (void)sub, 0; }
 #endif
 
 #if !SMG_OWN_RANK
-static inline int64_t smg_rank(int64_t sub) {
-  (void)sub;
-  return 0;
-}
+static inline int64_t smg_rank(int64_t sub) { return (void)sub, 0; }
 #endif
 
 #if !SMG_OWN_PLACE
-static inline int64_t smg_place(int64_t colour, int64_t rank) {
-  (void)colour;
-  return rank;
-}
+static inline int64_t smg_place(int64_t colour, int64_t rank) { return (void)colour, rank; }
 #endif
 
 #if !SMG_OWN_REST_FIELD_NORM
-static inline smg_real smg_rest_field_norm(const smg_coefficients *c, int64_t k) {
-  (void)c, (void)k;
-  return 0;
-}
+static inline smg_real smg_rest_field_norm(const smg_coefficients *c, int64_t k) { return (void)c, (void)k, 0; }
 #endif
 
 #endif

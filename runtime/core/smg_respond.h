@@ -95,14 +95,12 @@ static inline void smg_respond_all(const smg_coefficients *c, const smg_real *w,
 #else
 SMG_INLINE const smg_real *smg_respond(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
                                        smg_real *room) {
-  (void)c, (void)k, (void)m, (void)room;
-  return g;
+  return (void)c, (void)k, (void)m, (void)room, g;
 }
 
 SMG_INLINE const smg_real *smg_respond_change(const smg_coefficients *c, int64_t k, const smg_real *m,
                                               const smg_real *y, smg_real *room) {
-  (void)c, (void)k, (void)m, (void)room;
-  return y;
+  return (void)c, (void)k, (void)m, (void)room, y;
 }
 
 SMG_INLINE void smg_respond_row(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real *row) {
@@ -116,8 +114,7 @@ SMG_INLINE void smg_respond_turn(const smg_coefficients *c, int64_t k, const smg
 
 SMG_INLINE smg_real smg_respond_norm(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
                                      smg_real radius, smg_real norm) {
-  (void)c, (void)k;
-  return norm * radius + smg_abs(smg_dot(m, g)) / radius;
+  return (void)c, (void)k, norm * radius + smg_abs(smg_dot(m, g)) / radius;
 }
 
 SMG_INLINE void smg_respond_all(const smg_coefficients *c, const smg_real *w, smg_real *g) {

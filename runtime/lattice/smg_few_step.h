@@ -142,8 +142,7 @@ SMG_INLINE smg_lanes smg_few_norm(const smg_told *told, const smg_lanes *m, cons
   return (smg_abs(told->r[0]) + r * smg_abs(told->r[1])) * norms * r + smg_lane_abs(smg_lane_dot(m, F)) / r +
          smg_lane_abs(smg_lane_dot(m, Q));
 #else
-  (void)told;
-  return r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r;
+  return (void)told, r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r;
 #endif
 }
 

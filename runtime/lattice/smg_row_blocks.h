@@ -64,8 +64,7 @@ static int smg_find_blocks(const smg_coefficients *c, smg_blocks *b) {
 /* Does the lattice stand in blocks? Where it is small, has no empty slots, and is not shared by ranks. */
 static int smg_in_blocks(const smg_coefficients *c, smg_blocks *b) {
 #if defined(SMG_MPI)
-  (void)c, (void)b;
-  return 0;
+  return (void)c, (void)b, 0;
 #else
   return SMG_BLOCKS && SMG_ROOM_FOR_BESIDE && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO &&
          !smg_meet_at_seam(c) && smg_find_blocks(c, b);

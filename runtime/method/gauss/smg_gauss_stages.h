@@ -103,8 +103,7 @@ SMG_INLINE void smg_take_z(const smg_gauss_work *a, int64_t k, smg_real *z) {
 /* x/|w|; of a site at rest at w = 0, 0. */
 SMG_INLINE smg_real smg_over_length(const smg_state *s, const smg_gauss_work *a, int64_t k, smg_real x) {
   const smg_real length = smg_length(s, k);
-  (void)a;
-  return length > 0 ? x / length : 0;
+  return (void)a, length > 0 ? x / length : 0;
 }
 
 static inline void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t k, const smg_real *u, smg_real *z) {

@@ -218,8 +218,7 @@ SMG_INLINE void smg_take_z(const smg_gauss_work *a, int64_t slot, smg_lanes *z) 
 }
 
 SMG_INLINE smg_lanes smg_over_length(const smg_state *s, const smg_gauss_work *a, int64_t slot, smg_lanes x) {
-  (void)s, (void)slot;
-  return a->inverse * x;
+  return (void)s, (void)slot, a->inverse * x;
 }
 
 SMG_INLINE void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t slot, const smg_lanes *u,
