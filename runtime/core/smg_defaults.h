@@ -22,6 +22,9 @@
 #ifndef SMG_TORQUES
 #define SMG_TORQUES 0
 #endif
+#ifndef SMG_PUSHES
+#define SMG_PUSHES 0
+#endif
 #ifndef SMG_CYCLIC
 #define SMG_CYCLIC 0
 #endif

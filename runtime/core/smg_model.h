@@ -41,7 +41,7 @@
  *              smg_prepare(&model)                what they alone decide; 0 where one is not finite
  *              smg_family_end(c, f)               the site after the last of the f-th family
  *   response   smg_response(c, k, r)              r = f, q, F0, Q0: how site k moves in its field (smg_respond.h),
- *                                                 where SMG_RESPONDS says so
+ *                                                 where SMG_RESPONDS says so; SMG_PUSHES: some F0 or Q0 is not 0
  *   noise      smg_diffusion(c, k)                D of site k, the rate at which noise turns it (smg_thermal.h), where
  *                                                 SMG_THERMAL says so
  *   splitting  smg_slope_x(c, k, v), _y, _z       dH/dx of site k at the vector v, where no term joins two sites

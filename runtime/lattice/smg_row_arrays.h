@@ -67,11 +67,11 @@ static inline void smg_put_absent(smg_state *s, int by_slots) {
     if (smg_put_away(s, k) && by_slots) s->w[3 * k + 2] = 0;
 }
 
-/* w into slots, and back; empty ones hold a spin that nothing turns. */
+/* w into slots, and back; empty ones hold a spin that nothing turns, and 0 where a torque would turn it. */
 static void smg_enter_rows(smg_state *s) {
   const int64_t slots = smg_slots(&s->c), pitch = smg_pitch(&s->c);
   smg_put_absent(s, 1);
-  for (int64_t slot = 0; slot < slots; ++slot) s->row_w[2 * pitch + slot] = smg_radius(&s->c, 0);
+  for (int64_t slot = 0; slot < slots; ++slot) s->row_w[2 * pitch + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
   smg_to_slots(s, s->w, s->row_w);
 }
 

@@ -44,6 +44,10 @@ SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) 
 #if SMG_TOLD
   smg_lanes F[3], Q[3];
   smg_lane_told_parts(turn.told.r, g, F, Q);
+#if SMG_PUSHES
+  const smg_lane_mask there = (smg_lane_mask)(smg_lane_dot(w, w) > 0); /* in an empty slot w stays 0 */
+  for (int k = 0; k < 3; ++k) Q[k] = smg_lane_select(there, Q[k], smg_lane_of(0));
+#endif
   for (int k = 0; k < 3; ++k) {
     g[k] = turn.half * F[k];
     w[k] -= turn.half / turn.inverse * Q[k];

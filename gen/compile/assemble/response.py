@@ -4,6 +4,7 @@ from __future__ import annotations
 from ..derive.derivatives import scalar
 from ..lower.code import Argument, Assign, Element
 from ..lower.lowering import Kernel, index_names
+from ...language.expr import Num
 from ...effects.motion import Response
 from .families import SITE, by_family
 from .part import Part
@@ -54,4 +55,5 @@ class Responses(Part):
         return response_functions(model)
 
     def settings(self, model):
-        return {"SMG_RESPONDS": 1}
+        pushed = any(x != Num(0) for law in model.responses.values() for x in (*law.F0, *law.Q0))
+        return {"SMG_RESPONDS": 1, **({"SMG_PUSHES": 1} if pushed else {})}
