@@ -4,6 +4,7 @@
 
 #include "smg_row_slots.h"
 #include "smg_row_team.h"
+#include "smg_state.h"
 
 /* 1/radius^2: of a radius that the compiler knows, no number to multiply by where it is 1. */
 SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (smg_radius(c, 0) * smg_radius(c, 0)); }
