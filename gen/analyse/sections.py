@@ -101,7 +101,7 @@ def chart_of(points) -> Chart:
     axes = np.array([c, a, np.cross(c, a)])
     u = project(points, axes)
     if np.linalg.matrix_rank(u - u.mean(axis=0), tol=1e-12) < 2:
-        raise UsageError("the points are no closed curve: they lie on a line or are one point")
+        raise UsageError("the points do not form a closed curve: they lie on a line or are one point")
     return Chart(axes, u.mean(axis=0), np.linalg.cholesky(2 * np.cov(u.T)))
 
 
@@ -155,7 +155,7 @@ def fit_curve(points, degrees=DEGREES) -> Curve:
     phi, rho = chart.polar(points)
     bare = widest_gap(phi)
     if bare > GAP:
-        raise UsageError(f"the points are no closed curve: {bare:.3g} radians are bare")
+        raise UsageError(f"the points do not form a closed curve: {bare:.3g} radians are bare")
     best = fit_degree(chart, points, phi, rho, degrees[0])
     for degree in (d for d in degrees[1:] if 8 * d <= len(points)):
         last, more = best, fit_degree(chart, points, phi, rho, degree)

@@ -219,7 +219,7 @@ def write_files(files: dict, where: Path) -> None:
     """Write generated files; a name is one plain word, never a path."""
     for name, text in files.items():
         if Path(name).name != name:
-            raise BuildError(f"{name!r} is no file name")
+            raise BuildError(f"{name!r} is not a file name")
         (where / name).write_text(text, encoding="utf-8")
 
 

@@ -52,7 +52,7 @@ def verdicts(piece: Piece, library=()) -> list[Verdict]:
                 *(mean(piece, says, law, result) for law in says.get("mean", ()))]
     except SpecError as error:
         first = error.diagnostics[0]
-        raise UsageError(f"the test of {piece.name} is no spec: {first.cause}: `{first.text.strip()}` ({first.hint})") from None
+        raise UsageError(f"the test of {piece.name} is not a spec: {first.cause}: `{first.text.strip()}` ({first.hint})") from None
 
 
 def checked(says: dict, piece) -> dict:

@@ -24,7 +24,7 @@ def add(commands):
 def command(args):
     """Write the file; an existing one is never overwritten."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", args.name):
-        raise UsageError(f"'{args.name}' is no name: letters, digits and _, a letter first")
+        raise UsageError(f"'{args.name}' is not a valid name: letters, digits and _, a letter first")
     from ..read import load_text
     path = Path(args.out or f"{args.name}.toml")
     text = renamed(source_text(args.source), args.name)

@@ -51,7 +51,7 @@ def cost(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None =
     methods = known_methods(methods)
     if scene_of(spec, settings.effects, settings.parameters).heated:
         if peers or not ends:
-            raise UsageError("at a temperature the error is that of a mean: there are no general integrators beside, and no run without ends")
+            raise UsageError("at a temperature the error is that of a mean: general integrators and runs without a reference are not available")
         return weak_cost(spec, settings, time, methods, mean, seconds, lambda: {"machine": machine(), **measured(settings.native)}, progress)
     if mean is not None:
         raise UsageError(f"the mean of `{mean}` is judged at a temperature, and there is none: no effect of the scene has kT")

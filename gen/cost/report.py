@@ -91,7 +91,7 @@ def number(text: str) -> float:
     try:
         return float(text) if text else math.nan
     except ValueError:
-        raise UsageError(f"'{text}' is no number of a cost table") from None
+        raise UsageError(f"'{text}' is not a number in a cost table") from None
 
 
 def machine() -> str:

@@ -75,7 +75,7 @@ class TorqueReader:
         if declared[on.family].kind == "nambu":
             formula.wrong(codes.NOT_HERE, f"the sites of `{on.family}` are on Nambu leaves", "a torque is for sites on spheres or in R^3")
         if declared[on.family].tracer or self.terms.tracers(value):
-            formula.wrong(codes.NOT_HERE, "this torque moves or names tracers, which follow what carries them", "write it for families that are no tracers")
+            formula.wrong(codes.NOT_HERE, "this torque moves or names tracers, which follow what carries them", "write it for families that are not tracers")
 
     def tangent(self, formula, on: Spin, value) -> None:
         """w . torque = 0 on the sphere, in R^3 everywhere; or the error says what is left."""
@@ -107,7 +107,7 @@ class Torque(Term, Effect):
     told_by = ("torque",)
     keys = ("torque", "on")
     reader = TorqueReader
-    gives_up = {"by": "torques", "as": "torques act", "symplectic": "torques are no Hamiltonian field", "energy": "torques feed and take energy",
+    gives_up = {"by": "torques", "as": "torques act", "symplectic": "torques are not Hamiltonian", "energy": "torques add and remove energy",
                 "momentum": "torques turn sites without turning others back"}
 
     def mapped(self, over, formula) -> Torque:
@@ -119,7 +119,7 @@ class Torque(Term, Effect):
 
     @property
     def lost(self) -> dict[str, str]:
-        return dict.fromkeys(("energy", "momentum", "symplectic"), "a torque is no energy")
+        return dict.fromkeys(("energy", "momentum", "symplectic"), "a torque does not derive from an energy")
 
     @property
     def moved(self) -> tuple:

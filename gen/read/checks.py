@@ -511,7 +511,7 @@ def effects(spec: Spec, r: Run, h: float, path: tuple) -> Iterator[Trouble]:
         yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}, and the noise of `{noise}` has no step backward", f"give a positive step, or `without = [\"{noise}\"]`")
     more = next((e.name for e in called if e.pushes or e.damps), None)
     if more and not METHODS[r.method].responds:
-        yield Trouble(path + ("method",), codes.METHOD, f"method {r.method} is for sites that precess in their field alone, and `{more}` moves them otherwise",
+        yield Trouble(path + ("method",), codes.METHOD, f"method {r.method} is for sites that only precess in their field, and `{more}` adds another motion",
                       f"use {others(r.method)}, or `without = [\"{more}\"]`")
 
 

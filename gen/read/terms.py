@@ -75,7 +75,7 @@ class TermReader:
             self.affordable(node, formula, value)
         if key == "energy" and len(self.tracers(value)) > 1:
             formula.wrong(codes.NOT_HERE, "this energy joins two tracers, which act on none",
-                          "join each tracer to families that are no tracers")
+                          "join each tracer to families that are not tracers")
         return over, value
 
     @staticmethod

@@ -182,7 +182,7 @@ def multiple(duration: float, h: float, what: str) -> int:
     if abs(n * h - duration) <= limits.MULTIPLE * duration:
         return n
     low = math.floor(duration / h)
-    raise UsageError(f"{what} {duration:.15g} is no multiple of h = {h:.15g}; the nearest are "
+    raise UsageError(f"{what} {duration:.15g} is not a multiple of h = {h:.15g}; the nearest are "
                      f"{low * h:.15g} ({low} steps) and {(low + 1) * h:.15g} ({low + 1} steps)")
 
 

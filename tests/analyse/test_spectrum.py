@@ -199,12 +199,12 @@ def test_files_that_are_no_spectrum(random_run, tmp_path):
              "asked.csv": text.replace('"window"', '"wind"'), "a.csv.npz": text}
     for name, content in wrong.items():
         (tmp_path / name).write_text(content)
-        with pytest.raises(smidgen.UsageError, match="is no file of a smidgen run"):
+        with pytest.raises(smidgen.UsageError, match="is not a file of a smidgen run"):
             smidgen.load_spectrum(tmp_path / name)
     data = dict(np.load(found.save(tmp_path / "a.npz")))
     for broken in ({"s": data["s"][1:]}, {"omega": data["omega"][:, None]}, {"q": data["q"].astype(int)}, {"tau": data["tau"][1:]}):
         np.savez(tmp_path / "b.npz", **{**data, **broken})
-        with pytest.raises(smidgen.UsageError, match="is no file of a smidgen run"):
+        with pytest.raises(smidgen.UsageError, match="is not a file of a smidgen run"):
             smidgen.load_spectrum(tmp_path / "b.npz")
     for name, said in (("a.txt", "ends in .npz or .csv"), ("none.csv", "cannot read")):
         with pytest.raises(smidgen.UsageError, match=said):

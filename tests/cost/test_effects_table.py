@@ -84,7 +84,7 @@ def test_what_is_lost_and_why(rows):
     assert found["easy"].lost == {"momentum": "but along (0, 0, 1)"}
     assert set(found["pulse"].lost) == {"energy", "momentum"} and found["pulse"].lost["energy"] == "depends on the time"
     assert set(found["bath"].lost) == {"energy", "momentum", "symplectic", "reversible"}
-    assert found["drag"].lost == {**dict.fromkeys(("energy", "momentum", "symplectic"), "a torque is no energy"), "layout": "rows without it, sites with it"}
+    assert found["drag"].lost == {**dict.fromkeys(("energy", "momentum", "symplectic"), "a torque does not derive from an energy"), "layout": "rows without it, sites with it"}
 
 
 def test_times_with_and_without(rows):

@@ -144,14 +144,14 @@ def test_every_method_goes_to_the_same_end_at_its_order(method, name):
 @pytest.mark.quick
 def test_methods_without_such_a_step_refuse_it(method):
     spec = spec_of("body")
-    with pytest.raises(UsageError, match="precess in their field alone; use spherical-midpoint or|'stub' is no gradient of one"):
+    with pytest.raises(UsageError, match="only precess in their field; use spherical-midpoint or|'stub' is no gradient of one"):
         files_of(spec, LL.response(), method)
 
 
 @pytest.mark.quick
 def test_what_else_is_refused():
     """Extended precision, Nambu leaves, and two laws for one family."""
-    with pytest.raises(UsageError, match="feature extended is for sites that precess"):
+    with pytest.raises(UsageError, match="feature extended is for sites that only precess"):
         files_of(spec_of("body"), LL.response(), features=("extended",))
     with pytest.raises(UsageError, match="not on Nambu leaves, as 'w' is"):
         files_of(smidgen.load("nambu_a31"), LL.response())

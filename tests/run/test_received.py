@@ -113,7 +113,7 @@ def test_a_file_that_is_not_there(tmp_path, suffix):
     refused(path, "not a regular file")
     path.unlink()
     path.write_bytes(b"no such thing")
-    refused(path, "is no file of a smidgen run")
+    refused(path, "is not a file of a smidgen run")
 
 
 # Bytes
@@ -141,7 +141,7 @@ def test_any_bytes(tmp_path, suffix):
     for head in (b"", b"# meta: {}\n", b"PK\x03\x04", b"\x89HDF\r\n\x1a\n", b"\x93NUMPY\x01\x00"):
         for tail in (b"", b"\x00" * 3000, b"\xff" * 3000, os.urandom(3000), b"a,b\n1,2\n"):
             path.write_bytes(head + tail)
-            refused(path, "is no file of a smidgen run")
+            refused(path, "is not a file of a smidgen run")
 
 
 # Metadata
@@ -197,7 +197,7 @@ def test_text_that_is_no_metadata(tmp_path, good, suffix, text):
         text = "\udfff"
     path = tmp_path / f"a{suffix}"
     path.write_bytes(with_meta(suffix, good[suffix], text))
-    refused(path, "is no file of a smidgen run")
+    refused(path, "is not a file of a smidgen run")
 
 
 @pytest.mark.parametrize("sources", [[], [["spec.toml", ""]], [["a", "b"], ["../../evil", "x"]], [["a", "b"], ["a" * 5000, "x"]],

@@ -159,7 +159,7 @@ def test_sections(toy):
 
 
 def test_a_period_must_be_a_multiple_of_h(toy):
-    with pytest.raises(smidgen.UsageError, match=r"period 1 is no multiple of h = 0.375.*0.75.*1.125"):
+    with pytest.raises(smidgen.UsageError, match=r"period 1 is not a multiple of h = 0.375.*0.75.*1.125"):
         smidgen.run(toy, "demo", h=0.375, period=1.0)
 
 

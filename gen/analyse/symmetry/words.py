@@ -80,8 +80,8 @@ def _torques(r):
     """What torques give up, and what holds."""
     if r.pushed:
         symmetric = f" A step of -h{', without the noise,' * bool(r.heated)} still undoes a step of h." if METHODS[r.method].symmetric else ""
-        yield (f"Torques move the sites of {' and '.join(r.pushed)}, which no energy does: no step is symplectic, and neither energy nor momentum is "
-               f"conserved; they may feed energy as well as take it. Torques are tangent, so that lengths stay.{symmetric}")
+        yield (f"Torques move the sites of {' and '.join(r.pushed)}, which no energy could do: steps are not symplectic, and neither energy nor momentum is "
+               f"conserved; torques may add energy as well as remove it. They are tangent, so lengths are preserved.{symmetric}")
 
 
 def _held(r):

@@ -44,7 +44,7 @@ def effort(case: Case, subject) -> list[Row]:
     except RunError as error:
         return neither(f"the steps end before a history is whole: {error}")
     if not method.midpoint:
-        return [cold(path), *neither("what its history holds are no increments of steps")[1:3], tolerance(path)]
+        return [cold(path), *neither("its history does not contain increments of steps")[1:3], tolerance(path)]
     return [iterations(path), predictor(path), settled(path), tolerance(path)]
 
 

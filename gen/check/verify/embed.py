@@ -85,7 +85,7 @@ def positive(file, data, key) -> float:
     """A number of the file's head, not 0."""
     value = number(file, key, data.get(key))
     if not value or not math.isfinite(value):
-        raise UsageError(f"{file}: {key} is no number")
+        raise UsageError(f"{file}: {key} is not a number")
     return value
 
 

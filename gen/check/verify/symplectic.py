@@ -29,11 +29,11 @@ def symplectic(case: Case, subject) -> list[Row]:
     if not case.tracers.any():
         return [defect_row(case, subject, "symplectic", np.flatnonzero(moving), "" if moving.all() else "of the sites that move")] if moving.any() else [
             not_applicable("symplectic", "no site moves")]
-    why = "tracers act on nothing: with what carries them they are no Hamiltonian system"
+    why = "tracers act on nothing: with what carries them they are not a Hamiltonian system"
     carried = np.flatnonzero(case.tracers & moving)
     rows = [not_applicable("symplectic", why)]
     if (~case.tracers & moving).any():
-        rows = [defect_row(case, subject, "symplectic", np.flatnonzero(~case.tracers & moving), "of the sites that are no tracers")]
+        rows = [defect_row(case, subject, "symplectic", np.flatnonzero(~case.tracers & moving), "of the sites that are not tracers")]
     return [*rows, defect_row(case, subject, "tracers' area", carried, "")] if carried.size else rows
 
 

@@ -64,7 +64,7 @@ def require_of_responses(spec: Spec, contributions, method: Method) -> None:
     responses = responses_of(contributions)
     if responses and not method.responds:
         fitting = [m.name for m in METHODS.values() if m.responds and m.symmetric and m.stages == 1]
-        raise UsageError(f"method {method.name} is for sites that precess in their field alone; use {' or '.join(fitting[:3])}")
+        raise UsageError(f"method {method.name} is for sites that only precess in their field; use {' or '.join(fitting[:3])}")
     strange = [f.name for f in spec.families if f.name in responses and f.kind == "nambu"]
     if strange:
         raise UsageError(f"sites that do more than precess in their field are on spheres or in R^3, not on Nambu leaves, as '{strange[0]}' is")

@@ -151,9 +151,9 @@ def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contri
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
                          f"a sparse factorisation and models of few sites; here use solver {other}")
     if not turns:
-        return Plan(method.name, local, coupled, "plain", "the coupling is no chain and of many sites: plain fixed point, else Newton with GMRES")
+        return Plan(method.name, local, coupled, "plain", "many sites, not coupled as a chain: fixed-point iteration, then Newton with GMRES if it does not converge")
     return Plan(method.name, local, coupled, "rotation",
-                "the coupling is no chain and of many sites: rotation sweeps, one spin after the other, else Newton with GMRES", rotation=True)
+                "many sites, not coupled as a chain: rotation sweeps, one spin after the other, then Newton with GMRES if they do not converge", rotation=True)
 
 
 def check_space(spec: Spec, method: Method) -> None:

@@ -49,11 +49,11 @@ def refusing(path, kind=UsageError):
     except kind:
         raise
     except Wrong as problem:
-        raise kind(f"{path} is no file of a smidgen run: {problem}") from None
+        raise kind(f"{path} is not a file of a smidgen run: {problem}") from None
     except MemoryError:
         raise kind(f"{path}: there is not enough memory to read it") from None
     except Exception:
-        raise kind(f"{path} is no file of a smidgen run, or it is damaged") from None
+        raise kind(f"{path} is not a file of a smidgen run, or it is damaged") from None
 
 
 @contextmanager
@@ -108,7 +108,7 @@ def rows_of(file):
 def integers(column):
     """A column of whole numbers."""
     if column is None or column.ndim != 1 or not np.all(np.abs(column) < 2.0 ** 63) or np.any(column != np.rint(column)):
-        raise Wrong("the steps are no integers")
+        raise Wrong("the steps are not integers")
     return column.astype(np.int64)
 
 

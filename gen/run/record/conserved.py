@@ -2,7 +2,7 @@
 
 The energy is that of the effects that no tracer feels: a tracer moves in a given flow, and what
 it adds to H is not conserved. It is conserved when none of these effects depends on time, no site is damped and no torque acts. The
-momentum is sum kappa w of the sites that are no tracers; the directions in which it is
+momentum is sum kappa w of the sites that are not tracers; the directions in which it is
 conserved follow from the field.
 """
 from __future__ import annotations
