@@ -76,10 +76,10 @@ def enriched(dice, text, whole, files) -> dict:
 
 
 def add_piece(dice, whole, said, family, kind):
-    """One more effect on a family; of dampings each has one at most."""
-    if kind is DAMPED and any("damping" in e for e in whole["effects"].values()):
-        return
+    """One more effect on a family; there is one damping at most, and that of a piece on spheres, since its form is Gilbert's unless another is given."""
     space = whole["space"][family]
+    if kind is DAMPED and ("sphere" not in space or any("damping" in e for e in whole["effects"].values())):
+        return
     count = next(space[k] for k in ("sphere", "r3") if k in space)
     name = f"p{len(said)}"
     said[name], whole["effects"][name] = drawn(dice, kind, family, str(count))
