@@ -9,16 +9,22 @@
 typedef struct smg_rest {
   smg_real now, rate, left;
   int stays; /* is the change round-off, and shrinks no more? */
+  int still; /* so many changes in succession were round-off */
 } smg_rest;
 
-static const smg_rest smg_unknown_rest = {SMG_MAX, 1, SMG_MAX, 0};
+static const smg_rest smg_unknown_rest = {SMG_MAX, 1, SMG_MAX, 0, 0};
+
+/* After so many, what has once stayed does so. Of damped spins at rest every sweep rounds like the one before, and
+ * changes take turns with the colours: one quantity shrinks in each pass in which the other does not. */
+#define SMG_LONG_STILL 8
 
 /* The next change. Below some ulps it may be round-off: then the factor before tells what is left. */
 static inline void smg_rest_take(smg_rest *rest, smg_real change, int still) {
   const smg_real rate = rest->now < SMG_MAX && change < rest->now ? change / rest->now : 1;
   rest->left = still ? smg_min(change, rest->rate * rest->now) : change;
   if (!still || rest->now >= SMG_MAX || rest->rate >= 1) rest->rate = rate;
-  rest->stays = still && rest->now < SMG_MAX && rate >= SMG_SLOWED;
+  rest->still = still ? rest->still + 1 : 0;
+  rest->stays = (still && rest->now < SMG_MAX && rate >= SMG_SLOWED) || (rest->stays && rest->still > SMG_LONG_STILL);
   rest->now = change;
 }
 

@@ -69,7 +69,7 @@ def test_the_width_of_a_wall_with_dzyaloshinskii_moriya_interaction(D):
     one = smidgen.build(chain(n, J, K, D, boundary="open", more='damping = { use = "spins/damping", alpha = 0.8 }'))
     j = np.arange(n)
     theta, phi = 2 * np.arctan(np.exp((j - (n - 1) / 2) * np.sqrt(2 * K / J))), -np.arctan2(D, J) * j
-    one.start(np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], 1), h=0.25).steps(1200)
+    one.start(np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], 1), h=0.25).steps(2600)
     across = one.w[:, 0] + 1j * one.w[:, 1]
     falls = across[12:17] / across[13:18]         # towards the left end, where it is 1e-3 and less
     wanted = np.exp(-np.arccosh((J + K) / np.hypot(J, D)) + 1j * np.arctan2(D, J))
