@@ -69,7 +69,7 @@ FAULTS = {
     "turned": [(r"\+\+s->count;", r"++s->count; planted_turn(s->w, s->count);"),
                (r"(smg_commit_rows\(s, more\);\n *\+\+s->count;) planted_turn\(s->w, s->count\);",
                 r"\1 planted_turn_slot(s->row_w, smg_pitch(&s->c), s->count);")],
-    "cap": [(r"u\[b\] \*= rate;", r"u[b] *= planted_cap(m[0], m[1], m[2]) * rate;"),
+    "cap": [(r"smg_scale\(u, rate, 3\);", r"smg_scale(u, planted_cap(m[0], m[1], m[2]) * rate, 3);"),
             (r"(smg_precess\(turn, w, g\);\n)(?=  smg_lane_along_spin)", r"\1  planted_cap_slots(turn, slot, g);\n"),
             (r"(u\[k\] \*= 2 \* turn\.half;)", r"\1\n  planted_cap_lanes(m, u);"),
             (r"smg_vec smg_motion(\(const .*?smg_vec m\) \{.*?\n\}\n)",
