@@ -40,7 +40,7 @@ TEXTS = {"field": texts.FIELD, "mixed": texts.MIXED, "glass": texts.GLASS, "puls
          "open": texts.OPEN_CHAIN, "corners": texts.CORNERS}
 OTHERS = tuple((name, method, "auto") for method in METHODS if method not in MIDPOINTS
                for name in ("free_rigid_body", "heisenberg_chain", "point_vortices"))
-OF_MODELS = ("composed", "late_messages", "omp_in_sight")     # test programs that need a model, which `wanted` has, MPI, or threads
+OF_MODELS = ("composed", "late_messages", "most", "omp_in_sight")     # test programs that need a model, which `wanted` has, MPI, or threads
 MORE = {"gauss": ("-DSMG_STAGES=3", "-DFIELD=0")}
 FILTERS = [(name, bs) for name in sorted(p.stem for p in (HERE / "runtime").glob("*.c")) if name not in OF_MODELS for bs in (2, 3)]
 
