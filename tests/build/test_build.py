@@ -160,7 +160,7 @@ def test_what_a_compiler_says_need_not_be_text(spec, tmp_path, monkeypatch):
 
 
 def test_generated_names_stay_in_their_folder(spec):
-    with pytest.raises(smidgen.BuildError, match="no file name"):
+    with pytest.raises(smidgen.BuildError, match="not a file name"):
         build_library(spec, generate=lambda *_: ({"../evil.c": ""}, {}))
 
 

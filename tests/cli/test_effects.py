@@ -1,5 +1,6 @@
 """`smidgen effects`: the library, one piece, the laws."""
 import json
+import re
 import subprocess
 import sys
 
@@ -28,7 +29,7 @@ law = ["w[0] == turned(w0[0], vec(0, 0, 1), 0.4*t/1.7)", "energy == SIGN0.4*(w[0
 
 def test_a_line_a_piece_and_all_of_one(tmp_path):
     code, out, _ = effects()
-    assert code == 0 and "spins/slonczewski         torque   Slonczewski" in out
+    assert code == 0 and re.search(r"^spins/slonczewski +torque   Slonczewski", out, re.MULTILINE)
     code, out, _ = effects("spins/bath")
     assert code == 0 and "kind: bath" in out and "damping = $alpha" in out and "  kT     temperature; energy; needed" in out
     assert json.loads(effects("spins/bath", "--json")[1])[0]["kind"] == "bath"

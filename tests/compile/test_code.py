@@ -274,7 +274,7 @@ def test_plain_functions_are_those_of_the_header():
     assert guarded.keys() == {macro(name) for name in PLAIN}
     for name, body in PLAIN.items():
         statements = " ".join(PRINTERS["scalar"].lines(body)).replace("1.0", "1").replace("0.0", "0")
-        assert re.sub(r"\(void\)\w+; ", "", guarded[macro(name)]) == statements
+        assert re.sub(r"\(void\)\w+[;,] ?|\(smg_real\)", "", guarded[macro(name)]) == statements
 
 
 def test_the_middle_prints_nothing():

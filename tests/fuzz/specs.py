@@ -194,9 +194,9 @@ def rows_of(path) -> list:
         return list(csv.DictReader(lines))
 
 
-def many(seeds, jobs, path, until=float("inf"), draw=spec_text):
+def many(seeds, jobs, path, until=float("inf"), draw=None):
     """Rows of the seeds that the file does not have yet are added to it, `jobs` at a time."""
-    now = code()
+    now, draw = code(), draw or spec_text
     done = {int(r["seed"]) for r in rows_of(path) if r["code"] == now}
     waiting, running = iter(k for k in seeds if k not in done), {}
     fresh = not path.exists() or not path.stat().st_size

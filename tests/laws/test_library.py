@@ -304,6 +304,14 @@ def test_a_stream_function_of_latitude_turns_sites_about_the_axis():
     same(found, [turned(v, Z, -0.6 * v[2] * np.sin(1.5)) for v in w])
 
 
+def test_a_stream_function_by_its_coefficients_turns_sites_about_its_axis():
+    """l = 1 is a turn about (a_11, a_1-1, a_10); l = 0 does nothing."""
+    w, a = directions(3), np.array([0.7, 0.2, 0.5, -0.3])
+    found = moved(spec_of("vortices/stream_coefficients", "p = { sphere = 3 }", parameters=f"psi = {{ default = {a.tolist()}, size = 4 }}", a="psi"), w)
+    axis = np.array([a[3], a[1], a[2]])
+    same(found, [turned(v, axis / np.linalg.norm(axis), -np.sqrt(3 / (4 * np.pi)) * np.linalg.norm(axis) * 1.5) for v in w])
+
+
 @pytest.mark.parametrize("method", ["spherical-midpoint", "dop853"])
 def test_tracers_of_a_rossby_haurwitz_wave_keep_its_stream_function_in_the_frame_of_the_wave(method):
     """It turns at c = omega - 2 (omega + Omega)/(l (l + 1)), l = 5."""

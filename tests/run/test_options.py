@@ -42,7 +42,7 @@ def test_the_command_has_them_with_the_words_of_the_list():
     for option in OPTIONS:
         if option.reads:
             assert found[option.name].help == (option.help or None) and found[option.name].option_strings == [f"--{option.name}"]
-    assert {option.name for option in OPTIONS if not option.reads} == {"parameters", "native", "estimate"}     # --set, --portable, --no-estimate
+    assert {option.name for option in OPTIONS if not option.reads} == {"averages", "parameters", "native", "estimate"}     # --set, --portable, --no-estimate
     for command in ("sweep", "cost", "spectrum", "advise"):
         shared = options_of(command)
         assert "effects" in shared and shared["effects"].help == found["effects"].help

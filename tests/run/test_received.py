@@ -239,7 +239,7 @@ def test_arrays_of_an_npz_that_are_none(tmp_path, good, array):
     path = tmp_path / "a.npz"
     path.write_bytes(zipped({**members(good[".npz"]), "energy.npy": array}))
     judged(path)
-    refused(path, "no file of a smidgen run")
+    refused(path, "not a file of a smidgen run")
 
 
 def test_a_zip_bomb(tmp_path, good):
@@ -324,7 +324,7 @@ def test_sets_of_an_h5_that_are_none(tmp_path, good, how):
             del h5["energy"]
         planted(h5, tmp_path, how)
     judged(path)
-    refused(path, "no file of a smidgen run")
+    refused(path, "not a file of a smidgen run")
 
 
 @pytest.mark.parametrize("name, shape", [("t", (2,)), ("t", (3, 1)), ("step", (4,)), ("w", (3, 2, 2)), ("w", (3, 1, 3)), ("w", (3, 6)), ("final", (1, 3)),

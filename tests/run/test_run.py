@@ -318,7 +318,7 @@ def test_the_widest_table(toy, tmp_path, sites, good):
 @pytest.mark.parametrize("steps, good", [(2 ** 28 - 1, True), (2 ** 28, False)])
 def test_the_most_memory(steps, good):
     """2 GiB of outputs are kept, an entry more is refused."""
-    layout, settings = {"energy": ((), np.dtype(float))}, SimpleNamespace(steps=steps, every=1)
+    layout, settings = {"energy": ((), np.dtype(float))}, SimpleNamespace(steps=steps, every=1, what=["energy"])
     check = sys.modules["smidgen.run.run"]._affordable
     check(layout, settings, keep=False)
     if good:
@@ -347,7 +347,7 @@ def test_files_that_are_none(tmp_path, suffix):
     for content in (None, b"", b"# meta: {}\nstep,t\n", b"PK\x03\x04", b"\x89HDF\r\n\x1a\n"):
         if content is not None:
             path.write_bytes(content)
-        with pytest.raises(smidgen.UsageError, match="no file of a smidgen run|No such file"):
+        with pytest.raises(smidgen.UsageError, match="not a file of a smidgen run|No such file"):
             smidgen.load_result(path)
 
 

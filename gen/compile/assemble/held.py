@@ -13,6 +13,11 @@ def kernel_of(low, share):
     return low.kernel([value], leaves)
 
 
+def brings_back(method) -> bool:
+    """Does it bring sites back to their spheres at the end of a step: by smg_lengths.h, or as the projected dop853?"""
+    return any(name == "inverse" for name, *_ in method.arrays) or (method.controlled and method.keeps_leaf)
+
+
 class Standing(Part):
     """Models with sites that are pinned or absent: the kernels of 1 where a site moves, 0 where it does not."""
     name = "moving"
@@ -23,4 +28,4 @@ class Standing(Part):
 
     def functions(self, model):
         """smg_moves(c, k)."""
-        return [by_family("smg_real", "smg_moves", SITE, lambda f: returned(model.moving[f.name]), model.families, wanted=True)]
+        return [by_family("smg_real", "smg_moves", SITE, lambda f: returned(model.moving[f.name]), model.families, wanted=brings_back(model.method))]
