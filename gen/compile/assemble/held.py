@@ -14,7 +14,7 @@ def kernel_of(low, share):
 
 
 def brings_back(method) -> bool:
-    """Does it bring sites back to their spheres at the end of a step: by smg_lengths.h, or as the projected dop853?"""
+    """Does it bring sites back to their spheres at the end of a step: by smg_lengths.h, or by a projection after steps of its own size?"""
     return any(name == "inverse" for name, *_ in method.arrays) or (method.controlled and method.keeps_leaf)
 
 
