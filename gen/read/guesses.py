@@ -16,11 +16,11 @@ SELDOM = {"ln": "the natural logarithm is `log`", "arctan": "write `atan`",
 GLUED = re.compile(r"(.+?)_?([xyz]|[i-n]|\d+)\Z", re.ASCII)
 
 
-def meant(name: str, scope: Scope) -> str:
-    """The hint for the undeclared `name`."""
+def meant(name: str, scope: Scope, index: bool = False) -> str:
+    """The hint for the undeclared `name`; index: it stands as the index of a vector."""
     if name in SELDOM:
         return SELDOM[name]
-    return glued(name, scope) or unbound(name, scope) or nearest(name, scope.known(), FUNCTIONS)
+    return glued(name, scope) or unbound(name, scope, index) or nearest(name, scope.known(), FUNCTIONS)
 
 
 def glued(name: str, scope: Scope) -> str:
@@ -34,8 +34,10 @@ def glued(name: str, scope: Scope) -> str:
     return f"components are written `{match[1]}{'' if alone else '[i]'}.{match[2]}`"
 
 
-def unbound(name: str, scope: Scope) -> str:
-    """An index where no `over` binds any."""
+def unbound(name: str, scope: Scope, index: bool) -> str:
+    """An index where `over` binds others, or none."""
+    if index and scope.indices and not scope.inside:
+        return "`over` binds " + " and ".join(f"`{bound}`" for bound in scope.indices)
     if not scope.time or scope.indices or scope.inside or not re.match(r"[i-n]\Z", name):
         return ""
     return f'`over` binds indices: `over = "site({name}) of {next(iter(scope.declared.families), "w")}"`'

@@ -104,14 +104,14 @@ class Resolver:
                       f"write `{node.name}(...)`")
         return self.unknown(node.name, node.span)
 
-    def unknown(self, name: str, span: Span):
+    def unknown(self, name: str, span: Span, index: bool = False):
         declared = self.scope.declared
         if name in declared.pending:
             self.fail(codes.NOT_HERE, span, f"`{name}` may not stand in {self.scope.place}",
                       nearest("", self.scope.known()))
         if name in declared.broken or declared.nameless:
             raise Bad
-        self.fail(codes.UNKNOWN_NAME, span, f"`{name}` is not declared", meant(name, self.scope))
+        self.fail(codes.UNKNOWN_NAME, span, f"`{name}` is not declared", meant(name, self.scope, index))
 
     def parameter(self, node: Name) -> Typed:
         p = self.scope.declared.parameters[node.name]
@@ -178,9 +178,8 @@ class Resolver:
         index = node.index
         if isinstance(index, Number) and isinstance(index.value, int):
             return index.value
-        if isinstance(index, Name) and len(index.name) == 1 and not self.scope.inside and index.name not in self.scope.known() | self.scope.declared.broken:
-            bound = " and ".join(f"`{name}`" for name in self.scope.indices)
-            self.fail(codes.UNKNOWN_NAME, index.span, f"`{index.name}` is not declared", f"`over` binds {bound}" if bound else "`over` binds indices: `over = \"site(i) of w\"`")
+        if isinstance(index, Name) and index.name not in self.scope.known():
+            self.unknown(index.name, index.span, index=True)
         found = self.resolve(index).expr if isinstance(index, Name) else None
         if isinstance(found, Idx):
             return found.name
