@@ -20,16 +20,11 @@ from .measure.sweep import COLUMNS, Row
 HEAD = "# "
 
 
-@dataclass(frozen=True)
-class Cost:
-    """What accuracy costs: rows (`sweep.Row`) of every method and step; long: (method, h, t, energy error) along long runs;
-    facts: spec, run, time, sites, machine, date, compiler, lanes of its vectors, the reference's methods and its error, refusals."""
-    rows: list
-    long: list
-    facts: dict
+class CostTable:
+    """What was measured, kept as a CSV. A subclass has `facts`, a dict, `header`, the names of the columns, and `lines()`, the cells of each row."""
 
     def save(self, path: str | os.PathLike) -> Path:
-        """The CSV: facts as comments, then a line a row; `load_cost` reads it."""
+        """The CSV: facts as comments, then a line for each row."""
         path = Path(path)
         path.write_text(self.text(), encoding="utf-8")
         return path
@@ -37,15 +32,27 @@ class Cost:
     def text(self) -> str:
         """The CSV as text."""
         out = io.StringIO()
-        for key, value in self.facts.items():
-            out.write(f"{HEAD}{key} = {value}\n")
-        table = csv.writer(out, lineterminator="\n")
-        table.writerow(("kind", *COLUMNS, "t"))
-        for row in self.rows:
-            table.writerow(("peer" if row.method in PEERS else "sweep", *(repr(row.h) if name == "h" else shown(getattr(row, name)) for name in COLUMNS), ""))
-        for method, h, t, error in self.long:
-            table.writerow(("long", *(shown({"method": method, "h": h, "energy": error}.get(name, math.nan)) for name in COLUMNS), shown(t)))
+        out.writelines(f"{HEAD}{key} = {value}\n" for key, value in self.facts.items())
+        csv.writer(out, lineterminator="\n").writerows((self.header, *self.lines()))
         return out.getvalue()
+
+
+@dataclass(frozen=True)
+class Cost(CostTable):
+    """What accuracy costs: rows (`sweep.Row`) of every method and step; long: (method, h, t, energy error) along long runs;
+    facts: spec, run, time, sites, machine, date, compiler, lanes of its vectors, the reference's methods and its error, refusals."""
+    rows: list
+    long: list
+    facts: dict
+
+    header = ("kind", *COLUMNS, "t")
+
+    def lines(self):
+        """`load_cost` reads them."""
+        for row in self.rows:
+            yield "peer" if row.method in PEERS else "sweep", *(repr(row.h) if name == "h" else shown(getattr(row, name)) for name in COLUMNS), ""
+        for method, h, t, error in self.long:
+            yield "long", *(shown({"method": method, "h": h, "energy": error}.get(name, math.nan)) for name in COLUMNS), shown(t)
 
     def __str__(self) -> str:
         return words(self)

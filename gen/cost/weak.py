@@ -5,15 +5,11 @@ Every method, with steps from large to small, has the same time of the processor
 """
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 import math
-import os
 import time as clock
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 from ..errors import RunError, UsageError
 from ..language.spec import Spec
@@ -24,7 +20,7 @@ from ..run.settings import Settings
 from ..run.step.prepared import choose as one_of
 from ..tables import text_of
 from .measure.case import asked_time
-from .report import HEAD, duration, label, shown, table_of
+from .report import CostTable, duration, label, shown, table_of
 
 USUAL = (DEFAULT, *(m.name for m in METHODS.values() if m.noise_within))
 RUNGS = 4           # steps of a method, each half of the one before; the reference has half of the last
@@ -60,27 +56,17 @@ COLUMNS = tuple(f.name for f in dataclasses.fields(WeakRow))
 
 
 @dataclass(frozen=True)
-class WeakCost:
+class WeakCost(CostTable):
     """What accuracy costs at a temperature: rows (`WeakRow`) of every method and step; reference: that of the smallest step; facts: what was measured, and where."""
     rows: list
     reference: WeakRow
     facts: dict
 
-    def save(self, path: str | os.PathLike) -> Path:
-        """The CSV: facts as comments, then a line a row."""
-        path = Path(path)
-        path.write_text(self.text(), encoding="utf-8")
-        return path
+    header = ("kind", *COLUMNS)
 
-    def text(self) -> str:
-        out = io.StringIO()
-        for key, value in self.facts.items():
-            out.write(f"{HEAD}{key} = {value}\n")
-        table = csv.writer(out, lineterminator="\n")
-        table.writerow(("kind", *COLUMNS))
+    def lines(self):
         for row in (self.reference, *self.rows):
-            table.writerow(("reference" if row is self.reference else "weak", *(shown(getattr(row, name)) for name in COLUMNS)))
-        return out.getvalue()
+            yield "reference" if row is self.reference else "weak", *(shown(getattr(row, name)) for name in COLUMNS)
 
     def __str__(self) -> str:
         return words(self)

@@ -68,7 +68,8 @@ static inline void smg_put_absent(smg_state *s, int by_slots) {
     if (smg_put_away(s, k) && by_slots) s->w[3 * k + 2] = 0;
 }
 
-/* w into slots, and back; empty ones hold a spin that nothing turns, and 0 where a torque would turn it. */
+/* w into slots, and back; empty ones hold a spin that nothing turns, or the vector 0 where a torque would turn that.
+ */
 static void smg_enter_rows(smg_state *s) {
   const int64_t slots = smg_slots(&s->c), pitch = smg_pitch(&s->c);
   smg_put_absent(s, 1);

@@ -14,8 +14,9 @@ typedef struct smg_rest {
 
 static const smg_rest smg_unknown_rest = {SMG_MAX, 1, SMG_MAX, 0, 0};
 
-/* After so many, what has once stayed does so. Of damped spins at rest every sweep rounds like the one before, and
- * changes take turns with the colours: one quantity shrinks in each pass in which the other does not. */
+/* After so many changes that were round-off, one that did not shrink is enough. Where damped spins are at rest all
+ * sweeps round alike, and changes alternate with the colours: one quantity shrinks in each pass in which the other does
+ * not. */
 #define SMG_LONG_STILL 8
 
 /* The next change. Below some ulps it may be round-off: then the factor before tells what is left. */
