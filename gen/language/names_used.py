@@ -6,11 +6,13 @@ import dataclasses
 from .expr import Elem, Par
 from .spec import Spec
 
+DATA = {"default", "tables", "edges", "columns"}       # fields of numbers alone, perhaps millions
+
 
 def unused(spec: Spec) -> list[str]:
     """The parameters that no energy, observable, space, lattice, start, run or size names."""
     named: set = set()
-    _collect([getattr(spec, f.name) for f in dataclasses.fields(spec)], named)
+    _collect(spec, named)
     return [p.name for p in spec.parameters if p.name not in named]
 
 
@@ -22,7 +24,7 @@ def _collect(value, named: set) -> None:
         if isinstance(one, (Par, Elem)):
             named.add(one.name)
         if dataclasses.is_dataclass(one):
-            left += [getattr(one, f.name) for f in dataclasses.fields(one)]
+            left += [getattr(one, f.name) for f in dataclasses.fields(one) if f.name not in DATA]
         elif isinstance(one, (tuple, list)):
             left += one
         elif isinstance(one, dict):

@@ -28,7 +28,7 @@ def with_outputs(run: Run, kept: set[str]) -> Run:
 
 def with_parameters(spec: Spec, inherited: set[str]) -> Spec:
     """The spec, and its runs, without those of these parameters that nothing uses."""
-    idle = inherited & set(unused(spec))
+    idle = inherited and inherited & set(unused(spec))
     if not idle:
         return spec
     runs = tuple(replace(run, parameters=tuple(p for p in run.parameters if p[0] not in idle)) for run in spec.runs)
