@@ -5,7 +5,7 @@ shape (sites, 3). `Expr` fields marked [int] are integer formulas in int paramet
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 from typing import Optional, Union
@@ -93,6 +93,15 @@ class Each:
 
 
 @dataclass(frozen=True)
+class Places:
+    """Where the sites of a lattice stand. vectors: rows (x, y, z), of its directions, then of those that measure positions alone;
+    positions: of the sites of a cell, fractions of all vectors; name: of a lattice of `language.crystals`."""
+    vectors: tuple[tuple[float, ...], ...]
+    positions: tuple[tuple[float, ...], ...]
+    name: str = ""
+
+
+@dataclass(frozen=True)
 class Lattice:
     """Bonds of a lattice: `bond(i, j) of chain(n, periodic)`.
 
@@ -106,6 +115,7 @@ class Lattice:
     sites: int
     bonds: tuple[tuple[tuple[int, tuple[int, ...]], ...], ...]
     family: str = ""
+    places: Optional[Places] = field(default=None, compare=False)
 
     @property
     def bound(self):
@@ -114,12 +124,13 @@ class Lattice:
 
 @dataclass(frozen=True)
 class Graph:
-    """Edges of a file: `edge(i, j, J) of g`; one term for each edge, columns by name."""
+    """Edges of a file: `edge(i, j, J) of g`; one term for each edge, columns by name. places: (x, y, z) of its sites, where it gives them."""
     first: str
     second: str
     edges: tuple[tuple[int, int], ...]
     columns: tuple[tuple[str, tuple[float, ...]], ...] = ()
     family: str = ""
+    places: Optional[tuple[tuple[float, ...], ...]] = field(default=None, compare=False)
 
     @property
     def bound(self):

@@ -1,30 +1,34 @@
-"""Lattices: the shorthands chain, square, cubic and the declared ones of [lattices]."""
+"""Lattices: those by name, `honeycomb(n, m, periodic)`, and the declared ones of [lattices]."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from ..language import limits
+from ..language.crystals import CRYSTALS
 from ..language.expr import Expr
-from ..language.spec import Lattice
+from ..language.shells import SHELLS
+from ..language.spec import Lattice, Places
 from ..language import codes
 from .formulas import Formulas
 from .names import identifier, plural
+from .places import KEYS, PlaceReader, places_of, shell_of
 from .problems import Problems, nearest
 from .syntax import Name, Number
 from .text import meaning
 from .tree import Node
 
-SHORT = {"chain": 1, "square": 2, "cubic": 3}
+SIZES = ("n", "nx, ny", "nx, ny, nz")      # by directions, as examples have them
 BOUNDARIES = ("periodic", "open")
 
 
 @dataclass(frozen=True)
 class Declaration:
-    """A lattice of [lattices]: its cells, and its bond lists by name."""
+    """A lattice of [lattices]: its cells, its bond lists by name, and where its sites stand."""
     size: tuple[Expr, ...]
     periodic: tuple[bool, ...]
     sites: int
     bonds: dict
+    places: Places | None = None
 
 
 class Lattices:
@@ -39,7 +43,7 @@ class Lattices:
 
     def declare(self, node: Node) -> None:
         self.broken.add(node.name)
-        node.table("size", "boundary", "sites", "bonds", "meaning")
+        node.table("size", "boundary", "sites", "bonds", "meaning", *KEYS)
         name, lattice, _ = self.problems.together(
             lambda: identifier(self.problems, node.key, node.name, "lattice"),
             lambda: self.lattice(node), lambda: meaning(node, "meaning"))
@@ -49,10 +53,20 @@ class Lattices:
     def lattice(self, node: Node) -> Declaration:
         size, sites = self.problems.together(
             lambda: self.sizes(node.need("size", 'give the cells per direction: `size = ["n"]`')),
-            lambda: node.get("sites").integer(1, limits.CELL) if node.has("sites") else 1)
-        periodic, bonds = self.problems.together(lambda: self.boundaries(node, len(size)),
-                                                 lambda: self.bond_lists(node, sites, len(size)))
-        return Declaration(size, periodic, sites, bonds)
+            lambda: node.get("sites").integer(1, limits.CELL) if node.has("sites") else None)
+        periodic, places = self.problems.together(
+            lambda: self.boundaries(node, len(size)),
+            lambda: PlaceReader(self.formulas, self.problems).read(node, len(size), sites))
+        sites = self.sites(node, sites, places)
+        return Declaration(size, periodic, sites, self.bond_lists(node, sites, len(size), places), places)
+
+    def sites(self, node: Node, sites: int | None, places: Places | None) -> int:
+        """Of a cell."""
+        if places is None:
+            return sites or 1
+        if sites not in (None, len(places.positions)):
+            node.get("sites").wrong(codes.CONFLICT, f"a cell of `{places.name}` has {plural(len(places.positions), 'site')}", "drop `sites`")
+        return len(places.positions)
 
     def sizes(self, node: Node) -> tuple[Expr, ...]:
         entries = node.entries("list of one size per direction", limits.DIMENSIONS)
@@ -77,7 +91,9 @@ class Lattices:
             node.wrong(codes.CHOICE, f"there is no boundary `{word}`", nearest(word, BOUNDARIES))
         return word == "periodic"
 
-    def bond_lists(self, node: Node, sites: int, dimensions: int) -> dict:
+    def bond_lists(self, node: Node, sites: int, dimensions: int, places: Places | None) -> dict:
+        if places is not None and not node.has("bonds"):
+            return {}
         table = node.need("bonds", "write `bonds.name = [{ offset = [1] }]`").table()
         return dict(self.problems.together(*(lambda c=child: (c.name, self.bond_list(c, sites, dimensions))
                                              for child in table.items())))
@@ -143,16 +159,22 @@ class Lattices:
         if w.args is not None:
             return self.short(w, family)
         lattice = self.lookup(w)
-        lists = lattice.bonds
+        bonds = self.bonds_of(w, lattice)
+        indices = self.matched(w, len(bonds[0]))
+        return Lattice(indices, lattice.size, lattice.periodic, lattice.sites, bonds, family, lattice.places)
+
+    def bonds_of(self, w, lattice: Declaration) -> tuple:
+        """A list of bonds by its name, or a shell."""
+        lists, shells = lattice.bonds, SHELLS if lattice.places else ()
+        if lattice.places and (w.member.text not in lists and w.member.text in shells if w.member else not lists):
+            return shell_of(lattice.places, len(lattice.size), w.member or w.target, self.problems)
         if w.member is None and len(lists) > 1:
             self.problems.fail(codes.OVER, w.target.span, f"`{w.target.text}` has several bond "
                                f"lists", f"write `{w.target.text}.{next(iter(lists))}`")
         if w.member is not None and w.member.text not in lists:
             self.problems.fail(codes.UNKNOWN_NAME, w.member.span, f"lattice `{w.target.text}` has "
-                               f"no bonds `{w.member.text}`", nearest(w.member.text, lists))
-        bonds = lists[w.member.text] if w.member else next(iter(lists.values()))
-        indices = self.matched(w, len(bonds[0]))
-        return Lattice(indices, lattice.size, lattice.periodic, lattice.sites, bonds, family)
+                               f"no bonds `{w.member.text}`", nearest(w.member.text, [*lists, *shells]))
+        return lists[w.member.text] if w.member else next(iter(lists.values()))
 
     def lookup(self, w) -> Declaration:
         name = w.target.text
@@ -160,7 +182,7 @@ class Lattices:
             if name in self.broken:
                 self.formulas.silently()
             self.problems.fail(codes.UNKNOWN_NAME, w.target.span, f"there is no lattice `{name}`",
-                               nearest(name, list(self.known) + list(SHORT)))
+                               nearest(name, [*self.known, *CRYSTALS]))
         return self.known[name]
 
     def matched(self, w, ends: int) -> tuple[str, ...]:
@@ -170,28 +192,41 @@ class Lattices:
         return tuple(i.text for i, _ in w.items)
 
     def short(self, w, family: str) -> Lattice:
-        """`chain(n, periodic, 2)`, `square(nx, ny, open)`, `cubic(nx, ny, nz, periodic)`."""
+        """`chain(n, periodic, 2)`, `square(nx, ny, open)`, `honeycomb(nx, ny, periodic).second`."""
         name = w.target.text
-        if name not in SHORT:
+        if name not in CRYSTALS:
             self.problems.fail(codes.OVER, w.target.span, f"there is no lattice `{name}(...)`",
-                               nearest(name, SHORT))
-        d = SHORT[name]
+                               nearest(name, CRYSTALS))
+        d = CRYSTALS[name].directions
         sizes, rest = w.args[:d], w.args[d:]
         distance = self.distance(rest.pop()) if name == "chain" and len(rest) > 1 else 1
-        if len(sizes) < d or len(rest) not in (1, d):
+        early = any(isinstance(s, Name) and s.name in BOUNDARIES for s in sizes)
+        if early or len(sizes) < d or len(rest) not in (0, 1, d):
             self.problems.fail(codes.OVER, w.target.span, f"`{name}` takes {d} size"
                                f"{'s' * (d > 1)} and a boundary", self.form(name))
-        periodic = tuple(self.word(b, name) for b in rest) * (d // len(rest))
+        periodic = tuple(self.word(b, name) for b in rest) * (d // len(rest)) if rest else (True,) * d
         size = tuple(self.formulas.count_of(s) for s in sizes)
-        steps = [tuple(distance * (k == j) for k in range(d)) for j in range(d)]
-        bonds = tuple(((0, (0,) * d), (0, step)) for step in steps)
-        return Lattice(self.matched(w, 2), size, periodic, 1, bonds, family)
+        places = places_of(name)
+        bonds = self.shell(w, places, d) if distance == 1 else self.farther(w, distance)
+        return Lattice(self.matched(w, 2), size, periodic, len(places.positions), bonds, family, places)
+
+    def shell(self, w, places: Places, d: int) -> tuple:
+        if w.member and w.member.text not in SHELLS:
+            self.problems.fail(codes.UNKNOWN_NAME, w.member.span, f"there is no shell `{w.member.text}`", nearest(w.member.text, SHELLS))
+        return shell_of(places, d, w.member or w.target, self.problems)
+
+    def farther(self, w, distance: int) -> tuple:
+        """Of a chain."""
+        if w.member:
+            self.problems.fail(codes.OVER, w.member.span, "these neighbours have a distance already", "write `chain(n, periodic).second`")
+        return (((0, (0,)), (0, (distance,))),)
 
     def form(self, name: str) -> str:
-        return {"chain": "write `chain(n, periodic)`, `chain(n, open)` or, for neighbours at "
-                "distance 2, `chain(n, periodic, 2)`",
-                "square": "write `square(nx, ny, periodic)` or `square(nx, ny, open, periodic)`",
-                "cubic": "write `cubic(nx, ny, nz, periodic)`"}[name]
+        if name == "chain":
+            return "write `chain(n, periodic)`, `chain(n, open)` or, for neighbours at distance 2, `chain(n, periodic, 2)`"
+        sizes = SIZES[CRYSTALS[name].directions - 1]
+        other = f" or `{name}({sizes}, {', '.join(['open', 'periodic', 'periodic'][:CRYSTALS[name].directions])})`" if CRYSTALS[name].directions == 2 else ""
+        return f"write `{name}({sizes}, periodic)`" + other
 
     def word(self, node, name: str) -> bool:
         if not isinstance(node, Name) or node.name not in BOUNDARIES:

@@ -2,7 +2,7 @@
 
     over   = head ["of" target] ["on" family]
     head   = name "(" item {"," item} ")"      item = index ["of" family]
-    target = name | name "." name | name "(" argument {"," argument} ")"
+    target = name ["(" argument {"," argument} ")"] ["." name]
 """
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ class OverParser(Parser):
         if self.at("of"):
             self.take()
             target = self.name("a family, lattice or graph after `of`")
+            if self.at("("):
+                args = self.listed("(", self.expression, "")
             if self.at("."):
                 self.take()
-                member = self.name("the name of a bond list")
-            elif self.at("("):
-                args = self.listed("(", self.expression, "")
+                member = self.name("the name of a bond list or shell")
         if self.at("on"):
             self.take()
             family = self.name("a family after `on`")

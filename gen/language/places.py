@@ -1,0 +1,104 @@
+"""Where the sites of a family stand, and which of them bonds join.
+
+    positions(spec, "w", values)        # (sites, 3), or None where the spec gives no positions
+    bonds(spec, "w", values)            # (bonds, 2): numbers of sites within the family
+    bond_vectors(spec, "w", values)     # (bonds, 3): from the first site to the second, through the boundary where the bond goes through it
+
+values: of all parameters (`run.step.evaluated.Evaluated.values`).
+"""
+from __future__ import annotations
+
+import numpy as np
+
+from .evaluate import integer
+from .instances import instances_of
+from .spec import Graph, Lattice, Spec
+
+
+def joined_by(spec: Spec, family: str) -> list:
+    """The lattices and graphs of effects and observables on a family, those with positions first, those of more directions before others."""
+    found = [e.over for e in (*spec.effects, *spec.observables) if isinstance(e.over, (Lattice, Graph)) and e.over.family == family]
+    return sorted(dict.fromkeys(found), key=lambda over: (over.places is None, -directions(over)))
+
+
+def directions(over) -> int:
+    return len(over.size) if isinstance(over, Lattice) else 0
+
+
+def placed_on(spec: Spec, family: str):
+    """The lattice or graph that says where the sites of a family stand; None without one."""
+    found = joined_by(spec, family)
+    return found[0] if found and found[0].places is not None else None
+
+
+def positions(spec: Spec, family: str, values: dict):
+    """Where the sites of a family stand: an array (sites, 3), in the order of the sites; None where the spec gives no positions."""
+    over = placed_on(spec, family)
+    if over is None:
+        return None
+    return np.array(over.places, float).reshape(-1, 3) if isinstance(over, Graph) else on_lattice(over, values)
+
+
+def on_lattice(over: Lattice, values: dict) -> np.ndarray:
+    """Site s of cell (c0, c1, ..) at c0 a0 + c1 a1 + .. and the fractions of s."""
+    size = [integer(e, values, "the size of a lattice") for e in over.size]
+    cells = np.indices(size[::-1]).reshape(len(size), -1)[::-1].T
+    vectors = np.array(over.places.vectors, float)
+    return (np.repeat(cells @ vectors[:len(size)], over.sites, axis=0) + np.tile(within_cell(over), (len(cells), 1)))
+
+
+def within_cell(over: Lattice) -> np.ndarray:
+    """(sites, 3): where the sites of the first cell stand."""
+    return np.array(over.places.positions, float) @ np.array(over.places.vectors, float)
+
+
+def bonds(spec: Spec, family: str, values: dict) -> np.ndarray:
+    """The bonds and edges with two ends on a family, each pair of each lattice or graph once: numbers of sites (bonds, 2)."""
+    return _found(spec, family, values)[0]
+
+
+def bond_vectors(spec: Spec, family: str, values: dict):
+    """Of the same bonds, the vector from the first site to the second, (bonds, 3); None where the spec gives no positions."""
+    return _found(spec, family, values)[1]
+
+
+def _found(spec: Spec, family: str, values: dict):
+    """(bonds, their vectors)."""
+    there = positions(spec, family, values)
+    rows = [_of(over, values, there) for over in joined_by(spec, family) if len(over.bound) == 2]
+    pairs = np.concatenate([pair for pair, _ in rows]) if rows else np.zeros((0, 2), np.int64)
+    vectors = np.concatenate([v for _, v in rows]) if rows else np.zeros((0, 3))
+    _, first = np.unique(np.column_stack([pairs, np.round(vectors, 9)]), axis=0, return_index=True)
+    first.sort()
+    return pairs[first], None if there is None else vectors[first]
+
+
+def _of(over, values: dict, there):
+    """Of one lattice or graph; vectors are 0 without positions."""
+    split = [_one(over, (bond,)) for bond in over.bonds] if isinstance(over, Lattice) else [over]
+    parts = []
+    for one in split:
+        indices, _ = instances_of(one, values, {})
+        pairs = np.column_stack([indices[name] for name in over.bound]).astype(np.int64)
+        parts.append((pairs, _vectors(one, pairs, there)))
+    return tuple(np.concatenate([part[k] for part in parts]) for k in (0, 1))
+
+
+def _one(over: Lattice, bonds: tuple) -> Lattice:
+    return Lattice(over.indices, over.size, over.periodic, over.sites, bonds, over.family, over.places)
+
+
+def _vectors(over, pairs, there) -> np.ndarray:
+    """Those of a lattice do not depend on its size."""
+    if there is None:
+        return np.zeros((len(pairs), 3))
+    if isinstance(over, Graph) or over.places is None:
+        return there[pairs[:, 1]] - there[pairs[:, 0]]
+    return np.tile(bond_vector(over, over.bonds[0]), (len(pairs), 1))
+
+
+def bond_vector(over: Lattice, bond) -> np.ndarray:
+    """From the first site of a bond of two ends to the second."""
+    (a, here), (b, away) = bond
+    steps = (np.array(away) - np.array(here)) @ np.array(over.places.vectors, float)[:len(over.size)]
+    return steps + within_cell(over)[b] - within_cell(over)[a]
