@@ -36,8 +36,9 @@ class Time:
 
 @dataclass(frozen=True)
 class Idx:
-    """The integer value (0-based) of an index bound by the index family, as a number."""
+    """The integer value (0-based) of an index bound by the index family, as a number; bond: that of a bond, not of a site."""
     name: str
+    bond: bool = False
 
 
 @dataclass(frozen=True)

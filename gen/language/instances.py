@@ -43,7 +43,8 @@ def _lattice(over: Lattice, env, places):
     size = [integer(e, env, "the size of a lattice") for e in over.size]
     cells = np.indices(size[::-1]).reshape(len(size), -1)[::-1]    # first direction fastest
     bonds = [_bond(over, size, cells, bond) for bond in over.bonds]
-    return dict(zip(over.indices, np.concatenate(bonds, axis=1))), {}
+    found = np.concatenate(bonds, axis=1)
+    return {**dict(zip(over.indices, found)), **({over.number: np.arange(found.shape[1])} if over.number else {})}, {}
 
 
 def _bond(over, size, cells, bond):

@@ -12,7 +12,7 @@ import numpy as np
 
 from .evaluate import integer
 from .instances import instances_of
-from .spec import Graph, Lattice, Spec
+from .spec import Graph, Lattice, Spec, families_of
 
 
 def joined_by(spec: Spec, family: str) -> list:
@@ -65,7 +65,7 @@ def bond_vectors(spec: Spec, family: str, values: dict):
 def _found(spec: Spec, family: str, values: dict):
     """(bonds, their vectors)."""
     there = positions(spec, family, values)
-    rows = [_of(over, values, there) for over in joined_by(spec, family) if len(over.bound) == 2]
+    rows = [_of(over, values, there) for over in joined_by(spec, family) if len(families_of(over)) == 2]
     pairs = np.concatenate([pair for pair, _ in rows]) if rows else np.zeros((0, 2), np.int64)
     vectors = np.concatenate([v for _, v in rows]) if rows else np.zeros((0, 3))
     _, first = np.unique(np.column_stack([pairs, np.round(vectors, 9)]), axis=0, return_index=True)
@@ -79,7 +79,7 @@ def _of(over, values: dict, there):
     parts = []
     for one in split:
         indices, _ = instances_of(one, values, {})
-        pairs = np.column_stack([indices[name] for name in over.bound]).astype(np.int64)
+        pairs = np.column_stack([indices[name] for name in families_of(over)]).astype(np.int64)
         parts.append((pairs, _vectors(one, pairs, there)))
     return tuple(np.concatenate([part[k] for part in parts]) for k in (0, 1))
 

@@ -108,6 +108,7 @@ class Lattice:
     Cell (c0, c1, ..) of a lattice of `size` [int] has number c0 + size0*(c1 + size1*(..));
     site = cell*sites + sub. One term for each cell and each member of `bonds`; a bond names,
     for each bound index, (sub, offset per dimension). Open directions drop bonds that leave.
+    number: the name of the number of a bond, from 0 on: one after the other of `bonds`, each in all cells in which it is, in their order.
     """
     indices: tuple[str, ...]
     size: tuple[Expr, ...]
@@ -116,10 +117,11 @@ class Lattice:
     bonds: tuple[tuple[tuple[int, tuple[int, ...]], ...], ...]
     family: str = ""
     places: Optional[Places] = field(default=None, compare=False)
+    number: str = ""
 
     @property
     def bound(self):
-        return self.indices
+        return (*self.indices, self.number) if self.number else self.indices
 
 
 @dataclass(frozen=True)
@@ -151,8 +153,10 @@ def families_of(over: Over) -> dict[str, str]:
         return {over.index: over.family}
     if isinstance(over, Each):
         return dict(zip(over.indices, over.families))
-    if isinstance(over, (Pairs, Lattice, Graph)):
-        return {index: over.family for index in over.bound}
+    if isinstance(over, Lattice):
+        return dict.fromkeys(over.indices, over.family)
+    if isinstance(over, (Pairs, Graph)):
+        return dict.fromkeys(over.bound, over.family)
     return {}
 
 

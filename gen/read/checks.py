@@ -6,7 +6,7 @@ point at it and `select` can name it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Iterator
 
 import numpy as np
@@ -15,27 +15,19 @@ from ..methods import METHODS, others
 from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate
-from ..language.expr import Elem, Idx, Num, Op, Par, Spin, walk, with_index
+from ..language.expr import Elem, Idx, Num, Par, Spin, walk, with_index
 from ..language.held import absent
 from ..language.spec import Family, Graph, Lattice, Run, Spec, Term, families_of
 from ..language import codes
+from .bond_numbers import factor, number_of_bonds, one_for_each_bond
 from .names import plural
+from .trouble import Trouble
 from .values import integer, number
 
 
 BLOCK = 1 << 18         # sites looked at together
 WORK = 2_000_000        # operations of a formula over sites: so far it is looked at here, the rest when a run starts
 LEAST = 1000            # sites that are looked at, whatever the formula
-
-
-@dataclass(frozen=True)
-class Trouble:
-    """Something wrong with the value at `path`."""
-    path: tuple
-    code: str
-    cause: str
-    hint: str
-    part: object = None     # the Spin or Elem of the formula that is wrong
 
 
 def model(spec: Spec, values: dict) -> Iterator[Trouble]:
@@ -279,21 +271,15 @@ def term_fits(spec: Spec, term: Term, path: tuple, key: str, values) -> Iterator
                           f"`{over.family}` has {plural(counts[over.family], 'site')} (0 to "
                           f"{counts[over.family] - 1})", "sites are counted from 0")
     ranges = {i: (0, counts[f] - 1) for i, f in families_of(over).items()}
+    if isinstance(over, Lattice) and over.number:
+        ranges[over.number] = (0, number_of_bonds(over, values) - 1)
+        yield from one_for_each_bond(term, over, path + (key,), values)
     yield from accesses(term, counts, ranges, path + (key,), values)
 
 
 def all_sites(over: Lattice) -> str:
     """The number of a lattice's sites as a formula."""
     return "*".join(([str(over.sites)] if over.sites > 1 else []) + [factor(s) for s in over.size])
-
-
-def factor(e) -> str:
-    """A count as a factor of a product."""
-    if not isinstance(e, Op):
-        return str(e.value) if isinstance(e, Num) else e.name
-    if e.op == "*":
-        return "*".join(map(factor, e.args))
-    return f"(-{factor(e.args[0])})" if e.op == "neg" else f"({f' {e.op} '.join(map(factor, e.args))})"
 
 
 def lattice(over: Lattice, count: int, path: tuple, values: dict) -> Iterator[Trouble]:

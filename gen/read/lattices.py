@@ -160,8 +160,8 @@ class Lattices:
             return self.short(w, family)
         lattice = self.lookup(w)
         bonds = self.bonds_of(w, lattice)
-        indices = self.matched(w, len(bonds[0]))
-        return Lattice(indices, lattice.size, lattice.periodic, lattice.sites, bonds, family, lattice.places)
+        indices, number = self.matched(w, len(bonds[0]))
+        return Lattice(indices, lattice.size, lattice.periodic, lattice.sites, bonds, family, lattice.places, number)
 
     def bonds_of(self, w, lattice: Declaration) -> tuple:
         """A list of bonds by its name, or a shell."""
@@ -185,11 +185,13 @@ class Lattices:
                                nearest(name, [*self.known, *CRYSTALS]))
         return self.known[name]
 
-    def matched(self, w, ends: int) -> tuple[str, ...]:
-        if len(w.items) != ends:
-            self.problems.fail(codes.OVER, w.head.span, f"these bonds join {ends} sites, but "
-                               f"{len(w.items)} are bound", "name one index for each site")
-        return tuple(i.text for i, _ in w.items)
+    def matched(self, w, ends: int) -> tuple[tuple[str, ...], str]:
+        """(an index for each end, one for the number of the bond or "")."""
+        names = tuple(i.text for i, _ in w.items)
+        if not ends <= len(names) <= ends + 1:
+            self.problems.fail(codes.OVER, w.head.span, f"these bonds join {ends} sites, but {len(names)} are bound",
+                               "name one index for each site, and if you like one more for the number of the bond")
+        return names[:ends], "".join(names[ends:])
 
     def short(self, w, family: str) -> Lattice:
         """`chain(n, periodic, 2)`, `square(nx, ny, open)`, `honeycomb(nx, ny, periodic).second`."""
@@ -208,7 +210,8 @@ class Lattices:
         size = tuple(self.formulas.count_of(s) for s in sizes)
         places = places_of(name)
         bonds = self.shell(w, places, d) if distance == 1 else self.farther(w, distance)
-        return Lattice(self.matched(w, 2), size, periodic, len(places.positions), bonds, family, places)
+        indices, number = self.matched(w, 2)
+        return Lattice(indices, size, periodic, len(places.positions), bonds, family, places, number)
 
     def shell(self, w, places: Places, d: int) -> tuple:
         if w.member and w.member.text not in SHELLS:

@@ -82,7 +82,7 @@ def load_text(text: str, path: str = "", library=()) -> Spec:
 
     Raises SpecError with up to ten diagnostics.
     """
-    return reader_of(text, path, library).spec()
+    return reader_of(text, os.fspath(path), library).spec()
 
 
 def reader_of(text: str, path: str, library, recorded: bool = False) -> Reader:

@@ -111,7 +111,7 @@ class OverReader:
                 self.problems.fail(codes.OVER, family.span, "only `each` names a family for "
                                    "every index", f"write `{w.head.text}(...) of {family.text}`")
             seen.add(name)
-        most = 2 + limits.COLUMNS if w.head.text == "edge" else limits.BOUND
+        most = 2 + limits.COLUMNS if w.head.text == "edge" else limits.BOUND + (w.head.text == "bond")
         if len(w.items) > most:
             self.problems.fail(codes.LIMIT, w.items[most][0].span,
                                f"at most {most} indices may be bound here",

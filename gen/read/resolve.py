@@ -81,6 +81,8 @@ class Resolver:
             return scope.args[name]
         if name in scope.indices:
             return Typed(Idx(name), "s")
+        if name in scope.numbers:
+            return Typed(Idx(name, bond=True), "s")
         if name in scope.weights:
             return Typed(Weight(name), "s")
         if name in declared.parameters:
@@ -158,6 +160,8 @@ class Resolver:
         if isinstance(slot, int):
             return self.placed(Typed(Spin(node.name, slot), "v"), node)
         owner = self.indices().get(slot, "")
+        if slot not in self.indices() and isinstance(found := self.resolve(node.index).expr, Idx) and found.bond:
+            self.fail(codes.INDEX, node.index.span, f"`{slot}` is the number of a bond, not of a site", "these bonds have fewer sites than indices are bound")
         if owner != node.name:
             over = f"sites of `{owner}`" if owner else "something else"
             self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "

@@ -57,7 +57,7 @@ class Scope:
     """The declared names, and what holds at one place.
 
     indices maps a bound index to its family ("" if it is only a number); weights are the
-    columns of a graph; args the values of a formula's arguments; whole names families
+    columns of a graph; numbers those of bonds; args the values of a formula's arguments; whole names families
     that stand for their single vector (inside C).
     """
     declared: Declared
@@ -66,20 +66,21 @@ class Scope:
     time: bool = False
     indices: dict[str, str] = field(default_factory=dict)
     weights: frozenset = frozenset()
+    numbers: frozenset = frozenset()
     args: dict[str, Typed] = field(default_factory=dict)
     inside: tuple[str, ...] = ()        # formulas being expanded
     whole: str = ""
 
     def enter(self, formula: Formula, args: dict[str, Typed]) -> "Scope":
         """The scope of a formula's body: its arguments, and no index of the caller."""
-        return replace(self, args=args, indices={}, weights=frozenset(),
+        return replace(self, args=args, indices={}, weights=frozenset(), numbers=frozenset(),
                        inside=self.inside + (formula.name,))
 
     def known(self) -> set[str]:
         """Every name that may stand here, for guesses."""
         families = set(self.declared.families) if self.families else set()
         return (self.declared.names() - set(self.declared.families) | families
-                | set(self.indices) | set(self.weights) | set(self.args)
+                | set(self.indices) | self.weights | self.numbers | set(self.args)
                 | {"pi"} | ({"t"} if self.time else set()))
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..language import limits
 from ..language.expr import Op, Spin, walk
-from ..language.spec import Each, Effect, Graph, Once, Over, Sites, Term, families_of
+from ..language.spec import Each, Effect, Graph, Lattice, Once, Over, Sites, Term, families_of
 from ..effects.kinds import KINDS, kind_of
 from ..language import codes
 from .formulas import Formulas
@@ -100,8 +100,8 @@ class TermReader:
 
     def scope(self, over: Over, what: str) -> Scope:
         weights = frozenset(n for n, _ in over.columns) if isinstance(over, Graph) else frozenset()
-        return Scope(self.declared, f"an {what}", time=True, indices=families_of(over),
-                     weights=weights)
+        numbers = frozenset({over.number} - {""}) if isinstance(over, Lattice) else frozenset()
+        return Scope(self.declared, f"an {what}", time=True, indices=families_of(over), weights=weights, numbers=numbers)
 
     def tracers(self, value) -> set:
         """The vectors of tracers that `value` depends on."""

@@ -9,7 +9,7 @@ import tomllib
 
 from smidgen.resources import pieces
 
-PLAIN = {"on", "bonds", "gamma", "where", "seed", "form", "a", "b"}      # names, where brackets would say something else
+PLAIN = {"on", "bonds", "where", "seed", "form", "a", "b"}      # names, where brackets would say something else
 LITERAL = re.compile(r"(?<![\w.\[])\d+\.\d+(?![\w.])")
 FORMULAS = ("energy", "torque", "damping", "kT", "pinned", "absent")
 
@@ -67,7 +67,7 @@ def written_out(piece: dict, given: dict) -> dict:
     words = {a: given.get(a, says.get("default")) for a, says in piece["piece"].get("arguments", {}).items()}
 
     def filled(text):
-        return re.sub(r"\$(\w+)", lambda m: spoken(m[1], words[m[1]]), text) if isinstance(text, str) else text
+        return re.sub(r"\$(\w+)(?=(\[?))", lambda m: str(words[m[1]]) if m[2] else spoken(m[1], words[m[1]]), text) if isinstance(text, str) else text
     return {key: filled(text) for key, text in piece["effect"].items()}
 
 

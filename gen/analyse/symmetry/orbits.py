@@ -39,7 +39,7 @@ def _keyed(term: Term):
     """(key, Bound) of each elementary sum that an effect consists of."""
     over = term.over
     if isinstance(over, Lattice):
-        yield from (_bond(term, over, bond) for bond in over.bonds)
+        yield from (_bond(term, over, n) for n in range(len(over.bonds)))
         return
     labels = {name: f"{k}" for k, name in enumerate(_in_order(over))}
     yield _key(over), Bound(term, labels)
@@ -63,12 +63,13 @@ def _key(over):
     return "graph", over.family, over.edges, over.columns
 
 
-def _bond(term: Term, over: Lattice, bond):
-    """One bond of a lattice, from its least end."""
+def _bond(term: Term, over: Lattice, n: int):
+    """One bond of a lattice, from its least end; its number is that of one list."""
+    bond = over.bonds[n]
     order = sorted(range(len(bond)), key=lambda k: bond[k])
     origin = bond[order[0]][1]
     ends = tuple((bond[k][0], tuple(o - p for o, p in zip(bond[k][1], origin))) for k in order)
-    labels = {over.indices[k]: f"{place}" for place, k in enumerate(order)}
+    labels = {over.indices[k]: f"{place}" for place, k in enumerate(order)} | ({over.number: f"{n} of {over.bonds}"} if over.number else {})
     return ("lattice", over.family, over.size, over.periodic, over.sites, ends), Bound(term, labels)
 
 

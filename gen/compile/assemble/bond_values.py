@@ -17,19 +17,23 @@ SITE = (COEFFICIENTS, Argument("int64_t", "k"))
 
 @dataclass(frozen=True)
 class Role:
-    """A site feels a term by a slot, through a bond; beside: the number of the other end among what stands beside it; first: is it the first end?"""
+    """A site feels a term by a slot, through a bond; beside: the number of the other end among what stands beside it; first: is it the first end?
+    number: the function that gives the number of the bond from the site in its base cell, where the formula asks; based: is that this site?"""
     slot: int
     bond: tuple
     beside: int
     first: bool
+    number: str = ""
+    based: bool = True
 
 
 @dataclass(frozen=True)
 class Bonded(Sited):
-    """A term on bonds; roles: for each place the `Role`s in which its sites feel it; ends: the functions of the bounds of one bond, by slot: (of the
+    """A term on bonds; numbers: the functions of the numbers of its bonds; roles: for each place the `Role`s in which its sites feel it; ends: the functions of the bounds of one bond, by slot: (of the
     field of no spins, of the Hessian)."""
     roles: tuple = ()
     ends: tuple = ()
+    numbers: tuple = ()
 
     @property
     def width(self) -> int:
@@ -37,7 +41,7 @@ class Bonded(Sited):
 
     @property
     def functions(self) -> list:
-        return [*[f for pair in self.ends for f in pair if f is not None], *super().functions]
+        return [*self.numbers, *[f for pair in self.ends for f in pair if f is not None], *super().functions]
 
     def at(self, sub: int, k: int, bond) -> Sited:
         """With the number of the first value of a role."""
@@ -56,17 +60,31 @@ class Bonded(Sited):
 def two_ended(t) -> bool:
     """Is it a term on bonds of two sites whose gradient depends on their numbers?"""
     gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
-    both = isinstance(t.over, Lattice) and len(t.slots) == 2 and {slot for _, slot in t.slots} == set(t.over.bound)
-    return both and bool(set(t.over.bound) & mentions(*gradient.body))
+    both = isinstance(t.over, Lattice) and len(t.slots) == 2 and {slot for _, slot in t.slots} == set(t.over.indices)
+    told = both and (not t.over.number or len(set(t.over.bonds)) == len(t.over.bonds))      # a bond that is listed twice has two numbers
+    return told and bool(set(t.over.bound) & mentions(*gradient.body))
 
 
-def bonded(low, t, first: int, roles, bounds) -> Bonded:
+def bonded(low, t, first: int, roles, bounds, numbers=()) -> Bonded:
     """bounds(k): (of the field of no spins, of the Hessian) of one bond in the row of slot k; None where nobody asks."""
     gradient, values = bond_partings(low, t)
     functions = tuple(of_bond(low, t, symbol.name, e) for e, symbol in values.items())
     ends = tuple(tuple(None if e is None or e == 0 else of_bond(low, t, f"{what}{k}", e) for what, e in zip(("rest", "norm"), bounds(k))) for k in (0, 1))
     sums = [sum_of(t, what, n, roles, ends) if all(end[n] for end in ends) else None for n, what in enumerate(("rest", "norm"))]
-    return Bonded(lane_gradient(low, t, gradient, values), functions, first, *sums, roles, ends)
+    return Bonded(lane_gradient(low, t, gradient, values), functions, first, *sums, roles, ends, tuple(numbers))
+
+
+def number_functions(loops, t) -> list:
+    """The number of each bond of the list, from the site in its base cell."""
+    over = t.over
+    place = tuple(line for line in loops.cell_of_site(over) if line.name != "sub")
+    cells = [Index(f"s{d}") for d in range(len(over.size))]
+    return [Function("int64_t", number_name(t, n), (COEFFICIENTS, Argument("int64_t", "site")), (*place, Return(loops.bond_number(over, n, cells))))
+            for n in range(len(over.bonds)) if over.number]
+
+
+def number_name(t, n: int) -> str:
+    return f"{t.prefix}_number_of_bond{n}"
 
 
 def bond_partings(low, t) -> tuple:
@@ -86,7 +104,8 @@ def of_bond(low, t, what: str, e) -> Function:
 
 def ended(f: Function, role: Role) -> Call:
     """That number of the bond of a role, of site k and the one beside it."""
-    return Call(f.name, (Name("c"), *((Index("k"), Index("other")) if role.first else (Index("other"), Index("k")))))
+    number = (Computed(role.number, (Index("c"), Index("k" if role.based else "other"))),) if role.number else ()
+    return Call(f.name, (Name("c"), *((Index("k"), Index("other")) if role.first else (Index("other"), Index("k"))), *number))
 
 
 def found_end(role, body) -> tuple:

@@ -6,10 +6,11 @@ from __future__ import annotations
 import sympy as sp
 
 from ...language.expr import Elem, Idx, Num, Par, walk
-from ...language.spec import families_of
+from ...language.spec import Lattice, families_of
 from ..derive.derivatives import greater, lesser
 from ..lower.code import For, If, Local, Name, Not, Real, Return, Value, refuse
-from ..lower.integers import ZERO, Int, Node, Whole, compare, terms_of
+from ..lower.integers import ZERO, Int, Node, Product, Whole, compare, terms_of
+from ..lower.loops import Loops
 from ..lower.lowering import index_names
 
 REFUSED = (Return(Name("SMG_BAD_PARAMETER")),)
@@ -26,7 +27,7 @@ class Bounds:
     def checks(self, spec) -> tuple:
         """Statements that refuse sizes for which an index leaves its array."""
         tests = [test for t in (*spec.effects, *spec.observables) for formula in t.formulas.values() for e in entries(formula)
-                 for test in self.interval_tests(e, families_of(t.over))]
+                 for test in self.interval_tests(e, families_of(t.over), t.over)]
         tests += [test for f in spec.families for formula in (f.kappa, f.radius, *sum(f.casimir or (), ()))
                   for e in entries(formula) for test in self.site_tests(e, f)]
         return (*(Value(symbol.name, self.real(e)) for e, symbol in self.products.items()), *tests)
@@ -44,9 +45,11 @@ class Bounds:
             return self.low.size(p.size)
         return Whole(len(self.low.tables[e.name] if p is None else p.default))
 
-    def interval_tests(self, e: Elem, families):
-        """0 <= index < size for indices from 0 to the sizes of their families, without what the generator can see to hold."""
+    def interval_tests(self, e: Elem, families, over=None):
+        """0 <= index < size for indices from 0 to the sizes of their families, and numbers of bonds, without what the generator can see to hold."""
         size, tops = self.symbol(self.entry_size(e)), {i: self.symbol(self.count(f)) - 1 for i, f in families.items()}
+        if isinstance(over, Lattice) and over.number:
+            tops[over.number] = self.symbol(Loops(self.low, self.count).bonds_of(over, range(len(over.bonds)))) - 1
         low, high = self.interval(e.index, tops)
         tests = [] if low.is_Number and low >= 0 else [sp.GreaterThan(low, 0, evaluate=False)]
         tests += [] if (size - high).is_positive and (size - high).is_Number else [sp.StrictLessThan(high, size, evaluate=False)]
@@ -82,7 +85,12 @@ class Bounds:
         """An integer in real arithmetic."""
         if isinstance(n, Whole):
             return sp.Integer(n.value)
-        return sp.Add(*(factor * (self.named(term) if not isinstance(term, Whole) else 1) for factor, term in terms_of(n)))
+        if isinstance(n, Product):
+            return sp.Mul(*map(self.symbol, n.factors))
+        return sp.Add(*(factor * (self.factor(term) if not isinstance(term, Whole) else 1) for factor, term in terms_of(n)))
+
+    def factor(self, n: Int):
+        return self.symbol(n) if isinstance(n, Product) else self.named(n)
 
     def named(self, n: Node):
         name = f"{type(n).__name__}.{n.name}"

@@ -77,8 +77,10 @@ def visit_of(model, t: TermKernels) -> Call:
 
 def bonds(model, t: TermKernels) -> tuple:
     """All bonds of an effect; on a lattice those of one direction after those of another."""
-    overs = [replace(t.over, bonds=(bond,)) for bond in t.over.bonds] if isinstance(t.over, Lattice) else [t.over]
-    return tuple(line for over in overs for line in model.loops.scatter(over, (visit_of(model, t),)))
+    visit = (visit_of(model, t),)
+    if isinstance(t.over, Lattice):
+        return tuple(line for n in range(len(t.over.bonds)) for line in tidy(model.loops.of_bonds(t.over, (n,), visit)))
+    return tuple(model.loops.scatter(t.over, visit))
 
 
 def backward(body) -> tuple:
@@ -116,7 +118,7 @@ def of_bond(model, group) -> If:
     (start, one), here = group[0], Index("which")
     t = next(t for t in model.energies if t.derived.term.name == one.effect)
     cells = [Index(f"s{d}") for d in range(len(t.over.size))]
-    inner = (model.loops.bond(t.over, one.bond, cells, (visit_of(model, t),)),)
+    inner = (model.loops.bond(t.over, one.number, cells, (visit_of(model, t),), one.first),)
     rule = sublattices(model.spec).colours if len(group) > 1 else one_colour(t.over)      # where the place alone decides, all cells have it
     lines = model.loops.cells_of_colour(t.over, rule, one.bond[one.first][0], inner)
     if len(group) == 1:

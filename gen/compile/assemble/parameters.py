@@ -95,7 +95,7 @@ def lattice_checks(model, t) -> list:
     found = []
     for d, n in enumerate(sizes):
         far = max(abs(offset[d]) for bond in t.over.bonds for _, offset in bond)
-        found += outside(n, max(1, far))
+        found += outside(n, max(1, far, numbered_reach(t.over, d)))
         if model.method.splitting == "sublattices" and t.over.periodic[d]:      # no site is bound to itself
             reach = [[offset[d] for _, offset in bond] for bond in t.over.bonds]
             found += outside(n, 1 + max(max(r) - min(r) for r in reach))
@@ -105,6 +105,13 @@ def lattice_checks(model, t) -> list:
         count = model.by_name[f].count
         found += refuse(compare(count, "!=", product)) if count != product else ()
     return found
+
+
+def numbered_reach(over: Lattice, d: int) -> int:
+    """What bonds with numbers span along an open direction: each of them has a number of cells in which it is."""
+    if not over.number or over.periodic[d]:
+        return 0
+    return max(max(0, *reach) - min(0, *reach) for reach in ([offset[d] for _, offset in bond] for bond in over.bonds))
 
 
 def closed_upon_itself(over: Lattice, sizes, a, b) -> tuple:

@@ -19,7 +19,7 @@ from ..lower.kernels import COEFFICIENTS, term_kernels
 from ..plan.colouring import Colouring, colouring
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
-from .bond_values import Bonded, Role, bonded, numbers_of, two_ended
+from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
 from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_term
 from .extent import in_time, largest_ever
 from .families import SITE
@@ -103,7 +103,7 @@ def rows_of(model, low, f, over, whole):
     if not fits(found, model.lattices(f.name)):
         return "its colours do not have equally many sites, or its bonds reach too far"
     alone = sited(low, apart, lambda t: bounds[t.prefix])
-    return replace(found, sited={**alone, **bonds_of_terms(low, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounded)})
+    return replace(found, sited={**alone, **bonds_of_terms(low, model.loops, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounded)})
 
 
 def bounds_of(low, t, k: int, bounded: bool) -> tuple:
@@ -115,15 +115,21 @@ def roles_of(model, t, places: int, whole) -> tuple:
     """How the sites of each place feel a term on bonds that differ."""
     def of(sub):
         beside_it = neighbours(model, sub, whole)
-        return tuple(Role(k, bond, beside_it.index(beside(t, bond, k, 1 - k)), t.over.indices.index(t.slots[k][1]) == 0) for k in (0, 1) for bond in bonds_of(t, k, sub))
+        return tuple(role(t, k, bond, beside_it.index(beside(t, bond, k, 1 - k))) for k in (0, 1) for bond in bonds_of(t, k, sub))
     return tuple(map(of, range(places)))
 
 
-def bonds_of_terms(low, terms, roles, first: int, bounded: bool) -> dict:
+def role(t, k: int, bond, beside_it: int) -> Role:
+    own = t.over.indices.index(t.slots[k][1])
+    number = number_name(t, t.over.bonds.index(bond)) if t.over.number else ""
+    return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]))
+
+
+def bonds_of_terms(low, loops, terms, roles, first: int, bounded: bool) -> dict:
     """{prefix: `Bonded`}."""
     found = {}
     for t in terms:
-        found[t.prefix] = bonded(low, t, first, roles[t.prefix], lambda k: bounds_of(low, t, k, bounded))
+        found[t.prefix] = bonded(low, t, first, roles[t.prefix], lambda k: bounds_of(low, t, k, bounded), number_functions(loops, t))
         first += found[t.prefix].width
     return found
 

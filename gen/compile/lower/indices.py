@@ -12,7 +12,7 @@ from ...language.spec import Each, Family, Graph, Lattice, Once, Pairs, Sites, S
 def rename(e):
     """The expression with safe index names."""
     if isinstance(e, Idx):
-        return Idx(index_in_c(e.name))
+        return replace(e, name=index_in_c(e.name))
     if isinstance(e, Spin):
         return Spin(e.family, index_in_c(e.slot) if isinstance(e.slot, str) else e.slot)
     if isinstance(e, Op):
@@ -25,8 +25,10 @@ def rename_over(over):
         return replace(over, index=index_in_c(over.index))
     if isinstance(over, (Pairs, Graph)):
         return replace(over, first=index_in_c(over.first), second=index_in_c(over.second))
-    if isinstance(over, (Each, Lattice)):
-        return replace(over, indices=tuple(index_in_c(i) for i in over.indices))
+    if isinstance(over, Lattice):
+        return replace(over, indices=tuple(map(index_in_c, over.indices)), number=over.number and index_in_c(over.number))
+    if isinstance(over, Each):
+        return replace(over, indices=tuple(map(index_in_c, over.indices)))
     assert isinstance(over, Once)
     return over
 

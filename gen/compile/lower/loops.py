@@ -10,7 +10,7 @@ from hashlib import sha256
 
 from ...language.spec import Each, Graph, Lattice, Once, Pairs, Sites
 from .code import Entry, For, Let, Scope, Value, real_of, tidy, where
-from .integers import ZERO, Cell, Index, compare, modulo, quotient, remainder, total, wrapped
+from .integers import ZERO, Cell, Index, compare, modulo, quotient, remainder, times, total, wrapped
 
 SITE = Index("site")
 
@@ -50,19 +50,50 @@ class Loops:
         return [*ends, *(Value(f"weight_{c}", real_of(Entry(f"{name}_{c}", e))) for c, _ in over.columns)]
 
     def scatter_lattice(self, over: Lattice, body):
+        return self.of_bonds(over, range(len(over.bonds)), body)
+
+    def of_bonds(self, over: Lattice, some, body):
+        """The terms of some of the bonds of the list, in all cells."""
         cells = [Index(f"c{d}") for d in range(len(over.size))]
-        lines = tuple(self.bond(over, bond, cells, body) for bond in over.bonds)
+        lines = tuple(self.bond(over, n, cells, body) for n in some)
         for d, size in enumerate(over.size):        # direction 0 is the fastest: innermost
             lines = (For(f"c{d}", ZERO, self.low.size(size), lines, over="cells"),)
         return lines
 
     # -- lattice bonds ----------------------------------------------------------------------
-    def bond(self, over: Lattice, bond, cells, body):
-        """One term from its base cell `cells`, inside a test where open ends may cut it off."""
-        tests, lines = [], []
-        for name, (sub, offset) in zip(over.indices, bond):
-            lines.append(self.site(over, name, sub, offset, cells, tests))
-        return where(tests, (*lines, *body))
+    def bond(self, over: Lattice, n: int, cells, body, member: int | None = None):
+        """The term of the n-th bond of the list from its base cell `cells`, or from the cell of one of its members; inside a test where open ends
+        may cut it off."""
+        tests, lines, back = [], [], (0,) * len(cells) if member is None else over.bonds[n][member][1]
+        for name, (sub, offset) in zip(over.indices, over.bonds[n]):
+            lines.append(self.site(over, name, sub, tuple(a - b for a, b in zip(offset, back)), cells, tests))
+        return where(tests, (*lines, *self.numbered(over, n, cells, back), *body))
+
+    def numbered(self, over: Lattice, n: int, cells, back) -> tuple:
+        """The number of that bond, where the formula asks."""
+        if not over.number:
+            return ()
+        base = [self.moved(over, d, cell, -shift, []) for d, (cell, shift) in enumerate(zip(cells, back))]
+        return (Let(over.number, self.bond_number(over, n, base)),)
+
+    def bond_number(self, over: Lattice, n: int, cells):
+        """Behind those of the bonds before it in the list: the place of its base cell among those in which the bond is."""
+        start, place = self.bonds_of(over, range(n)), ZERO
+        for cell, (first, length) in reversed(list(zip(cells, self.within(over, n)))):
+            place = cell - first + length * place
+        return start + place
+
+    def bonds_of(self, over: Lattice, some):
+        """How many there are of some of the list."""
+        return total(*(times(*(length for _, length in self.within(over, k))) for k in some))
+
+    def within(self, over: Lattice, n: int) -> list:
+        """(the first, how many) of the cells from which the n-th bond stays within open ends, in each direction."""
+        found = []
+        for d, size in enumerate(over.size):
+            reach = [0, *(offset[d] for _, offset in over.bonds[n])] if not over.periodic[d] else [0]
+            found.append((-min(reach), self.low.size(size) - (max(reach) - min(reach))))
+        return found
 
     def moved(self, over: Lattice, d: int, cell, shift: int, tests):
         """The coordinate `cell + shift` in direction d: on a ring, or tested to lie within open ends."""
@@ -122,7 +153,7 @@ class Loops:
     def gather_lattice(self, over: Lattice, slot, body, placed: bool = False):
         place = () if placed else self.cell_of_site(over)
         position = over.indices.index(slot[1])
-        return (*place, *(self.gather_bond(over, bond, position, body) for bond in over.bonds))
+        return (*place, *(self.gather_bond(over, n, position, body) for n in range(len(over.bonds))))
 
     def cell_of_site(self, over: Lattice):
         """The coordinates of the cell that holds the site, and its place in the cell."""
@@ -134,9 +165,9 @@ class Loops:
             rest = quotient(Index(f"r{d}"), size)
         return (*lines, Let(f"s{len(over.size) - 1}", rest))
 
-    def gather_bond(self, over: Lattice, bond, position: int, body):
+    def gather_bond(self, over: Lattice, n: int, position: int, body):
         """The term whose member `position` is the site: its base cell is as far back as the bond reaches there."""
-        sub, offset = bond[position]
+        sub, offset = over.bonds[n][position]
         tests = [compare(Index("sub"), "==", total(sub))] if over.sites > 1 else []
         lines, cells = [], []
         for d, shift in enumerate(offset):
@@ -144,7 +175,7 @@ class Loops:
             if shift:
                 lines.append(Let(f"b{d}", cell))
             cells.append(Index(f"b{d}") if shift else cell)
-        return where(tests, (*lines, self.bond(over, bond, cells, body)))
+        return where(tests, (*lines, self.bond(over, n, cells, body)))
 
     # -- all sites in an order --------------------------------------------------------------
     def by_colour(self, over: Lattice, colours, body) -> tuple:

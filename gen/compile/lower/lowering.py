@@ -143,7 +143,7 @@ class Lowering:
     def drawn(self, e: Op) -> Node:
         """A random number: that of a single site is kept, where there is a state to keep it."""
         names = index_names(e)
-        if len(names) != 1 or not self.keeps:
+        if len(names) != 1 or not self.keeps or any(isinstance(n, Idx) and n.bond for n in walk(e)):
             return Drawn(e.op, tuple(map(self.index, e.args)))
         (name,) = names
         number = e.args[0] if e.op == "kept" else e

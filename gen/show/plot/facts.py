@@ -5,7 +5,7 @@ import dataclasses
 
 import numpy as np
 
-from ...language.spec import Graph, Lattice
+from ...language.spec import Graph, Lattice, families_of
 from ...run.record.conserved import driven, energy_of, of_time, with_tracers
 from ...run.step.evaluated import Evaluated
 
@@ -44,9 +44,9 @@ def bonds(numbers: Evaluated, called) -> dict:
     from ...language.instances import instances_of
     places, found = numbers.places, {}
     for over in (e.over for e in numbers.spec.energies if e.name in called):
-        if isinstance(over, (Lattice, Graph)) and len(over.bound) == 2 and places[over.family][1] <= BONDED:
+        if isinstance(over, (Lattice, Graph)) and len(families_of(over)) == 2 and places[over.family][1] <= BONDED:
             sites, _ = instances_of(over, numbers.values, places)
-            found.setdefault(over.family, []).append(np.stack([sites[index] for index in over.bound], axis=1))
+            found.setdefault(over.family, []).append(np.stack([sites[index] for index in families_of(over)], axis=1))
     return {family: np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) for family, pairs in found.items()}
 
 
