@@ -86,7 +86,7 @@ def test_no_other_file_chooses_colours():
     """A colour is written once, in colours.py; greys of the ball and of grids are no meaning."""
     folder = style.Path(style.__file__).parent
     words = "|".join(["PALETTE", "GREEN", "VERMILION", "PURPLE", "ORANGE", "SKY", "BROWN", *colours.PALETTE])
-    for file in [*folder.glob("*.py"), folder / "player.js"]:
+    for file in [*folder.glob("*.py"), *(folder / "web").glob("*.mjs")]:
         if file.name not in ("colours.py", "style.py"):
             assert not re.search(rf"{words}", file.read_text()), file.name
 

@@ -141,7 +141,8 @@ const clock = () => el("clock").textContent;
 const changed = (f) => { const was = clock(); f(); return was !== clock(); };
 setTimeout(() => {
   const before = discs.splice(0);
-  lines.length = 0;
+  if (!el("view").hidden) el("view").click();     // sites stand on a lattice: to the sphere
+  discs.length = lines.length = 0;
   el("trail").value = 0; el("trail").dispatchEvent(new Event("change"));
   const all = discs.filter(([c]) => part(c) === "scene");
   said.spots = all.map(([, d, color]) => [...d, color]);

@@ -6,6 +6,8 @@
     an orbit of a section               a shade of `regular`, or CHAOTIC
     a site                              that of `of_sites`
     one of an order (times, radii)      that of `ordered`, dark to bright
+    a direction, of a site at its place that of `of_directions`
+    a number of such a site             DIVERGING about 0, else SEQUENTIAL
     a curve alone, a line that guides   INK
 
 Colours are those of Okabe and Ito (Color universal design, 2008), which stay apart for the
@@ -106,3 +108,25 @@ def regular(count: int) -> list[str]:
 def ordered(shares) -> list[str]:
     """Colours of numbers between 0 (dark) and 1 (bright): shares of a time, of a radius."""
     return [legible(c) for c in matplotlib.colormaps["viridis"](0.75 * np.asarray(shares, float))]
+
+
+# A unit vector u has the colour centre + tint u in CIELAB: lightness by u_z, hue by azimuth. x and -x differ by blue and yellow, y and -y by lightness too, so that
+# a reader without red and green, or without blue, tells azimuths apart.
+WHEEL = {"centre": [58, 0, 0], "tint": [[10, -18, 34], [0, 45, 0], [48, 0, 0]]}
+DIVERGING, SEQUENTIAL = "coolwarm", "cividis"
+_WHITE = np.array([0.95047, 1.0, 1.08883])
+_RGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])     # sRGB of XYZ, IEC 61966-2-1
+
+
+def of_directions(u) -> np.ndarray:
+    """sRGB (.., 3), 0 to 1, of unit vectors (.., 3)."""
+    L, a, b = np.moveaxis(WHEEL["centre"] + np.asarray(u, float) @ np.transpose(WHEEL["tint"]), -1, 0)
+    y = (L + 16) / 116
+    f = np.stack([y + a / 500, y, y - b / 200], axis=-1)
+    linear = np.clip(np.where(f > 6 / 29, f ** 3, (f - 4 / 29) * 108 / 841) * _WHITE @ _RGB.T, 0, 1)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def of_table(name: str) -> list[list[int]]:
+    """33 colours of a map of matplotlib, 0 to 255."""
+    return np.rint(255 * matplotlib.colormaps[name](np.linspace(0, 1, 33))[:, :3]).astype(int).tolist()

@@ -8,6 +8,7 @@ import numpy as np
 from ...language.spec import Graph, Lattice, families_of
 from ...run.record.conserved import driven, energy_of, of_time, with_tracers
 from ...run.step.evaluated import Evaluated
+from .standing import standing
 
 BONDED = 20_000     # most sites of a family whose bonds are drawn
 
@@ -17,7 +18,7 @@ def with_facts(result):
 
     casimirs: family -> matrix A of C = w.(A w)/2, of Nambu families; bonds: family -> (m, 2)
     numbers of joined sites; grids: family -> cells in each direction and sites of a cell,
-    where one lattice joins them; unconserved: names of the effects that tracers feel; driven: why
+    where one lattice joins them; standing: what `standing` gives; numbers: of the spec; unconserved: names of the effects that tracers feel; driven: why
     the energy of the others is not conserved, or False. A result without its spec is drawn from its numbers
     alone. Raises SpecError when the spec is spoilt.
     """
@@ -29,7 +30,7 @@ def with_facts(result):
     known = {p.name for p in spec.parameters}
     numbers = Evaluated(spec, {n: v for n, v in (meta.get("parameters") or {}).items() if n in known})
     return dataclasses.replace(result, meta={
-        **meta, "casimirs": matrices(numbers), "bonds": bonds(numbers, called), "grids": grids(numbers, called),
+        **meta, "casimirs": matrices(numbers), "bonds": bonds(numbers, called), "grids": grids(numbers, called), "standing": standing(numbers), "numbers": numbers,
         "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called) and why_driven(spec, called)})
 
 

@@ -11,7 +11,9 @@ import numpy as np
 
 from ...errors import UsageError
 from .colours import FAINT
-from .player import QUANTUM, asset, filled, packed
+from .bundle import asset
+from .coding import packed
+from .player import QUANTUM, filled
 from .text import in_html, in_script, printable
 
 SMALL = 4096            # bytes at the head of a picture that tell its size

@@ -11,6 +11,7 @@ import numpy as np
 from ...errors import UsageError
 from . import chain, cloud, curves, lattice, player, portraits, surfaces
 from .colours import of_sites
+from .extras import Extras
 from .facts import conserved_energy
 from .text import of_all, printable
 
@@ -262,7 +263,7 @@ def draw_player(result, start: float = 0.0) -> str:
     bonds = {n: b for n, b in bonds.items() if len(b) and smooth(states[n][0], b) and smooth(states[n][-1], b)}
     energy, note = conserved_energy(result)
     return player.player_page(result.t, states, energy, first_line(result), facts(result), matrices, bonds,
-                              start=start, note=note, method=result.meta.get("method", ""))
+                              start=start, note=note, method=result.meta.get("method", ""), more=Extras(result, states))
 
 
 def smooth(spins, bonds=None) -> bool:

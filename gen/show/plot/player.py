@@ -1,51 +1,52 @@
 """One HTML file that turns and plays a trajectory; it needs no network and no library.
 
-The states travel as 16-bit integers (a picture's worth: 3e-5 of the radius), times and
-energy errors as doubles. User text enters as JSON in a data element and is shown with
+The states travel as 16-bit integers (a picture's worth: 3e-5 of the radius), those of many sites as directions (`coding.py`),
+times and energy errors as doubles. User text enters as JSON in a data element and is shown with
 textContent; nothing of it is ever markup or script.
 """
 from __future__ import annotations
 
-import base64
 import html
-from pathlib import Path
 
 import numpy as np
 
 from ...errors import UsageError
+from .bundle import asset, script
 from .chain import thinned
-from .colours import of_sites
+from .coding import packed, vectors
+from .colours import DIVERGING, SEQUENTIAL, WHEEL, of_sites, of_table
 from .leaf import leaf_of, mesh
 from .sphere import graticule
 from .style import method_style
 from .text import in_html, in_script, of_all, printable
 
 FRAMES = 3000           # most frames of a player
-NUMBERS = 1_500_000     # most coordinates of a player (3 MB of its file)
+NUMBERS = 1_500_000     # coordinates that travel as they are (3 MB of the file)
+ENOUGH = 100            # outputs that a player of more has, as far as BYTES allow
+BYTES = 27_500_000      # of their states, which base64 makes a third more
 QUANTUM = 32000         # greatest coordinate, as an integer
 SHADES = 64             # most colours of a family
 
 
 def player_page(t, states, energy=None, title: str = "", facts: str = "", casimirs=None,
                 bonds=None, autoplay: bool = False, view=(35, 22), start: float = 0.0,
-                note: str = "", method: str = "") -> str:
+                note: str = "", method: str = "", more=None) -> str:
     """The HTML text of a player: a document of its own, for a file or for `framed`.
 
     t (k,); states {family: (k, count, 3)}; energy (k,) or None; casimirs {family: (3, 3)}
     for families that move on other quadrics than spheres; bonds {family: (m, 2)}: numbers of
     sites that lines join; start: the first frame shown, as a share of all; method: gives the
-    energy its colour.
+    energy its colour; more: places of sites and other numbers (`extras.py`).
     Raises UsageError when there is nothing to play.
     """
     if not states or len(t) == 0:
         raise UsageError("nothing to play: the result holds no states "
                          "(ask for them with what = [\"states\", ...])")
-    page = Path(__file__).with_name("player.html").read_text(encoding="utf-8")
     slots = {"title": in_html(title or "Trajectory"), "style": asset("player.css"),
              "data": in_script(describe(t, states, energy, title, facts, casimirs or {}, bonds or {},
-                                        autoplay, view, start, note, method)),
-             "script": asset("player.js")}
-    return filled(page, slots)
+                                        autoplay, view, start, note, method, more)),
+             "script": script()}
+    return filled(asset("player.html"), slots)
 
 
 def framed(page: str, title: str = "Trajectory") -> str:
@@ -64,15 +65,17 @@ def filled(page: str, slots: dict) -> str:
     return parts[0] + "".join(slots[name] + rest for name, rest in tails)
 
 
-def asset(name: str) -> str:
-    """A file of the player, as text."""
-    return Path(__file__).with_name(name).read_text(encoding="utf-8")
+def filled(page: str, slots: dict) -> str:
+    """The template `page` with its {{ slots }} filled; what fills one is not looked at again."""
+    parts = page.split("{{ ")
+    tails = (part.split(" }}", 1) for part in parts[1:])
+    return parts[0] + "".join(slots[name] + rest for name, rest in tails)
 
 
 def describe(t, states, energy, title, facts, casimirs, bonds, autoplay, view, start,
-             note, method) -> dict:
+             note, method, more=None) -> dict:
     """All that the script reads, as plain data."""
-    keep = frames_of(t, states)
+    keep = frames_of(t, states, not casimirs)
     facts = ", ".join(part for part in (facts, of_all(len(keep), len(t), "outputs")) if part)
     colors = of_sites({name: w.shape[1] for name, w in states.items()})
     cut = {name: np.asarray(w, float)[keep] for name, w in states.items()}
@@ -82,31 +85,40 @@ def describe(t, states, energy, title, facts, casimirs, bonds, autoplay, view, s
     ball = not casimirs
     error = None if energy is None else finite(np.asarray(energy, float)[keep] - float(energy[0]))
     low, high = strip_range(error)
+    coded = written(cut, reach, ball)
     return {"title": printable(title or "Trajectory"), "facts": printable(facts), "note": printable(note),
+            "unit": "model units", "timeUnit": "model units",
             "t": packed(np.asarray(t, float)[keep], "<f8"),
             "error": None if error is None else packed(error, "<f8"), "low": low, "high": high,
             "quantum": reach / QUANTUM, "reach": reach, "ball": ball,
             "radii": radii_of(cut) if ball else [reach], "view": list(view), "start": start,
             "backdrop": [packed(line, "<f4") for line in backdrop(cut, casimirs, reach)],
-            "color": method_style(method)["color"],
-            "families": [family(name, w, reach, colors[name], bonds.get(name, ()))
+            "color": method_style(method)["color"], "wheel": WHEEL, "tables": {"diverging": of_table(DIVERGING), "sequential": of_table(SEQUENTIAL)},
+            "families": [{**family(name, w, colors[name], bonds.get(name, ())), **coded[name], **(more.family(name) if more else {})}
                          for name, w in cut.items()],
+            "maps": more.maps(keep) if more else [], "series": more.series(keep) if more else [],
             "trail": trail_choice(sum(w.shape[1] for w in cut.values())),
             "seconds": playing_time(cut), "autoplay": bool(autoplay)}
 
 
-def frames_of(t, states) -> np.ndarray:
+def frames_of(t, states, ball: bool) -> np.ndarray:
     """The outputs that become frames: all, or evenly chosen ones that fit the limits."""
-    each = 3 * sum(w.shape[1] for w in states.values())
-    return thinned(len(t), max(2, min(FRAMES, NUMBERS // max(each, 1))))
+    sites = sum(w.shape[1] for w in states.values())
+    fit = int(BYTES / (2.75 if ball else 6) / max(sites, 1))
+    return thinned(len(t), max(2, min(FRAMES, max(NUMBERS // max(3 * sites, 1), min(ENOUGH, fit)))))
 
 
-def family(name: str, w, reach: float, colors, bonds) -> dict:
-    """One family's states and looks; site i has colour number floor(i*colors/count)."""
+def written(states, reach: float, ball: bool) -> dict:
+    """family -> its states as they travel."""
+    small = sum(w.size for w in states.values()) <= NUMBERS
+    return {name: vectors(w, reach / QUANTUM, small, ball) for name, w in states.items()}
+
+
+def family(name: str, w, colors, bonds) -> dict:
+    """One family's looks; site i has colour number floor(i*colors/count)."""
     return {"name": printable(name), "count": int(w.shape[1]), "bonds": packed(bonds, "<i4"),
             "colors": [colors[i] for i in thinned(len(colors), SHADES)],
-            "fine": int(np.clip(largest_turn(w) / 0.06, 1, 12)),
-            "w": packed(np.rint(w / reach * QUANTUM), "<i2")}
+            "fine": int(np.clip(largest_turn(w) / 0.06, 1, 12))}
 
 
 def largest_turn(w) -> float:
@@ -127,11 +139,6 @@ def playing_time(states) -> float:
     paths = [np.linalg.norm(np.diff(w, axis=0), axis=2).sum(axis=0)
              / np.maximum(np.linalg.norm(w[0], axis=1), 1e-12) for w in states.values()]
     return float(np.clip(np.mean(np.concatenate(paths)) / 2, 8, 120))
-
-
-def packed(values, kind: str) -> str:
-    """An array as base64 of little-endian numbers."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
 
 
 def finite(values):

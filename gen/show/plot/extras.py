@@ -1,0 +1,70 @@
+"""What a player has beside the trajectory: places of sites, bonds and cells there, numbers of sites, numbers over time."""
+from __future__ import annotations
+
+import numpy as np
+
+from .coding import deflated
+from .standing import site_maps
+from .text import printable
+
+SERIES = 40         # most numbers over time
+
+
+class Extras:
+    """Of a result with facts: as the parts of a page ask for them."""
+
+    def __init__(self, result, states: dict):
+        meta = result.meta
+        self.t, self.states, self.values = np.asarray(result.t, float), states, result.values
+        self.standing, self.grids = meta.get("standing") or {}, meta.get("grids") or {}
+        self.numbers, self.called = meta.get("numbers"), set(meta.get("effects") or ())
+
+    def family(self, name: str) -> dict:
+        """places, links and cell of a family that has places."""
+        found = self.standing.get(name)
+        if found is None or len(found["places"]) != self.states[name].shape[1]:
+            return {}
+        more = {"cell": cell(*self.grids[name])} if name in self.grids else {}
+        return {"places": deflated(found["places"], "<f4"), "links": deflated(found["links"], "<i4"), **more}
+
+    def maps(self, keep) -> list[dict]:
+        """Numbers of sites at the outputs `keep`, as bytes between the smallest and the largest."""
+        if self.numbers is None or not any(name in self.standing for name in self.states):
+            return []
+        found = site_maps(self.numbers, self.called, self.t[keep], {name: w[keep] for name, w in self.states.items()})
+        return [mapped(one) for one in found if one["family"] in self.standing and np.ptp(one["values"]) > 0]
+
+    def series(self, keep) -> list[dict]:
+        """The other numbers of the result over time."""
+        rows = [row for name, values in self.values.items() if name != "casimirs" for row in columns(name, np.asarray(values, float))]
+        return [plotted(name, values[keep]) for name, values in rows[:SERIES] if np.isfinite(values[keep]).any()]
+
+
+def cell(size, sites: int) -> dict:
+    return {"size": [int(n) for n in size], "sites": int(sites)}
+
+
+def mapped(one: dict) -> dict:
+    """A map as it travels: about 0 where it has both signs."""
+    values = one["values"]
+    low, high = float(values.min()), float(values.max())
+    if low < 0 < high:
+        low, high = -max(-low, high), max(-low, high)
+    return {"name": printable(one["name"]), "family": printable(one["family"]), "unit": printable(one["unit"]), "low": low, "high": high,
+            "table": "diverging" if low < 0 < high else "sequential",
+            "values": deflated(np.rint((values - low) / (high - low) * 255), "u1")}
+
+
+def columns(name: str, values):
+    """A number over time, or the components of a vector."""
+    if values.ndim == 1:
+        return [(name, values)]
+    return [(f"{name}.{x}", values[:, k]) for k, x in enumerate("xyz")] if values.ndim == 2 and values.shape[1] == 3 else []
+
+
+def plotted(name: str, values) -> dict:
+    """One number over time as it travels, with a range that is not empty."""
+    good = values[np.isfinite(values)]
+    low, high = float(good.min()), float(good.max())
+    room = 0.0 if high > low else max(abs(low) * 1e-6, 1e-16)
+    return {"name": printable(name), "unit": "", "low": low - room, "high": high + room, "values": deflated(values, "<f4")}
