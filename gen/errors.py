@@ -3,6 +3,7 @@
     SmidgenError        base; `exit_code` is what the command returns
       UsageError        2    a wrong option, name or value on the command line or in a call
         KeywordError         a keyword that a function has not (a TypeError too)
+        ColumnError          a column that a result has not (a KeyError too)
         ReadOnlyError        an attribute that cannot be assigned to (an AttributeError too)
       SpecError         3    a spec that cannot be read: a list of `Diagnostic`
       RunError          4    a step that failed; carries the runtime's status
@@ -44,6 +45,11 @@ class UsageError(SmidgenError):
 
 class KeywordError(UsageError, TypeError):
     """A keyword that a public function has not."""
+
+
+class ColumnError(UsageError, KeyError):
+    """A column that a result has not."""
+    __str__ = Exception.__str__     # a KeyError puts its message into quotes
 
 
 class ReadOnlyError(UsageError, AttributeError):

@@ -25,8 +25,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import OutputError, UsageError
-from ..language.spec import Spec
 from ..public import ReadOnly, public
+from ..read.shipped import SpecLike, spec_or_name
 from ..run.files.durable import write_new
 from ..run.fields.field import Field
 from ..run.fields.grid import Grid, family_of, of
@@ -105,7 +105,8 @@ def saved_as(path) -> Path:
 
 
 @public
-def spectrum(spec: Spec, run: str | None = None, *, start: str | np.ndarray | Field | None = None, method: str | None = None,
+@spec_or_name
+def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | Field | None = None, method: str | None = None,
              solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
              every: int | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
              seed: int | None = None, native: bool | None = None, threads: int | None = None, family: str | None = None, q="all",

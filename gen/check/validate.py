@@ -20,6 +20,7 @@ from ..extremes import largest, smallest, with_largest
 from ..methods import METHODS
 from ..language.spec import Spec
 from ..public import public
+from ..read.shipped import SpecLike, spec_or_name
 from ..run.settings import Settings, model_of, settle
 from ..run.step.evaluated import casimir_matrices
 from ..run.step.start import state_at
@@ -106,7 +107,8 @@ class Report:
 
 
 @public
-def validate(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+@spec_or_name
+def validate(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
              h: float | str | None = None, steps: int | None = None, effects: Iterable[str] | None = None,
              parameters: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
              native: bool | None = None, points: int = 5) -> Report:

@@ -16,6 +16,7 @@ from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
+from ..read.shipped import SpecLike, spec_or_name
 from ..run.step.prepared import choose as one_of, scene_of
 from ..run.settings import settle
 from .measure.case import Case, asked_time, candidates
@@ -35,7 +36,8 @@ AIM = 1e-6          # end error of the runs that are made long
 
 
 @public
-def cost(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
+@spec_or_name
+def cost(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
          effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
          native: bool | None = None, methods: Iterable[str] | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
          peers: bool | Iterable[str] = False, mean: str | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost | WeakCost:

@@ -14,9 +14,9 @@ import numpy as np
 
 from ..errors import UsageError
 from ..extremes import largest
-from ..language.spec import Spec
 from ..methods import METHODS
 from ..public import public
+from ..read.shipped import SpecLike, spec_or_name
 from ..run.step.prepared import choose as one_of
 from ..run.settings import settle
 from .measure.case import Case, asked_time, candidates
@@ -69,7 +69,8 @@ class Choice:
 
 
 @public
-def choose(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
+@spec_or_name
+def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
            effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
            native: bool | None = None, methods: Iterable[str] | None = None, error: float | None = None, energy: float | None = None,
            symplectic: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:

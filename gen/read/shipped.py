@@ -2,14 +2,20 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar, Union
 
 from .. import read
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
 from ..resources import scenes, shipped
+
+F = TypeVar("F", bound=Callable)
+SpecLike = Union[Spec, str, os.PathLike]        # a Spec, the path of a file, or the name of a spec that comes with smidgen
 
 
 def find_spec(word: str) -> Path:
@@ -45,3 +51,11 @@ def flat(spec: str | os.PathLike, library=()) -> str:
 
 
 load_spec = load        # under the name that the commands use
+
+
+def spec_or_name(function: F) -> F:
+    """`function` of a Spec, which also takes what `load` takes."""
+    @functools.wraps(function)
+    def called(spec: SpecLike, *args, **given):
+        return function(load(spec) if isinstance(spec, (str, os.PathLike)) else spec, *args, **given)
+    return called

@@ -17,6 +17,7 @@ from .. import ranks
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
+from ..read.shipped import SpecLike, spec_or_name
 from ..version import __version__
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
@@ -46,14 +47,15 @@ class Interrupted(KeyboardInterrupt):
 
 
 @public
-def run(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+@spec_or_name
+def run(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
         h: float | str | None = None, steps: int | None = None, time: float | str | None = None, every: int | None = None,
         period: float | str | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None,
         parameters: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double", native: bool | None = None,
         substeps: bool | None = None, checkpoint: int | None = None, estimate: bool | None = False, tolerance: float | None = None,
         fast: bool = False, threads: int | None = None, averages: Mapping[str, object] | None = None, out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None) -> Result:
-    """Run `spec` and return a Result.
+    """Run a spec, which may be given by its path or name as for `load`, and return a Result.
 
     run: of the spec, by default its first. In place of what that run says:
     start: the name of a start, or an array of shape (sites, 3); method, solver: their names;

@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from ...errors import RunError, UsageError
-from ...language.spec import Spec
 from ...methods import METHODS
 from ...public import public
+from ...read.shipped import SpecLike, spec_or_name
 from ...run.settings import duration, model_of, settle
 from ...run.step.prepared import find_run
 from .along import MARGIN, TURN, along
@@ -74,7 +74,8 @@ class Advice:
 
 
 @public
-def advise(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+@spec_or_name
+def advise(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
            h: float | str | None = None, steps: int | None = None, time: float | str | None = None, effects: Iterable[str] | None = None,
            parameters: Mapping[str, object] | None = None, seed: int | None = None) -> Advice:
     """The largest safe step for a run; start .. seed as for `smidgen.run`, in place of what the run says.

@@ -8,12 +8,12 @@ import numpy as np
 import sympy as sp
 
 from ...language.held import lacking, standing
-from ...language.spec import Spec
 from ...methods import METHODS
 from ...compile.plan.splitting import splittings
 from ...compile.plan.held import present
 from ...compile.select import select
 from ...public import few, public
+from ...read.shipped import SpecLike, spec_or_name
 from ...run.step.prepared import asked as asked_of, choose
 from ...run.step.evaluated import casimir_matrices, kappas
 from . import conserved, spaces
@@ -83,7 +83,8 @@ class Report:
 
 
 @public
-def explain(spec: Spec, run: str | None = None, *, method: str | None = None, effects: Iterable[str] | None = None,
+@spec_or_name
+def explain(spec: SpecLike, run: str | None = None, *, method: str | None = None, effects: Iterable[str] | None = None,
             parameters: Mapping[str, object] | None = None) -> Report:
     """Which rotations leave H unchanged, what is conserved, what the method keeps exactly.
 

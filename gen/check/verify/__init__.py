@@ -16,13 +16,15 @@ import numpy as np
 
 from ...language.spec import Spec
 from ...public import public
+from ...read.shipped import SpecLike, spec_or_name
 
 if TYPE_CHECKING:
     from .certificate import Certificate
 
 
 @public
-def verify(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+@spec_or_name
+def verify(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
            h: float | str | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
            seed: int | None = None, features: Iterable[str] = (), tier: str | int = "normal", layouts: bool = False) -> Certificate:
     """Measure the generated integrator of a run; returns a `certificate.Certificate`.

@@ -20,11 +20,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...errors import OutputError, UsageError
+from ...errors import ColumnError, OutputError, UsageError
 from ...language import limits
-from ...public import ReadOnly, few, public
+from ...public import ReadOnly, few, guess, public
 from .durable import sync_folder
-from .received import VECTORS, read
+from .handed import dataframe, dataset
+from .labels import flat_names, label
+from .received import read
 
 FORMATS = (".csv", ".npz", ".h5")
 RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
@@ -57,6 +59,38 @@ class Result(ReadOnly):
         over = f" over t = {self.t[0]:.6g} .. {self.t[-1]:.6g}" if len(self.t) else ""
         return (f"<Result {said}: {self.meta.get('method')}, {self.meta.get('status')}, {len(self.t)} outputs{over}: "
                 f"{few([*(self.w or {}), *self.values]) or 'nothing kept'}>")
+
+    def keys(self) -> list[str]:
+        """The names of what `result[name]` gives."""
+        return ["step", "t", *(self.w or {}), *self.values]
+
+    def __iter__(self):
+        return iter(self.keys())
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column by its name in files: `result["energy"]` (k,), `result["momentum.w"]` (k, 3), `result["w"]` (k, count, 3), `result["t"]` (k,).
+
+        Raises ColumnError, a KeyError.
+        """
+        columns = {"step": self.step, "t": self.t, **(self.w or {}), **self.values}
+        if name not in columns:
+            raise ColumnError(f"a result of {self.meta.get('spec')} has no column '{name}'{guess(str(name), list(columns), {})}")
+        return columns[name]
+
+    def to_xarray(self):
+        """An xarray.Dataset: the columns over `t`, `site` and `component`, `final` over the last two; `step` beside t. Its attributes say what ran.
+
+        Where there are several families, each has its own axis, `site_NAME`, and `site` counts the sites of all. `.to_netcdf(path)` writes it.
+        Raises MissingTool without the package xarray.
+        """
+        return dataset(self)
+
+    def to_dataframe(self):
+        """A pandas.DataFrame, one row an output, indexed by t: the columns of a .csv file (`energy`, `momentum.w.x`, `w[3].x`).
+
+        Raises MissingTool without the package pandas.
+        """
+        return dataframe(self)
 
     def _repr_html_(self) -> str | None:
         """The player, for notebooks; None where there is nothing to play, and the repr is shown."""
@@ -234,7 +268,7 @@ class NpzSink(FileSink):
 
 
 class H5Sink(FileSink):
-    """HDF5: one data set a column, grown chunk by chunk, and the string `meta`."""
+    """HDF5: one data set a column, grown chunk by chunk, with dimension scales, and the string `meta`."""
     h5 = None
 
     def _begin(self):
@@ -257,6 +291,7 @@ class H5Sink(FileSink):
     def _finish(self, meta, extras):
         for name, value in extras.items():
             self.h5.create_dataset(name, data=value)
+        label(self.h5, meta["families"])
         put_text(self.h5, "meta", json.dumps(meta))
         self._release()
         self.disk.check()
@@ -329,17 +364,6 @@ class Disk(io.RawIOBase):
                 act(argument)
         except OSError as problem:
             self.problem = problem
-
-
-def flat_names(name: str, shape: tuple) -> list[str]:
-    """CSV columns of one entry: `w[3].x`, `momentum.w.x`, `casimirs[2]`, `energy`."""
-    if not shape:
-        return [name]
-    if len(shape) == 2:
-        return [f"{name}[{i}].{axis}" for i in range(shape[0]) for axis in "xyz"]
-    if name.startswith(VECTORS):
-        return [f"{name}.{axis}" for axis in "xyz"]
-    return [f"{name}[{i}]" for i in range(shape[0])]
 
 
 def csv_head(meta: dict, extras: dict, names) -> str:

@@ -26,6 +26,7 @@ from .options import ALWAYS, OPTIONS
 
 AXES = "xyz"
 VECTORS = ("momentum.", "magnetisation.")      # columns of three numbers
+COUNTED, LETTER = np.dtype(np.int32), np.dtype("S1")      # what the axes of an HDF5 file count with; no column is of these types
 
 
 class Wrong(Exception):
@@ -162,6 +163,7 @@ def sets_of(h5, group, key, size):
     if head is None or head.shape != () or head.dtype.kind != "S":      # of fixed length: see output.put_text
         raise Wrong("it has no metadata, or that of an earlier version")
     found = {name: plain_set(group, name, size) for name in group if name != key}
+    found = {name: s for name, s in found.items() if s.dtype not in (COUNTED, LETTER)}
     within([s.size * s.dtype.itemsize for s in (head, *found.values())], size)
     if any(s.dtype.kind not in "fiu" for s in found.values()):
         raise Wrong("it holds other things than numbers")

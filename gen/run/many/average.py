@@ -22,6 +22,7 @@ import numpy as np
 from ...errors import OutputError, UsageError
 from ...language.spec import Spec
 from ...public import few, public
+from ...read.shipped import SpecLike, spec_or_name
 from ...version import __version__
 from ..files.durable import write_new
 from ..record.means import BINS, Average, averages, numbers_of
@@ -53,7 +54,8 @@ class Averages:
 
 
 @public
-def average(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
+@spec_or_name
+def average(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
             h: float | str | None = None, steps: int | None = None, time: float | str | None = None, every: int | None = None,
             what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
             seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float | None = None, members: int = 1, bins: int | None = None,

@@ -17,8 +17,8 @@ import numpy as np
 from ...build.binary import build_library
 from ...errors import RunError, UsageError
 from ...language import limits
-from ...language.spec import Spec
 from ...public import few, public
+from ...read.shipped import SpecLike, spec_or_name
 from ..step.evaluated import Evaluated
 from ..step.library import functions, loaded, packed
 from ..step.noise import noise_of
@@ -59,7 +59,8 @@ class Ensemble:
 
 
 @public
-def ensemble(spec: Spec, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None,
+@spec_or_name
+def ensemble(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None,
              solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
              every: int | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None,
              parameters: Mapping[str, object] | None = None, seed: int | None = None, native: bool | None = None,

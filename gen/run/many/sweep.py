@@ -20,6 +20,7 @@ from ...errors import OutputError, RunError, UsageError
 from ...language import limits
 from ...language.spec import Spec
 from ...public import public
+from ...read.shipped import SpecLike, spec_or_name
 from . import cluster as workers
 from . import interrupts
 from .cluster import check, executor, lost
@@ -60,7 +61,8 @@ def cells_of(axes: Mapping[str, list], starts: int | None, seed: int) -> list[Ce
 
 
 @public
-def sweep(spec: Spec, run: str | None = None, *, out: str | os.PathLike, axes: Mapping[str, Sequence] | None = None, starts: int | None = None,
+@spec_or_name
+def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axes: Mapping[str, Sequence] | None = None, starts: int | None = None,
           start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None, h: float | str | None = None,
           steps: int | None = None, time: float | str | None = None, every: int | None = None, period: float | str | None = None,
           what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,

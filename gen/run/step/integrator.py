@@ -20,6 +20,7 @@ from ...errors import RunError, UsageError
 from ...language.spec import Spec
 from ...methods import METHODS
 from ...public import ReadOnly, few, public
+from ...read.shipped import SpecLike, spec_or_name
 from .block import Block
 from .library import functions, loaded, loaded_with_threads, packed, passed
 from .noise import noise_of
@@ -30,7 +31,8 @@ from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, why
 
 
 @public
-def build(spec: Spec, run: str | None = None, *, method: str | None = None, solver: str | None = None, effects: Iterable[str] | None = None,
+@spec_or_name
+def build(spec: SpecLike, run: str | None = None, *, method: str | None = None, solver: str | None = None, effects: Iterable[str] | None = None,
           parameters: Mapping[str, object] | None = None, real: str = "double", native: bool | None = None, fast: bool = False,
           threads: int | None = None, features: Iterable[str] = ()) -> Integrator:
     """Compile `spec` (or take the build from the cache) and return an Integrator.
