@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from ..language import codes
 from ..language.expr import Expr, Idx, Num, Op, with_index
 from ..language.spec import Effect, Sites, Spec
+from ..language.sublattice import sites_of, there
 from .motion import Contribution, Response, family_of
 
 FORMS = ("gilbert", "ll")     # Gilbert's damping, and that of Landau and Lifshitz
@@ -32,17 +33,17 @@ class DampingReader:
 
     def law(self, node):
         """(the sites, alpha, the form, kT or None)."""
-        over = self.sites(node)
-        return (over, *self.problems.together(lambda: self.terms.formulas.free(node.get("damping"), "a damping", over.index),
+        over, condition = self.sites(node)
+        return (over, *self.problems.together(lambda: there(condition, self.terms.formulas.free(node.get("damping"), "a damping", over.index)),
                                               lambda: self.form(node, self.terms.declared.families[over.family].kind),
                                               lambda: self.temperature(node, over.index)))
 
     def temperature(self, node, index: str):
         return self.terms.formulas.free(node.get("kT"), "a temperature", index) if node.has("kT") else None
 
-    def sites(self, node) -> Sites:
-        """Those of one family on spheres or in R^3, that no other effect damps."""
-        over = self.terms.over(node, "damping")
+    def sites(self, node) -> tuple:
+        """Those of one family on spheres or in R^3, that no other effect damps, and of which sublattice."""
+        over, condition = sites_of(self.terms.over(node, "damping"))
         at = node.get("over") if node.has("over") else node
         if not isinstance(over, Sites):
             at.wrong(codes.OVER, "a damping acts on the sites of a family", 'write `over = "site(i) of w"`')
@@ -54,7 +55,7 @@ class DampingReader:
         if over.family in self.damped:
             node.problems.fail(codes.CONFLICT, node.key, f"`{self.damped[over.family]}` damps the sites of `{over.family}` already", "write one damping with the sum of both")
         self.damped[over.family] = node.name
-        return over
+        return over, condition
 
     def form(self, node, kind: str) -> str:
         """Gilbert's unless another is given; in R^3 that of Landau and Lifshitz alone, where alpha is in units of 1/|w|."""

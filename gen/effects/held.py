@@ -10,6 +10,7 @@ from ..language import codes
 from ..language.expr import Expr, Idx, Num, Op, with_index
 from ..language.held import ALWAYS, unless
 from ..language.spec import Effect, Family, Sites, Spec
+from ..language.sublattice import sites_of
 from .motion import Contribution, family_of
 
 KINDS = ("pinned", "absent")
@@ -32,14 +33,15 @@ class HeldReader:
 
     def sites(self, node, key: str):
         """(the sites, the condition)."""
-        over = self.terms.over(node, key)
+        over, condition = sites_of(self.terms.over(node, key))
         at = node.get("over") if node.has("over") else node
         if not isinstance(over, Sites):
             at.wrong(codes.OVER, f"`{key}` speaks of the sites of a family", 'write `over = "site(i) of w"`')
         self.terms.known({over.family})
         if self.terms.declared.families[over.family].kind == "nambu":
             at.wrong(codes.NOT_HERE, f"the sites of `{over.family}` are on Nambu leaves", f"`{key}` is for sites on spheres or in R^3")
-        return over, self.terms.formulas.condition(node.get(key), "a condition on sites", over.index, key)
+        where = self.terms.formulas.condition(node.get(key), "a condition on sites", over.index, key)
+        return over, where if condition is None else Op("and", (condition, where))
 
 
 @dataclass(frozen=True)

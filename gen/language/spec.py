@@ -109,6 +109,8 @@ class Lattice:
     site = cell*sites + sub. One term for each cell and each member of `bonds`; a bond names,
     for each bound index, (sub, offset per dimension). Open directions drop bonds that leave.
     number: the name of the number of a bond, from 0 on: one after the other of `bonds`, each in all cells in which it is, in their order.
+    families: where the ends are not all of one family, that of each; every family has a site for each of the lattice, and `family` is "".
+    With a single index it runs over the sites of one place of the cell.
     """
     indices: tuple[str, ...]
     size: tuple[Expr, ...]
@@ -118,6 +120,7 @@ class Lattice:
     family: str = ""
     places: Optional[Places] = field(default=None, compare=False)
     number: str = ""
+    families: tuple[str, ...] = ()
 
     @property
     def bound(self):
@@ -154,7 +157,7 @@ def families_of(over: Over) -> dict[str, str]:
     if isinstance(over, Each):
         return dict(zip(over.indices, over.families))
     if isinstance(over, Lattice):
-        return dict.fromkeys(over.indices, over.family)
+        return dict(zip(over.indices, over.families or (over.family,) * len(over.indices)))
     if isinstance(over, (Pairs, Graph)):
         return dict.fromkeys(over.bound, over.family)
     return {}

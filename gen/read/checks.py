@@ -6,6 +6,7 @@ point at it and `select` can name it.
 from __future__ import annotations
 
 import math
+from itertools import chain, islice
 from dataclasses import replace
 from typing import Iterator
 
@@ -263,7 +264,8 @@ def term_fits(spec: Spec, term: Term, path: tuple, key: str, values) -> Iterator
     counts = {f.name: integer(f.count, values) for f in spec.families}
     over = term.over
     if isinstance(over, Lattice):
-        yield from lattice(over, counts[over.family], path + ("over",), values)
+        found = [lattice(over, family, counts[family], path + ("over",), values) for family in dict.fromkeys(families_of(over).values())]
+        yield from islice(chain.from_iterable(found), 1)
     if isinstance(over, Graph):
         far = over.highest
         if far >= counts[over.family]:
@@ -282,7 +284,7 @@ def all_sites(over: Lattice) -> str:
     return "*".join(([str(over.sites)] if over.sites > 1 else []) + [factor(s) for s in over.size])
 
 
-def lattice(over: Lattice, count: int, path: tuple, values: dict) -> Iterator[Trouble]:
+def lattice(over: Lattice, family: str, count: int, path: tuple, values: dict) -> Iterator[Trouble]:
     size = [integer(s, values) for s in over.size]
     sites = math.prod(size) * over.sites
     if min(size) < 1:
@@ -291,14 +293,14 @@ def lattice(over: Lattice, count: int, path: tuple, values: dict) -> Iterator[Tr
     elif sites != count:
         cells = " x ".join(map(str, size)) + (f" x {over.sites}" if over.sites > 1 else "")
         yield Trouble(path, codes.LATTICE, f"the lattice has {cells} = {sites} sites, "
-                      f"`{over.family}` has {count}", f"make the counts equal, say `sphere = \"{all_sites(over)}\"`")
+                      f"`{family}` has {count}", f"make the counts equal, say `sphere = \"{all_sites(over)}\"`")
     else:
         yield from loops(over, size, path)
 
 
 def loops(over: Lattice, size: list[int], path: tuple) -> Iterator[Trouble]:
     """A bond whose ends are one site because a periodic direction is too short."""
-    for bond in over.bonds:
+    for bond in over.bonds if over.family else ():
         ends = {(sub, tuple(o % n if p else o for o, n, p in zip(off, size, over.periodic)))
                 for sub, off in bond}
         if len(ends) < len(bond):

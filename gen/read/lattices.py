@@ -1,13 +1,13 @@
 """Lattices: those by name, `honeycomb(n, m, periodic)`, and the declared ones of [lattices]."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..language import limits
 from ..language.crystals import CRYSTALS
 from ..language.expr import Expr
 from ..language.shells import SHELLS
-from ..language.spec import Lattice, Places
+from ..language.spec import Lattice, Places, Sites
 from ..language import codes
 from .formulas import Formulas
 from .names import identifier, plural
@@ -23,12 +23,13 @@ BOUNDARIES = ("periodic", "open")
 
 @dataclass(frozen=True)
 class Declaration:
-    """A lattice of [lattices]: its cells, its bond lists by name, and where its sites stand."""
+    """A lattice of [lattices]: its cells, its bond lists by name, where its sites stand, and what those of a cell are called."""
     size: tuple[Expr, ...]
     periodic: tuple[bool, ...]
     sites: int
     bonds: dict
     places: Places | None = None
+    names: tuple[str, ...] = ()
 
 
 class Lattices:
@@ -51,14 +52,23 @@ class Lattices:
         self.broken.discard(name)
 
     def lattice(self, node: Node) -> Declaration:
-        size, sites = self.problems.together(
-            lambda: self.sizes(node.need("size", 'give the cells per direction: `size = ["n"]`')),
-            lambda: node.get("sites").integer(1, limits.CELL) if node.has("sites") else None)
+        size, (sites, names) = self.problems.together(
+            lambda: self.sizes(node.need("size", 'give the cells per direction: `size = ["n"]`')), lambda: self.of_cell(node))
         periodic, places = self.problems.together(
             lambda: self.boundaries(node, len(size)),
             lambda: PlaceReader(self.formulas, self.problems).read(node, len(size), sites))
         sites = self.sites(node, sites, places)
-        return Declaration(size, periodic, sites, self.bond_lists(node, sites, len(size), places), places)
+        return Declaration(size, periodic, sites, self.bond_lists(node, sites, len(size), places), places, names)
+
+    def of_cell(self, node: Node) -> tuple:
+        """(the number of sites or None, their names)."""
+        if not node.has("sites") or not isinstance(node.get("sites").raw, list):
+            return node.get("sites").integer(1, limits.CELL) if node.has("sites") else None, ()
+        entries = node.get("sites").entries("list of names", limits.CELL)
+        names = tuple(identifier(self.problems, e.key, e.string(), "site of a cell") for e in entries)
+        if not names or len(set(names)) < len(names):
+            node.get("sites").wrong(codes.CLASH, "the sites of a cell have different names", 'write `sites = ["a", "b"]`, or their number')
+        return len(names), names
 
     def sites(self, node: Node, sites: int | None, places: Places | None) -> int:
         """Of a cell."""
@@ -118,7 +128,7 @@ class Lattices:
         else:
             first = self.sub(node, "from", sites), (0,) * dimensions
             ends = first, (self.sub(node, "to", sites), self.offset(node, dimensions))
-        if len(ends) < 2 or len(set(ends)) < len(ends):
+        if len(ends) < 2 or len(set(ends)) < len(ends) != 2:
             node.wrong(codes.BOND, "a bond joins different sites",
                        "write `from` and `to`, or an `offset` that is not zero")
         return ends
@@ -155,13 +165,48 @@ class Lattices:
     # over = "bond(i, j) of ..."
 
     def over(self, w, reader) -> Lattice:
-        family = reader.home(w)
+        families = self.families(w, reader)
+        family = families[0] if len(set(families)) == 1 else ""
         if w.args is not None:
-            return self.short(w, family)
+            found = self.short(w, family)
+        else:
+            lattice = self.lookup(w)
+            bonds = self.bonds_of(w, lattice)
+            indices, number = self.matched(w, len(bonds[0]))
+            found = Lattice(indices, lattice.size, lattice.periodic, lattice.sites, bonds, family, lattice.places, number)
+        return self.between(w, found, families)
+
+    @staticmethod
+    def families(w, reader) -> tuple[str, ...]:
+        """Of the ends: one of all, or one of each."""
+        if all(family is None for _, family in w.items):
+            return (reader.home(w),)
+        if w.family:
+            reader.problems.fail(codes.OVER, w.family.span, "the indices have their families already", "drop `on`")
+        return tuple(reader.family(family) for _, family in w.items if family)
+
+    def between(self, w, over: Lattice, families) -> Lattice:
+        """With the families of its ends, where they are several."""
+        if len(families) > 1 or w.items[0][1]:
+            named = [family is not None for _, family in w.items]
+            if named != [True] * len(over.indices) + [False] * bool(over.number):
+                self.problems.fail(codes.OVER, w.head.span, "every site of the bond has its family, or none has", "write `bond(i of a, j of b) of LATTICE`")
+        over = over if over.family else replace(over, families=families)
+        if over.family and any(len(set(bond)) < len(bond) for bond in over.bonds):
+            self.problems.fail(codes.BOND, w.target.span, "a bond joins different sites, and one of these has two equal ends",
+                               "write `from` and `to` or an `offset` that is not zero, or join two families, `bond(i of a, j of b)`")
+        return over
+
+    def sublattice(self, w, index: str, family: str):
+        """The sites of a cell with a name: `site(i) of honey.a`."""
         lattice = self.lookup(w)
-        bonds = self.bonds_of(w, lattice)
-        indices, number = self.matched(w, len(bonds[0]))
-        return Lattice(indices, lattice.size, lattice.periodic, lattice.sites, bonds, family, lattice.places, number)
+        if w.member.text not in lattice.names:
+            self.problems.fail(codes.UNKNOWN_NAME, w.member.span, f"no site in a cell of `{w.target.text}` is called `{w.member.text}`",
+                               nearest(w.member.text, lattice.names) if lattice.names else 'name the sites of a cell: `sites = ["a", "b"]` in place of their number')
+        if lattice.sites == 1:
+            return Sites(index, family)
+        place = (lattice.names.index(w.member.text), (0,) * len(lattice.size))
+        return Lattice((index,), lattice.size, lattice.periodic, lattice.sites, ((place,),), family, lattice.places)
 
     def bonds_of(self, w, lattice: Declaration) -> tuple:
         """A list of bonds by its name, or a shell."""

@@ -107,8 +107,8 @@ class OverReader:
             if name in seen or name in self.declared.names():
                 self.problems.fail(codes.CLASH, index.span, f"`{name}` means something already",
                                    "choose another index name")
-            if family is not None and w.head.text != "each":
-                self.problems.fail(codes.OVER, family.span, "only `each` names a family for "
+            if family is not None and w.head.text not in ("each", "bond"):
+                self.problems.fail(codes.OVER, family.span, "only `each` and `bond` name a family for "
                                    "every index", f"write `{w.head.text}(...) of {family.text}`")
             seen.add(name)
         most = 2 + limits.COLUMNS if w.head.text == "edge" else limits.BOUND + (w.head.text == "bond")
@@ -157,6 +157,8 @@ class OverReader:
 
     def site(self, w: Written) -> Over:
         (i,) = self.expect(w, 1, "site(i) of w")
+        if w.target and w.member and w.target.text in self.lattices.known.keys() | self.lattices.broken:
+            return self.lattices.sublattice(w, i, self.home(w))
         return Sites(i, self.target_family(w))
 
     def pair(self, w: Written) -> Over:

@@ -66,11 +66,12 @@ def _key(over):
 def _bond(term: Term, over: Lattice, n: int):
     """One bond of a lattice, from its least end; its number is that of one list."""
     bond = over.bonds[n]
-    order = sorted(range(len(bond)), key=lambda k: bond[k])
+    families = over.families or (over.family,) * len(bond)
+    order = sorted(range(len(bond)), key=lambda k: (families[k], bond[k]))
     origin = bond[order[0]][1]
     ends = tuple((bond[k][0], tuple(o - p for o, p in zip(bond[k][1], origin))) for k in order)
     labels = {over.indices[k]: f"{place}" for place, k in enumerate(order)} | ({over.number: f"{n} of {over.bonds}"} if over.number else {})
-    return ("lattice", over.family, over.size, over.periodic, over.sites, ends), Bound(term, labels)
+    return ("lattice", *(families[k] for k in order), over.size, over.periodic, over.sites, ends), Bound(term, labels)
 
 
 def written_out(effects, values: dict, places: dict):

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from ...errors import UsageError
 from ...language.spec import Lattice, Spec
+from ...language.sublattice import within
 from ...language.tracers import moves_tracers
 from ...methods import METHODS
 from ..derive.derivatives import switched
@@ -141,7 +142,7 @@ class Model:
                     yield t, k
 
     def lattices(self, family: str) -> list:
-        return [t.over for t, _ in self.roles(family) if isinstance(t.over, Lattice)]
+        return [within(t.over, family) for t, _ in self.roles(family) if isinstance(t.over, Lattice)]
 
     def lattice(self, family: str):
         """The lattice that a swept family lives on, when all its bonds agree on it."""

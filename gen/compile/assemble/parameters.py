@@ -96,10 +96,10 @@ def lattice_checks(model, t) -> list:
     for d, n in enumerate(sizes):
         far = max(abs(offset[d]) for bond in t.over.bonds for _, offset in bond)
         found += outside(n, max(1, far, numbered_reach(t.over, d)))
-        if model.method.splitting == "sublattices" and t.over.periodic[d]:      # no site is bound to itself
+        if model.method.splitting == "sublattices" and t.over.family and t.over.periodic[d]:      # no site is bound to itself
             reach = [[offset[d] for _, offset in bond] for bond in t.over.bonds]
             found += outside(n, 1 + max(max(r) - min(r) for r in reach))
-    found += [check for bond in t.over.bonds for a, b in combinations(bond, 2) for check in closed_upon_itself(t.over, sizes, a, b)]
+    found += [check for bond in t.over.bonds if t.over.family for a, b in combinations(bond, 2) for check in closed_upon_itself(t.over, sizes, a, b)]
     product = times(*sizes, t.over.sites)
     for f in dict.fromkeys(f for f, _ in t.slots):
         count = model.by_name[f].count

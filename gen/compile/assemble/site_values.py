@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.logic.boolalg import Boolean
 
 from ...language.expr import Elem, Idx, Time, is_draw
-from ...language.spec import Sites
+from ...language.spec import Lattice, Sites
 from ..lower.code import Argument, Call, Function, If, Let, Local, Name, Ordered, Return, mentions
 from ..lower.integers import Index, compare, total
 from ..lower.kernels import COEFFICIENTS, gradient_function
@@ -44,9 +44,9 @@ class Sited:
 
 
 def differs(t) -> bool:
-    """Is it a term of single sites whose gradient depends on the number of the site?"""
+    """Is it a term of single sites, or of those of a sublattice, whose gradient depends on the number of the site?"""
     gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
-    return isinstance(t.over, Sites) and bool(set(t.over.bound) & mentions(*gradient.body))
+    return isinstance(t.over, (Sites, Lattice)) and len(t.over.bound) == 1 and bool(set(t.over.bound) & mentions(*gradient.body))
 
 
 def numbered(low, e) -> bool:
@@ -120,7 +120,7 @@ def lane_gradient(low, t, gradient, values) -> Function:
 
 def of_site(low, t, what: str, e) -> Function:
     """A number of a site."""
-    arguments = (COEFFICIENTS, Argument("int64_t", t.over.index))
+    arguments = (COEFFICIENTS, Argument("int64_t", t.over.bound[0]))
     return Function("smg_real", f"{t.prefix}_{what}", arguments, returned(low.kernel([e], t.derived.leaves)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...errors import UsageError
 from ...language import draws, limits
 from ...language.evaluate import integer
-from ...language.spec import FamilyStart, Lattice, Spec, Start
+from ...language.spec import FamilyStart, Lattice, Spec, Start, families_of
 from .evaluated import Evaluated, per_site, radius
 from .noise import SEEDS
 
@@ -85,9 +85,10 @@ def wrong_lattice(numbers: Evaluated) -> str:
             far = max((abs(offset[d]) for bond in term.over.bonds for _, offset in bond), default=0)
             if n < max(1, far):
                 return f"effect '{term.name}': a bond reaches {far} cells along direction {d + 1} of its lattice, which has {n}"
-        count, cells = places[term.over.family][1] if term.over.family in places else None, math.prod(size) * term.over.sites
-        if count is not None and count != cells:
-            return f"effect '{term.name}': its lattice has {cells} sites, '{term.over.family}' has {count}"
+        cells = math.prod(size) * term.over.sites
+        for family in families_of(term.over).values():
+            if family in places and places[family][1] != cells:
+                return f"effect '{term.name}': its lattice has {cells} sites, '{family}' has {places[family][1]}"
     return ""
 
 

@@ -45,7 +45,7 @@ def bonds(numbers: Evaluated, called) -> dict:
     from ...language.instances import instances_of
     places, found = numbers.places, {}
     for over in (e.over for e in numbers.spec.energies if e.name in called):
-        if isinstance(over, (Lattice, Graph)) and len(families_of(over)) == 2 and places[over.family][1] <= BONDED:
+        if isinstance(over, (Lattice, Graph)) and over.family and len(families_of(over)) == 2 and places[over.family][1] <= BONDED:
             sites, _ = instances_of(over, numbers.values, places)
             found.setdefault(over.family, []).append(np.stack([sites[index] for index in families_of(over)], axis=1))
     return {family: np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) for family, pairs in found.items()}
