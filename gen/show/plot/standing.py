@@ -5,7 +5,8 @@ import numpy as np
 
 from ...language.evaluate import evaluate
 from ...language.instances import instances_of
-from ...language.spec import Lattice, families_of
+from ...language.places import bond_vectors, bonds, positions
+from ...language.spec import families_of
 from ...run.step.evaluated import Evaluated
 
 LINKS = 600_000     # most bonds of a family that a page carries
@@ -17,24 +18,16 @@ def standing(numbers: Evaluated) -> dict:
     """family -> {"places": (n, 3), "links": (m, 2) numbers of sites that a bond joins there, not through a boundary}; families without places are left out."""
     found = {}
     for name, (_, count) in numbers.places.items():
-        where, pairs = places_of(numbers, name)
+        where = positions(numbers.spec, name, numbers.values)
         if where is not None and len(where) == count and np.all(np.isfinite(where)):
-            found[name] = {"places": where, "links": pairs[:LINKS]}
+            found[name] = {"places": where, "links": links(numbers, name, where)[:LINKS]}
     return found
 
 
-def places_of(numbers: Evaluated, family: str):
-    """(places or None, links)."""
-    lattices = [t.over for t in (*numbers.spec.energies, *numbers.spec.observables) if isinstance(t.over, Lattice) and t.over.family == family]
-    if not lattices or lattices[0].sites > 1:
-        return None, None
-    over = max(lattices, key=lambda o: len(o.size))
-    size = [int(evaluate(e, numbers.values)) for e in over.size]
-    where = np.zeros((int(np.prod(size)), 3))
-    where[:, :len(size)] = np.indices(size[::-1]).reshape(len(size), -1)[::-1].T
-    sites, _ = instances_of(over, numbers.values, numbers.places)
-    pairs = np.stack([sites[index] for index in over.bound[:2]], axis=1) if len(over.bound) == 2 else np.zeros((0, 2), int)
-    return where, pairs[np.linalg.norm(where[pairs[:, 0]] - where[pairs[:, 1]], axis=1) < 1.01]
+def links(numbers: Evaluated, family: str, where) -> np.ndarray:
+    """The bonds whose vector is the difference of the places of their ends."""
+    pairs, along = bonds(numbers.spec, family, numbers.values), bond_vectors(numbers.spec, family, numbers.values)
+    return pairs[np.abs(where[pairs[:, 1]] - where[pairs[:, 0]] - along).max(axis=1, initial=0) < 1e-6 * (1 + np.abs(along).max(initial=0))]
 
 
 def site_terms(spec, called) -> list:
