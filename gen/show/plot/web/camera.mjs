@@ -27,7 +27,7 @@ export function zoom(factor, x = it.width / 2, y = it.height / 2) {     // about
   const c = camera(), old = c.zoom, most = it.view === "sphere" ? 12 : 200;
   c.zoom = Math.min(Math.max(old * factor, 0.4), most);
   if (it.view === "sphere") return;
-  const grown = c.zoom / old, from = [x - it.width / 2, y - it.height / 2];
+  const grown = c.zoom / old, from = [x - it.width / 2 + (c.aside || 0), y - it.height / 2];
   c.pan = c.pan.map((p, d) => from[d] - grown * (from[d] - p));
 }
 export function pan(dx, dy) {

@@ -23,7 +23,7 @@ const SETTERS = {
   1: (gl, at, v) => gl.uniform1f(at, v[0]), 2: (gl, at, v) => gl.uniform2f(at, ...v), 3: (gl, at, v) => gl.uniform3f(at, ...v),
   4: (gl, at, v) => gl.uniform4f(at, ...v), 9: (gl, at, v) => gl.uniformMatrix3fv(at, false, v),
 };
-const WHOLE = new Set(["kind", "inked", "plane", "table"]);
+const WHOLE = new Set(["kind", "inked", "plane", "table", "pieces"]);
 export function use(gl, { made, places }, values) { // numbers by name; those that the program has
   gl.useProgram(made);
   for (const [name, value] of Object.entries(values)) {
@@ -36,20 +36,25 @@ export function use(gl, { made, places }, values) { // numbers by name; those th
   }
 }
 
-const BYTES = { Float32Array: 4, Int16Array: 2, Uint8Array: 1 };
 export function attribute(gl, where, data, size, { each = 1, normalized = false } = {}) {
-  const kind = { Float32Array: gl.FLOAT, Int16Array: gl.SHORT, Uint8Array: gl.UNSIGNED_BYTE }[data.constructor.name];
   const buffer = gl.createBuffer();
   gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
   gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
-  gl.enableVertexAttribArray(where);
-  gl.vertexAttribPointer(where, size, kind, normalized, size * BYTES[data.constructor.name], 0);
-  gl.vertexAttribDivisor(where, each);
+  pointed(gl, where, buffer, data.constructor, size, { each, normalized });
   return buffer;
+}
+export function pointed(gl, where, buffer, Kind, size, { each = 1, normalized = false } = {}) {    // an attribute reads this buffer
+  const kind = { Float32Array: gl.FLOAT, Int16Array: gl.SHORT, Uint8Array: gl.UNSIGNED_BYTE }[Kind.name];
+  gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+  gl.enableVertexAttribArray(where);
+  gl.vertexAttribPointer(where, size, kind, normalized, size * Kind.BYTES_PER_ELEMENT, 0);
+  gl.vertexAttribDivisor(where, each);
 }
 export function refill(gl, buffer, data) {
   gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-  gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
+  if (buffer.bytes === data.byteLength) gl.bufferSubData(gl.ARRAY_BUFFER, 0, data);
+  else gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
+  buffer.bytes = data.byteLength;
 }
 export function table(gl, colors) {         // a row of colours, read between its entries
   const made = gl.createTexture();

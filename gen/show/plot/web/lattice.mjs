@@ -39,17 +39,26 @@ export function measure() {                 // what does not change with the vie
   return { low, high, space, middle: low.map((x, d) => (x + high[d]) / 2), directions: flat, plane: flat === 2 && thick[2] <= 1e-6 * Math.max(...thick),
            deep: Math.hypot(...thick) + 4 * space, layers: [0, 1, 2].map((d) => flat === 3 ? layers(d) : []) };
 }
-export function fitted(m, turn) {           // pixels of a length of one, where all is seen
-  const reach = [0, 1].map((k) => {
-    const half = m.high.map((x, d) => (x - m.low[d]) / 2 + 0.7 * m.space);
-    return turn[k].reduce((sum, r, d) => sum + Math.abs(r) * half[d], 0);
-  });
-  return 0.5 * Math.min((it.width - 20) / reach[0], (it.height - 30) / reach[1]);
+const KEY = 130;                            // pixels at the right that the key takes
+function reach(m, turn, k) {                // how far sites stand from the middle, along a side of the screen
+  let most = 0;
+  for (const { places, count } of placed()) {
+    const step = Math.max(1, Math.floor(count / 5000));
+    for (let i = 0; i < places.length; i += 3 * step) {
+      most = Math.max(most, Math.abs(turn[k].reduce((sum, r, d) => sum + r * (places[i + d] - m.middle[d]), 0)));
+    }
+  }
+  return most + 0.7 * m.space;
+}
+export function fitted(m, turn) {           // where all is seen: pixels of a length of one, and how far the middle moves from the key
+  const wide = 0.5 * (it.width - 20) / reach(m, turn, 0), high = 0.5 * (it.height - 30) / reach(m, turn, 1);
+  const left = Math.min(high, wide * (it.width - 20 - KEY) / (it.width - 20));
+  return { unit: left, aside: Math.min(KEY / 2, Math.max(0, KEY - 0.5 * it.width + left * reach(m, turn, 0))) };
 }
 export function project(m, p, i) {          // of the coordinates p[i], ..: place on the canvas, and depth
-  const { turn, pan, unit } = camera(), x = p[i] - m.middle[0], y = p[i + 1] - m.middle[1], z = p[i + 2] - m.middle[2];
+  const { turn, pan, unit, aside } = camera(), x = p[i] - m.middle[0], y = p[i + 1] - m.middle[1], z = p[i + 2] - m.middle[2];
   const along = (r) => r[0] * x + r[1] * y + r[2] * z;
-  return [it.width / 2 + pan[0] + unit * along(turn[0]), it.height / 2 + pan[1] - unit * along(turn[1]), along(turn[2])];
+  return [it.width / 2 + pan[0] - aside + unit * along(turn[0]), it.height / 2 + pan[1] - unit * along(turn[1]), along(turn[2])];
 }
 
 export function slice(m) {                  // { axis, at } or null

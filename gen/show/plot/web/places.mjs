@@ -2,36 +2,37 @@
 import { it, el, camera } from "./state.mjs";
 import { inks } from "./camera.mjs";
 import { channels } from "./colours.mjs";
-import { attribute, program, refill, table, use } from "./gl.mjs";
+import { attribute, pointed, program, refill, table, use } from "./gl.mjs";
 import { fitted, measure, placed, project, seenSites, sparse } from "./lattice.mjs";
 import { ARROWS, CELLS, LINES } from "./shaders.mjs";
-import { arrow, cone, spike, square } from "./shapes.mjs";
+import { arrow, cone } from "./shapes.mjs";
 
 const READABLE = 13;                        // pixels between arrows that can be read
 const LINKS = 400000;                       // most bonds drawn
-const DETAIL = [[1500, () => arrow(14)], [8000, () => arrow(6)], [40000, () => cone(5)], [Infinity, spike]];
+const DETAIL = [[600, () => arrow(14)], [2500, () => arrow(6)], [6000, () => cone(5)], [Infinity, () => null]];   // most sites, their shape; null: a triangle
 let gl = null, programs = null, m = null, sets = [], tables = {};
 
 export function prepare(canvas) {           // can sites be drawn at their places here?
-  gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  const many = placed().reduce((sum, f) => sum + f.count, 0);
+  gl = canvas.getContext("webgl2", { antialias: many < 20000, preserveDrawingBuffer: true });
   if (!gl) return false;
   programs = { arrows: program(gl, ARROWS), cells: program(gl, CELLS), lines: program(gl, LINES) };
   tables = Object.fromEntries(Object.entries(it.data.tables).map(([name, colors]) => [name, table(gl, colors)]));
   m = measure();
-  sets = placed().map((f) => ({ f, cells: layer(square()), arrows: null, lines: lines(f) }));
+  sets = placed().map((f) => ({ f, cells: layer(null), arrows: null, lines: lines(f) }));
   return true;
 }
 export const measured = () => m;
 export const flatLattice = () => m.plane;
 
 // ---- buffers ----
-function layer([corners, normals]) {        // a shape, and what each of its instances has
-  const vao = gl.createVertexArray();
+function layer(shape) {                     // a shape, and what each of its instances has; without one, three corners a site
+  const vao = gl.createVertexArray(), each = shape ? 1 : 0;
   gl.bindVertexArray(vao);
-  attribute(gl, 0, corners, 3, { each: 0 }); attribute(gl, 1, normals, 3, { each: 0 });
-  const made = { vao, corners: corners.length / 3, sites: new Int32Array(0), frame: -1,
-                 place: attribute(gl, 2, new Float32Array(3), 3), before: attribute(gl, 3, new Int16Array(3), 3),
-                 after: attribute(gl, 4, new Int16Array(3), 3), value: attribute(gl, 5, new Uint8Array(2), 2, { normalized: true }) };
+  if (shape) for (const [k, numbers] of shape.entries()) attribute(gl, k, numbers, 3, { each: 0 });
+  const made = { vao, instances: !!shape, each, corners: shape ? shape[0].length / 3 : 3, sites: new Int32Array(0), frame: -1,
+                 place: attribute(gl, 2, new Float32Array(3), 3, { each }), before: attribute(gl, 3, new Int16Array(3), 3, { each }),
+                 after: attribute(gl, 4, new Int16Array(3), 3, { each }), value: attribute(gl, 5, new Uint8Array(2), 2, { each, normalized: true }) };
   gl.bindVertexArray(null);
   return made;
 }
@@ -44,28 +45,36 @@ function lines(f) {
   gl.bindVertexArray(null);
   return { vao, index, many: 0 };
 }
-function gathered(Kind, source, sites, offset, size) {
-  const out = new Kind(size * sites.length);
-  for (let i = 0; i < sites.length; i++) {
+function gathered(Kind, source, one, offset, size) {     // of the sites of a layer
+  const { sites, instances } = one, times = instances ? 1 : 3, out = new Kind(times * size * sites.length);
+  for (let i = 0, to = 0; i < sites.length; i++) {
     const from = offset + size * sites[i];
-    for (let d = 0; d < size; d++) out[size * i + d] = source[from + d];
+    for (let copy = 0; copy < times; copy++) for (let d = 0; d < size; d++) out[to++] = source[from + d];
   }
   return out;
 }
+function pairs(one, values, here, next) {   // of a map, before and after
+  const both = [here, next].map((from) => gathered(Uint8Array, values, one, from, 1)), out = new Uint8Array(2 * both[0].length);
+  for (let i = 0; i < both[0].length; i++) { out[2 * i] = both[0][i]; out[2 * i + 1] = both[1][i]; }
+  return out;
+}
 function settle(one, f, sites) {            // these sites are the instances
-  one.sites = sites; one.frame = -1;
-  refill(gl, one.place, gathered(Float32Array, f.places, sites, 0, 3));
+  Object.assign(one, { sites, frame: -1, next: -1, map: null });
+  refill(gl, one.place, gathered(Float32Array, f.places, one, 0, 3));
 }
 function follow(one, f, channel) {          // the outputs before and after this moment
-  const k = Math.min(Math.floor(it.now), it.frames - 1), next = Math.min(k + 1, it.frames - 1), of = channel.map && channel.family === f.name ? channel.map : null;
-  const key = `${k} ${of ? of.name : ""}`;
-  if (one.frame === key) return;
-  one.frame = key;
-  refill(gl, one.before, gathered(Int16Array, f.w, one.sites, 3 * k * f.count, 3));
-  refill(gl, one.after, gathered(Int16Array, f.w, one.sites, 3 * next * f.count, 3));
-  const values = new Uint8Array(2 * one.sites.length).fill(127);
-  if (of) one.sites.forEach((site, i) => { values[2 * i] = of.values[k * f.count + site]; values[2 * i + 1] = of.values[next * f.count + site]; });
-  refill(gl, one.value, values);
+  const k = Math.min(Math.floor(it.now), it.frames - 1), next = Math.min(k + 1, it.frames - 1);
+  const of = channel.map && channel.family === f.name ? channel.map : null;
+  if (one.frame === k && one.next === next && one.map === of) return;
+  if (one.frame !== k && one.next === k) {  // one further: what was after is before
+    [one.before, one.after, one.frame, one.next] = [one.after, one.before, k, one.frame];
+    gl.bindVertexArray(one.vao);
+    pointed(gl, 3, one.before, Int16Array, 3, one); pointed(gl, 4, one.after, Int16Array, 3, one);
+  }
+  if (one.frame !== k) refill(gl, one.before, gathered(Int16Array, f.w, one, 3 * k * f.count, 3));
+  if (one.next !== next) refill(gl, one.after, gathered(Int16Array, f.w, one, 3 * next * f.count, 3));
+  if (of || one.map !== of || one.frame < 0) refill(gl, one.value, of ? pairs(one, of.values, k * f.count, next * f.count) : new Uint8Array(2 * one.sites.length * (one.instances ? 1 : 3)));
+  Object.assign(one, { frame: k, next, map: of });
 }
 
 // ---- which sites are drawn, and how ----
@@ -75,14 +84,15 @@ function key() {
   return JSON.stringify([c.turn, c.zoom, c.pan, it.width, it.height, controls, it.families.map((f) => f.shown)]);
 }
 function detailed(set, sites, wide) {       // an arrow shape that suits their number
-  const many = sites.length * (m.space * camera().unit < 5 ? 6 : 1), level = DETAIL.findIndex(([most]) => many <= most);
+  const level = wide * camera().unit < 15 ? DETAIL.length - 1 : DETAIL.findIndex(([most]) => sites.length <= most);
   if (!set.arrows || set.level !== level) { set.arrows = layer(DETAIL[level][1]()); set.level = level; }
   settle(set.arrows, set.f, sites);
   set.long = (m.directions < 2 ? 1.5 : 0.86) * wide;      // those of a chain lie beside each other
 }
 function choose() {
   const c = camera();
-  c.unit = fitted(m, c.home) * c.zoom;
+  if (c.size !== `${it.width} ${it.height}`) Object.assign(c, { size: `${it.width} ${it.height}`, fit: fitted(m, c.home) });
+  Object.assign(c, { unit: c.fit.unit * c.zoom, aside: c.fit.aside });
   if (last === key()) return;
   last = key();
   const marks = el("marks").value, step = marks === "all" || m.directions === 3 ? 0 : READABLE / c.unit;
@@ -112,9 +122,9 @@ function links(set, sites) {                // the bonds between sites that are 
 // ---- drawing ----
 const rgb = (color) => [1, 3, 5].map((k) => parseInt(color.slice(k, k + 2), 16) / 255);
 function view() {
-  const { turn, pan, unit } = camera();
+  const { turn, pan, unit, aside } = camera();
   return { turn, middle: m.middle, paper: rgb(inks().halo), fog: m.directions === 3 ? 0.7 : 0, scale: [2 * unit / it.width, 2 * unit / it.height], deep: m.deep,
-           shift: [2 * pan[0] / it.width, -2 * pan[1] / it.height] };
+           shift: [2 * (pan[0] - aside) / it.width, -2 * pan[1] / it.height] };
 }
 export const channel = () => channels()[Number(el("colour").value)] || channels()[0];
 
@@ -123,9 +133,10 @@ function spins() {
   if (one.table) gl.bindTexture(gl.TEXTURE_2D, tables[one.table]);
   return { part: it.now - Math.floor(it.now), kind: one.kind, centre, tint, table: 0 };
 }
-function instances(one, mode) {
+function instances(one) {
   gl.bindVertexArray(one.vao);
-  gl.drawArraysInstanced(mode, 0, one.corners, one.sites.length);
+  if (one.instances) gl.drawArraysInstanced(gl.TRIANGLES, 0, one.corners, one.sites.length);
+  else gl.drawArrays(gl.TRIANGLES, 0, 3 * one.sites.length);
 }
 const onPlane = () => m.plane && m.directions === 2;
 function drawCells(set, shared) {
@@ -133,7 +144,7 @@ function drawCells(set, shared) {
   const [across, up] = onPlane() ? [[1, 0, 0], [0, 1, 0]] : camera().turn;
   use(gl, programs.cells, { ...shared, across, up, size: (onPlane() ? 0.75 : 0.34) * m.space, plane: Number(onPlane()) });
   follow(set.cells, set.f, channel());
-  instances(set.cells, gl.TRIANGLE_STRIP);
+  instances(set.cells);
 }
 function drawLines(set, shared) {
   if (!set.lines.many) return;
@@ -144,9 +155,9 @@ function drawLines(set, shared) {
 function drawArrows(set, shared) {
   if (!set.arrows.sites.length) return;
   const size = set.long * it.data.quantum / it.data.reach;
-  use(gl, programs.arrows, { ...shared, size, inked: Number(el("marks").value === "cells, arrows") });
+  use(gl, programs.arrows, { ...shared, size, pieces: set.arrows.corners, inked: Number(el("marks").value === "cells, arrows") });
   follow(set.arrows, set.f, channel());
-  instances(set.arrows, gl.TRIANGLES);
+  instances(set.arrows);
 }
 
 export function drawPlaces() {
@@ -183,4 +194,4 @@ export function nearestPlace(x, y) {        // the site under the pointer, as { 
   return best;
 }
 export const spotOfPlace = (f, site) => project(m, f.places, 3 * site);
-export const fitAll = () => m.space * fitted(m, camera().home);     // pixels between neighbours at first
+export const fitAll = () => m.space * fitted(m, camera().home).unit;     // pixels between neighbours at first

@@ -32,35 +32,42 @@ layout(location=2) in vec3 place; layout(location=3) in vec3 before; layout(loca
 
 export const ARROWS = [`${HEAD}
 layout(location=0) in vec3 shape; layout(location=1) in vec3 normal;
-uniform float size; uniform int inked; uniform vec3 paper; uniform float fog; out vec3 colour;
+uniform int pieces; uniform float size; uniform int inked; uniform vec3 paper; uniform float fog; out vec3 colour;
 ${CAMERA}${SPIN}
+vec3 triangle(vec3 u) {                   // flat, towards the viewer, for arrows of a few pixels: no instances, three corners each
+  vec3 toward = turn[2], side = normalize(cross(toward, u) + 1e-3 * turn[0]), along = 0.5 * u + 0.12 * cross(side, toward);
+  int corner = gl_VertexID % 3;
+  return corner == 0 ? along : (corner == 1 ? 0.26 : -0.26) * side - along;
+}
 void main() {
   vec3 w = spin(before, after);
   float far = length(w);
   if (far == 0.0) { gl_Position = vec4(0.0, 0.0, 9.0, 1.0); return; }
   vec3 u = w / far, across = normalize(abs(u.z) < 0.9 ? vec3(u.y, -u.x, 0.0) : vec3(0.0, u.z, -u.y)), beside = cross(u, across);
   mat3 frame = mat3(across, beside, u);
-  gl_Position = seen(place + size * far * (frame * shape));
+  vec3 from = pieces == 3 ? triangle(u) : frame * shape;
+  gl_Position = seen(place + size * far * from);
   vec3 flat_ = colour_of(u, value);
   if (inked == 1) flat_ = vec3(dot(flat_, vec3(0.3, 0.6, 0.1)) > 0.4 ? 0.05 : 0.95);
-  float light = dot(normal, normal) == 0.0 ? 1.0 : 0.80 + 0.24 * dot((frame * normal) * turn, normalize(vec3(-0.4, 0.6, 0.7)));
+  float light = pieces == 3 ? 1.0 : 0.80 + 0.24 * dot((frame * normal) * turn, normalize(vec3(-0.4, 0.6, 0.7)));
   colour = inked == 1 ? flat_ : mix(flat_ * light, paper, clamp(fog * (0.35 + 0.9 * gl_Position.z), 0.0, 0.6));
 }`, `#version 300 es
 precision highp float;
 in vec3 colour; out vec4 seen_;
 void main() { seen_ = vec4(colour, 1.0); }`];
 
-// Discs in a plane; where two overlap the nearer site wins, which draws Voronoi cells.
+// Discs in a plane, each in a triangle about it; where two overlap the nearer site wins, which draws Voronoi cells.
 export const CELLS = [`${HEAD}
-layout(location=0) in vec3 shape;
 uniform vec3 across; uniform vec3 up; uniform float size; out vec3 colour; out vec2 from;
 ${CAMERA}${SPIN}
 void main() {
   vec3 w = spin(before, after);
   float far = length(w);
   if (far == 0.0) { gl_Position = vec4(0.0, 0.0, 9.0, 1.0); return; }
-  colour = colour_of(w / far, value); from = shape.xy;
-  gl_Position = seen(place + size * (shape.x * across + shape.y * up));
+  int corner = gl_VertexID % 3;
+  from = corner == 0 ? vec2(0.0, 2.0) : vec2(corner == 1 ? -1.7321 : 1.7321, -1.0);
+  colour = colour_of(w / far, value);
+  gl_Position = seen(place + size * (from.x * across + from.y * up));
 }`, `#version 300 es
 precision highp float;
 uniform int plane; in vec3 colour; in vec2 from; out vec4 seen_;

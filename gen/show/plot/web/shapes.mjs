@@ -35,9 +35,3 @@ export function cone(sides) {
   const tip = ring(sides, 0, 0.5), wide = ring(sides, 0.24, -0.5);
   return joined([band(wide, tip, 0.24), lid(wide)]);
 }
-export function spike() {                   // three sides, without light: for a hundred thousand
-  const [a, b, c] = ring(3, 0.26, -0.5), tip = [0, 0, 0.5];
-  const corners = new Float32Array([a, b, tip, b, c, tip, c, a, tip].flat());
-  return [corners, new Float32Array(corners.length)];
-}
-export const square = () => [new Float32Array([-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0]), new Float32Array(12)];
