@@ -7,6 +7,7 @@ from ..language import codes
 from ..language.expr import Expr, Idx, Num, Op, with_index
 from ..language.spec import Effect, Sites, Spec
 from ..language.sublattice import sites_of, there
+from ..language.units import ENERGY, NONE, power
 from .motion import Contribution, Response, family_of
 
 FORMS = ("gilbert", "ll")     # Gilbert's damping, and that of Landau and Lifshitz
@@ -34,12 +35,17 @@ class DampingReader:
     def law(self, node):
         """(the sites, alpha, the form, kT or None)."""
         over, condition = self.sites(node)
-        return (over, *self.problems.together(lambda: there(condition, self.terms.formulas.free(node.get("damping"), "a damping", over.index)),
+        return (over, *self.problems.together(lambda: there(condition, self.terms.formulas.free(node.get("damping"), "a damping", over.index, self.dimension(over))),
                                               lambda: self.form(node, self.terms.declared.families[over.family].kind),
                                               lambda: self.temperature(node, over.index)))
 
+    def dimension(self, over: Sites) -> tuple:
+        """Of a damping: none on a sphere, 1/|w| in R^3."""
+        declared = self.terms.declared
+        return power(declared.dimensions.get(over.family, NONE), -1) if declared.families[over.family].kind == "r3" else NONE
+
     def temperature(self, node, index: str):
-        return self.terms.formulas.free(node.get("kT"), "a temperature", index) if node.has("kT") else None
+        return self.terms.formulas.free(node.get("kT"), "a temperature", index, ENERGY) if node.has("kT") else None
 
     def sites(self, node) -> tuple:
         """Those of one family on spheres or in R^3, that no other effect damps, and of which sublattice."""

@@ -12,6 +12,7 @@ from ..language import codes
 from ..language.expr import Expr, Idx, Num, Op, Spin, slots_of, walk, with_index
 from ..language.polynomial import Polynomials, TooLong, added, dot
 from ..language.spec import Effect, Once, Sites, Spec, Term
+from ..language.units import NONE, TIME, quotient
 from ..language.turning import about, of_site, radius_of, turn
 from ..methods import GRADIENT, HESSIAN, SITE_GRADIENT
 from .motion import Contribution, family_of, times
@@ -42,8 +43,12 @@ class TorqueReader:
         """(the index family, the torque, the vector that it moves)."""
         over, formula = self.problems.together(lambda: self.terms.over(node, "torque"), lambda: node.get("torque"))
         scope = self.terms.scope(over, "effect")
-        value = self.formulas.vector(formula.text(), scope)
+        found = self.formulas.vector_number(formula.text(), scope)
+        value = found.expr
         on = self.moved(node, over, value, scope)
+        rate = quotient(self.terms.declared.dimensions.get(on.family, NONE), TIME)
+        self.formulas.fits(found, formula.text().whole, f"a torque, which is added to w' of `{on.family}`,", rate)
+        self.terms.unit_of_effect(node, rate)
         self.allowed(node, formula, on, value)
         if not isinstance(over, Once):
             over, value = self.terms.summed(formula, over, value)

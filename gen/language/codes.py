@@ -43,6 +43,11 @@ NOT_HERE = _code("E309", "something that may not be used here")
 INTEGER = _code("E310", "a count that is not an integer formula")
 BIG = _code("E311", "a formula that grows beyond the limits when expanded")
 
+# Units
+UNIT = _code("E320", "a unit that is not known")
+DIMENSION = _code("E321", "quantities whose dimensions do not fit")
+MEASURE = _code("E322", "a quantity that needs a unit, or may not have one")
+
 # The space
 CASIMIR = _code("E401", "C is not a homogeneous quadratic function")
 KAPPA = _code("E402", "a strength that is zero or not finite")

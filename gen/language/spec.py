@@ -12,6 +12,7 @@ from typing import Optional, Union
 
 from ..public import few
 from .expr import Expr, Spin, walk
+from .units import Units
 
 
 @dataclass(frozen=True)
@@ -325,6 +326,7 @@ class Spec:
     path: str = ""
     digest: str = ""             # sha256 of the text and of the files it names
     sources: tuple[tuple[str, str], ...] = ()
+    units: Optional[Units] = None       # what numbers count in; None: they have no units
 
     def of(self, kind) -> tuple:
         """Its effects of a kind."""

@@ -5,6 +5,7 @@ from typing import Optional
 
 from ..language.expr import Expr, Num, Op, walk
 from ..language import codes
+from ..language.units import ANY, NONE, quotient, said
 from .parse import parse
 from .problems import Bad, Problems
 from .resolve import Resolver, integral
@@ -34,8 +35,13 @@ class Formulas:
         self.problems.places.update({(text.whole, e): s for e, s in resolver.places.items()})
         return result
 
-    def scalar(self, text: Text, scope: Scope) -> Expr:
-        """A formula whose value is a number."""
+    def scalar(self, text: Text, scope: Scope, what: str = "", wanted=ANY) -> Expr:
+        """A formula whose value is a number; with [units] `what` has the dimension `wanted`."""
+        result = self.number(text, scope)
+        self.fits(result, text.whole, what, wanted)
+        return result.expr
+
+    def number(self, text: Text, scope: Scope) -> Typed:
         result = self.typed(text, scope)
         if result.kind != "s":
             what = {"v": "a vector", "b": "a condition"}[result.kind]
@@ -43,23 +49,44 @@ class Formulas:
                 "write `if(condition, 1, 0)`"
             self.problems.fail(codes.KIND, text.whole, f"a number is needed here, this is {what}",
                                hint)
+        return result
+
+    def fits(self, found: Typed, span: Span, what: str, wanted) -> None:
+        """Refuse what has another dimension than it should."""
+        units = self.declared.units
+        if units is None or ANY in (wanted, found.dimension) or wanted == found.dimension:
+            return
+        if found.dimension == NONE:
+            self.problems.fail(codes.MEASURE, span, f"{what} is {said(wanted)}, and this has no unit", f"write a unit behind its number: `1 {units.spelt(wanted)}`")
+        if wanted == NONE:
+            self.problems.fail(codes.MEASURE, span, f"{what} is a number without a unit, and this is {said(found.dimension)}", f"divide it by {said(found.dimension)}")
+        self.problems.fail(codes.DIMENSION, span, f"{what} is {said(wanted)}, and this is {said(found.dimension)}", lacking(wanted, found.dimension))
+
+    def vector(self, text: Text, scope: Scope, what: str = "", wanted=ANY) -> Expr:
+        """A formula whose value is a vector."""
+        result = self.vector_number(text, scope)
+        self.fits(result, text.whole, what, wanted)
         return result.expr
 
-    def vector(self, text: Text, scope: Scope) -> Expr:
-        """A formula whose value is a vector."""
+    def vector_number(self, text: Text, scope: Scope) -> Typed:
         result = self.typed(text, scope)
         if result.kind != "v":
             self.problems.fail(codes.KIND, text.whole, f"a vector is needed here, this is {'a number' if result.kind == 's' else 'a condition'}",
                                "such as `cross(w[i], p)` or `vec(x, y, z)`")
+        return result
+
+    def free(self, node: Node, place: str, index: Optional[str] = None, wanted=ANY) -> Expr:
+        """A number, or a formula of parameters (and of `index`), without vectors or time."""
+        result = self.measured(node, place, index)
+        self.fits(result, node.span, place, wanted)
         return result.expr
 
-    def free(self, node: Node, place: str, index: Optional[str] = None) -> Expr:
-        """A number, or a formula of parameters (and of `index`), without vectors or time."""
+    def measured(self, node: Node, place: str, index: Optional[str] = None) -> Typed:
+        """The same with its dimension."""
         if node.is_number():
-            return Num(node.number())
+            return Typed(Num(node.number()), "s", dimension=NONE if node.number() else ANY)
         indices = {index: ""} if index else {}
-        return self.scalar(node.text(), Scope(self.declared, place, families=False,
-                                              indices=indices))
+        return self.number(node.text(), Scope(self.declared, place, families=False, indices=indices))
 
     def condition(self, node: Node, place: str, index: str, key: str) -> Expr:
         """A condition on parameters and an index, without vectors or time."""
@@ -87,3 +114,9 @@ class Formulas:
 
     def not_integral(self, span: Span, hint: str = WITHOUT_POINT):
         self.problems.fail(codes.INTEGER, span, "a count is made of integers and integer parameters with + - *", hint)
+
+
+def lacking(wanted, given) -> str:
+    """What is to be done to a formula of another dimension."""
+    factor, inverse = quotient(wanted, given), quotient(given, wanted)
+    return f"it lacks {said(factor)} as a factor" if sum(factor) >= sum(inverse) else f"it has {said(inverse)} too much as a factor"

@@ -33,9 +33,10 @@ from .starts import StartReader
 from .terms import TermReader
 from .text import meaning
 from .tree import Node
+from .units import UnitsReader
 from .values import defaults, filled, with_values
 
-SECTIONS = ("scene", "model", "space", "parameters", "formulas", "lattices", "graphs", "effects",
+SECTIONS = ("scene", "model", "units", "space", "parameters", "formulas", "lattices", "graphs", "effects",
             "observables", "starts", "runs")
 
 
@@ -203,7 +204,10 @@ class Reader:
         return child.raw
 
     def declarations(self) -> None:
-        """Parameters, then formulas, then the space."""
+        """Units, then parameters, then formulas, then the space."""
+        with self.problems.guard():
+            self.declared.units = UnitsReader(self.problems).read(self.section("units"))
+            self.problems.measured = self.declared.units is not None
         with self.problems.guard():
             ParameterReader(self.declared, self.formulas, self.files, self.problems).read(
                 self.section("parameters"))
@@ -231,7 +235,13 @@ class Reader:
         return Spec(head["name"], head["title"], tuple(self.declared.parameters.values()),
                     tuple(f for f in self.declared.families.values() if f.name not in self.declared.unread),
                     ordered(effects), observables, tuple(self.declared.tables.items()), starts, runs, head["orientation"],
-                    self.path, digest(sources), sources)
+                    self.path, digest(sources), sources, self.units())
+
+    def units(self):
+        """With the dimensions of all that has a name."""
+        units, declared = self.declared.units, self.declared
+        return units and replace(units, dimensions=tuple(((what, name), dimension) for what, held in (
+            ("parameter", declared.dimensions), ("output", declared.outputs)) for name, dimension in held.items()))
 
     # What depends on values
 

@@ -6,11 +6,13 @@ table is its new default; a real parameter stays one where its new value is writ
 from __future__ import annotations
 
 from ..effects.kinds import KINDS
+from ..language.units import KINDS as KINDS_OF_UNITS
 from .starts import FORMS
 from .tree import LOST, Node
 
 # Keys of a table that say the same thing in different ways; * is any name.
 WAYS = {
+    ("units",): (("dimensionless",), tuple(KINDS_OF_UNITS)),
     ("space", "*"): (("sphere", "radius"), ("r3",), ("nambu", "C")),
     ("effects", "*"): tuple(kind.keys for kind in KINDS),
     ("parameters", "*"): (("default",), ("file",)),

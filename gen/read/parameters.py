@@ -8,6 +8,7 @@ from ..language import limits
 from ..language.expr import Num, Op
 from ..language.spec import Parameter
 from ..language import codes
+from ..language.units import NONE
 from .files import Files
 from .formulas import Formulas
 from .names import CONSTANTS, FUNCTIONS, UNRESERVED, identifier
@@ -18,6 +19,7 @@ from .scope import Declared, Formula
 from .syntax import Call, Component, Item, Name, Operation
 from .text import meaning
 from .tree import Node
+from .units import Measure
 
 HEAD = re.compile(r"\s*([^\s(]+)\s*(?:\(([^()]*)\)\s*)?\Z")
 
@@ -47,13 +49,27 @@ class ParameterReader:
         self.declared.broken.discard(name)
 
     def value(self, name: str, node: Node) -> Parameter:
-        if node.is_number():                                # J = 1.0
-            return Parameter(name, kind(node.number()), node.number())
+        self.measure = Measure(self.declared.units)
+        if node.is_number() or self.declared.units and isinstance(node.raw, str):   # J = 1.0, J = "5.7 meV"
+            value = self.measure.number(node)
+            return self.measured(Parameter(name, kind(value), value))
         node.table("default", "file", "size", "vector", "fixed", "unit", "meaning")
         p, unit, said, fixed = self.problems.together(
-            lambda: self.table(name, node), lambda: meaning(node, "unit"), lambda: meaning(node, "meaning"),
+            lambda: self.with_unit(name, node), lambda: meaning(node, "unit"), lambda: meaning(node, "meaning"),
             lambda: node.has("fixed") and node.get("fixed").flag())
-        return replace(p, unit=unit, meaning=said, fixed=fixed)
+        return self.measured(replace(p, unit=unit, meaning=said, fixed=fixed))
+
+    def with_unit(self, name: str, node: Node) -> Parameter:
+        self.measure = Measure(self.declared.units, node.get("unit"))
+        return self.table(name, node)
+
+    def measured(self, p: Parameter) -> Parameter:
+        """Notes its dimension; its unit is that of the numbers, which the C has too."""
+        units, dimension = self.declared.units, self.measure.found
+        if units is None:
+            return p
+        self.declared.dimensions[p.name] = dimension
+        return replace(p, unit="" if dimension == NONE else units.spelt(dimension))
 
     def table(self, name: str, node: Node) -> Parameter:
         if node.has("file"):
@@ -61,7 +77,8 @@ class ParameterReader:
         default = node.need("default", "give its value: `{ default = 1.0 }`")
         if isinstance(default.raw, list) or node.has("size") or node.has("vector"):
             return self.array(name, node, default)
-        return Parameter(name, kind(default.number()), default.number())
+        value = self.measure.number(default)
+        return Parameter(name, kind(value), value)
 
     def filed(self, name: str, node: Node) -> Parameter:
         """An array whose entries are the rows of a file: numbers, or with `vector` vectors."""
@@ -71,7 +88,8 @@ class ParameterReader:
         size, rows = self.problems.together(lambda: self.size(node), lambda: self.files.numbers(node.get("file"), width))
         if len(rows) * width > limits.ARRAY:
             node.get("file").wrong(codes.LIMIT, f"`{name}` has {len(rows) * width} entries; at most {limits.ARRAY} are allowed", "use a smaller table")
-        return self.rows(name, width, size, rows)
+        share = self.measure.share(node.get("file"))
+        return self.rows(name, width, size, rows if share == 1 else [tuple(float(x) * share for x in row) for row in rows])
 
     def rows(self, name: str, width: int, size, rows) -> Parameter:
         if width == 1:
@@ -85,7 +103,7 @@ class ParameterReader:
             row = entry.entries("vector of three numbers")
             if len(row) != 3:
                 entry.wrong(codes.COUNT, f"a vector has three components, not {len(row)}", "write `[x, y, z]`")
-            return tuple(float(c.number()) for c in row)
+            return tuple(float(self.measure.number(c)) for c in row)
         size, rows = self.problems.together(lambda: self.size(node), lambda: [three(e) for e in default.entries("list of vectors")])
         return self.rows(name, 3, size, rows)
 
@@ -104,8 +122,8 @@ class ParameterReader:
 
     def entries(self, name: str, default: Node) -> tuple[float, ...]:
         if not isinstance(default.raw, list):
-            return (float(default.number()),)
-        values = tuple(float(e.number()) for e in default.entries())
+            return (float(self.measure.number(default)),)
+        values = tuple(float(self.measure.number(e)) for e in default.entries())
         if not values:
             default.wrong(codes.COUNT, f"`{name}` has no entries", "give at least one number")
         return values

@@ -8,7 +8,9 @@ import math
 
 from ..language import limits
 from ..language import codes
+from ..language.units import unit
 from .problems import Problems
+from .quantities import at_unit, quantity
 from .source import Span, Text
 from .syntax import Call, Component, Item, Name, Number, Operation, Syntax
 from .tokens import Token, tokenize
@@ -74,7 +76,9 @@ class Parser:
         before = self.tokens[max(self.k - 1, 0)]
         inside = self.k > 1 and self.tokens[self.k - 2].text == "."         # a component: what is multiplied begins before it
         plain = not inside and before.kind in ("number", "name") and self.now.kind in ("number", "name")
-        return f"a product is written with `*`: `{before.text}*{self.now.text}`" if plain else ""
+        known = plain and before.kind == "number" and unit(self.now.text) and not self.problems.measured
+        also = "; for a unit the spec needs a section [units]" if known else ""
+        return f"a product is written with `*`: `{before.text}*{self.now.text}`{also}" if plain else ""
 
     def opened(self, closing: str) -> str:
         """Which bracket waits for `closing`, where the formula ends without it."""
@@ -196,8 +200,11 @@ class Parser:
     def number(self) -> Syntax:
         token = self.take()
         if self.now.kind in ("name", "number") and self.now.span.start == token.span.end:
+            between = " " if self.problems.measured and unit(self.now.text) else "*"
             self.fail(f"`{token.text}{self.now.text}` is neither a number nor a name",
-                      f"write `{token.text}*{self.now.text}`")
+                      f"write `{token.text}{between}{self.now.text}`")
+        if self.problems.measured and at_unit(self):
+            return quantity(self, self.number_value(token), token.span)
         return Number(self.number_value(token), token.span)
 
     def number_value(self, token: Token):

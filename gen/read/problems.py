@@ -26,6 +26,7 @@ class Problems:
         self.sources, self.recorded = Sources(source), recorded
         self.found: list[Diagnostic] = []
         self.seen: set = set()
+        self.measured = False       # units may follow numbers in formulas
         self.places: dict = {}      # (formula's place, Expr) -> place of that part
 
     def note(self, code: str, span: Span, cause: str, hint: str) -> None:

@@ -2,19 +2,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from ..language import limits
 from ..language.expr import SIGNATURES, Elem, Idx, Num, Op, Par, Spin, Time, Weight
 from ..language import codes
 from ..language.harmonics import NORMS
+from ..language.units import ANY, NONE, TIME, Unit
 from .arithmetic import CONSTANT
+from .dimensions import Dimensions
 from .guesses import SELDOM, meant
 from .harmonics import harmonics
 from .names import FUNCTIONS, UNRESERVED
 from .problems import Bad, Problems, TooBig, nearest
+from .quantities import continued, exact
 from .scope import Scope, Typed, is_single
 from .source import Span
-from .syntax import Call, Component, Item, Name, Number, Operation, Syntax
+from .syntax import Call, Component, Item, Name, Number, Operation, Quantity, Syntax
+from .units import in_units
 
 WORDS = {"s": "number", "v": "vector", "b": "condition"}
 
@@ -73,7 +78,12 @@ class Resolver:
     # Leaves
 
     def number(self, node: Number) -> Typed:
-        return Typed(Num(node.value), "s", value=float(node.value))
+        return Typed(Num(node.value), "s", value=float(node.value), dimension=NONE if node.value else ANY)
+
+    def quantity(self, node: Quantity) -> Typed:
+        found = Unit(exact(node.value), NONE) * node.unit
+        value = in_units(found, self.scope.declared.units, node.span, self.problems)
+        return Typed(Num(value), "s", value=value, dimension=found.dimension)
 
     def name(self, node: Name) -> Typed:
         name, scope, declared = node.name, self.scope, self.scope.declared
@@ -97,7 +107,7 @@ class Resolver:
         if node.name == "pi":
             return Typed(Num(math.pi), "s", value=math.pi)
         if node.name == "t" and self.scope.time:
-            return Typed(Time(), "s")
+            return Typed(Time(), "s", dimension=self.dimension(TIME))
         if node.name == "t":
             self.fail(codes.NOT_HERE, node.span, f"time `t` may not stand in {self.scope.place}",
                       "time enters through effects: `energy = \"B*cos(t)*w.z\"`")
@@ -118,21 +128,25 @@ class Resolver:
     def parameter(self, node: Name) -> Typed:
         p = self.scope.declared.parameters[node.name]
         if p.kind != "array":
-            return Typed(Par(p.name), "s")
+            return Typed(Par(p.name), "s", dimension=self.of(p.name))
         if p.name in self.scope.declared.vectors:
             parts = tuple(Elem(p.name, Num(k)) for k in range(3))
-            return Typed(Op("vec", parts), "v", 7, 3)
+            return Typed(Op("vec", parts), "v", 7, 3, dimension=self.of(p.name))
         self.fail(codes.INDEX, node.span, f"`{p.name}` is an array",
                   f"take an entry, such as `{p.name}[i]`, or declare it with `vector = true`")
 
     def family(self, node: Name) -> Typed:
         family = self.family_here(node.name, node.span)
         if self.scope.whole == node.name:
-            return Typed(Spin(node.name, "i"), "v")
+            return Typed(Spin(node.name, "i"), "v", dimension=self.of(node.name))
         if is_single(family) or node.name in self.scope.declared.unread:
-            return Typed(Spin(node.name, 0), "v")
+            return Typed(Spin(node.name, 0), "v", dimension=self.of(node.name))
         self.fail(codes.INDEX, node.span, f"`{node.name}` is a family of vectors",
                   f"name one of them, such as `{node.name}[i]` or `{node.name}[0]`")
+
+    def of(self, name: str) -> tuple:
+        """The dimension of a parameter or of the vectors of a family."""
+        return self.scope.declared.dimensions.get(name, NONE)
 
     def family_here(self, name: str, span: Span):
         family = self.scope.declared.families[name]
@@ -158,7 +172,7 @@ class Resolver:
         self.family_here(node.name, node.head)
         slot = self.slot(node)
         if isinstance(slot, int):
-            return self.placed(Typed(Spin(node.name, slot), "v"), node)
+            return self.placed(Typed(Spin(node.name, slot), "v", dimension=self.of(node.name)), node)
         owner = self.indices().get(slot, "")
         if slot not in self.indices() and isinstance(found := self.resolve(node.index).expr, Idx) and found.bond:
             self.fail(codes.INDEX, node.index.span, f"`{slot}` is the number of a bond, not of a site", "these bonds have fewer sites than indices are bound")
@@ -167,7 +181,7 @@ class Resolver:
             self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "
                       f"not over the sites of `{node.name}`", f"all with all: `each(i of {owner or 'p'}, k of {node.name})`; "
                       "each with the one of its number: one family on a lattice with `sites = 2`")
-        return self.placed(Typed(Spin(node.name, slot), "v"), node)
+        return self.placed(Typed(Spin(node.name, slot), "v", dimension=self.of(node.name)), node)
 
     def placed(self, result: Typed, node: Syntax) -> Typed:
         self.places.setdefault(result.expr, node.span)
@@ -204,7 +218,7 @@ class Resolver:
         if p.name in self.scope.declared.lists:
             return self.row(p.name, index, node)
         return self.placed(Typed(Elem(p.name, index.expr), "s", index.nodes + 1,
-                                 index.depth + 1), node)
+                                 index.depth + 1, dimension=self.of(p.name)), node)
 
     def row(self, name: str, index: Typed, node: Item) -> Typed:
         """The vector of three entries."""
@@ -212,7 +226,7 @@ class Resolver:
         parts = tuple(Elem(name, Op("+", (first, Num(k)))) for k in range(3))
         for part in parts:
             self.places.setdefault(part, node.span)
-        return Typed(Op("vec", parts), "v", 3 * index.nodes + 13, index.depth + 4)
+        return Typed(Op("vec", parts), "v", 3 * index.nodes + 13, index.depth + 4, dimension=self.of(name))
 
     # Operators and functions
 
@@ -221,16 +235,19 @@ class Resolver:
         if base.kind != "v":
             self.fail(codes.KIND, node.base.span, f"a {WORDS[base.kind]} has no component "
                       f"`.{node.axis}`", "only vectors have components")
-        return Typed(Op(node.axis, (base.expr,)), "s", base.nodes + 1, base.depth + 1)
+        return Typed(Op(node.axis, (base.expr,)), "s", base.nodes + 1, base.depth + 1, dimension=base.dimension)
 
     def operation(self, node: Operation) -> Typed:
+        measured = self.problems.measured and continued(node, self.taken)
+        if measured:
+            return self.quantity(measured)
         return self.apply(node.op, self.operands(node.args), node.sign, node)
 
     def call(self, node: Call) -> Typed:
         if node.name in self.scope.declared.formulas:
             return self.expand(node)
         if node.name in NORMS:
-            return harmonics(self, node)
+            return self.harmonics(node)
         if node.name in UNRESERVED:
             return self.draw(node)
         if node.name not in FUNCTIONS:
@@ -244,6 +261,20 @@ class Resolver:
             self.fail(codes.UNKNOWN_NAME, node.head, f"there is no function `{node.name}`",
                       SELDOM.get(node.name) or nearest(node.name, names))
         return self.apply(node.name, self.operands(node.args), node.head, node)
+
+    def taken(self, name: str) -> bool:
+        """Does something here have this name?"""
+        declared = self.scope.declared
+        return name in self.scope.known() | declared.names() | declared.broken | declared.pending
+
+    def harmonics(self, node: Call) -> Typed:
+        found = harmonics(self, node)
+        if self.scope.declared.units is None:
+            return found
+        coefficients, vector = node.args
+        if self.resolve(vector).dimension != NONE:
+            self.fail(codes.DIMENSION, vector.span, f"the vector of `{node.name}` has a unit", "harmonics are functions of a direction: divide it by its length")
+        return replace(found, dimension=self.of(coefficients.name))
 
     def draw(self, node: Call) -> Typed:
         """A random number of a seed and one or two sites: integers all."""
@@ -266,7 +297,16 @@ class Resolver:
             self.exponent(args[1], node.args[1].span)
         value = self.folded(op, args, node.span)
         return Typed(Op(op, tuple(a.expr for a in args)), result,
-                     1 + sum(a.nodes for a in args), 1 + max(a.depth for a in args), value)
+                     1 + sum(a.nodes for a in args), 1 + max(a.depth for a in args), value, self.fitting(op, args, node))
+
+    def fitting(self, op: str, args: list[Typed], node: Syntax):
+        """The dimension of an operation; none where numbers have no units."""
+        if self.scope.declared.units is None:
+            return NONE
+        return Dimensions(self.fail).of(op, args, [a.span for a in node.args])
+
+    def dimension(self, known: tuple) -> tuple:
+        return NONE if self.scope.declared.units is None else known
 
     def misfit(self, op: str, kinds: str, sign: Span, node: Syntax):
         """Say which argument does not fit."""
@@ -344,7 +384,7 @@ class Resolver:
         return f"it is declared as `{formula.name}{arguments}`"
 
     METHODS = {Number: number, Name: name, Item: item, Component: component,
-               Operation: operation, Call: call}
+               Operation: operation, Call: call, Quantity: quantity}
 
 
 class Inner(Resolver):

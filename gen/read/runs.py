@@ -5,6 +5,7 @@ from ..methods import NAMES as METHODS, SOLVERS
 from ..language import limits
 from ..language.spec import LOOSEST, Averages, Run
 from ..language import codes
+from ..language.units import TIME
 from .formulas import Formulas
 from .names import COMPUTED, OUTPUTS, identifier
 from .problems import Problems, nearest
@@ -47,7 +48,7 @@ class RunReader:
         return self.choice(node.need("start", 'name a start: `start = "..."`'), self.starts, "start")
 
     def step(self, node: Node):
-        return self.formulas.free(node.need("h", "give the step: `h = 0.1`"), "a step")
+        return self.formulas.free(node.need("h", "give the step: `h = 0.1`"), "a step", wanted=TIME)
 
     def safety(self, node: Node) -> dict:
         """checkpoint, substeps, tolerance, averages."""
@@ -56,7 +57,7 @@ class RunReader:
     def averages(self, node: Node) -> Averages:
         node.table("what", "after", "bins")
         return Averages(**self.given(node, what=self.averaged, bins=lambda child: child.integer(2, limits.LIST),
-                                     after=lambda child: self.formulas.free(child, "a time")))
+                                     after=lambda child: self.formulas.free(child, "a time", wanted=TIME)))
 
     def averaged(self, node: Node) -> tuple[str, ...]:
         """Names of numbers; those of effects and families are looked up when a run starts, which may do without them."""
@@ -106,7 +107,7 @@ class RunReader:
                                "write `time = 100` or `steps = 1000`")
         if node.has("steps"):
             return None, self.formulas.count(node.get("steps"))
-        return self.formulas.free(node.get("time"), "a duration"), None
+        return self.formulas.free(node.get("time"), "a duration", wanted=TIME), None
 
     def chosen(self, node: Node):
         """The effects of `effects`, or all, but for those of `without`; None: all."""
@@ -156,7 +157,7 @@ class RunReader:
             self.problems.fail(codes.CONFLICT, out.get("every").key,
                                "`every` and `period` exclude each other", "keep one of them")
         return rows | self.given(out, every=lambda child: child.integer(1, limits.EVERY), what=self.what,
-                          period=lambda child: self.formulas.free(child, "a period of outputs"))
+                          period=lambda child: self.formulas.free(child, "a period of outputs", wanted=TIME))
 
     def what(self, node: Node) -> tuple[str, ...]:
         entries = node.entries("list of outputs")

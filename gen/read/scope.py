@@ -6,6 +6,7 @@ from typing import Optional
 
 from ..language.expr import Expr, Num
 from ..language.spec import Family, Parameter
+from ..language.units import NONE, Units
 from .source import Span
 from .syntax import Syntax
 
@@ -14,13 +15,14 @@ from .syntax import Syntax
 class Typed:
     """A resolved expression with its kind ('s', 'v', 'b') and size.
 
-    nodes and depth count the expanded tree; value is the number that a constant has.
+    nodes and depth count the expanded tree; value is the number that a constant has; dimension: with [units], ANY of a 0.
     """
     expr: Expr
     kind: str
     nodes: int = 1
     depth: int = 1
     value: Optional[float] = None
+    dimension: Optional[tuple] = NONE
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,9 @@ class Declared:
     rough: set[str] = field(default_factory=set)        # families whose radius or C has errors
     unread: set[str] = field(default_factory=set)       # families whose count is not known
     tables: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    units: Optional[Units] = None
+    dimensions: dict[str, tuple] = field(default_factory=dict)      # of parameters and families; none: a number without a unit
+    outputs: dict[str, tuple] = field(default_factory=dict)         # of observables
 
     def names(self) -> set[str]:
         return set(self.parameters) | set(self.families) | set(self.formulas)

@@ -4,9 +4,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..language import limits
-from ..language.expr import Elem, Expr, Idx, Num
+from ..language.expr import Elem, Expr, Idx, Num, Op
 from ..language.spec import Family
 from ..language import codes
+from ..language.units import ACTION, MOMENT, NONE, product, quotient, said, unit
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .parameters import bounded
@@ -14,12 +15,15 @@ from .problems import Bad, Problems, meant
 from .quadratic import NotPolynomial, matrix
 from .scope import Declared, Scope
 from .tree import Node
+from .units import Measure
 
 KINDS = ("sphere", "r3", "nambu")
 SPACES = ("there are `sphere`, `r3` (of so(3)) and `nambu` (grad C x grad H, C quadratic: SO(2,1), SE(2), SE(1,1), Heisenberg), and products of "
           "them; outside are canonical pairs, e(3), so(4), su(n)")
-KEYS = {"sphere": ("kappa", "radius", "tracer", "fixed"), "r3": ("kappa", "tracer", "fixed"),
+KEYS = {"sphere": ("kappa", "moment", "radius", "tracer", "fixed"), "r3": ("kappa", "tracer", "fixed"),
         "nambu": ("kappa", "C", "tracer")}
+
+KAPPA = 'give `moment = "1 mu_B"`, from which kappa = moment/gamma follows, or `kappa = "1 hbar"`'
 
 
 class SpaceReader:
@@ -27,6 +31,7 @@ class SpaceReader:
 
     def __init__(self, declared: Declared, formulas: Formulas, problems: Problems):
         self.declared, self.formulas, self.problems = declared, formulas, problems
+        self.found: dict = {}       # dimensions of the family that is being read, of kappa, radius and C
 
     def read(self, section: Node) -> None:
         bounded(section.table(), limits.FAMILIES, "families")
@@ -72,10 +77,30 @@ class SpaceReader:
         """kind, and what can be read of count, kappa, (radius, casimir), tracer, fixed."""
         kind = self.kind(node)
         node.table(kind, *KEYS[kind])
-        return (kind, *self.problems.tried(
+        self.found = {}
+        parts = (kind, *self.problems.tried(
             lambda: self.formulas.count(node.get(kind)), lambda: self.kappa(node, node.name),
             lambda: (self.radius(node, kind), self.casimir(node, node.name) if kind == "nambu" else None),
             lambda: node.has("tracer") and node.get("tracer").flag(), lambda: node.has("fixed") and node.get("fixed").flag()))
+        return self.with_dimension(node, *parts) if self.declared.units else parts
+
+    def with_dimension(self, node: Node, kind: str, count, kappa, *rest) -> tuple:
+        """The parts; notes the dimension of the vectors, and has no kappa where it does not fit them."""
+        found = Bad if Bad in (kappa, rest[0]) else self.problems.tried(lambda: self.vectors(node, kind))[0]
+        self.declared.dimensions[node.name] = self.found.get("radius") or NONE if found is Bad else found
+        return (kind, count, Bad if found is Bad else kappa, *rest)
+
+    def vectors(self, node: Node, kind: str) -> tuple:
+        """The dimension of the vectors w: on a sphere that of its radius; else it follows from w' = (1/kappa) grad C x grad H."""
+        kappa, radius, C = (self.found.get(key) or NONE for key in ("kappa", "radius", "C"))
+        if kind != "sphere":
+            return quotient(product(C, ACTION), kappa)
+        if product(kappa, radius) != ACTION:
+            at = node.get("kappa") or node.get("moment")
+            if at is None:
+                node.wrong(codes.MEASURE, f"`{node.label}` has no strength: kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw", KAPPA)
+            at.wrong(codes.DIMENSION, f"kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw, and this is {said(kappa)}", KAPPA)
+        return radius
 
     def kind(self, node: Node) -> str:
         node.table()
@@ -100,34 +125,56 @@ class SpaceReader:
     def kappa(self, node: Node, name: str) -> Expr:
         """A number, a list (one entry per site), or a formula in `i`."""
         child = node.get("kappa")
+        if node.has("moment"):
+            return self.moment(node)
         if child is None:
             return Num(1)
         if isinstance(child.raw, list):
             return self.listed(child, name)
-        return self.formulas.free(child, "a strength", "i")
+        return self.measured(child, "kappa", "a strength", "i")
+
+    def measured(self, node: Node, key: str, what: str, index: str) -> Expr:
+        """A formula whose dimension is noted under a key."""
+        result = self.formulas.measured(node, what, index)
+        self.found[key] = result.dimension
+        return result.expr
+
+    def moment(self, node: Node) -> Expr:
+        """kappa = moment/gamma, that of spins with g = 2."""
+        child, units = node.get("moment"), self.declared.units
+        if units is None:
+            child.wrong(codes.MEASURE, "a moment needs units", "add a section [units], or give `kappa`")
+        if node.has("kappa"):
+            child.wrong(codes.CONFLICT, f"`{node.label}` has a moment and a kappa", "keep one of them: kappa = moment/gamma")
+        moment = self.formulas.free(child, "a moment", "i", MOMENT)
+        share = float(units.factor(unit("gamma") ** -1))
+        self.found["kappa"] = ACTION
+        return Num(moment.value * share) if isinstance(moment, Num) else Op("*", (moment, Num(share)))
 
     def listed(self, child: Node, name: str) -> Expr:
         table = f"{name}_kappa"
         if table in self.declared.names() | self.declared.broken | self.declared.pending:
             child.wrong(codes.CLASH, f"the list is kept as `{table}`, which is declared already",
                         f"rename `{table}`")
-        self.declared.tables[table] = tuple(float(e.number()) for e in child.entries())
+        measure = Measure(self.declared.units)
+        self.declared.tables[table] = tuple(float(measure.number(e)) for e in child.entries())
+        self.found["kappa"] = measure.found
         return Elem(table, Idx("i"))
 
     def radius(self, node: Node, kind: str):
         if kind != "sphere":
             return None
-        return self.formulas.free(node.get("radius"), "a radius", "i") \
-            if node.has("radius") else Num(1)
+        return self.measured(node.get("radius"), "radius", "a radius", "i") if node.has("radius") else Num(1)
 
     def casimir(self, node: Node, name: str):
         """The matrix of C, a formula in the family's own vector."""
         child = node.need("C", 'give the Casimir: `C = "(w.x^2 - w.y^2)/2"`')
         alone = replace(self.declared, families={name: Family(name, "nambu", Num(1), Num(1))},
                         pending=self.declared.pending - {name})
-        c = Formulas(alone, self.problems).scalar(child.text(), Scope(alone, "C", whole=name))
+        c = Formulas(alone, self.problems).number(child.text(), Scope(alone, "C", whole=name))
+        self.found["C"] = c.dimension
         try:
-            return matrix(c)
+            return matrix(c.expr)
         except NotPolynomial as reason:
             child.wrong(codes.CASIMIR, f"C must be homogeneous quadratic in the components of "
                         f"`{name}`: {reason}", "such as `(w.x^2 - w.y^2)/2` or `w.x*w.y`")

@@ -6,6 +6,7 @@ from math import cos, sin
 from ..language.expr import Expr, Num, Op
 from ..language.spec import Family, FamilyStart, Start
 from ..language import codes
+from ..language.units import ANY, NONE, said
 from .files import Files
 from .formulas import Formulas
 from .names import identifier
@@ -13,10 +14,11 @@ from .problems import Problems
 from .scope import Declared
 from .text import meaning
 from .tree import Node
+from .units import Measure
 
 FORMS = {"vectors": ("vectors",), "formula": ("x", "y", "z"), "angles": ("theta", "phi"),
          "random": ("random",), "file": ("file",)}
-KEYS = tuple(k for keys in FORMS.values() for k in keys) + ("normalise",)
+KEYS = tuple(k for keys in FORMS.values() for k in keys) + ("normalise", "unit")
 SEED = 2 ** 53
 HELP = "give vectors, or x, y, z, or theta, phi, or random = seed, or file"
 
@@ -89,38 +91,58 @@ class StartReader:
                                         "normalise to", "leave `normalise` out")
         return chosen
 
-    def vectors(self, node: Node, family: Family):
-        entries = node.get("vectors").entries("list of vectors")
-        return "vectors", tuple(map(self.vector, entries))      # of a list of data the first error is enough
+    def measure(self, node: Node, family: Family) -> Measure:
+        """What reads the components of a vector; of one that is normalised they may have any unit."""
+        if node.has("unit") and self.declared.units is None:
+            node.get("unit").wrong(codes.MEASURE, "a start has a unit only with a section [units]", "leave it out")
+        found = Measure(self.declared.units, node.get("unit"))
+        if not (node.has("normalise") and node.get("normalise").flag()):
+            found.needed(node.get("unit"), self.dimension(family), f"the unit of `{family.name}`")
+        return found
 
-    def vector(self, entry: Node) -> tuple[float, ...]:
+    def dimension(self, family: Family) -> tuple:
+        return self.declared.dimensions.get(family.name, NONE)
+
+    def plain(self, node: Node, family: Family) -> None:
+        """Refuse directions for vectors that have a unit and no sphere that gives their length."""
+        if self.declared.units and family.kind != "sphere" and self.dimension(family) != NONE:
+            node.wrong(codes.MEASURE, f"this gives `{family.name}` the length 1, and it is {said(self.dimension(family))}", "give x, y, z or vectors, with units")
+
+    def vectors(self, node: Node, family: Family):
+        entries, measure = node.get("vectors").entries("list of vectors"), self.measure(node, family)
+        return "vectors", tuple(self.vector(entry, measure) for entry in entries)      # of a list of data the first error is enough
+
+    def vector(self, entry: Node, measure: Measure) -> tuple[float, ...]:
         row = entry.entries("vector of three numbers")
         if len(row) != 3:
             entry.wrong(codes.START, f"a vector has three components, not {len(row)}", "write `[x, y, z]`")
-        return tuple(float(c.number()) for c in row)
+        return tuple(float(measure.number(c)) for c in row)
 
     def file(self, node: Node, family: Family):
         rows = self.files.rows(node.get("file"), 3, "rows `x, y, z`")
         if len(rows[0]) != 3:
             node.get("file").wrong(codes.TABLE, f"`{node.get('file').raw}` has {len(rows[0])} "
                                    "columns", "it should hold rows `x, y, z`")
-        return "vectors", tuple(tuple(map(float, row)) for row in rows)
+        share = self.measure(node, family).share(node.get("file"))
+        return "vectors", tuple(tuple(float(x) * share for x in row) for row in rows)
 
     def random(self, node: Node, family: Family):
         if family.kind == "nambu":
             node.get("random").wrong(codes.START, "random starts are for spheres and r3",
                                      "give vectors or x, y, z")
+        self.plain(node.get("random"), family)
         return "random", node.get("random").integer(0, SEED)
 
     def formula(self, node: Node, family: Family):
-        return "formula", tuple(self.components(node, FORMS["formula"]))
+        loose = node.has("normalise") and node.get("normalise").flag()
+        return "formula", tuple(self.components(node, FORMS["formula"], ANY if loose else self.dimension(family)))
 
-    def components(self, node: Node, keys) -> list[Expr]:
-        return self.problems.together(*(lambda k=k: self.component(node, k) for k in keys))
+    def components(self, node: Node, keys, wanted) -> list[Expr]:
+        return self.problems.together(*(lambda k=k: self.component(node, k, wanted) for k in keys))
 
-    def component(self, node: Node, key: str) -> Expr:
+    def component(self, node: Node, key: str, wanted) -> Expr:
         child = node.need(key, f"`{' '.join(FORMS['formula'])}` or `theta phi` go together")
-        return self.formulas.free(child, "a start", "i")
+        return self.formulas.free(child, "a start", "i", wanted)
 
     def angles(self, node: Node, family: Family):
         """theta from the z axis, phi around it; times the radius of a sphere."""
@@ -129,7 +151,8 @@ class StartReader:
                                "give vectors or x, y, z")
         if any(node.has(k) and isinstance(node.get(k).raw, list) for k in FORMS["angles"]):
             return self.listed_angles(node, family)
-        theta, phi = self.components(node, FORMS["angles"])
+        self.plain(node.get("theta") or node, family)
+        theta, phi = self.components(node, FORMS["angles"], NONE)
         s = Op("sin", (theta,))
         unit = (Op("*", (s, Op("cos", (phi,)))), Op("*", (s, Op("sin", (phi,)))),
                 Op("cos", (theta,)))
@@ -139,7 +162,10 @@ class StartReader:
 
     def listed_angles(self, node: Node, family: Family):
         """`theta = [0.7, 1.1]`, `phi = [0.2, 2.0]`: one pair for each site."""
-        theta, phi = ([e.number() for e in node.need(k, "theta and phi go together").entries(
+        self.plain(node.get("theta") or node, family)
+        measure = Measure(self.declared.units)
+        measure.needed(None, NONE, "an angle")
+        theta, phi = ([measure.number(e) for e in node.need(k, "theta and phi go together").entries(
             "list of angles, as the other one is")] for k in FORMS["angles"])
         if len(theta) != len(phi):
             node.get("phi").wrong(codes.START, f"{len(phi)} angles phi for {len(theta)} angles "

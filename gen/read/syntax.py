@@ -4,12 +4,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Union
 
+from ..language.units import Unit
 from .source import Span
 
 
 @dataclass(frozen=True)
 class Number:
     value: Union[int, float]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with the units that follow it."""
+    value: Union[int, float]
+    unit: Unit
     span: Span
 
 
@@ -54,4 +63,4 @@ class Operation:
     span: Span
 
 
-Syntax = Union[Number, Name, Call, Item, Component, Operation]
+Syntax = Union[Number, Quantity, Name, Call, Item, Component, Operation]

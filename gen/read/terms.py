@@ -2,18 +2,20 @@
 from __future__ import annotations
 
 from ..language import limits
-from ..language.expr import Op, Spin, walk
+from ..language.expr import Num, Op, Spin, walk
 from ..language.spec import Each, Effect, Graph, Lattice, Once, Over, Sites, Term, families_of
 from ..effects.kinds import KINDS, kind_of
 from ..language import codes
+from ..language.units import ENERGY, NONE, Scale
 from .formulas import Formulas
 from .names import COLUMNS, identifier
 from .over import OverReader
 from .parse import parse
 from .problems import Bad, Problems
-from .scope import Declared, Scope, is_single
+from .scope import Declared, Scope, Typed, is_single
 from .text import meaning
 from .tree import Node
+from .units import of_dimension
 from .work import derivatives
 
 
@@ -24,6 +26,7 @@ class TermReader:
                  problems: Problems):
         self.declared, self.formulas, self.over_reader = declared, formulas, over
         self.problems = problems
+        self.told_in: dict[str, str] = {}       # units of observables
 
     def effects(self, section: Node) -> tuple[Effect, ...]:
         """Each read by its kind."""
@@ -48,7 +51,30 @@ class TermReader:
         name, (over, value), said, unit = self.problems.together(
             lambda: self.name(node, what, taken), lambda: self.sum(node, key, what),
             lambda: self.text(node, "meaning"), lambda: self.text(node, "unit"))
+        if key == "energy":
+            self.unit_of_effect(node, ENERGY)
+        elif self.declared.units:
+            unit = self.told_in[name]
         return name, over, value, said, unit
+
+    def told(self, node: Node, found: Typed):
+        """The value of an observable, in its `unit` where [units] says that numbers have some."""
+        units, dimension = self.declared.units, found.dimension or NONE
+        if units is None:
+            return found.expr
+        shown = units.shown(dimension)
+        if node.has("unit"):
+            given = node.get("unit")
+            shown = Scale(given.string().strip(), of_dimension(given, dimension, f"the unit of `{node.name}`"))
+        self.told_in[node.name] = shown.text
+        self.declared.outputs[node.name] = dimension
+        share = units.share(shown)
+        return found.expr if share == 1 else Op("/", (found.expr, Num(share)))
+
+    def unit_of_effect(self, node: Node, dimension) -> None:
+        """With [units] a `unit` says what it is; the numbers have that of the model."""
+        if self.declared.units and node.has("unit"):
+            of_dimension(node.get("unit"), dimension, f"the unit of `{node.name}`")
 
     @staticmethod
     def text(node: Node, key: str) -> str:
@@ -67,7 +93,10 @@ class TermReader:
         """(index family, formula); without the first the second is only parsed."""
         over, formula = self.problems.together(lambda: self.over(node, key), lambda: node.need(
             key, f'give its {key}: `{key} = "..."`'))
-        value = self.formulas.scalar(formula.text(), self.scope(over, what))
+        found = self.formulas.number(formula.text(), self.scope(over, what))
+        if key == "energy":
+            self.formulas.fits(found, formula.text().whole, "an energy", ENERGY)
+        value = found.expr if key == "energy" else self.told(node, found)
         self.known({*families_of(over).values(), *(e.family for e in walk(value) if isinstance(e, Spin))})
         if key == "energy" and not isinstance(over, Once):
             over, value = self.summed(formula, over, value)

@@ -8,9 +8,11 @@ from ..language.evaluate import evaluate
 from ..language.expr import Expr
 from ..language.spec import Parameter, Spec
 from ..language import codes
+from ..language.units import NONE
 from .problems import nearest
 from .scope import Declared
 from .tree import Node
+from .units import Measure
 
 
 class ValueReader:
@@ -30,15 +32,24 @@ class ValueReader:
         return node.name, self.value(node, known[node.name])
 
     def value(self, node: Node, p: Parameter):
+        number = self.numbers(p)
         if p.kind == "array":
-            if node.is_number():
-                return (float(node.number()),)
-            return tuple(float(e.number()) for e in node.entries("list of numbers"))
-        value = node.number()
+            if node.is_number() or self.declared.units and isinstance(node.raw, str):
+                return (float(number(node)),)
+            return tuple(float(number(e)) for e in node.entries("list of numbers"))
+        value = number(node)
         if p.kind == "int" and not isinstance(value, int):
             node.wrong(codes.TYPE, f"`{p.name}` is an integer parameter, as its default is "
                        "written without a point", "write an integer, or the default as a real")
         return value if p.kind == "int" else float(value)
+
+    def numbers(self, p: Parameter):
+        """What reads a number of this parameter."""
+        if self.declared.units is None:
+            return Node.number
+        measure = Measure(self.declared.units)
+        measure.dimension = self.declared.dimensions.get(p.name, NONE)
+        return measure.number
 
 
 def defaults(spec: Spec) -> dict:

@@ -269,6 +269,6 @@ def test_file_bytes_are_counted_before_reading_on(tmp_path):
 def test_every_limit_is_tested():
     tested = set(EDGES) | {"ERRORS", "LARGEST", "SMALLEST", "SHORTEST", "SPHERE", "MULTIPLE", "GRAPHS",
                            "COLUMNS", "EDGES", "TABLE_BYTES", "ARRAY", "MEMBERS", "CELLS",
-                           "META", "CSV_COLUMNS", "BASES", "HARMONICS"}     # META, CSV_COLUMNS: test_received.py; MEMBERS: test_ensemble.py, CELLS: test_sweep.py, BASES: test_scenes.py, HARMONICS: test_harmonics.py
+                           "META", "CSV_COLUMNS", "BASES", "HARMONICS", "UNIT", "UNIT_FACTORS", "UNIT_EXPONENT"}     # UNIT ..: test_unit_table.py; META, CSV_COLUMNS: test_received.py; MEMBERS: test_ensemble.py, CELLS: test_sweep.py, BASES: test_scenes.py, HARMONICS: test_harmonics.py
     assert tested == set(limits.LIMITS)
     assert all(math.isfinite(getattr(limits, name)) for name in limits.LIMITS)

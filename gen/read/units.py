@@ -1,0 +1,125 @@
+"""[units], and values with units: `energy = "meV"`, `J = "5.7 meV"`."""
+from __future__ import annotations
+
+from ..language import codes, limits
+from ..language.units import KINDS, NONE, Scale, Unit, Units, coherent, said
+from .parse import Parser
+from .problems import Problems
+from .quantities import exact, fits, whole_quantity, whole_unit
+from .source import Span, Text
+from .tree import Node
+
+KEYS = (*KINDS, "dimensionless")
+NEEDED = 'name an energy, `energy = "meV"`, or an angular momentum and a time'
+
+
+class UnitsReader:
+    """Reads [units]; None where numbers have none."""
+
+    def __init__(self, problems: Problems):
+        self.problems = problems
+
+    def read(self, section: Node) -> Units | None:
+        section.table(*KEYS)
+        if section.has("dimensionless") and section.get("dimensionless").flag():
+            return self.plain(section)
+        named = dict(self.problems.together(*(lambda k=kind: (k, self.scale(section.get(k), k)) for kind in KINDS if section.has(kind))))
+        scales = coherent(named)
+        if scales is None and section.raw:
+            self.problems.fail(codes.MISSING, section.key, "no unit of energy follows from [units]", NEEDED)
+        return scales and Units(scales, tuple(named.items()))
+
+    def plain(self, section: Node) -> None:
+        for child in section.items():
+            if child.name in KINDS:
+                child.wrong(codes.CONFLICT, f"`{child.label}` is a unit, and `dimensionless` says that there is none", "keep one of them")
+
+    def scale(self, node: Node, kind: str) -> Scale:
+        return Scale(node.string().strip(), of_dimension(node, KINDS[kind], f"the unit of {'an ' if kind[0] in 'ae' else 'a '}{kind.replace('_', ' ')}"))
+
+
+def of_dimension(node: Node, dimension, what: str) -> Unit:
+    """The unit that a text names, of this dimension."""
+    found = unit_of(node.text(), node.problems)
+    if found.dimension != dimension:
+        node.wrong(codes.DIMENSION, f"`{node.raw}` cannot be {what}: it is {said(found.dimension)}", f"{said(dimension)} is needed here")
+    return found
+
+
+def unit_of(text: Text, problems: Problems) -> Unit:
+    """`meV`, `kg m^2`, `4 meV`."""
+    return read_by(whole_unit, text, problems)
+
+
+def quantity_of(text: Text, problems: Problems) -> Unit:
+    """`1.5 meV`, as the factor and the dimension of a unit."""
+    return read_by(whole_quantity, text, problems)
+
+
+def read_by(reader, text: Text, problems: Problems) -> Unit:
+    fits(text, problems)
+    parser = Parser(text, problems)
+    if parser.now.kind == "end":
+        problems.fail(codes.SYNTAX, text.whole, "an empty text", "write a unit, such as `meV`")
+    return reader(parser)
+
+
+class Measure:
+    """Reads numbers that have one dimension, those of a parameter or of a list: bare ones count in its `unit`, texts have their own.
+
+    unit: the key of that name, None where there is none; dimension: None as long as it is not known.
+    """
+
+    def __init__(self, units: Units | None, unit: Node | None = None):
+        self.units = units
+        self.unit = unit_of(unit.text(), unit.problems) if units and unit is not None else None
+        self.dimension = self.unit and self.unit.dimension
+
+    def needed(self, unit: Node | None, dimension, what: str) -> None:
+        """Only numbers of this dimension from now on."""
+        if self.unit and self.dimension != dimension:
+            unit.wrong(codes.DIMENSION, f"`{unit.raw}` cannot be {what}: it is {said(self.dimension)}", f"{said(dimension)} is needed here")
+        self.dimension = dimension
+
+    def share(self, node: Node) -> float:
+        """What the numbers of a table, which have the unit of `unit`, are multiplied by."""
+        if self.units is None:
+            return 1.0
+        if self.unit is None:
+            self.same(node, NONE)
+            return 1.0
+        return float(self.units.factor(self.unit))
+
+    def number(self, node: Node):
+        """A value in the units of the model."""
+        if self.units is None:
+            return node.number()
+        if isinstance(node.raw, str):
+            return self.scaled(node, quantity_of(node.text(), node.problems))
+        value = node.number()
+        if self.unit is not None:
+            return self.scaled(node, Unit(exact(value), NONE) * self.unit)
+        if value != 0:
+            self.same(node, NONE)
+        return value
+
+    def scaled(self, node: Node, found: Unit) -> float:
+        self.same(node, found.dimension)
+        return in_units(found, self.units, node.span, node.problems)
+
+    def same(self, node: Node, dimension) -> None:
+        if self.dimension not in (None, dimension):
+            node.wrong(codes.DIMENSION, f"`{node.label}` is {said(dimension)} where {said(self.dimension)} is needed", f"write it in a unit of {said(self.dimension)}")
+        self.dimension = dimension
+
+    @property
+    def found(self) -> tuple:
+        return self.dimension or NONE
+
+
+def in_units(found: Unit, units: Units, span: Span, problems: Problems) -> float:
+    """How many units of the model a quantity is, rounded once."""
+    exact_value = units.factor(found)
+    if abs(exact_value) > limits.LARGEST or 0 < abs(exact_value) < limits.SMALLEST:
+        problems.fail(codes.NUMBER, span, f"in the units of this spec this is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in size", "choose other units in [units]")
+    return float(exact_value)

@@ -1,0 +1,176 @@
+"""Units and dimensions that do not fit: each is refused where it stands, with its cause and what to write instead."""
+import pytest
+
+from smidgen.errors import SpecError
+from smidgen.language.codes import CONFLICT, DIMENSION, LIMIT, MEASURE, MISSING, NUMBER, SYNTAX, TYPE, UNIT
+from smidgen.read import load_text
+
+pytestmark = pytest.mark.quick
+
+FILM = """
+[model]
+name = "film"
+
+[units]
+energy = "meV"
+field = "T"
+time = "ps"
+length = "nm"
+
+[space]
+w = { sphere = "n*n", moment = "m" }
+v = { r3 = 1 }
+
+[parameters]
+n = 4
+m = "1.72 mu_B"
+J = { default = 5.7, unit = "meV" }
+K = "0.4 meV"
+B = "2 T"
+T = "300 K"
+tau = "5 ps"
+g = { default = ["1 meV", "2 meV"], size = 2 }
+
+[formulas]
+"pulse(s)" = "exp(-(s/tau)^2)"
+
+[effects.exchange]
+over = "bond(i, j) of square(n, n, periodic) on w"
+energy = "-J*dot(w[i], w[j])"
+
+[effects.axis]
+over = "site(i) of w"
+energy = "-K*w[i].z^2 - m*B*pulse(t - 1 ps)*w[i].x"
+
+[effects.body]
+energy = "dot(v, v)/(2 meV ps^2)"
+
+[effects.bath]
+over = "site(i) of w"
+damping = 0.1
+kT = "T"
+
+[effects.drive]
+over = "site(i) of w"
+torque = "cross(w[i], vec(0, 0, 0.02 rad/ps))"
+
+[effects.edge]
+over = "site(i) of w"
+pinned = "i < 2"
+
+[observables.M]
+over = "site(i) of w"
+value = "m*w[i].z"
+unit = "mu_B"
+
+[starts.up.w]
+theta = "30 deg"
+phi = 0
+
+[starts.up.v]
+vectors = [["1 meV ps", 0, 0]]
+
+[runs.demo]
+start = "up"
+h = "1 fs"
+time = "10 fs"
+output = { period = "2 fs", what = ["M"] }
+averages = { what = ["M"], after = "2 fs" }
+set = { J = "6 meV" }
+"""
+
+WRONG = [   # in place of, what is written, the code, what the caret points at, part of the cause
+    ('energy = "meV"', 'energy = "ps"', DIMENSION, '"ps"', "cannot be the unit of an energy"),
+    ('energy = "meV"', 'energy = "mev"', UNIT, "mev", "there is no unit `mev`"),
+    ('energy = "meV"\n', "", MISSING, "units", "no unit of energy follows"),
+    ('energy = "meV"', "energy = 3", TYPE, "3", "must be a string"),
+    ('energy = "meV"', 'energy = "0 meV"', NUMBER, "0", "a unit is positive"),
+    ('energy = "meV"', 'dimensionless = true\nenergy = "meV"', CONFLICT, '"meV"', "`dimensionless` says that there is none"),
+    ('field = "T"', 'field = "A/m"', DIMENSION, '"A/m"', "cannot be the unit of a field"),
+    ('moment = "m"', 'moment = "J"', DIMENSION, '"J"', "a moment is a moment, and this is an energy"),
+    (', moment = "m"', "", MEASURE, '{ sphere = "n*n" }', "has no strength"),
+    ('moment = "m"', 'kappa = "1 meV"', DIMENSION, '"1 meV"', "kappa is an angular momentum"),
+    ('moment = "m"', "kappa = [1, 2]", DIMENSION, "[1, 2]", "this is a number without a unit"),
+    ('moment = "m"', 'moment = "m", kappa = "1 hbar"', CONFLICT, '"m"', "a moment and a kappa"),
+    ('m = "1.72 mu_B"', "m = 1.72", MEASURE, '"m"', "a moment is a moment, and this has no unit"),
+    ('unit = "meV" }', 'unit = "exchange" }', UNIT, "exchange", "there is no unit"),
+    ('"0.4 meV"', '"0.4 mV"', DIMENSION, "m*B*pulse(t - 1 ps)*w[i].x", "joins"),
+    ("-K*w[i].z^2", "-0.4meV*w[i].z^2", SYNTAX, "meV", "neither a number nor a name"),
+    ('"0.4 meV"', '"meV"', SYNTAX, "meV", "a number is missing"),
+    ('"0.4 meV"', '"1e200 meV"', NUMBER, "1e200", "in size"),
+    ('"1 meV", "2 meV"', '"1 meV", "2 T"', DIMENSION, '"2 T"', "is a field where an energy is needed"),
+    ('"1 meV", "2 meV"', '"1 meV", 2', DIMENSION, "2", "a number without a unit where an energy"),
+    ('"-J*dot', '"-dot', MEASURE, "-dot(w[i], w[j])", "an energy is an energy, and this has no unit"),
+    ('"-J*dot', '"-J*B*dot', DIMENSION, "-J*B*dot(w[i], w[j])", "this is energy field"),
+    ("-K*w[i].z^2", "-K*w[i].z^2 + tau", DIMENSION, "tau", "joins an energy and a time"),
+    ("t - 1 ps", "t - 1", DIMENSION, "1", "joins a time and a number without a unit"),
+    ("(s/tau)^2", "s^2", DIMENSION, "-s^2", "the argument of `exp` is time^2"),
+    ("w[i].z^2", "w[i].z^tau", DIMENSION, "tau", "an exponent is a time"),
+    ("-K*w[i].z^2", "-K*max(w[i].z, B)", DIMENSION, "B", "`max` joins"),
+    ("-K*w[i].z^2", "-if(t < 2, K, K)", DIMENSION, "2", "`<` joins a time"),
+    ("-K*w[i].z^2", "-if(t < tau, K, 0.5)", DIMENSION, "0.5", "the branches of `if`"),
+    ("-K*w[i].z^2", "-K*dot(w[i], vec(0, 1, B))", DIMENSION, "B", "`vec` joins"),
+    ("-K*w[i].z^2", "-K^1.37*sin(t)", DIMENSION, "t", "the argument of `sin` is a time"),
+    ("-K*w[i].z^2", "-K^i", DIMENSION, "i", "a power that is no constant"),
+    ("-K*w[i].z^2", "-2 T*w[i].z^2", DIMENSION, "m*B", "joins"),
+    ("-K*w[i].z^2", "-K*mod(t, 3)", DIMENSION, "3", "`mod` joins"),
+    ("-K*w[i].z^2", "-2 Kk*w[i].z^2", UNIT, "Kk", "there is no unit `Kk`"),
+    ("-K*w[i].z^2", "-2 meV^99", LIMIT, "99", "the exponent of a unit"),
+    ('"dot(v, v)/(2 meV ps^2)"', '"dot(v, v)/2"', DIMENSION, "dot(v, v)/2", "an energy is an energy"),
+    ("damping = 0.1", 'damping = "0.1 meV"', MEASURE, '"0.1 meV"', "a damping is a number without a unit"),
+    ('kT = "T"', 'kT = "B"', DIMENSION, '"B"', "a temperature is an energy"),
+    ("0.02 rad/ps", "0.02", MEASURE, "cross(w[i], vec(0, 0, 0.02))", "which is added to w'"),
+    ("0.02 rad/ps", "0.02 rad/tau^2", DIMENSION, None, "a torque"),
+    ('"i < 2"', '"i < B"', DIMENSION, "B", "`<` joins"),
+    ('unit = "mu_B"', 'unit = "meV"', DIMENSION, '"meV"', "the unit of `M`"),
+    ('"30 deg"', '"30 ps"', MEASURE, '"30 ps"', "a start is a number without a unit"),
+    ('"1 meV ps", 0, 0', "1, 0, 0", DIMENSION, "1", "where an angular momentum is needed"),
+    ('vectors = [["1 meV ps", 0, 0]]', "random = 1", MEASURE, "1", "gives `v` the length 1"),
+    ('h = "1 fs"', "h = 0.001", MEASURE, "0.001", "a step is a time, and this has no unit"),
+    ('h = "1 fs"', 'h = "1 meV"', DIMENSION, '"1 meV"', "a step is a time, and this is an energy"),
+    ('time = "10 fs"', 'time = "10 nm"', DIMENSION, '"10 nm"', "a duration is a time, and this is a length"),
+    ('period = "2 fs"', "period = 2", MEASURE, "2", "a period of outputs is a time"),
+    ('after = "2 fs"', "after = 2", MEASURE, "2", "a time is a time"),
+    ('J = "6 meV"', "J = 6", DIMENSION, "6", "where an energy is needed"),
+]
+
+
+def spec_with(old: str, new: str) -> str:
+    assert FILM.count(old) >= 1, old
+    return FILM.replace(old, new, 1)
+
+
+def test_the_film_is_right():
+    spec = load_text(FILM)
+    assert spec.units and {p.name: p.unit for p in spec.parameters}["m"] == "meV/T"
+    assert {o.name: o.unit for o in spec.observables} == {"M": "mu_B"} and len(WRONG) >= 30
+
+
+@pytest.mark.parametrize("old, new, code, at, cause", WRONG, ids=[f"{k}-{new.split(' = ')[-1][:24]}" for k, (_, new, *_) in enumerate(WRONG)])
+def test_what_does_not_fit_is_refused(old, new, code, at, cause):
+    text = spec_with(old, new)
+    with pytest.raises(SpecError) as caught:
+        load_text(text, "film.toml")
+    one = caught.value.diagnostics[0]
+    lines = text.split("\n")
+    assert one.code == code and cause in one.cause and one.hint and one.file == "film.toml"
+    assert lines[one.line - 1] == one.text
+    here = one.text[one.column - 1:one.column - 1 + one.length].strip('"')
+    assert at is None or here.startswith(at.strip('"'))
+
+
+def test_without_units_nothing_has_a_unit():
+    """A number followed by a name stays the error that it was."""
+    plain = '[model]\nname = "m"\n[space]\nw = { sphere = 1 }\n[effects.e]\nenergy = "2 meV*w.z"\n'
+    with pytest.raises(SpecError) as caught:
+        load_text(plain)
+    assert "a product is written with `*`" in caught.value.diagnostics[0].hint and "[units]" in caught.value.diagnostics[0].hint
+    with pytest.raises(SpecError) as caught:
+        load_text(plain.replace("2 meV", "2").replace("sphere = 1", 'sphere = 1, moment = 1'))
+    assert caught.value.diagnostics[0].code == MEASURE
+
+
+def test_dimensionless_is_what_is_said_without_units():
+    plain = '[model]\nname = "m"\n[space]\nw = { sphere = 1 }\n[parameters]\nJ = { default = 1.0, unit = "of exchange" }\n[effects.e]\nenergy = "J*w.z"\n'
+    assert load_text(plain).units is None and load_text(plain + "[units]\ndimensionless = true\n").units is None
+    assert load_text(plain + "[units]\n").parameters == load_text(plain).parameters
