@@ -6,7 +6,6 @@ entry holds the sha256 of its files, taken when it was made: a bit that flips on
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
 import os
 import shutil
@@ -16,12 +15,12 @@ import warnings
 from pathlib import Path
 
 from ..errors import BuildError
+from ..system import locked, shared
 
 KEPT = 300          # entries that are kept; the ones unused longest go first
 LEFT = 86400        # seconds after which a log of a compiler, or what a killed process was building, goes
 RECENT = 3600       # seconds since its last use in which an entry stays: a process may be about to load it
 SEAL = "sha256"     # the file with the digest of the others
-OTHERS = 0o022      # mode bits: group or others may write
 
 
 def cache_folder() -> Path:
@@ -41,15 +40,6 @@ def cache_folder() -> Path:
         raise BuildError(f"the cache {place} is not safe: {trouble}, and what lies there is run. It holds compiled models "
                          "only: remove it, or set SMIDGEN_CACHE to a folder of your own that nobody else can write")
     return place
-
-
-def shared(place: Path) -> str:
-    """Why someone else may change what lies in `place`, or nothing. Parents may be as /tmp is: there a
-    folder of ours stays ours."""
-    for status in (place.lstat(), place.stat()):
-        if status.st_uid != os.getuid():
-            return f"it belongs to user {status.st_uid}, not to {os.getuid()}"
-    return f"others may write it (mode {status.st_mode & 0o7777:o})" if status.st_mode & OTHERS else ""
 
 
 def entry(name: str, make) -> Path:
@@ -74,21 +64,10 @@ def entry(name: str, make) -> Path:
 @contextlib.contextmanager
 def lock(place: Path):
     """One process at a time; the kernel frees the lock of one that dies. A link in its place is not followed."""
-    handle = locked(place.with_suffix(".lock"))
+    handle = locked(place.with_suffix(".lock"), 0o600, wait=True)
     try:
         yield
     finally:
-        os.close(handle)
-
-
-def locked(path: Path) -> int:
-    """An open lock. One that was removed while we waited for it is no lock any more."""
-    while True:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        with contextlib.suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(handle), os.stat(path)):
-                return handle
         os.close(handle)
 
 

@@ -242,7 +242,7 @@ def test_an_entry_found_by_another_process_stays(spec, monkeypatch):
 def test_a_lock_that_was_removed_is_taken_anew(tmp_path):
     """Two that hold different files of one name would both be at work."""
     place, taken = tmp_path / "entry", []
-    first = cache.locked(place.with_suffix(".lock"))
+    first = cache.locked(place.with_suffix(".lock"), 0o600, wait=True)
 
     def wait():
         with cache.lock(place):

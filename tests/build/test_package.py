@@ -141,3 +141,45 @@ def test_what_is_missing_is_named(root, tmp_path):
     for name in ("g++", "pkg-config", "libgsl-dev"):
         assert name in said.stderr
     assert not (tmp_path / "venv").exists()
+
+
+@pytest.mark.quick
+def test_the_citation_is_of_this_version(root):
+    import yaml
+    cited = yaml.safe_load((root / "CITATION.cff").read_text())
+    assert cited["version"] == __import__("smidgen").__version__
+    assert cited["preferred-citation"]["doi"] in (root / "README.md").read_text()
+
+
+WITHOUT = """
+import sys
+for name in ("h5py", "matplotlib", "pandas", "xarray", "distributed", "mpi4py"):
+    sys.modules[name] = None
+from smidgen.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def without_extras(*words, cwd):
+    return subprocess.run([sys.executable, "-c", WITHOUT, *words], cwd=cwd, capture_output=True, text=True)
+
+
+def test_what_needs_no_extra_runs_without(tmp_path):
+    assert without_extras("gen", "free_rigid_body", cwd=tmp_path).returncode == 0
+    said = without_extras("run", "free_rigid_body", "--steps", "2", "--out", "body.npz", cwd=tmp_path)
+    assert said.returncode == 0, said.stderr
+
+
+@pytest.mark.parametrize("words, message", [
+    (("run", "free_rigid_body", "--steps", "2", "--out", "a.h5"), "HDF5 needs the package `h5py`: pip install 'smidgen[hdf5]'"),
+    (("run", "free_rigid_body", "--steps", "2", "--checkpoint", "1", "--out", "a.csv"), "a checkpoint needs the package `h5py`: pip install 'smidgen[hdf5]'"),
+    (("plot", "free_rigid_body"), "a picture needs the package `matplotlib`: pip install 'smidgen[pictures]'")])
+def test_an_extra_that_is_missing_is_named(tmp_path, words, message):
+    said = without_extras(*words, cwd=tmp_path)
+    assert said.returncode == smidgen_exit("TOOL") and message in said.stderr and "Traceback" not in said.stderr
+    assert [*tmp_path.iterdir()] == []
+
+
+def smidgen_exit(name):
+    from smidgen.errors import Exit
+    return Exit[name]

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.errors import ColumnError, MissingTool
-from smidgen.run.files import handed
+from smidgen import packages
 from smidgen.run.files.labels import apart, coordinates
 
 CLASH = """
@@ -103,7 +103,7 @@ def test_every_axis_has_a_name_of_its_own():
 def test_a_package_that_is_not_there(one, monkeypatch):
     def none(name):
         raise ImportError(name)
-    monkeypatch.setattr(handed.importlib, "import_module", none)
+    monkeypatch.setattr(packages.importlib, "import_module", none)
     for call, package in ((one.to_xarray, "xarray"), (one.to_dataframe, "pandas")):
         with pytest.raises(MissingTool, match=rf"needs the package `{package}`: pip install 'smidgen\[data\]'"):
             call()

@@ -14,7 +14,6 @@ HDF5 itself is no help against a kill: a file that was open for writing may be l
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
 import io
 import json
@@ -27,7 +26,9 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import OutputError
-from .durable import sync_folder, write_new
+from ...packages import needed
+from ...system import locked, sync_folder
+from .durable import write_new
 from .output import put_text
 from .kinds import count, finite_or_not, listed, number, table, triple
 from .received import Wrong, checked, opened, parsed, refusing, sets_of
@@ -85,7 +86,7 @@ class Part:
 
 def packed(facts: dict, arrays: dict) -> bytes:
     """An HDF5 file as bytes."""
-    import h5py
+    h5py = needed("h5py", "a checkpoint")
     image = io.BytesIO()
     with h5py.File(image, "w") as h5:
         put_text(h5, "facts", json.dumps(facts))
@@ -96,7 +97,7 @@ def packed(facts: dict, arrays: dict) -> bytes:
 
 def unpacked(data: bytes) -> tuple[dict, dict]:
     """(facts, arrays) of what `packed` made. Raises received.Wrong, and what HDF5 raises."""
-    import h5py
+    h5py = needed("h5py", "a checkpoint")
     with h5py.File(io.BytesIO(data), "r") as h5:
         link = h5.get("arrays", getlink=True)
         group = h5["arrays"] if isinstance(link, h5py.HardLink) else {}
@@ -144,16 +145,10 @@ class Folder:
         """One run at a time; the kernel frees the lock of one that dies."""
         place = self.path / "lock"
         try:
-            self.handle = os.open(place, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+            self.handle = locked(place, 0o666, wait=False)
         except OSError as problem:
             raise CheckpointError(f"cannot use {place}: {problem.strerror}") from None
-        try:
-            fcntl.flock(self.handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            held = os.path.samestat(os.fstat(self.handle), os.stat(place))
-        except (BlockingIOError, FileNotFoundError):
-            held = False
-        if not held:
-            self.release()
+        if self.handle is None:
             raise CheckpointError(f"another run is writing {self.out}: wait until it ends")
 
     def release(self) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from ...system import NO_LINK, sync_folder
+
 FRESH = ".new"      # the ending of a file that is not complete
 
 
@@ -24,18 +26,9 @@ def write_new(path: Path, data: bytes, name_too: bool = True) -> None:
 
 
 def _not_through_a_link(path, flags):
-    return os.open(path, flags | os.O_NOFOLLOW, 0o666)
+    return os.open(path, flags | NO_LINK, 0o666)
 
 
 def _write_all(out, data):
     while len(data):
         data = data[out.write(data):]
-
-
-def sync_folder(folder: Path) -> None:
-    """Put the names in `folder` on the disk: only then does a rename outlast a power cut."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

@@ -1,12 +1,11 @@
 """Results as the objects of xarray and pandas, which are imported when they are asked for."""
 from __future__ import annotations
 
-import importlib
 import json
 
 import numpy as np
 
-from ...errors import MissingTool
+from ...packages import needed
 from .labels import COMPONENT, apart, axes_of_column, coordinates, flat_names
 
 TOLD = ("spec", "title", "run", "method", "h", "orientation", "status", "program", "version", "generator")    # of the metadata, one attribute each
@@ -14,7 +13,7 @@ TOLD = ("spec", "title", "run", "method", "h", "orientation", "status", "program
 
 def dataset(result):
     """The xarray.Dataset of a Result."""
-    xarray = wanted("xarray", "to_xarray()")
+    xarray = needed("xarray", "to_xarray()")
     columns = {**{name: result[name] for name in result}, **({} if result.final is None else {"final": result.final})}
     families = result.meta["families"]
     values = {**coordinates(families), COMPONENT: np.array([*"xyz"])}
@@ -34,17 +33,9 @@ def told(meta: dict) -> dict:
 
 def dataframe(result):
     """The pandas.DataFrame of a Result."""
-    pandas = wanted("pandas", "to_dataframe()")
+    pandas = needed("pandas", "to_dataframe()")
     columns = {}
     for name in result:
         rows = result[name].reshape(len(result.t), -1)
         columns |= dict(zip(flat_names(name, result[name].shape[1:]), rows.T))
     return pandas.DataFrame(columns).set_index("t")
-
-
-def wanted(package: str, call: str):
-    """A package that smidgen itself does without. Raises MissingTool."""
-    try:
-        return importlib.import_module(package)
-    except ImportError:
-        raise MissingTool(f"{call} needs the package `{package}`: pip install 'smidgen[data]'") from None

@@ -22,8 +22,9 @@ import numpy as np
 
 from ...errors import ColumnError, OutputError, UsageError
 from ...language import limits
+from ...packages import needed
 from ...public import ReadOnly, few, guess, public
-from .durable import sync_folder
+from ...system import sync_folder
 from .handed import dataframe, dataset
 from .labels import flat_names, label
 from .received import read
@@ -271,8 +272,12 @@ class H5Sink(FileSink):
     """HDF5: one data set a column, grown chunk by chunk, with dimension scales, and the string `meta`."""
     h5 = None
 
+    def __init__(self, path, *args):
+        needed("h5py", f"{path}: HDF5")
+        super().__init__(path, *args)
+
     def _begin(self):
-        import h5py
+        h5py = needed("h5py", "HDF5")
         self.disk = Disk(self.file)
         self.h5 = h5py.File(self.disk, "w")
         for name, (shape, kind) in self.layout.items():
@@ -304,7 +309,7 @@ class H5Sink(FileSink):
 
 def put_text(h5, name: str, text: str) -> None:
     """A text of fixed length. HDF5 keeps others in a heap, and a damaged heap may keep its reader for ever."""
-    import h5py
+    h5py = needed("h5py", "HDF5")
     data = text.encode()
     h5.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8", len(data)))
 

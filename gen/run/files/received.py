@@ -18,9 +18,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import UsageError
+from ...errors import MissingTool, UsageError
 from ...language import limits
+from ...packages import needed
 from ...renamed import up_to_date
+from ...system import BYTES, NO_WAIT
 from .kinds import VALUE, count, either, flag, listed, finite_or_not, none, number, source, table, text
 from .options import ALWAYS, OPTIONS
 
@@ -47,7 +49,7 @@ def refusing(path, kind=UsageError):
     """Whatever goes wrong with a file becomes one error: what HDF5, zip and numpy raise has no list."""
     try:
         yield
-    except kind:
+    except (kind, MissingTool):
         raise
     except Wrong as problem:
         raise kind(f"{path} is not a file of a smidgen run: {problem}") from None
@@ -61,7 +63,7 @@ def refusing(path, kind=UsageError):
 def opened(path, kind=UsageError):
     """The regular file `path`: a pipe is not waited for, a device not read."""
     try:
-        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        handle = os.open(path, os.O_RDONLY | NO_WAIT | BYTES)
     except (OSError, ValueError) as problem:
         raise kind(f"cannot read {path}: {getattr(problem, 'strerror', None) or problem}") from None
     if not stat.S_ISREG(os.fstat(handle).st_mode):
@@ -152,7 +154,7 @@ def from_npy(data: bytes):
 
 
 def from_h5(file, size):
-    import h5py
+    h5py = needed("h5py", "HDF5")
     with h5py.File(file, "r") as h5:
         return sets_of(h5, h5, "meta", size)
 
@@ -172,7 +174,7 @@ def sets_of(h5, group, key, size):
 
 def plain_set(group, name, size):
     """A data set that lies in the file itself: no link, no filter, no other file, not compiled from others."""
-    import h5py
+    h5py = needed("h5py", "HDF5")
     link = group.get(name, getlink=True)
     found = group[name] if isinstance(link, h5py.HardLink) else None
     if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external or found.shape is None:

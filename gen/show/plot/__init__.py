@@ -10,8 +10,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ...errors import UsageError
+from ...errors import MissingTool, UsageError
 from ...language.spec import Spec
+from ...packages import needed
 from ...public import public
 from ...run.files.output import Result
 
@@ -28,6 +29,7 @@ def plot(source: Result | Spec | str | os.PathLike, run: str | None = None, *, k
     .html for the player; by default the spec's name and the kind, here.
     Raises UsageError for a wrong kind or ending, and what reading and running raise.
     """
+    needed("matplotlib", "a picture")
     from .draw import plot as draw
     return draw(source, run, kind=kind, out=out)
 
@@ -40,6 +42,7 @@ def kinds() -> dict[str, str]:
 
 def page(result) -> str:
     """The HTML page that turns and plays a result. Raises UsageError for one that cannot be drawn."""
+    needed("matplotlib", "the player")
     from .draw import page as drawn
     return drawn(result)
 
@@ -49,7 +52,7 @@ def played(result: Result) -> str | None:
     from .player import framed
     try:
         return framed(page(result))
-    except UsageError:
+    except (MissingTool, UsageError):
         return None
 
 
