@@ -73,7 +73,8 @@ def test_wrong_steps(toy, h):
 
 def test_stepping_before_a_start(toy):
     top = smidgen.build(toy, effects=["field"])
-    for use in (top.step, top.state, top.values, lambda: top.t):
+    w = np.eye(3)
+    for use in (top.step, top.state, top.values, lambda: top.t, top.energy, top.field, lambda: top.energy(w, 0.0), lambda: top.field(w, 0.0)):
         with pytest.raises(smidgen.UsageError, match="start"):
             use()
 

@@ -281,14 +281,16 @@ class Integrator(ReadOnly):
         return out
 
     def energy(self, w=None, t: float | None = None) -> float:
-        """H(t, w), by default of the present state and time."""
+        """H(t, w), by default of the present state and time; once there is a trajectory."""
+        self._started()
         w = self._present() if w is None else self._given(w)
         out = np.empty(1, self.real)
         self._c.energy(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out[0]
 
     def field(self, w=None, t: float | None = None) -> np.ndarray:
-        """b = (1/kappa) dH/dw of shape (sites, 3), by default of the present state."""
+        """b = (1/kappa) dH/dw of shape (sites, 3), by default of the present state; once there is a trajectory."""
+        self._started()
         w, out = self._present() if w is None else self._given(w), np.empty((self.sites, 3), self.real)
         self._c.field(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out

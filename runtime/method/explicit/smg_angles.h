@@ -57,7 +57,7 @@ static void smg_take_turns(smg_state *s, int i, smg_real h, smg_real part) {
 
 /* All sites: s->points turn by a_1 k_1 + a_2 k_2 + .., from where they are or from w; s->u moves with them. A k_i
  * without a share is not looked at: it may be one that a refused step has left. */
-static void smg_turn_points(smg_state *s, int from_w, const smg_real *a) {
+static inline void smg_turn_points(smg_state *s, int from_w, const smg_real *a) {
   for (int64_t q = 0; q < 3 * smg_sites(&s->c); q += 3) {
     smg_real turn[3];
     for (int b = 0; b < 3; ++b) {
