@@ -6,10 +6,14 @@ PY     := $(VENV)/bin/python
 KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
+.PHONY: demo site test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
+
+# The pages of docs/ as a site that needs no network: open out/site/index.html.
+site: $(VENV)/ready-site
+	$(PY) -m sphinx -q -W --keep-going -b html docs out/site
 
 test: $(VENV)/ready-test
 	$(PYTEST) -m "not long and not slow"
@@ -17,7 +21,7 @@ test: $(VENV)/ready-test
 quick: $(VENV)/ready-test
 	$(PYTEST) -m quick
 
-test-long: $(VENV)/ready-test
+test-long: $(VENV)/ready-site
 	$(PYTEST)
 
 bench: $(VENV)/ready
@@ -67,6 +71,10 @@ fuzz-scenes: $(VENV)/ready-test
 $(VENV)/ready-test: $(VENV)/ready
 	sh tests/install.sh --extras
 	@$(KEEPING) -c "import sympy, matplotlib.pyplot, scipy.integrate, scipy.stats, hypothesis, h5py, dask.distributed"
+	@touch $@
+
+$(VENV)/ready-site: $(VENV)/ready-test requirements-site.txt
+	$(PY) -m pip install --quiet --disable-pip-version-check -r requirements-site.txt
 	@touch $@
 
 clean:

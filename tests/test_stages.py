@@ -144,7 +144,7 @@ def missing(text: str, names: set) -> list:
 def test_files_that_comments_and_documents_name_are_there():
     folders = [ROOT / name for name in ("gen", "runtime", "templates", "tests", "docs")]
     names = {path.name for folder in folders for path in folder.rglob("*.*")}
-    told = [*modules(), *(ROOT / "runtime").rglob("*.h"), *(ROOT / "templates").rglob("*.j2"), *(ROOT / "docs").glob("*.md"), ROOT / "README.md"]
+    told = [*modules(), *(ROOT / "runtime").rglob("*.h"), *(ROOT / "templates").rglob("*.j2"), *(ROOT / "docs").rglob("*.md"), ROOT / "README.md"]
     found = {str(path.relative_to(ROOT)): missing(explained(path), names) for path in told}
     assert len(told) > 200 and {path: files for path, files in found.items() if files and path not in DATED} == {}
     assert missing("as gen/attic/old.py and smg_gone.h say, not smg_step.h of runtime/core", names) == ["gen/attic/old.py", "smg_gone.h"]

@@ -34,7 +34,7 @@ its last place), without status, branch check or carry; and the generated step, 
 The designs are in `tests/bench/free_body/hand.c`. The generated step solves u = W - w and q = 1/|w + W| jointly by
 Newton from an extrapolation of degree 6; because the field is divergence-free on the tangent plane the inverse of its
 2x2 matrix is two products with DX (Cayley and Hamilton), and the determinant is the branch check. Designs by hand keep no carry; what the carry
-and the check cost, each alone, is in [costs.md](costs.md#what-each-promise-costs). The ratio depends on the processor:
+and the check cost, each alone, is in [costs.md](costs.md#what-each-promise-costs-vectors-of-8-lanes). The ratio depends on the processor:
 
 {processors}
 

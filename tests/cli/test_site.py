@@ -1,0 +1,82 @@
+"""The site of docs/: links and pictures, the tables of contents, the blocks of tutorials and guides, and its build by Sphinx."""
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from support.pages import python, sh
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+CODE = re.compile(r"^(```+).*?^\1`*$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+STEP = re.compile(r"(?:`(?P<name>[\w.]+)`[^\n]*:\n\n)?^```(?P<language>\w+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def anchor(heading: str) -> str:
+    """The fragment by which a heading is found, on the site as on the usual hosts of repositories."""
+    text = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).replace("`", "").strip().lower()
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+
+
+def anchors(page: Path) -> set:
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    return {anchor(heading) for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE)}
+
+
+def broken(page: Path, text: str) -> list:
+    """The links of a page that lead nowhere."""
+    found = []
+    for target in LINK.findall(CODE.sub("", text)):
+        path, _, fragment = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        if not re.match(r"https?:", target) and not (file.exists() and (not fragment or file.suffix != ".md" or fragment in anchors(file))):
+            found.append(target)
+    return found
+
+
+@pytest.mark.quick
+def test_links_and_pictures_are_there():
+    assert {str(page): links for page in [ROOT / "README.md", *PAGES] if (links := broken(page, page.read_text()))} == {}
+    page = DOCS / "spec.md"
+    assert broken(page, "[a](gone.md) [b](command.md#gone) ![c](img/gone.png) [d](command.md#files) [e](#units)") == ["gone.md", "command.md#gone", "img/gone.png"]
+
+
+def listed(page: Path) -> set:
+    """The pages of the tables of contents of a page, and of theirs."""
+    trees = re.findall(r"^```{toctree}\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL)
+    entries = [line for tree in trees for line in tree.splitlines() if line and not line.startswith(":")]
+    found = [page.parent / f"{entry}.md" for entry in entries]
+    return {page}.union(*map(listed, found))
+
+
+@pytest.mark.quick
+def test_every_page_is_in_a_table_of_contents():
+    assert listed(DOCS / "index.md") == set(PAGES)
+
+
+@pytest.mark.long
+def test_the_site_builds_without_a_warning(tmp_path):
+    pytest.importorskip("furo")
+    said = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", DOCS, tmp_path / "site"], capture_output=True, text=True)
+    assert said.returncode == 0, said.stderr
+    assert (tmp_path / "site" / "search.html").exists()
+    fetched = re.compile(r"<(?:script|img)[^>]+src=\"(?:https?:)?//|<link[^>]+href=\"(?:https?:)?//")
+    assert [page.name for page in (tmp_path / "site").rglob("*.html") if fetched.search(page.read_text())] == []
+
+
+RUN = {"sh": sh, "python": python}
+GUIDES = [page for page in PAGES if page.parent.name in ("tutorials", "howto") and page.name != "index.md"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("page", GUIDES, ids=lambda page: f"{page.parent.name}/{page.stem}")
+def test_a_reader_who_follows_the_page_gets_through(page, tmp_path):
+    for step in STEP.finditer(page.read_text()):
+        if step["language"] in RUN:
+            RUN[step["language"]](step["text"], tmp_path)
+        elif step["name"]:
+            (tmp_path / step["name"]).write_text(step["text"])
