@@ -1,7 +1,7 @@
 """`smidgen average`: means over time and members, with their errors."""
 from __future__ import annotations
 
-from .options import chosen, json_option, model_options, number, run_option, spec_argument, start_of, whole
+from .options import chosen, json_option, model_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen average hot.toml --after 50 --out hot.json
@@ -21,7 +21,7 @@ def add(commands):
     long = parser.add_mutually_exclusive_group()
     for name in ("steps", "time"):
         run_option(long, name)
-    parser.add_argument("--after", type=lambda text: number(text, "--after"), default=None, metavar="TIME", help="samples from that time on; default: what the run's averages say, else from the start")
+    parser.add_argument("--after", default=None, metavar="TIME", help="samples from that time on; default: what the run's averages say, else from the start")
     parser.add_argument("--members", type=whole, default=1, metavar="N", help="as many trajectories, each with noise of its own; default: 1")
     parser.add_argument("--bins", type=whole, default=None, metavar="N", help="of a histogram, at most; default: the run's, else 64")
     parser.add_argument("--out", metavar="FILE", help="a file .json; where FILE.part lies, a run that was stopped goes on")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..compile.features import FEATURES
 from ..errors import UsageError
-from ..read.given import constant
+from ..read.given import Bare, BareInteger, constant, parts_of
 from ..run.files.options import OPTIONS
 from ..methods import NAMES as METHODS, SOLVERS
 
@@ -107,8 +107,16 @@ def assignment(text: str) -> tuple[str, object]:
         raise argparse.ArgumentTypeError(f"'{text}' is not NAME=VALUE, such as J=2 or g=1,1,-1")
     if "=" in value:
         raise argparse.ArgumentTypeError(f"'{text}' sets more than one parameter: give --set for each")
-    parts = [number(part, f"--set {name.strip()}") for part in value.split(",")]
+    parts = [entry(part, f"--set {name.strip()}") for part in value.split(",")]
     return name.strip(), parts[0] if len(parts) == 1 else parts
+
+
+def entry(text: str, what: str):
+    """A number, or a text with its unit: which one it may have is known to the spec."""
+    if parts_of(text):
+        return text.strip()
+    value = number(text, what)
+    return BareInteger(value) if isinstance(value, int) else Bare(value)
 
 
 def number(text: str, what: str):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..errors import Exit
 from ..language import limits
+from ..read.given import parts_of
 from .options import chosen, json_option, number, processor_options, run_option, spec_argument, whole
 from .say import printed, say
 
@@ -54,10 +55,19 @@ def axis(text: str):
     if len(ends) != 3:
         raise argparse.ArgumentTypeError(f"'{text}' is not NAME=FIRST:LAST:COUNT, such as J=0:2:50")
     what, name = f"--set {name.strip()}", assignment(f"{name}=0")[0]
-    first, last, count = number(ends[0], what), number(ends[1], what), whole(ends[2])
+    (first, unit), (last, other), count = end(ends[0], what), end(ends[1], what), whole(ends[2])
+    if unit != other:
+        raise argparse.ArgumentTypeError(f"'{text}': write both ends in one unit, such as J=0 meV:2 meV:50")
     if not 1 <= count <= limits.CELLS:
         raise argparse.ArgumentTypeError(f"a sweep has from 1 to {limits.CELLS} cells, not {count}")
-    return name, [between(first, last, k, count) for k in range(count)], True
+    values = [between(first, last, k, count) for k in range(count)]
+    return name, [f"{value!r} {unit}" for value in values] if unit else values, True
+
+
+def end(text: str, what: str) -> tuple:
+    """(a number, its unit) of an end of a range."""
+    value, unit = parts_of(text) or (text, "")
+    return number(value, what), unit
 
 
 def between(first, last, k: int, count: int):

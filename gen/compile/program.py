@@ -11,7 +11,7 @@ def program_of(spec: Spec) -> Spec:
 
     Values that decide how a step is solved, sizes above all, come in through the plan alone (`gen/compile/plan/plan.py`).
     """
-    return replace(spec, title="", path="", digest="", sources=(), starts=(), runs=(),
+    return replace(spec, title="", path="", digest="", sources=(), starts=(), runs=(), units=None,
                    parameters=tuple(map(unset, spec.parameters)), effects=tuple(e.untitled for e in spec.effects),
                    observables=tuple(o.untitled for o in spec.observables))
 

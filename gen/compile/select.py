@@ -7,6 +7,7 @@ from ..errors import UsageError
 from ..language.expr import Elem, Par, walk
 from ..language.spec import Lattice, Parameter, Spec
 from ..read import checks
+from ..read.given import scaled
 from ..read.problems import nearest
 from ..read.tree import number_trouble
 from ..read.values import defaults, with_values
@@ -49,7 +50,7 @@ def with_defaults(spec: Spec, given: dict) -> Spec:
         if name not in known:
             raise UsageError(f"there is no parameter `{name}` in {spec.name}: "
                              + nearest(name, known))
-    given = {name: converted(known[name], value) for name, value in given.items()}
+    given = {name: converted(known[name], value) for name, value in scaled(spec, given).items()}
     values = with_values(spec, defaults(spec), given)
     return replace(spec, parameters=tuple(
         replace(p, default=values[p.name], fill=len(given[p.name]) == 1 if p.kind == "array" and p.name in given else p.fill)

@@ -88,7 +88,8 @@ class Scale:
 
 @dataclass(frozen=True)
 class Units:
-    """scales: the coherent set, in the order of BASES; named: all that [units] names; dimensions: of parameters and outputs, by (what, name)."""
+    """scales: the coherent set, in the order of BASES; named: all that [units] names; dimensions: by (what, name),
+    of parameters and of the vectors of families ("name"), and of the momentum and the Casimir of a family."""
     scales: tuple[Scale, ...]
     named: tuple[tuple[str, Scale], ...] = ()
     dimensions: tuple = ()
@@ -123,7 +124,7 @@ class Units:
         return float(self.factor(shown.unit)) if integral(shown.unit.dimension) else 1.0
 
     def of(self, what: str, name: str):
-        """The dimension of a parameter or an output; without any where none is known."""
+        """A dimension; none where nothing has this name."""
         return dict(self.dimensions).get((what, name), NONE)
 
 

@@ -240,8 +240,9 @@ class Reader:
     def units(self):
         """With the dimensions of all that has a name."""
         units, declared = self.declared.units, self.declared
-        return units and replace(units, dimensions=tuple(((what, name), dimension) for what, held in (
-            ("parameter", declared.dimensions), ("output", declared.outputs)) for name, dimension in held.items()))
+        named = [(("name", name), dimension) for name, dimension in declared.dimensions.items()]
+        told = [((what, name), dimension) for name, pair in declared.conserved.items() for what, dimension in zip(("momentum", "casimir"), pair)]
+        return units and replace(units, dimensions=(*named, *told))
 
     # What depends on values
 

@@ -51,7 +51,7 @@ class Declared:
     tables: dict[str, tuple[float, ...]] = field(default_factory=dict)
     units: Optional[Units] = None
     dimensions: dict[str, tuple] = field(default_factory=dict)      # of parameters and families; none: a number without a unit
-    outputs: dict[str, tuple] = field(default_factory=dict)         # of observables
+    conserved: dict[str, tuple] = field(default_factory=dict)       # of families: those of kappa w and of the Casimir
 
     def names(self) -> set[str]:
         return set(self.parameters) | set(self.families) | set(self.formulas)

@@ -87,7 +87,10 @@ class SpaceReader:
     def with_dimension(self, node: Node, kind: str, count, kappa, *rest) -> tuple:
         """The parts; notes the dimension of the vectors, and has no kappa where it does not fit them."""
         found = Bad if Bad in (kappa, rest[0]) else self.problems.tried(lambda: self.vectors(node, kind))[0]
-        self.declared.dimensions[node.name] = self.found.get("radius") or NONE if found is Bad else found
+        w = self.found.get("radius") or NONE if found is Bad else found
+        C = product(self.found.get("C") or NONE, product(w, w))
+        self.declared.dimensions[node.name] = w
+        self.declared.conserved[node.name] = product(self.found.get("kappa") or NONE, w), C
         return (kind, count, Bad if found is Bad else kappa, *rest)
 
     def vectors(self, node: Node, kind: str) -> tuple:

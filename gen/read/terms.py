@@ -67,7 +67,6 @@ class TermReader:
             given = node.get("unit")
             shown = Scale(given.string().strip(), of_dimension(given, dimension, f"the unit of `{node.name}`"))
         self.told_in[node.name] = shown.text
-        self.declared.outputs[node.name] = dimension
         share = units.share(shown)
         return found.expr if share == 1 else Op("/", (found.expr, Num(share)))
 

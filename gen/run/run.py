@@ -28,6 +28,7 @@ from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise
 from .step.pace import Pace
 from .record.means import Means
+from .record.units import units_of
 from .record.record import Recorder, columns_of, entry_size
 from .files.safe import SafeSink
 from .settings import Settings, model_of, settle
@@ -237,7 +238,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "parameters": _plain(model.parameters), "effects": list(scene.effect_names),
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),
-        "status": status, "done": model.count, "end_error": None, "end_error_withheld": None, "means": None,
+        "units": units_of(model, settings.what), "status": status, "done": model.count, "end_error": None, "end_error_withheld": None, "means": None,
     }
 
 

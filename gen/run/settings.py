@@ -13,7 +13,7 @@ from ..language import limits
 from ..language.evaluate import evaluate, integer
 from ..language.expr import Expr
 from ..language.spec import Averages, Run, Spec
-from ..read.given import formula
+from ..read.given import time as time_of
 from ..read.names import COMPUTED
 from .fields.field import Field
 from ..methods import NAMES as METHODS, SOLVERS
@@ -97,7 +97,7 @@ def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solve
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), None if estimate is None else bool(estimate),
         None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads,
-        averages_of(base.averages if averages is None else Averages(**averages), env))
+        averages_of(base.averages if averages is None else Averages(**{**averages, "after": _read(spec, "after", averages.get("after"))}), env))
 
 
 def averages_of(given: Averages | None, env) -> dict | None:
@@ -113,7 +113,7 @@ def averages_of(given: Averages | None, env) -> dict | None:
 
 def _read(spec: Spec, what: str, value):
     """Text becomes a formula of the spec's parameters; the rest stays."""
-    return formula(value, what, spec.parameters) if isinstance(value, str) else value
+    return time_of(value, what, spec) if isinstance(value, str) else value
 
 
 def _placed(start, numbers: Evaluated):

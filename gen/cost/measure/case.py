@@ -9,7 +9,7 @@ import numpy as np
 from ...errors import BuildError, RunError, SmidgenError, UsageError
 from ...language.spec import Spec
 from ...methods import METHODS
-from ...read.given import formula
+from ...read.given import time as time_of
 from ...run.record.conserved import driven, with_tracers
 from ...run.step.integrator import Integrator
 from ...run.settings import Settings, model_of, number
@@ -91,7 +91,7 @@ def asked_time(spec: Spec, settings: Settings, time) -> float | None:
     """The time as a number; a formula of the spec's parameters is one."""
     if time is None:
         return None
-    asked = formula(time, "the time", spec.parameters) if isinstance(time, str) else time
+    asked = time_of(time, "the time", spec) if isinstance(time, str) else time
     return number(asked, settings.numbers.values, "the time")
 
 

@@ -297,6 +297,8 @@ class H5Sink(FileSink):
         for name, value in extras.items():
             self.h5.create_dataset(name, data=value)
         label(self.h5, meta["families"])
+        for name, unit in (meta.get("units") or {}).get("columns", {}).items():
+            self.h5[name].attrs["units"] = unit
         put_text(self.h5, "meta", json.dumps(meta))
         self._release()
         self.disk.check()
@@ -375,6 +377,8 @@ def csv_head(meta: dict, extras: dict, names) -> str:
     """Comment lines that a person reads, then those that the reader needs, then the header."""
     shown = ("spec", "title", "run", "method", "h", "steps", "orientation", "status")
     lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if meta.get(key)]
+    if meta.get("units"):
+        lines.append("# units: " + ", ".join(f"{name} {unit}" for name, unit in meta["units"]["columns"].items()) + f" (CODATA {meta['units']['codata']})")
     lines += [f"# {name}: {json.dumps(rows.astype(float).ravel().tolist())}" for name, rows in extras.items()]
     lines += [f"# meta: {json.dumps(meta)}", ",".join(names)]
     return "\n".join(lines) + "\n"

@@ -202,10 +202,10 @@ META = {    # what `run.describe` writes
     "sources": listed(source), "orientation": lambda value: flag(value) or value == -1, "run": text,
     **{option.key: option.kind for option in OPTIONS if option.kind}, "end_error": either(none, number), "end_error_withheld": either(none, text),
     "means": either(none, table(table(lambda value: True))), "parameters": table(VALUE), "chosen": table(either(none, VALUE)), "families": table(count),
-    "compiler": text, "flags": listed(text), "status": text, "done": count,
+    "units": either(none, table(either(text, table(text)))), "compiler": text, "flags": listed(text), "status": text, "done": count,
 }
 # keys that files of earlier versions lack, and what they meant
-ADDED = {**{option.key: option.older for option in OPTIONS if option.older is not ALWAYS}, "end_error": None, "end_error_withheld": None, "means": None}
+ADDED = {**{option.key: option.older for option in OPTIONS if option.older is not ALWAYS}, "end_error": None, "end_error_withheld": None, "means": None, "units": None}
 
 
 def parsed(given: str, kind):

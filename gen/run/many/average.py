@@ -22,6 +22,7 @@ import numpy as np
 from ...errors import OutputError, UsageError
 from ...language.spec import Spec
 from ...public import few, public
+from ...read.given import time as time_of
 from ...read.shipped import SpecLike, spec_or_name
 from ...version import __version__
 from ..files.durable import write_new
@@ -58,7 +59,7 @@ class Averages:
 def average(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
             h: float | str | None = None, steps: int | None = None, time: float | str | None = None, every: int | None = None,
             what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
-            seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float | None = None, members: int = 1, bins: int | None = None,
+            seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float | str | None = None, members: int = 1, bins: int | None = None,
             out: str | os.PathLike | None = None, progress: Callable[[int], object] | None = None) -> Averages:
     """Averages over a run and over members.
 
@@ -70,7 +71,8 @@ def average(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray |
     settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, effects=effects,
                       parameters=parameters, seed=seed, native=native, tolerance=tolerance)
     said = settings.averages or {}
-    job = Job(spec, settings, what or said.get("what"), said.get("after", 0.0) if after is None else after, members, said.get("bins", BINS) if bins is None else bins, None if out is None else Path(out))
+    after = said.get("after", 0.0) if after is None else number(time_of(after, "after", spec) if isinstance(after, str) else after, settings.numbers.values, "after")
+    job = Job(spec, settings, what or said.get("what"), after, members, said.get("bins", BINS) if bins is None else bins, None if out is None else Path(out))
     job.go_on()
     while job.done < job.members:
         job.member()

@@ -11,6 +11,7 @@ from ...language import limits
 from ...language.evaluate import evaluate, integer
 from ...language.held import absent, still
 from ...language.spec import Family, Parameter, Spec
+from ...read.given import scaled
 from ...read.problems import meant
 
 
@@ -102,7 +103,7 @@ def parameter_values(spec: Spec, values: dict | None = None) -> dict:
     result back in gives it again. Raises UsageError for a name that the spec has not and
     for a value that does not fit.
     """
-    values = dict(values or {})
+    values = scaled(spec, values or {})
     tables = {name: np.array(entries, dtype=float) for name, entries in spec.tables}
     known = {p.name for p in spec.parameters} | set(tables)
     for name in values:

@@ -9,6 +9,7 @@ from ...compile.plan.plan import Plan, choose as plan_of
 from ...errors import UsageError
 from ...language.spec import LOOSEST, Run, Spec
 from ...methods import NAMES as METHODS, SOLVERS
+from ...read.given import scaled
 from ...read.problems import meant
 from .evaluated import Evaluated
 
@@ -67,7 +68,7 @@ def asked(spec: Spec, run: str | None, method: str | None = None, solver: str | 
     base = find_run(spec, run)
     return dataclasses.replace(base, method=method or base.method, solver=solver or base.solver,
                                effects=base.effects if effects is None else tuple(effects),
-                               parameters=tuple({**dict(base.parameters), **(parameters or {})}.items()))
+                               parameters=tuple({**dict(base.parameters), **scaled(spec, parameters or {})}.items()))
 
 
 def scene_of(spec: Spec, effects=None, parameters=None) -> Spec:
