@@ -6,7 +6,7 @@ import difflib
 
 from ..renamed import OPTIONS, now
 from ..version import __version__
-from . import advise, average, check, choose, cost, effects, explain, gen, list as list_, new, plot, run, show, snapshot, spectrum, sweep, validate, verify
+from . import advise, average, check, choose, cost, effects, explain, gen, list as list_, new, play, plot, run, show, snapshot, spectrum, sweep, validate, verify
 
 CODES = """exit codes: 0 good, 1 a defect of smidgen, 2 wrong usage, 3 a bad spec, 4 a step failed,
 5 a validation failed, 6 a tool is missing, 7 the C compiler failed, 8 a file cannot be written,
@@ -55,7 +55,7 @@ def make_parser() -> argparse.ArgumentParser:
                     "integrators in C, and runs them.")
     parser.add_argument("--version", action="version", version=f"smidgen {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (new, check, show, effects, explain, advise, gen, run, average, sweep, cost, choose, validate, verify, plot, snapshot, spectrum, list_):
+    for module in (new, check, show, effects, explain, advise, gen, run, average, sweep, cost, choose, validate, verify, plot, play, snapshot, spectrum, list_):
         module.add(Commands(commands))
     return parser
 

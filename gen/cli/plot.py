@@ -8,6 +8,8 @@ from .say import printed
 EXAMPLES = """  smidgen plot chain.h5
   smidgen plot chain.h5 --kind energy --out energy.pdf
   smidgen plot free_rigid_body demo --out top.html   runs it, writes a page that plays it
+  smidgen plot film.h5 --part x=10:30,y=10:30        a part of a lattice
+  smidgen plot film.h5 --out film.gif                a film
   smidgen plot --kinds                               what can be drawn"""
 
 
@@ -18,7 +20,8 @@ def add(commands):
                         help="a file that `smidgen run` wrote, or a SPEC")
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     parser.add_argument("--kind", default="auto", help="what to draw; default: what suits")
-    parser.add_argument("--out", metavar="FILE", help=".png, .svg, .pdf or .html (a player)")
+    parser.add_argument("--part", metavar="PART", help="of a lattice: ranges x=0:20,y=5:15, or a layer z=1.5")
+    parser.add_argument("--out", metavar="FILE", help=".png, .svg, .pdf, .html (a player), .gif or .mp4 (a film)")
     parser.add_argument("--kinds", action="store_true", help="list the kinds")
     json_option(parser)
 
@@ -30,7 +33,7 @@ def command(args):
         return show_kinds(args, kinds())
     if args.source is None:
         raise UsageError("draw what? give a file that `smidgen run` wrote, or a spec")
-    path = plot(args.source, args.run, kind=args.kind, out=args.out)
+    path = plot(args.source, args.run, kind=args.kind, out=args.out, part=args.part)
     printed({"out": str(path)}) if args.json else print(path)
 
 

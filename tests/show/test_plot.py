@@ -125,7 +125,7 @@ def test_json_refuses_nan():
 
 # -- every kind, every format ----------------------------------------------------------------
 
-@pytest.mark.parametrize("kind", [k for k in pictures.KINDS if k not in ("player", "lattice")])
+@pytest.mark.parametrize("kind", [k for k in pictures.KINDS if k not in ("player", "lattice", "places")])
 def test_every_kind_draws_something_with_named_axes(kind, top):
     full = result(top.w, **top.values, **{"energy.kinetic": top.values["energy"], "mz": top.t})
     figure = style.styled(pictures.KINDS[kind][0])(full)
@@ -269,8 +269,8 @@ def test_the_callers_own_style_survives(top, tmp_path):
 # -- errors ----------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("kind, out, words", [
-    ("energie", None, "did you mean 'energy'"), ("energy", "a.gif", "ending"),
-    ("player", "a.png", ".html"), ("energy", "a.html", "player"), ("auto", "a.gif", "ending"),
+    ("energie", None, "did you mean 'energy'"), ("energy", "a.gif", "leave --kind out"),
+    ("player", "a.png", ".html"), ("energy", "a.html", "player"), ("auto", "a.tiff", "ending"),
 ])
 def test_wrong_wishes_are_usage_errors(kind, out, words, top, tmp_path):
     with pytest.raises(UsageError, match=re.escape(words)):

@@ -20,18 +20,20 @@ __all__ = ["kinds", "page", "plot"]
 
 
 @public
-def plot(source: Result | Spec | str | os.PathLike, run: str | None = None, *, kind: str = "auto", out: str | os.PathLike | None = None) -> Path:
+def plot(source: Result | Spec | str | os.PathLike, run: str | None = None, *, kind: str = "auto", part: str | dict | None = None,
+         out: str | os.PathLike | None = None) -> Path:
     """Draw `source` and return the path of the picture.
 
     source: a Result, the path of a file that a run wrote (.csv, .npz, .h5), or a spec (its
     path, the name of one that comes with smidgen, or a Spec), of which `run` (by default
-    the first) is run. kind: one of `kinds()`. out: a path that ends in .png, .svg, .pdf, or
-    .html for the player; by default the spec's name and the kind, here.
-    Raises UsageError for a wrong kind or ending, and what reading and running raise.
+    the first) is run. kind: one of `kinds()`. part: of a lattice, "x=0:20,y=5:15" (ranges) or "z=1.5"
+    (a layer), or a dictionary of these. out: a path that ends in .png, .svg, .pdf,
+    .html for the player, .gif or .mp4 for a film; by default the spec's name and the kind, here.
+    Raises MissingTool for .mp4 without ffmpeg, UsageError for a wrong kind or ending, and what reading and running raise.
     """
     needed("matplotlib", "a picture")
     from .draw import plot as draw
-    return draw(source, run, kind=kind, out=out)
+    return draw(source, run, kind=kind, out=out, part=part)
 
 
 def kinds() -> dict[str, str]:

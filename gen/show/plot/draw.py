@@ -6,19 +6,35 @@ from pathlib import Path
 
 from ...errors import UsageError
 from .facts import with_facts
-from .pictures import KINDS, drawable, kinds, suitable
+from .film import is_film, write_film, writer_for
+from .part import part_of
+from .pictures import KINDS, drawable, film_parts, kinds, suitable
 from .style import FORMATS, save, styled
 
 
-def plot(source, run: str | None = None, *, kind: str = "auto", out=None) -> Path:
+def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=None) -> Path:
     """The path of the picture; `smidgen.plot` says what the arguments mean."""
     wanted(kind, out)
+    piece = part_of(part)
+    if is_film(out):
+        return filmed(source, run, kind, Path(out), piece)
     result = shown(result_of(source, run))
-    chosen = suitable(result, is_page(out)) if kind == "auto" else kind
+    chosen = kind if kind != "auto" else "places" if piece else suitable(result, is_page(out))
     path = Path(out) if out is not None else default_path(result, chosen)
     check_pair(chosen, path)
-    picture = styled(KINDS[chosen][0])(result)
+    if piece and chosen != "places":
+        raise UsageError(f"a part is for the kind 'places' and for films, not for '{chosen}'")
+    picture = styled(KINDS[chosen][0])(result, **({"part": piece} if piece else {}))
     return write_page(picture, path) if chosen == "player" else save(picture, path)
+
+
+def filmed(source, run, kind: str, path: Path, piece: dict) -> Path:
+    """A film; whether it can be written is asked before anything is run."""
+    if kind not in ("auto", "places", "sphere"):
+        raise UsageError(f"a film ({path.suffix}) shows a lattice at its places, or spheres: leave --kind out, not '{kind}'")
+    writer_for(path)
+    result = shown(result_of(source, run))
+    return write_film(*styled(film_parts)(result, piece), path)
 
 
 def shown(result):
@@ -40,9 +56,9 @@ def wanted(kind: str, out) -> None:
         hint = f"; did you mean '{close[0]}'?" if close else ""
         raise UsageError(f"no kind of picture '{kind}'{hint} There are: {', '.join(kinds())}"
                          if hint else f"no kind of picture '{kind}'; there are: {', '.join(kinds())}")
-    if out is not None and kind != "auto":
+    if out is not None and kind != "auto" and not is_film(out):
         check_pair(kind, Path(out))
-    elif out is not None and not is_page(out):
+    elif out is not None and not is_page(out) and not is_film(out):
         check_ending(Path(out))
 
 
@@ -64,7 +80,7 @@ def check_pair(kind: str, path: Path) -> None:
 def check_ending(path: Path) -> None:
     if path.suffix.lower().lstrip(".") not in FORMATS:
         raise UsageError(f"cannot draw into '{path.name}': the ending must be one of "
-                         + ", ".join("." + f for f in FORMATS) + ", or .html for the player")
+                         + ", ".join("." + f for f in FORMATS) + ", or .html for the player, .gif or .mp4 for a film")
 
 
 def result_of(source, run: str | None):

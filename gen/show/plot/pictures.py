@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 
 from ...errors import UsageError
-from . import chain, cloud, curves, lattice, player, portraits, surfaces
+from . import cells, chain, cloud, curves, film, lattice, player, portraits, surfaces
 from .colours import of_sites
 from .extras import Extras
 from .facts import conserved_energy
@@ -208,6 +208,40 @@ def draw_lattice(result):
     return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up))
 
 
+def placed(result):
+    """(name, {"places", "links"}) of the largest family whose sites have places, in two directions or more; None where there is none."""
+    counts = {name: w.shape[1] for name, w in states_of(result).items()}
+    found = [name for name, one in (result.meta.get("standing") or {}).items()
+             if counts.get(name) == len(one["places"]) and np.linalg.matrix_rank(one["places"] - one["places"][0], tol=1e-6 * np.ptp(one["places"])) > 1]
+    best = max(found, key=counts.get, default=None)
+    return best and (best, result.meta["standing"][best])
+
+
+def stage_of(result, part: dict):
+    """(name of a family, where its sites stand in the picture). Raises UsageError where none has places."""
+    found = placed(result)
+    if found is None:
+        raise UsageError("no family of this result has places in two directions or more: its lattice has no `vectors` and is none by name")
+    name, one = found
+    _, sites = (result.meta.get("grids") or {}).get(name, ((), 0))
+    return name, cells.stage_of(one["places"], one["links"], part, sites)
+
+
+def draw_places(result, part: dict | None = None):
+    """The largest family with places: a cell and an arrow for each site, at up to six times."""
+    name, stage = stage_of(result, part or {})
+    return cells.place_images(result.t, states_of(result)[name], stage, first_line(result), others(result, name))
+
+
+def film_parts(result, part: dict):
+    """(figure, draw_frame, frames) of a film: at places where there are any, else on spheres."""
+    if placed(result) is None and not part:
+        spheres_only(result)
+        return film.sphere_film(result.t, states_of(result), first_line(result))
+    name, stage = stage_of(result, part)
+    return film.lattice_film(result.t, states_of(result)[name], stage, first_line(result), others(result, name))
+
+
 def wide(size) -> list:
     """The directions of more than one cell."""
     return [d for d, n in enumerate(size) if n > 1]
@@ -283,6 +317,7 @@ KINDS = {
     "components": (draw_components, "x, y, z of the sites over time"),
     "chain": (draw_chain, "angles and w_z over site and time"),
     "lattice": (draw_lattice, "a lattice from above at up to six times: w_z as colour, w_x and w_y as arrows"),
+    "places": (draw_places, "a lattice with its sites at their places, at up to six times; a part of it by --part"),
     "curves": (draw_curves, "a chain or lattice on the sphere at six times, its bonds as arcs"),
     "cloud": (draw_cloud, "thousands of sites as points on the sphere at six times"),
     "player": (draw_player, "an HTML page that turns and plays the trajectory"),
@@ -305,13 +340,20 @@ def suitable(result, html: bool) -> str:
         return "leaf"
     if result.meta.get("period"):
         return "section"
-    film, (_, w) = film_of(result)[0], largest(result)
-    if film and result.w[film].shape[1] > MANY:
-        return "lattice"
+    flat, (_, w) = film_of(result)[0], largest(result)
+    if flat and result.w[flat].shape[1] > MANY:
+        return "lattice" if on_squares(result, flat) else "places"
     if w.shape[1] > CLOUD and not smooth(w[0]):
         return "cloud"
     many = w.shape[1] > MANY
     return "chain" if many and (smooth(w[0]) or travelled(w) > TANGLED) else "sphere"
+
+
+def on_squares(result, name: str) -> bool:
+    """Are the places of a family, where it has any, those of its cells?"""
+    one, (size, sites) = (result.meta.get("standing") or {}).get(name), result.meta["grids"][name]
+    cell = np.indices(size[::-1]).reshape(len(size), -1)[::-1].T
+    return one is None or sites == 1 and len(size) <= 3 and np.allclose(one["places"][:, :len(size)], cell) and np.allclose(one["places"][:, len(size):], 0)
 
 
 def travelled(w) -> float:

@@ -1,0 +1,118 @@
+"""Lattices at their places: in pictures, in films, and in what a player carries."""
+import base64
+import zlib
+
+import numpy as np
+import pytest
+import smidgen
+from PIL import Image
+from support.pictures import data_of, film, ring, top  # noqa: F401
+
+from smidgen.errors import MissingTool, UsageError
+from smidgen.show.plot import cells, draw, film as films, part, pictures, style
+
+SPEC = """
+[model]
+name = "crystal"
+[space]
+w = {{ sphere = {sites} }}
+[effects.exchange]
+over = "bond(i, j) of {over}"
+energy = "-dot(w[i], w[j])"
+[starts.random]
+random = 1
+"""
+LATTICES = {    # lattice: sites, area of a cell in squares of the distance of neighbours, bonds drawn at an inner site
+    "square(6, 6, periodic)": (36, 1, 4), "triangular(6, 6, periodic)": (36, np.sqrt(3) / 2, 6),
+    "honeycomb(5, 5, periodic)": (50, 3 * np.sqrt(3) / 4, 3), "kagome(5, 5, periodic)": (75, 2 / np.sqrt(3), 4),
+}
+
+
+def drawn_from(over, sites):
+    spec = smidgen.load_text(SPEC.format(over=over, sites=sites))
+    return draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=4, what=["states"]), None)
+
+
+@pytest.mark.parametrize("over", LATTICES)
+def test_cells_fill_the_plane(over):
+    """The area of each by the shoelace formula; none reaches over its neighbours."""
+    sites, area, _ = LATTICES[over]
+    _, stage = pictures.stage_of(drawn_from(over, sites), {})
+    x, y = np.moveaxis(stage.outlines / stage.space, -1, 0)
+    found = 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1))
+    assert np.allclose(found, area, rtol=2e-3 if "kagome" in over else 1e-9)
+
+
+@pytest.mark.parametrize("over", LATTICES)
+def test_bonds_are_drawn_between_neighbours_alone(over):
+    """All equal, and at an inner site evenly about it: those of a honeycomb at 120 degrees; in the picture and in the player."""
+    sites, _, each = LATTICES[over]
+    drawn = drawn_from(over, sites)
+    _, stage = pictures.stage_of(drawn, {})
+    family = data_of(draw.page(drawn))["families"][0]
+    places, links = (np.frombuffer(zlib.decompress(base64.b64decode(family[key]["deflated"])), kind) for key, kind in (("places", "<f4"), ("links", "<i4")))
+    for where, bonds in [(stage.flat, stage.bonds), (places.reshape(-1, 3)[:, :2], links.reshape(-1, 2))]:
+        along = where[bonds[:, 1]] - where[bonds[:, 0]]
+        assert np.allclose(np.linalg.norm(along, axis=1), stage.space, rtol=1e-6)
+        inner = np.argmin(np.linalg.norm(where - where.mean(axis=0), axis=1))
+        rays = np.concatenate([along[bonds[:, 0] == inner], -along[bonds[:, 1] == inner]])
+        turns = np.diff(np.sort(np.degrees(np.arctan2(*rays.T[::-1]))))
+        assert len(rays) == each and (np.allclose(turns, 360 / each, atol=1e-3) or "kagome" in over)
+
+
+def test_arrows_and_colours_are_those_of_the_sites():
+    drawn = drawn_from("honeycomb(5, 5, periodic)", 50)
+    assert pictures.suitable(drawn, False) == "places"
+    *panels, bar = style.styled(pictures.draw_places)(drawn).axes
+    for ax, w in zip(panels, drawn.w["w"]):
+        hexagons, bonds, arrows = ax.collections
+        assert np.allclose(hexagons.get_array(), w[:, 2]) and np.allclose(np.stack([arrows.U, arrows.V], 1), w[:, :2])
+        assert np.allclose(arrows.XY, drawn.meta["standing"]["w"]["places"][:, :2])
+
+
+def test_a_part_and_a_layer():
+    where = np.indices((4, 5, 6)).reshape(3, -1).T.astype(float)
+    for given, count, axes in [(None, 20, (0, 1)), ("z=3.2", 20, (0, 1)), ("x=1", 30, (1, 2)), ("x=1:2,z=4", 10, (0, 1)), ({"y": (0, 1), "x": 2}, 12, (1, 2))]:
+        found = part.seen(where, part.part_of(given))
+        assert len(found.sites) == count and found.axes == axes
+    assert part.seen(where, part.part_of("z=3.2")).said == "the layer z = 3, one of 6"
+
+
+@pytest.mark.parametrize("given, said", [("q=1", "names x, y or z, not 'q'"), ("x", "is written x=0:20"), ("x=1,z=2", "one layer at most"), ("x=3:1", "is empty: 3 is not below 1"),
+                                         ("x=a", "a number or a range"), ("x=nan", "a number or a range"), ("x=90:99", "no site lies in this part; the lattice reaches from")])
+def test_a_wrong_part_is_refused(given, said, film, tmp_path):
+    with pytest.raises(UsageError, match=said):
+        draw.plot(film, part=given, out=tmp_path / "p.png")
+
+
+def test_what_has_no_places_has_no_part(top, film, tmp_path):
+    with pytest.raises(UsageError, match="no family of this result has places"):
+        draw.plot(top, part="x=0:1", out=tmp_path / "p.png")
+    with pytest.raises(UsageError, match="a part is for the kind 'places' and for films, not for 'energy'"):
+        draw.plot(film, kind="energy", part="x=0:1", out=tmp_path / "p.png")
+
+
+def test_arrows_of_many_sites_stand_on_a_grid():
+    flat = np.indices((100, 100)).reshape(2, -1).T.astype(float)
+    some, long = cells.sparse(flat, 1.0)
+    assert len(some) == 25 ** 2 and long == pytest.approx(3.6)
+
+
+def test_a_film_has_its_outputs(film, ring, tmp_path):
+    """Of a lattice at its places, and of sites on a sphere."""
+    for name, made in [("lattice", film), ("sphere", ring)]:
+        kept = pictures.dataclasses.replace(made, t=made.t[:4], step=made.step[:4], w={n: w[:4] for n, w in made.w.items()}, values={})
+        with Image.open(draw.plot(kept, out=tmp_path / f"{name}.gif")) as seen:
+            assert seen.n_frames == 4 and seen.size[0] > 500
+
+
+@pytest.mark.skipif(films.writers.is_available("ffmpeg"), reason="ffmpeg is installed")
+def test_a_film_without_ffmpeg_is_refused(film, tmp_path):
+    with pytest.raises(MissingTool, match="needs the program ffmpeg, which is not found: install it, or write film.gif"):
+        draw.plot(film, out=tmp_path / "film.mp4")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_film_of_a_curve_is_refused(film, tmp_path):
+    with pytest.raises(UsageError, match="leave --kind out, not 'energy'"):
+        draw.plot(film, kind="energy", out=tmp_path / "film.gif")
