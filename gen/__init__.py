@@ -39,24 +39,28 @@ from . import lattice, lyapunov
 if TYPE_CHECKING:
     from .analyse.advice import advise
     from .analyse.symmetry import explain
+    from .model import Model
 
-__all__ = ["Average", "Averages", "BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "OutputError",
+__all__ = ["Average", "Averages", "BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "Model", "OutputError",
            "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "UsageError", "ValidationError",
            "advise", "average", "build", "choose", "cost", "ensemble", "explain", "flat", "lattice", "load", "load_averages", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
            "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "sweep", "validate", "verify"]
 
 
 def __getattr__(name):
-    """`explain` and `advise`, which need sympy, are imported when they are asked for."""
+    """`explain`, `advise` and `Model`, which need sympy, are imported when they are asked for."""
     if name == "explain":
         from .analyse.symmetry import explain
         return explain
     if name == "advise":
         from .analyse.advice import advise
         return advise
+    if name == "Model":
+        from .model import Model
+        return Model
     raise AttributeError(f"module 'smidgen' has no attribute '{name}'")
 
 
 def __dir__():
-    """Those two are there before they are imported."""
+    """Those three are there before they are imported."""
     return sorted({*globals(), *__all__})

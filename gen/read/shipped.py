@@ -6,7 +6,7 @@ import functools
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar, Union
+from typing import Protocol, TypeVar, Union, runtime_checkable
 
 from .. import read
 from ..errors import UsageError
@@ -15,7 +15,15 @@ from ..public import public
 from ..resources import scenes, shipped
 
 F = TypeVar("F", bound=Callable)
-SpecLike = Union[Spec, str, os.PathLike]        # a Spec, the path of a file, or the name of a spec that comes with smidgen
+
+
+@runtime_checkable
+class Written(Protocol):
+    """What can be read as a spec: a Model."""
+    def spec(self) -> Spec: ...
+
+
+SpecLike = Union[Spec, str, os.PathLike, Written]       # a Spec, the path of a file or the name of a spec that comes with smidgen, a Model
 
 
 def find_spec(word: str) -> Path:
@@ -54,8 +62,13 @@ load_spec = load        # under the name that the commands use
 
 
 def spec_or_name(function: F) -> F:
-    """`function` of a Spec, which also takes what `load` takes."""
+    """`function` of a Spec, which also takes what `load` takes, and a Model."""
     @functools.wraps(function)
     def called(spec: SpecLike, *args, **given):
-        return function(load(spec) if isinstance(spec, (str, os.PathLike)) else spec, *args, **given)
+        return function(spec_of(spec), *args, **given)
     return called
+
+
+def spec_of(spec: SpecLike):
+    """The Spec that is meant; what is none of SpecLike is left to who asks."""
+    return load(spec) if isinstance(spec, (str, os.PathLike)) else spec.spec() if isinstance(spec, Written) else spec

@@ -19,7 +19,7 @@ GEN, DOCUMENT = ROOT / "gen", ROOT / "docs/architecture.md"
 BEGIN, END = "<!-- imports: made by `make imports` -->\n", "<!-- end of imports -->\n"
 TOP, PUBLIC = "smidgen", ("lattice", "lyapunov")
 FLOORS = (      # from the ground up
-    ("shared",), ("language",), ("effects",), ("read",), ("compile",),
+    ("shared",), ("language",), ("effects",), ("read",), ("compile", "model"),
     ("compile/derive",), ("compile/lower", "compile/plan"), ("compile/assemble",), ("compile/emit",), ("build",),
     ("run/step",), ("run/files",), ("run/fields",), ("run/record",), ("run",), ("run/many",),
     ("analyse", "analyse/symmetry"), ("analyse/advice",),

@@ -1,0 +1,202 @@
+"""A model gathered in Python."""
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import sympy
+import tomli_w
+
+from .. import read
+from ..errors import UsageError
+from ..language.spec import Spec
+from ..public import public
+from .text import formula
+from .vectors import Indexed, Vector, function, vec
+
+INLINE = 1000       # entries of an array that stand in the text; more of them go to a file beside it
+
+
+class Model:
+    """A spec that is written in Python.
+
+        model = smidgen.Model("ring", title="Spins on a ring")
+        n, J = model.parameter("n", 8), model.parameter("J", 1.0)
+        w = model.sphere("w", n)
+        i, j = model.indices("i j")
+        model.energy("exchange", "bond(i, j) of chain(n, periodic)", -J*w[i].dot(w[j]))
+        model.start("random", random=1)
+        model.run("demo", start="random", h=0.1, steps=100)
+        result = smidgen.run(model)
+
+    Formulas are texts of the language of specs, numbers, or expressions of sympy in what `parameter`, `indices` and the families give. They are
+    checked when the model is read: `spec()`, or whatever function of smidgen takes the model in place of a spec. `to_toml()` is the same spec as a text.
+    """
+
+    def __init__(self, name: str, *, title: str = "", orientation: int | None = None):
+        """orientation: of w' = o w x grad H: 1 (the default of specs) or -1."""
+        head = {"name": name, "title": title, "orientation": orientation}
+        self._tables = {"model": {key: value for key, value in head.items() if value not in ("", None)}}
+        self._arrays = {}
+
+    def __repr__(self) -> str:
+        return f"<Model {self._tables['model']['name']}: {', '.join(f'{len(table)} in [{name}]' for name, table in self._tables.items() if name != 'model') or 'empty'}>"
+
+    # -- what is named in formulas --------------------------------------------------------------
+    @public
+    def parameter(self, name: str, default, *, size=None, unit: str = "", meaning: str = "", fixed: bool = False, vector: bool | None = None):
+        """A parameter; returns what stands for it in formulas: a symbol, a Vector, or for arrays what has entries, `K[i]`.
+
+        default: an int, a float or text with a unit ("1.5 meV"); an array of shape (size,), or of (size, 3) or (3,) with vector=True (the default for (size, 3)).
+        size: of an array, a formula of integer parameters, by default its length; with it, a single number is that of every entry.
+        Raises UsageError for another shape, and for a name that was given before.
+        """
+        says = {key: value for key, value in (("unit", unit), ("meaning", meaning)) if value} | ({"fixed": True} if fixed else {})
+        if np.ndim(default) == 0:
+            self._add("parameters", name, {"default": plain(default), **({} if size is None else {"size": counted(size)}), **says})
+            return sympy.Symbol(name, real=True) if size is None else Indexed(name, False)
+        rows = np.asarray(default, float)
+        vectors = rows.ndim == 2 if vector is None else vector
+        if rows.shape[1:] != ((3,) if vectors and rows.ndim == 2 else ()) or vectors and rows.ndim == 1 and rows.shape != (3,):
+            raise UsageError(f"parameter '{name}' has the shape {rows.shape}; an array has (size,), one of vectors (size, 3), a vector (3,)")
+        several = not (vectors and rows.ndim == 1)
+        self._add("parameters", name, {"default": rows, **({"size": len(rows) if size is None else counted(size)} if several else {}), **({"vector": True} if vectors else {}), **says})
+        return Indexed(name, vectors) if several else Vector(sympy.Symbol(name, real=True))
+
+    def indices(self, names: str) -> tuple:
+        """The symbols of indices, `i, j = model.indices("i j")`; one alone is no tuple."""
+        return sympy.symbols(names, integer=True)
+
+    @staticmethod
+    def call(name: str, *arguments):
+        """A function that sympy has not, as the language of specs has it: `model.call("uniform", 7, i)`, `model.call("triple", w[i], w[j], w[k])`."""
+        return function(name, *arguments)
+
+    @staticmethod
+    def vec(x, y, z) -> Vector:
+        """The vector of three numbers."""
+        return vec(x, y, z)
+
+    @property
+    def t(self):
+        """The time, in effects and observables."""
+        return sympy.Symbol("t", real=True)
+
+    def sphere(self, name: str, count=1, **says):
+        """A family of `count` spheres (a number or a formula of integer parameters); returns what stands for its vectors, `w[i]`.
+
+        says: `kappa`, `radius`, `tracer`, `fixed`, as in `[space]` of a spec.
+        """
+        return self._family("sphere", name, count, says)
+
+    def r3(self, name: str, count=1, **says):
+        """A family of vectors of R^3, each of which keeps its length; as `sphere`."""
+        return self._family("r3", name, count, says)
+
+    def nambu(self, name: str, count=1, *, C, **says):
+        """A family of vectors of R^3 with w' = grad C x grad H; C: a formula of its only vector `name`, as a text. As `sphere`."""
+        return self._family("nambu", name, count, {"C": C, **says})
+
+    def _family(self, kind, name, count, says):
+        self._add("space", name, {kind: counted(count), **{key: plain(value) for key, value in says.items()}})
+        return Indexed(name, True)
+
+    # -- what is said of them -------------------------------------------------------------------
+    def energy(self, name: str, over: str, value, **says) -> None:
+        """An effect: the energy of each term of `over`, such as "site(i) of w" or "bond(i, j) of chain(n)"; says: `meaning`."""
+        self.effect(name, over=over, energy=value, **says)
+
+    def effect(self, name: str, **says) -> None:
+        """An effect of any kind with the keys of `[effects]` of a spec: `damping=0.1, kT="T"`, `torque=..`, `use="spins/exchange"`, .."""
+        self._add("effects", name, {key: plain(value) for key, value in says.items()})
+
+    def observable(self, name: str, over: str, value, **says) -> None:
+        """A sum over the terms of `over`; says: `meaning`, `unit`."""
+        self._add("observables", name, {"over": over, "value": plain(value), **says})
+
+    def formula(self, name: str, value) -> None:
+        """A formula that others may name."""
+        self._add("formulas", name, formula(value))
+
+    def lattice(self, name: str, **says) -> None:
+        """A lattice with the keys of `[lattices]` of a spec."""
+        self._add("lattices", name, {key: plain(value) for key, value in says.items()})
+
+    def start(self, name: str, family: str | None = None, **says) -> None:
+        """Where a family begins, or the only one: `vectors=array` (count, 3), `theta=.., phi=..`, `x=.., y=.., z=..`, or `random=seed`."""
+        table = self._tables.setdefault("starts", {})
+        says = {key: value if isinstance(value, np.ndarray) else plain(value) for key, value in says.items()}
+        if family is None:
+            return self._add("starts", name, says)
+        if family in table.setdefault(name, {}):
+            raise UsageError(f"start '{name}' of {family} is there already")
+        table[name][family] = says
+
+    def run(self, name: str, **says) -> None:
+        """A run with the keys of `[runs]` of a spec: `start`, `h`, `time` or `steps`, `method`, `output={..}`, .."""
+        self._add("runs", name, {key: plain(value) for key, value in says.items()})
+
+    def units(self, **says) -> None:
+        """`[units]` of a spec."""
+        self._tables.setdefault("units", {}).update({key: plain(value) for key, value in says.items()})
+
+    def _add(self, table, name, value):
+        found = self._tables.setdefault(table, {})
+        if name in found:
+            raise UsageError(f"'{name}' is in [{table}] of this model already")
+        found[name] = value
+
+    # -- what becomes of it ---------------------------------------------------------------------
+    def spec(self) -> Spec:
+        """The Spec. Raises SpecError, whose places are those of `to_toml()`."""
+        if not self.outside():
+            return read.load_text(self.to_toml())
+        with tempfile.TemporaryDirectory(prefix="smidgen-model-") as folder:
+            return read.load(self.save(Path(folder) / f"{self._tables['model']['name']}.toml"))
+
+    def to_toml(self) -> str:
+        """The spec as a text. Raises UsageError where an array has more than 1000 numbers: `save` puts those into files."""
+        if self.outside():
+            raise UsageError(f"{', '.join(self.outside())}: an array of more than {INLINE} numbers stands in a file of its own; use save(path)")
+        return tomli_w.dumps(inlined(self._tables))
+
+    def save(self, path: str | os.PathLike) -> Path:
+        """Write the spec, and beside it a file NAME.npy for each large array; returns the path."""
+        path, tables = Path(path), inlined(self._tables)
+        for name, rows in self.outside().items():
+            np.save(path.with_name(f"{path.stem}_{name}.npy"), rows, allow_pickle=False)
+            says = self._tables["parameters"][name]
+            tables["parameters"][name] = {"file": f"{path.stem}_{name}.npy", **{key: value for key, value in says.items() if key != "default"}}
+        path.write_text(tomli_w.dumps(tables), encoding="utf-8")
+        return path
+
+    def outside(self) -> dict:
+        """name -> array, of the parameters that go to files."""
+        arrays = {name: says["default"] for name, says in self._tables.get("parameters", {}).items()}
+        return {name: rows for name, rows in arrays.items() if isinstance(rows, np.ndarray) and rows.size > INLINE}
+
+
+def counted(count):
+    """A number of sites: an int, or the text of a formula."""
+    return int(count) if isinstance(count, (int, np.integer)) else formula(count)
+
+
+def plain(value):
+    """What TOML can hold: tables and lists of texts, numbers and truths; expressions become texts."""
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, (list, tuple)):
+        return [plain(one) for one in value]
+    return value if isinstance(value, (str, bool, int, float)) else formula(value)
+
+
+def inlined(tables: dict) -> dict:
+    """A copy in which arrays are lists."""
+    return {key: inlined(value) if isinstance(value, dict) else value.tolist() if isinstance(value, np.ndarray) else value for key, value in tables.items()}
