@@ -20,6 +20,7 @@ TIMES = 6           # most outputs
 ARROWS = 32         # most rows and columns of arrows
 CELLS = 40_000      # most cells; more are markers
 BONDS = 1500        # most bonds drawn
+NO_UNITS = {"time": "model units", "length": "model units"}
 FAR = 1.1           # how far a cell may reach where there is no neighbour, in distances of the nearest
 
 
@@ -114,7 +115,7 @@ def sparse(flat, space: float):
 
 # -- drawing -------------------------------------------------------------------------------
 
-def place_images(t, w, stage: Stage, title: str = "", note: str = "", units=("model units", "lengths of the lattice")):
+def place_images(t, w, stage: Stage, title: str = "", note: str = "", units=NO_UNITS):
     """Unit vectors along w (k, n, 3) at up to six outputs, evenly chosen; `note` stands below."""
     keep = thinned(len(t), TIMES)
     across = min(3, len(keep))
@@ -122,8 +123,8 @@ def place_images(t, w, stage: Stage, title: str = "", note: str = "", units=("mo
     axes = figure.subplots(-(-len(keep) // across), across, squeeze=False).ravel()
     for k, (ax, pick) in enumerate(zip(axes, keep)):
         image, _ = one_time(ax, directions(w[pick], stage), stage)
-        ax.set_title(f"$t$ = {t[pick]:g} ({shown(units[0])})", fontsize=9)
-        named(ax, stage, units[1], below=k + across < len(keep), beside=k % across > 0)
+        ax.set_title(f"$t$ = {t[pick]:g} ({shown(units['time'])})", fontsize=9)
+        named(ax, stage, units["length"], below=k + across < len(keep), beside=k % across > 0)
     for ax in axes[len(keep):]:
         ax.remove()
     bar(figure, image, axes[:len(keep)], stage)

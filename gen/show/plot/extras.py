@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from .coding import deflated
+from .facts import units
 from .standing import site_maps
 from .text import printable
 
@@ -17,6 +18,7 @@ class Extras:
         meta = result.meta
         self.t, self.states, self.values = np.asarray(result.t, float), states, result.values
         self.standing, self.grids = meta.get("standing") or {}, meta.get("grids") or {}
+        self.units = units(result)
         self.numbers, self.called = meta.get("numbers"), set(meta.get("effects") or ())
 
     def family(self, name: str) -> dict:
@@ -32,12 +34,13 @@ class Extras:
         if self.numbers is None or not any(name in self.standing for name in self.states):
             return []
         found = site_maps(self.numbers, self.called, self.t[keep], {name: w[keep] for name, w in self.states.items()})
-        return [mapped(one) for one in found if one["family"] in self.standing and np.ptp(one["values"]) > 0]
+        energy = self.units["energy"] if self.units["columns"] else ""
+        return [mapped({**one, "unit": one["unit"] or energy * one["name"].startswith("energy")}) for one in found if one["family"] in self.standing and np.ptp(one["values"]) > 0]
 
     def series(self, keep) -> list[dict]:
         """The other numbers of the result over time."""
         rows = [row for name, values in self.values.items() if name != "casimirs" for row in columns(name, np.asarray(values, float))]
-        return [plotted(name, values[keep]) for name, values in rows[:SERIES] if np.isfinite(values[keep]).any()]
+        return [plotted(name, values[keep], self.units["columns"].get(name.rpartition(".")[0] if name[-2:] in (".x", ".y", ".z") else name, "")) for name, values in rows[:SERIES] if np.isfinite(values[keep]).any()]
 
 
 def cell(size, sites: int) -> dict:
@@ -62,9 +65,9 @@ def columns(name: str, values):
     return [(f"{name}.{x}", values[:, k]) for k, x in enumerate("xyz")] if values.ndim == 2 and values.shape[1] == 3 else []
 
 
-def plotted(name: str, values) -> dict:
+def plotted(name: str, values, unit: str) -> dict:
     """One number over time as it travels, with a range that is not empty."""
     good = values[np.isfinite(values)]
     low, high = float(good.min()), float(good.max())
     room = 0.0 if high > low else max(abs(low) * 1e-6, 1e-16)
-    return {"name": printable(name), "unit": "", "low": low - room, "high": high + room, "values": deflated(values, "<f4")}
+    return {"name": printable(name), "unit": printable(unit), "low": low - room, "high": high + room, "values": deflated(values, "<f4")}

@@ -43,24 +43,24 @@ def write_film(figure, draw_frame, count: int, path: Path) -> Path:
     return path
 
 
-def lattice_film(t, w, stage, title: str = "", note: str = "", units=("model units", "lengths of the lattice")):
+def lattice_film(t, w, stage, title: str = "", note: str = "", units=cells.NO_UNITS):
     """(figure, draw_frame, frames) of w (k, n, 3) at its places."""
     keep = thinned(len(t), FRAMES)
     figure = new_figure(6.4, 5.6)
     ax = figure.subplots()
     drawn = cells.one_time(ax, cells.directions(w[0], stage), stage)
-    cells.named(ax, stage, units[1])
+    cells.named(ax, stage, units["length"])
     cells.bar(figure, drawn[0], [ax], stage)
     figure.suptitle(shown(title), x=0.01, ha="left", fontsize=10.5)
     footnote(figure, stage.seen.said, note, cells.arrows_of(stage), of_all(len(keep), len(t), "outputs"))
 
     def draw_frame(k):
         cells.renewed(drawn, cells.directions(w[keep[k]], stage), stage)
-        ax.set_title(f"$t$ = {t[keep[k]]:g} ({shown(units[0])})", fontsize=9)
+        ax.set_title(f"$t$ = {t[keep[k]]:g} ({shown(units['time'])})", fontsize=9)
     return figure, draw_frame, len(keep)
 
 
-def sphere_film(t, states: dict, title: str = "", note: str = "", units=("model units", "")):
+def sphere_film(t, states: dict, title: str = "", note: str = "", units=cells.NO_UNITS):
     """(figure, draw_frame, frames) of sites on spheres, each with the path that it has just come."""
     keep, view = thinned(len(t), FRAMES), View()
     figure = new_figure(5.6, 5.8)
@@ -83,5 +83,5 @@ def sphere_film(t, states: dict, title: str = "", note: str = "", units=("model 
         for line, (w, _) in zip(lines, sites):
             path = view.project(w[keep[max(0, k - trail)]:keep[k] + 1])
             line.set_data(*np.where(path[:, 2:] >= 0, path[:, :2], np.nan).T)
-        ax.set_title(f"$t$ = {t[keep[k]]:g} ({shown(units[0])})", fontsize=9)
+        ax.set_title(f"$t$ = {t[keep[k]]:g} ({shown(units['time'])})", fontsize=9)
     return figure, draw_frame, len(keep)

@@ -87,7 +87,7 @@ def describe(t, states, energy, title, facts, casimirs, bonds, autoplay, view, s
     low, high = strip_range(error)
     coded = written(cut, reach, ball)
     return {"title": printable(title or "Trajectory"), "facts": printable(facts), "note": printable(note),
-            "unit": "model units", "timeUnit": "model units",
+            "unit": printable(more.units["energy"]) if more else "model units", "timeUnit": printable(more.units["time"]) if more else "model units",
             "t": packed(np.asarray(t, float)[keep], "<f8"),
             "error": None if error is None else packed(error, "<f8"), "low": low, "high": high,
             "quantum": reach / QUANTUM, "reach": reach, "ball": ball,
