@@ -193,11 +193,11 @@ def facts(args, result, code) -> dict:
 def lines(args, result):
     """The summary for people."""
     meta = result.meta
-    yield (f"{meta['spec']} {meta['run']}: {meta['method']}, h = {meta['h']:.10g}, {meta['done']} of "
-           f"{meta['steps']} steps to t = {result.summary['t']:.10g} in {result.summary['seconds']:.2f} s")
+    yield (f"{meta['spec']} {meta['run']}: {meta['method']}, h = {meta['h']:.10g}{unit(meta, 't')}, {meta['done']} of "
+           f"{meta['steps']} steps to t = {result.summary['t']:.10g}{unit(meta, 't')} in {result.summary['seconds']:.2f} s")
     if meta["chosen"]:
         yield f"chosen: {notes_line(meta['chosen'])}"
-    yield from deviation_lines(result.summary)
+    yield from deviation_lines(result.summary, meta)
     yield from estimate_lines(result)
     yield from split_lines(result)
     yield from halved_lines(result)
@@ -211,20 +211,27 @@ def lines(args, result):
             yield f"go on with: smidgen run --resume {args.out}"
 
 
+def unit(meta, column: str) -> str:
+    """` meV`, behind a number of that column; nothing where none is known."""
+    units = meta.get("units") or {"columns": {}}
+    found = units["columns"].get(column) or units.get({"t": "time"}.get(column, column), "1")
+    return "" if found == "1" else f" {found}"
+
+
 def mean_lines(meta):
     """The averages of a run that takes some."""
     for name, one in (meta["means"] or {}).items():
         error = "" if one["error"] is None else f" ± {one['error']:.2g}"
         correlation = "" if one["correlation"] is None else f", correlation time {one['correlation']:.3g}"
-        yield f"mean of {name} from t = {meta['averages']['after']:g} on: {one['mean']:.8g}{error}, variance {one['variance'] or 0:.4g}{correlation}"
+        yield f"mean of {name} from t = {meta['averages']['after']:g}{unit(meta, 't')} on: {one['mean']:.8g}{error}{unit(meta, name.removesuffix('.x'))}, variance {one['variance'] or 0:.4g}{correlation}"
 
 
-def deviation_lines(summary):
+def deviation_lines(summary, meta):
     """Errors of what is conserved, changes of what is not."""
     names = {"energy": "energy without tracers"} if summary.get("without") else {}
     for kind, said in (("errors", "largest error"), ("changes", "not conserved, largest change")):
         if summary[kind]:
-            found = (f"{names.get(name, name)} {value:.3g}" for name, value in summary[kind].items())
+            found = (f"{names.get(name, name)} {value:.3g}{unit(meta, name)}" for name, value in summary[kind].items())
             yield f"{said} over the outputs (absolute): {', '.join(found)}"
 
 

@@ -107,7 +107,7 @@ class Units:
         """The unit of a dimension: by a name that has just this size, else by those of the four."""
         if all(k.denominator == 1 for k in dimension):
             size = self.size(dimension)
-            for scale in (*(scale for _, scale in self.named), *KNOWN):
+            for scale in (*(scale for _, scale in self.named), *self.scales, *KNOWN):
                 if (scale.factor, scale.unit.dimension) == (size, dimension):
                     return scale.text
         return spelt_of((scale.text if scale.text.isidentifier() else f"({scale.text})", k) for scale, k in zip(self.scales, dimension))

@@ -90,3 +90,10 @@ def test_runs_of_the_command(spec, capsys):
     assert main(["sweep", str(spec), "--set", "J=1 meV:2 meV:2", "--out", str(spec.parent / "sweep")]) == 0
     cells = sorted(smidgen.load_result(path).meta["parameters"]["J"] for path in (spec.parent / "sweep").glob("*.*") if path.suffix in (".h5", ".npz"))
     assert cells == [1.0, 2.0]
+
+
+def test_the_summary_has_units(spec, capsys):
+    assert main(["run", str(spec), "--what", "states"]) == 0
+    said = capsys.readouterr().out
+    assert "h = 0.001 ps, 20 of 20 steps to t = 0.02 ps" in said
+    assert " meV" in next(line for line in said.splitlines() if "energy" in line)

@@ -2,6 +2,7 @@
 import re
 from string import Template
 
+import h5py
 import numpy as np
 import pytest
 import smidgen
@@ -94,6 +95,29 @@ def code(spec) -> str:
 
 def test_the_c_is_that_of_the_scaled_numbers(both):
     assert code(both[0]) == code(both[1])
+
+
+def test_the_header_names_the_units_of_all_arguments(both):
+    plain, measured = (generate(spec)["twos.h"] for spec in both)
+    assert "Units:" not in plain
+    for line in (" * Units: t and h in 0.5 ps, energies in 4 meV; w in 1, its kappa in (4 meV) (0.5 ps), its momentum in (4 meV) (0.5 ps), its Casimirs in 1; m in (4 meV)/(8 T).",
+                 "CODATA 2022: 4 meV = 6.408706536e-22 J, 0.5 ps = 5e-13 s, m = 1 m, 8 T = 8 T.", "double J; /* [4 meV] */", "const double *B; /* [8 T] */", "double tau; /* [0.5 ps] */"):
+        assert line in measured
+
+
+def test_results_have_the_units_of_their_columns(tmp_path, both):
+    """Beside the numbers, in all formats."""
+    what = ["states", "energy", "momentum", "casimirs", "m"]
+    for name in ("a.h5", "a.csv", "a.npz"):
+        smidgen.run(both[1], "demo", what=what, steps=2, every=1, out=tmp_path / name)
+        units = smidgen.load_result(tmp_path / name).meta["units"]
+        assert (units["codata"], units["energy"], units["field"]) == ("2022", "4 meV", "8 T")
+        assert units["columns"] == {"t": "0.5 ps", "w": "1", "energy": "4 meV", "energy.exchange": "4 meV", "energy.field": "4 meV", "momentum.w": "(4 meV) (0.5 ps)", "casimirs": "1",
+                                    "m": "(4 meV)/(8 T)"}
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["t"].attrs["units"] == "0.5 ps" and "units" not in file["final"].attrs
+    assert "# units: t 0.5 ps, w 1, energy 4 meV" in (tmp_path / "a.csv").read_text()
+    assert smidgen.run(both[0], "demo", steps=2).meta["units"] is None
 
 
 # The film

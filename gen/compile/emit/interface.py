@@ -7,6 +7,7 @@ from ..assemble.model import Model
 from ..assemble.parameters import run_time
 from ..lower.code import mentions
 from ...language.c_names import in_c
+from ...language.units import ENERGY, FIELD, LENGTH, TIME, quotient
 from .formulas import number
 from .print_scalar import indent
 from .signatures import flat
@@ -78,11 +79,24 @@ def banner(model: Model) -> dict:
         title=comment(spec.title or spec.name), version=VERSION, digest=spec.digest[:16] or "(no file)",
         method_text=model.method.summary + not_symplectic(model), solver_text=comment(f"{plan.solver}: {plan.reason}"),
         bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(e.note) for e in spec.effects),
+        units_text=[comment(line) for line in units_lines(spec)],
         effects_text=comment(", ".join(spec.effect_names) or "none"),
         **shell(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
         families_text=comment(", ".join(f.name for f in model.families)),
         family_names=comment(", ".join(f.name for f in model.families)))
+
+
+def units_lines(spec) -> list[str]:
+    """In which units arguments and values are: those of parameters stand beside them."""
+    if spec.units is None:
+        return []
+    units, told = spec.units, spec.units.spelt
+    families = [f"{f.name} in {told(units.of('name', f.name))}, its kappa in {told(quotient(units.of('momentum', f.name), units.of('name', f.name)))}, its momentum in "
+                f"{told(units.of('momentum', f.name))}, its Casimirs in {told(units.of('casimir', f.name))}" for f in spec.families]
+    observables = [f"{o.name} in {o.unit}" for o in spec.observables]
+    sizes = ", ".join(f"{told(one)} = {float(units.size(one)):.10g} {si}" for one, si in ((ENERGY, "J"), (TIME, "s"), (LENGTH, "m"), (FIELD, "T")))
+    return [f"Units: t and h in {told(TIME)}, energies in {told(ENERGY)}; {'; '.join([*families, *observables])}.", f"Sizes of units by CODATA {units.codata}: {sizes}."]
 
 
 def not_symplectic(model: Model) -> str:

@@ -6,14 +6,20 @@ from .record import columns_of
 
 
 def units_of(model, what) -> dict | None:
-    """codata: the edition of the constants; energy, time, length, field: the units in which the model counts; columns: name -> unit, "1" of what has none.
+    """codata: the edition of the constants; energy, time, length, field: the units in which the model counts; momentum, casimirs: those of all families; columns: name -> unit, "1" of what has none.
 
     None where numbers have no units."""
     units = model.spec.units
     if units is None:
         return None
     columns = {name: of_column(model, units, name) for name in columns_of(model, what) if name != "step"}
-    return {"codata": units.codata, **{kind: scale.text for kind, scale in zip(BASES, units.scales)}, "columns": columns}
+    whole = {kind: of_families(model, units, what) for kind, what in (("momentum", "momentum"), ("casimirs", "casimir"))}
+    return {"codata": units.codata, **{kind: scale.text for kind, scale in zip(BASES, units.scales)}, **whole, "columns": columns}
+
+
+def of_families(model, units, what: str) -> str:
+    """The unit of what all families have."""
+    return ", ".join(dict.fromkeys(units.spelt(units.of(what, f)) for f in model.families))
 
 
 def of_column(model, units, name: str) -> str:
@@ -24,8 +30,7 @@ def of_column(model, units, name: str) -> str:
     if kind in ("t", "energy"):
         return units.spelt(TIME if kind == "t" else ENERGY)
     if name == "casimirs":
-        found = dict.fromkeys(units.spelt(units.of("casimir", f)) for f in model.families)
-        return ", ".join(found)
+        return of_families(model, units, "casimir")
     if kind == "momentum":
         return units.spelt(units.of("momentum", family))
     return units.spelt(NONE if kind == "charge" else units.of("name", family or name))

@@ -8,6 +8,7 @@ from .colours import ordered
 from .curves import TIME
 from .style import footnote, new_figure, styled
 from .text import of_all, shown
+from .units import plain
 from .view import View, split
 
 CELLS = 600         # most rows and columns of an image
@@ -19,7 +20,7 @@ def thinned(count: int, most: int = CELLS) -> np.ndarray:
 
 
 @styled
-def chain_image(t, w, title: str = "", note: str = ""):
+def chain_image(t, w, title: str = "", note: str = "", told=plain):
     """theta (angle from z), phi (around z) and w_z of every site over time.
 
     t (k,), w (k, n, 3); `note` stands below.
@@ -39,14 +40,14 @@ def chain_image(t, w, title: str = "", note: str = ""):
         ax.set_xlabel("site $i$ (number)")
         figure.colorbar(image, ax=ax, label=label, pad=0.02)
         if ax.get_subplotspec().is_first_col():
-            ax.set_ylabel(TIME)
+            ax.set_ylabel(TIME.format(told("t")))
     figure.suptitle(shown(title) or "Evolution of the chain", x=0.01, ha="left", fontsize=10.5)
     footnote(figure, note, of_all(len(sites), w.shape[1]), of_all(len(keep), len(t), "outputs"))
     return figure
 
 
 @styled
-def chain_curves(t, w, times=None, bonds=None, title: str = "", view: View = View(30, 30), note: str = ""):
+def chain_curves(t, w, times=None, bonds=None, title: str = "", view: View = View(30, 30), note: str = "", told=plain):
     """Spins w (k, n, 3) on the sphere at a few times (default six, evenly), joined by great arcs.
 
     bonds (m, 2): numbers of the spins that are joined; by default all, as a ring.
@@ -61,7 +62,7 @@ def chain_curves(t, w, times=None, bonds=None, title: str = "", view: View = Vie
     span = np.asarray(t, float)[picks] - t[picks[0]]
     colors = ordered(span / (span[-1] or 1))
     for ax, pick, color in zip(axes, picks, colors):
-        sphere.ball(ax, view, label=f"$t$ = {t[pick]:g} (model units)")
+        sphere.ball(ax, view, label=f"$t$ = {t[pick]:g} ({told('t')})")
         one_curve(ax, np.asarray(w[pick], float), joined, view, color)
     for ax in axes[len(picks):]:
         ax.remove()

@@ -7,12 +7,13 @@ from . import sphere
 from .colours import ordered
 from .style import footnote, new_figure
 from .text import shown
+from .units import plain
 from .view import View
 
 TIMES, SHADES = 6, 5
 
 
-def cloud(t, w, title: str = "", view: View = View(30, 40), note: str = ""):
+def cloud(t, w, title: str = "", view: View = View(30, 40), note: str = "", told=plain):
     """Sites w (k, n, 3) at six times, evenly; a shade for each fifth of them, by number, shows what mixes."""
     picks = np.unique(np.linspace(0, len(t) - 1, TIMES).astype(int))
     columns = min(3, len(picks))
@@ -20,7 +21,7 @@ def cloud(t, w, title: str = "", view: View = View(30, 40), note: str = ""):
     axes = figure.subplots(-(-len(picks) // columns), columns, squeeze=False).ravel()
     for ax, pick in zip(axes, picks):
         radius = float(np.linalg.norm(w[pick], axis=1).max())
-        sphere.ball(ax, view, radius, label=f"$t$ = {t[pick]:g} (model units)")
+        sphere.ball(ax, view, radius, label=f"$t$ = {t[pick]:g} ({told('t')})")
         for part, color in zip(np.array_split(np.asarray(w[pick], float), SHADES), ordered(np.linspace(0, 1, SHADES))):
             sphere.points(ax, part, view, color, 1.5, rasterized=True)
     for ax in axes[len(picks):]:

@@ -6,8 +6,9 @@ import numpy as np
 from .colours import COMPONENTS, FAINT, INK
 from .style import footnote, method_marker, method_style, new_figure, styled
 from .text import shown
+from .units import plain
 
-TIME = "time $t$ (model units)"
+TIME = "time $t$ ({})"
 POINTS = 3000        # most points of one curve in a picture
 
 
@@ -35,20 +36,20 @@ def smallest_scale(values) -> float:
 
 
 @styled
-def energy_errors(series, title: str = "", unit: str = "model units"):
+def energy_errors(series, title: str = "", unit=plain):
     """Energy errors H(t) - H(0) of several methods: linear above, symmetric logarithm below.
 
-    series: list of (method, t (k,), error (k,)).
+    series: list of (method, t (k,), error (k,)); unit: column -> its unit, as below.
     """
     figure = new_figure(6.4, 4.8)
     upper, lower = figure.subplots(2, 1, sharex=True)
     for ax in (upper, lower):
         draw_series(ax, series)
-        ax.set_ylabel(f"$H - H_0$ ({unit})")
-    lower.set_ylabel(f"$H - H_0$ ({unit}),\nsymmetric logarithm")
+        ax.set_ylabel(f"$H - H_0$ ({unit('energy')})")
+    lower.set_ylabel(f"$H - H_0$ ({unit('energy')}),\nsymmetric logarithm")
     lower.set_yscale("symlog", linthresh=smallest_scale([e for _, _, e in series]))
     lower.axhline(0, color=FAINT, lw=0.6)
-    lower.set_xlabel(TIME)
+    lower.set_xlabel(TIME.format(unit("t")))
     upper.legend(loc="best")
     upper.set_title(shown(title) or "Energy error")
     return figure
@@ -94,12 +95,12 @@ def slope_triangle(ax, methods, order: int) -> None:
 
 
 @styled
-def invariant_errors(t, energy=None, momenta=None, casimirs=None, title: str = ""):
+def invariant_errors(t, energy=None, momenta=None, casimirs=None, title: str = "", unit=plain):
     """Errors of energy (k,), momenta {family: (k, 3)} and Casimirs (k, m) over time.
 
     Every value is the difference from its start; of the Casimirs the largest error is drawn.
     """
-    rows = invariant_rows(energy, momenta or {}, casimirs)
+    rows = invariant_rows(energy, momenta or {}, casimirs, unit)
     figure = new_figure(6.4, 1.55 * max(len(rows), 1) + 0.9)
     axes = figure.subplots(max(len(rows), 1), 1, sharex=True, squeeze=False)[:, 0]
     for ax, (label, curves) in zip(axes, rows):
@@ -109,40 +110,40 @@ def invariant_errors(t, energy=None, momenta=None, casimirs=None, title: str = "
         ax.set_ylabel(label)
         if len(curves) > 1:
             ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    axes[-1].set_xlabel(TIME)
+    axes[-1].set_xlabel(TIME.format(unit("t")))
     axes[0].set_title(shown(title) or "Errors of the invariants")
     return figure
 
 
-def invariant_rows(energy, momenta, casimirs):
+def invariant_rows(energy, momenta, casimirs, unit):
     """[(axis label, [(name, error (k,))])]: one row for each kind of invariant."""
     rows = []
     if energy is not None:
-        rows.append(("$H - H_0$\n(model units)", [("energy", np.asarray(energy) - energy[0])]))
+        rows.append((f"$H - H_0$\n({unit('energy')})", [("energy", np.asarray(energy) - energy[0])]))
     for family, m in momenta.items():
         change = np.asarray(m, float) - np.asarray(m, float)[0]
-        rows.append((f"momentum of {shown(family)}\nless its start\n(model units)",
+        rows.append((f"momentum of {shown(family)}\nless its start\n({unit(f'momentum.{family}')})",
                      [(x, change[:, i]) for i, x in enumerate("xyz")]))
     if casimirs is not None:
         change = np.asarray(casimirs, float) - np.asarray(casimirs, float)[:1]
         worst = np.take_along_axis(change, np.abs(change).argmax(1)[:, None], 1)[:, 0]
-        rows.append(("largest change\nof a Casimir\n(model units)", [("largest error", worst)]))
+        rows.append((f"largest change\nof a Casimir\n({unit('casimirs')})", [("largest error", worst)]))
     return rows
 
 
 @styled
-def against_time(t, panels, title: str = "", note: str = ""):
-    """Panels {name: curves (k,) or {label: (colour, curve (k,))}} over time; `note` stands below."""
+def against_time(t, panels, title: str = "", note: str = "", unit=plain):
+    """Panels {name: curves (k,) or {label: (colour, curve (k,))}} over time; `note` stands below; unit: of t and of each name."""
     figure = new_figure(6.4, 1.6 * len(panels) + 0.7)
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for ax, (name, curves) in zip(axes, panels.items()):
         curves = curves if isinstance(curves, dict) else {name: (INK, curves)}
         for label, (color, y) in curves.items():
             ax.plot(*envelope(t, y), lw=0.9, color=color, label=shown(label))
-        ax.set_ylabel(f"{shown(name)}\n(model units)")
+        ax.set_ylabel(f"{shown(name)}\n({unit(name)})")
     if len(curves) > 1:
         axes[0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    axes[-1].set_xlabel(TIME)
+    axes[-1].set_xlabel(TIME.format(unit("t")))
     axes[0].set_title(shown(title))
     footnote(figure, note)
     return figure

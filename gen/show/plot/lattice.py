@@ -11,6 +11,7 @@ from .chain import CELLS, thinned
 from .colours import INK
 from .style import footnote, new_figure, styled
 from .text import of_all, shown
+from .units import plain
 
 ARROWS = 32         # most rows and columns of arrows
 TIMES = 6           # most outputs
@@ -18,10 +19,10 @@ LONG = 4            # times as many cells one way as the other, beyond which the
 
 
 @styled
-def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1)):
+def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1), told=plain):
     """Unit vectors along w (k, rows, columns, sites of a cell, 3) at up to six outputs, evenly chosen; `note` stands below.
 
-    directions: of the lattice, along columns and along rows, which go upwards. Of many cells some are left out.
+    directions: of the lattice, along columns and along rows, which go upwards. Of many cells some are left out. told: the unit of a column.
     """
     keep, rows, columns = thinned(len(t), TIMES), thinned(w.shape[1], CELLS), thinned(w.shape[2], CELLS)
     part = np.asarray(w, float)[keep][:, rows][:, :, columns]
@@ -31,7 +32,7 @@ def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1)):
     axes = figure.subplots(-(-len(keep) // across), across, squeeze=False).ravel()
     for k, (ax, time, state) in enumerate(zip(axes, np.asarray(t)[keep], unit)):
         image = one_image(ax, state, columns, rows)
-        ax.set_title(f"$t$ = {time:g} (model units)", fontsize=9)
+        ax.set_title(f"$t$ = {time:g} ({told('t')})", fontsize=9)
         label(ax, directions, below=k + across < len(keep), beside=k % across > 0)
     for ax in axes[len(keep):]:
         ax.remove()

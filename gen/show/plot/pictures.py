@@ -5,6 +5,7 @@ Each takes a Result (`meta`, `t`, `w`, `values`) and returns a figure; `player` 
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from .colours import of_sites
 from .extras import Extras
 from .facts import conserved_energy, units
 from .text import of_all, printable
+from .units import unit_of
 
 TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
 SMALLEST, LARGEST = 1e-100, 1e100      # coordinates whose squares are still numbers
@@ -138,13 +140,18 @@ def fitted_quadric(w) -> np.ndarray:
     return np.array([[a[0], a[3], a[4]], [a[3], a[1], a[5]], [a[4], a[5], a[2]]])
 
 
+def units(result):
+    """Column -> its unit."""
+    return partial(unit_of, result)
+
+
 def draw_energy(result):
     """Energy error over time, linear and symlog, and that of each effect."""
     energy, note = conserved_energy(result)
     if energy is None:
         raise UsageError("this result holds no energy: run with --what energy")
     series = [(str(result.meta.get("method", "energy")), result.t, energy - energy[0])]
-    return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note))
+    return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note), units(result))
 
 
 def draw_effects(result):
@@ -154,7 +161,7 @@ def draw_effects(result):
     if not parts:
         raise UsageError("this result holds no energies: run with --what energy")
     return curves.against_time(result.t, {f"energy {n}": v for n, v in parts.items()},
-                               first_line(result))
+                               first_line(result), unit=lambda name: unit_of(result, name.replace("energy ", "energy.")))
 
 
 def draw_invariants(result):
@@ -167,7 +174,7 @@ def draw_invariants(result):
         raise UsageError("this result holds no invariants: run with "
                          "--what energy,momentum,casimirs")
     return curves.invariant_errors(result.t, energy, momenta,
-                                   values.get("casimirs"), first_line(result))
+                                   values.get("casimirs"), first_line(result), units(result))
 
 
 def draw_observables(result):
@@ -177,7 +184,7 @@ def draw_observables(result):
     own |= {f"{n}.{x}": v[:, k] for n, v in result.values.items() if n.startswith("magnetisation.") for k, x in enumerate("xyz")}
     if not own:
         raise UsageError("this result holds no observables: name some with --what")
-    return curves.against_time(result.t, own, first_line(result))
+    return curves.against_time(result.t, own, first_line(result), unit=lambda name: unit_of(result, name.removesuffix(".x").removesuffix(".y").removesuffix(".z")))
 
 
 def draw_components(result):
@@ -185,7 +192,7 @@ def draw_components(result):
     sites, note = some(labelled(states_of(result)), CURVES)
     panels = {f"component {x}": {label: (color, w[:, k]) for label, color, w in sites}
               for k, x in enumerate("xyz")}
-    return curves.against_time(result.t, panels, first_line(result), note)
+    return curves.against_time(result.t, panels, first_line(result), note, lambda name: unit_of(result, next(iter(result.w)) if name.startswith("component") else name))
 
 
 def draw_chain(result):
@@ -193,7 +200,7 @@ def draw_chain(result):
     name, w = largest(result)
     if len(result.t) < 2:
         raise UsageError("a picture over time needs two outputs; this result holds one")
-    return chain.chain_image(result.t, w, first_line(result), others(result, name))
+    return chain.chain_image(result.t, w, first_line(result), others(result, name), units(result))
 
 
 def draw_lattice(result):
@@ -205,7 +212,7 @@ def draw_lattice(result):
     cells = w.reshape(len(w), *size[::-1], sites, 3)
     picked = [slice(None) if d in (across, up) else 0 for d in reversed(range(len(size)))]
     said = [f"the lowest of {size[d]} layers" for d in above]
-    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up))
+    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up), units(result))
 
 
 def placed(result):
@@ -260,14 +267,14 @@ def draw_curves(result):
     name, w = largest(result)
     joined = bonds_of(result, name) if "bonds" in result.meta else None
     return chain.chain_curves(result.t, w, title=first_line(result), bonds=joined,
-                              note=others(result, name))
+                              note=others(result, name), told=units(result))
 
 
 def draw_cloud(result):
     """The largest family at six times, a point a site."""
     spheres_only(result)
     name, w = largest(result)
-    return cloud.cloud(result.t, w, title=first_line(result), note=others(result, name))
+    return cloud.cloud(result.t, w, title=first_line(result), note=others(result, name), told=units(result))
 
 
 def others(result, name: str) -> str:
