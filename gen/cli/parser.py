@@ -6,7 +6,7 @@ import difflib
 
 from ..renamed import OPTIONS, now
 from ..version import __version__
-from . import advise, average, check, choose, cost, effects, explain, gen, list as list_, new, play, plot, run, show, snapshot, spectrum, sweep, validate, verify
+from . import advise, average, check, choose, completion, cost, doctor, effects, explain, gen, list as list_, new, play, plot, run, show, snapshot, spectrum, sweep, validate, verify
 
 CODES = """exit codes: 0 good, 1 a defect of smidgen, 2 wrong usage, 3 a bad spec, 4 a step failed,
 5 a validation failed, 6 a tool is missing, 7 the C compiler failed, 8 a file cannot be written,
@@ -54,17 +54,17 @@ def make_parser() -> argparse.ArgumentParser:
         description="Compiles Hamiltonians written as formulas to structure-preserving "
                     "integrators in C, and runs them.")
     parser.add_argument("--version", action="version", version=f"smidgen {__version__}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (new, check, show, effects, explain, advise, gen, run, average, sweep, cost, choose, validate, verify, plot, play, snapshot, spectrum, list_):
-        module.add(Commands(commands))
+    commands = Commands(parser)
+    for module in (new, check, show, effects, explain, advise, gen, run, average, sweep, cost, choose, validate, verify, plot, play, snapshot, spectrum, list_, doctor, completion):
+        module.add(commands)
     return parser
 
 
 class Commands:
     """Adds sub-commands with a one-line summary, a description and examples."""
 
-    def __init__(self, commands):
-        self.commands = commands
+    def __init__(self, parser):
+        self.parser, self.commands = parser, parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
     def add(self, name: str, command, summary: str, examples: str, **more):
         """A sub-parser that calls `command(args)`."""
