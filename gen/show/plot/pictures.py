@@ -140,7 +140,7 @@ def fitted_quadric(w) -> np.ndarray:
     return np.array([[a[0], a[3], a[4]], [a[3], a[1], a[5]], [a[4], a[5], a[2]]])
 
 
-def units(result):
+def by_column(result):
     """Column -> its unit."""
     return partial(unit_of, result)
 
@@ -151,7 +151,7 @@ def draw_energy(result):
     if energy is None:
         raise UsageError("this result holds no energy: run with --what energy")
     series = [(str(result.meta.get("method", "energy")), result.t, energy - energy[0])]
-    return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note), units(result))
+    return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note), by_column(result))
 
 
 def draw_effects(result):
@@ -174,7 +174,7 @@ def draw_invariants(result):
         raise UsageError("this result holds no invariants: run with "
                          "--what energy,momentum,casimirs")
     return curves.invariant_errors(result.t, energy, momenta,
-                                   values.get("casimirs"), first_line(result), units(result))
+                                   values.get("casimirs"), first_line(result), by_column(result))
 
 
 def draw_observables(result):
@@ -200,7 +200,7 @@ def draw_chain(result):
     name, w = largest(result)
     if len(result.t) < 2:
         raise UsageError("a picture over time needs two outputs; this result holds one")
-    return chain.chain_image(result.t, w, first_line(result), others(result, name), units(result))
+    return chain.chain_image(result.t, w, first_line(result), others(result, name), by_column(result))
 
 
 def draw_lattice(result):
@@ -212,7 +212,7 @@ def draw_lattice(result):
     cells = w.reshape(len(w), *size[::-1], sites, 3)
     picked = [slice(None) if d in (across, up) else 0 for d in reversed(range(len(size)))]
     said = [f"the lowest of {size[d]} layers" for d in above]
-    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up), units(result))
+    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up), by_column(result))
 
 
 def placed(result):
@@ -267,14 +267,14 @@ def draw_curves(result):
     name, w = largest(result)
     joined = bonds_of(result, name) if "bonds" in result.meta else None
     return chain.chain_curves(result.t, w, title=first_line(result), bonds=joined,
-                              note=others(result, name), told=units(result))
+                              note=others(result, name), told=by_column(result))
 
 
 def draw_cloud(result):
     """The largest family at six times, a point a site."""
     spheres_only(result)
     name, w = largest(result)
-    return cloud.cloud(result.t, w, title=first_line(result), note=others(result, name), told=units(result))
+    return cloud.cloud(result.t, w, title=first_line(result), note=others(result, name), told=by_column(result))
 
 
 def others(result, name: str) -> str:
