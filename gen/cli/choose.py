@@ -10,6 +10,7 @@ from .say import printed, say
 EXAMPLES = """  smidgen choose free_rigid_body --error 1e-8 --time 100
   smidgen choose heisenberg_chain --error 1e-6 --symplectic
   smidgen choose point_vortices --energy 1e-10
+  smidgen choose film_pulse --error 0.3 --mean energy --time 10 --seconds 20   at a temperature
   smidgen choose top.toml --error 1e-9 --out chosen.toml   the spec with a run `chosen`"""
 
 
@@ -21,6 +22,8 @@ def add(commands):
     for word, said in (("--error", "error of the state at the end, as part of the largest |w|"),
                        ("--energy", "largest error of the energy on the way, in its unit")):
         parser.add_argument(word, type=lambda text, word=word: number(text, word), metavar="E", help=said)
+    parser.add_argument("--mean", metavar="NUMBER", help="of a scene at a temperature: --error is that of the mean of this number, energy or an observable; default: the energy")
+    parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0, metavar="T", help="of such a scene: what the measurement may take; default: 60")
     parser.add_argument("--symplectic", action="store_true", help="of the symplectic methods only")
     parser.add_argument("--out", metavar="FILE.toml", help="write the spec with the choice as a run of it")
     json_option(parser)
@@ -33,7 +36,7 @@ def command(args):
     from ..read.shipped import load_spec
     spec = load_spec(args.spec, args.library)
     with progress(1000, "choose") as tick:
-        choice = choose(spec, args.run, error=args.error, energy=args.energy, symplectic=args.symplectic, **study_choices(args),
+        choice = choose(spec, args.run, error=args.error, energy=args.energy, symplectic=args.symplectic, seconds=args.seconds, mean=args.mean, **study_choices(args),
                         progress=lambda what, done: tick(int(1000 * done)))
     if args.out:
         say(f"wrote {written(spec, args, choice)}")
@@ -54,7 +57,7 @@ def written(spec, args, choice) -> Path:
     base = next((run for run in spec.runs if run.name == args.run), spec.runs[0] if spec.runs else None)
     start = f'start = "{base.start}"\n' if base is not None and base.start else ""
     row = choice.row
-    tolerance = f"tolerance = {row.tolerance!r}\n" if row.tolerance == row.tolerance else ""
+    tolerance = f"tolerance = {choice.settings['tolerance']!r}\n" if "tolerance" in choice.settings else ""
     try:
         path.write_text(f"{spec.sources[0][1].rstrip()}\n\n[runs.chosen]\n{start}method = \"{row.method}\"\nh = {row.h!r}\nsteps = {row.steps}\n{tolerance}", encoding="utf-8")
     except OSError as problem:

@@ -20,14 +20,15 @@ from ..read.shipped import SpecLike, spec_or_name
 from ..run.step.prepared import choose as one_of, scene_of
 from ..run.settings import settle
 from .measure.case import Case, asked_time, candidates
-from .choice import Choice, choose, known_methods
+from .choice import Choice, choose, known_methods, no_mean
 from .report import Cost, load_cost, machine
 from .measure.reference import no_reference, reference
 from .measure.sweep import Row, ladder, sample
 from .measure.timing import asked, take_times
 from .weak import WeakCost, weak_cost
+from .weak_choice import WeakChoice
 
-__all__ = ["Choice", "Cost", "WeakCost", "choose", "cost", "load_cost"]
+__all__ = ["Choice", "Cost", "WeakChoice", "WeakCost", "choose", "cost", "load_cost"]
 
 SECONDS = 60.0      # what the timed runs may take together
 LONG = 100          # times the time: the long runs
@@ -55,8 +56,7 @@ def cost(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | No
         if peers or not ends:
             raise UsageError("at a temperature the error is that of a mean: general integrators and runs without a reference are not available")
         return weak_cost(spec, settings, time, methods, mean, seconds, lambda: {"machine": machine(), **measured(settings.native)}, progress)
-    if mean is not None:
-        raise UsageError(f"the mean of `{mean}` is judged at a temperature, and there is none: no effect of the scene has kT")
+    no_mean(mean)
     case = Case(spec, settings, asked_time(spec, settings, time))
     progress("reference", 0.0)
     known = reference(case) if ends else no_reference(case)

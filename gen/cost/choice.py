@@ -17,7 +17,7 @@ from ..extremes import largest
 from ..methods import METHODS
 from ..public import public
 from ..read.shipped import SpecLike, spec_or_name
-from ..run.step.prepared import choose as one_of
+from ..run.step.prepared import choose as one_of, scene_of
 from ..run.settings import settle
 from .measure.case import Case, asked_time, candidates
 from .even import general, steps_until_even
@@ -25,7 +25,10 @@ from .measure.reference import Reference, reference
 from .report import duration, label
 from .measure.sweep import LOOSEST, PART, TOLERANCES, TURN, WITHIN, Row, loosened, one, ratio
 from .measure.timing import asked as asked_tolerance, take_times
+from .weak import weak_cost
+from .weak_choice import WeakChoice, asked_mean, weak_choice
 
+SPENT = 60.0        # seconds that are measured at a temperature
 MARGIN = 0.6        # of the error asked for, which the choice aims at
 SLOWER = 4.0        # times the best so far: a method that needs more is left
 ROUNDS = 40         # runs of a method at most while its step is looked for
@@ -73,15 +76,22 @@ class Choice:
 def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, time: float | str | None = None,
            effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
            native: bool | None = None, methods: Iterable[str] | None = None, error: float | None = None, energy: float | None = None,
-           symplectic: bool = False, progress: Callable[[str, float], object] = lambda what, done: None) -> Choice:
+           symplectic: bool = False, seconds: float = SPENT, mean: str | None = None,
+           progress: Callable[[str, float], object] = lambda what, done: None) -> Choice | WeakChoice:
     """The method and step that meet the errors asked for in the least time.
 
     error: at the end, relative to the largest |w|; energy: the largest energy error on the way, absolute, in the unit of the
-    energy; one of them is needed. symplectic: of the symplectic methods only. The rest as for `cost`. Raises UsageError where no method meets
+    energy; one of them is needed. symplectic: of the symplectic methods only. At a temperature error is that of a mean over time and members, absolute, in its unit:
+    mean: of which number, by default the energy; seconds: what the measurement may take. The rest as for `cost`. Raises UsageError where no method meets
     them, where the end is not known well enough (a chaotic run: ask for an energy error), and as `cost` does.
     """
-    asked, methods = asked_errors(error, energy), known_methods(methods)
+    methods = known_methods(methods)
     settings = settle(spec, run, start=start, effects=effects, parameters=parameters, seed=seed, native=native)
+    if scene_of(spec, settings.effects, settings.parameters).heated:
+        target = asked_mean(error, energy, symplectic)
+        return weak_choice(weak_cost(spec, settings, time, methods, mean, seconds, dict, progress), target)
+    no_mean(mean)
+    asked = asked_errors(error, energy)
     case = Case(spec, settings, asked_time(spec, settings, time))
     if case.energy_changes and energy is not None:
         raise UsageError("the energy is not conserved, for H depends on time, sites are damped or torques act: ask for an end error")
@@ -99,6 +109,11 @@ def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
     take_times(case, good if beside is None else [*good, beside], 2.0)
     good.sort(key=lambda row: row.seconds)
     return Choice(good[0], good[1:], short, asked, known, beside)
+
+
+def no_mean(mean) -> None:
+    if mean is not None:
+        raise UsageError(f"the mean of `{mean}` is judged at a temperature, and there is none: no effect of the scene has kT")
 
 
 def known_methods(methods) -> list | None:

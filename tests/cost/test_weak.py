@@ -6,6 +6,7 @@ import pytest
 import smidgen
 from smidgen.cost import WeakCost
 from smidgen.cost.weak import COLUMNS, FEWEST, WeakRow, fastest
+from smidgen.cost.weak_choice import weak_choice
 from smidgen.errors import UsageError
 from smidgen.methods import METHODS
 
@@ -84,6 +85,35 @@ def test_what_does_not_fit_is_refused(warm):
         smidgen.cost(warm, peers=True)
     with pytest.raises(UsageError, match="the mean of `mz` is judged at a temperature, and there is none"):
         smidgen.cost(warm, effects=["field"], mean="mz")
-    with pytest.raises(UsageError, match="no choice of a scene with thermal noise: the error of a mean is known up to its standard error alone"):
-        smidgen.choose(warm, error=1e-3)
     assert METHODS["heun"].noise_within and not METHODS["cf4"].noise_within
+
+
+def row(name, h, error, seconds=1.0, **more):
+    return WeakRow(name, h, round(40 / h), members=100, mean_error=0.01, error=error, error_error=0.001, seconds=seconds, ns_step=10.0, **more)
+
+
+def test_the_choice_is_the_row_that_is_there_first():
+    """takes: seconds mean_error^2/(target^2 - step^2), and as many times the members."""
+    rows = [row("spherical-midpoint", 0.2, 0.05), row("spherical-midpoint", 0.1, 0.012, 2.0), row("heun", 0.05, 0.015, 4.0), row("depondt-mertens", 0.1, -0.03, 5.0)]
+    cost = WeakCost(rows, WeakRow("spherical-midpoint", 0.01, 4000, members=400, mean_error=0.001), {"number": "mz"})
+    pick = weak_choice(cost, 0.02)
+    assert pick.settings == {"method": "spherical-midpoint", "h": 0.1, "steps": 400}
+    assert pick.members == math.ceil(100 * 1e-4 / (0.02 ** 2 - 0.012 ** 2)) and [r.method for r in pick.others] == ["heun"] and set(pick.short) == {"depondt-mertens"}
+    assert "spherical midpoint" in str(pick) and "40 members" in str(pick) and "depondt" in str(pick).lower() and pick.as_dict()["members"] == 40
+    assert weak_choice(cost, 0.2).row.h == 0.2         # a larger step serves a larger error
+    with pytest.raises(UsageError, match="no method gets there: .*its step has an error of 1.2e-02"):
+        weak_choice(cost, 0.009)
+    with pytest.raises(UsageError, match="the mean is known to ± 1.0e-03 only"):
+        weak_choice(cost, 0.0015)
+
+
+def test_choose_measures_at_a_temperature(warm):
+    pick = smidgen.choose(warm, error=0.05, mean="mz", seconds=0.5, time=10)
+    assert pick.row.method in ("spherical-midpoint", "heun", "depondt-mertens") and pick.members >= 1
+    assert abs(pick.row.error) < 0.05 and pick.cost.facts["number"] == "mz"
+
+
+@pytest.mark.parametrize("asked, said", [({}, "give the error of the mean"), ({"energy": 0.1}, "no step is symplectic"), ({"error": 0.1, "symplectic": True}, "no step is symplectic")])
+def test_choose_asks_for_the_error_of_a_mean(warm, asked, said):
+    with pytest.raises(UsageError, match=said):
+        smidgen.choose(warm, seconds=1e-3, **asked)
