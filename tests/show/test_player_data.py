@@ -1,5 +1,6 @@
 """What a player's page carries: directions, modules, colours, numbers of sites."""
 import base64
+import json
 import shutil
 import subprocess
 import zlib
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from support.pictures import FILM_BONDS, data_of, film, pairs_of  # noqa: F401
 
-from smidgen.show.plot import bundle, coding, colours, draw, player
+from smidgen.show.plot import bundle, coding, colours, draw, extras, player
 
 NODE = shutil.which("node")
 with_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
@@ -38,6 +39,27 @@ console.log(JSON.stringify(out));""")
     said = subprocess.run([NODE, str(tmp_path / "read.mjs")], capture_output=True, text=True, check=True).stdout
     back = np.fromstring(said.strip().strip("[]"), sep=",").reshape(w.shape)
     assert np.degrees(np.arccos(np.clip(np.sum(back * w, axis=-1), -1, 1))).max() < 0.12
+
+
+@with_node
+def test_isolines_of_a_slope_are_straight(tmp_path):
+    """w_z = (x + 0.3)/5 on a grid: lines along y where it is a multiple of a fifth, each through all five rows of triangles."""
+    x, y = np.meshgrid(np.arange(-4, 5), np.arange(6))
+    where = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    height = (where[:, 0] + 0.3) / 5
+    w = np.rint(32000 * np.stack([np.sqrt(1 - height ** 2), 0 * height, height], axis=1)).astype(int)
+    (tmp_path / "read.mjs").write_text(f"""
+import {{ it }} from "{bundle.FOLDER.as_uri()}/state.mjs";
+import {{ isolines }} from "{bundle.FOLDER.as_uri()}/isolines.mjs";
+Object.assign(it, {{ frames: 1, now: 0, data: {{ quantum: 1 / 32000, reach: 1, ball: true }} }});
+const f = {{ name: "w", count: {len(where)}, places: {where.ravel().tolist()}, w: {w.ravel().tolist()}, triangles: {extras.triangles(where.astype(float)).ravel().tolist()} }};
+console.log(JSON.stringify([...isolines(f, {{ kind: 3 }})]));""")
+    said = subprocess.run([NODE, str(tmp_path / "read.mjs")], capture_output=True, text=True, check=True).stdout
+    ends = np.array(json.loads(said)).reshape(-1, 2, 3)
+    assert np.allclose(ends[:, 0, 0], ends[:, 1, 0], atol=1e-2) and np.allclose(ends[:, 0, 0] + 0.3, np.rint(ends[:, 0, 0] + 0.3), atol=1e-2)
+    for level in range(-3, 4):
+        along = ends[np.abs(ends[:, 0, 0] + 0.3 - level) < 0.1]
+        assert np.abs(along[:, 0, 1] - along[:, 1, 1]).sum() == pytest.approx(5, abs=0.02)
 
 
 def test_a_hundred_thousand_sites_fit_into_forty_megabytes():
@@ -94,6 +116,7 @@ def test_a_film_has_places_bonds_and_its_energy_site_by_site(film):
     places = inflated(family["places"], "<f4").reshape(-1, 3)
     assert np.array_equal(places[:, :2], [[i % 6, i // 6] for i in range(30)]) and family["cell"] == {"size": [6, 5], "sites": 1}
     assert pairs_of(inflated(family["links"], "<i4").reshape(-1, 2)) == FILM_BONDS
+    assert len(inflated(family["triangles"], "<i4")) == 3 * 2 * 5 * 4
     w = film.w["w"][0]
     half = np.zeros(30)
     for i, j in FILM_BONDS:

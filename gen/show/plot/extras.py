@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.tri import Triangulation
 
 from .coding import deflated
 from .facts import units
@@ -9,6 +10,7 @@ from .standing import site_maps
 from .text import printable
 
 SERIES = 40         # most numbers over time
+FLAT_SITES = 70_000     # most sites of a lattice that has isolines
 
 
 class Extras:
@@ -27,7 +29,9 @@ class Extras:
         if found is None or len(found["places"]) != self.states[name].shape[1]:
             return {}
         more = {"cell": cell(*self.grids[name])} if name in self.grids else {}
-        return {"places": deflated(found["places"], "<f4"), "links": deflated(found["links"], "<i4"), **more}
+        sides = triangles(found["places"])
+        return {"places": deflated(found["places"], "<f4"), "links": deflated(found["links"], "<i4"), **more,
+                **({} if sides is None else {"triangles": deflated(sides, "<i4")})}
 
     def maps(self, keep) -> list[dict]:
         """Numbers of sites at the outputs `keep`, as bytes between the smallest and the largest."""
@@ -41,6 +45,15 @@ class Extras:
         """The other numbers of the result over time."""
         rows = [row for name, values in self.values.items() if name != "casimirs" for row in columns(name, np.asarray(values, float))]
         return [plotted(name, values[keep], self.units["columns"].get(name.rpartition(".")[0] if name[-2:] in (".x", ".y", ".z") else name, "")) for name, values in rows[:SERIES] if np.isfinite(values[keep]).any()]
+
+
+def triangles(where):
+    """(m, 3) numbers of sites: Delaunay's triangles of a flat lattice without those that bridge gaps; None of another, and of very many sites."""
+    if len(where) > FLAT_SITES or np.ptp(where[:, 2]) > 0 or np.linalg.matrix_rank(where - where[0]) < 2:
+        return None
+    found = Triangulation(*where[:, :2].T).triangles
+    sides = np.linalg.norm(where[found] - where[np.roll(found, 1, axis=1)], axis=2).max(axis=1)
+    return found[sides < 2.1 * np.median(sides)]
 
 
 def cell(size, sites: int) -> dict:

@@ -50,6 +50,7 @@ async function vectors(f, quantum) {
 async function family(f, quantum) {
   const places = f.places ? await numbers(f.places, Float32Array) : null;
   return { ...f, w: await vectors(f, quantum), bonds: await numbers(f.bonds, Int32Array), places,
+           triangles: f.triangles ? await numbers(f.triangles, Int32Array) : null,
            links: f.links ? await numbers(f.links, Int32Array) : new Int32Array(0), shown: true };
 }
 

@@ -114,7 +114,7 @@ function makePlaces() {
   choices("slice", ["none", "x", "y", "z"], 0, ["none", "x", "y", "z"]);
   choices("sublattice", ["all", ...Array(most).keys()], 0, ["all", ...Array(most).keys()]);
   choices("marks", ["arrows", "cells, arrows", "cells", "every arrow"], 0, ["arrows", "cells, arrows", "cells", "all"]);
-  el("slicebox").hidden = m.directions < 3; el("sublatticebox").hidden = most < 2; el("layerbox").hidden = true;
+  el("slicebox").hidden = m.directions < 3; el("sublatticebox").hidden = most < 2; el("isobox").hidden = !placed().some((f) => f.triangles); el("layerbox").hidden = true;
   it.cameras.places = { first: first(), home: turned(...first()) };
   setView("places"); reset();
   el("marks").value = flatLattice() && fitAll() < 13 ? "cells, arrows" : "arrows";
@@ -126,7 +126,7 @@ function makeControls() {
   changes("play", () => play(!it.playing));
   el("slider").addEventListener("input", (event) => { play(false); go(event.target.value / 1000 * (it.frames - 1)); });
   el("layer").addEventListener("input", () => it.draw());
-  ["trail", "colour", "sublattice", "marks", "series"].forEach((id) => changes(id));
+  ["trail", "colour", "sublattice", "marks", "series", "isolines"].forEach((id) => changes(id));
   changes("slice", chosenSlice);
   changes("reset", () => { reset(); it.draw(); });
   changes("view", () => { setView(it.view === "places" ? "sphere" : "places"); it.picked = null; it.draw(); });

@@ -3,7 +3,8 @@ import { it, el, camera } from "./state.mjs";
 import { inks } from "./camera.mjs";
 import { channels } from "./colours.mjs";
 import { attribute, pointed, program, refill, table, use } from "./gl.mjs";
-import { fitted, measure, placed, project, seenSites, sparse } from "./lattice.mjs";
+import { isolines } from "./isolines.mjs";
+import { fitted, measure, perCell, placed, project, seenSites, slice, sparse } from "./lattice.mjs";
 import { ARROWS, CELLS, LINES } from "./shaders.mjs";
 import { arrow, cone } from "./shapes.mjs";
 
@@ -19,7 +20,7 @@ export function prepare(canvas) {           // can sites be drawn at their place
   programs = { arrows: program(gl, ARROWS), cells: program(gl, CELLS), lines: program(gl, LINES) };
   tables = Object.fromEntries(Object.entries(it.data.tables).map(([name, colors]) => [name, table(gl, colors)]));
   m = measure();
-  sets = placed().map((f) => ({ f, cells: layer(null), arrows: null, lines: lines(f) }));
+  sets = placed().map((f) => ({ f, cells: layer(null), arrows: null, lines: lines(f), levels: curves() }));
   return true;
 }
 export const measured = () => m;
@@ -44,6 +45,13 @@ function lines(f) {
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
   gl.bindVertexArray(null);
   return { vao, index, many: 0 };
+}
+function curves() {
+  const vao = gl.createVertexArray();
+  gl.bindVertexArray(vao);
+  const place = attribute(gl, 2, new Float32Array(3), 3, { each: 0 });
+  gl.bindVertexArray(null);
+  return { vao, place };
 }
 function gathered(Kind, source, one, offset, size) {     // of the sites of a layer
   const { sites, instances } = one, times = instances ? 1 : 3, out = new Kind(times * size * sites.length);
@@ -103,6 +111,7 @@ function choose() {
     settle(set.cells, set.f, marks.includes("cells") ? seen : new Int32Array(0));
     detailed(set, marks === "cells" ? new Int32Array(0) : thin ? sparse(m, set.f, seen, wide) : seen, wide);
     links(set, seen);
+    set.seen = seen;
     drawn.sites += seen.length; drawn.arrows += set.arrows.sites.length;
   }
 }
@@ -123,7 +132,7 @@ function links(set, sites) {                // the bonds between sites that are 
 const rgb = (color) => [1, 3, 5].map((k) => parseInt(color.slice(k, k + 2), 16) / 255);
 function view() {
   const { turn, pan, unit, aside } = camera();
-  return { turn, middle: m.middle, paper: rgb(inks().halo), fog: m.directions === 3 ? 0.7 : 0, scale: [2 * unit / it.width, 2 * unit / it.height], deep: m.deep,
+  return { turn, middle: m.middle, paper: rgb(inks().halo), fog: m.directions === 3 && !slice(m) ? 0.7 : 0, scale: [2 * unit / it.width, 2 * unit / it.height], deep: m.deep,
            shift: [2 * (pan[0] - aside) / it.width, -2 * pan[1] / it.height] };
 }
 export const channel = () => channels()[Number(el("colour").value)] || channels()[0];
@@ -142,7 +151,7 @@ const onPlane = () => m.plane && m.directions === 2;
 function drawCells(set, shared) {
   if (!set.cells.sites.length) return;
   const [across, up] = onPlane() ? [[1, 0, 0], [0, 1, 0]] : camera().turn;
-  use(gl, programs.cells, { ...shared, across, up, size: (onPlane() ? 0.75 : 0.34) * m.space, plane: Number(onPlane()) });
+  use(gl, programs.cells, { ...shared, across, up, size: (onPlane() ? perCell(set.f) > 1 ? 1.02 : 0.75 : 0.34) * m.space, plane: Number(onPlane()) });
   follow(set.cells, set.f, channel());
   instances(set.cells);
 }
@@ -160,6 +169,17 @@ function drawArrows(set, shared) {
   instances(set.arrows);
 }
 
+function drawLevels(set, shared) {
+  if (!el("isolines").checked || !set.f.triangles || !set.f.shown) return;
+  const ends = isolines(set.f, channel());
+  refill(gl, set.levels.place, ends);
+  gl.disable(gl.DEPTH_TEST);
+  use(gl, programs.lines, { ...shared, fog: 0, ink: rgb(inks().ink), paper: rgb(inks().ink) });
+  gl.bindVertexArray(set.levels.vao);
+  gl.drawArrays(gl.LINES, 0, ends.length / 3);
+  gl.enable(gl.DEPTH_TEST);
+}
+
 export function drawPlaces() {
   choose();
   const shared = { ...view(), ...spins() };
@@ -170,6 +190,7 @@ export function drawPlaces() {
   for (const set of sets) drawCells(set, shared);
   if (onPlane()) gl.clear(gl.DEPTH_BUFFER_BIT);
   for (const set of sets) drawLines(set, shared);
+  for (const set of sets) drawLevels(set, shared);
   for (const set of sets) drawArrows(set, shared);
   gl.bindVertexArray(null);
   return words();
@@ -185,8 +206,8 @@ export const finish = () => gl && gl.finish();
 export function nearestPlace(x, y) {        // the site under the pointer, as { family, site, at }
   const reach = Math.max(10, 0.5 * m.space * camera().unit);
   let best = null, least = reach;
-  for (const { f, cells, arrows } of sets) {
-    for (const site of cells.sites.length ? cells.sites : arrows.sites) {
+  for (const { f, seen } of sets) {
+    for (const site of seen) {
       const p = project(m, f.places, 3 * site), far = Math.hypot(p[0] - x, p[1] - y) - 1e-3 * p[2];
       if (far < least) { least = far; best = { family: f, site, at: p }; }
     }
