@@ -35,17 +35,17 @@ class DampingReader:
     def law(self, node):
         """(the sites, alpha, the form, kT or None)."""
         over, condition = self.sites(node)
-        return (over, *self.problems.together(lambda: there(condition, self.terms.formulas.free(node.get("damping"), "a damping", over.index, self.dimension(over))),
+        return (over, *self.problems.together(lambda: there(condition, self.terms.formulas.free(node.get("damping"), "a damping", over.index, self.dimension(over), over.family)),
                                               lambda: self.form(node, self.terms.declared.families[over.family].kind),
-                                              lambda: self.temperature(node, over.index)))
+                                              lambda: self.temperature(node, over)))
 
     def dimension(self, over: Sites) -> tuple:
         """Of a damping: none on a sphere, 1/|w| in R^3."""
         declared = self.terms.declared
         return power(declared.dimensions.get(over.family, NONE), -1) if declared.families[over.family].kind == "r3" else NONE
 
-    def temperature(self, node, index: str):
-        return self.terms.formulas.free(node.get("kT"), "a temperature", index, ENERGY) if node.has("kT") else None
+    def temperature(self, node, over: Sites):
+        return self.terms.formulas.free(node.get("kT"), "a temperature", over.index, ENERGY, over.family) if node.has("kT") else None
 
     def sites(self, node) -> tuple:
         """Those of one family on spheres or in R^3, that no other effect damps, and of which sublattice."""

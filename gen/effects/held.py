@@ -40,7 +40,7 @@ class HeldReader:
         self.terms.known({over.family})
         if self.terms.declared.families[over.family].kind == "nambu":
             at.wrong(codes.NOT_HERE, f"the sites of `{over.family}` are on Nambu leaves", f"`{key}` is for sites on spheres or in R^3")
-        where = self.terms.formulas.condition(node.get(key), "a condition on sites", over.index, key)
+        where = self.terms.formulas.condition(node.get(key), "a condition on sites", over.index, key, over.family)
         return over, where if condition is None else Op("and", (condition, where))
 
 

@@ -45,7 +45,7 @@ class TorqueReader:
         scope = self.terms.scope(over, "effect")
         found = self.formulas.vector_number(formula.text(), scope)
         value = found.expr
-        on = self.moved(node, over, value, scope)
+        on, over = self.moved(node, over, value, scope), self.terms.with_columns(over, value)
         rate = quotient(self.terms.declared.dimensions.get(on.family, NONE), TIME)
         self.formulas.fits(found, formula.text().whole, f"a torque, which is added to w' of `{on.family}`,", rate)
         self.terms.unit_of_effect(node, rate)

@@ -44,7 +44,8 @@ def _lattice(over: Lattice, env, places):
     cells = np.indices(size[::-1]).reshape(len(size), -1)[::-1]    # first direction fastest
     bonds = [_bond(over, size, cells, bond) for bond in over.bonds]
     found = np.concatenate(bonds, axis=1)
-    return {**dict(zip(over.indices, found)), **({over.number: np.arange(found.shape[1])} if over.number else {})}, {}
+    columns = {name: np.repeat(values, [bond.shape[1] for bond in bonds]) for name, values in over.columns}
+    return {**dict(zip(over.indices, found)), **({over.number: np.arange(found.shape[1])} if over.number else {})}, columns
 
 
 def _bond(over, size, cells, bond):

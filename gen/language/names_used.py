@@ -6,7 +6,7 @@ import dataclasses
 from .expr import Elem, Par
 from .spec import Spec
 
-DATA = {"default", "tables", "edges", "columns"}       # fields of numbers alone, perhaps millions
+DATA = {"default", "tables", "edges", "columns", "places"}       # fields of numbers alone, perhaps millions
 
 
 def unused(spec: Spec) -> list[str]:

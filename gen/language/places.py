@@ -16,19 +16,41 @@ from .spec import Graph, Lattice, Spec, families_of
 
 
 def joined_by(spec: Spec, family: str) -> list:
-    """The lattices and graphs of effects and observables on a family, those with positions first, those of more directions before others."""
-    found = [e.over for e in (*spec.effects, *spec.observables) if isinstance(e.over, (Lattice, Graph)) and e.over.family == family]
-    return sorted(dict.fromkeys(found), key=lambda over: (over.places is None, -directions(over)))
+    """The lattices and graphs of effects and observables on a family."""
+    found = [e.over for e in (*spec.effects, *spec.observables) if isinstance(e.over, (Lattice, Graph)) and is_on(e.over, family)]
+    return list({(over, over.places): over for over in found}.values())
+
+
+def best(overs):
+    """The lattice or graph that says where sites stand: of those with places those that declare them, then those of most directions. None where there
+    is none. Raises ValueError where two that are left differ."""
+    ranks = [((isinstance(over, Graph) or not over.places.assumed, directions(over)), over) for over in overs if over.places is not None]
+    found = [over for rank, over in ranks if rank == max(rank for rank, _ in ranks)]
+    if len({geometry(over) for over in found}) > 1:
+        raise ValueError("lattices of different places")
+    return found[0] if found else None
+
+
+def is_on(over, family: str) -> bool:
+    """Does a lattice or graph join sites of a family? Of bonds between several families each has a site for each of the lattice."""
+    return over.family == family or isinstance(over, Lattice) and family in over.families
 
 
 def directions(over) -> int:
     return len(over.size) if isinstance(over, Lattice) else 0
 
 
+def geometry(over) -> tuple:
+    return (over.size, over.places.vectors, over.places.positions) if isinstance(over, Lattice) else (over.places,)
+
+
 def placed_on(spec: Spec, family: str):
-    """The lattice or graph that says where the sites of a family stand; None without one."""
-    found = joined_by(spec, family)
-    return found[0] if found and found[0].places is not None else None
+    """The lattice or graph that says where the sites of a family stand; None without one, or where several differ."""
+    home = next(f.lattice for f in spec.families if f.name == family)
+    try:
+        return home if home is not None and home.places is not None else best(joined_by(spec, family))
+    except ValueError:
+        return None
 
 
 def positions(spec: Spec, family: str, values: dict):
@@ -65,7 +87,7 @@ def bond_vectors(spec: Spec, family: str, values: dict):
 def _found(spec: Spec, family: str, values: dict):
     """(bonds, their vectors)."""
     there = positions(spec, family, values)
-    rows = [_of(over, values, there) for over in joined_by(spec, family) if len(families_of(over)) == 2]
+    rows = [_of(over, values, there) for over in joined_by(spec, family) if over.family and len(families_of(over)) == 2]
     pairs = np.concatenate([pair for pair, _ in rows]) if rows else np.zeros((0, 2), np.int64)
     vectors = np.concatenate([v for _, v in rows]) if rows else np.zeros((0, 3))
     _, first = np.unique(np.column_stack([pairs, np.round(vectors, 9)]), axis=0, return_index=True)

@@ -41,7 +41,7 @@ class Family:
     kind 'nambu': w' = (1/kappa) grad C x grad H, C = w.(casimir w)/2, casimir symmetric 3x3.
     kappa (and radius) are formulas in the site's index Idx('i').
     tracer: feels others and acts on none; its kappa scales its own energy only.
-    fixed: no site of it moves.
+    fixed: no site of it moves. lattice: the lattice or graph on whose sites it lies, where [space] says so.
     """
     name: str
     kind: str
@@ -51,6 +51,7 @@ class Family:
     casimir: Optional[tuple[tuple[Expr, ...], ...]] = None
     tracer: bool = False
     fixed: bool = False
+    lattice: Optional[Union["Lattice", "Graph"]] = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -96,10 +97,13 @@ class Each:
 @dataclass(frozen=True)
 class Places:
     """Where the sites of a lattice stand. vectors: rows (x, y, z), of its directions, then of those that measure positions alone;
-    positions: of the sites of a cell, fractions of all vectors; name: of a lattice of `language.crystals`."""
+    positions: of the sites of a cell, fractions of all vectors; name: of a lattice of `language.crystals`; assumed: from that name alone, which any other
+    lattice with places overrules; measured: the vectors are lengths with a unit."""
     vectors: tuple[tuple[float, ...], ...]
     positions: tuple[tuple[float, ...], ...]
     name: str = ""
+    assumed: bool = False
+    measured: bool = False
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,7 @@ class Lattice:
     number: the name of the number of a bond, from 0 on: one after the other of `bonds`, each in all cells in which it is, in their order.
     families: where the ends are not all of one family, that of each; every family has a site for each of the lattice, and `family` is "".
     With a single index it runs over the sites of one place of the cell.
+    columns: numbers of each member of `bonds`, by name: components of its vector.
     """
     indices: tuple[str, ...]
     size: tuple[Expr, ...]
@@ -122,6 +127,7 @@ class Lattice:
     places: Optional[Places] = field(default=None, compare=False)
     number: str = ""
     families: tuple[str, ...] = ()
+    columns: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
     @property
     def bound(self):

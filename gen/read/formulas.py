@@ -75,22 +75,22 @@ class Formulas:
                                "such as `cross(w[i], p)` or `vec(x, y, z)`")
         return result
 
-    def free(self, node: Node, place: str, index: Optional[str] = None, wanted=ANY) -> Expr:
-        """A number, or a formula of parameters (and of `index`), without vectors or time."""
-        result = self.measured(node, place, index)
+    def free(self, node: Node, place: str, index: Optional[str] = None, wanted=ANY, family: str = "") -> Expr:
+        """A number, or a formula of parameters (and of `index`, which runs over a family), without vectors or time."""
+        result = self.measured(node, place, index, family)
         self.fits(result, node.span, place, wanted)
         return result.expr
 
-    def measured(self, node: Node, place: str, index: Optional[str] = None) -> Typed:
+    def measured(self, node: Node, place: str, index: Optional[str] = None, family: str = "") -> Typed:
         """The same with its dimension."""
         if node.is_number():
             return Typed(Num(node.number()), "s", dimension=NONE if node.number() else ANY)
         indices = {index: ""} if index else {}
-        return self.number(node.text(), Scope(self.declared, place, families=False, indices=indices))
+        return self.number(node.text(), Scope(self.declared, place, families=False, indices=indices, site=family))
 
-    def condition(self, node: Node, place: str, index: str, key: str) -> Expr:
+    def condition(self, node: Node, place: str, index: str, key: str, family: str) -> Expr:
         """A condition on parameters and an index, without vectors or time."""
-        found = self.typed(node.text(), Scope(self.declared, place, families=False, indices={index: ""}))
+        found = self.typed(node.text(), Scope(self.declared, place, families=False, indices={index: ""}, site=family))
         if found.kind != "b":
             node.wrong(codes.KIND, f"`{key}` needs a condition", f'such as `{key} = "{index} < 10"` or `{key} = "uniform(7, {index}) < 0.1"`')
         return found.expr

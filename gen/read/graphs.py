@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from ..language import limits
+from ..language.expr import Num
 from ..language.spec import Graph
 from ..language import codes
 from .files import Files
@@ -11,6 +12,7 @@ from .problems import Problems, nearest
 from .text import meaning
 from .tree import Node
 
+POSITIONS = "rows `x, y` or `x, y, z`, one for each site"
 TABLE = "rows `i, j` or `i, j, weight, ...` with sites counted from 0"
 
 
@@ -20,15 +22,16 @@ class Graphs:
     def __init__(self, formulas: Formulas, files: Files, problems: Problems):
         self.formulas, self.files, self.problems = formulas, files, problems
         self.known: dict[str, list[tuple]] = {}
+        self.places: dict[str, tuple | None] = {}
         self.broken: set[str] = set()
 
     def declare(self, node: Node) -> None:
         self.broken.add(node.name)
-        node.table("file", "meaning")
-        name, rows, _ = self.problems.together(
+        node.table("file", "positions", "meaning")
+        name, (rows, places), _ = self.problems.together(
             lambda: identifier(self.problems, node.key, node.name, "graph"),
-            lambda: self.rows(node), lambda: meaning(node, "meaning"))
-        self.known[name] = rows
+            lambda: self.placed_rows(node), lambda: meaning(node, "meaning"))
+        self.known[name], self.places[name] = rows, places
         self.broken.discard(name)
 
     def rows(self, node: Node) -> list[tuple]:
@@ -42,6 +45,31 @@ class Graphs:
                 child.wrong(codes.TABLE, f"`{child.raw}` has an edge from {i} to {j}",
                             "an edge joins two different sites, whole numbers from 0")
         return rows
+
+    def placed_rows(self, node: Node) -> tuple:
+        """(edges, where its sites stand or None)."""
+        rows, places = self.problems.together(lambda: self.rows(node), lambda: self.positions(node.get("positions")) if node.has("positions") else None)
+        highest = max(max(row[:2]) for row in rows)
+        if places is not None and highest >= len(places):
+            node.get("positions").wrong(codes.COUNT, f"{len(places)} positions, but an edge names site {highest}", "give one for each site; they are counted from 0")
+        return rows, places
+
+    def positions(self, child: Node) -> tuple:
+        """(x, y, z) of each site: a table in a file, or a list."""
+        found = self.files.rows(child, 2, POSITIONS) if isinstance(child.raw, str) else [[e.number() for e in row.entries("row of numbers", 3)] for row in child.entries("list of positions")]
+        for k, row in enumerate(found):
+            if len(row) not in (2, 3) or len(row) != len(found[0]):
+                child.wrong(codes.TABLE, f"row {k} has {len(row)} numbers", "each site stands at x, y or at x, y, z")
+        if len(set(map(tuple, found))) < len(found):
+            first, again = doubled(found)
+            child.wrong(codes.VALUE, f"sites {first} and {again} stand at one place", "give each site a place of its own")
+        return tuple((*map(float, row), 0.0)[:3] for row in found)
+
+    def home(self, node: Node) -> tuple:
+        """(the number of its sites, itself) for a family that lies on a graph."""
+        rows, places = self.known[node.raw], self.places[node.raw]
+        edges = tuple((r[0], r[1]) for r in rows)
+        return Num(len(places) if places else 1 + max(max(e) for e in edges)), Graph("", "", edges, (), "", places)
 
     def over(self, w, reader) -> Graph:
         family, name = reader.home(w), w.target.text
@@ -57,4 +85,14 @@ class Graphs:
                                f"{name}`, and a name for each weight that you use")
         columns = tuple((n, tuple(float(r[k + 2]) for r in rows))
                         for k, n in enumerate(names[2:]))
-        return Graph(names[0], names[1], tuple((r[0], r[1]) for r in rows), columns, family)
+        return Graph(names[0], names[1], tuple((r[0], r[1]) for r in rows), columns, family, self.places[name])
+
+
+def doubled(rows) -> tuple[int, int]:
+    """The first two rows that are the same."""
+    seen: dict = {}
+    for k, row in enumerate(map(tuple, rows)):
+        if row in seen:
+            return seen[row], k
+        seen[row] = k
+    raise ValueError("all rows differ")

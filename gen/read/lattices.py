@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import reduce
 
 from ..language import limits
 from ..language.crystals import CRYSTALS
-from ..language.expr import Expr
+from ..language.expr import Expr, Num, Op
 from ..language.shells import SHELLS
 from ..language.spec import Lattice, Places, Sites
 from ..language import codes
@@ -162,6 +163,13 @@ class Lattices:
         return entries[0].raw, tuple(e.integer(-limits.REACH, limits.REACH)
                                      for e in entries[1:])
 
+    def home(self, node: Node) -> tuple:
+        """(the number of its sites, itself) for a family that lies on a lattice."""
+        lattice = self.known[node.raw]
+        factors = [Num(lattice.sites)] * (lattice.sites > 1) + list(lattice.size)
+        count = reduce(lambda a, b: Op("*", (a, b)), factors)
+        return count, Lattice((), lattice.size, lattice.periodic, lattice.sites, (), "", lattice.places)
+
     # over = "bond(i, j) of ..."
 
     def over(self, w, reader) -> Lattice:
@@ -253,7 +261,7 @@ class Lattices:
                                f"{'s' * (d > 1)} and a boundary", self.form(name))
         periodic = tuple(self.word(b, name) for b in rest) * (d // len(rest)) if rest else (True,) * d
         size = tuple(self.formulas.count_of(s) for s in sizes)
-        places = places_of(name)
+        places = replace(places_of(name), assumed=True)
         bonds = self.shell(w, places, d) if distance == 1 else self.farther(w, distance)
         indices, number = self.matched(w, 2)
         return Lattice(indices, size, periodic, len(places.positions), bonds, family, places, number)

@@ -34,6 +34,7 @@ from .terms import TermReader
 from .text import meaning
 from .tree import Node
 from .units import UnitsReader
+from .vectors import Places
 from .values import defaults, filled, with_values
 
 SECTIONS = ("scene", "model", "units", "space", "parameters", "formulas", "lattices", "graphs", "effects",
@@ -150,7 +151,7 @@ class Reader:
         with self.problems.guard():
             head = self.model()
         self.declarations()
-        over = self.index_families()
+        over = self.over_reader()
         terms = TermReader(self.declared, self.formulas, over, self.problems)
         effects = self.guarded(lambda: terms.effects(self.effects()))
         observables = self.guarded(lambda: terms.read(
@@ -204,7 +205,7 @@ class Reader:
         return child.raw
 
     def declarations(self) -> None:
-        """Units, then parameters, then formulas, then the space."""
+        """Units, then parameters, then formulas, lattices and graphs, then the space."""
         with self.problems.guard():
             self.declared.units = UnitsReader(self.problems).read(self.section("units"))
             self.problems.measured = self.declared.units is not None
@@ -213,22 +214,29 @@ class Reader:
                 self.section("parameters"))
         with self.problems.guard():
             FormulaReader(self.declared, self.problems).read(self.section("formulas"))
+        self.index_families()
         with self.problems.guard():
             self.find("space") or self.root.need("space", 'say where the motion takes place: [space] with '
                            '`w = { sphere = 1 }`')
-            SpaceReader(self.declared, self.formulas, self.problems).read(self.section("space"))
+            SpaceReader(self.declared, self.formulas, self.problems, self.lattices, self.graphs).read(self.section("space"))
         undeclared(self.declared, self.problems)
 
-    def index_families(self) -> OverReader:
-        lattices = Lattices(self.formulas, self.problems)
-        graphs = Graphs(self.formulas, self.files, self.problems)
+    def over_reader(self) -> OverReader:
+        over = OverReader(self.declared, self.lattices, self.graphs, self.problems)
+        terms = [node for name in ("effects", "observables") if self.root.has(name) and isinstance(self.root.raw[name], dict) for node in self.root.get(name).items()]
+        texts = [node.get("over").text() for node in terms if isinstance(node.raw, dict) and isinstance(node.raw.get("over"), str)]
+        self.declared.places = Places(over.read, texts, self.problems)
+        return over
+
+    def index_families(self) -> None:
+        """The lattices and graphs."""
+        self.lattices, self.graphs = lattices, graphs = Lattices(self.formulas, self.problems), Graphs(self.formulas, self.files, self.problems)
         for name, most, reader in (("lattices", limits.LATTICES, lattices),
                                    ("graphs", limits.GRAPHS, graphs)):
             with self.problems.guard():
                 for node in self.section(name, most).items():
                     with self.problems.guard():
                         reader.declare(node)
-        return OverReader(self.declared, lattices, graphs, self.problems)
 
     def assemble(self, head: dict, effects, observables, starts, runs) -> Spec:
         sources = (("", self.problems.sources.files[0].text),) + tuple(sorted(self.files.texts.items()))

@@ -16,7 +16,8 @@ FUNCTIONS = frozenset(
     "dot cross triple norm vec sqrt exp log sin cos tan asin acos atan atan2 "
     "sinh cosh tanh abs min max floor mod if".split())
 # functions whose names stay free: they are meant where arguments follow
-UNRESERVED = frozenset((*DRAWS, *NORMS))
+PLACE = "r"
+UNRESERVED = frozenset((*DRAWS, *NORMS, PLACE))
 CONSTANTS = frozenset(("t", "pi"))
 GRAMMAR = frozenset("and or not of on periodic open".split())
 C_WORDS = frozenset("""

@@ -1,6 +1,8 @@
 """Where the sites of a declared lattice stand: `name = "kagome"`, or `vectors` and `positions`; and shells by their names."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..errors import UsageError
@@ -9,6 +11,7 @@ from ..language.crystals import CRYSTALS
 from ..language.evaluate import evaluate
 from ..language.shells import SAME, SHELLS, Unclear, shell
 from ..language.spec import Places
+from ..language.units import LENGTH, NONE
 from .formulas import Formulas
 from .names import plural
 from .problems import Problems, nearest
@@ -34,7 +37,7 @@ class PlaceReader:
         rows = node.get("vectors").entries("list of vectors", 3)
         vectors, constant = self.problems.together(lambda: self.vectors(node, rows, directions), lambda: self.constant(node))
         positions = self.positions(node, vectors, directions, sites)
-        return checked(Places(scaled(vectors, constant), positions), node, directions)
+        return checked(Places(scaled(vectors, constant[0]), positions, measured=constant[1]), node, directions)
 
     def idle(self, node: Node) -> None:
         for key in ("positions", "constant"):
@@ -53,21 +56,24 @@ class PlaceReader:
         if CRYSTALS[name].directions != directions:
             node.get("size").wrong(codes.COUNT, f"`{name}` has {plural(CRYSTALS[name].directions, 'direction')}, `size` has {directions}",
                                    "give one size for each direction")
-        return places_of(name, self.constant(node))
+        value, measured = self.constant(node)
+        return replace(places_of(name, value), measured=measured)
 
-    def constant(self, node: Node) -> float:
-        """The unit of length of the vectors."""
+    def constant(self, node: Node) -> tuple[float, bool]:
+        """(the unit of length of the vectors, is it one with a unit?)."""
         if not node.has("constant"):
-            return 1.0
-        value = self.number(node.get("constant"))
+            return 1.0, False
+        child = node.get("constant")
+        measured = self.formulas.declared.units is not None and self.formulas.measured(child, "a lattice constant").dimension == LENGTH
+        value = self.number(child, "a lattice constant", LENGTH if measured else NONE)
         if not value > 0:
-            node.get("constant").wrong(codes.VALUE, f"a lattice constant of {value:g}", "it is a length, above 0")
-        return value
+            child.wrong(codes.VALUE, f"a lattice constant of {value:g}", "it is a length, above 0")
+        return value, measured
 
-    def number(self, node: Node) -> float:
+    def number(self, node: Node, what: str = "a lattice vector or position", wanted=NONE) -> float:
         """A number, or a formula without names, such as "sqrt(3)/2"."""
         try:
-            value = float(evaluate(self.formulas.free(node, "a lattice vector or position"), {}))
+            value = float(evaluate(self.formulas.free(node, what, wanted=wanted), {}))
         except UsageError:
             node.wrong(codes.NOT_HERE, "vectors and positions are numbers, which no parameter changes", 'such as `0.5` or `"sqrt(3)/2"`')
         if not abs(value) <= limits.LARGEST:

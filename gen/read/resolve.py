@@ -13,13 +13,14 @@ from .arithmetic import CONSTANT
 from .dimensions import Dimensions
 from .guesses import SELDOM, meant
 from .harmonics import harmonics
-from .names import FUNCTIONS, UNRESERVED
+from .names import FUNCTIONS, PLACE, UNRESERVED
 from .problems import Bad, Problems, TooBig, nearest
 from .quantities import continued, exact
 from .scope import Scope, Typed, is_single
 from .source import Span
 from .syntax import Call, Component, Item, Name, Number, Operation, Quantity, Syntax
 from .units import in_units
+from .vectors import vector
 
 WORDS = {"s": "number", "v": "vector", "b": "condition"}
 
@@ -248,6 +249,8 @@ class Resolver:
             return self.expand(node)
         if node.name in NORMS:
             return self.harmonics(node)
+        if node.name == PLACE:
+            return vector(self, node, self.operands(node.args))
         if node.name in UNRESERVED:
             return self.draw(node)
         if node.name not in FUNCTIONS:

@@ -52,6 +52,7 @@ class Declared:
     units: Optional[Units] = None
     dimensions: dict[str, tuple] = field(default_factory=dict)      # of parameters and families; none: a number without a unit
     conserved: dict[str, tuple] = field(default_factory=dict)       # of families: those of kappa w and of the Casimir
+    places: object = None                               # `vectors.Places`: where sites stand
 
     def names(self) -> set[str]:
         return set(self.parameters) | set(self.families) | set(self.formulas)
@@ -75,6 +76,8 @@ class Scope:
     args: dict[str, Typed] = field(default_factory=dict)
     inside: tuple[str, ...] = ()        # formulas being expanded
     whole: str = ""
+    over: object = None                 # the index family of a term
+    site: str = ""                      # the family whose sites an index that is only a number runs over
 
     def enter(self, formula: Formula, args: dict[str, Typed]) -> "Scope":
         """The scope of a formula's body: its arguments, and no index of the caller."""

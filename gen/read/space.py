@@ -29,8 +29,9 @@ KAPPA = 'give `moment = "1 mu_B"`, from which kappa = moment/gamma follows, or `
 class SpaceReader:
     """Reads [space] into `declared.families`."""
 
-    def __init__(self, declared: Declared, formulas: Formulas, problems: Problems):
+    def __init__(self, declared: Declared, formulas: Formulas, problems: Problems, lattices, graphs):
         self.declared, self.formulas, self.problems = declared, formulas, problems
+        self.homes = lattices, graphs
         self.found: dict = {}       # dimensions of the family that is being read, of kappa, radius and C
 
     def read(self, section: Node) -> None:
@@ -51,10 +52,11 @@ class SpaceReader:
         self.declared.nameless |= name is Bad
         self.declared.unread |= {node.name} if count is Bad else set()
         self.declared.rough |= {node.name} if leaf is Bad else set()
+        count, home = (count, None) if count is Bad else count
         plain = (Num(1) if kind == "sphere" else None, None)
         if name is not Bad:
             self.declared.families[name] = Family(name, kind, *(Num(1) if x is Bad else x for x in (count, kappa)),
-                                                  *(plain if leaf is Bad else leaf), tracer=tracer is True, fixed=fixed is True)
+                                                  *(plain if leaf is Bad else leaf), tracer=tracer is True, fixed=fixed is True, lattice=home and replace(home, family=name))
         if Bad in (name, count, kappa, leaf, tracer, fixed):
             self.declared.hollow = True
             raise Bad
@@ -79,7 +81,7 @@ class SpaceReader:
         node.table(kind, *KEYS[kind])
         self.found = {}
         parts = (kind, *self.problems.tried(
-            lambda: self.formulas.count(node.get(kind)), lambda: self.kappa(node, node.name),
+            lambda: self.sites(node.get(kind)), lambda: self.kappa(node, node.name),
             lambda: (self.radius(node, kind), self.casimir(node, node.name) if kind == "nambu" else None),
             lambda: node.has("tracer") and node.get("tracer").flag(), lambda: node.has("fixed") and node.get("fixed").flag()))
         return self.with_dimension(node, *parts) if self.declared.units else parts
@@ -104,6 +106,15 @@ class SpaceReader:
                 node.wrong(codes.MEASURE, f"`{node.label}` has no strength: kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw", KAPPA)
             at.wrong(codes.DIMENSION, f"kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw, and this is {said(kappa)}", KAPPA)
         return radius
+
+    def sites(self, node: Node) -> tuple:
+        """(how many there are, the lattice or graph of that name on which they lie, or None)."""
+        for home in self.homes if isinstance(node.raw, str) and node.raw not in self.declared.names() else ():
+            if node.raw in home.broken:
+                raise Bad
+            if node.raw in home.known:
+                return home.home(node)
+        return self.formulas.count(node), None
 
     def kind(self, node: Node) -> str:
         node.table()

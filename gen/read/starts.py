@@ -135,14 +135,14 @@ class StartReader:
 
     def formula(self, node: Node, family: Family):
         loose = node.has("normalise") and node.get("normalise").flag()
-        return "formula", tuple(self.components(node, FORMS["formula"], ANY if loose else self.dimension(family)))
+        return "formula", tuple(self.components(node, FORMS["formula"], ANY if loose else self.dimension(family), family.name))
 
-    def components(self, node: Node, keys, wanted) -> list[Expr]:
-        return self.problems.together(*(lambda k=k: self.component(node, k, wanted) for k in keys))
+    def components(self, node: Node, keys, wanted, family: str) -> list[Expr]:
+        return self.problems.together(*(lambda k=k: self.component(node, k, wanted, family) for k in keys))
 
-    def component(self, node: Node, key: str, wanted) -> Expr:
+    def component(self, node: Node, key: str, wanted, family: str) -> Expr:
         child = node.need(key, f"`{' '.join(FORMS['formula'])}` or `theta phi` go together")
-        return self.formulas.free(child, "a start", "i", wanted)
+        return self.formulas.free(child, "a start", "i", wanted, family)
 
     def angles(self, node: Node, family: Family):
         """theta from the z axis, phi around it; times the radius of a sphere."""
@@ -152,7 +152,7 @@ class StartReader:
         if any(node.has(k) and isinstance(node.get(k).raw, list) for k in FORMS["angles"]):
             return self.listed_angles(node, family)
         self.plain(node.get("theta") or node, family)
-        theta, phi = self.components(node, FORMS["angles"], NONE)
+        theta, phi = self.components(node, FORMS["angles"], NONE, family.name)
         s = Op("sin", (theta,))
         unit = (Op("*", (s, Op("cos", (phi,)))), Op("*", (s, Op("sin", (phi,)))),
                 Op("cos", (theta,)))

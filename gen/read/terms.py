@@ -16,6 +16,7 @@ from .scope import Declared, Scope, Typed, is_single
 from .text import meaning
 from .tree import Node
 from .units import of_dimension
+from .vectors import with_columns
 from .work import derivatives
 
 
@@ -96,6 +97,7 @@ class TermReader:
         if key == "energy":
             self.formulas.fits(found, formula.text().whole, "an energy", ENERGY)
         value = found.expr if key == "energy" else self.told(node, found)
+        over = with_columns(over, value)
         self.known({*families_of(over).values(), *(e.family for e in walk(value) if isinstance(e, Spin))})
         if key == "energy" and not isinstance(over, Once):
             over, value = self.summed(formula, over, value)
@@ -113,6 +115,8 @@ class TermReader:
             formula.wrong(codes.BIG, f"the derivatives of `{node.name}` take some {work} operations; at most {limits.DERIVATIVES} are "
                           "allowed", "write it as several effects, each with some terms of the sum, or shorter")
 
+    with_columns = staticmethod(with_columns)
+
     def known(self, families: set) -> None:
         """Leave a term of families whose declaration has errors: what it does to them is not known."""
         if families & self.declared.unread:
@@ -129,7 +133,7 @@ class TermReader:
     def scope(self, over: Over, what: str) -> Scope:
         weights = frozenset(n for n, _ in over.columns) if isinstance(over, Graph) else frozenset()
         numbers = frozenset({over.number} - {""}) if isinstance(over, Lattice) else frozenset()
-        return Scope(self.declared, f"an {what}", time=True, indices=families_of(over), weights=weights, numbers=numbers)
+        return Scope(self.declared, f"an {what}", time=True, indices=families_of(over), weights=weights, numbers=numbers, over=over)
 
     def tracers(self, value) -> set:
         """The vectors of tracers that `value` depends on."""

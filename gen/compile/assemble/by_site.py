@@ -58,6 +58,8 @@ def of_term(low, t) -> str | None:
         return f"{name} is a sum over neither sites nor bonds of the lattice"
     if switched(t.derived):
         return f"{name} has branches"
+    if t.weights():
+        return f"{name} names both the vector and the number of a bond"
     blocks = [x for block in t.derived.hessian.values() for x in block]
     if t.derived.parts or any(x.free_symbols & {v for vector in t.derived.vectors for v in vector} for x in blocks):
         return f"{name} is not quadratic in the spins"

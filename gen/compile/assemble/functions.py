@@ -12,8 +12,8 @@ from ..lower.trim import trim
 
 def value_sums(model) -> list:
     """[(kind, name of the term, statements that add up its values)] of the energies and observables."""
-    terms = [("energy", t) for t in model.energies] + [("observe", t) for t in model.observables]
-    return [(kind, t.derived.term.name, sums(model, [t], lambda t: value_body(model, t))) for kind, t in terms]
+    terms = [("energy", *named) for named in model.sums.items()] + [("observe", t.derived.term.name, [t]) for t in model.observables]
+    return [(kind, name, sums(model, parts, lambda t: value_body(model, t))) for kind, name, parts in terms]
 
 
 def definitions(model) -> tuple[list, list]:

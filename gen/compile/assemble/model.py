@@ -6,6 +6,7 @@ from ...language.spec import Lattice, Spec
 from ...language.sublattice import within
 from ...language.tracers import moves_tracers
 from ...methods import METHODS
+from ..by_bond import by_bond, split
 from ..derive.derivatives import switched
 from ..features import ASKS, EVERYWHERE, chosen_features
 from ..lower.code import At, Name
@@ -31,11 +32,13 @@ class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
     families: sizes, strengths and leaves; energies, observables: kernels of one term; torques: of those that are fields beside the gradients; responses: laws of families whose sites do more than precess;
-    reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; parts: those of `parts.py` that it has, each also an
+    effects: of the spec, by name, what each is made of (`by_bond`); reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; parts: those of `parts.py` that it has, each also an
     attribute by its name, what it is made of or None; whole: the spec with absent sites in its terms; why_by_site: why a lattice goes site by site.
     """
 
     def __init__(self, spec: Spec, plan: Plan, features=(), contributions=None):
+        self.effects = split(spec)
+        spec = by_bond(spec)
         self.whole, self.spec, self.plan, self.method = safe_indices(one_site(spec)), safe_indices(one_site(present(spec))), plan, METHODS[plan.method]
         self.features = chosen_features(features)
         self.contributions = contributions_of(spec, self.method) if contributions is None else contributions
@@ -79,6 +82,12 @@ class Model:
             require(self.contributions, ASKS.get(feature, ()), f"feature {feature}")
         if self.method.free_body:
             require_free_body(self.spec, self.plan.method)
+
+    @property
+    def sums(self) -> dict:
+        """Name of each energy of the spec -> the terms that it is made of."""
+        terms = {t.derived.term.name: t for t in self.energies}
+        return {name: [terms[part.name] for part in parts] for name, parts in self.effects.items() if all(part.name in terms for part in parts)}
 
     @property
     def fields(self) -> tuple:

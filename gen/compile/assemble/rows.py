@@ -7,7 +7,6 @@ rows or it does not, whatever the time is.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import prod
 
 import sympy as sp
 
@@ -16,7 +15,7 @@ from ...language.spec import Lattice, Sites
 from ..lower.code import Argument, Assign, Braces, Call, Element, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS, term_kernels
-from ..plan.colouring import Colouring, colouring
+from ..plan.colouring import KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
@@ -33,7 +32,6 @@ from .site_values import count, differs, names, sited, value_function, with_site
 from .site_values import taken as taken_values, taken_value
 from .slots import Slots
 
-KNOWN = 300     # kinds of rows whose neighbours are kept at hand: with six of them 72 KB
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 
@@ -181,13 +179,7 @@ def fits(found: Rows, lattices) -> bool:
     even = found.step > 1 or all(len(found.places(k)) == found.ranks for k in range(c.colours))
     near = all(abs(a[1][0] - b[1][0]) <= REACH * found.step for over in lattices for bond in over.bonds for a in bond for b in bond)
     based = all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
-    return c.colours > 1 and even and near and based and known_rows(found, lattices) <= KNOWN
-
-
-def known_rows(found: Rows, lattices) -> int:
-    """SMG_KNOWN of smg_rows.h."""
-    reach = [max(abs(a[1][d] - b[1][d]) for over in lattices for bond in over.bonds for a in bond for b in bond) for d in range(1, len(found.over.size))]
-    return found.colours.colours * found.ranks * found.step * (2 * (reach or [0])[0] + found.step) * prod(2 * r + 1 for r in reach[1:])
+    return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= KNOWN
 
 
 def rest_field(model, low, f, whole):

@@ -21,7 +21,7 @@ SLOTS = ("structs", "between", "public", "bodies", "flat")
 def interface_slots(model: Model, M: str, sums: list) -> dict:
     """Of interface.c.j2; sums: `value_sums`, without arguments that nothing reads."""
     values = [value_slots(*one) for one in sums]
-    energy = " + ".join(f"{M}_energy_{t.derived.term.name}(model, t, w)" for t in model.energies)
+    energy = " + ".join(f"{M}_energy_{name}(model, t, w)" for name in model.sums)
     return dict(defaults=defaults(model), values=values, energy_sum=energy or "0", **shell(model))
 
 
@@ -60,7 +60,7 @@ def header_slots(model: Model) -> dict:
         held=[member for part in model.parts for member in part.held(model)],
         members=[member for part in model.parts for member in part.members(model)],
         first=[member for part in model.parts for member in part.first_members(model)], included=[name for part in model.parts for name in part.included(model)],
-        integer_names=[name for name, _ in model.coefficients.sizes], effects=[e.name for e in model.spec.energies],
+        integer_names=[name for name, _ in model.coefficients.sizes], effects=list(model.sums),
         model_names=model.coefficients.of_model, state_names=model.coefficients.of_state, observables=[o.name for o in model.spec.observables],
         **{slot: value for part in model.parts for slot, value in part.slots(model).items()})
 
@@ -80,7 +80,7 @@ def banner(model: Model) -> dict:
         method_text=model.method.summary + not_symplectic(model), solver_text=comment(f"{plan.solver}: {plan.reason}"),
         bracket_text=f"{'' if spec.orientation > 0 else 'minus '}w x (1/kappa) dH/dw" + "".join(comment(e.note) for e in spec.effects),
         units_text=[comment(line) for line in units_lines(spec)],
-        effects_text=comment(", ".join(spec.effect_names) or "none"),
+        effects_text=comment(", ".join(model.effects) or "none"),
         **shell(model),
         operations_text=comment("gradient of one term: " + ", ".join(counts)),
         families_text=comment(", ".join(f.name for f in model.families)),
@@ -112,7 +112,7 @@ def abi_slots(model: Model, M: str) -> dict:
     lines = [f"p.{in_c(p.name)} = {'(int64_t)' if p.kind == 'int' else ''}scalars[{k}];"
              for k, p in enumerate(scalars)]
     lines += [f"p.{in_c(p.name)} = arrays[{k}];" for k, p in enumerate(arrays)]
-    effects, observables = [e.name for e in model.spec.energies], [o.name for o in model.spec.observables]
+    effects, observables = list(model.sums), [o.name for o in model.spec.observables]
     return dict(assignments=lines, scalars=len(scalars), arrays=len(arrays), prototypes=[one.declared(M, "_abi_") for one in flat(shell(model)["has"])], **shell(model),
                 effects=effects, observables=observables, families=model.families,
                 columns=1 + len(effects) + 3 * len(model.families) + len(observables))

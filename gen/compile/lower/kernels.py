@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from ...language.spec import Graph, Term
+from ...language.spec import Graph, Lattice, Term
 from ..derive.derivatives import Derived, derive, derive_field
 from .code import Add, Argument, Call, Component, Function, Name, Return
 from .integers import Index
@@ -39,7 +39,7 @@ class TermKernels:
         return self.derived.slots
 
     def weights(self):
-        return [f"weight_{c}" for c, _ in self.over.columns] if isinstance(self.over, Graph) else []
+        return [f"weight_{c}" for c, _ in self.over.columns] if isinstance(self.over, (Graph, Lattice)) else []
 
     def call(self, what: str, vectors, *outputs) -> Call:
         """`prefix_what(c, i, j, weights, vectors, outputs)`."""

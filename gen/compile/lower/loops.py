@@ -8,8 +8,10 @@ from __future__ import annotations
 from functools import lru_cache
 from hashlib import sha256
 
+import sympy as sp
+
 from ...language.spec import Each, Graph, Lattice, Once, Pairs, Sites
-from .code import Entry, For, Let, Scope, Value, real_of, tidy, where
+from .code import Entry, For, Let, Real, Scope, Value, real_of, tidy, where
 from .integers import ZERO, Cell, Index, compare, modulo, quotient, remainder, times, total, wrapped
 
 SITE = Index("site")
@@ -67,7 +69,8 @@ class Loops:
         tests, lines, back = [], [], (0,) * len(cells) if member is None else over.bonds[n][member][1]
         for name, (sub, offset) in zip(over.indices, over.bonds[n]):
             lines.append(self.site(over, name, sub, tuple(a - b for a, b in zip(offset, back)), cells, tests))
-        return where(tests, (*lines, *self.numbered(over, n, cells, back), *body))
+        weights = (Value(f"weight_{c}", Real(sp.Float(values[n]), {})) for c, values in over.columns)
+        return where(tests, (*lines, *self.numbered(over, n, cells, back), *weights, *body))
 
     def numbered(self, over: Lattice, n: int, cells, back) -> tuple:
         """The number of that bond, where the formula asks."""

@@ -13,6 +13,7 @@ from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, walk
 from ...language.spec import Graph, Lattice, Spec
 from ...language.tracers import moves_tracers
+from ..by_bond import by_bond
 from .contributions import all_offer, contributions_of, require, require_of_method, require_of_responses
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
@@ -115,6 +116,7 @@ def chain_band(overs, coupled) -> tuple:
 def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
     """The plan for a method and a requested solver ('auto', 'newton', 'rotation', 'plain'), from what methods ask and
     contributions offer (None: the effects of the spec)."""
+    spec = by_bond(spec)
     contributions = contributions_of(spec, METHODS[method]) if contributions is None else contributions
     coupled = coupled_families(spec, contributions)
     local = tuple(f.name for f in spec.families if f.name not in coupled)
