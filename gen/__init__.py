@@ -23,6 +23,7 @@ from .run.many.sweep import sweep
 from .run.fields.field import load_field
 from .run.files.output import Result, load_result
 from .run.fields.snapshot import snapshot
+from .show import notebook as _notebook      # tells the classes what notebooks show of them  # noqa: F401
 from .show.plot import plot
 from .read import load_text
 from .run.run import Interrupted, repeat, run

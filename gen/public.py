@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import difflib
 import functools
+import html
 import inspect
 from typing import Callable, TypeVar
 
@@ -11,6 +12,7 @@ from .renamed import ATTRIBUTES, KEYWORDS, now
 
 F = TypeVar("F", bound=Callable)
 SHOWN = 6       # names that a repr lists
+WORDS = 2000    # bytes of text that a notebook shows of one object
 
 
 def public(function: F) -> F:
@@ -63,6 +65,14 @@ class ReadOnly:
             return f"{kind} has no attribute '{name}'{guess(name, known, ATTRIBUTES)}"
         instead = self.INSTEAD.get(name, self.INSTEAD.get("", ""))
         return f"'{name}' of {kind} is only read" + f": {instead}" * bool(instead)
+
+
+def html_of(words: str) -> str:
+    """For notebooks: a text as it stands, as far as it is short."""
+    encoded = words.encode()
+    cut = encoded[:WORDS].decode(errors="ignore")
+    more = "" if len(encoded) <= WORDS else f"\n.. {len(words) - len(cut)} more characters: print() shows them"
+    return f"<pre>{html.escape(cut + more)}</pre>"
 
 
 def few(names) -> str:

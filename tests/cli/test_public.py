@@ -1,5 +1,4 @@
 """What `import smidgen` gives: every name, whatever is imported first; keywords, attributes, reprs."""
-import html
 import inspect
 import subprocess
 import sys
@@ -194,11 +193,3 @@ def test_many_names_are_cut_short():
     effects = "".join(f'[effects.effect{k}]\nenergy = "{k + 1}*w[0].x"\n' for k in range(40))
     text = TOP[:TOP.index("[effects")] + effects + TOP[TOP.index("[starts"):]
     assert short(smidgen.load_text(text)) and "(40)" in repr(smidgen.load_text(text))
-
-
-def test_a_notebook_shows_the_player(spec, result):
-    shown = result._repr_html_()
-    page = html.unescape(shown.split('srcdoc="')[1].split('"')[0])
-    assert shown.startswith("<iframe ") and page.lstrip().startswith("<!") and page.rstrip().endswith("</html>")
-    assert "top" in page and "allow-scripts" in shown and "http:" not in page
-    assert smidgen.run(spec, what=["energy"])._repr_html_() is None

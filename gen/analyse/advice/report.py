@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import RunError, UsageError
 from ...methods import METHODS
-from ...public import public
+from ...public import html_of, public
 from ...read.shipped import SpecLike, spec_or_name
 from ...run.settings import duration, model_of, settle
 from ...run.step.prepared import find_run
@@ -67,6 +67,9 @@ class Advice:
     def words(self) -> list[str]:
         """The advice in plain sentences."""
         return sentences(self)
+
+    def _repr_html_(self) -> str:
+        return html_of("\n".join(self.words()))
 
     def as_dict(self) -> dict:
         """For JSON."""

@@ -12,7 +12,7 @@ from ...methods import METHODS
 from ...compile.plan.splitting import splittings
 from ...compile.plan.held import present
 from ...compile.select import select
-from ...public import few, public
+from ...public import few, html_of, public
 from ...read.shipped import SpecLike, spec_or_name
 from ...run.step.prepared import asked as asked_of, choose
 from ...run.step.evaluated import casimir_matrices, kappas
@@ -70,6 +70,9 @@ class Report:
         """The report in plain sentences."""
         from .words import sentences
         return sentences(self)
+
+    def _repr_html_(self) -> str:
+        return html_of("\n".join(self.words()))
 
     def as_dict(self) -> dict:
         """For JSON."""

@@ -13,7 +13,6 @@ import os
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
@@ -42,10 +41,10 @@ class Result(ReadOnly):
     shape (sites, 3), at meta["done"] steps. substeps: rows step, t, k of the steps that were
     taken as 2^k smaller ones, shape (m, 3), None when that was not asked for. summary: the
     last time t, the largest changes over the outputs, of conserved quantities (errors) and of
-    others (changes), seconds of stepping and writing. A notebook shows the player of the states.
+    others (changes), seconds of stepping and writing. A notebook shows a picture.
     """
     INSTEAD = {"": "smidgen.run(spec, ...) makes another result"}
-    _player: ClassVar[Callable | None] = None        # the stage that draws puts in what notebooks show of a result
+    _shows: ClassVar[object | None] = None       # the stage that draws puts in what notebooks show of a result
     meta: dict
     step: np.ndarray
     t: np.ndarray
@@ -93,9 +92,20 @@ class Result(ReadOnly):
         """
         return dataframe(self)
 
-    def _repr_html_(self) -> str | None:
-        """The player, for notebooks; None where there is nothing to play, and the repr is shown."""
-        return self._player() if self._player else None
+    def plot(self, kind: str = "auto"):
+        """A picture of this result for a notebook, which shows what this returns; no file is written. kind: one of `smidgen.show.plot.kinds()`.
+
+        Raises UsageError for a result that holds nothing of that kind, MissingTool without matplotlib.
+        """
+        return self._shows.plot(self, kind)
+
+    def play(self):
+        """The player of this result for a notebook, which shows what this returns; no file is written. Raises as `plot` does."""
+        return self._shows.play(self)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what ran, and a picture."""
+        return self._shows.html(self)
 
 
 @public

@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ...errors import MissingTool, UsageError
 from ...language.spec import Spec
 from ...packages import needed
 from ...public import public
@@ -49,13 +48,8 @@ def page(result) -> str:
     return drawn(result)
 
 
-def played(result: Result) -> str | None:
-    """The player inside a notebook; None where there is nothing to play."""
-    from .player import framed
-    try:
-        return framed(page(result))
-    except (MissingTool, UsageError):
-        return None
-
-
-Result._player = played
+def drawn(result: Result, kind: str = "auto"):
+    """The matplotlib figure of a result. Raises UsageError for one that cannot be drawn, and for the player, which is a page."""
+    needed("matplotlib", "a picture")
+    from .draw import figure
+    return figure(result, kind)

@@ -33,9 +33,14 @@ def leading(rows, what: str) -> list[str]:
     return sorted(found, key=lambda name: (name != MIDPOINTS[0], list(own).index(name)))
 
 
-@styled
 def draw_cost(cost: Cost, path) -> Path:
     """Draw the table into a .png, .svg or .pdf; returns its path. Raises UsageError for another format."""
+    return save(cost_figure(cost), path)
+
+
+@styled
+def cost_figure(cost: Cost):
+    """Error against time, by energy, phase and end; below, the energy error along long runs."""
     figure = new_figure(11, 8)
     axes = figure.subplots(2, 2).ravel()
     names = leading(cost.rows, "energy" if cost_is_chaotic(cost) else "end_error")
@@ -49,7 +54,7 @@ def draw_cost(cost: Cost, path) -> Path:
     f = cost.facts
     figure.suptitle(f"{f['spec']} {f['run']}: what accuracy costs (time {f['time']}, {f['sites']} sites)", x=0.01, ha="left")
     footnote(figure, f["machine"], f"reference: {f['reference']}", failures(cost), behind(cost.rows, names))
-    return save(figure, path)
+    return figure
 
 
 def behind(rows, names) -> str:

@@ -44,6 +44,16 @@ def shown(result):
     return drawable(result)
 
 
+def figure(result, kind: str = "auto"):
+    """The picture of a result as a figure. Raises UsageError for a kind that is none, or that a result has not."""
+    wanted(kind, None)
+    result = shown(with_facts(result))
+    chosen = suitable(result, False) if kind == "auto" else kind
+    if chosen == "player":
+        raise UsageError("the player is a page, not a picture: result.play()")
+    return styled(KINDS[chosen][0])(result)
+
+
 def page(result) -> str:
     """The player of a result, as HTML text. Raises UsageError for one that cannot be drawn."""
     return styled(KINDS["player"][0])(shown(with_facts(result)))

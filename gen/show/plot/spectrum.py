@@ -16,9 +16,14 @@ STATIC = 2          # frequencies on either side of 0 that the line of what does
 NO_PATH = "a picture needs a path of wave vectors, such as --q \"0,0 1/2,0 1/2,1/2\""
 
 
-@styled
 def draw_spectrum(spectrum, path) -> Path:
     """Draw a Spectrum into a .png, .svg or .pdf; returns its path. Raises UsageError for waves that are no path, and for another ending."""
+    return save(spectrum_figure(spectrum), path)
+
+
+@styled
+def spectrum_figure(spectrum):
+    """S(q, omega) along a path of waves. Raises UsageError for waves that are none."""
     meta = spectrum.meta
     if meta["waves"] == "all" and spectrum.q.shape[1] > 1:
         raise UsageError(NO_PATH)
@@ -34,7 +39,7 @@ def draw_spectrum(spectrum, path) -> Path:
     ax.grid(False)
     ax.set_title(shown(f"{meta['spec']} {meta['run']}: waves of {meta['family']}"))
     footnote(figure, f"window: {meta['window']}", f"{meta['parts']} parts" * (meta["parts"] > 1), f"h = {meta['h']:.6g}, output every {meta['every']}")
-    return save(figure, path)
+    return figure
 
 
 def brightest(spectrum) -> float:

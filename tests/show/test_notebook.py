@@ -1,0 +1,81 @@
+"""What a notebook shows: a few words and a picture of every object, equations typeset, and no stray file."""
+import base64
+import html
+import os
+import re
+
+import pytest
+import smidgen
+from smidgen.language.expr import Num, Op, Par, Spin
+from smidgen.show.equations import equations, symbol, text
+
+x = Op("x", (Spin("w", "i"),))
+
+
+@pytest.fixture(scope="module")
+def result():
+    return smidgen.run("free_rigid_body", steps=20)
+
+
+def words_of(shown: str) -> str:
+    """Without the pictures."""
+    return re.sub(r'<img [^>]*src="data:image/png;base64,[^"]*">', "", shown)
+
+
+def test_a_result_shows_words_and_a_picture(result):
+    shown = result._repr_html_()
+    (image,) = re.findall(r'src="data:image/png;base64,([^"]*)"', shown)
+    assert base64.b64decode(image).startswith(b"\x89PNG") and len(words_of(shown)) < 2048
+    assert html.escape("<Result free_rigid_body demo: spherical-midpoint") in shown
+
+
+def test_plot_and_play_write_no_file(result, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "data:image/png;base64," in result.plot("energy")._repr_html_() and repr(result.plot("energy")).startswith("<picture of <Result")
+    page = html.unescape(result.play()._repr_html_().split('srcdoc="')[1].split('"')[0])
+    assert page.lstrip().startswith("<!") and "http:" not in page
+    assert os.listdir(tmp_path) == []
+    with pytest.raises(smidgen.UsageError, match="no kind of picture 'energi'; did you mean 'energy'"):
+        result.plot("energi")
+    with pytest.raises(smidgen.UsageError, match=r"the player is a page, not a picture: result.play\(\)"):
+        result.plot("player")
+
+
+def test_a_result_without_states_shows_what_it_has():
+    assert "<pre>" in smidgen.run("free_rigid_body", steps=3, what=[])._repr_html_()
+
+
+def test_reports_show_their_words():
+    for one in (smidgen.explain("free_rigid_body"), smidgen.validate("free_rigid_body", steps=3)):
+        shown = one._repr_html_()
+        assert shown.startswith("<pre>") and len(shown.encode()) < 3000
+
+
+@pytest.mark.parametrize("name", sorted(smidgen.read.shipped.shipped()))
+def test_every_spec_shows_its_equations(name):
+    shown = smidgen.load(name)._repr_markdown_()
+    assert len(shown.encode()) <= 2048 and shown.count("$$") == 2 and shown.count("{") == shown.count("}")
+    assert shown.count(r"\left") == shown.count(r"\right")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("e, said", [
+    (Op("*", (Op("neg", (Par("J"),)), Op("dot", (Spin("w", "i"), Spin("w", "j"))))), r"-J \, w_{i} \cdot w_{j}"),
+    (Op("^", (x, Num(2))), "w_{i, x}^{2}"), (Op("^", (Op("+", (Par("a"), Num(1))), Num(2))), r"\left(a + 1\right)^{2}"),
+    (Op("/", (Par("kappa"), Num(2.5e-7))), r"\frac{\kappa}{2.5 \cdot 10^{-7}}"), (Op("*", (Num(2), Num(3.141592653589793))), r"2 \cdot \pi"),
+    (Op("if", (Op("<=", (x, Num(0))), Num(1), Num(-1))), r"\begin{cases} 1 & w_{i, x} \le 0 \\ -1 & \text{else} \end{cases}"),
+    (Op("-", (Par("a"), Op("-", (Par("b"), Par("c"))))), r"a - \left(b - c\right)"), (Op("sqrt", (Par("a"),)), r"\sqrt{a}"),
+    (Op("atan2", (Par("a"), Par("b"))), r"\operatorname{atan2}\left(a, b\right)")])
+def test_formulas(e, said):
+    assert text(e) == said
+
+
+@pytest.mark.quick
+def test_names():
+    assert [symbol(name) for name in ("J", "alpha", "I1", "k_max", "spin", "Omega_0")] == ["J", r"\alpha", r"I_{\mathrm{1}}", r"k_{\mathrm{max}}", r"\mathrm{spin}", r"\Omega_{\mathrm{0}}"]
+
+
+@pytest.mark.quick
+def test_the_heisenberg_chain():
+    assert equations(smidgen.load("heisenberg_chain")) == [
+        r"\dot w_i = w_i \times \frac{\partial H}{\partial w_i}, \qquad H = \underbrace{\sum_{\langle i, j \rangle} w_{i} \cdot w_{j}}_{\text{exchange}}"]
