@@ -10,6 +10,7 @@ from smidgen.resources import scenes, shipped
 # Parameters that select another layout than the defaults, or the same one with fewer sites; a spec that is not named here has its defaults alone.
 SIZES = {
     "cubic_lattice": ({"nx": 4, "ny": 4, "nz": 4}, {"nx": 5, "ny": 4, "nz": 3}),
+    "film_in_units": ({"n": 4},),
     "film_pulse": ({"n": 4}, {"n": 5, "kT": 0.0}),
     "heisenberg_chain": ({"n": 5}, {"n": 32}, {"n": 45}),
     "honeycomb": ({"nx": 4, "ny": 4}, {"nx": 5, "ny": 3}),

@@ -161,6 +161,6 @@ def drawn(name: str, spec, result, out: Path) -> tuple[Picture, ...]:
 
 def caption(result) -> str:
     """Run, method, step and duration."""
-    meta = result.meta
+    meta, unit = result.meta, (result.meta.get("units") or {}).get("time", "")
     return (f"Run '{meta['run']}' of {meta['spec']}: {meta['method'].replace('-', ' ')}, "
-            f"h = {meta['h']:.4g}, {meta['done']} steps.")
+            f"h = {meta['h']:.4g}{' ' * bool(unit) + unit}, {meta['done']} steps.")
