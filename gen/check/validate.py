@@ -19,7 +19,7 @@ from ..errors import RunError, UsageError, ValidationError
 from ..extremes import largest, smallest, with_largest
 from ..methods import METHODS
 from ..language.spec import Spec
-from ..public import public
+from ..public import html_of, public
 from ..read.shipped import SpecLike, spec_or_name
 from ..run.settings import Settings, model_of, settle
 from ..run.step.evaluated import casimir_matrices
@@ -100,6 +100,9 @@ class Report:
             table.add_row(x.check, f"{x.measured:.3g}", x.bound, "ok" if x.passed else "FAILED",
                           x.note)
         return table
+
+    def _repr_html_(self) -> str:
+        return html_of(self.text())
 
     def text(self) -> str:
         """The table as plain text, a line for each comparison, however long."""

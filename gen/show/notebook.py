@@ -9,8 +9,6 @@ import html
 import io
 
 from ..analyse.spectrum import Spectrum
-from ..check.validate import Report
-from ..check.verify.certificate import Certificate
 from ..cost.report import Cost
 from ..errors import MissingTool, UsageError
 from ..language.spec import Spec
@@ -117,5 +115,3 @@ Spec._repr_markdown_ = of_spec
 Cost._repr_html_ = of_cost
 Spectrum._repr_html_ = of_spectrum
 Averages._repr_html_ = of_averages
-for kind in (Report, Certificate):
-    kind._repr_html_ = lambda report: html_of(report.text())

@@ -24,7 +24,7 @@ FLOORS = (      # from the ground up
     ("run/step",), ("run/files",), ("run/fields",), ("run/record",), ("run",), ("run/many",),
     ("analyse", "analyse/symmetry"), ("analyse/advice",),
     ("check/witness", "cost/measure"), ("check", "cost/peers"), ("check/verify", "cost"),
-    ("show", "show/plot"), ("show/demo",), ("cli",), (TOP,))
+    ("show/plot",), ("show",), ("show/demo",), ("cli",), (TOP,))
 FLOOR = {room: number for number, floor in enumerate(FLOORS) for room in floor}
 
 

@@ -8,6 +8,7 @@ from ...version import __version__
 from ...build.binary import compiler_version, find_compiler, generator_digest
 from ...compile.features import chosen_features
 from ...compile.select import select
+from ...public import html_of
 from ...errors import RunError, UsageError, ValidationError
 from ...language.spec import Spec
 from ...run.settings import settle
@@ -91,6 +92,9 @@ class Certificate:
         for r in self.rows:
             table.add_row(r.name, shown(r.measured), r.criterion, f"[{styles[r.verdict]}]{r.verdict}[/]", r.note)
         return table
+
+    def _repr_html_(self) -> str:
+        return html_of(self.text())
 
     def text(self) -> str:
         """The table as plain text."""
