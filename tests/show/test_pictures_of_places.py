@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 from PIL import Image
+from support.pages import blocks
 from support.pictures import data_of, film, ring, top  # noqa: F401
 
 from smidgen.errors import MissingTool, UsageError
@@ -116,3 +117,38 @@ def test_a_film_without_ffmpeg_is_refused(film, tmp_path):
 def test_a_film_of_a_curve_is_refused(film, tmp_path):
     with pytest.raises(UsageError, match="leave --kind out, not 'energy'"):
         draw.plot(film, kind="energy", out=tmp_path / "film.gif")
+
+
+@pytest.mark.parametrize("number, small", [(0, {"n": 64}), (1, {"n": 2})])
+def test_the_large_lattices_of_the_document_are_drawn(number, small, tmp_path):
+    """Smaller here; as they stand they have at most forty lines."""
+    text = blocks("figures.md", "toml")[number]
+    assert len(text.splitlines()) <= 40
+    found = smidgen.run(smidgen.load_text(text), steps=2, parameters=small, estimate=False)
+    assert draw.plot(found, out=tmp_path / "p.png").stat().st_size > 20_000 and len(draw.page(draw.with_facts(found))) > 20_000
+
+
+OWN = """
+[model]
+name = "brick"
+[space]
+w = { sphere = 24 }
+[lattices.brick]
+size = [4, 3]
+vectors = [[2, 0, 0], [1, 1, 0]]
+positions = [[0, 0], [0.5, 0]]
+boundary = "open"
+[effects.exchange]
+over = "bond(i, j) of brick"
+energy = "-dot(w[i], w[j])"
+[starts.random]
+random = 1
+"""
+
+
+def test_a_lattice_of_ones_own_is_drawn_as_it_is_written(tmp_path):
+    """Two sites a cell: they are where the spec puts them, and a player names cell and site."""
+    found = draw.result_of(smidgen.run(smidgen.load_text(OWN), start="random", h=0.1, steps=2, what=["states"]), None)
+    _, stage = pictures.stage_of(found, {})
+    assert np.allclose(stage.flat, [[2 * (i // 2 % 4) + i // 8 + i % 2, i // 8] for i in range(24)])
+    assert data_of(draw.page(found))["families"][0]["cell"] == {"size": [4, 3], "sites": 2}
