@@ -34,7 +34,7 @@ from ..run.step.prepared import choose
 from ..run.record.record import Recorder
 from ..run.run import MEMORY, advance, describe
 from ..run.settings import model_of, settle, whole
-from .waves import Components, waves
+from .waves import Components, waves, zone
 
 WINDOWS = ("none", "hann")
 COMPONENTS = ("xx", "yy", "zz")
@@ -62,6 +62,17 @@ class Spectrum(ReadOnly):
     def __repr__(self) -> str:
         return (f"<Spectrum {self.meta['spec']} {self.meta['run']}: {self.meta['family']}, {len(self.q)} waves, "
                 f"{len(self.omega)} frequencies {self.omega[0]:.6g} .. {self.omega[-1]:.6g}>")
+
+    @property
+    def names(self) -> list[str]:
+        """Of each wave the name that it has as a corner of the zone, or ""."""
+        zone = self.meta.get("zone", {})
+        return [next((name for name, corner in zone.items() if np.allclose(q, corner, rtol=0, atol=1e-9)), "") for q in self.q]
+
+    @property
+    def wave_vectors(self) -> np.ndarray | None:
+        """(waves, 3): q in space, in units of 1/length; None where the spec gives no places."""
+        return self.q @ np.array(self.meta["reciprocal"]) if self.meta.get("reciprocal") else None
 
     @property
     def mean(self) -> np.ndarray:
@@ -113,12 +124,12 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
              window: str = "none", parts: int = 1, autocorrelation: bool = False, basis=None, progress: Callable[[int], object] = lambda done: None) -> Spectrum:
     """Run `spec` and return S(q, omega) of the spins of a family on its lattice.
 
-    family: by default the only one; q: "all" of the first zone, a path "0,0 1/2,0 1/2,1/2" (all waves of the lattice on it), or an
+    family: by default the only one; q: "all" of the first zone, a path "0,0 1/2,0 1/2,1/2" or "Gamma K M Gamma" (all waves of the lattice on it), or an
     array (waves, directions), in units of the reciprocal lattice; window: "none", or "hann", g_n = sin^2(pi n/M) (F. J. Harris,
     Proc. IEEE 66 (1978) 51), which lets the foot of a strong line fall faster; parts: the run is cut into so many equal
     parts, whose spectra are averaged (M. S. Bartlett, Biometrika 37 (1950) 1): less noise and memory, wider lines;
-    autocorrelation: also in time; basis: where the sites of a cell stand, (sites, directions), by default at fractions
-    of its diagonal. run, start .. threads: as for `run`.
+    autocorrelation: also in time; basis: where the sites of a cell stand, (sites, directions), by default as the spec
+    says, else at fractions of its diagonal. run, start .. threads: as for `run`.
 
     The outputs at t = 0, dt, .. are taken, dt = |h| every, the one at the end is not: a part of M outputs tells
     frequencies 2 pi/(M dt) apart below pi/dt, and a faster wave appears at a lower frequency. The formula stands at the head of the module, and in
@@ -136,8 +147,14 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
     keeper = Keeper(family, Components(grid, m, basis), len(m), length, window, parts, autocorrelation)
     recorder = stepped(model, settings, family, grid, keeper, progress)
-    chosen = {"family": family, "waves": q.strip() if isinstance(q, str) else "given", "window": window, "parts": parts, "in_parts": len(recorder.substeps)}
+    chosen = {"family": family, "waves": q.strip() if isinstance(q, str) else "given", "window": window, "parts": parts, "in_parts": len(recorder.substeps), **told_of(grid)}
     return keeper.result({**describe(model, settings, "complete"), **chosen}, m / np.array(grid.size), settings.h * settings.every)
+
+
+def told_of(grid: Grid) -> dict:
+    """Its zone for the metadata: corners by name, and the reciprocal vectors in units of 1/length, [] without places."""
+    reciprocal = grid.reciprocal()
+    return {"zone": {name: [float(x) for x in q] for name, q in zone(grid).items()}, "reciprocal": [] if reciprocal is None else reciprocal.tolist()}
 
 
 def part_length(settings, parts) -> int:

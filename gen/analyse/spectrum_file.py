@@ -12,6 +12,12 @@ from .spectrum import COMPONENTS, Spectrum, saved_as
 
 ASKED = {"family": text, "waves": text, "window": text, "parts": count, "in_parts": count}     # beside what a run says of itself
 
+PLACED = {"zone": lambda value: isinstance(value, dict) and all(rows_of_numbers([q]) for q in value.values()), "reciprocal": lambda value: rows_of_numbers(value)}    # of lattices with places
+
+
+def rows_of_numbers(value) -> bool:
+    return isinstance(value, list) and all(isinstance(row, list) and 0 < len(row) <= 4 and all(type(x) in (int, float) for x in row) for row in value)
+
 
 @public
 def load_spectrum(path: str | os.PathLike) -> Spectrum:
@@ -51,7 +57,10 @@ def known(given: str) -> dict:
     wrong = [key for key, kind in ASKED.items() if key not in meta or not kind(meta[key])]
     if wrong:
         raise Wrong(f"its metadata lacks '{wrong[0]}', or that is not what it should be")
-    return {**{key: meta[key] for key in meta if key in of_run or key in ASKED}, **{key: of_run[key] for key in of_run if key not in meta}}
+    wrong = [key for key, kind in PLACED.items() if key in meta and not kind(meta[key])]
+    if wrong:
+        raise Wrong(f"'{wrong[0]}' of its metadata is not what it should be")
+    return {**{key: meta[key] for key in meta if key in of_run or key in ASKED or key in PLACED}, **{key: of_run[key] for key in of_run if key not in meta}}
 
 
 def fit(arrays: dict) -> None:

@@ -1,7 +1,7 @@
 """The waves of a lattice: wave vectors q by name, and the components of a state that go with them.
 
 q is in units of the reciprocal lattice: the phase of a wave at the position r (in cells) is 2 pi q.r. On n cells around a
-ring, q is a multiple of 1/n.
+ring, q is a multiple of 1/n. Corners of the zone of a lattice by name have names: "Gamma K M Gamma".
 """
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from ..errors import UsageError
+from ..language.crystals import CRYSTALS
 from ..read.given import constant
 from ..run.fields.grid import Grid
 
@@ -34,11 +35,30 @@ def every_wave(grid: Grid) -> np.ndarray:
 
 
 def corners(grid: Grid, text: str) -> np.ndarray:
-    """The points that a path names."""
-    points = [[constant(number, "a wave vector") for number in point.split(",")] for point in text.split()]
+    """The points that a path names, by numbers or as corners of the zone."""
+    points = [list(named(grid, point)) if point.isidentifier() and point != "pi" else [constant(number, "a wave vector") for number in point.split(",")] for point in text.split()]
     if not points or len({len(point) for point in points}) > 1:
         raise UsageError(f"a path is points of {len(grid.size)} numbers each, such as \"{example(grid)}\", not \"{text}\"")
     return whole(grid, np.array(points, float))
+
+
+def zone(grid: Grid) -> dict[str, tuple]:
+    """The corners of its zone, by name."""
+    crystal = CRYSTALS.get(grid.places.name) if grid.places is not None else None
+    return dict(crystal.corners) if crystal else {"Gamma": (0,) * len(grid.size)}
+
+
+def named(grid: Grid, point: str) -> tuple:
+    """A corner of the zone. Raises UsageError."""
+    known = zone(grid)
+    if point not in known:
+        raise UsageError(f"no corner '{point}' of the zone of this lattice; it has: {', '.join(known)}, or give numbers, such as {example(grid).split()[1]}")
+    return known[point]
+
+
+def name_of(grid: Grid, m) -> str:
+    """Of a wave, where it is a corner of the zone; else ""."""
+    return next((name for name, q in zone(grid).items() if np.allclose(np.array(q) * grid.size, m, rtol=0, atol=WHOLE)), "")
 
 
 def example(grid: Grid) -> str:

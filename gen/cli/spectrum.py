@@ -20,7 +20,7 @@ def add(commands):
     spec_argument(parser)
     model_options(parser)
     parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
-    parser.add_argument("--q", metavar="PATH", default="all", help="wave vectors in units of the reciprocal lattice: corners of a path, "
+    parser.add_argument("--q", metavar="PATH", default="all", help="wave vectors in units of the reciprocal lattice: corners of a path, by numbers or by name (Gamma K M Gamma), "
                         "such as \"0,0 1/2,0 1/2,1/2\", or all (default)")
     parser.add_argument("--h", help="the step: a number or a formula")
     long = parser.add_mutually_exclusive_group()

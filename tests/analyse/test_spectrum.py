@@ -142,7 +142,7 @@ def test_wave_vectors_by_name():
 
 @pytest.mark.parametrize("q, said", [
     ("0 1/4", "q = 0.25 is no wave of 6 cells; the nearest are 1/6 and 2/6"), ("0,0 1/2,0", "has 1 finite numbers"), ("", "points of 1 numbers"),
-    ("0 a", "declared"), ("0 1,2", "points of 1"), ([np.nan], "finite"), ([1e300], "finite"), ("al", "declared"), ([[[0]]], "1 finite"), ([["x"]], "rows of numbers"),
+    ("0 a", "no corner .a."), ("0 1,2", "points of 1"), ([np.nan], "finite"), ([1e300], "finite"), ("al", "no corner .al."), ([[[0]]], "1 finite"), ([["x"]], "rows of numbers"),
     ("0 1/0", ".")])
 def test_what_is_no_wave_vector(q, said):
     with pytest.raises(smidgen.UsageError, match=said):

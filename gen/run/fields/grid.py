@@ -1,18 +1,19 @@
 """The lattice on which a family lies: its cells, their numbers and places.
 
-Sites have no positions in a spec. Here cell (c0, c1, ..) stands at the integers c0, c1, .., and site s of the p
-sites of a cell at the fraction s/p of its diagonal, unless other fractions are given.
+Where a lattice of the spec has vectors and positions, sites stand there. Otherwise cell (c0, c1, ..) stands at the integers c0, c1, .., and site s of
+the p sites of a cell at the fraction s/p of its diagonal, unless other fractions are given.
 """
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import UsageError
 from ...language.evaluate import integer
-from ...language.spec import Lattice, Spec
+from ...language.places import placed_on
+from ...language.spec import Lattice, Places, Spec
 from ...public import public
 from ..files.recorded import spec_of
 from ..step.evaluated import Evaluated
@@ -22,11 +23,12 @@ from ..step.evaluated import Evaluated
 class Grid:
     """Cells of a lattice: cell (c0, c1, ..) has the number c0 + size0*(c1 + size1*(..)); the sites of a cell follow each other.
 
-    size: cells in each direction; periodic: True where a direction is closed; sites: of a cell.
+    size: cells in each direction; periodic: True where a direction is closed; sites: of a cell; places: vectors and positions, where the spec gives them.
     """
     size: tuple[int, ...]
     periodic: tuple[bool, ...]
     sites: int = 1
+    places: Places | None = field(default=None, compare=False)
 
     @property
     def count(self) -> int:
@@ -46,12 +48,23 @@ class Grid:
         return (cells[:, None] + self.basis(basis)).reshape(-1, len(self.size))
 
     def basis(self, given=None) -> np.ndarray:
-        """Fractions (sites, directions) of a cell: those given, else site s at s/sites of the diagonal."""
+        """Fractions (sites, directions) of a cell: those given, else those of the spec, else site s at s/sites of the diagonal."""
+        if given is None and self.places is not None:
+            return self.fractions()
         diagonal = np.repeat(np.arange(self.sites)[:, None] / self.sites, len(self.size), axis=1)
         basis = diagonal if given is None else np.asarray(given, float)
         if basis.shape != diagonal.shape or not np.all(np.isfinite(basis)):
             raise UsageError(f"a basis has {self.sites} rows of {len(self.size)} finite numbers")
         return basis
+
+    def fractions(self) -> np.ndarray:
+        """Where the sites of a cell stand, in fractions of the vectors along which cells follow each other; what is across them has none."""
+        vectors = np.array(self.places.vectors, float)
+        return np.array(self.places.positions, float) @ vectors @ np.linalg.pinv(vectors[:len(self.size)])
+
+    def reciprocal(self) -> np.ndarray | None:
+        """Rows b_1, b_2, .. with a_j.b_k = 2 pi (j = k): q = q_1 b_1 + .. in units of 1/length. None without places."""
+        return None if self.places is None else 2 * np.pi * np.linalg.pinv(np.array(self.places.vectors, float)[:len(self.size)]).T
 
 
 @public
@@ -81,11 +94,18 @@ def grids_of(numbers: Evaluated, family: str, called=None) -> list[Grid]:
         if isinstance(over, Lattice) and over.family == family:
             key = tuple(integer(e, numbers.values, "the size of a lattice") for e in over.size), over.sites
             found[key] = tuple(a and b for a, b in zip(over.periodic, found.get(key, over.periodic)))
-    grids = [Grid(size, periodic, per_cell) for (size, per_cell), periodic in found.items()]
+    home = placed_on(spec, family)
+    grids = [Grid(size, periodic, per_cell, of_lattice(home, size, per_cell)) for (size, per_cell), periodic in found.items()]
     for grid in grids:
         if min(grid.size) < 1 or grid.count != count:
             raise UsageError(f"a lattice of {said(grid.size)} cells does not fit the {count} sites of '{family}'")
     return grids
+
+
+def of_lattice(home, size, sites: int) -> Places | None:
+    """The places of cells of so many directions and sites, where the family stands on such a lattice."""
+    fits = isinstance(home, Lattice) and (len(home.size), home.sites) == (len(size), sites)
+    return home.places if fits else None
 
 
 def with_parameters(source, parameters: dict | None) -> tuple[Spec, dict]:

@@ -27,14 +27,14 @@ def spectrum_figure(spectrum):
     meta = spectrum.meta
     if meta["waves"] == "all" and spectrum.q.shape[1] > 1:
         raise UsageError(NO_PATH)
-    x = positions(spectrum.q)
+    x = positions(spectrum.q if spectrum.wave_vectors is None else spectrum.wave_vectors)
     figure = new_figure(8, 5)
     ax = figure.subplots()
     top = brightest(spectrum)
     image = ax.pcolormesh(edges(x), edges(spectrum.omega), np.maximum(spectrum.mean, DEPTH * top).T, norm=LogNorm(DEPTH * top, top), rasterized=True)
     figure.colorbar(image, ax=ax, label="S(q, omega), mean of the components", extend="both")
     at = turns(spectrum.q)
-    ax.set_xticks(x[at], [label(spectrum.q[k]) for k in at])
+    ax.set_xticks(x[at], [spectrum.names[k] or label(spectrum.q[k]) for k in at])
     ax.set(xlabel="q, in units of the reciprocal lattice", ylabel="omega")
     ax.grid(False)
     ax.set_title(shown(f"{meta['spec']} {meta['run']}: waves of {meta['family']}"))
