@@ -52,7 +52,8 @@ def facts(word: str, library) -> dict:
     text = f"{word}: good. {spec.title or spec.name}: " + ", ".join(
         [f"{plural(count, 'site')} {name}" for name, count in families.items()]
         + [f"effects {', '.join(spec.effect_names)}",
-           f"runs {', '.join(steps) or 'none'}"])
+           f"runs {', '.join(steps) or 'none'}"]
+        + ([f"in {', '.join(scale.text for scale in spec.units.scales)}"] if spec.units else []))
     text += "".join(f"\n  warning: nothing uses the parameter '{name}'" for name in idle)
     text += "".join(f"\n  warning: the energy of '{name}' jumps, by {size:.2g} in one term, where a vector crosses an edge of its formula: `smidgen explain`"
                     for name, size in sudden.items())

@@ -10,7 +10,7 @@ from ..language.spec import Spec
 from .source import Sources
 from .tree import Node
 
-LINES = ("model", "space", "parameters", "formulas")       # sections with a line for each entry; of the others each entry is a table
+LINES = ("model", "units", "space", "parameters", "formulas")       # sections with a line for each entry; of the others each entry is a table
 BARE = re.compile(r"[A-Za-z0-9_-]+\Z", re.ASCII)
 
 

@@ -1,5 +1,9 @@
 """Units and dimensions that do not fit: each is refused where it stands, with its cause and what to write instead."""
+import json
+
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from smidgen.errors import SpecError
 from smidgen.language.codes import CONFLICT, DIMENSION, LIMIT, MEASURE, MISSING, NUMBER, SYNTAX, TYPE, UNIT
@@ -157,6 +161,33 @@ def test_what_does_not_fit_is_refused(old, new, code, at, cause):
     assert lines[one.line - 1] == one.text
     here = one.text[one.column - 1:one.column - 1 + one.length].strip('"')
     assert at is None or here.startswith(at.strip('"'))
+
+
+WORDS = ("w[i]", "w[i].z", "J", "K", "B", "T", "m", "t", "pi", "2", "0", "0.5", "1 meV", "2 T", "3 ps^2", "4 kg m", "1 K", "rad", "meV", "ps", "s^-1", "+", "-", "*", "/", "^", "(", ")", ",", "dot(",
+         "vec(", "if(", "<", "exp(", "sqrt(", "max(", "norm(", "9" * 20, "1e200 J", "pulse(", "T^", "[", "]", "g[0]", ".x", " m", " mu_B", "1 m^99", "\u00b5T")
+
+
+@settings(max_examples=120, deadline=None)
+@given(st.lists(st.sampled_from(WORDS), max_size=14), st.booleans())
+def test_any_formula_is_read_or_refused(words, spaced):
+    """Never another exception than SpecError, and never an energy of another dimension."""
+    text = FILM.replace("-K*w[i].z^2 - m*B*pulse(t - 1 ps)*w[i].x", (" " if spaced else "").join(words))
+    try:
+        spec = load_text(text)
+    except SpecError as error:
+        assert all(one.cause and one.hint for one in error.diagnostics)
+    else:
+        assert spec.units
+
+
+@settings(max_examples=120, deadline=None)
+@given(st.text(alphabet="0123456789.eE+-*/^ ()mVTKspJku_Bga\u00b5\\", max_size=40))
+def test_any_value_is_read_or_refused(value):
+    text = FILM.replace('"0.4 meV"', json.dumps(value))
+    try:
+        assert isinstance({p.name: p for p in load_text(text).parameters}["K"].default, (int, float))
+    except SpecError as error:
+        assert all(one.cause and one.hint for one in error.diagnostics)
 
 
 def test_without_units_nothing_has_a_unit():

@@ -116,6 +116,8 @@ def test_results_have_the_units_of_their_columns(tmp_path, both):
                                     "m": "(4 meV)/(8 T)"}
     with h5py.File(tmp_path / "a.h5") as file:
         assert file["t"].attrs["units"] == "0.5 ps" and "units" not in file["final"].attrs
+    pytest.importorskip("xarray")
+    assert smidgen.load_result(tmp_path / "a.h5").to_xarray()["energy"].attrs["units"] == "4 meV"
     assert "# units: t 0.5 ps, w 1, energy 4 meV" in (tmp_path / "a.csv").read_text()
     assert smidgen.run(both[0], "demo", steps=2).meta["units"] is None
 

@@ -21,7 +21,8 @@ def dataset(result):
     axes = {name: tuple(names.get(axis, axis) for axis in axes_of_column(name, column.shape, families)) for name, column in columns.items()}
     used = {axis for of_one in axes.values() for axis in of_one}
     scales = {names[axis]: value for axis, value in values.items() if names[axis] in used}
-    held = {name: (axes[name], column) for name, column in columns.items()}
+    units = (result.meta.get("units") or {}).get("columns", {})
+    held = {name: (axes[name], column, {"units": units[name]} if name in units else {}) for name, column in columns.items()}
     beside = {name: held.pop(name) for name in ("t", "step")}
     return xarray.Dataset(held, {**beside, **scales}, told(result.meta))
 
