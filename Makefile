@@ -4,9 +4,10 @@ VENV   := .venv
 PY     := $(VENV)/bin/python
 # Bytecode lies beside the environment, not among the sources, and is kept: the tests start many interpreters.
 KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
+PREFIX ?= /usr/local
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo site test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
+.PHONY: demo install site test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
@@ -23,6 +24,14 @@ quick: $(VENV)/ready-test
 
 test-long: $(VENV)/ready-site
 	$(PYTEST)
+
+# The command, its Python packages and CMake's file below PREFIX.
+install:
+	$(PYTHON) -m venv "$(PREFIX)/lib/smidgen"
+	"$(PREFIX)/lib/smidgen/bin/pip" install --quiet --disable-pip-version-check ".[hdf5,pictures]"
+	mkdir -p "$(PREFIX)/bin" "$(PREFIX)/lib/cmake/smidgen"
+	ln -sf "$(PREFIX)/lib/smidgen/bin/smidgen" "$(PREFIX)/bin/smidgen"
+	cp templates/cmake/smidgen-config.cmake "$(PREFIX)/lib/cmake/smidgen/"
 
 bench: $(VENV)/ready
 	$(PY) tests/bench/run.py
