@@ -152,3 +152,17 @@ def test_a_lattice_of_ones_own_is_drawn_as_it_is_written(tmp_path):
     _, stage = pictures.stage_of(found, {})
     assert np.allclose(stage.flat, [[2 * (i // 2 % 4) + i // 8 + i % 2, i // 8] for i in range(24)])
     assert data_of(draw.page(found))["families"][0]["cell"] == {"size": [4, 3], "sites": 2}
+
+
+def test_units_of_a_result_are_said(film):
+    """At places, in a film, in the player and its strip; without them in model units."""
+    known = pictures.dataclasses.replace(film, values={"mz": np.arange(20.0)}, meta={**film.meta, "units": {
+        "codata": 2022, "time": "ps", "energy": "meV", "length": "nm", "field": "T", "columns": {"t": "ps", "energy": "meV", "mz": "mu_B"}}})
+    for made, time, length, energy, moment in [(known, "ps", "nm", "meV", "mu_B"), (film, "model units", "model units", "", None)]:
+        made = draw.with_facts(made)
+        panel = style.styled(pictures.draw_places)(made).axes[3]
+        assert panel.get_title("left").endswith(f"({time})") and panel.get_xlabel() == f"x ({length})"
+        assert style.styled(pictures.film_parts)(made, {})[0].axes[0].get_ylabel() == f"y ({length})"
+        data = data_of(draw.page(made))
+        assert data["timeUnit"] == time and {m["unit"] for m in data["maps"]} == {energy}
+        assert [s["unit"] for s in data["series"]] == ([] if moment is None else [moment])

@@ -15,12 +15,12 @@ from .colours import DIVERGING, INK, SOFT
 from .part import Seen, seen
 from .style import footnote, new_figure
 from .text import of_all, shown
+from .units import NONE
 
 TIMES = 6           # most outputs
 ARROWS = 32         # most rows and columns of arrows
 CELLS = 40_000      # most cells; more are markers
 BONDS = 1500        # most bonds drawn
-NO_UNITS = {"time": "model units", "length": "model units"}
 FAR = 1.1           # how far a cell may reach where there is no neighbour, in distances of the nearest
 
 
@@ -115,7 +115,7 @@ def sparse(flat, space: float):
 
 # -- drawing -------------------------------------------------------------------------------
 
-def place_images(t, w, stage: Stage, title: str = "", note: str = "", units=NO_UNITS):
+def place_images(t, w, stage: Stage, title: str = "", note: str = "", units=NONE):
     """Unit vectors along w (k, n, 3) at up to six outputs, evenly chosen; `note` stands below."""
     keep = thinned(len(t), TIMES)
     across = min(3, len(keep))

@@ -5,9 +5,9 @@ import numpy as np
 from matplotlib.tri import Triangulation
 
 from .coding import deflated
-from .facts import units
 from .standing import site_maps
 from .text import printable
+from .units import columns_of, kinds_of
 
 SERIES = 40         # most numbers over time
 FLAT_SITES = 70_000     # most sites of a lattice that has isolines
@@ -20,7 +20,7 @@ class Extras:
         meta = result.meta
         self.t, self.states, self.values = np.asarray(result.t, float), states, result.values
         self.standing, self.grids = meta.get("standing") or {}, meta.get("grids") or {}
-        self.units = units(result)
+        self.units, self.columns = kinds_of(result), columns_of(result)
         self.numbers, self.called = meta.get("numbers"), set(meta.get("effects") or ())
 
     def family(self, name: str) -> dict:
@@ -38,13 +38,18 @@ class Extras:
         if self.numbers is None or not any(name in self.standing for name in self.states):
             return []
         found = site_maps(self.numbers, self.called, self.t[keep], {name: w[keep] for name, w in self.states.items()})
-        energy = self.units["energy"] if self.units["columns"] else ""
+        energy = self.units["energy"] if self.columns else ""
         return [mapped({**one, "unit": one["unit"] or energy * one["name"].startswith("energy")}) for one in found if one["family"] in self.standing and np.ptp(one["values"]) > 0]
 
     def series(self, keep) -> list[dict]:
         """The other numbers of the result over time."""
         rows = [row for name, values in self.values.items() if name != "casimirs" for row in columns(name, np.asarray(values, float))]
-        return [plotted(name, values[keep], self.units["columns"].get(name.rpartition(".")[0] if name[-2:] in (".x", ".y", ".z") else name, "")) for name, values in rows[:SERIES] if np.isfinite(values[keep]).any()]
+        return [plotted(name, values[keep], self.unit(name)) for name, values in rows[:SERIES] if np.isfinite(values[keep]).any()]
+
+    def unit(self, name: str) -> str:
+        """Of a number over time; of a component, that of its vector."""
+        found = self.columns.get(name) or self.columns.get(name[:-2], "")
+        return "" if found == "1" else found
 
 
 def triangles(where):

@@ -34,13 +34,6 @@ def with_facts(result):
         "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called) and why_driven(spec, called)})
 
 
-def units(result) -> dict:
-    """The units of time, energy and length of a result, and of its columns; "model units" where its spec has none."""
-    found = result.meta.get("units") or {}
-    known = {kind: found.get(kind) or "model units" for kind in ("time", "energy", "length")}
-    return {**known, "columns": {name: unit for name, unit in found.get("columns", {}).items() if unit != "1"}}
-
-
 def why_driven(spec, called) -> str:
     """Why the energy of these effects is not conserved, in words."""
     others = dict.fromkeys(e.gives_up["as"] for e in spec.effects if e.name in called and e.gives_up)

@@ -12,6 +12,7 @@ from .chain import thinned
 from .colours import of_sites
 from .style import footnote, new_figure, styled
 from .text import of_all, shown
+from .units import NONE
 from .view import View
 
 FORMATS = {".gif": "pillow", ".mp4": "ffmpeg"}
@@ -43,7 +44,7 @@ def write_film(figure, draw_frame, count: int, path: Path) -> Path:
     return path
 
 
-def lattice_film(t, w, stage, title: str = "", note: str = "", units=cells.NO_UNITS):
+def lattice_film(t, w, stage, title: str = "", note: str = "", units=NONE):
     """(figure, draw_frame, frames) of w (k, n, 3) at its places."""
     keep = thinned(len(t), FRAMES)
     figure = new_figure(6.4, 5.6)
@@ -60,7 +61,7 @@ def lattice_film(t, w, stage, title: str = "", note: str = "", units=cells.NO_UN
     return figure, draw_frame, len(keep)
 
 
-def sphere_film(t, states: dict, title: str = "", note: str = "", units=cells.NO_UNITS):
+def sphere_film(t, states: dict, title: str = "", note: str = "", units=NONE):
     """(figure, draw_frame, frames) of sites on spheres, each with the path that it has just come."""
     keep, view = thinned(len(t), FRAMES), View()
     figure = new_figure(5.6, 5.8)

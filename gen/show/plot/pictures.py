@@ -13,9 +13,9 @@ from ...errors import UsageError
 from . import cells, chain, cloud, curves, film, lattice, player, portraits, surfaces
 from .colours import of_sites
 from .extras import Extras
-from .facts import conserved_energy, units
+from .facts import conserved_energy
 from .text import of_all, printable
-from .units import unit_of
+from .units import kinds_of, unit_of
 
 TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
 SMALLEST, LARGEST = 1e-100, 1e100      # coordinates whose squares are still numbers
@@ -237,16 +237,16 @@ def stage_of(result, part: dict):
 def draw_places(result, part: dict | None = None):
     """The largest family with places: a cell and an arrow for each site, at up to six times."""
     name, stage = stage_of(result, part or {})
-    return cells.place_images(result.t, states_of(result)[name], stage, first_line(result), others(result, name), units(result))
+    return cells.place_images(result.t, states_of(result)[name], stage, first_line(result), others(result, name), kinds_of(result))
 
 
 def film_parts(result, part: dict):
     """(figure, draw_frame, frames) of a film: at places where there are any, else on spheres."""
     if placed(result) is None and not part:
         spheres_only(result)
-        return film.sphere_film(result.t, states_of(result), first_line(result), units=units(result))
+        return film.sphere_film(result.t, states_of(result), first_line(result), units=kinds_of(result))
     name, stage = stage_of(result, part)
-    return film.lattice_film(result.t, states_of(result)[name], stage, first_line(result), others(result, name), units(result))
+    return film.lattice_film(result.t, states_of(result)[name], stage, first_line(result), others(result, name), kinds_of(result))
 
 
 def wide(size) -> list:

@@ -19,6 +19,7 @@ from .leaf import leaf_of, mesh
 from .sphere import graticule
 from .style import method_style
 from .text import in_html, in_script, of_all, printable
+from .units import NONE
 
 FRAMES = 3000           # most frames of a player
 NUMBERS = 1_500_000     # coordinates that travel as they are (3 MB of the file)
@@ -87,7 +88,7 @@ def describe(t, states, energy, title, facts, casimirs, bonds, autoplay, view, s
     low, high = strip_range(error)
     coded = written(cut, reach, ball)
     return {"title": printable(title or "Trajectory"), "facts": printable(facts), "note": printable(note),
-            "unit": printable(more.units["energy"]) if more else "model units", "timeUnit": printable(more.units["time"]) if more else "model units",
+            "unit": printable((more.units if more else NONE)["energy"]), "timeUnit": printable((more.units if more else NONE)["time"]),
             "t": packed(np.asarray(t, float)[keep], "<f8"),
             "error": None if error is None else packed(error, "<f8"), "low": low, "high": high,
             "quantum": reach / QUANTUM, "reach": reach, "ball": ball,

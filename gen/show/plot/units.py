@@ -4,6 +4,7 @@ from __future__ import annotations
 from .text import shown
 
 MODEL = "model units"
+NONE = {"time": MODEL, "energy": MODEL, "length": MODEL}
 
 
 def unit_of(result, column: str) -> str:
@@ -19,3 +20,9 @@ def columns_of(result) -> dict:
 def plain(column: str) -> str:
     """Where nothing tells the units."""
     return MODEL
+
+
+def kinds_of(result) -> dict:
+    """The units of time, energy and length in which a model counts."""
+    found = result.meta.get("units") or {}
+    return {kind: found.get(kind) or MODEL for kind in NONE}
