@@ -31,7 +31,7 @@ install:
 	"$(PREFIX)/lib/smidgen/bin/pip" install --quiet --disable-pip-version-check ".[hdf5,pictures]"
 	mkdir -p "$(PREFIX)/bin" "$(PREFIX)/lib/cmake/smidgen"
 	ln -sf "$(PREFIX)/lib/smidgen/bin/smidgen" "$(PREFIX)/bin/smidgen"
-	cp templates/cmake/smidgen-config.cmake "$(PREFIX)/lib/cmake/smidgen/"
+	cp gen/cmake/smidgen-config.cmake "$(PREFIX)/lib/cmake/smidgen/"
 
 bench: $(VENV)/ready
 	$(PY) tests/bench/run.py

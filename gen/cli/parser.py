@@ -5,7 +5,7 @@ import argparse
 import difflib
 
 from ..renamed import OPTIONS, now
-from ..resources import folder
+from ..resources import HERE
 from ..version import __version__
 from . import advise, average, check, choose, completion, cost, doctor, effects, explain, gen, list as list_, new, play, plot, run, show, snapshot, spectrum, sweep, validate, verify
 
@@ -55,7 +55,7 @@ def make_parser() -> argparse.ArgumentParser:
         description="Compiles Hamiltonians written as formulas to structure-preserving "
                     "integrators in C, and runs them.")
     parser.add_argument("--version", action="version", version=f"smidgen {__version__}")
-    parser.add_argument("--cmake-dir", action="version", version=str(folder("templates") / "cmake"), help="print the folder for CMake's smidgen_DIR and exit")
+    parser.add_argument("--cmake-dir", action="version", version=str(HERE / "cmake"), help="print the folder for CMake's smidgen_DIR and exit")
     commands = Commands(parser)
     for module in (new, check, show, effects, explain, advise, gen, run, average, sweep, cost, choose, validate, verify, plot, play, snapshot, spectrum, list_, doctor, completion):
         module.add(commands)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from smidgen.cli import main
-from smidgen.resources import folder
+from smidgen.resources import HERE as GEN
 
 HERE = Path(__file__).parent
 COMMAND = Path(sys.executable).parent / "smidgen"
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake"
 
 
 def cmake(place, *words):
-    return subprocess.run(["cmake", "-S", place, "-B", place / "build", f"-Dsmidgen_DIR={folder('templates') / 'cmake'}", f"-DSMIDGEN_EXECUTABLE={COMMAND}", *words],
+    return subprocess.run(["cmake", "-S", place, "-B", place / "build", f"-Dsmidgen_DIR={GEN / 'cmake'}", f"-DSMIDGEN_EXECUTABLE={COMMAND}", *words],
                           capture_output=True, text=True)
 
 
@@ -58,6 +58,6 @@ def test_an_argument_that_is_not_known(project):
 
 
 def test_without_the_command(project):
-    said = subprocess.run(["cmake", "-S", project, "-B", project / "build", f"-Dsmidgen_DIR={folder('templates') / 'cmake'}"],
+    said = subprocess.run(["cmake", "-S", project, "-B", project / "build", f"-Dsmidgen_DIR={GEN / 'cmake'}"],
                           capture_output=True, text=True, env={**os.environ, "PATH": "/usr/bin:/bin"})
     assert said.returncode != 0 and "the command smidgen is not on the path" in " ".join(said.stderr.split())
