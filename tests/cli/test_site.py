@@ -1,5 +1,6 @@
 """The site of docs/: links and pictures, the tables of contents, the blocks of tutorials and guides, and its build by Sphinx."""
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,7 @@ DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 CODE = re.compile(r"^(```+).*?^\1`*$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
-STEP = re.compile(r"(?:`(?P<name>[\w.]+)`[^\n]*:\n\n)?^```(?P<language>\w+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+STEP = re.compile(r"(?:`(?P<name>[\w.]+)`:\n\n)?^```(?P<language>\w+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def anchor(heading: str) -> str:
@@ -80,3 +81,22 @@ def test_a_reader_who_follows_the_page_gets_through(page, tmp_path):
             RUN[step["language"]](step["text"], tmp_path)
         elif step["name"]:
             (tmp_path / step["name"]).write_text(step["text"])
+
+
+@pytest.mark.long
+def test_the_guide_links_with_cmake_and_from_fortran(tmp_path):
+    text = (DOCS / "howto" / "link.md").read_text()
+    for step in STEP.finditer(text):
+        if step["name"]:
+            (tmp_path / step["name"]).write_text(step["text"])
+    sh("smidgen gen free_rigid_body --amalgamate --out .", tmp_path)
+    programs = {}
+    if shutil.which("cmake"):
+        programs["cmake"] = sh("cmake -S . -B made >/dev/null; cmake --build made >/dev/null; made/body", tmp_path)
+    if shutil.which("gfortran"):
+        build = next(step["text"] for step in STEP.finditer(text) if "gfortran" in step["text"])
+        programs["fortran"] = sh(build, tmp_path)
+    if not programs:
+        pytest.skip("neither CMake nor a Fortran compiler is installed")
+    ends = [[float(number) for number in said.split()] for said in programs.values()]
+    assert all(abs(sum(x * x for x in end) - 1) < 1e-12 and end == pytest.approx(ends[0], abs=1e-14) for end in ends)
