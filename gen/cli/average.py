@@ -35,23 +35,28 @@ def command(args):
     from ..read.shipped import load_spec
     from ..run.many.average import average
     from ..tables import show
+    spec = load_spec(args.spec, args.library)
     with progress(args.members, "members") as tick:
-        found = average(load_spec(args.spec, args.library), args.run, **chosen(args, CHOICES), start=None if args.start is None else start_of(args.start),
+        found = average(spec, args.run, **chosen(args, CHOICES), start=None if args.start is None else start_of(args.start),
                         parameters=dict(args.parameters), after=args.after, members=args.members, bins=args.bins, out=args.out, progress=tick)
     if args.out:
         say(f"wrote {args.out}")
     if args.json:
         return printed(json.loads(found.text()))
-    show(table(found))
+    show(table(found, spec))
 
 
-def table(found):
-    """A rich Table."""
+def table(found, spec):
+    """A rich Table; with a column of units, where numbers have some."""
     from rich.table import Table
+    from ..run.record.units import of_column
     shown = Table(title=f"{found.meta['spec']}: {found.meta['samples']} samples of {found.meta['members']} members, each to t = "
                         f"{found.meta['steps'] * found.meta['h']:g}, from t = {found.meta['after']:g} on")
     for column in ("", "mean", "standard error", "variance", "correlation time"):
         shown.add_column(column, justify="right" if column else "left")
+    if spec.units:
+        shown.add_column("unit")
     for name, one in found.of.items():
-        shown.add_row(name, f"{one.mean:.8g}", *("" if x is None else f"{x:.3g}" for x in (one.error, one.variance, one.correlation)))
+        unit = [of_column(spec, spec.units, name)] if spec.units else []
+        shown.add_row(name, f"{one.mean:.8g}", *("" if x is None else f"{x:.3g}" for x in (one.error, one.variance, one.correlation)), *unit)
     return shown

@@ -97,3 +97,9 @@ def test_the_summary_has_units(spec, capsys):
     said = capsys.readouterr().out
     assert "h = 0.001 ps, 20 of 20 steps to t = 0.02 ps" in said
     assert " meV" in next(line for line in said.splitlines() if "energy" in line)
+
+
+def test_averages_have_units(spec, capsys):
+    assert main(["average", str(spec), "--after", "5 fs"]) == 0
+    assert any(line.split()[-2] == "meV" for line in capsys.readouterr().out.splitlines() if " energy " in line)
+    assert main(["average", str(spec), "--after", "5"]) == 2

@@ -114,3 +114,39 @@ def test_damping_in_r3_has_the_unit_of_an_inverse_vector(damping, code):
     else:
         with pytest.raises(SpecError, match=code):
             load_text(text)
+
+
+PLACES = HEAD + """
+[lattices.film]
+name = "square"
+size = [4, 3]
+constant = "0.27 nm"
+boundary = "open"
+
+[space]
+w = { sphere = "film", moment = "m" }
+
+[effects.exchange]
+over = "bond(i, j) of film.first"
+energy = "-J*dot(w[i], w[j])*norm(r(i, j))/(0.27 nm)"
+
+[effects.pulse]
+over = "site(i) of w"
+energy = "-m*B.z*exp(-norm(r(i))^2/x^2)*w[i].x"
+
+[effects.edge]
+over = "site(i) of w"
+pinned = "r(i).y < 0.1 nm"
+
+[observables.length]
+over = "bond(i, j) of film.first"
+value = "norm(r(i, j))"
+"""
+
+
+@pytest.mark.parametrize("old, new, said", [("/(0.27 nm)", "", "an energy is an energy"), ("^2/x^2)", ")", "the argument of `exp` is a length"), ("0.1 nm", "0.1", "`<` joins a length"),
+                                            ('"0.27 nm"', "0.27", "joins a number without a unit and a length"), ('"0.27 nm"', '"0.27 ps"', "a lattice constant")])
+def test_places_have_a_length(old, new, said):
+    assert load_text(PLACES).observables[0].unit == "nm"
+    with pytest.raises(SpecError, match=re.escape(said)):
+        load_text(PLACES.replace(old, new, 1))

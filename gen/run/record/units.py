@@ -12,25 +12,26 @@ def units_of(model, what) -> dict | None:
     units = model.spec.units
     if units is None:
         return None
-    columns = {name: of_column(model, units, name) for name in columns_of(model, what) if name != "step"}
-    whole = {kind: of_families(model, units, what) for kind, what in (("momentum", "momentum"), ("casimirs", "casimir"))}
+    columns = {name: of_column(model.scene, units, name) for name in columns_of(model, what) if name != "step"}
+    whole = {kind: of_families(model.families, units, what) for kind, what in (("momentum", "momentum"), ("casimirs", "casimir"))}
     return {"codata": units.codata, **{kind: scale.text for kind, scale in zip(BASES, units.scales)}, **whole, "columns": columns}
 
 
-def of_families(model, units, what: str) -> str:
+def of_families(families, units, what: str) -> str:
     """The unit of what all families have."""
-    return ", ".join(dict.fromkeys(units.spelt(units.of(what, f)) for f in model.families))
+    return ", ".join(dict.fromkeys(units.spelt(units.of(what, f)) for f in families))
 
 
-def of_column(model, units, name: str) -> str:
-    observable = next((o for o in model.scene.observables if o.name == name), None)
+def of_column(scene, units, name: str) -> str:
+    """Of a column, or of a number in it, `momentum.w.x`."""
+    observable = next((o for o in scene.observables if o.name == name), None)
     if observable is not None:
         return observable.unit
-    kind, _, family = name.partition(".")
+    kind, family = (*name.split("."), "")[:2]
     if kind in ("t", "energy"):
         return units.spelt(TIME if kind == "t" else ENERGY)
     if name == "casimirs":
-        return of_families(model, units, "casimir")
+        return of_families((f.name for f in scene.families), units, "casimir")
     if kind == "momentum":
         return units.spelt(units.of("momentum", family))
     return units.spelt(NONE if kind == "charge" else units.of("name", family or name))

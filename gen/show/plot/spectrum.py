@@ -25,6 +25,7 @@ def draw_spectrum(spectrum, path) -> Path:
 def spectrum_figure(spectrum):
     """S(q, omega) along a path of waves. Raises UsageError for waves that are none."""
     meta = spectrum.meta
+    unit = shown((meta.get("units") or {}).get("time", ""))
     if meta["waves"] == "all" and spectrum.q.shape[1] > 1:
         raise UsageError(NO_PATH)
     x = positions(spectrum.q if spectrum.wave_vectors is None else spectrum.wave_vectors)
@@ -35,7 +36,7 @@ def spectrum_figure(spectrum):
     figure.colorbar(image, ax=ax, label="S(q, omega), mean of the components", extend="both")
     at = turns(spectrum.q)
     ax.set_xticks(x[at], [spectrum.names[k] or label(spectrum.q[k]) for k in at])
-    ax.set(xlabel="q, in units of the reciprocal lattice", ylabel="omega")
+    ax.set(xlabel="q, in units of the reciprocal lattice", ylabel=f"omega (rad/{unit})" if unit else "omega")
     ax.grid(False)
     ax.set_title(shown(f"{meta['spec']} {meta['run']}: waves of {meta['family']}"))
     footnote(figure, f"window: {meta['window']}", f"{meta['parts']} parts" * (meta["parts"] > 1), f"h = {meta['h']:.6g}, output every {meta['every']}")
