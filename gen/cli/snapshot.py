@@ -15,13 +15,13 @@ TELLS = ("magnetisation", "charge")
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("snapshot", command, "write one state of a lattice as .ovf or .vtk, or tell its magnetisation and charge", EXAMPLES)
+    parser = commands.add("snapshot", command, "write one state of a lattice as .ovf or .vtk (or all, as .pvd), or tell its magnetisation and charge", EXAMPLES)
     parser.add_argument("result", metavar="RESULT", help="a file that `smidgen run` wrote")
     parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--time", type=lambda text: number(text, "--time"), metavar="T", help="the output at this time; default: the last state")
     which.add_argument("--row", type=row, metavar="K", help="the output of this number, from 0; --row=-1 is the last one")
-    parser.add_argument("--out", metavar="FILE", help=".ovf or .vtk")
+    parser.add_argument("--out", metavar="FILE", help=".ovf, .vtk, .vtu, .vtr, .vti; all outputs: .pvd")
     parser.add_argument("--text", action="store_true", help="numbers as text, not binary")
     parser.add_argument("--what", type=names, default=(), metavar="A,B", help=f"tell these: {', '.join(TELLS)}")
     json_option(parser)

@@ -61,6 +61,14 @@ def positions(spec: Spec, family: str, values: dict):
     return np.array(over.places, float).reshape(-1, 3) if isinstance(over, Graph) else on_lattice(over, values)
 
 
+def all_positions(spec: Spec, counts: dict, values: dict):
+    """Of the sites of all families, (sites, 3), NaN of those without; None where none has any. counts: family -> number of its sites."""
+    found = {name: positions(spec, name, values) for name in counts}
+    if all(there is None for there in found.values()):
+        return None
+    return np.concatenate([np.full((count, 3), np.nan) if found[name] is None else found[name] for name, count in counts.items()])
+
+
 def on_lattice(over: Lattice, values: dict) -> np.ndarray:
     """Site s of cell (c0, c1, ..) at c0 a0 + c1 a1 + .. and the fractions of s."""
     size = [integer(e, values, "the size of a lattice") for e in over.size]

@@ -15,6 +15,7 @@ import numpy as np
 
 from .. import ranks
 from ..errors import UsageError
+from ..language.places import all_positions
 from ..language.spec import Spec
 from ..public import public
 from ..read.shipped import SpecLike, spec_or_name
@@ -255,6 +256,9 @@ def _finish(model, settings, recorder, status, error, began):
         meta["estimate"] = settings.estimate if settings.estimate is not None else bool(model.scene.heated) or ranks.on_first(lambda: clock.perf_counter() - began < SHORT)
         if meta["estimate"]:
             meta["end_error"], meta["end_error_withheld"] = estimated(model, settings, extras["final"])
+    numbers = model.prepared.numbers
+    if (there := all_positions(numbers.spec, {name: count for name, (_, count) in numbers.places.items()}, numbers.values)) is not None:
+        extras["positions"] = there
     if settings.substeps:
         extras["substeps"] = np.array(recorder.substeps, float).reshape(-1, 3)
     memory = [s.columns for s in recorder.sinks if isinstance(s, MemorySink)]

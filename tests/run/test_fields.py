@@ -52,7 +52,7 @@ def test_a_snapshot_starts_the_run_that_goes_on(tmp_path, spec_text, ending):
 def test_sites_without_positions_are_no_picture_in_space(tmp_path):
     """A honeycomb has two sites in a cell: .vtk is refused and writes nothing, .ovf says what its positions are."""
     found = smidgen.run(smidgen.load_text(HONEY))
-    with pytest.raises(smidgen.UsageError, match="2 sites in a cell, and a spec gives them no positions"):
+    with pytest.raises(smidgen.UsageError, match="2 sites in a cell, and the spec gives them no positions"):
         smidgen.snapshot(found, tmp_path / "a.vtk")
     assert not list(tmp_path.iterdir())
     assert b"Desc: the sites of a cell stand at fractions of its diagonal" in smidgen.snapshot(found, tmp_path / "a.ovf").read_bytes()
@@ -62,7 +62,7 @@ def test_states_that_there_are_not(tmp_path, film, result):
     for choice, said in [({"time": 0.5}, "nearest is at 0.[46]"), ({"row": 9}, "no row 9"), ({"row": 1, "time": 0.2}, "either")]:
         with pytest.raises(smidgen.UsageError, match=said):
             smidgen.snapshot(result, tmp_path / "a.ovf", **choice)
-    with pytest.raises(smidgen.UsageError, match="ends in .ovf or .vtk"):
+    with pytest.raises(smidgen.UsageError, match="ends in .ovf, .vtk"):
         smidgen.snapshot(result, tmp_path / "a.txt")
     with pytest.raises(smidgen.OutputError, match="cannot write"):
         smidgen.snapshot(result, tmp_path / "none" / "a.ovf")
@@ -226,8 +226,9 @@ def test_a_pipe_and_a_missing_file_are_refused(tmp_path):
             load_field(tmp_path / name)
 
 
+FLAT = Grid((2, 4), (True, True))
 GOOD = {(module, grid, text): module.written(random_spins(8), grid, (2, 4, 1), "w", "t", text)
-        for module, grid in ((ovf, None), (ovf, Grid((2, 2), (True, True), 2)), (vtk, None)) for text in FORMS}
+        for module, grid in ((ovf, FLAT), (ovf, Grid((2, 2), (True, True), 2)), (vtk, FLAT)) for text in FORMS}
 GOOD |= {(vtk, k, None): data.encode() if isinstance(data, str) else data for k, data in enumerate((RECTILINEAR, VERSION_5))}
 
 

@@ -13,13 +13,14 @@ from ...errors import OutputError, UsageError, printable
 from ...language import limits
 from ...language.spec import Spec
 from ...public import public
-from . import ovf, vtk
+from . import ovf, vtk, vtk_xml
 from ..files.durable import write_new
 from .grid import Grid, grids_of, said
 from ..files.received import Wrong, opened
 from ..step.evaluated import Evaluated
 
 FORMATS = {".ovf": ovf, ".vtk": vtk}
+MADE = {".vtu": vtk_xml.points, ".vtr": vtk_xml.rectilinear, ".vti": vtk_xml.image}     # for other programs alone
 SINGLE = 1e-5       # relative: single precision, and the six digits that programs print by default, are within it
 
 
@@ -77,10 +78,18 @@ def load_field(path: str | os.PathLike) -> Field:
     return Field(vectors, size)
 
 
-def save_field(path, w, grid: Grid, label: str, title: str, text: bool) -> Path:
-    """Write the vectors (count, 3) of a family `label`; a file of that name stays until the new one is whole."""
-    writer, path = known_format(path), Path(path)
-    data = writer.written(np.asarray(w, float), grid if grid.sites > 1 else None, padded(grid), label, " ".join(title.split()), text)
+def save_field(path, w, grid: Grid, label: str, title: str, text: bool, bonds=()) -> Path:
+    """Write the vectors (count, 3) of a family `label`; a file of that name stays until the new one is whole. bonds: pairs of sites, for .vtu."""
+    path, w = Path(path), np.asarray(w, float)
+    if path.suffix in MADE:
+        return save(path, MADE[path.suffix](w, grid, label, text, *([bonds] if path.suffix == ".vtu" else [])))
+    if path.suffix not in FORMATS:
+        raise UsageError(f"{path}: the name of a file of spins ends in {', '.join([*FORMATS, *MADE])}, or of a series in .pvd")
+    return save(path, known_format(path).written(w, grid, padded(grid), label, " ".join(title.split()), text))
+
+
+def save(path: Path, data: bytes) -> Path:
+    """Write a file whole. Raises OutputError."""
     try:
         write_new(path, data)
     except OSError as problem:

@@ -62,6 +62,23 @@ class Grid:
         vectors = np.array(self.places.vectors, float)
         return np.array(self.places.positions, float) @ vectors @ np.linalg.pinv(vectors[:len(self.size)])
 
+    def where(self) -> np.ndarray | None:
+        """The places of all sites in space, (count, 3). None without places."""
+        if self.places is None:
+            return None
+        vectors = np.array(self.places.vectors, float)
+        cells = np.indices(self.size[::-1]).reshape(len(self.size), -1)[::-1].T @ vectors[:len(self.size)]
+        return (cells[:, None] + np.array(self.places.positions, float) @ vectors).reshape(-1, 3)
+
+    def spacing(self) -> tuple[float, float, float] | None:
+        """Of a mesh: one site a cell, at its corner, and vectors along x, y, z. None of any other lattice."""
+        if self.places is None or self.sites > 1 or len(self.size) > 3:
+            return None
+        vectors, own = np.array(self.places.vectors, float)[:len(self.size)], np.array(self.places.positions, float)
+        steps = np.diag(np.pad(vectors, ((0, 3 - len(vectors)), (0, 0))))[:len(vectors)]
+        straight = np.count_nonzero(vectors) == len(vectors) and np.all(steps > 0) and not own.any()
+        return (*map(float, steps), *(float(steps[0]),) * 2)[:3] if straight else None
+
     def reciprocal(self) -> np.ndarray | None:
         """Rows b_1, b_2, .. with a_j.b_k = 2 pi (j = k): q = q_1 b_1 + .. in units of 1/length. None without places."""
         return None if self.places is None else 2 * np.pi * np.linalg.pinv(np.array(self.places.vectors, float)[:len(self.size)]).T

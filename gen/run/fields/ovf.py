@@ -19,23 +19,35 @@ SCHEMATIC = "Desc: the sites of a cell stand at fractions of its diagonal, for a
 READ = ("valuedim", "segment count", "meshtype", "pointcount", *(f"{axis}nodes" for axis in AXES))     # what counts of the header
 
 
-def written(w, points, size, label: str, title: str, text: bool) -> bytes:
-    """The bytes of a file. points: the Grid where cells have several sites, else None; size: cells in three directions."""
-    rows = w if points is None else np.hstack([in_three(points.positions()), w])
+def written(w, grid, size, label: str, title: str, text: bool) -> bytes:
+    """The bytes of a file. grid: the Grid on which the vectors lie; size: its cells in three directions."""
+    spacing = (1, 1, 1) if grid.places is None and grid.sites == 1 else grid.spacing()
+    regular = spacing is not None
+    where = in_three(grid.positions()) if grid.places is None else grid.where()
+    rows = w if regular else np.hstack([where, w])
     kind = "Text" if text else "Binary 8"
-    head = ["OOMMF OVF 2.0", "Segment count: 1", "Begin: Segment", "Begin: Header", f"Title: {title}", "meshunit: cell",
+    head = ["OOMMF OVF 2.0", "Segment count: 1", "Begin: Segment", "Begin: Header", f"Title: {title}", "meshunit: cell" if grid.places is None else "meshunit: 1",
             "valuedim: 3", f"valuelabels: {' '.join(f'{label}_{axis}' for axis in AXES)}", "valueunits: 1 1 1",
-            *(f"{axis}min: -0.5" for axis in AXES), *(f"{axis}max: {n - 0.5}" for axis, n in zip(AXES, size)),
-            *(mesh(size) if points is None else [SCHEMATIC, "meshtype: irregular", f"pointcount: {len(rows)}"]),
+            *box(where, size, spacing if grid.places is not None else (1, 1, 1)),
+            *(mesh(size, spacing) if regular else [*([SCHEMATIC] if grid.places is None else []), "meshtype: irregular", f"pointcount: {len(rows)}"]),
             "End: Header", f"Begin: Data {kind}"]
     body = "".join(" ".join(f"{x:.17g}" for x in row) + "\n" for row in rows.tolist()).encode() if text \
         else np.concatenate([[CHECK[8]], rows.ravel()]).astype("<f8").tobytes() + b"\n"
     return "".join(f"# {line}\n" for line in head).encode() + body + f"# End: Data {kind}\n# End: Segment\n".encode()
 
 
-def mesh(size) -> list[str]:
-    """Cells of length 1 with their centres at the integers."""
-    return ["meshtype: rectangular", *(f"{axis}base: 0" for axis in AXES), *(f"{axis}stepsize: 1" for axis in AXES),
+def box(where, size, spacing) -> list[str]:
+    """The corners of all cells of a mesh; without one those of all cells in cells, or of all places."""
+    if spacing is not None:
+        low, high = [-a / 2 for a in spacing], [(n - 0.5) * a for n, a in zip(size, spacing)]
+    else:
+        low, high = where.min(axis=0).tolist(), where.max(axis=0).tolist()
+    return [*(f"{axis}min: {x:.17g}" for axis, x in zip(AXES, low)), *(f"{axis}max: {x:.17g}" for axis, x in zip(AXES, high))]
+
+
+def mesh(size, spacing) -> list[str]:
+    """Cells whose centres are the sites."""
+    return ["meshtype: rectangular", *(f"{axis}base: 0" for axis in AXES), *(f"{axis}stepsize: {a:.17g}" for axis, a in zip(AXES, spacing)),
             *(f"{axis}nodes: {n}" for axis, n in zip(AXES, size))]
 
 

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import UsageError
+from ...errors import OutputError, UsageError
+from ...language.places import bond_vectors, bonds
 from ...public import public
-from .field import save_field
+from .field import save, save_field
 from .grid import family_of, of, with_parameters
+from .vtk_xml import series
 from ..files.output import load_result
-from ..step.evaluated import sizes
+from ..step.evaluated import Evaluated, sizes
 
 NEAR = 1e-6         # of a step: a time as people write it
 
@@ -19,21 +21,49 @@ NEAR = 1e-6         # of a step: a time as people write it
 @public
 def snapshot(result, out: str | os.PathLike, family: str | None = None, row: int | None = None, time: float | None = None,
              text: bool = False) -> Path:
-    """Write the spins of one state into `out`, and return its path: OVF 2.0 (.ovf) or legacy VTK (.vtk).
+    """Write the spins of one state into `out`, and return its path: OVF 2.0 (.ovf), VTK (.vtk, .vtu with the bonds,
+    .vtr and .vti of meshes), or all outputs as a series (.pvd), whose files stand in a folder beside it.
 
     result: a Result, or the path of its file; family: by default the only one; row: a number of an output, from the end
     where negative, or time: the time of one; by default the last state. text: numbers as text, to 17 digits, in place of
-    doubles in binary. Cell (c0, c1, c2) of the lattice stands at these integers; site s of the p sites of a cell at the
-    fraction s/p of its diagonal. Raises UsageError where there is no such state or lattice, and for .vtk of several
-    sites in a cell, which have no positions; OutputError for a file that cannot be written.
+    doubles in binary. Sites stand where the lattice of the spec says; without places cell (c0, c1, c2) stands at these integers, and site s of
+    the p sites of a cell at the fraction s/p of its diagonal. Raises UsageError where there is no such state or lattice, and for VTK of
+    sites that have no places; OutputError for a file that cannot be written.
     """
     result = result if hasattr(result, "meta") else load_result(result)
     spec, parameters = with_parameters(result, None)
     name = family_of(spec, family)
     grid = of(spec, name, parameters)
+    lines = straight(spec, name, parameters, grid) if Path(out).suffix in (".vtu", ".pvd") else ()
+    if Path(out).suffix == ".pvd":
+        return saved_series(Path(out), result, name, grid, lines, text)
     w, step, t = state_of(result, name, row, time)
     meta = result.meta
-    return save_field(out, w, grid, name, f"{meta['spec']} {meta['run']}: {name} at t = {t:.17g}, step {step}", text)
+    return save_field(out, w, grid, name, f"{meta['spec']} {meta['run']}: {name} at t = {t:.17g}, step {step}", text, lines)
+
+
+def straight(spec, family: str, parameters: dict, grid) -> np.ndarray:
+    """The bonds that do not go through the boundary, as pairs of sites."""
+    values = Evaluated(spec, parameters).values
+    pairs, vectors, where = bonds(spec, family, values), bond_vectors(spec, family, values), grid.where()
+    if where is None or vectors is None:
+        return pairs[:0]
+    return pairs[np.abs(where[pairs[:, 1]] - where[pairs[:, 0]] - vectors).max(axis=1, initial=0) < NEAR * np.ptp(where)]
+
+
+def saved_series(out: Path, result, family: str, grid, lines, text: bool) -> Path:
+    """All outputs, each a file of the folder that has the name of `out` without its ending: .vtr of meshes, .vtu of other lattices."""
+    if not result.w or not len(result.t):
+        raise UsageError("the result holds no states: run with --what states")
+    ending, folder = ".vtr" if grid.spacing() is not None else ".vtu", out.with_suffix("")
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as problem:
+        raise OutputError(f"cannot write {folder}: {problem.strerror or problem}") from None
+    names = [f"{folder.name}/{k:06d}{ending}" for k in range(len(result.t))]
+    for k, name in enumerate(names):
+        save_field(out.parent / name, result.w[family][k], grid, family, "", text, lines)
+    return save(out, series(zip(result.t.tolist(), names)))
 
 
 def state_of(result, family: str, row: int | None = None, time: float | None = None):

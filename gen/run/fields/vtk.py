@@ -1,8 +1,9 @@
 """The legacy format of VTK, which ParaView reads.
 
 The VTK User's Guide, 11th edition (Kitware 2010), "VTK File Formats": a title, ASCII or BINARY (big-endian), then the
-points and the vectors at them, x fastest. A lattice of one site a cell is of STRUCTURED_POINTS. One of several sites is refused: a
-picture is made of positions, which a spec does not give. All shapes are read.
+points and the vectors at them, x fastest. A lattice of one site a cell without places is of STRUCTURED_POINTS. With
+places, one whose cells are boxes is a RECTILINEAR_GRID with a vector in each cell, any other is POLYDATA of points. One of several sites a cell without places
+is refused: a picture is made of places. All shapes are read.
 """
 from __future__ import annotations
 
@@ -22,17 +23,27 @@ PASSED = ("ORIGIN", "SPACING", "ASPECT_RATIO")      # what is read and not used
 INTEGERS = {"vtktypeint64": 8, "vtktypeint32": 4}   # of version 5, in whose CELLS two arrays follow
 
 
-def written(w, points, size, label: str, title: str, text: bool) -> bytes:
-    """The bytes of a file. points: the Grid where cells have several sites, else None; size: cells in three directions.
-
-    Raises UsageError where cells have several sites.
-    """
-    if points:
-        raise UsageError(f"no .vtk of this lattice: it has {points.sites} sites in a cell, and a spec gives them no positions, without "
+def written(w, grid, size, label: str, title: str, text: bool) -> bytes:
+    """The bytes of a file. grid: the Grid on which the vectors lie; size: its cells in three directions. Raises UsageError without places of several sites."""
+    if grid.places is None and grid.sites > 1:
+        raise UsageError(f"no .vtk of this lattice: it has {grid.sites} sites in a cell, and the spec gives them no positions, without "
                          "which a picture in space would be wrong; .ovf keeps the vectors by number")
+    if grid.places is not None:
+        return with_places(w, grid, size, label, title, text)
     head = (f"# vtk DataFile Version 3.0\n{title[:TITLE] or label}\n{'ASCII' if text else 'BINARY'}\n"
             f"DATASET STRUCTURED_POINTS\nDIMENSIONS {size[0]} {size[1]} {size[2]}\nORIGIN 0 0 0\nSPACING 1 1 1\n")
     return head.encode("ascii", "replace") + f"POINT_DATA {len(w)}\nVECTORS {label} double\n".encode() + block(w, ">f8", text)
+
+
+def with_places(w, grid, size, label: str, title: str, text: bool) -> bytes:
+    """A mesh of boxes, or points."""
+    spacing, head = grid.spacing(), f"# vtk DataFile Version 3.0\n{title[:TITLE] or label}\n{'ASCII' if text else 'BINARY'}\n".encode("ascii", "replace")
+    if spacing is None:
+        data = f"DATASET POLYDATA\nPOINTS {len(w)} double\n".encode() + block(grid.where(), ">f8", text) + f"POINT_DATA {len(w)}\n".encode()
+        return head + data + f"VECTORS {label} double\n".encode() + block(w, ">f8", text)
+    axes = b"".join(f"{axis}_COORDINATES {n + 1} double\n".encode() + block(((np.arange(n + 1) - 0.5) * a)[None], ">f8", text) for axis, n, a in zip("XYZ", size, spacing))
+    data = f"DATASET RECTILINEAR_GRID\nDIMENSIONS {' '.join(str(n + 1) for n in size)}\n".encode() + axes
+    return head + data + f"CELL_DATA {len(w)}\nVECTORS field double\n".encode() + block(w, ">f8", text)
 
 
 def block(rows, kind: str, text: bool) -> bytes:
@@ -72,7 +83,7 @@ class Reader:
         raise Wrong("it holds no VECTORS")
 
     def keyword(self, key: str, rest: list) -> None:
-        if key in ("DIMENSIONS", "POINTS", "POINT_DATA"):
+        if key in ("DIMENSIONS", "POINTS", "POINT_DATA", "CELL_DATA"):
             self.counts(key, rest)
         elif key in ("CELLS", "VERTICES", "CELL_TYPES", "OFFSETS", "CONNECTIVITY"):
             self.elements(key, rest)
@@ -98,6 +109,9 @@ class Reader:
             self.skip(3 * self.points * SIZES[rest[1].lower()])
         else:
             self.count = count_of(rest[0])
+            if key == "CELL_DATA" and self.size:
+                self.size = tuple(max(1, n - 1) for n in self.size)
+                self.points = self.size[0] * self.size[1] * self.size[2]
 
     def elements(self, key: str, rest: list) -> None:
         """Which points make a cell does not matter here."""

@@ -6,7 +6,7 @@ import numpy as np
 from .received import AXES, COUNTED, LETTER, VECTORS
 
 SITE, COMPONENT = "site", "component"
-BESIDE = ("final", "substeps")      # arrays that have no row for each output
+BESIDE = ("final", "substeps", "positions")      # arrays that have no row for each output
 
 
 def axes_of(name: str, shape: tuple, families: dict) -> tuple[str, ...]:
@@ -18,7 +18,7 @@ def axes_of(name: str, shape: tuple, families: dict) -> tuple[str, ...]:
         return (sites_of(name, families), COMPONENT)
     if name.startswith(VECTORS):
         return (COMPONENT,)
-    return {"final": (SITE, COMPONENT), "casimirs": (SITE,)}.get(name) or tuple(f"{name}_{k}" for k in range(len(shape)))
+    return {"final": (SITE, COMPONENT), "positions": (SITE, COMPONENT), "casimirs": (SITE,)}.get(name) or tuple(f"{name}_{k}" for k in range(len(shape)))
 
 
 def sites_of(family: str, families: dict) -> str:

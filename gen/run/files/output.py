@@ -29,7 +29,7 @@ from .labels import flat_names, label
 from .received import read
 
 FORMATS = (".csv", ".npz", ".h5")
-RESERVED = ("step", "t", "meta", "final", "substeps", "energy", "casimirs")
+RESERVED = ("step", "t", "meta", "final", "substeps", "positions", "energy", "casimirs")
 
 
 @dataclass(repr=False)
@@ -39,7 +39,8 @@ class Result(ReadOnly):
     meta: everything about the run. step, t: shape (k,). w: family -> (k, count, 3), None
     when states were not asked for. values: name -> (k,) or (k, m). final: the last state,
     shape (sites, 3), at meta["done"] steps. substeps: rows step, t, k of the steps that were
-    taken as 2^k smaller ones, shape (m, 3), None when that was not asked for. summary: the
+    taken as 2^k smaller ones, shape (m, 3), None when that was not asked for. positions: where the sites stand, shape (sites, 3),
+    None where the spec does not say it or the file is a .csv. summary: the
     last time t, the largest changes over the outputs, of conserved quantities (errors) and of
     others (changes), seconds of stepping and writing. A notebook shows a picture.
     """
@@ -52,6 +53,7 @@ class Result(ReadOnly):
     values: dict
     final: np.ndarray | None = None
     substeps: np.ndarray | None = None
+    positions: np.ndarray | None = None
     summary: dict = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -121,7 +123,8 @@ def result_of(meta: dict, columns: dict, summary: dict | None = None) -> Result:
     step, t, final = columns.pop("step"), columns.pop("t"), columns.pop("final", None)
     substeps = columns.pop("substeps", None)
     states = {f: columns.pop(f) for f in meta["families"] if f in columns}
-    return Result(meta, step, t, states or None, columns, final, substeps, summary or {})
+    positions = columns.pop("positions", None)
+    return Result(meta, step, t, states or None, columns, final, substeps, positions, summary or {})
 
 
 def known_format(path) -> str:
@@ -389,7 +392,7 @@ def csv_head(meta: dict, extras: dict, names) -> str:
     lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if meta.get(key)]
     if meta.get("units"):
         lines.append("# units: " + ", ".join(f"{name} {unit}" for name, unit in meta["units"]["columns"].items()) + f" (CODATA {meta['units']['codata']})")
-    lines += [f"# {name}: {json.dumps(rows.astype(float).ravel().tolist())}" for name, rows in extras.items()]
+    lines += [f"# {name}: {json.dumps(rows.astype(float).ravel().tolist())}" for name, rows in extras.items() if name != "positions"]
     lines += [f"# meta: {json.dumps(meta)}", ",".join(names)]
     return "\n".join(lines) + "\n"
 

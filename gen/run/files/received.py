@@ -247,7 +247,7 @@ def fit(meta: dict, columns: dict) -> None:
 
 def shaped(name, shape, rows, families) -> bool:
     """Has the column `name` the shape that it must have, where there are `rows` outputs?"""
-    if name == "final":
+    if name in ("final", "positions"):
         return shape == (sum(families.values()), 3)
     if name == "substeps":
         return len(shape) == 2 and shape[1] == 3
