@@ -4,7 +4,9 @@ from latex2mathml.converter import convert
 from pygments.lexers.configs import TOMLLexer
 from pygments.lexers.special import TextLexer
 from sphinx.util import logging
+from sphinx.util.docutils import SphinxDirective
 
+from smidgen.read.catalogue import catalogue, piece
 from smidgen.version import __version__
 
 project, author, release = "smidgen", "the smidgen authors", __version__
@@ -43,6 +45,17 @@ def displayed(writer, node):
     raise nodes.SkipNode
 
 
+class Pieces(SphinxDirective):
+    """A table of the pieces that come with smidgen."""
+
+    def run(self):
+        rows = ["| piece | what it is | arguments | law | source |", "|---|---|---|---|---|"]
+        for one in map(piece, catalogue()):
+            cells = (f"`{one.name}`", one.title, ", ".join(f"`{argument}`" for argument in one.arguments), one.law, one.source)
+            rows.append("| " + " | ".join(cell.replace("|", r"\|").replace("*", r"\*") for cell in cells) + " |")
+        return self.parse_text_to_nodes("\n".join(rows))
+
+
 def plain(app, what, name, obj, options, lines):
     """Docstrings are plain text: |w| is a length there, not a substitution."""
     lines[:] = [line.replace("|", r"\|") for line in lines]
@@ -50,6 +63,7 @@ def plain(app, what, name, obj, options, lines):
 
 def setup(app):
     app.add_html_math_renderer("mathml", (inline, None), (displayed, None))
+    app.add_directive("pieces", Pieces)
     app.connect("autodoc-process-docstring", plain)
     for name in ("toml-piece", "toml-test"):
         app.add_lexer(name, TOMLLexer)

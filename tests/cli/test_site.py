@@ -100,3 +100,10 @@ def test_the_guide_links_with_cmake_and_from_fortran(tmp_path):
         pytest.skip("neither CMake nor a Fortran compiler is installed")
     ends = [[float(number) for number in said.split()] for said in programs.values()]
     assert all(abs(sum(x * x for x in end) - 1) < 1e-12 and end == pytest.approx(ends[0], abs=1e-14) for end in ends)
+
+
+@pytest.mark.quick
+def test_the_page_of_statuses_is_the_header_s():
+    header = dict(re.findall(r"^  (SMG_[A-Z_]+) = (\d+)", (ROOT / "runtime" / "core" / "smidgen.h").read_text(), re.MULTILINE))
+    page = (DOCS / "reference" / "statuses.md").read_text()
+    assert {name: value for value, name in re.findall(r"^\| (\d+) \| `(\w+)`", page, re.MULTILINE)} == header
