@@ -159,10 +159,20 @@ function open() {
   if (it.data.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
 function lattice() {                        // the places, where there are any and they can be drawn
-  const any = placed().length > 0, able = any && prepare(el("field"));
+  const any = placed().length > 0, able = any && drawable();
   el("view").hidden = !able;
-  it.without = any && !able ? "this browser has no WebGL2: sites are shown on the sphere alone" : "";
+  if (any && !able && !it.without) it.without = "this browser has no WebGL2: sites are shown on the sphere alone";
   if (able) makePlaces();
+}
+function drawable() {
+  el("field").addEventListener("webglcontextlost", () => onlySphere("the graphics card has stopped: sites are shown on the sphere alone"));
+  try { return prepare(el("field")); } catch (problem) { onlySphere(`sites are shown on the sphere alone: ${problem.message}`); }
+  return false;
+}
+function onlySphere(why) {
+  it.without = why; it.picked = null;
+  el("view").hidden = true;
+  setView("sphere"); it.draw();
 }
 window.player = { it, go, finish };         // for who measures
 load().then(open).catch((problem) => {
