@@ -79,3 +79,22 @@ def test_names():
 def test_the_heisenberg_chain():
     assert equations(smidgen.load("heisenberg_chain")) == [
         r"\dot w_i = w_i \times \frac{\partial H}{\partial w_i}, \qquad H = \underbrace{\sum_{\langle i, j \rangle} w_{i} \cdot w_{j}}_{\text{exchange}}"]
+
+
+CELLS = ("import smidgen", 'smidgen.load("point_vortices")', 'result = smidgen.run("point_vortices", steps=50)\nresult', 'result.plot("energy")', "result.play()",
+         'smidgen.explain("point_vortices")', 'smidgen.advise("point_vortices")', 'smidgen.verify("free_rigid_body", tier="quick")',
+         'smidgen.cost("free_rigid_body", methods=["spherical-midpoint"], long=False)', 'smidgen.average("heisenberg_chain", steps=20)',
+         'smidgen.spectrum("heisenberg_chain", steps=64, every=1)')
+
+
+@pytest.mark.long
+def test_a_notebook_shows_every_object(tmp_path):
+    """As its reader sees it: a picture or words of each, and nothing on the disk."""
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in CELLS])
+    nbclient.NotebookClient(book, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
+    data = [output["data"] for cell in book.cells[1:] for output in cell["outputs"] if output["output_type"] == "execute_result"]
+    assert len(data) == len(CELLS) - 1 and os.listdir(tmp_path) == []
+    assert "$$" in data[0]["text/markdown"] and all("text/html" in one for one in data[1:])
+    pictures = [n for n, one in enumerate(data) if "data:image/png" in one.get("text/html", "")]
+    assert pictures == [1, 2, 7, 9]
