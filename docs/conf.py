@@ -29,7 +29,7 @@ autodoc_class_signature = "separated"
 def mathml(node, display):
     """An equation as MathML, which browsers typeset by themselves."""
     try:
-        return convert(node.astext(), display=display)
+        return convert(node.astext().replace(r"\lvert", r"\left|").replace(r"\rvert", r"\right|"), display=display)
     except Exception as error:                              # the errors of the converter have no common class
         logging.getLogger(__name__).warning("equation %r: %r", node.astext(), error, location=node)
         return ""
@@ -49,9 +49,9 @@ class Pieces(SphinxDirective):
     """A table of the pieces that come with smidgen."""
 
     def run(self):
-        rows = ["| piece | what it is | arguments | law | source |", "|---|---|---|---|---|"]
+        rows = ["| piece | what it is, and its source | arguments | law |", "|---|---|---|---|"]
         for one in map(piece, catalogue()):
-            cells = (f"`{one.name}`", one.title, ", ".join(f"`{argument}`" for argument in one.arguments), one.law, one.source)
+            cells = (f"`{one.name}`", f"{one.title}. {one.source}", ", ".join(f"`{argument}`" for argument in one.arguments), one.law)
             rows.append("| " + " | ".join(cell.replace("|", r"\|").replace("*", r"\*") for cell in cells) + " |")
         return self.parse_text_to_nodes("\n".join(rows))
 
