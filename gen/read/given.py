@@ -72,13 +72,12 @@ def told(text: str, what: str, reader, measured: bool = True):
 def scaled(spec: Spec, parameters: dict) -> dict:
     """Values by name, those in texts, `"1.5 meV"`, in the units of the spec; whatever else is wrong with them is found elsewhere."""
     known = {p.name for p in spec.parameters} if spec.units else ()
-    return {name: number_of(spec.units, name, value) if name in known else value for name, value in parameters.items()}
+    return {name: number_of(spec.units, name, value, spec.units.of("name", name)) if name in known else value for name, value in parameters.items()}
 
 
-def number_of(units: Units, name: str, value):
+def number_of(units: Units, name: str, value, dimension):
     if isinstance(value, (list, tuple)):
-        return [number_of(units, name, entry) for entry in value]
-    dimension = units.of("name", name)
+        return [number_of(units, name, entry, dimension) for entry in value]
     if isinstance(value, str):
         return told(value, name, lambda text, problems: quantity(text, problems, units, dimension))
     if isinstance(value, (Bare, BareInteger)) and value and dimension != NONE:

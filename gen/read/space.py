@@ -102,6 +102,8 @@ class SpaceReader:
             return quotient(product(C, ACTION), kappa)
         if product(kappa, radius) != ACTION:
             at = node.get("kappa") or node.get("moment")
+            if at is None and node.has("fixed") and node.get("fixed").flag():        # of what does not move none is needed
+                return radius
             if at is None:
                 node.wrong(codes.MEASURE, f"`{node.label}` has no strength: kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw", KAPPA)
             at.wrong(codes.DIMENSION, f"kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw, and this is {said(kappa)}", KAPPA)

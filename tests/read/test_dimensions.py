@@ -89,6 +89,7 @@ SPACES = [  # the family, its dimension by the unit of w.x, a fault, what is sai
     ('w = { sphere = 1, kappa = "0.5 hbar" }', "1", "0.5 hbar", "0.5", "kappa is an angular momentum"),
     ('w = { sphere = 1, radius = "2 meV ps" }', "meV ps", "2 meV ps", "2 nm", "has no strength"),
     ('w = { sphere = 1, radius = "2 mu_B", kappa = "1 T ps" }', "meV/T", "1 T ps", "1 T", "kappa is"),
+    ("w = { sphere = 1, fixed = true }", "1", "fixed = true", "fixed = false", "has no strength"),
     ("w = { r3 = 1 }", "meV ps", None, None, None),
     ('w = { r3 = 1, kappa = "2 hbar" }', "1", None, None, None),
     ('w = { nambu = 1, C = "(w.x^2 - w.y^2)/2" }', "meV ps", "w.y^2", "2 T*w.y^2", "joins"),
