@@ -9,6 +9,7 @@ from smidgen.resources import scenes, shipped
 
 # Parameters that select another layout than the defaults, or the same one with fewer sites; a spec that is not named here has its defaults alone.
 SIZES = {
+    "chiral_film": (),          # its layouts and methods are those of film_pulse
     "cubic_lattice": ({"nx": 4, "ny": 4, "nz": 4}, {"nx": 5, "ny": 4, "nz": 3}),
     "film_in_units": ({"n": 4},),
     "film_pulse": ({"n": 4}, {"n": 5, "kT": 0.0}),
@@ -16,6 +17,7 @@ SIZES = {
     "honeycomb": ({"nx": 4, "ny": 4}, {"nx": 5, "ny": 3}),
     "j1j2_chain": ({"n": 7}, {"n": 36}),
     "landau_lifshitz": ({"n": 24},),
+    "pyrochlore": (),
     "point_vortices": ({}, {"n": 12, "gamma": [1.0, -0.7, 0.4] * 4}),
     "stirred_sphere": ({"m": 5},),
     "test_particles": ({"n": 5},),

@@ -21,11 +21,11 @@ def test_scenes_are_short_and_by_name(name):
     assert len({select(spec, run.effects).effect_names for run in spec.runs}) == len(spec.runs)
 
 
-SMALL = {"film_in_units": {"n": 4}, "film_pulse": {"n": 4}, "stirred_sphere": {"m": 5}}
+SMALL = {"chiral_film": {"n": 4}, "pyrochlore": {"n": 2}, "film_in_units": {"n": 4}, "film_pulse": {"n": 4}, "stirred_sphere": {"m": 5}}
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name, run", [(name, run) for name, runs in (("film_in_units", ["demo"]), ("film_pulse", ["demo"]), ("stirred_sphere", ["demo"]), ("tumbling_satellite", ["demo", "without_sloshing"])) for run in runs])
+@pytest.mark.parametrize("name, run", [(name, run) for name, runs in (("chiral_film", ["demo"]), ("pyrochlore", ["demo"]), ("film_in_units", ["demo"]), ("film_pulse", ["demo"]), ("stirred_sphere", ["demo"]), ("tumbling_satellite", ["demo", "without_sloshing"])) for run in runs])
 @pytest.mark.usefixtures("few_states", "optimised_here")
 def test_scenes_agree_with_the_witness_and_have_a_certificate(name, run):
     spec, values = smidgen.load(name), SMALL.get(name, {})
@@ -35,8 +35,8 @@ def test_scenes_agree_with_the_witness_and_have_a_certificate(name, run):
 
 
 @quick
-def test_there_are_four():
-    assert list(scenes()) == ["film_in_units", "film_pulse", "stirred_sphere", "tumbling_satellite"]
+def test_there_are_six():
+    assert list(scenes()) == ["chiral_film", "film_in_units", "film_pulse", "pyrochlore", "stirred_sphere", "tumbling_satellite"]
 
 
 @quick
@@ -83,3 +83,16 @@ def test_the_film_in_units_is_tilted_and_comes_back():
     found = smidgen.run(spec, what=["magnetisation"], parameters={"n": 8})
     mz = found.values["magnetisation.w"][:, 2]
     assert mz[0] > 0.99 and mz.min() < 0.9 < mz[-20:].mean() + 0.1
+
+
+@quick
+def test_skyrmions_stay():
+    """One in each 16 x 16 sites, while the film loses energy."""
+    found = smidgen.run(smidgen.load("chiral_film"), parameters={"n": 32}, time=5)
+    assert np.allclose(found["charge.w"], -4) and found["energy"][-1] < found["energy"][0]
+
+
+@quick
+def test_spins_of_a_tetrahedron_nearly_add_up_to_nothing():
+    found = smidgen.run(smidgen.load("pyrochlore"))
+    assert abs(found["correlation"][0]) < 0.1 and -1 / 3 < found["correlation"][-1] < -0.3
