@@ -48,11 +48,11 @@ def stage_of(where, links, part: dict, sites: int = 1) -> Stage:
 
 
 def spacing(flat) -> float:
-    """The distance between neighbours."""
+    """The distance between neighbours; of sites that belong to no lattice the median."""
     some = flat[thinned(len(flat), 30)]
     far = np.linalg.norm(flat[None] - some[:, None], axis=2)
-    far = far[far > 1e-9]
-    return float(far.min()) if far.size else 1.0
+    nearest = np.where(far > 1e-9, far, np.inf).min(axis=1)
+    return float(np.median(nearest)) if np.isfinite(nearest).all() else 1.0
 
 
 def bonds_of(sites, links, where):

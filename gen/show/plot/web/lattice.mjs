@@ -23,8 +23,8 @@ function nearest(p, site) {                 // the square of the distance to the
 }
 function spacing(f) {                       // of a few sites, evenly chosen
   const tries = Math.min(24, f.count), found = [...Array(tries).keys()].map((k) => nearest(f.places, 3 * Math.floor(k * f.count / tries)));
-  const least = Math.min(...found);
-  return isFinite(least) ? Math.sqrt(least) : 1;
+  const middle = found.sort((a, b) => a - b)[found.length >> 1];
+  return isFinite(middle) ? Math.sqrt(middle) : 1;
 }
 function layers(axis) {                     // the coordinates along an axis at which there are sites
   const found = new Set();
