@@ -215,7 +215,7 @@ def unit(meta, column: str) -> str:
     """` meV`, behind a number of that column; nothing where none is known."""
     units = meta.get("units") or {"columns": {}}
     found = units["columns"].get(column) or units.get({"t": "time"}.get(column, column), "1")
-    return "" if found == "1" else f" {found}"
+    return "" if found == "1" else f" ({found})" if found[0].isdigit() else f" {found}"
 
 
 def mean_lines(meta):

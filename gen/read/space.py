@@ -162,7 +162,7 @@ class SpaceReader:
             child.wrong(codes.MEASURE, "a moment needs units", "add a section [units], or give `kappa`")
         if node.has("kappa"):
             child.wrong(codes.CONFLICT, f"`{node.label}` has a moment and a kappa", "keep one of them: kappa = moment/gamma")
-        moment = self.formulas.free(child, "a moment", "i", MOMENT)
+        moment = self.formulas.free(child, "`moment`", "i", MOMENT)
         share = float(units.factor(unit("gamma") ** -1))
         self.found["kappa"] = ACTION
         return Num(moment.value * share) if isinstance(moment, Num) else Op("*", (moment, Num(share)))

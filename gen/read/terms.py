@@ -95,7 +95,7 @@ class TermReader:
             key, f'give its {key}: `{key} = "..."`'))
         found = self.formulas.number(formula.text(), self.scope(over, what))
         if key == "energy":
-            self.formulas.fits(found, formula.text().whole, "an energy", ENERGY)
+            self.formulas.fits(found, formula.text().whole, "`energy`", ENERGY)
         value = found.expr if key == "energy" else self.told(node, found)
         over = with_columns(over, value)
         self.known({*families_of(over).values(), *(e.family for e in walk(value) if isinstance(e, Spin))})

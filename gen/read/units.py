@@ -110,7 +110,7 @@ class Measure:
     def same(self, node: Node, dimension) -> None:
         if self.dimension not in (None, dimension):
             node.wrong(codes.DIMENSION, f"`{node.label}` is {said(dimension)} where {said(self.dimension)} is needed",
-                       "write it without a unit, or the others with one" if self.dimension == NONE else f"write it in a unit of {said(self.dimension)}")
+                       "write it without a unit, or the others with one" if self.dimension == NONE else f"give {said(self.dimension)}, with its unit")
         self.dimension = dimension
 
     @property
