@@ -26,7 +26,11 @@ FAR = 1.1           # how far a cell may reach where there is no neighbour, in d
 
 @dataclass(frozen=True)
 class Stage:
-    """Where sites stand on the paper. flat: (m, 2) of the sites seen; space: between neighbours; outlines: of their cells, (m, corners, 2), or None."""
+    """Where sites stand on the paper.
+
+    flat: (m, 2) of the sites seen; space: between neighbours; outlines: of their cells, (m, corners, 2), or None; bonds: (m, 2) numbers
+    among them; arrows: numbers of those that have one, long at most.
+    """
     seen: Seen
     flat: np.ndarray
     space: float
@@ -145,12 +149,14 @@ def one_time(ax, u, stage: Stage):
         cells_ = PolyCollection(stage.outlines, cmap=DIVERGING, clim=(-1, 1), lw=0.2, edgecolors="face")
         ax.add_collection(cells_)
     else:
-        points = 200 * stage.space / max(np.ptp(stage.flat, axis=0).max(), stage.space)
-        cells_ = ax.scatter(*stage.flat.T, c=np.zeros(len(u)), s=max(points, 0.7) ** 2, marker="s" if len(u) > CELLS else "o", cmap=DIVERGING, vmin=-1, vmax=1, lw=0)
+        points = max(200 * stage.space / max(np.ptp(stage.flat, axis=0).max(), stage.space), 0.7)
+        cells_ = ax.scatter(*stage.flat.T, c=np.zeros(len(u)), s=points ** 2, marker="s" if len(u) > CELLS else "o", cmap=DIVERGING,
+                            vmin=-1, vmax=1, lw=0)
     if len(stage.bonds):
         ax.add_collection(LineCollection(stage.flat[stage.bonds], color=SOFT, lw=0.6, zorder=1.5))
     some = stage.arrows
-    arrows = ax.quiver(*stage.flat[some].T, u[some, 0], u[some, 1], pivot="mid", angles="xy", scale_units="xy", scale=1 / stage.long, color=INK, width=0.004, zorder=2)
+    arrows = ax.quiver(*stage.flat[some].T, u[some, 0], u[some, 1], pivot="mid", angles="xy", scale_units="xy", scale=1 / stage.long,
+                       color=INK, width=0.004, zorder=2)
     renewed((cells_, arrows), u, stage)
     low, high = stage.flat.min(axis=0) - 0.8 * stage.space, stage.flat.max(axis=0) + 0.8 * stage.space
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")

@@ -6,7 +6,7 @@ import zlib
 
 import numpy as np
 
-LEVELS, MASK = 2046, 2047       # greatest coordinate of a direction, so that it is right to 0.12 degrees, and along the axes exact; `web/load.mjs` reads the same
+LEVELS, MASK = 2046, 2047       # greatest coordinate of a direction: right to 0.12 degrees, along the axes exact; `web/load.mjs` reads the same
 
 
 def packed(values, kind: str) -> str:

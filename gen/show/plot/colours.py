@@ -110,8 +110,8 @@ def ordered(shares) -> list[str]:
     return [legible(c) for c in matplotlib.colormaps["viridis"](0.75 * np.asarray(shares, float))]
 
 
-# A unit vector u has the colour centre + tint u in CIELAB: lightness by u_z, hue by azimuth. x and -x differ by blue and yellow, y and -y by lightness too, so that
-# a reader without red and green, or without blue, tells azimuths apart.
+# A unit vector u has the colour centre + tint u in CIELAB: lightness by u_z, hue by azimuth. x and -x differ by blue and yellow, y and -y by
+# lightness too, so that a reader without red and green, or without blue, tells azimuths apart.
 WHEEL = {"centre": [58, 0, 0], "tint": [[10, -18, 34], [0, 45, 0], [48, 0, 0]]}
 DIVERGING, SEQUENTIAL = "coolwarm", "cividis"
 _WHITE = np.array([0.95047, 1.0, 1.08883])

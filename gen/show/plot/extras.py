@@ -39,7 +39,8 @@ class Extras:
             return []
         found = site_maps(self.numbers, self.called, self.t[keep], {name: w[keep] for name, w in self.states.items()})
         energy = self.units["energy"] if self.columns else ""
-        return [mapped({**one, "unit": one["unit"] or energy * one["name"].startswith("energy")}) for one in found if one["family"] in self.standing and np.ptp(one["values"]) > 0]
+        some = [one for one in found if one["family"] in self.standing and np.ptp(one["values"]) > 0]
+        return [mapped({**one, "unit": one["unit"] or energy * one["name"].startswith("energy")}) for one in some]
 
     def series(self, keep) -> list[dict]:
         """The other numbers of the result over time."""
@@ -53,7 +54,7 @@ class Extras:
 
 
 def triangles(where):
-    """(m, 3) numbers of sites: Delaunay's triangles of a flat lattice without those that bridge gaps; None of another, and of very many sites."""
+    """(m, 3) numbers of sites: Delaunay's triangles of a flat lattice, without those that bridge gaps; None of any other, or of very many."""
     if len(where) > FLAT_SITES or np.ptp(where[:, 2]) > 0 or np.linalg.matrix_rank(where - where[0]) < 2:
         return None
     found = Triangulation(*where[:, :2].T).triangles
