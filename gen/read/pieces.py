@@ -52,10 +52,12 @@ class Pieces:
     def written(self, node: Node) -> dict:
         """The table of an effect that uses a piece; its places are added."""
         piece = self.piece(node.get("use"))
-        words = Arguments(piece, node).words
+        given = Arguments(piece, node)
+        home = dict.fromkeys((a for a in given.words if not node.has(a)), node.get("use").span.start)
+        self.problems.defaults.update({start: {a: given.words[a].raw for a in home} for start in home.values()})
         found = {}
         for child in piece.get("effect").items():
-            found[child.name], node.marks[(*node.path, child.name)] = filled(child, words)
+            found[child.name], node.marks[(*node.path, child.name)] = filled(child, given.words, home)
         for key in ("meaning", "title"):
             holder = node if node.has("meaning") else piece.get("piece")
             if "meaning" not in found and holder.has(key):
@@ -118,8 +120,8 @@ class Arguments:
         return value
 
 
-def filled(child: Node, words: dict[str, Node]):
-    """(value, mark) of a key of the piece, with the arguments in the place of its words."""
+def filled(child: Node, words: dict[str, Node], home: dict[str, int]):
+    """(value, mark) of a key of the piece, with the arguments in the place of its words; home: of a default, the place in the scene."""
     if not isinstance(child.raw, str):
         return child.raw, child.marks[child.path]
     text = child.text()
@@ -127,11 +129,11 @@ def filled(child: Node, words: dict[str, Node]):
     if alone and alone[1] in words and not isinstance(words[alone[1]].raw, list):
         value = words[alone[1]]
         return value.raw, Mark(child.key, value.span, value.marks[value.path].text)
-    whole = joined(list(parts(child, text, words)), text)
+    whole = joined(list(parts(child, text, words, home)), text)
     return whole.value, Mark(child.key, child.span, whole)
 
 
-def parts(child: Node, text: Text, words: dict[str, Node]):
+def parts(child: Node, text: Text, words: dict[str, Node], home: dict[str, int]):
     """(characters, their offsets): what stands between words, and for each word its argument."""
     end = 0
     for match in WORD.finditer(text.value):
@@ -139,7 +141,8 @@ def parts(child: Node, text: Text, words: dict[str, Node]):
         if match[1] not in words:
             child.problems.fail(codes.UNKNOWN_NAME, text.span(*match.span()), f"`{match[0]}` is no argument of this piece", nearest(match[1] or "", words))
         alone = (text.value[:match.start()].rstrip()[-1:] or "(") in "(," and (text.value[match.end():].lstrip()[:1] or ")") in "),"
-        yield spoken(words[match[1]], alone or child.name in PLAIN)
+        characters, offsets = spoken(words[match[1]], alone or child.name in PLAIN)
+        yield characters, (home[match[1]],) * len(characters) if match[1] in home else offsets
         end = match.end()
     yield text.value[end:], text.offsets[end:-1]
 

@@ -27,6 +27,7 @@ class Problems:
         self.found: list[Diagnostic] = []
         self.seen: set = set()
         self.measured = False       # units may follow numbers in formulas
+        self.defaults: dict = {}    # place of an effect's `use` -> the arguments that its piece has by default
         self.places: dict = {}      # (formula's place, Expr) -> place of that part
 
     def note(self, code: str, span: Span, cause: str, hint: str) -> None:
@@ -41,7 +42,11 @@ class Problems:
         line, column = file.place(span.start - file.begin)
         text = file.line(line)
         length = max(1, min(span.end - span.start, len(text) - column + 1))
-        self.found.append(Diagnostic(code, file.name, line, column, text, cause, hint, length))
+        self.found.append(Diagnostic(code, file.name, line, column, text, cause, self.of_default(span, cause) + hint, length))
+
+    def of_default(self, span: Span, cause: str) -> str:
+        """What to give where a default of a piece does not fit the scene."""
+        return "".join(f"that is the default of `{a}`, so give `{a} = ...`; " for a, value in self.defaults.get(span.start, {}).items() if f"`{value}`" in cause)
 
     def fail(self, code: str, span: Span, cause: str, hint: str):
         """Record an error and leave what is being read."""

@@ -126,7 +126,7 @@ class TermReader:
         try:
             return self.over_reader.read(node.get("over").text() if node.has("over") else None)
         except Bad:
-            if node.has(key):
+            if node.has(key) and isinstance(node.get(key).raw, str):
                 parse(node.get(key).text(), self.problems)
             raise
 

@@ -163,3 +163,13 @@ part = 1
     with pytest.raises(smidgen.SpecError, match="E307.*every site is absent") as error:
         smidgen.load_text(text, "empty.toml")
     assert "empty.toml:7:1" in str(error.value)
+
+
+def test_a_default_that_does_not_fit_is_told_in_the_scene():
+    """Of each effect that uses the piece, with the argument to give; nothing else follows from it."""
+    text = '[model]\nname = "x"\n[space]\nm = { sphere = 3 }\n[effects.field]\nuse = "spins/zeeman"\nB = [0, 0, 1]\n[effects.bath]\nuse = "spins/bath"\nalpha = 0.1\nkT = 0.2\n'
+    with pytest.raises(smidgen.SpecError) as told:
+        smidgen.load_text(text)
+    assert [(d.line, d.cause, d.hint) for d in told.value.diagnostics] == [
+        (line, "there is no family `w`", "that is the default of `on`, so give `on = ...`; known here: m") for line in (6, 9)]
+    smidgen.load_text(text.replace("B = [0, 0, 1]", 'B = [0, 0, 1]\non = "m"').replace("kT = 0.2", 'kT = 0.2\non = "m"'))
