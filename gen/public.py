@@ -28,6 +28,11 @@ def public(function: F) -> F:
     return called
 
 
+def by_its_end(word: str, names) -> str | None:
+    """The first of the names that end in -word: `spherical-midpoint` for midpoint."""
+    return next((name for name in names if name.endswith(f"-{word}")), None) if word else None
+
+
 def guess(word: str, known, renamed: dict) -> str:
     """`; it is called ... now`, `; did you mean ...`, or the list of what there is."""
     known = [name for name in known if name != "self"]

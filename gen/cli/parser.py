@@ -4,6 +4,7 @@ from __future__ import annotations
 import argparse
 import difflib
 
+from ..public import by_its_end
 from ..renamed import OPTIONS, now
 from ..resources import HERE
 from ..version import __version__
@@ -44,8 +45,9 @@ class Parser(argparse.ArgumentParser):
 
 def guessed(message: str, word: str, known) -> str:
     """`message` with the known word nearest to `word`, if there is one."""
-    close = difflib.get_close_matches(str(word), [str(k) for k in known], 1)
-    return f"{message}; did you mean '{close[0]}'?" if close else message
+    names = [str(k) for k in known]
+    close = by_its_end(str(word), names) or next(iter(difflib.get_close_matches(str(word), names, 1)), None)
+    return f"{message}; did you mean '{close}'?" if close else message
 
 
 def make_parser() -> argparse.ArgumentParser:

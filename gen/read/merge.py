@@ -65,7 +65,8 @@ def another(far, near) -> bool:
         return False
     if "use" in near:
         return near["use"] != far.get("use")
-    return "use" in far and any(key in near for kind in KINDS for key in kind.told_by)
+    own = {key for kind in KINDS for key in kind.told_by} - {"kT"}      # that is no effect without a damping, and an argument of the bath
+    return "use" in far and not own.isdisjoint(near)
 
 
 def displaced(key: str, near: dict, path: tuple) -> bool:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from ..errors import Diagnostic, SpecError
 from ..language import limits
 from ..language import codes
+from ..public import by_its_end
 from .source import Source, Sources, Span
 
 
@@ -102,9 +103,10 @@ def nearest(word: str, known, also=()) -> str:
 
     Names in `also` are guessed, but not listed.
     """
+    end = by_its_end(word, known)
     known = sorted(set(known))
     guesses = known + sorted(set(also) - set(known))
-    guess = meant(word, guesses)
+    guess = end or meant(word, guesses)
     if guess:
         return f"did you mean `{guess}`?"
     if not known:

@@ -59,7 +59,7 @@ def stray(text: Text, k: int, problems: Problems):
     plain = unicodedata.normalize("NFKC", c)
     hint = HINTS.get(c, "")
     if not hint and name.startswith("GREEK "):
-        hint = f"spell it: `{name.split()[-1].lower()}`"
+        hint = f"spell it: `{name.split()[-1].lower().replace('lamda', 'lam')}`"      # lambda is a word of Python
     elif not hint and plain != c and plain.isascii() and plain.strip():
         hint = f"write the ASCII character `{plain}`"
     problems.fail(codes.CHARACTER, text.span(k, k + 1), f"{shown} has no meaning in a formula",

@@ -122,7 +122,9 @@ def complaint(message: str, file: Source, text: str, problems: Problems, aside: 
         problems.note(codes.DUPLICATE, Span(file.begin + start, file.begin + max(offset, start + 1)), spoken(cause),
                       "every key and table is written once")
     else:
-        problems.note(codes.TOML, Span(file.begin + offset, file.begin + offset + 1), cause,
+        named = not text[offset:offset + 1].isascii() and text[offset].isalpha()
+        problems.note(codes.TOML, Span(file.begin + offset, file.begin + offset + 1), f"`{text[offset]}` (U+{ord(text[offset]):04X}) does not stand in a name" if named else cause,
+                      "names have ASCII letters, digits and `_`; other letters stand in titles and meanings, between quotes" if named else
                       HINTS.get(cause, "the outside of a spec is TOML: [tables], `key = value`"))
     return recovered(text, offset, message, taken, aside)
 

@@ -48,9 +48,8 @@ static inline void smg_turn_about(const double *theta, smg_real *w) {
 
 /* The noise of one half of a step at site k. */
 static void smg_heat_site(smg_state *s, int64_t k, int64_t step, int half) {
-  const double x = (double)smg_min(SMG_MOST_TURNS - (smg_real)0.5, smg_diffusion(&s->c, k) * (smg_real)(s->h / 2));
-  const int turns = (int)x + 1;
-  const double part = x / turns, deviation = sqrt(2 * (part - part * part / 6));
+  const double x = (double)smg_min(SMG_MOST_TURNS - (smg_real)0.5, smg_diffusion(&s->c, k) * (smg_real)(s->h / 2)),
+               turns = floor(x) + 1, part = x / turns, deviation = sqrt(2 * (part - part * part / 6));
   for (int j = 0; x > 0 && j < turns; ++j) {
     double theta[3];
     smg_three_normals(smg_philox_of(smg_counter(step, k, SMG_USE_NOISE + 2 * j + half, s->member), s->seed), theta);
@@ -61,8 +60,15 @@ static void smg_heat_site(smg_state *s, int64_t k, int64_t step, int half) {
 
 /* The part of all sites that one of several threads has. */
 static void smg_heat_share(smg_state *s, int64_t step, int half, int thread, int threads) {
-  const int64_t sites = smg_sites(&s->c);
-  for (int64_t k = sites * thread / threads; k < sites * (thread + 1) / threads; ++k) smg_heat_site(s, k, step, half);
+  for (int64_t k = smg_sites(&s->c) * thread / threads; k < smg_sites(&s->c) * (thread + 1) / threads; ++k)
+    smg_heat_site(s, k, step, half);
+}
+
+/* Does noise turn any site? Where kT is 0 a step is that without noise. */
+static int smg_is_hot(const smg_state *s) {
+  int64_t k = smg_sites(&s->c);
+  while (k > 0 && !(smg_diffusion(&s->c, k - 1) > 0)) --k;
+  return k > 0;
 }
 
 /* N(h/2) of all sites. */
@@ -104,13 +110,13 @@ static smg_status smg_two_halves(smg_state *s) {
 
 /* The state is as it was before a step that fails. */
 static smg_status smg_thermal_step(smg_state *s) {
-  const int64_t step = s->count;
-  if (step >= SMG_THERMAL_STEPS) return s->report.status = SMG_BAD_PARAMETER;
+  if (s->count >= SMG_THERMAL_STEPS) return s->report.status = SMG_BAD_PARAMETER;
+  if (!smg_is_hot(s)) return smg_step(s);
   smg_copy(s->unturned, s->w, 3 * smg_sites(&s->c));
-  smg_heat(s, step, 0);
+  smg_heat(s, s->count, 0);
   smg_status status = smg_step(s);
   if (smg_may_halve(status)) status = smg_two_halves(s);
-  if (status == SMG_OK) smg_heat(s, step, 1);
+  if (status == SMG_OK) smg_heat(s, s->count - 1, 1);
   else {
     smg_copy(s->w, s->unturned, 3 * smg_sites(&s->c));
     smg_forget_compensation(s);

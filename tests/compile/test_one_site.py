@@ -4,7 +4,7 @@ import re
 from itertools import cycle
 
 import pytest
-from support.strict import WARNINGS, compile_all
+from support.strict import MODES, WARNINGS, compile_all
 
 from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
@@ -68,3 +68,15 @@ def test_its_c_compiles(case, tmp_path):
     assert "-Werror" in WARNINGS
     write_files(files_of(case, *METHODS[1]), tmp_path)
     assert not compile_all(tmp_path, ["alone.c"], "gcc")
+
+
+@pytest.mark.parametrize("compiler, how", MODES)
+def test_a_fixed_strength_of_zero_leaves_no_block(tmp_path, compiler, how):
+    """Its Hessian is empty, and Newton's loop asks for none."""
+    spec = load_text('[model]\nname = "none"\n[space]\nw = { sphere = 4 }\n[parameters]\nJ = { default = 0.0, fixed = true }\n'
+                             '[effects.nothing]\nover = "pair(i, j) of w"\nenergy = "J*dot(w[i], w[j])"\n[effects.bonds]\nover = "bond(i, j) of chain(4, open)"\nenergy = "w[i].x*w[j].y"\n')
+    files = generate(spec)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    assert "effect_nothing_hessian" not in files["none.c"]
+    assert not compile_all(tmp_path, [f for f in files if f.endswith(".c")], compiler, how=how)

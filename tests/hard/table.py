@@ -25,7 +25,7 @@ from .case import CASES, TIERS, Case, Row
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
-SUBJECTS = ("vortices", "rings", "spins", "bodies", "chains", "rough", "strengths", "nambu", "held", "edges")
+SUBJECTS = ("vortices", "rings", "spins", "bodies", "chains", "rough", "strengths", "nambu", "held", "driven", "edges")
 MODULES = {name: importlib.import_module(f"{__package__}.{name}") for name in SUBJECTS}
 
 

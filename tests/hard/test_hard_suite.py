@@ -8,7 +8,8 @@ import numpy as np
 
 SLOW = ("a rough chain, from small steps to where they end", "two vortex pairs on their wrong branches",
         "close vortex pair, up to the fold", "close vortex pair, beyond the fold", "plain iteration where it does not contract",
-        "chaos of the forced body: two Lyapunov exponents", "a stiff easy axis over many steps")    # seconds, even if of the quick tier
+        "chaos of the forced body: two Lyapunov exponents", "a stiff easy axis over many steps",
+        "noise so strong that a half step forgets the direction", "a temperature of zero")    # seconds, even if of the quick tier
 
 MANY_STEPS = ("round-off over a million steps of the free body",)      # to run takes longer than to compile: compiled with -O1
 

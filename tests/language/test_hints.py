@@ -78,3 +78,16 @@ def test_going_on_with_a_complete_file_does_not_say_that_it_wrote_it(command, tm
 def test_the_end_of_a_search_is_no_largest_safe_step():
     said = smidgen.advise(smidgen.load("free_rigid_body"), h=0.1, time=20)
     assert said.kind == "open" and not any("the largest safe step" in line for line in said.words())
+
+
+def test_midpoint_alone_means_the_spherical_one():
+    with pytest.raises(UsageError, match="did you mean 'spherical-midpoint'"):
+        smidgen.build(load_text(TEXT.replace("periodic", "open").replace("[5]", "[1]")), method="midpoint")
+    with pytest.raises(SmidgenError, match="did you mean `spherical-midpoint`"):
+        load_text(TEXT.replace("h = 0.1", 'h = 0.1\nmethod = "midpoint"'))
+
+
+@pytest.mark.parametrize("old, new", [("K = 1.0", "K\u00e4 = 1.0"), ("[effects.a]", "[effects.\u03bb]")])
+def test_a_name_has_ascii_letters(old, new):
+    with pytest.raises(SmidgenError, match="does not stand in a name\n.*\n.*\n.*names have ASCII letters"):
+        load_text(TEXT.replace(old, new))

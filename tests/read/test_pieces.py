@@ -173,3 +173,15 @@ def test_a_default_that_does_not_fit_is_told_in_the_scene():
     assert [(d.line, d.cause, d.hint) for d in told.value.diagnostics] == [
         (line, "there is no family `w`", "that is the default of `on`, so give `on = ...`; known here: m") for line in (6, 9)]
     smidgen.load_text(text.replace("B = [0, 0, 1]", 'B = [0, 0, 1]\non = "m"').replace("kT = 0.2", 'kT = 0.2\non = "m"'))
+
+
+def test_a_temperature_alone_changes_the_bath_of_a_base(tmp_path):
+    """kT is a key of effects, and an argument of the piece."""
+    (tmp_path / "base.toml").write_text('[model]\nname = "x"\n[space]\nw = { sphere = 3 }\n[effects.field]\nover = "site(i) of w"\nenergy = "w[i].z"\n'
+                                        '[effects.bath]\nuse = "spins/bath"\nalpha = 0.1\nkT = 0.2\n')
+    (tmp_path / "scene.toml").write_text('[scene]\nbase = "base.toml"\n[effects.bath]\nkT = 0.5\n')
+    (bath,) = [e for e in smidgen.load(tmp_path / "scene.toml").effects if e.name == "bath"]
+    assert bath.kT.value == 0.5 and bath.alpha.value == 0.1
+    (tmp_path / "scene.toml").write_text('[scene]\nbase = "base.toml"\n[effects.bath]\nover = "site(i) of w"\ndamping = 0.3\n')
+    (bath,) = [e for e in smidgen.load(tmp_path / "scene.toml").effects if e.name == "bath"]
+    assert bath.kT is None and bath.alpha.value == 0.3

@@ -67,7 +67,9 @@ def term_kernels(low: Lowering, term: Term, role: str, with_derivatives: bool = 
         gradient = low.kernel([x for row in d.gradient for x in row], d.leaves, d.parts)
         operations.append(gradient.operations)
         functions.append(gradient_function(bare, gradient))
-        functions += [hessian_function(low, bare, pair) for pair in d.hessian]
+        blocks = {pair: f for pair in d.hessian if (f := hessian_function(low, bare, pair)).body}       # without those that a fixed strength of 0 empties
+        functions += blocks.values()
+        d = replace(d, hessian={pair: d.hessian[pair] for pair in blocks})
     return TermKernels(d, bare.prefix, tuple(functions), tuple(operations))
 
 

@@ -9,6 +9,7 @@ from ...compile.plan.plan import Plan, choose as plan_of
 from ...errors import UsageError
 from ...language.spec import LOOSEST, Run, Spec
 from ...methods import NAMES as METHODS, SOLVERS
+from ...public import by_its_end
 from ...read.given import scaled
 from ...read.problems import meant
 from .evaluated import Evaluated
@@ -88,7 +89,7 @@ def listed(name, names: tuple) -> str:
     """The names that there are; of many, the one that was probably meant, and the first few."""
     if len(names) <= LISTED:
         return f"there are: {', '.join(names)}"
-    close = meant(name, names) if isinstance(name, str) else None
+    close = by_its_end(name, names) or meant(name, names) if isinstance(name, str) else None
     return f"did you mean '{close}'?" if close else f"there are {len(names)}, such as {', '.join(names[:LISTED])}"
 
 
