@@ -29,7 +29,7 @@ def public(function: F) -> F:
 
 
 def by_its_end(word: str, names) -> str | None:
-    """The first of the names that end in -word: `spherical-midpoint` for midpoint."""
+    """The first of the names that end in -word."""
     return next((name for name in names if name.endswith(f"-{word}")), None) if word else None
 
 
