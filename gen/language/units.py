@@ -1,7 +1,7 @@
 """Units and dimensions: what a spec with [units] counts its numbers in.
 
-A dimension is four exponents, of energy, time, length and field; of a square root they may be fractions. A model works in a coherent set of units,
-one for each of the four, so that formulas need no conversion factor: every value is divided by its unit once, when it is read.
+A dimension is four exponents, of energy, time, length and field; of a square root they may be fractions. A model works in a coherent
+set of units, one for each of the four, so that formulas need no conversion factor: every value is divided by its unit once, when it is read.
 """
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def quotient(a, b):
 
 MOMENT, ACTION = quotient(ENERGY, FIELD), product(ENERGY, TIME)
 RATE = power(TIME, -1)
-KINDS = {"energy": ENERGY, "time": TIME, "length": LENGTH, "field": FIELD, "moment": MOMENT, "angular_momentum": ACTION}    # keys of [units]
+KINDS = {**dict(zip(BASES, (ENERGY, TIME, LENGTH, FIELD))), "moment": MOMENT, "angular_momentum": ACTION}       # keys of [units]
 SAID = {NONE: "a number without a unit", ENERGY: "an energy", TIME: "a time", LENGTH: "a length", FIELD: "a field", MOMENT: "a moment",
         ACTION: "an angular momentum", RATE: "a rate (1/time)", quotient(LENGTH, TIME): "a velocity"}
 

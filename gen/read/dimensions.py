@@ -73,7 +73,8 @@ class Dimensions:
             return base.dimension
         share = exponent.value is not None and Fraction(exponent.value).limit_denominator(LARGEST)
         if exponent.value is None or float(share) != exponent.value:
-            self.fail(codes.DIMENSION, spans[1], f"{said(base.dimension)} has a power that is no constant", "write the exponent as a number, or divide the base by its unit")
+            self.fail(codes.DIMENSION, spans[1], f"{said(base.dimension)} has a power that is no constant",
+                      "write the exponent as a number, or divide the base by its unit")
         return power(base.dimension, share)
 
     def pure(self, op, args, spans):
@@ -84,4 +85,5 @@ class Dimensions:
 
     def number(self, a: Typed, span: Span, what: str) -> None:
         if a.kind == "s" and a.dimension not in (ANY, NONE):
-            self.fail(codes.DIMENSION, span, f"{what} is {said(a.dimension)}, and must be a number without a unit", f"divide it by {said(a.dimension)}")
+            self.fail(codes.DIMENSION, span, f"{what} is {said(a.dimension)}, and must be a number without a unit",
+                      f"divide it by {said(a.dimension)}")

@@ -51,8 +51,8 @@ def time(text: str, what: str, spec: Spec) -> Expr:
 def read(text: str, what: str, declared: Declared, wanted) -> Expr:
     if len(text) > limits.STRING:
         raise UsageError(f"{what}: a formula has at most {limits.STRING} characters")
-    return told(text, what, lambda place, problems: Formulas(declared, problems).scalar(place, Scope(declared, what, families=False), what, wanted),
-                declared.units is not None)
+    scope = Scope(declared, what, families=False)
+    return told(text, what, lambda place, problems: Formulas(declared, problems).scalar(place, scope, what, wanted), declared.units is not None)
 
 
 def told(text: str, what: str, reader, measured: bool = True):
@@ -71,8 +71,8 @@ def told(text: str, what: str, reader, measured: bool = True):
 
 def scaled(spec: Spec, parameters: dict) -> dict:
     """Values by name, those in texts, `"1.5 meV"`, in the units of the spec; whatever else is wrong with them is found elsewhere."""
-    known = {p.name for p in spec.parameters} if spec.units else ()
-    return {name: number_of(spec.units, name, value, spec.units.of("name", name)) if name in known else value for name, value in parameters.items()}
+    units, known = spec.units, {p.name for p in spec.parameters} if spec.units else ()
+    return {name: number_of(units, name, value, units.of("name", name)) if name in known else value for name, value in parameters.items()}
 
 
 def number_of(units: Units, name: str, value, dimension):
@@ -88,7 +88,8 @@ def number_of(units: Units, name: str, value, dimension):
 def quantity(text: Text, problems: Problems, units: Units, dimension) -> float:
     found = quantity_of(text, problems)
     if found.dimension != dimension:
-        problems.fail(codes.DIMENSION, text.whole, f"{said(dimension)} is needed here, and this is {said(found.dimension)}", f"such as `1 {units.spelt(dimension)}`")
+        problems.fail(codes.DIMENSION, text.whole, f"{said(dimension)} is needed here, and this is {said(found.dimension)}",
+                      f"such as `1 {units.spelt(dimension)}`")
     return in_units(found, units, text.whole, problems)
 
 

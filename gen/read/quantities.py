@@ -17,8 +17,9 @@ from .syntax import Name, Number, Operation, Quantity
 
 WORDS = ("and", "or", "not", "of", "on")        # no units
 COMMON = (*PLAIN, *PREFIXED, "meV", "ueV", "nm", "um", "ps", "fs", "ns", "us", "ms", "mT", "kg", "THz", "GHz", "MHz", "km", "cm", "mm")
-MEANT = {"tesla": "T", "kelvin": "K", "second": "s", "seconds": "s", "joule": "J", "ev": "eV", "mev": "meV", "MEV": "MeV", "ang": "angstrom", "Ang": "angstrom",
-         "degree": "deg", "degrees": "deg", "muB": "mu_B", "uB": "mu_B", "kB": "k_B", "Hbar": "hbar", "gauss": "G", "metre": "m", "meter": "m", "sec": "s",
+MEANT = {"tesla": "T", "kelvin": "K", "second": "s", "seconds": "s", "joule": "J", "ev": "eV", "mev": "meV", "MEV": "MeV",
+         "ang": "angstrom", "Ang": "angstrom", "degree": "deg", "degrees": "deg", "muB": "mu_B", "uB": "mu_B", "kB": "k_B", "Hbar": "hbar", "gauss": "G",
+         "metre": "m", "meter": "m", "sec": "s",
          "Nm": "N m", "newton": "N", "hour": "h", "day": "d", "Celsius": "K", "degC": "K"}
 
 
@@ -55,7 +56,8 @@ def term(parser) -> tuple[Unit, Span]:
 
 def bounded_exponent(parser, digits) -> int:
     if len(digits.text) > 4 or int(digits.text) > limits.UNIT_EXPONENT:
-        parser.problems.fail(codes.LIMIT, digits.span, f"the exponent of a unit is at most {limits.UNIT_EXPONENT} in size", "choose another unit")
+        parser.problems.fail(codes.LIMIT, digits.span, f"the exponent of a unit is at most {limits.UNIT_EXPONENT} in size",
+                             "choose another unit")
     return int(digits.text)
 
 
@@ -125,7 +127,8 @@ def exact(value) -> Fraction:
 def fits(text: Text, problems) -> None:
     """Refuse a text that is too long to be a unit."""
     if len(text.value) > limits.UNIT:
-        problems.fail(codes.LIMIT, text.whole, f"a quantity of {len(text.value)} characters; at most {limits.UNIT} are allowed", "choose a simpler unit")
+        problems.fail(codes.LIMIT, text.whole, f"a quantity of {len(text.value)} characters; at most {limits.UNIT} are allowed",
+                      "choose a simpler unit")
 
 
 # A unit that goes on behind `*` or `/`

@@ -26,6 +26,7 @@ HINTS = {
     "\u2212": "write `-`", "\u2013": "write `-`", "\u00b7": "write `*`, or `dot(a, b)`",
     "\u22c5": "write `*`, or `dot(a, b)`", "\u00d7": "write `cross(a, b)`",
     "\u221a": "write `sqrt(x)`", "\u03c0": "write `pi`", "\u00b2": "write `^2`",
+    "\u00b5": "write `u` for micro", "\u03bc": "write `u` for micro, or spell it: `mu`", "\u00b0": "write `deg`", "\u00c5": "write `angstrom`", "\u212b": "write `angstrom`",
     "\u00b3": "write `^3`", "\u00bd": "write `1/2`"}
 
 

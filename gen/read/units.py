@@ -35,7 +35,7 @@ class UnitsReader:
                 child.wrong(codes.CONFLICT, f"`{child.label}` is a unit, and `dimensionless` says that there is none", "keep one of them")
 
     def scale(self, node: Node, kind: str) -> Scale:
-        return Scale(node.string().strip(), of_dimension(node, KINDS[kind], f"the unit of {'an ' if kind[0] in 'ae' else 'a '}{kind.replace('_', ' ')}"))
+        return Scale(node.string().strip(), of_dimension(node, KINDS[kind], f"the unit of {said(KINDS[kind])}"))
 
 
 def of_dimension(node: Node, dimension, what: str) -> Unit:
@@ -109,8 +109,8 @@ class Measure:
 
     def same(self, node: Node, dimension) -> None:
         if self.dimension not in (None, dimension):
-            node.wrong(codes.DIMENSION, f"`{node.label}` is {said(dimension)} where {said(self.dimension)} is needed",
-                       "write it without a unit, or the others with one" if self.dimension == NONE else f"give {said(self.dimension)}, with its unit")
+            hint = "write it without a unit, or the others with one" if self.dimension == NONE else f"give {said(self.dimension)}, with its unit"
+            node.wrong(codes.DIMENSION, f"`{node.label}` is {said(dimension)} where {said(self.dimension)} is needed", hint)
         self.dimension = dimension
 
     @property
@@ -122,5 +122,6 @@ def in_units(found: Unit, units: Units, span: Span, problems: Problems) -> float
     """How many units of the model a quantity is, rounded once."""
     exact_value = units.factor(found)
     if abs(exact_value) > limits.LARGEST or 0 < abs(exact_value) < limits.SMALLEST:
-        problems.fail(codes.NUMBER, span, f"in the units of this spec this is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in size", "choose other units in [units]")
+        problems.fail(codes.NUMBER, span, f"in the units of this spec this is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in size",
+                      "choose other units in [units]")
     return float(exact_value)

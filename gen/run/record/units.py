@@ -6,7 +6,8 @@ from .record import columns_of
 
 
 def units_of(model, what) -> dict | None:
-    """codata: the edition of the constants; energy, time, length, field: the units in which the model counts; momentum, casimirs: those of all families; columns: name -> unit, "1" of what has none.
+    """codata: the edition of the constants; energy, time, length, field: the units in which the model counts; momentum, casimirs: those of all
+    families; columns: name -> unit, "1" of what has none.
 
     None where numbers have no units."""
     units = model.spec.units
