@@ -6,7 +6,7 @@ from types import ModuleType
 
 from .errors import MissingTool
 
-EXTRAS = {"h5py": "hdf5", "matplotlib": "pictures", "pandas": "data", "shtab": "completion", "xarray": "data"}    # package -> the extra that brings it
+EXTRAS = {"ase.io": "crystals", "scipy.sparse": "crystals", "scipy.io": "crystals", "h5py": "hdf5", "matplotlib": "pictures", "pandas": "data", "shtab": "completion", "xarray": "data"}    # package -> the extra that brings it
 
 
 def needed(package: str, what: str) -> ModuleType:

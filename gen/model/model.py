@@ -14,6 +14,7 @@ from .. import read
 from ..errors import UsageError
 from ..language.spec import Spec
 from ..public import public
+from .crystals import edges_of, lattice_of, loaded, shells_within
 from .text import formula
 from .vectors import Indexed, Vector, function, vec
 
@@ -125,6 +126,32 @@ class Model:
         """A lattice with the keys of `[lattices]` of a spec."""
         self._add("lattices", name, {key: plain(value) for key, value in says.items()})
 
+    @public
+    def graph(self, name: str, couplings, positions=None) -> None:
+        """A graph for `edge(i, j, J) of name` from couplings: a square matrix, dense or of scipy.sparse, whose entries J_ij couple sites i and j, or
+        rows i, j, J; or the path of such a matrix, .npz of scipy.sparse, .mtx or .npy. A symmetric matrix gives each pair once. positions: (sites, 2 or 3).
+
+        Raises UsageError for a matrix that is not square, not symmetric, or couples a site to itself.
+        """
+        says = {} if positions is None else {"positions": np.asarray(positions, float).tolist()}
+        self._add("graphs", name, {"edges": edges_of(name, loaded(couplings)), **says})
+
+    @public
+    def crystal(self, name: str, atoms, size, couplings=(), *, cutoff: float | None = None, elements=None, family: str = "w"):
+        """Spheres on the atoms of a crystal, `size` cells in each direction, with exchange J for each shell of neighbours: E = -J w_i.w_j.
+
+        atoms: an ase.Atoms, or the path of a file that ASE reads, such as a .cif; elements: of the atoms that carry a vector, by default all;
+        couplings: of the first shell, the second, ..; cutoff: the largest distance, in the unit of length of the atoms. A direction that is not periodic in `atoms` is open.
+        Declares the lattice `name` and the family; effects are called `NAME_first`, ..; returns what stands for the vectors. Raises UsageError.
+        """
+        says = lattice_of(name, atoms, elements)
+        shells = shells_within(name, says, couplings, cutoff) if len(couplings) else {}
+        self.lattice(name, size=[counted(n) for n in size], **says)
+        vectors = self.sphere(family, name)
+        for shell, J in shells.items():
+            self.effect(f"{name}_{shell}", over=f"bond(i, j) of {name}.{shell}", energy=f"-({plain(J)})*dot({family}[i], {family}[j])")
+        return vectors
+
     def start(self, name: str, family: str | None = None, **says) -> None:
         """Where a family begins, or the only one: `vectors=array` (count, 3), `theta=.., phi=..`, `x=.., y=.., z=..`, or `random=seed`."""
         table = self._tables.setdefault("starts", {})
@@ -152,20 +179,24 @@ class Model:
     # -- what becomes of it ---------------------------------------------------------------------
     def spec(self) -> Spec:
         """The Spec. Raises SpecError, whose places are those of `to_toml()`."""
-        if not self.outside():
+        if not self.outside() and not self.outside("graphs", "edges"):
             return read.load_text(self.to_toml())
         with tempfile.TemporaryDirectory(prefix="smidgen-model-") as folder:
             return read.load(self.save(Path(folder) / f"{self._tables['model']['name']}.toml"))
 
     def to_toml(self) -> str:
         """The spec as a text. Raises UsageError where an array has more than 1000 numbers: `save` puts those into files."""
-        if self.outside():
-            raise UsageError(f"{', '.join(self.outside())}: an array of more than {INLINE} numbers stands in a file of its own; use save(path)")
+        large = [*self.outside(), *self.outside("graphs", "edges")]
+        if large:
+            raise UsageError(f"{', '.join(large)}: an array of more than {INLINE} numbers stands in a file of its own; use save(path)")
         return tomli_w.dumps(inlined(self._tables))
 
     def save(self, path: str | os.PathLike) -> Path:
         """Write the spec, and beside it a file NAME.npy for each large array; returns the path."""
         path, tables = Path(path), inlined(self._tables)
+        for name, rows in self.outside("graphs", "edges").items():
+            np.savetxt(path.with_name(f"{path.stem}_{name}.csv"), rows, "%.17g", delimiter=",", header="i,j,J", comments="")
+            tables["graphs"][name] = {"file": f"{path.stem}_{name}.csv", **{key: value for key, value in self._tables["graphs"][name].items() if key != "edges"}}
         for name, rows in self.outside().items():
             np.save(path.with_name(f"{path.stem}_{name}.npy"), rows, allow_pickle=False)
             says = self._tables["parameters"][name]
@@ -173,9 +204,9 @@ class Model:
         path.write_text(tomli_w.dumps(tables), encoding="utf-8")
         return path
 
-    def outside(self) -> dict:
-        """name -> array, of the parameters that go to files."""
-        arrays = {name: says["default"] for name, says in self._tables.get("parameters", {}).items()}
+    def outside(self, table: str = "parameters", key: str = "default") -> dict:
+        """name -> array, of the parameters, or of the edges of graphs, that go to files."""
+        arrays = {name: says[key] for name, says in self._tables.get(table, {}).items()}
         return {name: rows for name, rows in arrays.items() if isinstance(rows, np.ndarray) and rows.size > INLINE}
 
 

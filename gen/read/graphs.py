@@ -27,7 +27,7 @@ class Graphs:
 
     def declare(self, node: Node) -> None:
         self.broken.add(node.name)
-        node.table("file", "positions", "meaning")
+        node.table("file", "edges", "positions", "meaning")
         name, (rows, places), _ = self.problems.together(
             lambda: identifier(self.problems, node.key, node.name, "graph"),
             lambda: self.placed_rows(node), lambda: meaning(node, "meaning"))
@@ -35,14 +35,29 @@ class Graphs:
         self.broken.discard(name)
 
     def rows(self, node: Node) -> list[tuple]:
+        if node.has("edges"):
+            return self.listed(node)
         child = node.need("file", 'name the table of edges: `file = "edges.csv"`')
-        rows = self.files.rows(child, 2, TABLE)
+        return self.checked(child, self.files.rows(child, 2, TABLE), f"`{child.raw}`")
+
+    def listed(self, node: Node) -> list[tuple]:
+        """The rows that stand in the spec."""
+        child = node.get("edges")
+        if node.has("file"):
+            child.wrong(codes.CONFLICT, f"`{node.label}` has `edges` and a `file`", "give one of them")
+        rows = [tuple(whole(e.number()) if k < 2 else e.number() for k, e in enumerate(row.entries("row `[i, j, weight]`", 2 + limits.COLUMNS))) for row in child.entries("list of edges")]
+        if not rows or any(len(row) < 2 or len(row) != len(rows[0]) for row in rows):
+            child.wrong(codes.TABLE, "these are no edges", f"they are {TABLE}, of one length")
+        return self.checked(child, rows, "the list")
+
+    @staticmethod
+    def checked(child: Node, rows: list[tuple], what: str) -> list[tuple]:
         if len(rows) > limits.EDGES or len(rows[0]) > 2 + limits.COLUMNS:
             child.wrong(codes.LIMIT, f"at most {limits.EDGES} edges with {limits.COLUMNS} "
                         "weights are allowed", "use a smaller table")
         for i, j, *_ in rows:
             if not (isinstance(i, int) and isinstance(j, int) and i >= 0 and j >= 0) or i == j:
-                child.wrong(codes.TABLE, f"`{child.raw}` has an edge from {i} to {j}",
+                child.wrong(codes.TABLE, f"{what} has an edge from {i} to {j}",
                             "an edge joins two different sites, whole numbers from 0")
         return rows
 
@@ -96,3 +111,8 @@ def doubled(rows) -> tuple[int, int]:
             return seen[row], k
         seen[row] = k
     raise ValueError("all rows differ")
+
+
+def whole(number):
+    """An int where it is one."""
+    return int(number) if number == int(number) else number
