@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import smidgen
 from support.pages import python, sh
 
 ROOT = Path(__file__).parents[2]
@@ -107,3 +108,8 @@ def test_the_page_of_statuses_is_the_header_s():
     header = dict(re.findall(r"^  (SMG_[A-Z_]+) = (\d+)", (ROOT / "runtime" / "core" / "smidgen.h").read_text(), re.MULTILINE))
     page = (DOCS / "reference" / "statuses.md").read_text()
     assert {name: value for value, name in re.findall(r"^\| (\d+) \| `(\w+)`", page, re.MULTILINE)} == header
+
+
+def test_the_page_of_functions_has_every_public_name():
+    page = (DOCS / "reference" / "python.md").read_text()
+    assert set(re.findall(r"^\.\. auto\w+:: smidgen\.(\w+)$", page, re.MULTILINE)) == set(smidgen.__all__)
