@@ -37,7 +37,7 @@ function colours() {                        // of the field: pixels that somethi
 setTimeout(() => {
   const P = window.player, it = P.it;
   said.view = it.view; said.without = el("note").textContent; said.offered = !el("view").hidden;
-  if (it.view === "sphere") { document.title = JSON.stringify(said); return; }
+  if (it.view === "sphere") { press("v"); said.view = it.view; document.title = JSON.stringify(said); return; }
   said.all = colours();
   set("marks", "cells"); said.cells = colours(); set("marks", "arrows");
   set("slice", "z"); said.layers = Number(el("layer").max) + 1; said.layer = Number(el("layer").value);

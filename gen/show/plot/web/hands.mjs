@@ -62,13 +62,14 @@ const OWN = {                               // keys that a focused control needs
 const NUDGE = 0.08;
 const turns = (dx, dy) => () => { drag(dx, dy); it.draw(); };
 const zooms = (factor) => () => { zoom(factor); it.draw(); };
+const tap = (id) => () => { if (!el(id).hidden) el(id).click(); };
 export const KEYS = {                       // key -> what it does; a step is 10 frames with Shift
   " ": () => play(!it.playing), ".": (step) => go(it.now + step), ",": (step) => go(it.now - step),
   ">": (step) => go(it.now + step), "<": (step) => go(it.now - step),
   Home: () => { play(false); go(0); }, End: () => { play(false); go(it.frames - 1); },
   ArrowLeft: turns(-NUDGE, 0), ArrowRight: turns(NUDGE, 0), ArrowUp: turns(0, -NUDGE), ArrowDown: turns(0, NUDGE),
   "+": zooms(1.2), "=": zooms(1.2), "-": zooms(1 / 1.2), 0: () => { reset(); it.draw(); },
-  f: () => el("full").click(), l: () => el("loop").click(), v: () => el("view").click(), p: () => el("picture").click(),
+  f: tap("full"), l: tap("loop"), v: tap("view"), p: tap("picture"),
   "?": () => el("keys").toggleAttribute("open"),
 };
 let byHand = false;                         // what was pressed last: a pointer or a key?

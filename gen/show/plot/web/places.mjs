@@ -15,13 +15,17 @@ let gl = null, programs = null, m = null, sets = [], tables = {};
 
 export function prepare(canvas) {           // can sites be drawn at their places here?
   const many = placed().reduce((sum, f) => sum + f.count, 0);
-  gl = canvas.getContext("webgl2", { antialias: many < 20000, preserveDrawingBuffer: true });
+  gl = canvas.getContext("webgl2", { antialias: many < (inSoftware() ? 2000 : 20000), preserveDrawingBuffer: true });
   if (!gl) return false;
   programs = { arrows: program(gl, ARROWS), cells: program(gl, CELLS), lines: program(gl, LINES) };
   tables = Object.fromEntries(Object.entries(it.data.tables).map(([name, colors]) => [name, table(gl, colors)]));
   m = measure();
   sets = placed().map((f) => ({ f, cells: layer(null), arrows: null, lines: lines(f), levels: curves() }));
   return true;
+}
+function inSoftware() {                     // is there no graphics card?
+  const probe = document.createElement("canvas").getContext("webgl2"), more = probe && probe.getExtension("WEBGL_debug_renderer_info");
+  return !!more && /swiftshader|llvmpipe|software/i.test(probe.getParameter(more.UNMASKED_RENDERER_WEBGL));
 }
 export const measured = () => m;
 export const flatLattice = () => m.plane;
