@@ -46,7 +46,8 @@ class Merge:
             return near
         if not (isinstance(far, dict) and isinstance(near, dict)):
             return float(near) if isinstance(far, float) and type(near) is int and path[0] == "parameters" else near
-        kept = {key: value for key, value in far.items() if not displaced(key, near, path)}
+        piece = path[:1] == ("effects",) and len(path) == 2 and "use" in far        # whose arguments may have the names of any keys
+        kept = {key: value for key, value in far.items() if piece or not displaced(key, near, path)}
         return {**kept, **{key: self.over(kept[key], value, (*path, key)) if key in kept else value for key, value in near.items()}}
 
     def parameter(self, far, near, path: tuple) -> dict:

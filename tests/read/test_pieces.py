@@ -177,11 +177,11 @@ def test_a_default_that_does_not_fit_is_told_in_the_scene():
 
 def test_a_temperature_alone_changes_the_bath_of_a_base(tmp_path):
     """kT is a key of effects, and an argument of the piece."""
-    (tmp_path / "base.toml").write_text('[model]\nname = "x"\n[space]\nw = { sphere = 3 }\n[effects.field]\nover = "site(i) of w"\nenergy = "w[i].z"\n'
-                                        '[effects.bath]\nuse = "spins/bath"\nalpha = 0.1\nkT = 0.2\n')
+    (tmp_path / "base.toml").write_text('[model]\nname = "x"\n[space]\nv = { sphere = 3 }\n[effects.field]\nover = "site(i) of v"\nenergy = "v[i].z"\n'
+                                        '[effects.bath]\nuse = "spins/bath"\nalpha = 0.1\nkT = 0.2\non = "v"\n')
     (tmp_path / "scene.toml").write_text('[scene]\nbase = "base.toml"\n[effects.bath]\nkT = 0.5\n')
     (bath,) = [e for e in smidgen.load(tmp_path / "scene.toml").effects if e.name == "bath"]
     assert bath.kT.value == 0.5 and bath.alpha.value == 0.1
-    (tmp_path / "scene.toml").write_text('[scene]\nbase = "base.toml"\n[effects.bath]\nover = "site(i) of w"\ndamping = 0.3\n')
+    (tmp_path / "scene.toml").write_text('[scene]\nbase = "base.toml"\n[effects.bath]\nover = "site(i) of v"\ndamping = 0.3\n')
     (bath,) = [e for e in smidgen.load(tmp_path / "scene.toml").effects if e.name == "bath"]
     assert bath.kT is None and bath.alpha.value == 0.3
