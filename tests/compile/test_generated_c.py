@@ -252,3 +252,10 @@ def test_the_sanitizers_see(tmp_path):
                 "int main(void) { volatile int n = 2147483647; volatile int m = n + 1; return m == 5; }"):
         (tmp_path / "bad.c").write_text(bad + "\n")
         assert run_sanitized(tmp_path, ["bad.c"])[0] != 0
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name, most", [("heisenberg_chain", 220), ("cubic_lattice", 400), ("point_vortices", 260), ("free_rigid_body", 180)])
+def test_a_model_is_no_longer_than_this(name, most):
+    """Lines of NAME.c, comments included: what grows here grows in every model."""
+    assert len(generate(select(load(name)))[f"{name}.c"].splitlines()) <= most

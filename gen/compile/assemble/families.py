@@ -1,7 +1,7 @@
 """The sites of the phase space as the contract of runtime/core/smg_model.h asks for them: numbers, strengths, leaves."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
@@ -94,11 +94,13 @@ def returned(kernel: Kernel) -> tuple:
 # Functions of one site, by family
 
 def by_family(kind: str, name: str, arguments, body_of, families, number: Int = Index("k"), first: str = "first", index: str = "i", **how) -> Function:
-    """A function of a site `number` that does what `body_of(family)` says, in the local index of that name; a single text
-    for all families alike."""
+    """A function of a site `number` that does what `body_of(family)` says, in the local index of that name, which is the argument's where there is
+    one family; a single text for all families alike."""
     bodies = [tuple(body_of(f)) for f in families]
     if len(set(bodies)) == 1 and index not in mentions(*bodies[0]):
         return Function(kind, name, arguments, bodies[0], **how)
+    if len(families) == 1 and isinstance(number, Index) and number - getattr(families[0], first) == number and number.name not in mentions(*bodies[0]):
+        return Function(kind, name, tuple(replace(a, name=index) if a.name == number.name else a for a in arguments), bodies[0], **how)
     whole_bodies = [(*local_index(body, index, number - getattr(f, first)), *body) for f, body in zip(families, bodies)]
     done = (Return(),) if kind == "void" else ()
     tested = [If((compare(number, "<", getattr(f, first) + f.count),), (*body, *done)) for f, body in zip(families[:-1], whole_bodies)]

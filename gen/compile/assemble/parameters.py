@@ -5,7 +5,7 @@ from itertools import combinations
 
 from ...language import limits
 from ...language.spec import Graph, Lattice
-from ..lower.code import Argument, Assign, Either, For, Function, If, Member, Name, Ordered, Parameter, Return, Unary, Variable, refuse
+from ..lower.code import Argument, Assign, Either, For, Function, If, Member, Name, Not, Ordered, Parameter, Return, Unary, Variable, refuse
 from ..lower.integers import ONE, ZERO, Index, Pointed, compare, times
 from ..lower.lowering import CLOCK, PREPARE, STRIDE
 from .bounds import Bounds
@@ -38,8 +38,11 @@ def stored(model, level: int, holder: str = "c") -> list:
 
 def same_sizes(model) -> tuple:
     """Have two models the same sizes?"""
-    differ = [If((compare(Pointed("model", name), "!=", Pointed("other", name)),), (Return(ZERO),)) for name, _ in model.coefficients.sizes]
-    return (*differ, Return(ONE))
+    names = [name for name, _ in model.coefficients.sizes]
+    if len(names) == 1:
+        return (Return(compare(Pointed("model", names[0]), "==", Pointed("other", names[0]))),)
+    differ = tuple(compare(Pointed("model", name), "!=", Pointed("other", name)) for name in names)
+    return (Return(Not(Either(differ)) if differ else ONE),)
 
 
 def run_time(spec) -> list:

@@ -11,7 +11,7 @@ from ...language.c_names import in_c
 from .formulas import ATOM, PRODUCT, SUM, TEST, Formulas, number
 
 STRENGTH = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT, "==": TEST}
-LINE = 110      # columns of a statement that stands beside its head, before it is indented
+LINE = 110      # columns of a statement that stands beside its head, before it is indented; a function, which is not, may have 120
 LINKAGE = {"usual": "static inline", "always": "SMG_INLINE", "never": "static"}
 
 
@@ -236,7 +236,7 @@ class Scalar:
         arguments = ", ".join(f"{a.kind} (*{a.name})({a.signature})" if a.signature else declared(a.kind, a.name) for a in f.arguments)
         head, lines = f"{LINKAGE[f.inlined]} {declared(f.kind, f.name)}({arguments})", [f"{unused};"] * bool(unused) + self.lines(f.body)
         one = f"{head} {{ {lines[0]} }}" if len(f.body) == len(lines) == 1 and isinstance(f.body[0], Return) else ""
-        return [one] if one and len(one) <= LINE else block(head, lines)
+        return [one] if one and len(one) <= LINE + 10 else block(head, lines)
 
     def known(self, f) -> set:
         """Names of arguments that the body mentions."""
