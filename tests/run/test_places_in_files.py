@@ -138,3 +138,22 @@ def test_what_no_file_can_hold(tmp_path, results):
         with pytest.raises(UsageError, match="no places"):
             smidgen.snapshot(bare, tmp_path / name)
     assert bare.positions is None and not list(tmp_path.iterdir())
+
+
+def test_discretisedfield_opens_meshes(tmp_path, results):
+    df = pytest.importorskip("discretisedfield")
+    for key, cell in (("boxes", [0.5, 1, 2]), ("flat", [0.5, 0.5, 0.5])):
+        for ending in (".vtk", ".ovf"):
+            field = df.Field.from_file(str(smidgen.snapshot(results[key], tmp_path / f"a{ending}")))
+            np.testing.assert_allclose(field.mesh.cell, cell)
+            np.testing.assert_array_equal(field.array.transpose(2, 1, 0, 3).reshape(-1, 3), results[key].final)
+
+
+def test_vtk_reads_points_bonds_and_meshes(tmp_path, results):
+    vtk, numbers = pytest.importorskip("vtk"), pytest.importorskip("vtk.util.numpy_support").vtk_to_numpy
+    for key, ending, reader in (("honeycomb", ".vtu", "vtkXMLUnstructuredGridReader"), ("flat", ".vtr", "vtkXMLRectilinearGridReader"), ("boxes", ".vti", "vtkXMLImageDataReader")):
+        one = getattr(vtk, reader)()
+        one.SetFileName(str(smidgen.snapshot(results[key], tmp_path / f"a{ending}")))
+        one.Update()
+        data = one.GetOutput().GetPointData() if ending == ".vtu" else one.GetOutput().GetCellData()
+        np.testing.assert_array_equal(numbers(data.GetArray("w")), results[key].final)
