@@ -269,6 +269,17 @@ def test_file_bytes_are_counted_before_reading_on(tmp_path):
 def test_every_limit_is_tested():
     tested = set(EDGES) | {"ERRORS", "LARGEST", "SMALLEST", "SHORTEST", "SPHERE", "MULTIPLE", "GRAPHS",
                            "COLUMNS", "EDGES", "TABLE_BYTES", "ARRAY", "MEMBERS", "CELLS",
-                           "META", "CSV_COLUMNS", "BASES", "HARMONICS", "UNIT", "UNIT_FACTORS", "UNIT_EXPONENT"}     # UNIT ..: test_unit_table.py; META, CSV_COLUMNS: test_received.py; MEMBERS: test_ensemble.py, CELLS: test_sweep.py, BASES: test_scenes.py, HARMONICS: test_harmonics.py
+                           "META", "CSV_COLUMNS", "BASES", "HARMONICS", "UNIT", "UNIT_FACTORS", "UNIT_EXPONENT", "LOOKED_AT"}     # UNIT ..: test_unit_table.py; META, CSV_COLUMNS: test_received.py; MEMBERS: test_ensemble.py, CELLS: test_sweep.py, BASES: test_scenes.py, HARMONICS: test_harmonics.py
     assert tested == set(limits.LIMITS)
     assert all(math.isfinite(getattr(limits, name)) for name in limits.LIMITS)
+
+
+def test_pairs_that_are_looked_at_for_a_shell(monkeypatch):
+    """Of a square lattice up to the length 1: nine cells, of one site each."""
+    from smidgen.language.shells import Unclear, within
+    square = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), ((0.0, 0.0),), 2, 1.0
+    monkeypatch.setattr(limits, "LOOKED_AT", 9)
+    assert len(within(*square)[1]) == 4
+    monkeypatch.setattr(limits, "LOOKED_AT", 8)
+    with pytest.raises(Unclear, match="lie too many cells"):
+        within(*square)
