@@ -76,7 +76,7 @@ def test_components_see_where_sites_stand():
     from smidgen.analyse.waves import Components
     spec = magnet("kagome", 3, 6, 2)
     grid = smidgen.lattice.of(spec)
-    r = grid.positions()
+    r = grid.where() @ grid.reciprocal().T / (2 * np.pi)
     m = waves(grid, "all")
     w = np.zeros((108, 3))
     w[:, 0] = np.cos(2 * np.pi * r @ [1 / 3, 1 / 6])
