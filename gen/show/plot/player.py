@@ -66,13 +66,6 @@ def filled(page: str, slots: dict) -> str:
     return parts[0] + "".join(slots[name] + rest for name, rest in tails)
 
 
-def filled(page: str, slots: dict) -> str:
-    """The template `page` with its {{ slots }} filled; what fills one is not looked at again."""
-    parts = page.split("{{ ")
-    tails = (part.split(" }}", 1) for part in parts[1:])
-    return parts[0] + "".join(slots[name] + rest for name, rest in tails)
-
-
 def describe(t, states, energy, title, facts, casimirs, bonds, autoplay, view, start,
              note, method, more=None) -> dict:
     """All that the script reads, as plain data."""
