@@ -3,7 +3,7 @@ import math
 
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from smidgen.language.evaluate import evaluate
 from smidgen.language.spec import Parameter
@@ -45,10 +45,17 @@ def joined(parts):
         parts.map(sympy.Abs), parts.map(lambda p: -p), pairs.map(lambda p: sympy.Max(*p)), pairs.map(lambda p: sympy.Piecewise((p[0], p[1] > 0), (p[1], True))))
 
 
+def in_doubles(expression) -> float:
+    """The value by arithmetic of doubles, as sympy writes it: far from the exact one where rounding is magnified."""
+    try:
+        return float(sympy.lambdify((a, b, c), expression, "math")(*VALUES.values()))
+    except (ArithmeticError, ValueError, TypeError):
+        return math.nan
+
+
 @settings(max_examples=150, deadline=None)
 @given(st.recursive(LEAVES, joined, max_leaves=8))
 def test_a_formula_has_the_value_of_the_expression(expression):
     exact = complex(sympy.N(expression.subs(EXACT), 30))
-    if exact.imag or not math.isfinite(exact.real) or not 1e-100 < abs(exact.real) < 1e100:
-        return
-    assert math.isclose(value(formula(expression)), exact.real, rel_tol=1e-9, abs_tol=1e-9)
+    assume(not exact.imag and 1e-100 < abs(exact.real) < 1e100 and math.isclose(in_doubles(expression), exact.real, rel_tol=1e-11))
+    assert math.isclose(value(formula(expression)), exact.real, rel_tol=1e-8)
