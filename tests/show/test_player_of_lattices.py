@@ -40,7 +40,7 @@ setTimeout(() => {
   if (it.view === "sphere") { press("v"); said.view = it.view; document.title = JSON.stringify(said); return; }
   said.all = colours();
   set("marks", "cells"); said.cells = colours(); set("marks", "arrows");
-  set("slice", "z"); said.layers = Number(el("layer").max) + 1; said.layer = Number(el("layer").value);
+  set("slice", "z"); said.layers = Number(el("layer").max) + 1; said.layer = Number(el("layer").value); said.at = el("layerat").textContent;
   said.layered = el("note").textContent; said.slice = colours();
   const middle = [it.width / 2 - it.cameras.places.aside, it.height / 2], unit = it.cameras.places.unit;
   ask("pointermove", middle[0] + 0.5 * unit, middle[1] - unit); said.hover = el("told").hidden ? "" : el("told").textContent;
@@ -99,7 +99,7 @@ def test_arrows_and_cells_are_drawn(said):
 def test_a_site_is_named_with_its_cell_and_vector(said):
     """The layer z = 1 from above: half a cell right of the middle and one up is cell (2, 2, 1), which is site 22."""
     name, vector = said["hover"].replace("\u2212", "-").split("\n")
-    assert said["layer"] == 1 and name == "w[22], cell (2, 2, 1)" and said["left"]
+    assert said["layer"] == 1 and said["at"] == "2 of 2" and name == "w[22], cell (2, 2, 1)" and said["left"]
     assert [float(x) for x in re.findall(r"[-.\d]+", vector)] == pytest.approx([np.cos(22), np.sin(22), 0], abs=2e-4)
     assert said["spoken"].startswith("w[18], cell (2, 1, 1)\nw = (") and said["ring"]
 

@@ -96,10 +96,12 @@ function setView(view) {
   el("view").textContent = view === "places" ? "Show the sphere" : "Show the lattice";
   scene.setAttribute("aria-label", (view === "places" ? "Sites at their places" : "Sites on the sphere") + ". Drag to turn; Ctrl and wheel, or wheel after a click, to zoom");
 }
+function tellLayer() { el("layerat").textContent = `${Number(el("layer").value) + 1} of ${Number(el("layer").max) + 1}`; }
 function chosenSlice() {                    // seen from the side on which it lies flat
   const axis = "xyz".indexOf(el("slice").value), many = axis < 0 ? 0 : measured().layers[axis].length;
   el("layer").max = Math.max(0, many - 1); el("layer").value = Math.floor(many / 2);
   el("layerbox").hidden = many < 2;
+  tellLayer();
   if (axis >= 0) camera().turn = turned(...[[0, 0], [-90, 0], [-90, 90]][axis]);
   else reset();
   it.draw();
@@ -125,7 +127,7 @@ function makeControls() {
   choices("series", [...(it.errors ? ["H \u2212 H\u2080"] : []), ...it.series.map((s) => s.name)], 0);
   changes("play", () => play(!it.playing));
   el("slider").addEventListener("input", (event) => { play(false); go(event.target.value / 1000 * (it.frames - 1)); });
-  el("layer").addEventListener("input", () => it.draw());
+  el("layer").addEventListener("input", () => { tellLayer(); it.draw(); });
   ["trail", "colour", "sublattice", "marks", "series", "isolines"].forEach((id) => changes(id));
   changes("slice", chosenSlice);
   changes("reset", () => { reset(); it.draw(); });
