@@ -1,11 +1,14 @@
 """The pieces of the library: each does what its law says, by a formula of its own, in numbers."""
+import re
 import tomllib
 
 import numpy as np
 import pytest
 
 import smidgen
-from smidgen.check.laws import verdicts, written
+from smidgen.check.laws import OPTIONS, moving, verdicts, written
+from smidgen.compile.emit.emit import generate
+from smidgen.compile.select import select
 from smidgen.language import draws
 from smidgen.read.catalogue import piece
 from smidgen.resources import pieces
@@ -359,3 +362,35 @@ def test_a_piece_without_a_test_and_one_whose_test_is_no_spec(tmp_path):
         (tmp_path / "wrong.toml").write_text(text[:text.index("[test]")] + text[text.index("[test]"):].replace(old, new))
         with pytest.raises(smidgen.SmidgenError, match=said):
             verdicts(piece("wrong", [tmp_path]), [tmp_path])
+
+
+# A scene without a piece, and with it
+
+def with_and_without(name):
+    """The spec of the test of a piece with an energy more for each family, the names of those energies and of others, and the spec that never had the piece."""
+    one = piece(name)
+    tables = tomllib.loads(moving(one, {**OPTIONS, **one.test}))
+    tables["observables"], tables["effects"] = {}, {"it": tables["effects"]["it"]}
+    rest = {f"rest_{family}": {"over": f"site(i) of {family}", "energy": f"0.25*{family}[i].z"} for family in tables["space"]}
+    never = {**tables, "effects": rest}
+    return smidgen.load_text(written({**tables, "effects": {**tables["effects"], **rest}})), [*rest], smidgen.load_text(written(never))
+
+
+def plain(files):
+    """The texts without the digest of the spec."""
+    return {name: re.sub(r"from spec \w+", "", text) for name, text in files.items()}
+
+
+@pytest.mark.parametrize("name", pieces())
+def test_a_scene_without_a_piece_has_the_c_of_one_that_never_had_it(name):
+    both, rest, never = with_and_without(name)
+    found, wanted = plain(generate(select(both, rest))), plain(generate(select(never)))
+    assert found == wanted and plain(generate(select(both))) != wanted
+    assert not any(re.search(r"\bit_|_it_|effect_it", text) for text in found.values())
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", pieces())
+def test_the_witness_agrees_on_every_piece(name):
+    both, _, _ = with_and_without(name)
+    smidgen.validate(both, start="a", h=0.05, steps=5).check()
