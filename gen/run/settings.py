@@ -5,6 +5,7 @@ import dataclasses
 import math
 import numbers
 import typing
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ..read.given import time as time_of
 from ..read.names import COMPUTED
 from .fields.field import Field
 from ..methods import NAMES as METHODS, SOLVERS
+from ..public import guess
 from .record.means import BINS
 from .step.integrator import Integrator, compiled
 from .step.prepared import Prepared, asked, checked_tolerance, choose, prepare
@@ -97,7 +99,20 @@ def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solve
         None if seed is None else whole(seed, "a seed"), real, native,
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), None if estimate is None else bool(estimate),
         None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads,
-        averages_of(base.averages if averages is None else Averages(**{**averages, "after": _read(spec, "after", averages.get("after"))}), env))
+        averages_of(base.averages if averages is None else asked_averages(spec, averages), env))
+
+
+def asked_averages(spec: Spec, given: Mapping) -> Averages:
+    """Those of a call: `what`, `after` and `bins`, each optional. Raises UsageError for another key, and for names that are none."""
+    known = [f.name for f in dataclasses.fields(Averages)]
+    for key in given:
+        if key not in known:
+            raise UsageError(f"averages have no '{key}'{guess(str(key), known, {})}")
+    what = given.get("what", ())
+    what = (what,) if isinstance(what, str) else what
+    if not isinstance(what, Iterable) or not all(isinstance(name, str) for name in what):
+        raise UsageError("averages: `what` is a list of names")
+    return Averages(tuple(what), _read(spec, "after", given.get("after")), given.get("bins"))
 
 
 def averages_of(given: Averages | None, env) -> dict | None:

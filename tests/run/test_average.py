@@ -1,6 +1,7 @@
 """Averages over time and members: the numbers of the samples, errors that count correlation, and the same bytes after a kill."""
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -230,6 +231,15 @@ def test_a_run_gives_the_averages_that_its_spec_asks_for(tmp_path):
 
 
 @quick
+@pytest.mark.quick
+@pytest.mark.parametrize("averages, said", [
+    ({"waht": ["mz"]}, "averages have no 'waht'; did you mean 'what'?"), ({"": False}, "averages have no ''"), ({"what": False}, "averages: `what` is a list of names"),
+    ({"what": [1]}, "averages: `what` is a list of names"), ({"bins": 1}, "in two bins or more"), ({"after": -1}, "that is not negative"), ({"bins": "many"}, "bins")])
+def test_averages_that_cannot_be(averages, said):
+    with pytest.raises(UsageError, match=re.escape(said)):
+        smidgen.run(smidgen.load_text(SPIN), steps=2, averages=averages)
+
+
 def test_rows_beside_averages_and_averages_from_python():
     spec = smidgen.load_text(SPIN)
     plain = smidgen.run(spec, seed=2, steps=200, what=["mz"])
