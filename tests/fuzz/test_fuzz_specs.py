@@ -65,7 +65,7 @@ FAULTS = {
     "a size that is too large": ("model->n0 = model->p.n;", "model->n0 = model->p.n + 1;", (Fault, BuildError), "compilers|sanitizers|library"),
     "an entry beyond the array": ("k < smg_sites(c); ++k) {\n    there |=", "k <= smg_sites(c); ++k) {\n    there |=",
                                   Fault, "sanitizers"),
-    "an index that nothing declares": ("  const int64_t i = k;\n  return c->model->p.gamma[i];", "  return c->model->p.gamma[i];", Fault, "compilers"),
+    "an index that nothing declares": ("{ return c->model->p.gamma[i]; }", "{ return c->model->p.gamma[j]; }", Fault, "compilers"),
     "a variable that nothing uses": ("  return h / smg_kappa(c, k);", "  int unused;\n  return h / smg_kappa(c, k);", Fault, "compilers"),
     "memory that is too small": ("return sizeof(smg_real) * smg_layout(&s, NULL);", "return sizeof(smg_real) * smg_layout(&s, NULL) - 8;", Fault, "sanitizers"),
     "what a restored state lacks": ("  smg_copy(s->compensation, lost, 3 * smg_sites(&s->c));\n", "  (void)lost;\n", Fault, "sanitizers"),
