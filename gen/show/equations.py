@@ -16,15 +16,22 @@ JOINED = {"and": r"\text{ and }", "or": r"\text{ or }"}
 
 
 def equations(spec: Spec) -> list[str]:
-    """Lines of LaTeX: the equation of motion, one line for each energy of H, one for each other effect."""
+    """Lines of LaTeX: the equations of motion, one line for each energy of H, one for each other effect."""
     energies = {e.name for e in spec.energies}
-    sign = "-" if spec.orientation < 0 else ""
-    kappa = r"\frac{1}{\kappa_i} " if any(f.kappa != Num(1) for f in spec.families) else ""
     others = [rf"\text{{{plain(e.name)}: }} {text(Op('=', (Par(key), value)))}" for e in spec.effects if e.name not in energies for key, value in e.formulas.items()]
     if not energies:
         return others
     terms = [rf"\underbrace{{{summed(e)}}}_{{\text{{{plain(e.name)}}}}}" for e in spec.energies]
-    return [rf"\dot w_i = {sign}{kappa}w_i \times \frac{{\partial H}}{{\partial w_i}}, \qquad H = {terms[0]}", *(f"+ {term}" for term in terms[1:]), *others]
+    motions = r", \quad ".join(motion(spec, f) for f in spec.families)
+    return [rf"{motions}, \qquad H = {terms[0]}", *(f"+ {term}" for term in terms[1:]), *others]
+
+
+def motion(spec: Spec, f) -> str:
+    """The equation of the sites of a family; dots where effects that are no energies add to it."""
+    w, sign, more = f"{symbol(f.name)}_i", "-" * (spec.orientation < 0), r" + \dots" * (f.name in (*spec.pushed, *spec.damped))
+    kappa = r"\frac{1}{\kappa_i} " if f.kappa != Num(1) else ""
+    normal = rf"\nabla C({w})" if f.kind == "nambu" else w
+    return rf"\dot {w} = {sign}{kappa}{normal} \times \frac{{\partial H}}{{\partial {w}}}{more}"
 
 
 def summed(term) -> str:

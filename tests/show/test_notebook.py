@@ -81,6 +81,29 @@ def test_the_heisenberg_chain():
         r"\dot w_i = w_i \times \frac{\partial H}{\partial w_i}, \qquad H = \underbrace{\sum_{\langle i, j \rangle} w_{i} \cdot w_{j}}_{\text{exchange}}"]
 
 
+@pytest.mark.quick
+def test_every_family_has_its_equation():
+    """On Nambu leaves, with a strength, the other orientation, and a damping beside the energy."""
+    spec = smidgen.load_text('''
+[model]
+name = "two"
+orientation = -1
+[space]
+w = { sphere = 2, kappa = 3 }
+f = { nambu = 1, C = "f.x^2 - f.y^2" }
+[effects.pair]
+over = "each(i of w, j of f)"
+energy = "dot(w[i], f[j])"
+[effects.bath]
+over = "site(i) of w"
+damping = 0.1
+''')
+    first, bath = equations(spec)
+    assert first.startswith(r"\dot w_i = -\frac{1}{\kappa_i} w_i \times \frac{\partial H}{\partial w_i} + \dots, \quad "
+                            r"\dot f_i = -\nabla C(f_i) \times \frac{\partial H}{\partial f_i}, \qquad H = ")
+    assert bath == r"\text{bath: } \mathrm{damping} = 0.1"
+
+
 CELLS = ("import smidgen", 'smidgen.load("point_vortices")', 'result = smidgen.run("point_vortices", steps=50)\nresult', 'result.plot("energy")', "result.play()",
          'smidgen.explain("point_vortices")', 'smidgen.advise("point_vortices")', 'smidgen.verify("free_rigid_body", tier="quick")',
          'smidgen.cost("free_rigid_body", methods=["spherical-midpoint"], long=False)', 'smidgen.average("heisenberg_chain", steps=20)',
