@@ -6,12 +6,13 @@ from types import ModuleType
 
 from .errors import MissingTool
 
-EXTRAS = {"ase.io": "crystals", "scipy.sparse": "crystals", "scipy.io": "crystals", "h5py": "hdf5", "matplotlib": "pictures", "pandas": "data", "shtab": "completion", "xarray": "data"}    # package -> the extra that brings it
+EXTRAS = {"ase": "crystals", "scipy": "crystals", "h5py": "hdf5", "matplotlib": "pictures", "pandas": "data", "shtab": "completion", "xarray": "data"}    # package -> the extra that brings it
 
 
-def needed(package: str, what: str) -> ModuleType:
-    """The package that `what` needs. Raises MissingTool, which says how to install it."""
+def needed(module: str, what: str) -> ModuleType:
+    """The package, or a module of one, that `what` needs. Raises MissingTool, which says how to install it."""
+    package = module.partition(".")[0]
     try:
-        return importlib.import_module(package)
+        return importlib.import_module(module)
     except ImportError:
         raise MissingTool(f"{what} needs the package `{package}`: pip install 'smidgen[{EXTRAS[package]}]'") from None

@@ -7,6 +7,7 @@ from pathlib import Path
 
 # Windows has no such flags, and Unix no text files that need the last one.
 NO_LINK, NO_WAIT, BYTES = (getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
+OPENS_FOLDERS = os.name != "nt"
 OTHERS = 0o022      # mode bits: group or others may write
 
 
@@ -53,7 +54,7 @@ def shared(place: Path) -> str:
 
 def sync_folder(folder: Path) -> None:
     """Put the names in `folder` on the disk: only then does a rename outlast a power cut. Windows opens no folders, and writes names at once."""
-    if os.name == "nt":
+    if not OPENS_FOLDERS:
         return
     handle = os.open(folder, os.O_RDONLY)
     try:

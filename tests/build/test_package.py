@@ -110,6 +110,18 @@ def test_its_requirements_are_those_of_the_pins(root):
     assert {name.split(">=")[0].lower() for name in asked} <= pinned
 
 
+@pytest.mark.quick
+def test_what_the_doctor_looks_for_is_what_the_project_asks_for(root):
+    """Packages and the extras that bring them, as pyproject.toml has both."""
+    import tomllib
+    from smidgen.check.doctor import OTHERS, PACKAGES
+    from smidgen.packages import EXTRAS
+    said = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    extras = {name.split(">=")[0]: extra for extra, names in said["optional-dependencies"].items() if extra != "all" for name in names}
+    assert sorted(PACKAGES) == sorted(name.split(">=")[0].lower() for name in said["dependencies"])
+    assert all(extras[package] == extra for package, extra in {**EXTRAS, **OTHERS}.items())
+
+
 def test_the_version_is_that_of_the_project(root):
     import smidgen
     assert f'version = "{smidgen.__version__}"' in (root / "pyproject.toml").read_text()

@@ -43,9 +43,15 @@ def test_a_lock_that_was_removed_is_none(tmp_path, monkeypatch):
 @pytest.fixture
 def windows(monkeypatch):
     """Without owners of files; folders cannot be opened."""
+    opened = os.open
+
+    def files_alone(path, *args, **more):
+        if os.path.isdir(path):
+            raise PermissionError(13, "Permission denied", str(path))
+        return opened(path, *args, **more)
     monkeypatch.delattr(os, "getuid")
-    monkeypatch.setattr(system, "sync_folder", lambda folder: None)
-    monkeypatch.setattr(system, "NO_LINK", 0)
+    monkeypatch.setattr(os, "open", files_alone)
+    monkeypatch.setattr(system, "OPENS_FOLDERS", False)
 
 
 def test_the_cache_without_owners(tmp_path, monkeypatch, windows):
@@ -59,10 +65,11 @@ def test_files_without_owners(tmp_path, windows):
     assert (tmp_path / "a").read_bytes() == b"b"
 
 
-def test_folders_are_not_opened_where_they_cannot_be(tmp_path, monkeypatch):
-    monkeypatch.setattr(os, "open", None)
-    monkeypatch.setattr(system.os, "name", "nt")
-    assert system.sync_folder(tmp_path) is None
+def test_a_system_that_opens_no_folders_is_seen(tmp_path, monkeypatch, windows):
+    """The fixture refuses what Windows does: with the choice of Unix nothing is written."""
+    monkeypatch.setattr(system, "OPENS_FOLDERS", True)
+    with pytest.raises(PermissionError):
+        write_new(tmp_path / "a", b"b")
 
 
 def test_it_is_imported_without_the_modules_of_unix():

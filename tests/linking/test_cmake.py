@@ -1,4 +1,4 @@
-"""find_package(smidgen): a program with a generated integrator, built by CMake as a user would."""
+"""find_package(smidgen): a program with a generated integrator, built by CMake as docs/linking.md has it."""
 import os
 import shutil
 import subprocess
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from smidgen.cli import main
+from support.pages import blocks
 from smidgen.resources import HERE as GEN
 
 HERE = Path(__file__).parent
@@ -21,7 +22,8 @@ def cmake(place, *words):
 
 @pytest.fixture
 def project(tmp_path):
-    for file in (HERE / "CMakeLists.txt", HERE / "chain.c", HERE.parents[1] / "specs/heisenberg_chain.toml"):
+    (tmp_path / "CMakeLists.txt").write_text(blocks("linking.md", "cmake")[0])
+    for file in (HERE / "chain.c", HERE.parents[1] / "specs/heisenberg_chain.toml"):
         shutil.copy(file, tmp_path)
     return tmp_path
 

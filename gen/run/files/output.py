@@ -24,7 +24,7 @@ from ...language import limits
 from ...packages import needed
 from ...public import ReadOnly, few, guess, public
 from ...system import sync_folder
-from .handed import dataframe, dataset
+from .conversion import dataframe, dataset
 from .labels import flat_names, label
 from .received import read
 
