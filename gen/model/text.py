@@ -4,6 +4,7 @@ from __future__ import annotations
 import sympy
 
 from ..errors import UsageError
+from ..language import limits
 from ..read.names import FUNCTIONS, UNRESERVED
 from .vectors import Vector
 
@@ -50,11 +51,21 @@ def symbol(e):
 
 
 def integer(e):
-    return str(e.p), ATOM if e.p >= 0 else SUM
+    return digits(e.p), ATOM if e.p >= 0 else SUM
 
 
 def ratio(e):
-    return f"{e.p}/{e.q}", PRODUCT if e.p > 0 else SUM
+    return f"{digits(e.p)}/{digits(e.q)}", PRODUCT if e.p > 0 else SUM
+
+
+def digits(n: int) -> str:
+    """An integer; beyond those that specs have, the nearest double. Raises UsageError where there is none."""
+    if abs(n) <= limits.INTEGER:
+        return str(n)
+    try:
+        return repr(float(n))
+    except OverflowError:
+        raise UsageError(f"an integer of {len(str(abs(n)))} digits is beyond the largest number") from None
 
 
 def real(e):

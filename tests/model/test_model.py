@@ -113,6 +113,7 @@ def test_other_effects_spaces_starts_and_units():
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.oo*w[i].z), "`Infinity` of sympy has no counterpart"),
     (lambda m, w, i: m.energy("e", "site(i) of w", object()), "a object is no formula"),
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Piecewise((1, w[i].z > 0))), "a Piecewise needs a last piece"),
+    (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Integer(10)**400*w[i].z), "an integer of 401 digits is beyond the largest number"),
     (lambda m, w, i: w[i]*w[i], "two vectors are multiplied by `.dot` or `.cross`"),
     (lambda m, w, i: w[i] + 3, "3 is no vector: a site such as")])
 def test_what_is_refused_at_once(act, message):
