@@ -16,7 +16,7 @@ from .places import KEYS, PlaceReader, places_of, shell_of
 from .problems import Problems, nearest
 from .syntax import Name, Number
 from .text import meaning
-from .tree import Node
+from .tree import Node, describe
 
 SIZES = ("n", "nx, ny", "nx, ny, nz")      # by directions, as examples have them
 BOUNDARIES = ("periodic", "open")
@@ -122,6 +122,9 @@ class Lattices:
 
     def bond(self, node: Node, sites: int, dimensions: int) -> tuple:
         """((sub, offset), ...) for each site of the bond."""
+        if not isinstance(node.raw, dict):
+            node.wrong(codes.TYPE, f"`{node.label}` must be a table, not {describe(node.raw)}",
+                       f"a bond is written `{{ from = 0, to = 1, offset = {[0] * dimensions} }}`")
         node.table("from", "to", "offset", "at")
         if node.has("at"):
             ends = tuple(self.end(e, sites, dimensions)

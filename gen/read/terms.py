@@ -31,11 +31,11 @@ class TermReader:
 
     def effects(self, section: Node) -> tuple[Effect, ...]:
         """Each read by its kind."""
-        readers, found = {kind: kind.reader(self) for kind in KINDS}, []
-        for node in section.table().items():
+        readers, found, nodes = {kind: kind.reader(self) for kind in KINDS}, [], list(section.table().items())
+        for node in nodes:
             with self.problems.guard():
                 found.append(readers[kind_of(node.raw if isinstance(node.raw, dict) else ())].read(node))
-        if found and not any(e.moves for e in found):
+        if len(found) == len(nodes) and found and not any(e.moves for e in found):     # others may be energies with an error
             section.wrong(codes.MISSING, "no effect has an energy", 'a damping acts in the field of energies: give one, `energy = "..."`')
         return tuple(found)
 

@@ -205,3 +205,29 @@ def test_what_is_refused(lines, over, code, words, caret):
     marks = next(k for k, text in enumerate(line) if "^" in text)
     start, width = line[marks].index("^"), line[marks].count("^") + line[marks].count("~")
     assert line[marks - 1][start:start + width] == caret
+
+
+def test_a_bond_that_is_a_list_is_told_how_one_is_written():
+    """Once for the bond; that no effect has an energy is not said where the only one has an error."""
+    text = '''
+[model]
+name = "a"
+[lattices.L]
+size = [4]
+boundary = "open"
+sites = 2
+bonds = { leg = [[0, 0, 1]] }
+[space]
+w = { sphere = 8 }
+[effects.legs]
+over = "bond(i, j) of L.leg"
+energy = "dot(w[i], w[j])"
+[effects.friction]
+over = "site(i) of w"
+damping = 0.1
+'''
+    with pytest.raises(SpecError) as caught:
+        load_text(text)
+    first, *others = caught.value.diagnostics
+    assert first.hint == "a bond is written `{ from = 0, to = 1, offset = [0] }`" and first.line == 8
+    assert all("no effect has an energy" not in d.cause for d in others)
