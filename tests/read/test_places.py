@@ -227,7 +227,7 @@ over = "site(i) of w"
 damping = 0.1
 '''
     with pytest.raises(SpecError) as caught:
-        load_text(text)
+        smidgen.load_text(text)
     first, *others = caught.value.diagnostics
-    assert first.hint == "a bond is written `{ from = 0, to = 1, offset = [0] }`" and first.line == 8
+    assert first.hint == "a bond is written `{ from = 0, to = 1, offset = [0] }`" and first.line == 8 and first.code == "E203"
     assert all("no effect has an energy" not in d.cause for d in others)
