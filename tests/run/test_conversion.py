@@ -95,6 +95,17 @@ def test_names_of_a_model_that_axes_have_too(tmp_path):
     assert {*again} == {*result} and np.array_equal(again["component"], result["component"]) and np.array_equal(again["site"], result["site"])
 
 
+@pytest.mark.parametrize("more", [{"substeps": True}, {"what": []}, {"what": ["magnetisation", "casimirs"]}, {"real": "long double"}])
+def test_every_axis_of_every_file_has_a_scale(tmp_path, more):
+    """Without one, netCDF's readers refuse a file or invent names."""
+    import h5py
+    smidgen.run("heisenberg_chain", steps=3, every=1, parameters={"n": 4}, out=tmp_path / "a.h5", **more)
+    with h5py.File(tmp_path / "a.h5") as h5:
+        bare = [name for name, data in h5.items() if not data.is_scale and any(len(axis) != 1 for axis in data.dims)]
+    assert bare == []
+    assert {*smidgen.load_result(tmp_path / "a.h5")} >= {"t", "step"}
+
+
 def test_every_axis_has_a_name_of_its_own():
     assert apart(["site", "site_w", "site_w_"], {"site_w"}) == {"site": "site", "site_w": "site_w_", "site_w_": "site_w__"}
     assert {name: len(values) for name, values in coordinates({"w": 2, "p": 3}).items()} == {"site": 5, "site_w": 2, "site_p": 3, "component": 3}

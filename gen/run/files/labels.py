@@ -55,17 +55,19 @@ def flat_names(name: str, shape: tuple) -> list[str]:
 
 
 def label(h5, families: dict) -> None:
-    """Dimension scales for the data sets of an open file, as netCDF has them: `t` along the outputs, sites and components along an entry."""
+    """Dimension scales for all axes of the data sets of an open file, as netCDF has them: `t` along the outputs, sites and components along an entry."""
     columns = {name: h5[name] for name in h5}
-    values = coordinates(families)
+    axes = {name: axes_of_column(name, column.shape, families) for name, column in columns.items()}
+    lengths = {axis: size for name, column in columns.items() for axis, size in zip(axes[name], column.shape) if axis != "t"}
+    values = {**{axis: np.arange(size, dtype=COUNTED) for axis, size in lengths.items()}, **coordinates(families)}
     names = apart(values, columns)
-    scales = {axis: h5.create_dataset(names[axis], data=values[axis]) for axis in values}
-    for axis, scale in {"t": columns["t"], **scales}.items():
+    scales = {"t": columns["t"], **{axis: h5.create_dataset(names[axis], data=values[axis]) for axis in values}}
+    for axis, scale in scales.items():
         scale.make_scale(names.get(axis, axis))
     for name, column in columns.items():
-        for place, axis in enumerate(axes_of_column(name, column.shape, families)):
-            if axis in scales or axis == "t" != name:
-                column.dims[place].attach_scale(scales.get(axis, columns["t"]))
+        for place, axis in enumerate(axes[name]):
+            if not axis == name == "t":     # a scale has none
+                column.dims[place].attach_scale(scales[axis])
 
 
 def axes_of_column(name: str, shape: tuple, families: dict) -> tuple[str, ...]:
