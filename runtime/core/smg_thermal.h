@@ -116,7 +116,7 @@ static smg_status smg_thermal_step(smg_state *s) {
   smg_heat(s, s->count, 0);
   smg_status status = smg_step(s);
   if (smg_may_halve(status)) status = smg_two_halves(s);
-  if (status == SMG_OK) smg_heat(s, s->count - 1, 1);
+  if (status == SMG_OK) smg_heat(s, s->count - 1, 1); /* of the step that was counted just now */
   else {
     smg_copy(s->w, s->unturned, 3 * smg_sites(&s->c));
     smg_forget_compensation(s);
