@@ -5,16 +5,26 @@ PY     := $(VENV)/bin/python
 # Bytecode lies beside the environment, not among the sources, and is kept: the tests start many interpreters.
 KEEPING := PYTHONDONTWRITEBYTECODE= PYTHONPYCACHEPREFIX="$(CURDIR)/$(VENV)/bytecode" $(PY)
 PREFIX ?= /usr/local
+# A manual page from the options of the command; docs/manual.txt adds what they do not say.
+MANUAL := argparse-manpage --module smidgen.cli.parser --function make_parser --prog smidgen --project-name smidgen --manual-title smidgen \
+  --description "compile Hamiltonians to structure-preserving integrators" --version "$$(sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)" \
+  --format single-commands-section --include docs/manual.txt
+PAGE   := out/smidgen.1
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo install site test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
+.PHONY: demo install site manual test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
 
-# The pages of docs/ as a site that needs no network: open out/site/index.html.
+# The pages of docs/ as a site that needs no network (open out/site/index.html), and the manual page (man -l out/smidgen.1).
 site: $(VENV)/ready-site
 	$(PY) -m sphinx -q -W --keep-going -b html docs out/site
+	$(MAKE) manual
+
+manual:
+	@mkdir -p "$(dir $(PAGE))"
+	$(VENV)/bin/$(MANUAL) --output "$(PAGE)"
 
 test: $(VENV)/ready-test
 	$(PYTEST) -m "not long and not slow"
@@ -25,13 +35,15 @@ quick: $(VENV)/ready-test
 test-long: $(VENV)/ready-site
 	$(PYTEST)
 
-# The command, its Python packages and CMake's file below PREFIX.
+# The command with its Python packages, manual page, and CMake's file below PREFIX.
 install:
 	$(PYTHON) -m venv "$(PREFIX)/lib/smidgen"
 	"$(PREFIX)/lib/smidgen/bin/pip" install --quiet --disable-pip-version-check ".[hdf5,pictures]"
-	mkdir -p "$(PREFIX)/bin" "$(PREFIX)/lib/cmake/smidgen"
+	"$(PREFIX)/lib/smidgen/bin/pip" install --quiet --disable-pip-version-check --constraint requirements-site.txt argparse-manpage
+	mkdir -p "$(PREFIX)/bin" "$(PREFIX)/lib/cmake/smidgen" "$(PREFIX)/share/man/man1"
 	ln -sf "$(PREFIX)/lib/smidgen/bin/smidgen" "$(PREFIX)/bin/smidgen"
 	cp gen/cmake/smidgen-config.cmake "$(PREFIX)/lib/cmake/smidgen/"
+	"$(PREFIX)/lib/smidgen/bin/"$(MANUAL) --output "$(PREFIX)/share/man/man1/smidgen.1"
 
 bench: $(VENV)/ready
 	$(PY) tests/bench/run.py

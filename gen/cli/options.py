@@ -92,6 +92,11 @@ def json_option(parser):
     parser.add_argument("--json", action="store_true", help="answer in JSON on stdout")
 
 
+def open_option(parser):
+    """--open."""
+    parser.add_argument("--open", action="store_true", help="open the file in the browser")
+
+
 def names(text: str) -> tuple[str, ...]:
     """`a,b` -> ("a", "b")."""
     found = tuple(word.strip() for word in text.split(",") if word.strip())

@@ -1,10 +1,8 @@
 """`smidgen play`: a page that turns and plays a result."""
 from __future__ import annotations
 
-import webbrowser
-
-from .options import json_option
-from .say import printed
+from .options import json_option, open_option
+from .say import opened, printed
 
 EXAMPLES = """  smidgen play film.h5                  writes film_player.html, named after the spec
   smidgen play film.h5 --open           and opens it in the browser
@@ -17,7 +15,7 @@ def add(commands):
     parser.add_argument("source", metavar="SOURCE", help="a file that `smidgen run` wrote, or a SPEC")
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     parser.add_argument("--out", metavar="FILE", help="the page (.html); default: the spec's name, here")
-    parser.add_argument("--open", action="store_true", help="open it in the browser")
+    open_option(parser)
     json_option(parser)
 
 
@@ -26,5 +24,4 @@ def command(args):
     from ..show.plot import plot
     path = plot(args.source, args.run, kind="player", out=args.out)
     printed({"out": str(path)}) if args.json else print(path)
-    if args.open:
-        webbrowser.open(path.resolve().as_uri())
+    opened(path, args.open)

@@ -2,14 +2,16 @@
 from __future__ import annotations
 
 from ..errors import UsageError
-from .options import json_option
-from .say import printed
+from .options import json_option, number, open_option
+from .say import opened, printed
 
 EXAMPLES = """  smidgen plot chain.h5
   smidgen plot chain.h5 --kind energy --out energy.pdf
   smidgen plot free_rigid_body demo --out top.html   runs it, writes a page that plays it
   smidgen plot film.h5 --part x=10:30,y=10:30        a part of a lattice
   smidgen plot film.h5 --out film.gif                a film
+  smidgen plot chain.h5 --width 3.4 --out chain.pdf  as wide as a column of a journal
+  smidgen plot chain.h5 --open                       and show it
   smidgen plot --kinds                               what can be drawn"""
 
 
@@ -21,7 +23,9 @@ def add(commands):
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     parser.add_argument("--kind", default="auto", help="what to draw; default: what suits")
     parser.add_argument("--part", metavar="PART", help="of a lattice: ranges x=0:20,y=5:15, or a layer z=1.5")
-    parser.add_argument("--out", metavar="FILE", help=".png, .svg, .pdf, .html (a player), .gif or .mp4 (a film)")
+    parser.add_argument("--out", metavar="FILE", help="the file: .png, .svg or .pdf, .html (a player), .gif or .mp4 (a film)")
+    parser.add_argument("--width", type=lambda text: number(text, "--width"), metavar="INCHES", help="width of the picture; default: depends on the kind")
+    open_option(parser)
     parser.add_argument("--kinds", action="store_true", help="list the kinds")
     json_option(parser)
 
@@ -33,8 +37,9 @@ def command(args):
         return show_kinds(args, kinds())
     if args.source is None:
         raise UsageError("draw what? give a file that `smidgen run` wrote, or a spec")
-    path = plot(args.source, args.run, kind=args.kind, out=args.out, part=args.part)
+    path = plot(args.source, args.run, kind=args.kind, out=args.out, part=args.part, width=args.width)
     printed({"out": str(path)}) if args.json else print(path)
+    opened(path, args.open)
 
 
 def show_kinds(args, found: dict):

@@ -37,7 +37,7 @@ def add(commands):
     processor_options(parser)
     for name in ("fast", "threads", "real"):
         run_option(parser, name)
-    parser.add_argument("--out", metavar="FILE", help=".csv, .npz or .h5; - for a table on stdout")
+    parser.add_argument("--out", metavar="FILE", help="the result: .csv, .npz or .h5; - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
     run_option(parser, "checkpoint")
     parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")

@@ -4,6 +4,8 @@ from __future__ import annotations
 import json
 import math
 import sys
+import webbrowser
+from pathlib import Path
 
 from ..errors import SmidgenError, SpecError
 
@@ -16,6 +18,12 @@ def say(*words) -> None:
 def printed(data) -> None:
     """Data as JSON; what JSON cannot hold (NaN, infinity) becomes null."""
     print(json.dumps(clean(data), indent=2, ensure_ascii=False))
+
+
+def opened(path: Path, wanted: bool) -> None:
+    """Open a file in the browser if that is wanted."""
+    if wanted and not webbrowser.open(path.resolve().as_uri()):
+        say(f"no browser was found to open {path}")
 
 
 def clean(data):

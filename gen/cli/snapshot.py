@@ -21,7 +21,7 @@ def add(commands):
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--time", type=lambda text: number(text, "--time"), metavar="T", help="the output at this time; default: the last state")
     which.add_argument("--row", type=row, metavar="K", help="the output of this number, from 0; --row=-1 is the last one")
-    parser.add_argument("--out", metavar="FILE", help=".ovf, .vtk, .vtu, .vtr, .vti; all outputs: .pvd")
+    parser.add_argument("--out", metavar="FILE", help="the file: .ovf, .vtk, .vtu, .vtr or .vti; .pvd for all outputs")
     parser.add_argument("--text", action="store_true", help="numbers as text, not binary")
     parser.add_argument("--what", type=names, default=(), metavar="A,B", help=f"tell these: {', '.join(TELLS)}")
     json_option(parser)

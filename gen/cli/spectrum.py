@@ -34,7 +34,7 @@ def add(commands):
         run_option(parser, name)
     processor_options(parser)
     run_option(parser, "threads")
-    parser.add_argument("--out", metavar="FILE", help=".npz or .csv; - for a table on stdout")
+    parser.add_argument("--out", metavar="FILE", help="the spectrum: .npz or .csv; - for a table on stdout")
     parser.add_argument("--plot", metavar="FILE", help="a heat map along the path: .png, .svg or .pdf")
     json_option(parser)
 

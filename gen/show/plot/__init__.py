@@ -20,19 +20,21 @@ __all__ = ["kinds", "page", "plot"]
 
 @public
 def plot(source: Result | Spec | str | os.PathLike, run: str | None = None, *, kind: str = "auto", part: str | dict | None = None,
-         out: str | os.PathLike | None = None) -> Path:
-    """Draw `source` and return the path of the picture.
+         out: str | os.PathLike | None = None, width: float | None = None) -> Path:
+    """Draw a result and return the path of the picture.
 
-    source: a Result, the path of a file that a run wrote (.csv, .npz, .h5), or a spec (its
-    path, the name of one that comes with smidgen, or a Spec), of which `run` (by default
-    the first) is run. kind: one of `kinds()`. part: of a lattice, "x=0:20,y=5:15" (ranges) or "z=1.5"
-    (a layer), or a dictionary of these. out: a path that ends in .png, .svg, .pdf,
-    .html for the player, .gif or .mp4 for a film; by default the spec's name and the kind, here.
-    Raises MissingTool for .mp4 without ffmpeg, UsageError for a wrong kind or ending, and what reading and running raise.
+    source: a Result, the path of a result file (.csv, .npz or .h5), or a spec (a path, the name of a shipped spec, or a Spec),
+    which is run first; run selects one of its runs, by default the first. kind: one of `kinds()`; "auto" chooses a suitable one.
+    part: a part of a lattice, as ranges "x=0:20,y=5:15", a layer "z=1.5", or a dictionary of these. out: a path that ends in .png,
+    .svg or .pdf for a picture, .html for the player, .gif or .mp4 for a film; by default a .png in the current folder, named after
+    the spec and the kind. width: in inches; by default it depends on the kind.
+
+    Raises UsageError for an unknown kind, ending or width, MissingTool if matplotlib (or, for .mp4, ffmpeg) is not installed, and the
+    errors of reading and running a spec.
     """
     needed("matplotlib", "a picture")
     from .draw import plot as draw
-    return draw(source, run, kind=kind, out=out, part=part)
+    return draw(source, run, kind=kind, out=out, part=part, width=width)
 
 
 def kinds() -> dict[str, str]:

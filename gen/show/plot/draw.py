@@ -9,32 +9,35 @@ from .facts import with_facts
 from .film import is_film, write_film, writer_for
 from .part import part_of
 from .pictures import KINDS, drawable, film_parts, kinds, suitable
-from .style import FORMATS, save, styled
+from .style import FORMATS, resized, save, styled
 
 
-def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=None) -> Path:
+def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=None, width=None) -> Path:
     """The path of the picture; `smidgen.plot` says what the arguments mean."""
     wanted(kind, out)
     piece = part_of(part)
     if is_film(out):
-        return filmed(source, run, kind, Path(out), piece)
+        return filmed(source, run, kind, Path(out), piece, width)
     result = shown(result_of(source, run))
     chosen = kind if kind != "auto" else "places" if piece else suitable(result, is_page(out))
     path = Path(out) if out is not None else default_path(result, chosen)
     check_pair(chosen, path)
     if piece and chosen != "places":
         raise UsageError(f"a part is for the kind 'places' and for films, not for '{chosen}'")
+    if width is not None and chosen == "player":
+        raise UsageError("the player adapts to its window: leave the width out")
     picture = styled(KINDS[chosen][0])(result, **({"part": piece} if piece else {}))
-    return write_page(picture, path) if chosen == "player" else save(picture, path)
+    return write_page(picture, path) if chosen == "player" else save(resized(picture, width), path, exact=width is not None)
 
 
-def filmed(source, run, kind: str, path: Path, piece: dict) -> Path:
+def filmed(source, run, kind: str, path: Path, piece: dict, width: float | None) -> Path:
     """A film; whether it can be written is asked before anything is run."""
     if kind not in ("auto", "places", "sphere"):
         raise UsageError(f"a film ({path.suffix}) shows a lattice at its places, or spheres: leave --kind out, not '{kind}'")
     writer_for(path)
     result = shown(result_of(source, run))
-    return write_film(*styled(film_parts)(result, piece), path)
+    picture, draw_frame, frames = styled(film_parts)(result, piece)
+    return write_film(resized(picture, width), draw_frame, frames, path)
 
 
 def shown(result):

@@ -9,6 +9,7 @@ from pathlib import Path
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from ...errors import UsageError
 from .colours import INK, STYLES, PALETTE, SOFT
@@ -32,6 +33,7 @@ STYLE = {
 
 FORMATS = ("png", "svg", "pdf")
 LETTERS = 14        # of a footnote in an inch
+WIDEST, LEAST = 40, 0.6     # inches; of the size of text in a picture that is made smaller
 _UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
@@ -72,9 +74,27 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def resized(figure: Figure, width: float | None) -> Figure:
+    """The figure at this width in inches, with its proportions; None leaves it as it is. Text scales with it, down to LEAST of its size."""
+    if width is None:
+        return figure
+    if not 1 <= width <= WIDEST:
+        raise UsageError(f"a picture is between 1 and {WIDEST} inches wide, not {width:g}")
+    ratio = width / figure.get_figwidth()
+    figure.set_size_inches(width, ratio * figure.get_figheight())
+    scale = min(max(ratio, LEAST), 1)
+    for text in figure.findobj(Text):
+        text.set_fontsize(scale * text.get_fontsize())
+    for ax in figure.axes:
+        ax.tick_params(labelsize=scale * STYLE["xtick.labelsize"])
+    for text in filter(None, (figure._suptitle, figure._supxlabel)):       # matplotlib has no other way to them
+        text.set_text("\n".join(textwrap.wrap(text.get_text(), int(LETTERS * width * 8 / text.get_fontsize()))))
+    return figure
+
+
 @styled
-def save(figure: Figure, out) -> Path:
-    """Write `figure` to `out` (.png, .svg, .pdf): same figure, same bytes, no date inside.
+def save(figure: Figure, out, exact: bool = False) -> Path:
+    """Write `figure` to `out` (.png, .svg, .pdf): same figure, same bytes, no date inside. exact: keep its size, instead of cutting empty margins.
 
     Raises UsageError for another ending or where the file cannot be written.
     """
@@ -87,7 +107,7 @@ def save(figure: Figure, out) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "Glyph .* missing")     # a box is drawn instead
-            figure.savefig(path, format=kind, metadata=_UNDATED[kind])
+            figure.savefig(path, format=kind, metadata=_UNDATED[kind], bbox_inches=figure.bbox_inches if exact else "tight")
     except OSError as e:
         raise UsageError(f"cannot write '{path}': {e.strerror or e}") from None
     return path
