@@ -34,7 +34,7 @@ class Exit(enum.IntEnum):
 
 
 class SmidgenError(Exception):
-    """Base of all errors that are reported without a traceback."""
+    """The base class of all errors that are reported without a traceback."""
     exit_code = Exit.USAGE
 
 
@@ -44,7 +44,7 @@ class UsageError(SmidgenError):
 
 
 class KeywordError(UsageError, TypeError):
-    """A keyword that a public function has not."""
+    """A public function was called with an unknown keyword."""
 
 
 class ColumnError(UsageError, KeyError):
@@ -53,16 +53,16 @@ class ColumnError(UsageError, KeyError):
 
 
 class ReadOnlyError(UsageError, AttributeError):
-    """An attribute that only smidgen itself sets, or that there is not."""
+    """An assignment to an attribute that is read-only or does not exist."""
 
 
 class OutputError(SmidgenError):
-    """A result cannot be written: no space, no permission; an earlier file is as it was."""
+    """A result cannot be written, for example for lack of space or permission. An existing file is unchanged."""
     exit_code = Exit.OUTPUT
 
 
 class BuildError(SmidgenError):
-    """The C compiler refused its input; `log` holds what it said."""
+    """The C compiler failed; `log` contains its output."""
     exit_code = Exit.BUILD
 
     def __init__(self, message: str, log: str = ""):
@@ -71,11 +71,14 @@ class BuildError(SmidgenError):
 
 
 class RunError(SmidgenError):
-    """A step failed. `status` is the runtime's `smg_status` as an integer.
+    """A step failed.
 
-    `step` counts the steps that were done before; `iterations`, `residual`, `site`, `partner`
-    (-1: not tied to one) and `reached` (the part of h with a solution) are those of the runtime's
-    report; `rate` is |h b|, the angle by which the field turns the site in a step.
+    :ivar status: the `smg_status` of the runtime, an int.
+    :ivar step: the number of steps that succeeded before.
+    :ivar iterations: the number of iterations. `residual`: the residual.
+    :ivar site: the site at which it failed, and `partner`, a second site that contributed; -1 if there is none.
+    :ivar reached: the fraction of h up to which there is a solution.
+    :ivar rate: |h b|, the angle by which the field turns the site in a step.
     """
     exit_code = Exit.STEP
 
@@ -89,12 +92,12 @@ class RunError(SmidgenError):
 
 
 class ValidationError(SmidgenError):
-    """Generated code and witness disagree beyond the stated tolerance."""
+    """The generated code and the witness differ by more than the tolerance."""
     exit_code = Exit.VALIDATION
 
 
 class MissingTool(SmidgenError):
-    """A compiler or library that the task needs is not installed."""
+    """A compiler or library that is needed is not installed."""
     exit_code = Exit.TOOL
 
 
@@ -134,7 +137,7 @@ class Diagnostic:
 
 
 class SpecError(SmidgenError):
-    """A spec with errors: at most `limits.ERRORS` of them in `diagnostics`."""
+    """A spec has errors; `diagnostics` contains at most `limits.ERRORS` of them."""
     exit_code = Exit.SPEC
 
     def __init__(self, diagnostics, more: bool = False):

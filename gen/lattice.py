@@ -1,4 +1,4 @@
-"""What one state on a lattice tells, computed where it is called for and nowhere else.
+"""Properties of a state on a lattice.
 
     grid = smidgen.lattice.of(spec)
     smidgen.lattice.charge(result.w["w"], grid)         # of every output

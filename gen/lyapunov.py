@@ -1,4 +1,4 @@
-"""Lyapunov exponents, by the tangent map and by nearby trajectories.
+"""Lyapunov exponents, by the tangent map or from nearby trajectories.
 
     top = smidgen.build(spec, features=("tangent",))
     found = smidgen.lyapunov.exponents(top, w, h=0.1, steps=100_000)

@@ -78,11 +78,18 @@ def test_the_name_of_a_method_stands_in_the_registry_alone():
     assert found == set()
 
 
+def lines_of_code(function) -> int:
+    """The lines of a function but for its docstring, in which a public function lists its arguments."""
+    first = function.body[0]
+    said = first.end_lineno - first.lineno + 1 if ast.get_docstring(function, clean=False) is not None else 0
+    return function.end_lineno - function.lineno + 1 - said
+
+
 def long_functions():
     for path in modules():
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.end_lineno - node.lineno >= LONGEST:
-                yield f"{path.relative_to(ROOT)}: {node.name}, {node.end_lineno - node.lineno + 1} lines"
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and lines_of_code(node) > LONGEST:
+                yield f"{path.relative_to(ROOT)}: {node.name}, {lines_of_code(node)} lines"
     for path in (ROOT / "runtime").rglob("*.h"):
         for match in re.finditer(r"^(?:static|SMG_\w+)[^;{]*?(\w+)\([^;{]*\) \{\n(?:.*\n)*?\}\n", path.read_text(), re.MULTILINE):
             if match[0].count("\n") > LONGEST:

@@ -27,9 +27,10 @@ OFFSET = 1e-8       # separation of nearby trajectories: about the root of the r
 class Exponents(NamedTuple):
     """Estimates of Lyapunov exponents, per unit of time.
 
-    values: (columns,) at the end of the run, largest first; running: (blocks, columns), the
-    same after each block; times: (blocks,), the time since the start; growth: (blocks,
-    columns), the logarithm of the growth in each block, whose sums the estimates are.
+    :ivar values: the estimates at the end of the run, largest first, shape (columns,).
+    :ivar times: the times since the start at the end of each block, shape (blocks,).
+    :ivar running: the estimates after each block, shape (blocks, columns).
+    :ivar growth: the logarithms of the growth in each block, shape (blocks, columns). The estimates are their sums, divided by the time.
     """
     values: np.ndarray
     running: np.ndarray
@@ -56,13 +57,18 @@ class Exponents(NamedTuple):
 @public
 def exponents(model, w, h: float, steps: int, columns: int | None = None, every: int = 1, t0: float = 0.0,
               seed: int = 0) -> Exponents:
-    """The largest `columns` Lyapunov exponents (by default all) of the orbit from w, by the tangent map.
+    """The largest Lyapunov exponents of an orbit, by the tangent map.
 
-    model: an Integrator with the feature "tangent"; w: (sites, 3) or the name of a start; `columns`
-    orthonormal vectors tangent to the leaves, at most 2*sites, drawn by `seed`, are carried along and
-    made orthonormal again, Q R, after every `every` steps; the logarithms of R's diagonal add up.
-    G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9. Raises UsageError for
-    numbers that make no run, RunError where a step fails.
+    Orthonormal vectors tangent to the leaves are propagated and orthonormalised again by a QR factorisation; the logarithms of the
+    diagonal of R are summed: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9.
+
+    :param model: an Integrator with the feature "tangent".
+    :param w: the start: an array of shape (sites, 3), or the name of a start.
+    :param columns: the number of exponents, at most 2*sites; by default all.
+    :param every: the number of steps between orthonormalisations.
+    :param seed: the seed of the first vectors.
+    :raises UsageError: for an argument that does not fit.
+    :raises RunError: if a step fails.
     """
     blocks = _blocks(steps, every)
     model.start(w, h=h, t0=t0)
@@ -105,11 +111,10 @@ def on_leaves(model, v) -> np.ndarray:
 @public
 def nearby(model, w, h: float, steps: int, every: int, t0: float = 0.0, offset: float = OFFSET,
            seed: int = 0) -> Exponents:
-    """The largest Lyapunov exponent of the orbit from w by a second trajectory beside it.
+    """The largest Lyapunov exponent of an orbit, from the separation of two trajectories, without the tangent map.
 
-    Two trajectories of the step alone, no derivative of it; their separation is put back to `offset`
-    after every `every` steps: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338.
-    w: (sites, 3) or the name of a start. Raises as `exponents` does.
+    The separation is reset to `offset` every `every` steps: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338. The
+    other arguments and the errors are those of `exponents`.
     """
     blocks, radius = _blocks(steps, every), model.prepared.numbers.radii
     here = model.start(w, h=h, t0=t0).state()

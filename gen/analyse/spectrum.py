@@ -45,10 +45,13 @@ BLOCK = 2 ** 18         # complex numbers that are transformed at a time: 4 MiB
 class Spectrum(ReadOnly):
     """S(q, omega) of a family, in the units of the spec.
 
-    meta: everything about the run. q: (waves, directions), in units of the reciprocal lattice; omega: (frequencies,), rising, in
-    radians per unit of time; s: (waves, frequencies, 3), for each component; equal_time: (waves, 3), the mean of |S_q|^2
-    over time; tau: (frequencies,) and autocorrelation: (waves, frequencies, 3), the mean of conj(S_q(t)) S_q(t + tau)
-    over t; None when it was not asked for, and equal_time where the spectrum was read from a .csv.
+    :ivar q: the wave vectors in units of the reciprocal lattice vectors, shape (waves, directions).
+    :ivar omega: the angular frequencies in ascending order, shape (frequencies,).
+    :ivar s: S for each component, shape (waves, frequencies, 3).
+    :ivar equal_time: the mean of |S_q|^2 over time, shape (waves, 3); None if the spectrum was read from a .csv.
+    :ivar autocorrelation: the mean of conj(S_q(t)) S_q(t + tau) over t, shape (waves, frequencies, 3), for the times `tau`, shape
+        (frequencies,); both are None if not requested.
+    :ivar meta: everything else about the run.
     """
     INSTEAD = {"": "smidgen.spectrum(spec, ...) makes another spectrum"}
     meta: dict
@@ -65,22 +68,25 @@ class Spectrum(ReadOnly):
 
     @property
     def names(self) -> list[str]:
-        """Of each wave the name that it has as a corner of the zone, or ""."""
+        """The name of each wave vector that is a special point of the zone, otherwise ""."""
         zone = self.meta.get("zone", {})
         return [next((name for name, corner in zone.items() if np.allclose(q, corner, rtol=0, atol=1e-9)), "") for q in self.q]
 
     @property
     def wave_vectors(self) -> np.ndarray | None:
-        """(waves, 3): q in space, in units of 1/length; None where the spec gives no places."""
+        """The wave vectors in space, in units of 1/length, shape (waves, 3); None if the spec gives no positions."""
         return self.q @ np.array(self.meta["reciprocal"]) if self.meta.get("reciprocal") else None
 
     @property
     def mean(self) -> np.ndarray:
-        """(waves, frequencies): the mean of the three components."""
+        """The mean of s over the three components, shape (waves, frequencies)."""
         return self.s.mean(axis=-1)
 
     def save(self, path: str | os.PathLike) -> Path:
-        """Write it: .npz, all arrays by their names and `meta` as JSON; .csv, a row for each q and omega; `smidgen.load_spectrum` reads both. Raises OutputError."""
+        """Write a .npz with all arrays and `meta` as JSON, or a .csv with a row for each q and omega. `smidgen.load_spectrum` reads both.
+
+        :raises OutputError: if the file cannot be written.
+        """
         path = saved_as(path)
         data = self._npz() if path.suffix == ".npz" else self._csv()
         try:
@@ -122,19 +128,23 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
              every: int | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
              seed: int | None = None, native: bool | None = None, threads: int | None = None, family: str | None = None, q="all",
              window: str = "none", parts: int = 1, autocorrelation: bool = False, basis=None, progress: Callable[[int], object] = lambda done: None) -> Spectrum:
-    """Run `spec` and return S(q, omega) of the spins of a family on its lattice.
+    """Run a spec and compute the spectrum S(q, omega) of the spins of a family on its lattice. Arguments not listed here are as for `run`.
 
-    family: by default the only one; q: "all" of the first zone, a path "0,0 1/2,0 1/2,1/2" or "Gamma K M Gamma" (all waves of the lattice on it), or an
-    array (waves, directions), in units of the reciprocal lattice; window: "none", or "hann", g_n = sin^2(pi n/M) (F. J. Harris,
-    Proc. IEEE 66 (1978) 51), which lets the foot of a strong line fall faster; parts: the run is cut into so many equal
-    parts, whose spectra are averaged (M. S. Bartlett, Biometrika 37 (1950) 1): less noise and memory, wider lines;
-    autocorrelation: also in time; basis: where the sites of a cell stand, (sites, directions), by default as the spec
-    says, else at fractions of its diagonal. run, start .. threads: as for `run`.
+    :param family: the family; needed if there are several.
+    :param q: "all" wave vectors of the first zone; a path such as "0,0 1/2,0 1/2,1/2" or "Gamma K M Gamma", for all wave vectors of the
+        lattice on it; or an array of shape (waves, directions). In units of the reciprocal lattice vectors.
+    :param window: "none", or "hann" to suppress leakage from strong lines: g_n = sin^2(pi n/M) (F. J. Harris, Proc. IEEE 66 (1978) 51).
+    :param parts: the number of equal parts into which the run is divided and whose spectra are averaged (M. S. Bartlett, Biometrika 37
+        (1950) 1), for less noise and memory but wider lines.
+    :param autocorrelation: whether to compute autocorrelations in time too.
+    :param basis: the positions of the sites of a cell, shape (sites, directions); by default those of the spec, otherwise fractions of the
+        diagonal of the cell.
+    :raises UsageError: for an argument that does not fit.
+    :raises RunError: if a step fails. Errors of `build`.
 
-    The outputs at t = 0, dt, .. are taken, dt = |h| every, the one at the end is not: a part of M outputs tells
-    frequencies 2 pi/(M dt) apart below pi/dt, and a faster wave appears at a lower frequency. The formula stands at the head of the module, and in
-    docs/lattices.md. Memory: 72 bytes (120 with autocorrelation) for each of M times a wave, at most 2 GiB, and some
-    copies of one state. Raises UsageError for what does not fit, RunError for a step that fails, and what `build` raises.
+    Outputs at t = 0, dt, 2 dt, ... with dt = |h| every are used, except the one at the end. A part with M outputs resolves frequencies 2
+    pi/(M dt) apart, up to pi/dt; faster waves are aliased to lower frequencies. The formula is in docs/lattices.md. For each wave vector,
+    72 bytes per output of a part are needed (120 with autocorrelation), at most 2 GiB in total.
     """
     settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every,
                       effects=effects, parameters=parameters, seed=seed, native=native, threads=threads)

@@ -21,9 +21,11 @@ def rows_of_numbers(value) -> bool:
 
 @public
 def load_spectrum(path: str | os.PathLike) -> Spectrum:
-    """The spectrum that `Spectrum.save`, or `smidgen spectrum --out`, wrote.
+    """Read a spectrum from a file written by `Spectrum.save` or `smidgen spectrum --out`.
 
-    A .npz holds all of it, a .csv q, omega and s: equal_time and autocorrelation are None then. Raises UsageError for what is no such file.
+    A .csv contains q, omega and s only; equal_time and autocorrelation are then None.
+
+    :raises UsageError: if it is not such a file.
     """
     read = from_npz if saved_as(path).suffix == ".npz" else from_csv
     with refusing(path), opened(path) as file:

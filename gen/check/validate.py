@@ -115,12 +115,15 @@ def validate(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
              h: float | str | None = None, steps: int | None = None, effects: Iterable[str] | None = None,
              parameters: Mapping[str, object] | None = None, seed: int | None = None, real: str = "double",
              native: bool | None = None, points: int = 5) -> Report:
-    """Compare the compiled integrator of a run with the witness.
+    """Compare the compiled integrator of a run with the witness, an independent interpreter of the spec. Other arguments are as for `run`.
 
-    start .. native: as for `smidgen.run`, in place of what the run says; steps: how many are compared, by default 100.
-    The lines: field and energy at `points` random states; conserved quantities and
-    observables; `steps` steps of the same method; the order of convergence to the flow.
-    Raises UsageError for wrong names; what the numbers refuse is a line that failed.
+    Compared are the field and the energy at random states, conserved quantities and observables, steps of the same method, and the order
+    of convergence to the exact flow.
+
+    :param steps: the number of steps to compare; by default 100.
+    :param points: the number of random states.
+    :returns: a Report; `report.check()` raises ValidationError if a comparison failed. A step that fails is a failed comparison.
+    :raises UsageError: for an argument that does not fit.
     """
     steps = STEPS if steps is None else steps
     if steps < 1 or points < 1:

@@ -42,13 +42,17 @@ def cost(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | No
          effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None,
          native: bool | None = None, methods: Iterable[str] | None = None, seconds: float = SECONDS, long: bool = True, ends: bool = True,
          peers: bool | Iterable[str] = False, mean: str | None = None, progress: Callable[[str, float], object] = lambda what, done: None) -> Cost | WeakCost:
-    """Sweep the methods of the registry over steps, and time them.
+    """Measure accuracy and time of methods over a range of steps. Arguments not listed here are as for `run`.
 
-    run, start, effects, parameters, seed, native: as for `run`; time: how long, by default that of the run; methods: names,
-    by default all that serve; seconds: what the timed runs may take together; long: also the energy along runs a hundred
-    times as long; ends: measure the error of the end, else what is kept alone; peers: also general integrators
-    (`cost.peers`), those named or all that are there; mean: of a scene at a temperature the number whose mean is judged (`cost.weak`), by default the energy; progress: a function of what is done and which part of it. Raises UsageError for what does not fit,
-    and where no reference can be had (`reference.reference`).
+    :param time: the duration; by default that of the run.
+    :param methods: names of methods; by default all that apply.
+    :param seconds: a limit on the total time of the timed runs.
+    :param long: whether to measure the energy error along runs that are a hundred times as long.
+    :param ends: whether to measure the error of the final state, and not only those of conserved quantities.
+    :param peers: whether to include general-purpose integrators (or their names); `cost.peers`.
+    :param mean: for a scene at a temperature, the quantity whose mean is judged; by default the energy.
+    :param progress: a function that is called with a description of the current task and the fraction of it that is done.
+    :raises UsageError: for an argument that does not fit, or if no reference solution can be computed.
     """
     settings = settle(spec, run, start=start, effects=effects, parameters=parameters, seed=seed, native=native, time=None)
     methods = known_methods(methods)

@@ -39,8 +39,14 @@ COMPILED = 0.05     # seconds of the processor: what takes less was in the cache
 
 @dataclass(frozen=True)
 class Choice:
-    """row: the pick (`sweep.Row`); others: rows of the other methods that are accurate enough, by time; short: methods that are
-    not, and why; asked: what was asked for; known: the reference; general: a run of a general integrator that is good enough, or None."""
+    """The result of `choose`.
+
+    :ivar row: the fastest combination of method and step (`sweep.Row`).
+    :ivar others: rows of the other methods that are accurate enough, fastest first.
+    :ivar short: the methods that are not accurate enough, with reasons.
+    :ivar asked: the requested accuracy. `known`: the reference solution.
+    :ivar general: the run of a general-purpose integrator that is accurate enough, or None.
+    """
     row: Row
     others: list
     short: dict
@@ -50,17 +56,19 @@ class Choice:
 
     @property
     def settings(self) -> dict:
-        """Keywords of `smidgen.run`: method, h, steps, and the tolerance where one pays."""
+        """Keywords for `smidgen.run`: method, h, steps and, if it saves time, tolerance."""
         found = {"method": self.row.method, "h": self.row.h, "steps": self.row.steps, "tolerance": asked_tolerance(self.row)}
         return {word: value for word, value in found.items() if value is not None}
 
     @property
     def even(self) -> float | None:
-        """Steps after which the pick has paid for its compiler beside the general integrator; infinite: never; None: there is none."""
+        """The number of steps after which the choice, including compilation, is faster than the general-purpose integrator; infinite if it
+        never is, None if there is no such integrator.
+        """
         return None if self.general is None else steps_until_even(self.row, self.general, True)
 
     def as_dict(self) -> dict:
-        """For JSON."""
+        """The choice as data for JSON."""
         return {**self.settings, "asked": self.asked, "row": vars(self.row), "others": [vars(r) for r in self.others], "short": self.short,
                 "general": vars(self.general) if self.general is not None else None, "even": self.even}
 
@@ -78,12 +86,16 @@ def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
            native: bool | None = None, methods: Iterable[str] | None = None, error: float | None = None, energy: float | None = None,
            symplectic: bool = False, seconds: float = SPENT, mean: str | None = None,
            progress: Callable[[str, float], object] = lambda what, done: None) -> Choice | WeakChoice:
-    """The method and step that meet the errors asked for in the least time.
+    """Find the method and step that reach an accuracy in the least time. Arguments not listed here are as for `cost`.
 
-    error: at the end, relative to the largest |w|; energy: the largest energy error on the way, absolute, in the unit of the
-    energy; one of them is needed. symplectic: of the symplectic methods only. At a temperature error is that of a mean over time and members, absolute, in its unit:
-    mean: of which number, by default the energy; seconds: what the measurement may take. The rest as for `cost`. Raises UsageError where no method meets
-    them, where the end is not known well enough (a chaotic run: ask for an energy error), and as `cost` does.
+    :param error: the error of the final state, relative to the largest |w|. At a temperature: the absolute error of a mean over time and
+        members.
+    :param energy: the largest absolute error of the energy during the run. `error`, `energy` or both must be given.
+    :param symplectic: whether to consider symplectic methods only.
+    :param mean: at a temperature, the quantity whose mean is judged; by default the energy.
+    :param seconds: a limit on the time of the measurement.
+    :raises UsageError: for an argument that does not fit; if no method reaches the accuracy; or if the final state cannot be computed well
+        enough to judge (the motion is chaotic: ask for an energy error instead).
     """
     methods = known_methods(methods)
     settings = settle(spec, run, start=start, effects=effects, parameters=parameters, seed=seed, native=native)

@@ -39,8 +39,13 @@ class CostTable:
 
 @dataclass(frozen=True)
 class Cost(CostTable):
-    """What accuracy costs: rows (`sweep.Row`) of every method and step; long: (method, h, t, energy error) along long runs;
-    facts: spec, run, time, sites, machine, date, compiler, lanes of its vectors, the reference's methods and its error, refusals."""
+    """A table of what accuracy costs.
+
+    :ivar rows: one `sweep.Row` for each method and step.
+    :ivar long: tuples (method, h, t, energy error) along long runs.
+    :ivar facts: spec, run, duration, sites, machine, date, compiler, vector width; the methods and the error of the reference solution;
+        the methods that do not apply, with reasons.
+    """
     rows: list
     long: list
     facts: dict
@@ -48,7 +53,7 @@ class Cost(CostTable):
     header = ("kind", *COLUMNS, "t")
 
     def lines(self):
-        """`load_cost` reads them."""
+        """The table as lines of text, which `load_cost` reads."""
         for row in self.rows:
             yield "peer" if row.method in PEERS else "sweep", *(repr(row.h) if name == "h" else shown(getattr(row, name)) for name in COLUMNS), ""
         for method, h, t, error in self.long:
@@ -72,7 +77,10 @@ def shown(value) -> str:
 
 @public
 def load_cost(path: str | os.PathLike) -> Cost:
-    """The cost table of a file. Raises UsageError for what `save` has not written."""
+    """Read a table that `Cost.save` wrote.
+
+    :raises UsageError: if it is not such a file.
+    """
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as problem:

@@ -319,6 +319,8 @@ class Run:
 
 @dataclass(frozen=True)
 class Spec:
+    """A spec after it has been read and checked. Use `load`, `load_text` or `Model` to make one."""
+
     name: str
     title: str
     parameters: tuple[Parameter, ...]
@@ -335,47 +337,47 @@ class Spec:
     units: Optional[Units] = None       # what numbers count in; None: they have no units
 
     def of(self, kind) -> tuple:
-        """Its effects of a kind."""
+        """The effects of one kind."""
         return tuple(e for e in self.effects if isinstance(e, kind))
 
     @property
     def energies(self) -> tuple[Term, ...]:
-        """The terms of H: effects that are the energies of one representative term."""
+        """The terms of H."""
         return tuple(e for e in self.effects if e.conservative and isinstance(e, Term))
 
     @property
     def effect_names(self) -> tuple[str, ...]:
-        """All that a scene may call for."""
+        """The names of all effects."""
         return tuple(e.name for e in self.effects)
 
     @property
     def conservative(self) -> bool:
-        """Do energies alone move its sites?"""
+        """Whether there are only energies: no damping, noise or torques."""
         return all(e.conservative for e in self.effects)
 
     @property
     def pushed(self) -> tuple[str, ...]:
-        """The families whose sites a torque moves, in the order of the space."""
+        """The families on which torques act, in the order of `[space]`."""
         found = {family for e in self.effects for family in e.pushes}
         return tuple(f.name for f in self.families if f.name in found)
 
     def given_up(self, what: str, default: str = "") -> str:
-        """Why something is given up (`Effect.gives_up`), by all kinds of effects that do."""
+        """A property that is lost, such as conservation of energy, with the reason, for all kinds of effects that destroy it."""
         return " and ".join(dict.fromkeys(e.gives_up[what] for e in self.effects if what in e.gives_up)) or default
 
     @property
     def damped(self) -> tuple[str, ...]:
-        """The families whose sites are damped."""
+        """The families with damping."""
         return tuple(family for e in self.effects for family in e.damps)
 
     @property
     def heated(self) -> tuple[str, ...]:
-        """The families whose sites noise turns."""
+        """The families with thermal noise."""
         return tuple(family for e in self.effects for family in e.heats)
 
     @property
     def calm(self) -> "Spec":
-        """The same without noise: what is between its two halves in a step."""
+        """The same spec without noise: the part of the step between the two halves of the noise."""
         return replace(self, effects=tuple(e.calm for e in self.effects)) if self.heated else self
 
     def __repr__(self) -> str:

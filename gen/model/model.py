@@ -22,7 +22,7 @@ INLINE = 1000       # entries of an array that stand in the text; more of them g
 
 
 class Model:
-    """A spec that is written in Python.
+    """A spec written in Python instead of TOML.
 
         model = smidgen.Model("ring", title="Spins on a ring")
         n, J = model.parameter("n", 8), model.parameter("J", 1.0)
@@ -33,8 +33,9 @@ class Model:
         model.run("demo", start="random", h=0.1, steps=100)
         result = smidgen.run(model)
 
-    Formulas are texts of the language of specs, numbers, or expressions of sympy in what `parameter`, `indices` and the families give. They are
-    checked when the model is read: `spec()`, or whatever function of smidgen takes the model in place of a spec. `to_toml()` is the same spec as a text.
+    A formula is a string in the spec language, a number, or a sympy expression in the objects returned by `parameter`, `indices` and the
+    families. Formulas are checked when the model is first used: by `spec()`, or by any function of smidgen that takes the model in place
+    of a spec.
     """
 
     def __init__(self, name: str, *, title: str = "", orientation: int | None = None):
@@ -49,11 +50,15 @@ class Model:
     # -- what is named in formulas --------------------------------------------------------------
     @public
     def parameter(self, name: str, default, *, size=None, unit: str = "", meaning: str = "", fixed: bool = False, vector: bool | None = None):
-        """A parameter; returns what stands for it in formulas: a symbol, a Vector, or for arrays what has entries, `K[i]`.
+        """Declare a parameter and return an object that represents it in formulas: a symbol, a vector, or, for an array, something to
+        index, `K[i]`.
 
-        default: an int, a float or text with a unit ("1.5 meV"); an array of shape (size,), or of (size, 3) or (3,) with vector=True (the default for (size, 3)).
-        size: of an array, a formula of integer parameters, by default its length; with it, a single number is that of every entry.
-        Raises UsageError for another shape, and for a name that was given before.
+        :param default: an int, a float, a string with a unit ("1.5 meV"), or an array of shape (size,) for numbers or (size, 3) for
+            vectors.
+        :param size: the length of an array, as a formula of integer parameters. With a single number as default, every entry has that
+            value.
+        :param vector: whether the entries are vectors; needed for a single vector, of shape (3,).
+        :raises UsageError: for an array of another shape, or a name that is already in use.
         """
         says = {key: value for key, value in (("unit", unit), ("meaning", meaning)) if value} | ({"fixed": True} if fixed else {})
         if np.ndim(default) == 0:
@@ -68,37 +73,42 @@ class Model:
         return Indexed(name, vectors) if several else Vector(sympy.Symbol(name, real=True))
 
     def indices(self, names: str) -> tuple:
-        """The symbols of indices, `i, j = model.indices("i j")`; one alone is no tuple."""
+        """Symbols for bound indices: `i, j = model.indices("i j")`. For a single name the symbol itself is returned, not a tuple."""
         return sympy.symbols(names, integer=True)
 
     @staticmethod
     def call(name: str, *arguments):
-        """A function that sympy has not, as the language of specs has it: `model.call("uniform", 7, i)`, `model.call("triple", w[i], w[j], w[k])`."""
+        """Call a function of the spec language that sympy does not have: `model.call("uniform", 7, i)`, `model.call("triple", w[i], w[j],
+        w[k])`.
+        """
         return function(name, *arguments)
 
     @staticmethod
     def vec(x, y, z) -> Vector:
-        """The vector of three numbers."""
+        """A vector with these three components."""
         return vec(x, y, z)
 
     @property
     def t(self):
-        """The time, in effects and observables."""
+        """The time t, for effects and observables."""
         return sympy.Symbol("t", real=True)
 
     def sphere(self, name: str, count=1, **says):
-        """A family of `count` spheres (a number or a formula of integer parameters); returns what stands for its vectors, `w[i]`.
+        """Declare a family of unit vectors and return an object that represents them in formulas, `w[i]`.
 
-        says: `kappa`, `radius`, `tracer`, `fixed`, as in `[space]` of a spec.
+        :param count: the number of vectors: an int, or a formula of integer parameters.
+        :param says: further keys of a family in `[space]`: `kappa`, `radius`, `tracer`, `fixed`.
         """
         return self._family("sphere", name, count, says)
 
     def r3(self, name: str, count=1, **says):
-        """A family of vectors of R^3, each of which keeps its length; as `sphere`."""
+        """Declare a family of vectors of R^3, each of which keeps its length. The arguments are those of `sphere`."""
         return self._family("r3", name, count, says)
 
     def nambu(self, name: str, count=1, *, C, **says):
-        """A family of vectors of R^3 with w' = grad C x grad H; C: a formula of its only vector `name`, as a text. As `sphere`."""
+        """Declare a single vector of R^3 that obeys w' = grad C x grad H; C is a formula of the vector, as a string. Otherwise like
+        `sphere`.
+        """
         return self._family("nambu", name, count, {"C": C, **says})
 
     def _family(self, kind, name, count, says):
@@ -107,42 +117,51 @@ class Model:
 
     # -- what is said of them -------------------------------------------------------------------
     def energy(self, name: str, over: str, value, **says) -> None:
-        """An effect: the energy of each term of `over`, such as "site(i) of w" or "bond(i, j) of chain(n)"; says: `meaning`."""
+        """Add an energy for each term of `over`, such as "site(i) of w" or "bond(i, j) of chain(n)"."""
         self.effect(name, over=over, energy=value, **says)
 
     def effect(self, name: str, **says) -> None:
-        """An effect of any kind with the keys of `[effects]` of a spec: `damping=0.1, kT="T"`, `torque=..`, `use="spins/exchange"`, .."""
+        """Add an effect of any kind, with the keys of an `[effects]` section: `damping=0.1`, `torque=...`, `use="spins/exchange"`."""
         self._add("effects", name, {key: plain(value) for key, value in says.items()})
 
     def observable(self, name: str, over: str, value, **says) -> None:
-        """A sum over the terms of `over`; says: `meaning`, `unit`."""
+        """Add an observable: a sum over the terms of `over`. Optional keys: `meaning`, `unit`."""
         self._add("observables", name, {"over": over, "value": plain(value), **says})
 
     def formula(self, name: str, value) -> None:
-        """A formula that others may name."""
+        """Add a formula that other formulas may refer to by name."""
         self._add("formulas", name, formula(value))
 
     def lattice(self, name: str, **says) -> None:
-        """A lattice with the keys of `[lattices]` of a spec."""
+        """Add a lattice, with the keys of a `[lattices]` section."""
         self._add("lattices", name, {key: plain(value) for key, value in says.items()})
 
     @public
     def graph(self, name: str, couplings, positions=None) -> None:
-        """A graph for `edge(i, j, J) of name` from couplings: a square matrix, dense or of scipy.sparse, whose entries J_ij couple sites i and j, or
-        rows i, j, J; or the path of such a matrix, .npz of scipy.sparse, .mtx or .npy. A symmetric matrix gives each pair once. positions: (sites, 2 or 3).
+        """Add a graph, for `edge(i, j, J) of name`.
 
-        Raises UsageError for a matrix that is not square, not symmetric, or couples a site to itself.
+        :param couplings: a square matrix (dense or scipy.sparse) whose entries J_ij couple sites i and j; an array of rows i, j, J; or the
+            path of a matrix file (.npz of scipy.sparse, .mtx or .npy). A symmetric matrix gives each pair once.
+        :param positions: the positions of the sites, shape (sites, 2) or (sites, 3).
+        :raises UsageError: if a matrix is not square, is neither symmetric nor triangular, or couples a site to itself.
         """
         says = {} if positions is None else {"positions": np.asarray(positions, float).tolist()}
         self._add("graphs", name, {"edges": edges_of(name, loaded(couplings)), **says})
 
     @public
     def crystal(self, name: str, atoms, size, couplings=(), *, cutoff: float | None = None, elements=None, family: str = "w"):
-        """Spheres on the atoms of a crystal, `size` cells in each direction, with exchange J for each shell of neighbours: E = -J w_i.w_j.
+        """Add unit vectors on the atoms of a crystal, with exchange for each shell of neighbours, E = -J w_i.w_j; return what represents
+        the vectors.
 
-        atoms: an ase.Atoms, or the path of a file that ASE reads, such as a .cif; elements: of the atoms that carry a vector, by default all;
-        couplings: of the first shell, the second, ..; cutoff: the largest distance, in the unit of length of the atoms. A direction that is not periodic in `atoms` is open.
-        Declares the lattice `name` and the family; effects are called `NAME_first`, ..; returns what stands for the vectors. Raises UsageError.
+        :param atoms: an `ase.Atoms`, or the path of a file that ASE reads, such as a .cif. Directions that are not periodic in it are
+            open.
+        :param size: the number of cells in each direction.
+        :param couplings: J of the first shell, the second, and so on.
+        :param cutoff: the largest distance of neighbours, in the unit of length of the atoms.
+        :param elements: the elements that carry a vector; by default all.
+        :raises UsageError: if the atoms cannot be read or do not have these shells.
+
+        The lattice is called `name`, and the effects `NAME_first`, `NAME_second`, ...
         """
         says = lattice_of(name, atoms, elements)
         shells = shells_within(name, says, couplings, cutoff) if len(couplings) else {}
@@ -153,7 +172,10 @@ class Model:
         return vectors
 
     def start(self, name: str, family: str | None = None, **says) -> None:
-        """Where a family begins, or the only one: `vectors=array` (count, 3), `theta=.., phi=..`, `x=.., y=.., z=..`, or `random=seed`."""
+        """Add a start, given by one of: `vectors=array` of shape (count, 3); `theta=..., phi=...`; `x=..., y=..., z=...`; `random=seed`.
+
+        :param family: the family that it is for, if there are several.
+        """
         table = self._tables.setdefault("starts", {})
         says = {key: value if isinstance(value, np.ndarray) else plain(value) for key, value in says.items()}
         if family is None:
@@ -163,11 +185,11 @@ class Model:
         table[name][family] = says
 
     def run(self, name: str, **says) -> None:
-        """A run with the keys of `[runs]` of a spec: `start`, `h`, `time` or `steps`, `method`, `output={..}`, .."""
+        """Add a run, with the keys of a `[runs]` section: `start`, `h`, `time` or `steps`, `method`, `output={...}`."""
         self._add("runs", name, {key: plain(value) for key, value in says.items()})
 
     def units(self, **says) -> None:
-        """`[units]` of a spec."""
+        """Declare units, with the keys of the `[units]` section."""
         self._tables.setdefault("units", {}).update({key: plain(value) for key, value in says.items()})
 
     def _add(self, table, name, value):
@@ -178,21 +200,27 @@ class Model:
 
     # -- what becomes of it ---------------------------------------------------------------------
     def spec(self) -> Spec:
-        """The Spec. Raises SpecError, whose places are those of `to_toml()`."""
+        """The model as a Spec.
+
+        :raises SpecError: if it has errors; their lines refer to the text returned by `to_toml`.
+        """
         if not self.outside() and not self.outside("graphs", "edges"):
             return read.load_text(self.to_toml())
         with tempfile.TemporaryDirectory(prefix="smidgen-model-") as folder:
             return read.load(self.save(Path(folder) / f"{self._tables['model']['name']}.toml"))
 
     def to_toml(self) -> str:
-        """The spec as a text. Raises UsageError where an array has more than 1000 numbers: `save` puts those into files."""
+        """The text of the spec.
+
+        :raises UsageError: if an array has more than 1000 numbers; `save` writes such arrays to files.
+        """
         large = [*self.outside(), *self.outside("graphs", "edges")]
         if large:
             raise UsageError(f"{', '.join(large)}: an array of more than {INLINE} numbers stands in a file of its own; use save(path)")
         return tomli_w.dumps(inlined(self._tables))
 
     def save(self, path: str | os.PathLike) -> Path:
-        """Write the spec, and beside it a file NAME.npy for each large array; returns the path."""
+        """Write the spec to a file, and each large array to NAME.npy in the same folder; return the path of the spec."""
         path, tables = Path(path), inlined(self._tables)
         for name, rows in self.outside("graphs", "edges").items():
             np.savetxt(path.with_name(f"{path.stem}_{name}.csv"), rows, "%.17g", delimiter=",", header="i,j,J", comments="")
@@ -205,7 +233,7 @@ class Model:
         return path
 
     def outside(self, table: str = "parameters", key: str = "default") -> dict:
-        """name -> array, of the parameters, or of the edges of graphs, that go to files."""
+        """The arrays that `save` writes to files, by name: parameters, and edges of graphs."""
         arrays = {name: says[key] for name, says in self._tables.get(table, {}).items()}
         return {name: rows for name, rows in arrays.items() if isinstance(rows, np.ndarray) and rows.size > INLINE}
 

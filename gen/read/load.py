@@ -80,9 +80,11 @@ def decoded(data: bytes, name: str) -> str:
 
 @public
 def load_text(text: str, path: str = "", library=()) -> Spec:
-    """Read a spec from its text; `path` names it and is the home of the files it names, `library` has more folders of files.
+    """Read a spec from a string.
 
-    Raises SpecError with up to ten diagnostics.
+    :param path: the name to use in messages; files named in the spec are looked for in its folder.
+    :param library: additional folders in which to look for these files.
+    :raises SpecError: with up to ten errors.
     """
     return reader_of(text, os.fspath(path), library).spec()
 

@@ -40,20 +40,22 @@ def find_spec(word: str) -> Path:
 
 @public
 def load(spec: str | os.PathLike, library=()) -> Spec:
-    """Read a spec: the path of a TOML file, or the name of one that comes with smidgen.
+    """Read a spec.
 
-    library: folders in which files that it names are looked for too, after its own folder.
-    Raises UsageError for a word that is neither, SpecError with up to ten diagnostics for a
-    file that cannot be read or has errors.
+    :param spec: the path of a TOML file, or the name of a spec that comes with smidgen.
+    :param library: additional folders in which to look for files that the spec names; its own folder is searched first.
+    :raises UsageError: if there is no such file or name.
+    :raises SpecError: if the file cannot be read or contains errors; the exception lists up to ten of them.
     """
     return read.load(find_spec(spec) if isinstance(spec, str) else spec, library)
 
 
 @public
 def flat(spec: str | os.PathLike, library=()) -> str:
-    """The text of a spec with all that it builds on in one file: what it calls for, and where each value stands.
+    """The text of a scene as a single spec, with everything it takes from its bases and pieces and a comment on where each value comes
+    from.
 
-    Takes and raises what `load` does; read as a spec beside the same files, the text is the same scene.
+    The arguments and errors are those of `load`. Reading the text, next to the same data files, gives the same model.
     """
     return read.shown(find_spec(spec) if isinstance(spec, str) else spec, library)
 

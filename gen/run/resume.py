@@ -22,14 +22,15 @@ from .settings import settle
 @public
 def resume(path: str | os.PathLike, *, keep: bool = False, progress: Callable[[int], object] | None = None,
            tell: Callable[[str], object] = warnings.warn) -> Result:
-    """Go on with the run that was writing `path` with checkpoints, and return its Result.
+    """Continue the run that was writing `path` with checkpoints, and return its Result.
 
-    The result has the bits of a run that was never stopped. A result that is complete is
-    returned as it is. keep: hold the outputs in memory as well; progress: a function of the
-    steps done; tell: a function that takes a sentence about damage that was got round.
-    Raises CheckpointError when nothing was saved, when what was saved is damaged or is from
-    another version of smidgen or of the compiler, or while another run writes; what was saved
-    is then as it was.
+    The result is the same, bit for bit, as that of an uninterrupted run. If the run is complete its result is returned.
+
+    :param keep: whether to keep the outputs in memory as well.
+    :param progress: a function that is called with the number of steps done.
+    :param tell: a function that is called with a message if the last checkpoint is damaged and the one before it is used.
+    :raises CheckpointError: if there is no checkpoint, if it is damaged or was written by another version of smidgen or of the compiler,
+        or if the run is still being written. The checkpoints are not changed.
     """
     if ranks.on_first(lambda: not folder_of(path).is_dir()):
         return ranks.on_first(lambda: _complete(path))

@@ -41,7 +41,7 @@ MEMORY = 2 ** 31        # bytes of outputs that a run keeps in memory
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C: the step was finished; `result` holds what was computed."""
+    """Ctrl-C: the current step was completed; `result` contains the outputs so far."""
 
     def __init__(self, result):
         super().__init__("interrupted")
@@ -57,28 +57,41 @@ def run(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | Non
         substeps: bool | None = None, checkpoint: int | None = None, estimate: bool | None = False, tolerance: float | None = None,
         fast: bool = False, threads: int | None = None, averages: Mapping[str, object] | None = None, out: str | os.PathLike | None = None, keep: bool | None = None,
         progress: Callable[[int], object] | None = None) -> Result:
-    """Run a spec, which may be given by its path or name as for `load`, and return a Result.
+    """Run a spec and return a Result. Arguments that are not given are taken from the run in the spec.
 
-    run: of the spec, by default its first. In place of what that run says:
-    start: the name of a start, or an array of shape (sites, 3); method, solver: their names;
-    h: the step, and steps (their number) or time (a multiple of h), how long; every: steps
-    between outputs, or period: the time between them; h, time and period in the unit of
-    time of the spec, numbers or formulas of its parameters such as "2*pi/n"; what: names of
-    outputs (states, energy, momentum, casimirs, magnetisation, charge, observables); effects: names of those to keep;
-    parameters: name -> number, or a sequence for an array; seed: of random starts, and of thermal noise;
-    checkpoint: steps between two checkpoints (needs `out`); substeps: take a step that fails
-    as up to 2^10 smaller ones.
-    out: a file .csv, .npz or .h5; keep: hold the outputs in memory, by default when there is no
-    `out`; progress: a function of the steps done; real: "double" or "long double"; native:
-    compile for this processor (None: as `build` does); estimate: repeat the run with larger and smaller steps, and estimate from the
-    differences the error of the final state, `meta["end_error"]`, in units of the largest |w|, or None and in `meta["end_error_withheld"]` why;
-    None: where the run took less than 2 s, as `meta["estimate"]` then says;
-    tolerance: of a step, as for `Integrator.start`; fast: native, and products and sums in one operation; threads: as for `build`;
-    averages: {"what": names, "after": time, "bins": how many}, each optional: `meta["means"]` then has the averages over the outputs from that time on, and `what=()` keeps no
-    rows but the first and the last.
-    Raises UsageError (KeywordError) for what does not fit, RunError for a step that fails and
-    Interrupted for Ctrl-C (their `result` holds what was computed), OutputError for a file that
-    cannot be written, MissingTool and BuildError as `build` does.
+    :param spec: a Spec, a Model, the path of a spec, or the name of one that comes with smidgen.
+    :param run: the name of a run in the spec; by default the first.
+    :param start: the name of a start, or an array of shape (sites, 3).
+    :param method: the name of a method (`smidgen list --methods`).
+    :param solver: "auto", "newton", "rotation" or "plain".
+    :param h: the step size: a number, or a formula of the parameters such as "2*pi/n". Times are in the unit of time of the spec.
+    :param steps: the number of steps.
+    :param time: the duration, in place of `steps`; a multiple of h.
+    :param every: the number of steps between outputs.
+    :param period: the time between outputs, in place of `every`.
+    :param what: the outputs: "states", "energy", "momentum", "casimirs", "magnetisation", "charge", and names of observables.
+    :param effects: the names of the effects to keep; the others are removed.
+    :param parameters: values of parameters by name: a number, or a sequence for an array.
+    :param seed: the seed of random starts and of thermal noise.
+    :param real: "double" or "long double".
+    :param native: whether to compile for this processor; None chooses what is fastest without changing a bit of the result.
+    :param substeps: whether to replace a failed step by up to 2^10 smaller ones.
+    :param checkpoint: the number of steps between checkpoints; needs `out`.
+    :param estimate: whether to repeat the run with larger and smaller steps, and estimate the error of the final state relative to the
+        largest component, `meta["end_error"]` (None if there is no estimate; `meta["end_error_withheld"]` gives the reason). None: only if
+        the run took less than 2 s.
+    :param tolerance: the error allowed in a step, relative to the largest component of w; by default round-off.
+    :param fast: like `native`, and with fused multiply-add instructions, which change the last bits.
+    :param threads: the number of OpenMP threads that share a step; the result is the same, bit for bit.
+    :param averages: a dictionary with the optional keys "what" (names), "after" (a time) and "bins". `meta["means"]` then contains
+        averages over the outputs from that time on; with `what=()` only the first and the last row are kept.
+    :param out: the file to write: .csv, .npz or .h5.
+    :param keep: whether to keep the outputs in memory; by default only without `out`.
+    :param progress: a function that is called with the number of steps done.
+    :raises UsageError: for an argument that does not fit (KeywordError for an unknown one).
+    :raises RunError: if a step fails; its `result` contains the outputs up to then. Interrupted, on Ctrl-C, has a `result` too.
+    :raises OutputError: if the file cannot be written.
+    :raises MissingTool: if there is no C compiler. BuildError if it fails.
     """
     if out is None and checkpoint:
         raise UsageError("checkpoints need a file: give out=\"result.h5\" (on the command line: --out result.h5)")
@@ -92,9 +105,9 @@ def run(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | Non
 @public
 def repeat(path: str | os.PathLike, out: str | os.PathLike | None = None, *, keep: bool | None = None,
            progress: Callable[[int], object] | None = None) -> Result:
-    """Do again what wrote the file `path`; the same program gives the same numbers.
+    """Repeat the run that wrote the file `path`. The same version of smidgen gives the same numbers.
 
-    out, keep, progress: as for `run`, which also says what is raised.
+    The other arguments and the errors are those of `run`.
     """
     from .files.recorded import recorded
     spec, name, settings = recorded(load_result(path).meta)

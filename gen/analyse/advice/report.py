@@ -81,12 +81,14 @@ class Advice:
 def advise(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
            h: float | str | None = None, steps: int | None = None, time: float | str | None = None, effects: Iterable[str] | None = None,
            parameters: Mapping[str, object] | None = None, seed: int | None = None) -> Advice:
-    """The largest safe step for a run; start .. seed as for `smidgen.run`, in place of what the run says.
+    """Estimate the largest safe step of a run. The arguments are as for `run`.
 
-    The branch of solutions of the step equation is followed from h = 0 (up to `UNKNOWNS` unknowns;
-    beyond, by trial steps), the advice is tried with first steps of the generated code, and the run is looked
-    at along its way, as far as the work allows. Raises UsageError for what does not fit, RunError when not even a
-    tiny step exists.
+    The branch of solutions of the step equation is followed from h = 0 (with more than `UNKNOWNS` unknowns, trial steps are taken
+    instead). The result is then checked with first steps of the generated code, and at states along the run as far as the allotted work
+    permits.
+
+    :raises UsageError: for an argument that does not fit.
+    :raises RunError: if not even a tiny step has a solution.
     """
     base = find_run(spec, run)
     stated = h is not None or base.h is not None

@@ -89,10 +89,13 @@ class Report:
 @spec_or_name
 def explain(spec: SpecLike, run: str | None = None, *, method: str | None = None, effects: Iterable[str] | None = None,
             parameters: Mapping[str, object] | None = None) -> Report:
-    """Which rotations leave H unchanged, what is conserved, what the method keeps exactly.
+    """Find the rotations that leave H unchanged, what is conserved, and what the method preserves.
 
-    run: of the spec, by default its first; method, effects, parameters: as for `run`, in place of what that run says. Raises
-    UsageError for names that are not known. docs/explain.md says what is looked for, and how it is proved.
+    :param run: the name of a run in the spec; by default the first. `method`, `effects` and `parameters` override what it says.
+    :returns: a report; `print` shows it in sentences.
+    :raises UsageError: for an unknown name.
+
+    docs/explain.md describes what is searched for and how it is proved.
     """
     one = asked_of(spec, run, method, None, effects, parameters)
     method = choose("method", one.method, METHODS)

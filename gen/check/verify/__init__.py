@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 def verify(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
            h: float | str | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
            seed: int | None = None, features: Iterable[str] = (), tier: str | int = "normal", layouts: bool = False) -> Certificate:
-    """Measure the generated integrator of a run; returns a `certificate.Certificate`.
+    """Measure what the generated integrator of a run promises, and return a `certificate.Certificate`. Other arguments are as for `run`.
 
-    start .. seed: as for `smidgen.run`, in place of what the run says; features: of the generated C, as for `smidgen.build`.
-    tier: "quick", "normal", or a number of steps, the length of the round-off measurement.
-    layouts: look at threads, wavefronts and ranks of MPI too, for which lattices by rows are compiled twice more.
-    Raises UsageError for wrong names; what the integrator refuses or misses is a row that says no.
+    :param features: features of the C code, as for `build`.
+    :param tier: "quick", "normal", or the number of steps over which round-off is measured.
+    :param layouts: whether to include threads, wavefronts and MPI ranks; lattices that are processed by rows are then compiled twice more.
+    :raises UsageError: for an argument that does not fit. A measurement that fails is a row of the certificate marked as failed.
     """
     from .certificate import certify
     return certify(spec, run, tier=tier, features=features, start=start, method=method, solver=solver, h=h,

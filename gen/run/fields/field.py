@@ -68,9 +68,9 @@ def on_spheres(w, radius) -> np.ndarray:
 
 @public
 def load_field(path: str | os.PathLike) -> Field:
-    """The vectors of an OVF 2.0 (.ovf) or legacy VTK (.vtk) file, to start from: `smidgen.run(spec, start=...)`.
+    """Read the vectors of an OVF 2.0 (.ovf) or legacy VTK (.vtk) file, to start from them: `smidgen.run(spec, start=...)`.
 
-    Raises UsageError for a file that is none, is damaged, or promises more numbers than it has.
+    :raises UsageError: if the file has another format, is damaged, or contains fewer numbers than its header says.
     """
     reader = known_format(path)
     with refusing(path), opened(path) as file:

@@ -21,9 +21,12 @@ from ..step.evaluated import Evaluated
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells of a lattice: cell (c0, c1, ..) has the number c0 + size0*(c1 + size1*(..)); the sites of a cell follow each other.
+    """A lattice. Cell (c0, c1, ..) has the number c0 + size0*(c1 + size1*(..)); the sites of a cell follow each other.
 
-    size: cells in each direction; periodic: True where a direction is closed; sites: of a cell; places: vectors and positions, where the spec gives them.
+    :ivar size: the number of cells in each direction.
+    :ivar periodic: for each direction, whether it is periodic.
+    :ivar sites: the number of sites in a cell.
+    :ivar places: the vectors of the lattice and the positions of the sites in a cell; None if the spec does not give them.
     """
     size: tuple[int, ...]
     periodic: tuple[bool, ...]
@@ -86,11 +89,14 @@ class Grid:
 
 @public
 def of(source, family: str | None = None, parameters: dict | None = None) -> Grid:
-    """The lattice that joins the sites of a family, by the effects and observables of a spec.
+    """The lattice on which the sites of a family are coupled, found from the effects and observables of a spec.
 
-    source: a Spec, or a Result, which knows its parameters; family: by default the only one; parameters: name -> value, in place
-    of defaults. Of several lattices the one with most directions counts; a direction is periodic where all its bonds are.
-    Raises UsageError where there is no lattice, or where two are as good.
+    :param source: a Spec, or a Result, which contains its parameters.
+    :param family: the family; needed if there are several.
+    :param parameters: values by name that replace the defaults of the spec.
+    :raises UsageError: if there is no lattice, or if two have the most directions.
+
+    If there are several lattices, the one with the most directions is returned. A direction is periodic if all its bonds are.
     """
     spec, parameters = with_parameters(source, parameters)
     name = family_of(spec, family)

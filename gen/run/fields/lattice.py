@@ -18,16 +18,19 @@ __all__ = ["Grid", "charge", "correlation", "magnetisation", "of"]
 
 @public
 def magnetisation(w) -> np.ndarray:
-    """The mean vector (1/N) sum_i w_i of states w of shape (.., N, 3): shape (.., 3)."""
+    """The mean vector (1/N) sum_i w_i of states of shape (..., N, 3), as an array of shape (..., 3)."""
     return np.mean(np.asarray(w), axis=-2)
 
 
 @public
 def correlation(w, grid: Grid) -> np.ndarray:
-    """C(r) = (1/cells) sum_c w_c.w_(c+r) of states w (.., N, 3) on a periodic lattice of one site a cell.
+    """The correlation function C(r) = (1/cells) sum_c w_c.w_(c+r) of states on a periodic lattice with one site per cell.
 
-    Shape (.., last direction, .., first direction): r in cells, modulo the size. By FFT: the transform of C is |S(q)|^2
-    (Wiener and Khinchin). Raises UsageError for an open lattice.
+    Computed by FFT: the transform of C is |S(q)|^2 (Wiener and Khinchin).
+
+    :param w: states of shape (..., N, 3).
+    :returns: an array of shape (..., last direction, ..., first direction); r is counted in cells, modulo the size.
+    :raises UsageError: if a direction is open.
     """
     if not all(grid.periodic) or grid.sites > 1:
         raise UsageError("correlations in space are of a periodic lattice of one site a cell")
@@ -39,17 +42,20 @@ def correlation(w, grid: Grid) -> np.ndarray:
 
 @public
 def charge(w, grid: Grid):
-    """The topological charge of states w (.., N, 3) on a lattice of two directions, one site a cell: shape (..).
+    """The topological charge Q of states on a two-dimensional lattice with one site per cell.
 
-    Each cell is cut along its diagonal into two triangles; the directions a, b, c of the spins at the corners of one,
+    Each cell is divided along its diagonal into two triangles. The directions a, b, c of the spins at the corners of a triangle,
     counter-clockwise, span the solid angle Omega with
 
-        tan(Omega/2) = a.(b x c)/(1 + a.b + b.c + c.a),     Q = sum Omega/(4 pi),
+        tan(Omega/2) = a.(b x c)/(1 + a.b + b.c + c.a),     Q = sum Omega/(4 pi)
 
-    B. Berg and M. Luscher, Nucl. Phys. B 190 (1981) 412; the fraction: A. van Oosterom and J. Strackee, IEEE Trans. Biomed.
-    Eng. 30 (1983) 125. Q = (1/4 pi) int w.(dw/dx x dw/dy) in the continuum: -1 of a skyrmion whose core points down. Where both directions are periodic the
-    spins cover the sphere a whole number of times, whatever Omega is taken for triangles of half the sphere; Q is then
-    that integer. Raises UsageError for other lattices.
+    (B. Berg and M. Luscher, Nucl. Phys. B 190 (1981) 412; A. van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125). In the
+    continuum, Q = (1/4 pi) int w.(dw/dx x dw/dy), which is -1 for a skyrmion whose core points down. If both directions are periodic, Q is
+    an integer.
+
+    :param w: states of shape (..., N, 3).
+    :returns: an array of shape (...).
+    :raises UsageError: for another kind of lattice.
     """
     if len(grid.size) != 2 or grid.sites > 1:
         raise UsageError("a topological charge is of a lattice of two directions and one site a cell")

@@ -21,14 +21,20 @@ NEAR = 1e-6         # of a step: a time as people write it
 @public
 def snapshot(result, out: str | os.PathLike, family: str | None = None, row: int | None = None, time: float | None = None,
              text: bool = False) -> Path:
-    """Write the spins of one state into `out`, and return its path: OVF 2.0 (.ovf), VTK (.vtk, .vtu with the bonds,
-    .vtr and .vti of meshes), or all outputs as a series (.pvd), whose files stand in a folder beside it.
+    """Write the spins of one state in a format for other programs, and return the path.
 
-    result: a Result, or the path of its file; family: by default the only one; row: a number of an output, from the end
-    where negative, or time: the time of one; by default the last state. text: numbers as text, to 17 digits, in place of
-    doubles in binary. Sites stand where the lattice of the spec says; without places cell (c0, c1, c2) stands at these integers, and site s of
-    the p sites of a cell at the fraction s/p of its diagonal. Raises UsageError where there is no such state or lattice, and for VTK of
-    sites that have no places; OutputError for a file that cannot be written.
+    :param result: a Result, or the path of its file.
+    :param out: the file. Its ending determines the format: .ovf (OVF 2.0), .vtk, .vtu (points and bonds), .vtr or .vti (meshes), or .pvd
+        for a series of all outputs, whose files are written to a folder next to it.
+    :param family: the family to write; needed if there are several.
+    :param row: the number of an output, counted from 0, or from the end if negative. By default the last state is written.
+    :param time: the time of an output, in place of `row`.
+    :param text: whether to write numbers as text with 17 digits instead of binary doubles.
+    :raises UsageError: if there is no such state or lattice, or for VTK if the sites have no positions.
+    :raises OutputError: if the file cannot be written.
+
+    Sites are at the positions given by the lattice of the spec. Without positions, cell (c0, c1, c2) is at these integers, and site s of
+    the p sites of a cell at the fraction s/p of its diagonal.
     """
     result = result if hasattr(result, "meta") else load_result(result)
     spec, parameters = with_parameters(result, None)

@@ -47,8 +47,9 @@ NEEDED = {"run": set(), "rows": {"t"}, "state": {"state"}}
 
 
 class CheckpointError(OutputError):
-    """What was saved cannot be used as asked: nothing there, damage, another version of the
-    program, or a run that still writes. Nothing of it has been changed."""
+    """A run cannot be continued: there is no checkpoint, it is damaged or comes from another version of smidgen, or the run is still being
+    written. The checkpoints are not changed.
+    """
 
 
 def folder_of(out) -> Path:

@@ -34,15 +34,19 @@ RESERVED = ("step", "t", "meta", "final", "substeps", "positions", "energy", "ca
 
 @dataclass(repr=False)
 class Result(ReadOnly):
-    """What a run computed: k outputs, in the units of the spec.
+    """The result of a run with k outputs, in the units of the spec.
 
-    meta: everything about the run. step, t: shape (k,). w: family -> (k, count, 3), None
-    when states were not asked for. values: name -> (k,) or (k, m). final: the last state,
-    shape (sites, 3), at meta["done"] steps. substeps: rows step, t, k of the steps that were
-    taken as 2^k smaller ones, shape (m, 3), None when that was not asked for. positions: where the sites stand, shape (sites, 3),
-    None where the spec does not say it or the file is a .csv. summary: the
-    last time t, the largest changes over the outputs, of conserved quantities (errors) and of
-    others (changes), seconds of stepping and writing. A notebook shows a picture.
+    :ivar t: the times of the outputs, shape (k,). `step`: the numbers of their steps.
+    :ivar w: the states of each family, a dictionary of arrays of shape (k, count, 3); None if they were not requested.
+    :ivar values: energies, momenta, Casimirs and observables by name, shape (k,) or (k, m).
+    :ivar final: the last state, shape (sites, 3), after meta["done"] steps.
+    :ivar positions: the positions of the sites, shape (sites, 3); None if the spec does not give any, or if the file is a .csv.
+    :ivar substeps: rows step, t, k of the steps that were replaced by 2^k smaller ones; None if that was not requested.
+    :ivar summary: the last time; the largest changes, over the outputs, of conserved quantities (`errors`) and of others (`changes`); the
+        seconds spent on stepping and writing.
+    :ivar meta: everything else about the run: the text of the spec, parameters, method, versions.
+
+    `result["energy"]` returns an output by its name in files. A notebook shows a picture.
     """
     INSTEAD = {"": "smidgen.run(spec, ...) makes another result"}
     _shows: ClassVar[object | None] = None       # the stage that draws puts in what notebooks show of a result
@@ -63,7 +67,7 @@ class Result(ReadOnly):
                 f"{few([*(self.w or {}), *self.values]) or 'nothing kept'}>")
 
     def keys(self) -> list[str]:
-        """The names of what `result[name]` gives."""
+        """The names that `result[name]` accepts."""
         return ["step", "t", *(self.w or {}), *self.values]
 
     def __iter__(self):
@@ -80,29 +84,33 @@ class Result(ReadOnly):
         return columns[name]
 
     def to_xarray(self):
-        """An xarray.Dataset: the columns over `t`, `site` and `component`, `final` over the last two; `step` beside t. Its attributes say what ran.
+        """The outputs as an xarray.Dataset over `t`, `site` and `component`, with `final` over the last two; metadata are attributes.
 
-        Where there are several families, each has its own axis, `site_NAME`, and `site` counts the sites of all. `.to_netcdf(path)` writes it.
-        Raises MissingTool without the package xarray.
+        With several families each has its own axis, `site_NAME`, and `site` runs over the sites of all families. `.to_netcdf(path)` writes
+        the data set.
+
+        :raises MissingTool: if xarray is not installed.
         """
         return dataset(self)
 
     def to_dataframe(self):
-        """A pandas.DataFrame, one row an output, indexed by t: the columns of a .csv file (`energy`, `momentum.w.x`, `w[3].x`).
+        """The outputs as a pandas.DataFrame indexed by t, with the columns of a .csv file (`energy`, `momentum.w.x`, `w[3].x`).
 
-        Raises MissingTool without the package pandas.
+        :raises MissingTool: if pandas is not installed.
         """
         return dataframe(self)
 
     def plot(self, kind: str = "auto"):
-        """A picture of this result for a notebook, which shows what this returns; no file is written. kind: one of `smidgen.show.plot.kinds()`.
+        """A picture for a notebook; no file is written.
 
-        Raises UsageError for a result that holds nothing of that kind, MissingTool without matplotlib.
+        :param kind: one of `smidgen.show.plot.kinds()`; "auto" chooses a suitable one.
+        :raises UsageError: if the result does not contain what this kind shows.
+        :raises MissingTool: if matplotlib is not installed.
         """
         return self._shows.plot(self, kind)
 
     def play(self):
-        """The player of this result for a notebook, which shows what this returns; no file is written. Raises as `plot` does."""
+        """The player for a notebook; no file is written. The errors are those of `plot`."""
         return self._shows.play(self)
 
     def _repr_html_(self) -> str:
@@ -112,7 +120,10 @@ class Result(ReadOnly):
 
 @public
 def load_result(path: str | os.PathLike) -> Result:
-    """Read a file that a run wrote. Raises UsageError when it is none, is damaged or promises more than it has."""
+    """Read a file that a run wrote.
+
+    :raises UsageError: if the file is not a result or is damaged.
+    """
     known_format(path)
     return result_of(*read(path))
 

@@ -39,7 +39,10 @@ PART, BETWEEN = ".part", 30.0       # the ending of a file that is not complete;
 
 @dataclass(frozen=True)
 class Averages:
-    """What `smidgen.average` found: name -> Average; meta: all choices, and `samples`, the number of them."""
+    """The result of `smidgen.average`: a mapping from the names of quantities to their Average.
+
+    :ivar meta: everything that was chosen, and `samples`, the number of samples.
+    """
     meta: dict
     of: dict
 
@@ -50,7 +53,7 @@ class Averages:
         return f"<Averages {self.meta['spec']}: {few(self.of)}; {self.meta['samples']} samples of {self.meta['members']} members>"
 
     def text(self) -> str:
-        """As the file has it."""
+        """The contents of the .json file."""
         return json.dumps({"format": FORMAT, **self.meta, "averages": {name: vars(one) for name, one in self.of.items()}}, ensure_ascii=False, indent=1) + "\n"
 
 
@@ -61,12 +64,19 @@ def average(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray |
             what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
             seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float | str | None = None, members: int = 1, bins: int | None = None,
             out: str | os.PathLike | None = None, progress: Callable[[int], object] | None = None) -> Averages:
-    """Averages over a run and over members.
+    """Compute averages over time, and over members that differ in their thermal noise.
 
-    what: names of observables, `energy`, `energy.<effect>`, `momentum.<family>.x`, ..; by default those of the run's `averages`, else the energy and
-    all observables. after: the time from which on samples count, by default that of the run, else 0; members: as many trajectories, each with noise of its own, that of `run(.., member)`; bins: of a
-    histogram, at most; out: a file .json; where FILE.part lies beside it, a run that was stopped goes on. progress: a function of the
-    members done. The other arguments as for `run`. Raises UsageError for what does not fit, RunError for a step that fails.
+    Arguments not listed here are as for `run`.
+
+    :param what: names of observables, "energy", "energy.EFFECT", "momentum.FAMILY.x"; by default those of the run's `averages`, otherwise
+        the energy and all observables.
+    :param after: the time from which samples are taken; by default that of the run's `averages`, otherwise 0.
+    :param members: the number of trajectories.
+    :param bins: the largest number of bins of a histogram.
+    :param out: a .json file. If an interrupted computation left FILE.part in the same folder, it is continued.
+    :param progress: a function that is called with the number of members done.
+    :raises UsageError: for an argument that does not fit.
+    :raises RunError: if a step fails.
     """
     settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, effects=effects,
                       parameters=parameters, seed=seed, native=native, tolerance=tolerance)
@@ -206,7 +216,10 @@ def write(path: Path, text: str) -> None:
 
 @public
 def load_averages(path: str | os.PathLike) -> Averages:
-    """Read a file that `average` wrote. Raises UsageError when it is none."""
+    """Read a file that `average` wrote.
+
+    :raises UsageError: if it is not such a file.
+    """
     try:
         meta = json.loads(Path(path).read_text(encoding="utf-8"))
         if meta.pop("format") != FORMAT:

@@ -35,13 +35,15 @@ OUTPUTS = ("states", "energy")
 
 @dataclass(frozen=True)
 class Ensemble:
-    """What `smidgen.ensemble` gives. Members are numbered from 0, in the order of the starts and values.
+    """The result of `smidgen.ensemble`. Members are numbered from 0.
 
-    t: the time of each output, shape (outputs,), the last one the end; w: the state at the end, or before the step that failed,
-    (members, sites, 3); status: 0, or why a member stopped (`STATUS` of run.step.status), and steps: those it has taken, both (members,);
-    states: (outputs, members, sites, 3) and energy: (outputs, members), where they were asked for, else None; a member that
-    stopped stays in them where it was. failures: member -> what happened. lanes: how many members stepped at once, in the lanes of vectors; 1: they
-    stepped one by one.
+    :ivar t: the times of the outputs, shape (outputs,); the last one is the end.
+    :ivar w: the states at the end, or before the step that failed, shape (members, sites, 3).
+    :ivar states: the states at the outputs, shape (outputs, members, sites, 3). `energy`: the energies, shape (outputs, members). None if
+        not requested. A member that failed keeps its last value.
+    :ivar status: 0 or the status with which a member failed, shape (members,). `steps`: the steps that it took, shape (members,).
+    :ivar failures: a message for each member that failed.
+    :ivar lanes: how many members were stepped at once in vector registers; 1 if they were stepped one by one.
     """
     t: np.ndarray
     w: np.ndarray
@@ -65,20 +67,25 @@ def ensemble(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
              every: int | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None,
              parameters: Mapping[str, object] | None = None, seed: int | None = None, native: bool | None = None,
              tolerance: float | None = None, threads: int | None = None, t0: float = 0.0) -> Ensemble:
-    """Take the same steps from many starts, or with many values of parameters; returns an Ensemble.
+    """Run a model from many starts, or with many values of its parameters, and return an Ensemble.
 
-    run: of the spec, by default its first. In place of what it says: start: an array of shape (members, sites, 3), of (members, 3) for
-    one site, or for all members the name of a start; method, solver, h, steps or time, effects, tolerance: as for `run` (formulas take
-    the parameters of member 0); parameters: name -> a number or a list as for `run`, for all members, or with one more dimension in
-    front, (members,) or (members, size), one for each; integer parameters and fixed ones are the same for all.
-    what: of "states" and "energy", at the end, and at the start and once in `every` steps where that is given; native: compile for this
-    processor, whose registers hold more members at once (None: where members go in lanes); threads: how many, by default one a
-    processor; seed: of a random start and of thermal noise, of which each member has its own: that of `start(..., seed=seed, member=k)`;
-    t0: the time of the start.
+    Arguments that are not given are taken from the run in the spec. Those not listed here are as for `run`; formulas take the parameters
+    of member 0.
 
-    Each member has the bits that it has alone. A single sphere's members step in lanes, those of other models one by one (`lanes`). A member whose
-    step fails, or that cannot begin, stays where it is, and `failures` names it; the others go on. Raises UsageError for what does not
-    fit, MissingTool and BuildError as `build` does, RunError without memory.
+    :param start: an array of shape (members, sites, 3), or (members, 3) for a single site; or the name of a start, for all members.
+    :param parameters: values by name, as for `run`; with an additional first dimension, (members,) or (members, size), one for each
+        member. Integer and fixed parameters are the same for all members.
+    :param what: "states", "energy" or both; at the end, or at the start and every `every` steps.
+    :param every: the number of steps between outputs.
+    :param native: whether to compile for this processor; None: if members are stepped side by side in vector registers.
+    :param seed: the seed of a random start and of thermal noise, which is different for each member: `start(..., seed=seed, member=k)`.
+    :param threads: the number of threads; by default one per processor.
+    :param t0: the time of the start.
+    :raises UsageError: for an argument that does not fit.
+    :raises MissingTool: if there is no C compiler. BuildError if it fails; RunError if there is not enough memory.
+
+    Each member has the same bits as if it were run alone. A member that cannot start, or whose step fails, keeps its state and is listed
+    in `failures`; the others continue.
     """
     parameters, given = dict(parameters or {}), start if isinstance(start, str) or start is None else _stacked(start)
     own = {name: value for name, value in parameters.items() if _is_own(spec, name, value)}

@@ -69,14 +69,23 @@ def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axe
           seed: int | None = None, real: str = "double", native: bool | None = None, substeps: bool | None = None,
           estimate: bool | None = False, tolerance: float | None = None, fast: bool = False, threads: int | None = None,
           processes: int | None = None, cluster: str | None = None, tell: Callable[[dict], object] = lambda outcome: None) -> list[dict]:
-    """Repeat a run over values of parameters and random starts; returns the outcome of each cell, in their order: cell, parameters, seed, status, error, file.
+    """Repeat a run for all combinations of parameter values and random starts, the cells of the sweep.
 
-    out: the folder of the results; cells that it has are not computed again. axes: parameter -> its values, of which every combination is a
-    cell; starts: how many random ones, of the seeds from `seed` on (None: 0), the same for all values. run, start .. threads: as for `run`.
-    processes: how many at once; cluster: the address of a Dask scheduler, whose workers see `out` by the same path;
-    tell: called with each outcome as it comes. A cell that fails stays as it is, with its error. Raises UsageError for what does
-    not fit (a folder of another sweep), RunError where a process was killed, OutputError for a folder that cannot be written; KeyboardInterrupt
-    when interrupted: cells that are under way end, with their results if nothing stops them; a second interrupt ends their processes. What has ended is safe in every case.
+    Arguments not listed here are as for `run`.
+
+    :param out: the folder of the results. Cells that are already in it are not computed again.
+    :param axes: the values of each parameter, by name.
+    :param starts: the number of random starts for each combination, with seeds from `seed` on (None: 0).
+    :param processes: how many cells to compute at once.
+    :param cluster: the address of a Dask scheduler, whose workers see `out` under the same path.
+    :param tell: a function that is called with each outcome as it is completed.
+    :returns: a dictionary for each cell: cell, parameters, seed, status, error, file. A cell that fails has an error; the others continue.
+    :raises UsageError: for an argument that does not fit, or a folder that contains another sweep.
+    :raises RunError: if a process was killed.
+    :raises OutputError: if the folder cannot be written.
+
+    When interrupted, cells that are being computed are completed; a second interrupt ends their processes. Completed cells are kept in any
+    case.
     """
     given = dict(start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, period=period, what=what, effects=effects,
                  parameters=dict(parameters or {}), real=real, native=native, substeps=substeps, estimate=estimate, tolerance=tolerance, fast=fast,

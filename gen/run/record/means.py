@@ -15,8 +15,13 @@ BINS = 64           # of a histogram, at most
 
 @dataclass(frozen=True)
 class Average:
-    """Of one quantity: mean, variance, standard error of the mean (None where there are too few samples to tell it), the time over which
-    samples are correlated (integrated autocorrelation), and a histogram: low, width and counts of its bins."""
+    """The average of one quantity.
+
+    :ivar mean: the mean. `variance`: the variance.
+    :ivar error: the standard error of the mean; None if there are too few samples to estimate it.
+    :ivar correlation: the time over which samples are correlated (integrated autocorrelation time); None if it cannot be estimated.
+    :ivar histogram: a dictionary with the lower edge `low`, the `width` of the bins, and their `counts`.
+    """
     mean: float
     variance: float
     error: float | None

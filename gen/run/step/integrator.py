@@ -35,16 +35,19 @@ from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, why
 def build(spec: SpecLike, run: str | None = None, *, method: str | None = None, solver: str | None = None, effects: Iterable[str] | None = None,
           parameters: Mapping[str, object] | None = None, real: str = "double", native: bool | None = None, fast: bool = False,
           threads: int | None = None, features: Iterable[str] = ()) -> Integrator:
-    """Compile `spec` (or take the build from the cache) and return an Integrator.
+    """Compile the model of a run, or find it in the cache, and return an Integrator.
 
-    run: of the spec, by default its first. In place of what that run says:
-    method: one of those that `smidgen list --methods` shows; solver: "auto", "newton", "rotation" or "plain"; effects: names of those
-    to keep; parameters: values by name, in the units of the spec (a number, or a sequence for an array).
-    real: "double" or "long double"; native: compile for this processor (None: where the
-    model has vectors of lanes, whose bits are the same); fast: native, and products and sums in one operation; threads: how many may
-    share a step, with OpenMP and the same bits; features: what the C shall have beyond the step, such as "tangent".
-    Raises UsageError for a name that is not known, a value that does not fit, threads where steps have none,
-    MissingTool without a C compiler, BuildError when it fails.
+    :param spec: a Spec, a Model, the path of a spec, or the name of one that comes with smidgen.
+    :param run: the name of a run, by default the first, from which method, solver, effects and parameters are taken if they are not given.
+    :param parameters: values by name, in the units of the spec: a number, or a sequence for an array.
+    :param real: "double" or "long double".
+    :param native: whether to compile for this processor; None chooses what is fastest without changing a bit of the result.
+    :param fast: like `native`, and with fused multiply-add instructions, which change the last bits.
+    :param threads: the number of OpenMP threads that share a step.
+    :param features: additions to the C code, such as "tangent" for the tangent map.
+    :raises UsageError: for an unknown name, a value that does not fit, or threads if steps of this model cannot be shared.
+    :raises MissingTool: if there is no C compiler.
+    :raises BuildError: if it fails.
     """
     one = asked(spec, run, method, solver, effects, parameters)
     return compiled(prepare(spec, one.method, one.effects, dict(one.parameters), one.solver), real, native, features, fast, threads)
@@ -64,16 +67,18 @@ def compiled(prepared: Prepared, real: str = "double", native: bool | None = Non
 
 
 class Integrator(ReadOnly):
-    """One model with its parameter values, compiled; at most one trajectory at a time.
+    """A compiled model with values of its parameters, and one trajectory. Made by `build`.
 
-    name, method, solver, threads: as asked for; `notes`: what the generator chose. `w` is the state,
-    shape (sites, 3); it is the same array after every step, and the caller's own if
-    `start` was given one of that shape and type. What is written into it (`top.w[:] = ..`) is the state from
-    the next call on, at the same time: the predictor and the compensation then begin anew, and UsageError
-    says what is wrong with a w that no start may be, such as one off its sphere. h: the step, nan before `start`; t0: the time
-    of the start; count: the steps taken since; times in the unit that the spec's energy implies.
-    parameters: their values; prepared: these and the rest of what steps are made of, evaluated; families: name -> (first site, number of sites); columns:
-    the names of what `values` gives. All of them are only read: ReadOnlyError says what to call.
+    :ivar w: the state, shape (sites, 3). Steps change this array in place; it is the array passed to `start` if that has the right shape
+        and type. You may write to it between steps: the next call continues from the new state, at the same time, without predictor and
+        compensation, or raises UsageError if it is not a valid state.
+    :ivar h: the step size (nan before `start`). `t0`: the time of the start. `count`: the number of steps since then.
+    :ivar name: of the model; `method`, `solver` and `threads` are the requested ones, and `notes` describes what was chosen.
+    :ivar parameters: the values of the parameters by name. `prepared`: these, with everything that was computed from them.
+    :ivar families: for each family, the number of its first site and the number of its sites.
+    :ivar columns: the names of the quantities that `values` returns.
+
+    All attributes are read-only.
     """
     prepared: Prepared
     spec: Spec
@@ -119,21 +124,24 @@ class Integrator(ReadOnly):
 
     @property
     def sites(self) -> int:
-        """Number of sites: the state has shape (sites, 3)."""
+        """The number of sites."""
         return sum(count for _, count in self.families.values())
 
     @public
     def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None, tolerance: float | None = None,
               member: int = 0) -> Integrator:
-        """Begin a trajectory at time t0 with step h (negative: backward).
+        """Start a trajectory.
 
-        w: an array of shape (sites, 3), which the steps change in place (of two integrators with one array each goes on
-        from what the other has made of it), the name of a start of the spec, or None for its only one; seed replaces the seed of random starts, and is that of
-        thermal noise (None: 0), of which each member has its own; tolerance: of a
-        step, as part of the largest component of w, where its iterations end or its step control
-        aims (None: to round-off, and what step control has by default). Raises
-        UsageError for a wrong shape, a start off its sphere or no h, RunError for what the C
-        refuses.
+        :param w: an array of shape (sites, 3), which steps change in place; or the name of a start of the spec, or None if there is only
+            one. Two integrators that share an array each continue from what the other has written.
+        :param h: the step size; negative to go backward in time.
+        :param t0: the time of the start.
+        :param seed: the seed of a random start and of thermal noise (None: 0).
+        :param member: selects one of the independent noises with this seed.
+        :param tolerance: the error allowed in a step, relative to the largest component of w; None for round-off (with step control, its
+            default).
+        :raises UsageError: for an array of another shape, a vector off its sphere, or an invalid h.
+        :raises RunError: if the model refuses the state or its parameters.
         """
         if h is None or not math.isfinite(h) or h == 0:
             raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")
@@ -147,11 +155,13 @@ class Integrator(ReadOnly):
 
     @public
     def set_parameters(self, values: Mapping[str, object]) -> Integrator:
-        """Other values of real parameters, by name, from the next step on: a torque, a field that is switched on. The other parameters stay, as
-        do w, time, count, h, tolerance and the seed of noise; the steps are those of a start here with the new values.
+        """Change real parameters from the next step on, by name. The others are unchanged, as are w, time, count, h, tolerance and the
+        seed of noise.
 
-        Raises UsageError for a name that is not known, an integer or a fixed parameter and a value that does not fit, RunError for what the C
-        refuses, such as another radius; all is then as it was.
+        Further steps are those of a trajectory that starts here with the new values.
+
+        :raises UsageError: for an unknown name, an integer or fixed parameter, or a value that does not fit.
+        :raises RunError: if the model refuses the values, for example another radius. In both cases nothing is changed.
         """
         for p in self.scene.parameters:
             if p.name in values and (p.kind == "int" or p.fixed):
@@ -169,21 +179,23 @@ class Integrator(ReadOnly):
 
     @property
     def halved(self) -> int:
-        """Steps since the start that were taken as two of h/2 with the same noise, since there was none of h."""
+        """The number of steps since the start that were taken as two steps of h/2 with the same noise, because the whole step had no
+        solution.
+        """
         return self._c.halved(self._state) if self._state and self.scene.heated else 0
 
     def step(self) -> Integrator:
-        """One step; w is changed in place. Raises RunError, then w is as before."""
+        """Take one step, changing w in place. If it fails, RunError is raised and w is unchanged."""
         return self.steps(1)
 
     def steps(self, count: int) -> Integrator:
-        """`count` steps. On failure w is the state before the step that failed."""
+        """Take `count` steps. If one fails, RunError is raised and w is the state before that step."""
         if self.advance(count) < count:
             self._fail(self._status)
         return self
 
     def advance(self, count: int) -> int:
-        """Up to `count` steps; returns how many succeeded."""
+        """Take up to `count` steps without raising an error; return the number of steps that succeeded."""
         self._started()
         if count < 0:
             raise UsageError("a number of steps from 0 up; a negative h runs backward")
@@ -197,9 +209,9 @@ class Integrator(ReadOnly):
         return done.value
 
     def outputs(self, first: int, every: int, block: Block, begin: int, count: int) -> int:
-        """Up to `count` outputs into `block` from its row `begin` on: one after `first` steps, then one every `every` steps.
+        """Write up to `count` outputs into `block`, from row `begin` on: the first after `first` steps, the others every `every` steps.
 
-        Returns how many there are; fewer than `count` where a step failed, which `failure` tells.
+        Returns the number of outputs written. It is less than `count` if a step failed; `failure` then returns the error.
         """
         self._taken()
         self._gather_threads()
@@ -215,7 +227,7 @@ class Integrator(ReadOnly):
             self._library.omp_set_num_threads(self.threads)
 
     def failure(self) -> RunError | None:
-        """The error of the last step, or None when it succeeded."""
+        """The RunError of the last step, or None if it succeeded."""
         try:
             self._fail(self._status)
         except RunError as error:
@@ -223,36 +235,37 @@ class Integrator(ReadOnly):
 
     @property
     def t(self) -> float:
-        """The time t0 + count*h."""
+        """The current time, t0 + count*h."""
         self._started()
         return self._c.time(self._state)
 
     def state(self, out=None) -> np.ndarray:
-        """A copy of the state, or the state written into `out` of shape (sites, 3)."""
+        """A copy of the state, or the state written into `out`, an array of shape (sites, 3)."""
         self._taken()
         out = np.empty((self.sites, 3), self.real) if out is None else out
         self._c.state(self._state, out.ctypes.data)
         return out
 
     def report(self) -> dict:
-        """Of the last step: iterations, residual (in units of w), site and partner (-1: none), and
-        reached, the part of h up to which its branch of solutions was followed (0: it was not)."""
+        """Details of the last step: iterations, residual (in units of w), site and partner (-1: none), and reached, the fraction of h up
+        to which the branch of solutions was followed (0: it was not).
+        """
         self._started()
         found = (ctypes.c_int(0), ctypes.c_double(0), ctypes.c_int64(-1), ctypes.c_int64(-1), ctypes.c_double(0))
         self._c.report(self._state, *map(ctypes.byref, found))
         return dict(zip(("iterations", "residual", "site", "partner", "reached"), (f.value for f in found)))
 
     def save(self) -> np.ndarray:
-        """All that decides later steps, to go on with the same bits: `saved.Saved` reads it."""
+        """Everything that determines later steps, as numbers to pass to `restore`; `saved.Saved` gives access to its parts."""
         self._taken()
         out = np.empty(self._c.savesize(self._state), self.real)
         self._c.save(self._state, out.ctypes.data)
         return out
 
     def restore(self, saved: np.ndarray) -> Integrator:
-        """Be where `save` was called, after a start with the same parameter values.
+        """Return to the point at which `save` was called; the trajectory must have been started with the same parameter values.
 
-        Raises RunError for what no `save` of this model wrote; the state is then as it was.
+        :raises RunError: if the numbers were not saved by this model; the state is then unchanged.
         """
         self._started()
         saved = np.ascontiguousarray(saved, self.real)
@@ -274,14 +287,14 @@ class Integrator(ReadOnly):
         return out
 
     def casimirs(self, out=None) -> np.ndarray:
-        """|w|^2, or C(w) of a Nambu factor, for each site: shape (sites,)."""
+        """|w|^2 of each site, or C(w) of a Nambu factor; shape (sites,)."""
         self._taken()
         out = np.empty(self.sites, self.real) if out is None else out
         self._c.casimirs(self._state, out.ctypes.data)
         return out
 
     def energy(self, w=None, t: float | None = None) -> float:
-        """H(t, w), by default of the present state and time; once there is a trajectory."""
+        """H(t, w), by default at the current time and state. Requires a trajectory."""
         self._started()
         w = self._present() if w is None else self._given(w)
         out = np.empty(1, self.real)
@@ -289,30 +302,31 @@ class Integrator(ReadOnly):
         return out[0]
 
     def field(self, w=None, t: float | None = None) -> np.ndarray:
-        """b = (1/kappa) dH/dw of shape (sites, 3), by default of the present state; once there is a trajectory."""
+        """The field b = (1/kappa) dH/dw, shape (sites, 3), by default at the current time and state. Requires a trajectory."""
         self._started()
         w, out = self._present() if w is None else self._given(w), np.empty((self.sites, 3), self.real)
         self._c.field(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out
 
     def tangent(self, v) -> np.ndarray:
-        """Carry tangent vectors through the step just taken: dw before it -> dW after it, in place.
+        """Apply the tangent map of the last step: tangent vectors dw before the step become dW after it.
 
-        v: (sites, 3) or (columns, sites, 3); an array that C can work on is changed in place, and it comes
-        back. The step is W = w + h X(m), so that on spheres (I - K) dW = (I + K) dw with K = (h/2) DX(m) P';
-        where the leaf moves with w, on R^3 and Nambu factors, its derivative is in it. Raises UsageError
-        before the first step, for a wrong shape and without the feature "tangent", RunError for what the C
-        refuses, before the first step after w was written too; v is then as it was.
+        The step is W = w + h X(m), so that on spheres (I - K) dW = (I + K) dw with K = (h/2) DX(m) P'; on R^3 and Nambu factors the
+        derivative with respect to the leaf is included.
+
+        :param v: one vector, shape (sites, 3), or several, shape (columns, sites, 3). A contiguous array of doubles is changed in place.
+        :returns: the vectors after the step.
+        :raises UsageError: for another shape, or if the model was built without the feature "tangent".
+        :raises RunError: before the first step, after w has been changed, or if the map has no value. v is then unchanged.
         """
         if self.count == 0 and self._state:
             raise UsageError("no step taken yet: the tangent map is that of the step just taken")
         return self._carry(v, 0)
 
     def push_forward(self, v, count: int) -> np.ndarray:
-        """`count` steps, tangent vectors carried through each: v of shape ([columns,] sites, 3), in place.
+        """Take `count` steps and apply the tangent map of each to v, as `tangent` does.
 
-        Where a step or its tangent map fails, RunError: w is the state before the step that failed, and v
-        is as it was before the call.
+        :raises RunError: if a step or its tangent map fails: w is then the state before that step, and v is unchanged.
         """
         if count < 0:
             raise UsageError("a number of steps from 0 up; a negative h runs backward")
@@ -345,7 +359,7 @@ class Integrator(ReadOnly):
         return array
 
     def close(self) -> None:
-        """Give the memory of the trajectory back."""
+        """Free the memory of the trajectory."""
         if self._state:
             self._c.free(self._state)
         self._state = None
