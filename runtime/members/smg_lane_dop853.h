@@ -198,7 +198,7 @@ static void smg_groups_try(smg_lane_group *f, int groups, smg_queue *q) {
   for (int k = 0; k < groups; ++k) {
     smg_lane_next_try(&f[k].pace);
     smg_lanes_first_stage(f + k);
-    smg_lane_later_stages(&f[k].trial, &f[k].pace);
+    smg_lane_later_stages(&f[k].trial, f[k].pace.done, f[k].pace.size, smg_lane_vector(&f[k].trial, SMG_Y));
   }
   for (int k = 0; k < groups; ++k) smg_lanes_estimate(f + k);
   for (int k = 0; k < groups; ++k) smg_lanes_end_try(f + k);

@@ -24,146 +24,6 @@
 /* Work space of smg_band_solve, in smg_real: Uhat and Ehat of each row. */
 static inline int64_t smg_band_worksize(int64_t n, int k) { return n * 2 * k * SMG_BB; }
 
-/* ---- k = 1: block tridiagonal ------------------------------------------------------- */
-
-typedef struct smg_tri {
-  smg_real U[SMG_BB], E[SMG_BB], r[SMG_BS]; /* Uhat, Ehat, rhat of the row just eliminated */
-  smg_real F[SMG_BB];                       /* the border's row in the next column */
-  smg_real S[SMG_BB], s[SMG_BS];            /* the border's own block and right-hand side */
-  smg_real before;                          /* scale of S before elimination */
-} smg_tri;
-
-/* Row with blocks a = (L, D, U): D -= L Uhat, E = -L Ehat, r -= L rhat, all scaled by D^-1. */
-SMG_INLINE int smg_tri_row(smg_tri *q, const smg_real *a, const smg_real *b, int border, int *ok) {
-  smg_real D[SMG_BB], inverse[SMG_BB], E[SMG_BB] = {0}, r[SMG_BS];
-  const smg_real before = smg_block_scale(a + SMG_BB);
-  smg_block_copy(D, a + SMG_BB);
-  smg_vector_copy(r, b);
-  smg_block_submul(D, a, q->U);
-  smg_block_subapply(r, a, q->r);
-  if (border) smg_block_submul(E, a, q->E);
-  if (smg_block_inverse(inverse, D, before)) return 1;
-  smg_block_pivot(ok, D);
-  smg_block_mul(q->U, inverse, a + 2 * SMG_BB);
-  smg_block_apply(q->r, inverse, r);
-  if (border) smg_block_mul(q->E, inverse, E);
-  return 0;
-}
-
-/* The border's row after one column: S -= F Ehat, s -= F rhat, F = -F Uhat. */
-SMG_INLINE void smg_tri_border(smg_tri *q) {
-  smg_real F[SMG_BB] = {0};
-  smg_block_submul(q->S, q->F, q->E);
-  smg_block_subapply(q->s, q->F, q->r);
-  smg_block_submul(F, q->F, q->U);
-  smg_block_copy(q->F, F);
-}
-
-/* Uhat and Ehat to the work space, rhat to the solution's place. */
-SMG_INLINE void smg_tri_store(const smg_tri *q, smg_real *work, smg_real *x, int border) {
-  smg_block_copy(work, q->U);
-  if (border) smg_block_copy(work + SMG_BB, q->E);
-  smg_vector_copy(x, q->r);
-}
-
-/* Rows [first, last); returns 0 or 1 + the row whose pivot is singular. */
-SMG_INLINE int64_t smg_tri_rows(smg_tri *q, int64_t first, int64_t last, int border, const smg_real *A, smg_real *x,
-                                smg_real *work, int *ok) {
-  for (int64_t i = first; i < last; i++) {
-    if (smg_tri_row(q, A + i * 3 * SMG_BB, x + i * SMG_BS, border, ok)) return 1 + i;
-    if (border) smg_tri_border(q);
-    smg_tri_store(q, work + i * 2 * SMG_BB, x + i * SMG_BS, border);
-  }
-  return 0;
-}
-
-SMG_INLINE void smg_tri_begin(smg_tri *q) {
-  smg_block_zero(q->U);
-  smg_block_zero(q->E);
-  smg_zero(q->r, SMG_BS);
-}
-
-/* Open chain downwards: row 0 has no L, row n-1 no U. */
-static inline int64_t smg_tri_open(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
-  smg_tri q;
-  smg_tri_begin(&q);
-  smg_real row[3 * SMG_BB] = {0};
-  for (int e = SMG_BB; e < 3 * SMG_BB; e++) row[e] = A[e];
-  if (smg_tri_row(&q, row, x, 0, pivots)) return 1;
-  smg_tri_store(&q, work, x, 0);
-  return smg_tri_rows(&q, 1, n, 0, A, x, work, pivots);
-}
-
-/* The ring before row 0: E = -I makes row 0's fill -L E its own wrapped block L. */
-SMG_INLINE void smg_tri_cut(smg_tri *q, const smg_real *border, const smg_real *b) {
-  for (int e = 0; e < SMG_BS; e++) q->E[e * (SMG_BS + 1)] = -1;
-  smg_block_copy(q->F, border + 2 * SMG_BB);
-  smg_block_copy(q->S, border + SMG_BB);
-  q->before = smg_block_scale(q->S);
-  smg_vector_copy(q->s, b);
-}
-
-/* The ring's last row before the border: its U meets the border's column, the border's own L
- * its column. */
-SMG_INLINE int smg_tri_join(smg_tri *q, const smg_real *a, const smg_real *border, const smg_real *b, int *ok) {
-  if (smg_tri_row(q, a, b, 1, ok)) return 1;
-  smg_block_add(q->E, q->U);
-  smg_block_zero(q->U);
-  smg_block_add(q->F, border);
-  smg_tri_border(q);
-  return 0;
-}
-
-/* z = S^-1 s. */
-SMG_INLINE int smg_tri_close(const smg_tri *q, smg_real *z, int *ok) {
-  smg_real inverse[SMG_BB];
-  if (smg_block_inverse(inverse, q->S, q->before)) return 1;
-  smg_block_pivot(ok, q->S);
-  smg_block_apply(z, inverse, q->s);
-  return 0;
-}
-
-/* Drops the fill once it can no longer be felt. */
-SMG_INLINE int smg_tri_decayed(smg_tri *q) {
-  if (!(smg_block_norm(q->E) <= SMG_NEGLIGIBLE)) return 0;
-  if (!(smg_block_norm(q->F) <= SMG_NEGLIGIBLE * smg_block_norm(q->S))) return 0;
-  smg_block_zero(q->E);
-  smg_block_zero(q->F);
-  return 1;
-}
-
-/* Ring: rows 0 .. n-2 with the border n-1; the fill is carried up to row `*filled`. */
-static inline int64_t smg_tri_ring_down(smg_tri *q, int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *ok,
-                                        int64_t *filled) {
-  const int64_t last = n - 2;
-  const smg_real *border = A + (n - 1) * 3 * SMG_BB;
-  smg_tri_cut(q, border, x + (n - 1) * SMG_BS);
-  int64_t i = 0, failed = 0;
-  while (i < last && !failed && !smg_tri_decayed(q)) {
-    const int64_t stop = last - i < 64 ? last : i + 64;
-    failed = smg_tri_rows(q, i, stop, 1, A, x, work, ok);
-    i = stop;
-  }
-  *filled = i;
-  if (!failed) failed = smg_tri_rows(q, i, last, 0, A, x, work, ok);
-  if (failed) return failed;
-  if (smg_tri_join(q, A + last * 3 * SMG_BB, border, x + last * SMG_BS, ok)) return n - 1;
-  smg_tri_store(q, work + last * 2 * SMG_BB, x + last * SMG_BS, 1);
-  return 0;
-}
-
-/* Ring downwards, with the border's own block. */
-static inline int64_t smg_tri_ring(int64_t n, const smg_real *A, smg_real *x, smg_real *work, int *pivots,
-                                   int64_t *filled) {
-  smg_tri q;
-  smg_tri_begin(&q);
-  const int64_t failed = smg_tri_ring_down(&q, n, A, x, work, pivots, filled);
-  if (failed) return failed;
-  return smg_tri_close(&q, x + (n - 1) * SMG_BS, pivots) ? n : 0;
-}
-
-/* ---- general bandwidth -------------------------------------------------------------- */
-
 /* One row under elimination: W[d+k] = block at column i+d, E[t] = block at border column t. */
 typedef struct smg_band_row {
   smg_real W[2 * SMG_BAND_MAX + 1][SMG_BB], E[SMG_BAND_MAX][SMG_BB], r[SMG_BS];
@@ -369,8 +229,7 @@ static inline int64_t smg_band_ring(int64_t n, int k, const smg_real *A, smg_rea
 SMG_INLINE int64_t smg_band_cyclic(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
   const int64_t m = n - k;
   int64_t filled = 0;
-  const int64_t failed =
-      k == 1 ? smg_tri_ring(n, A, x, work, pivots, &filled) : smg_band_ring(n, k, A, x, work, pivots, &filled);
+  const int64_t failed = smg_band_ring(n, k, A, x, work, pivots, &filled);
   if (failed) return failed;
   smg_band_back(k, m, m - k, m, x + m * SMG_BS, work, x);
   smg_band_back(k, m, filled, m - k, NULL, work, x);
@@ -379,8 +238,7 @@ SMG_INLINE int64_t smg_band_cyclic(int64_t n, int k, const smg_real *A, smg_real
 }
 
 SMG_INLINE int64_t smg_band_open(int64_t n, int k, const smg_real *A, smg_real *x, smg_real *work, int *pivots) {
-  const int64_t failed =
-      k == 1 ? smg_tri_open(n, A, x, work, pivots) : smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, pivots);
+  const int64_t failed = smg_band_rows(n, k, n, 0, n, 0, A, x, work, NULL, pivots);
   if (!failed) smg_band_back(k, n, 0, n, NULL, work, x);
   return failed;
 }

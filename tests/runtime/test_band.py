@@ -161,12 +161,6 @@ def test_singular_ring_is_refused(make):
 
 
 MUTANTS = {
-    "cut takes the wrong wrapped block": ("smg_block_copy(q->F, border + 2 * SMG_BB);",
-                                          "smg_block_copy(q->F, border);"),
-    "cut has the wrong sign": ("q->E[e * (SMG_BS + 1)] = -1", "q->E[e * (SMG_BS + 1)] = 1"),
-    "join forgets the border's L": ("smg_block_add(q->F, border);", "(void)border;"),
-    "join forgets its own U": ("smg_block_add(q->E, q->U);", ""),
-    "border row keeps its sign": ("smg_block_submul(F, q->F, q->U);", "smg_block_mul(F, q->F, q->U);"),
     "border column off by one": ("q->E[c < 0 ? c + k : c - m]",
                                  "q->E[c < 0 ? (c + k + 1) % k : c - m]"),
     "wrap to the wrong side": ("q->E[c < 0 ? c + k : c - m]", "q->E[c < 0 ? -1 - c : c - m]"),

@@ -24,7 +24,7 @@ from ...language.evaluate import evaluate
 from ...language.expr import Op
 from ...language.spec import Spec, Term
 from ...run.step.evaluated import Evaluated
-from . import collocation, compositions, extrapolation, lie, native, rattle, splittings, thermal
+from . import collocation, compositions, dormand_prince, extrapolation, lie, native, rattle, splittings, thermal
 from .program import compile_term, moved_sites
 
 
@@ -37,7 +37,7 @@ EQUATIONS = {"spherical-midpoint": 0, "classical-midpoint": 1, "moser-veselov": 
 # methods by numpy: name -> function(witness, w, t, h), None where it fails; WITHIN: with the noise of the step after h
 STEPPERS = {**{name: reference for name in ("dop853", "dop853-projected")},
             **{f"gauss-{2 * s}": functools.partial(collocation.step, s=s) for s in range(1, 9)},
-            "extrapolation-12": functools.partial(extrapolation.step, rows=6), "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
+            "extrapolation-12": functools.partial(extrapolation.step, rows=6), "dormand-prince-8": dormand_prince.step, "axis-splitting": splittings.axes, "sublattice-rotations": splittings.sublattices,
             "pair-rotations": splittings.pairs, "cf4": lie.cf4, **(WITHIN := {"heun": lie.heun, "depondt-mertens": lie.depondt_mertens}), "isospectral-midpoint": lie.isospectral, "geodesic-midpoint": lie.geodesic,
             "exponential-midpoint": lie.exponential, "rattle": rattle.step,
             **{f"{base}-{scheme}": functools.partial(compositions.step, base=base, scheme=scheme)

@@ -45,8 +45,7 @@
  * step began and its size (0: there is none to interpolate); are k_13 .. k_16 there? Sizes are parts of h. */
 enum { SMG_NATURAL, SMG_LAST_FROM, SMG_LAST_SIZE, SMG_EXTRA_READY, SMG_KEPT };
 
-static inline smg_real *smg_vector(const smg_state *s, int i) { return s->stages + i * (3 * smg_sites(&s->c)); }
-static inline smg_real *smg_kept(const smg_state *s) { return smg_vector(s, SMG_STAGE_VECTORS); }
+static inline smg_real *smg_kept(const smg_state *s) { return s->stages + SMG_STAGE_VECTORS * (3 * smg_sites(&s->c)); }
 
 /* ---- the history: one number, the natural size
  * --------------------------------------------------------------------------- */
@@ -65,19 +64,10 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
 #define SMG_HISTORY_ARRAYS 1
 static inline void smg_forget_arrays(smg_state *s) { smg_kept(s)[SMG_NATURAL] = smg_kept(s)[SMG_LAST_SIZE] = 0; }
 
-#include "smg_right_side.h"
+#include "smg_dop853_trial.h"
 
 /* ---- one internal step
  * --------------------------------------------------------------------------------------------------- */
-typedef smg_state smg_trial;
-
-SMG_INLINE int64_t smg_width(const smg_state *s) { return 3 * smg_sites(&s->c); }
-
-SMG_INLINE void smg_trial_slope(smg_state *s, smg_real part, smg_real size, const smg_real *w, smg_real *k) {
-  smg_set_time_at(&s->c, s, part);
-  smg_right_side(&s->c, size, w, k);
-}
-
 #include "smg_dop853_template.h"
 
 /* k_1 of the internal step that is tried; where it is no number, the report has the site. */
@@ -166,7 +156,7 @@ static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
     smg_kept(s)[SMG_LAST_FROM] = pace->done;
     smg_next_try(pace);
     if (!smg_first_stage(s, pace)) return SMG_NOT_FINITE;
-    smg_later_stages(s, pace);
+    smg_later_stages(s, pace->done, pace->size, smg_vector(s, SMG_Y));
     smg_estimate(s, pace);
     if (smg_judge(pace)) smg_take_step(s);
     if (!smg_gives_up(pace) || pace->done >= 1) continue;

@@ -1,35 +1,11 @@
 /* smidgen method: an internal step of smg_dop853.h, where its equations are, and the control of its size; a template
  * (smg_template.h), of which smg_lane_dop853.h makes several states in lanes.
  *
- * Who includes it gives, before: smg_trial, a state or several, with the member u; smg_vector(f, i), the i-th vector of
- * its numbers, of smg_width(f) each; smg_trial_slope(f, part, size, z, k), k = p f(t, z), p the part `size` of h and t
- * at the part `part` of it. */
+ * Who includes it gives, before, what smg_dop853_stages_template.h asks for. */
 #include "smg_dop853_control.h"
-#include "smg_dop853_table.h"
+#include "smg_dop853_stages_template.h"
 #include "smg_model.h"
 #include "smg_vec.h"
-
-/* ---- the stages ---- */
-/* sum_j a_j k_j at one component, j < count, n components to a stage. The compiler knows `a` and `count`: weights that
- * are 0 are not there. */
-SMG_INLINE smg_number smg_weighted(const smg_real *a, int count, const smg_number *k, int64_t n) {
-  smg_number sum = smg_of(-(smg_real)0);
-  SMG_UNROLL
-  for (int j = 0; j < count; ++j)
-    if (a[j] != 0) sum += a[j] * k[j * n];
-  return sum;
-}
-
-/* z = y + sum_j a_ij k_j, j < i: only the last term waits for the stage before. What y has lost to rounding is less
- * than what z loses. */
-SMG_INLINE void smg_dop853_point(int i, const smg_number *y, const smg_number *k, int64_t n,
-                                 smg_number *SMG_RESTRICT z) {
-  for (int64_t q = 0; q < n; ++q) {
-    smg_number older = y[q];
-    if (i > 1) older += smg_weighted(smg_dop853_a[i], i - 1, k + q, n);
-    z[q] = older + smg_dop853_a[i][i - 1] * k[(i - 1) * n + q];
-  }
-}
 
 /* An output step under way. Sizes are parts of h. */
 typedef struct smg_pace {
@@ -41,27 +17,6 @@ typedef struct smg_pace {
   smg_count tries, accepted;  /* of the output step */
   smg_test refused, hopeless; /* was the last try refused, and is no smaller one left? */
 } smg_pace;
-
-/* k_(i+1), i = 1 .. 11, of the internal step that is tried. */
-SMG_INLINE void smg_dop853_stage(smg_trial *f, const smg_pace *pace, int i) {
-  smg_dop853_point(i, smg_vector(f, SMG_Y), smg_vector(f, 0), smg_width(f), f->u);
-  smg_trial_slope(f, pace->done + smg_dop853_c[i] * pace->size, pace->size, f->u, smg_vector(f, i));
-}
-
-/* k_2 .. k_12 */
-SMG_INLINE void smg_later_stages(smg_trial *f, const smg_pace *pace) {
-  smg_dop853_stage(f, pace, 1);
-  smg_dop853_stage(f, pace, 2);
-  smg_dop853_stage(f, pace, 3);
-  smg_dop853_stage(f, pace, 4);
-  smg_dop853_stage(f, pace, 5);
-  smg_dop853_stage(f, pace, 6);
-  smg_dop853_stage(f, pace, 7);
-  smg_dop853_stage(f, pace, 8);
-  smg_dop853_stage(f, pace, 9);
-  smg_dop853_stage(f, pace, 10);
-  smg_dop853_stage(f, pace, 11);
-}
 
 /* u = sum_i b_i k_i, e5 = r sum_i (b_i - b5_i) k_i, and e3 alike. */
 SMG_INLINE void smg_combine_slopes(const smg_number *k, int64_t n, smg_number r, smg_number *SMG_RESTRICT u,

@@ -23,23 +23,12 @@
 
 #define SMG_ONTO_LEAF 0
 #define SMG_LEAVES_DRIFT 1
-#define SMG_NO_DEGREE -1 /* there is no predictor */
-
-#ifndef SMG_HISTORY
-#define SMG_HISTORY 0
-#endif
 
 #if SMG_COMPOSED || SMG_EXTENDED || SMG_PLAIN_SUMS
 #error "smg_extrapolation.h: no composition, for it is not symmetric; and neither SMG_EXTENDED nor SMG_PLAIN_SUMS"
 #endif
 
-/* ---- the history: none
- * ----------------------------------------------------------------------------------------------------- */
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
-static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 0; }
-static inline void smg_save_history(const smg_state *s, smg_real *out) { (void)s, (void)out; }
-static inline void smg_restore_history(smg_state *s, const smg_real *in) { (void)s, (void)in; }
-
+#include "smg_no_history.h"
 #include "smg_right_side.h"
 #include "smg_tableau.h"
 
@@ -100,30 +89,6 @@ static inline void smg_solve_increment(smg_state *s) {
 }
 #endif
 
-/* ---- the step
- * -------------------------------------------------------------------------------------------------------------- */
-/* The first site whose new state is no number, or -1. */
-static inline int64_t smg_lost_site(const smg_state *s) {
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    const smg_real *w = s->w + 3 * k, *u = s->u + 3 * k, end[3] = {w[0] + u[0], w[1] + u[1], w[2] + u[2]};
-    if (!(smg_largest(end) <= SMG_MAX)) return k;
-  }
-  return -1;
-}
-
-/* Apart: in the loop over steps gcc keeps what is the same in all of them in registers that a step needs, of the
- * irreversible body 8 % more instructions. */
-SMG_APART static smg_status smg_step(smg_state *s) {
-  smg_solve_increment(s);
-  s->report.partner = -1;
-  s->report.site = smg_lost_site(s);
-  s->report.status = s->report.site < 0 ? SMG_OK : SMG_NOT_FINITE;
-  if (s->report.status != SMG_OK) return s->report.status;
-  for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) smg_add_compensated(s->w + q, s->compensation + q, s->u[q]);
-  ++s->count;
-  return SMG_OK;
-}
-
-#include "smg_steps.h"
+#include "smg_increment_step.h"
 
 #endif

@@ -11,6 +11,8 @@
 
 #include "smidgen.h"
 
+enum { SMG_STAGES_USED = 12 };
+
 /* A number of 30 digits as the double next to it and the rest; double itself has no use for the rest. */
 #if defined(SMG_LONG_DOUBLE) || defined(SMG_QUAD)
 #define SMG_PAIR(high, low) ((smg_real)(high) + (smg_real)(low))
