@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from .analyse.spectrum import Spectrum, spectrum
 from .analyse.spectrum_file import load_spectrum
+from .analyse.spin_waves import SpinWaves, spin_waves
 from .errors import (BuildError, KeywordError, MissingTool, OutputError, ReadOnlyError,
                      RunError, SmidgenError, SpecError, UsageError, ValidationError)
 from .run.step.integrator import Integrator, build
@@ -43,9 +44,9 @@ if TYPE_CHECKING:
     from .model import Model
 
 __all__ = ["Average", "Averages", "BuildError", "CheckpointError", "Choice", "Cost", "Ensemble", "Integrator", "Interrupted", "KeywordError", "MissingTool", "Model", "OutputError",
-           "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "UsageError", "ValidationError",
+           "ReadOnlyError", "Result", "RunError", "SmidgenError", "Spec", "SpecError", "Spectrum", "SpinWaves", "UsageError", "ValidationError",
            "advise", "average", "build", "choose", "cost", "ensemble", "explain", "flat", "lattice", "load", "load_averages", "load_cost", "load_field", "load_result", "load_spectrum", "load_text",
-           "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "sweep", "validate", "verify"]
+           "lyapunov", "plot", "repeat", "resume", "run", "snapshot", "spectrum", "spin_waves", "sweep", "validate", "verify"]
 
 
 def __getattr__(name):

@@ -34,10 +34,12 @@ from ..run.step.prepared import choose
 from ..run.record.record import Recorder
 from ..run.run import MEMORY, advance, describe
 from ..run.settings import model_of, settle, whole
+from .spin_waves import SpinWaves, packed, refined, state_of, theory as theory_of
 from .waves import Components, waves, zone
 
 WINDOWS = ("none", "hann")
 COMPONENTS = ("xx", "yy", "zz")
+BETWEEN = 8             # steps of the theory's q between two waves of the lattice
 BLOCK = 2 ** 18         # complex numbers that are transformed at a time: 4 MiB
 
 
@@ -51,6 +53,8 @@ class Spectrum(ReadOnly):
     :ivar equal_time: the mean of |S_q|^2 over time, shape (waves, 3); None if the spectrum was read from a .csv.
     :ivar autocorrelation: the mean of conj(S_q(t)) S_q(t + tau) over t, shape (waves, frequencies, 3), for the times `tau`, shape
         (frequencies,); both are None if not requested.
+    :ivar neutron: what neutrons see, the sum over a, b of S_ab (delta_ab - q_a q_b/|q|^2), shape (waves, frequencies); None if not requested.
+    :ivar theory: the lines of linear spin waves, a `SpinWaves`; None if not requested, and if the spectrum was read from a .csv.
     :ivar meta: everything else about the run.
     """
     INSTEAD = {"": "smidgen.spectrum(spec, ...) makes another spectrum"}
@@ -61,6 +65,8 @@ class Spectrum(ReadOnly):
     equal_time: np.ndarray | None
     tau: np.ndarray
     autocorrelation: np.ndarray | None = None
+    neutron: np.ndarray | None = None
+    theory: SpinWaves | None = None
 
     def __repr__(self) -> str:
         return (f"<Spectrum {self.meta['spec']} {self.meta['run']}: {self.meta['family']}, {len(self.q)} waves, "
@@ -82,6 +88,11 @@ class Spectrum(ReadOnly):
         """The mean of s over the three components, shape (waves, frequencies)."""
         return self.s.mean(axis=-1)
 
+    @property
+    def resolution(self) -> float:
+        """The distance between two frequencies, 2 pi over the duration of a part."""
+        return float(self.omega[1] - self.omega[0])
+
     def save(self, path: str | os.PathLike) -> Path:
         """Write a .npz with all arrays and `meta` as JSON, or a .csv with a row for each q and omega. `smidgen.load_spectrum` reads both.
 
@@ -99,9 +110,9 @@ class Spectrum(ReadOnly):
         arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         out = io.BytesIO()
         with zipfile.ZipFile(out, "w") as archive:
-            for name, value in {**arrays, "meta": np.array(json.dumps(self.meta))}.items():
+            for name, value in {**arrays, **packed(self.theory), "meta": np.array(json.dumps(self.meta))}.items():
                 with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:     # without a date: the same run gives the same bytes
-                    np.lib.format.write_array(member, value, allow_pickle=False)
+                    np.lib.format.write_array(member, np.ascontiguousarray(value) if value.ndim else value, allow_pickle=False)
         return out.getvalue()
 
     def _csv(self) -> bytes:
@@ -127,7 +138,8 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
              solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
              every: int | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
              seed: int | None = None, native: bool | None = None, threads: int | None = None, family: str | None = None, q="all",
-             window: str = "none", parts: int = 1, autocorrelation: bool = False, basis=None, progress: Callable[[int], object] = lambda done: None) -> Spectrum:
+             window: str = "none", parts: int = 1, autocorrelation: bool = False, neutron: bool = False, theory: bool | str | np.ndarray = False, basis=None,
+             progress: Callable[[int], object] = lambda done: None) -> Spectrum:
     """Run a spec and compute the spectrum S(q, omega) of the spins of a family on its lattice. Arguments not listed here are as for `run`.
 
     :param family: the family; needed if there are several.
@@ -137,6 +149,9 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     :param parts: the number of equal parts into which the run is divided and whose spectra are averaged (M. S. Bartlett, Biometrika 37
         (1950) 1), for less noise and memory but wider lines.
     :param autocorrelation: whether to compute autocorrelations in time too.
+    :param neutron: whether to compute what neutrons see too; at q = 0 that is the mean over directions of q.
+    :param theory: True for the lines of linear spin waves near the equilibrium that relaxation reaches from the start; or an equilibrium, as
+        the name of a start or as a state of shape (sites, 3). See `spin_waves`.
     :param basis: the positions of the sites of a cell, shape (sites, directions); by default those of the spec, otherwise fractions of the
         diagonal of the cell.
     :raises UsageError: for an argument that does not fit.
@@ -153,12 +168,33 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     grid = of(spec, family, settings.parameters)
     m, length = waves(grid, q), part_length(settings, parts)
     affordable(len(m) * length, autocorrelation)
+    lines = found_lines(settings, settings.prepared(spec).numbers, family, grid, m, q, theory, basis)
+    across = directions(grid, m) if neutron else None
     model = model_of(spec, settings)
     model.start(settings.own_start, h=settings.h, seed=settings.seed, tolerance=settings.tolerance)
-    keeper = Keeper(family, Components(grid, m, basis), len(m), length, window, parts, autocorrelation)
+    keeper = Keeper(family, Components(grid, m, basis), len(m), length, window, parts, autocorrelation, across)
     recorder = stepped(model, settings, family, grid, keeper, progress)
     chosen = {"family": family, "waves": q.strip() if isinstance(q, str) else "given", "window": window, "parts": parts, "in_parts": len(recorder.substeps), **told_of(grid)}
-    return keeper.result({**describe(model, settings, "complete"), **chosen}, m / np.array(grid.size), settings.h * settings.every)
+    return keeper.result({**describe(model, settings, "complete"), **chosen}, m / np.array(grid.size), settings.h * settings.every, lines)
+
+
+def found_lines(settings, numbers, family: str, grid: Grid, m, q, theory, basis) -> SpinWaves | None:
+    """The lines that are asked for, smooth along a path. Raises UsageError before the run."""
+    if theory is False:
+        return None
+    w = state_of(numbers, settings.start, settings.seed) if theory is True else state_of(numbers, theory, None)
+    between = BETWEEN if isinstance(q, str) and q.strip() != "all" else 1
+    return theory_of(numbers, family, grid, refined(m / np.array(grid.size), between), w, relax=theory is True, basis=basis, between=between)
+
+
+def directions(grid: Grid, m) -> np.ndarray:
+    """q/|q| of each wave, (waves, 3); 0 at q = 0. Raises UsageError without places."""
+    reciprocal = grid.reciprocal()
+    if reciprocal is None:
+        raise UsageError("the factor of neutrons needs the direction of q in space: take a lattice by name, or one with vectors and positions")
+    q = m / np.array(grid.size) @ reciprocal
+    length = np.linalg.norm(q, axis=1, keepdims=True)
+    return q / np.where(length > 0, length, 1)
 
 
 def told_of(grid: Grid) -> dict:
@@ -198,12 +234,13 @@ def stepped(model, settings, family: str, grid: Grid, keeper: Keeper, progress) 
 class Keeper:
     """A sink that keeps the components of the states of one part, and the sums of their spectra over the parts."""
 
-    def __init__(self, family: str, components: Components, count: int, length: int, window: str, parts: int, lagged: bool):
+    def __init__(self, family: str, components: Components, count: int, length: int, window: str, parts: int, lagged: bool, across=None):
         self.family, self.components, self.parts, self.seen = family, components, parts, 0
         self.rows = np.empty((length, count, 3), complex)
         self.window = np.sin(np.pi * np.arange(length) / length) ** 2 if window == "hann" else np.ones(length)
         self.s, self.equal_time = np.zeros((count, length, 3)), np.zeros((count, 3))
         self.lagged = np.zeros((count, length, 3), complex) if lagged else None
+        self.across, self.neutron = across, None if across is None else np.zeros((count, length))
 
     def write(self, chunk: dict) -> None:
         """More outputs; those behind the last part are left out."""
@@ -222,25 +259,35 @@ class Keeper:
         for begin in range(0, self.rows.shape[1], size):
             now = slice(begin, begin + size)
             rows = self.rows[:, now]
-            self.s[now] += power(rows, self.window).swapaxes(0, 1)
+            s = power(rows, self.window).swapaxes(0, 1)
+            self.s[now] += s
+            if self.across is not None:
+                self.neutron[now] += seen_by_neutrons(s, rows, self.across[now], self.window)
             self.equal_time[now] += np.mean(np.abs(rows) ** 2, axis=0)
             if self.lagged is not None:
                 self.lagged[now] += lagged(rows).swapaxes(0, 1)
 
-    def result(self, meta: dict, q, dt: float) -> Spectrum:
+    def result(self, meta: dict, q, dt: float, theory: SpinWaves | None) -> Spectrum:
         """Means over the parts, frequencies in rising order."""
         length, self.rows = len(self.rows), None        # their memory is that of the copies below
         omega = 2 * np.pi * np.fft.fftfreq(length, dt)
         order = np.argsort(omega)
-        for sums in (self.s, self.equal_time, *([] if self.lagged is None else [self.lagged])):
+        for sums in (self.s, self.equal_time, *(one for one in (self.lagged, self.neutron) if one is not None)):
             sums /= self.parts
-        return Spectrum(meta, q, omega[order], self.s[:, order], self.equal_time, dt * np.arange(length), self.lagged)
+        return Spectrum(meta, q, omega[order], self.s[:, order], self.equal_time, dt * np.arange(length), self.lagged,
+                        None if self.neutron is None else self.neutron[:, order], theory)
 
 
 def power(rows, window) -> np.ndarray:
     """|sum_n g_n x_n exp(2 pi i m n/M)|^2/(M sum g_n^2) of rows (M, ..): numpy's inverse transform has this sign, and 1/M before the sum."""
     found = np.fft.ifft(rows * window[:, None, None], axis=0)
     return np.abs(found) ** 2 * (len(rows) / math.fsum(window ** 2))
+
+
+def seen_by_neutrons(s, rows, across, window) -> np.ndarray:
+    """(waves, M): sum S_ab (1 - q^q^)_ab = sum_a S_aa - |q^.S|^2 of rows (M, waves, 3) with the power s; where q = 0 the mean over directions."""
+    along = power(np.einsum("tqa,qa->tq", rows, across)[..., None], window)[..., 0].T
+    return s.sum(axis=2) * np.where(across.any(axis=1), 1, 2 / 3)[:, None] - along
 
 
 def lagged(rows) -> np.ndarray:

@@ -6,13 +6,18 @@ import os
 import numpy as np
 
 from ..public import public
-from ..run.files.kinds import count, text
+from ..run.files.kinds import count, either, flag, listed, none, number, table, text
 from ..run.files.received import Wrong, checked, from_npz, head_of, opened, parsed, refusing, rows_of
 from .spectrum import COMPONENTS, Spectrum, saved_as
+from .spin_waves import ARRAYS, SpinWaves
 
 ASKED = {"family": text, "waves": text, "window": text, "parts": count, "in_parts": count}     # beside what a run says of itself
 
 PLACED = {"zone": lambda value: isinstance(value, dict) and all(rows_of_numbers([q]) for q in value.values()), "reciprocal": lambda value: rows_of_numbers(value)}    # of lattices with places
+
+
+THEORY = {"spec": text, "family": text, "cell": listed(count), "turns": listed(number), "torque": number, "moved": number, "energy": number, "stable": flag,
+          "between": count, "units": either(none, table(text)), "notes": listed(text)}
 
 
 def rows_of_numbers(value) -> bool:
@@ -33,7 +38,8 @@ def load_spectrum(path: str | os.PathLike) -> Spectrum:
         meta = known(given)
         arrays.setdefault("tau", abs(meta["h"]) * meta["every"] * np.arange(arrays["omega"].size))
         fit(arrays)
-        return Spectrum(meta, *(arrays.get(name) for name in ("q", "omega", "s", "equal_time", "tau", "autocorrelation")))
+        theory = unpacked(arrays, meta)
+        return Spectrum(meta, *(arrays.get(name) for name in ("q", "omega", "s", "equal_time", "tau", "autocorrelation", "neutron")), theory)
 
 
 def from_csv(file, size) -> tuple:
@@ -65,11 +71,29 @@ def known(given: str) -> dict:
     return {**{key: meta[key] for key in meta if key in of_run or key in ASKED or key in PLACED}, **{key: of_run[key] for key in of_run if key not in meta}}
 
 
+def unpacked(arrays: dict, meta: dict) -> SpinWaves | None:
+    """The lines of linear spin waves, where the file has them. Raises Wrong."""
+    found = [arrays.get(f"theory_{name}") for name in ARRAYS]
+    text_ = arrays.get("theory_meta")
+    if text_ is None and all(array is None for array in found):
+        return None
+    if text_ is None or text_.dtype.kind != "U" or text_.shape != () or any(array is None or array.dtype.kind != "f" for array in found):
+        raise Wrong("it lacks arrays of its theory")
+    q, omega, weights, growth, w = found
+    if q.ndim != 2 or q.shape[1] != arrays["q"].shape[1] or omega.ndim != 2 or len(omega) != len(q) or growth.shape != omega.shape \
+            or weights.shape != (*omega.shape, 3) or w.ndim != 2 or w.shape[1] != 3:
+        raise Wrong("the arrays of its theory do not fit each other")
+    given = parsed(str(text_), lambda value: isinstance(value, dict))
+    if set(given) != set(THEORY) or not all(kind(given[name]) for name, kind in THEORY.items()) or (len(q) - 1) != given["between"] * (len(arrays["q"]) - 1):
+        raise Wrong("the metadata of its theory are not what they should be")
+    return SpinWaves(given, *found)
+
+
 def fit(arrays: dict) -> None:
     """Do all shapes fit? Raises Wrong."""
     if any(name not in arrays or arrays[name].dtype.kind != "f" for name in ("q", "omega", "s", "tau")):
         raise Wrong("it lacks the arrays of a spectrum")
     waves, m = len(arrays["q"]), arrays["omega"].shape
-    wanted = {"s": (waves, *m, 3), "tau": m, "equal_time": (waves, 3), "autocorrelation": (waves, *m, 3)}
+    wanted = {"s": (waves, *m, 3), "tau": m, "equal_time": (waves, 3), "autocorrelation": (waves, *m, 3), "neutron": (waves, *m)}
     if arrays["q"].ndim != 2 or len(m) != 1 or any(name in arrays and arrays[name].shape != shape for name, shape in wanted.items()):
         raise Wrong("its arrays do not fit each other")

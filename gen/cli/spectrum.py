@@ -5,11 +5,15 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
+from ..public import few
 from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen spectrum heisenberg_chain random --q "0 1/2" --time 200 --every 5 --plot chain.png
   smidgen spectrum film.toml --q "0,0 1/2,0 1/2,1/2 0,0" --window hann --out film.npz
+  smidgen spectrum film.toml --q "0,0 1/2,0" --plot film.png --theory   with the lines of linear spin waves
   smidgen spectrum film.toml --parts 10 --out -          a table on stdout"""
 TOLD = 20       # waves whose peaks are said
 
@@ -30,6 +34,9 @@ def add(commands):
     parser.add_argument("--window", choices=("none", "hann"), default="none", help="in time; default: none")
     parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average the spectra of P equal parts of the run")
     parser.add_argument("--autocorrelation", action="store_true", help="also in time, in a .npz")
+    parser.add_argument("--neutron", action="store_true", help="also what neutrons see, with the factor 1 - q^q^")
+    parser.add_argument("--theory", metavar="START", nargs="?", const=True, default=False, help="beside it the lines of linear spin waves near an equilibrium: a start that is one, "
+                        "or without START the one to which relaxation leads from the start of the run")
     for name in ("start", "seed"):
         run_option(parser, name)
     processor_options(parser)
@@ -39,7 +46,7 @@ def add(commands):
     json_option(parser)
 
 
-CHOICES = ("family", "q", "window", "parts", "autocorrelation", "method", "solver", "h", "steps", "time", "every", "effects", "seed",
+CHOICES = ("family", "q", "window", "parts", "autocorrelation", "neutron", "method", "solver", "h", "steps", "time", "every", "effects", "seed",
            "native", "threads")
 
 
@@ -75,6 +82,7 @@ def measured(args):
     given["parameters"] = dict(args.parameters)
     if args.start is not None:
         given["start"] = start_of(args.start)
+    given["theory"] = start_of(args.theory) if isinstance(args.theory, str) else args.theory
     spec = load_spec(args.spec, args.library)
     total = settle(spec, args.run, **{k: given[k] for k in ("h", "steps", "time", "every", "parameters") if k in given}).steps
     with progress(total, spec.name) as tick:
@@ -90,20 +98,46 @@ def peaks(found) -> list:
 def facts(found) -> dict:
     """For programs."""
     meta = {k: v for k, v in found.meta.items() if k not in ("sources", "start")}
+    theory = {} if found.theory is None else {"theory": {**found.theory.meta, "lines": [line.tolist() for line in lines_of(found)]}}
     return {**meta, "q": found.q.tolist(), "omega": [float(found.omega[0]), float(found.omega[-1]), len(found.omega)],
-            "peak": peaks(found), "equal_time": found.equal_time.tolist()}
+            "peak": peaks(found), "equal_time": found.equal_time.tolist(), **theory}
+
+
+def lines_of(found) -> list:
+    """Of linear spin waves, the frequencies that are seen at each wave vector."""
+    theory = found.theory
+    return [omega[seen] for omega, seen in zip(theory.omega[::theory.meta["between"]], theory.seen[::theory.meta["between"]])]
 
 
 def lines(found):
     """For people."""
     yield (f"{found.meta['spec']} {found.meta['run']}: {len(found.q)} waves of {found.meta['family']}, {len(found.omega)} frequencies "
            f"{found.omega[1] - found.omega[0]:.6g} apart up to {found.omega[-1]:.6g}")
-    yield f"{'q':>20} {'strongest at':>14} {'mean |S_q|^2':>14}"
-    for q, omega, power in list(zip(found.q, peaks(found), found.equal_time.sum(axis=1)))[:TOLD]:
-        yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {power:14.6g}"
+    lines = [[]] * len(found.q) if found.theory is None else lines_of(found)
+    yield f"{'q':>20} {'strongest at':>14} {'mean |S_q|^2':>14}" + "  linear spin waves" * (found.theory is not None)
+    for q, omega, power, line in list(zip(found.q, peaks(found), found.equal_time.sum(axis=1), lines))[:TOLD]:
+        yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {power:14.6g}" + "  " * bool(len(line)) + few(f"{x:.6g}" for x in distinct(line))
+    if found.theory is not None:
+        yield from theory_lines(found)
     if len(found.q) > TOLD:
         left = len(found.q) - TOLD
         yield f".. and {left} more wave{'s' * (left > 1)}, which --out FILE, --out - or --json tells"
+
+
+def distinct(line) -> list:
+    """Frequencies in rising order, each once."""
+    return [x for k, x in enumerate(line) if k == 0 or x - line[k - 1] > 1e-6 * line[-1]]
+
+
+def theory_lines(found):
+    """What is known of the equilibrium, and what the lines do not tell."""
+    meta = found.theory.meta
+    repeats = (f"each cell is the one before, turned by {', '.join(f'{x:.6g}' for x in meta['turns'])} degrees" if meta["turns"] else
+               f"magnetic cell {' x '.join(map(str, meta['cell']))}")
+    moved = f", {meta['moved']:.3g} degrees from the start" * (meta["moved"] > 0)
+    yield f"linear spin waves: {repeats}; |n x g| is {meta['torque']:.2g} of the field{moved}"
+    aliased = np.nanmax(found.theory.omega) > found.omega[-1] + found.resolution / 2
+    yield from meta["notes"] + [f"lines go up to {np.nanmax(found.theory.omega):.6g}, beyond pi/dt: take a smaller --every"] * bool(aliased)
 
 
 def table(found) -> None:

@@ -1,4 +1,4 @@
-"""S(q, omega) as a heat map, along a path of wave vectors."""
+"""S(q, omega) as a heat map, along a path of wave vectors; over it the lines of linear spin waves, and the resolution."""
 from __future__ import annotations
 
 from fractions import Fraction
@@ -12,6 +12,8 @@ from .style import footnote, new_figure, save, styled
 from .text import shown
 
 DEPTH = 1e-6        # of the brightest wave: what is below has the darkest colour
+SHOWN = 1e-4        # of the brightest: up to the highest frequency with so much the picture reaches
+LINE = "#ff3b30"    # of linear spin waves: a red that no colour of the map is near
 STATIC = 2          # frequencies on either side of 0 that the line of what does not move takes, with the window hann
 NO_PATH = "a picture needs a path of wave vectors, such as --q \"0,0 1/2,0 1/2,1/2\""
 
@@ -31,23 +33,67 @@ def spectrum_figure(spectrum):
     x = positions(spectrum.q if spectrum.wave_vectors is None else spectrum.wave_vectors)
     figure = new_figure(8, 5)
     ax = figure.subplots()
-    top = brightest(spectrum)
-    image = ax.pcolormesh(edges(x), edges(spectrum.omega), np.maximum(spectrum.mean, DEPTH * top).T, norm=LogNorm(DEPTH * top, top), rasterized=True)
-    figure.colorbar(image, ax=ax, label="S(q, omega), mean of the components", extend="both")
+    omega, values = upper(spectrum)
+    top = brightest(omega, values)
+    image = ax.pcolormesh(edges(x), edges(omega), np.maximum(values, DEPTH * top).T, norm=LogNorm(DEPTH * top, top), rasterized=True)
+    figure.colorbar(image, ax=ax, label="S(q, omega), mean of the components" if spectrum.neutron is None else "S(q, omega), as neutrons see it", extend="both")
     at = turns(spectrum.q)
     ax.set_xticks(x[at], [spectrum.names[k] or label(spectrum.q[k]) for k in at])
-    ax.set(xlabel="q, in units of the reciprocal lattice", ylabel=f"omega (rad/{unit})" if unit else "omega")
+    ax.set(xlabel="q, in units of the reciprocal lattice", ylabel=f"omega (rad/{unit})" if unit else "omega", xlim=edges(x)[[0, -1]], ylim=(0, height(spectrum, omega, values, top)))
     ax.grid(False)
     ax.set_title(shown(f"{meta['spec']} {meta['run']}: waves of {meta['family']}"))
-    footnote(figure, f"window: {meta['window']}", f"{meta['parts']} parts" * (meta["parts"] > 1), f"h = {meta['h']:.6g}, output every {meta['every']}")
+    draw_resolution(ax, spectrum, x)
+    if spectrum.theory is not None:
+        draw_lines(ax, spectrum.theory, x)
+    footnote(figure, *notes(spectrum))
     return figure
 
 
-def brightest(spectrum) -> float:
+def notes(spectrum):
+    """What stands below the picture."""
+    meta = spectrum.meta
+    yield f"window: {meta['window']}"
+    if meta["parts"] > 1:
+        yield f"{meta['parts']} parts"
+    yield f"h = {meta['h']:.6g}, output every {meta['every']}"
+    yield "cross: resolution"
+    if spectrum.theory is not None:
+        yield "lines: linear spin waves" + ", dotted where S has no weight" * bool(np.any(~spectrum.theory.seen & ~np.isnan(spectrum.theory.omega)))
+        yield from spectrum.theory.meta["notes"]
+
+
+def upper(spectrum) -> tuple:
+    """(omega, values) from omega = 0 up: what is below is that of -q."""
+    up = spectrum.omega > -spectrum.resolution / 2
+    return spectrum.omega[up], (spectrum.mean if spectrum.neutron is None else spectrum.neutron)[:, up]
+
+
+def height(spectrum, omega, values, top) -> float:
+    """Where the picture ends: above all that has a colour, and above the lines."""
+    bright = np.flatnonzero((values > SHOWN * top).any(axis=0))
+    lines = [] if spectrum.theory is None else [1.1 * np.nanmax(spectrum.theory.omega)]
+    return min(edges(omega)[-1], max([1.25 * omega[bright[-1]] if len(bright) else 0, *lines, 10 * spectrum.resolution]))
+
+
+def draw_resolution(ax, spectrum, x) -> None:
+    """A cross at the upper left: from one wave and one frequency to the next; with the window hann 1.5 times as high."""
+    tall = spectrum.resolution * (1.5 if spectrum.meta["window"] == "hann" else 1)
+    wide = np.median(np.diff(x))
+    ax.errorbar([x[0] + wide], [0.94 * ax.get_ylim()[1]], xerr=wide / 2, yerr=tall / 2, color="white", capsize=3, lw=1.5)
+
+
+def draw_lines(ax, theory, x) -> None:
+    """The lines of linear spin waves; x: of the waves of the lattice."""
+    at = np.interp(np.arange(len(theory.q)) / theory.meta["between"], np.arange(len(x)), x)
+    for look, there in ((dict(ls="-", lw=1.2, alpha=0.9), theory.seen), (dict(ls=":", lw=0.8, alpha=0.5), ~theory.seen)):
+        for line in np.where(there, theory.omega, np.nan).T:
+            ax.plot(at, line, color=LINE, **look)
+
+
+def brightest(omega, values) -> float:
     """The largest value of what moves; of all, where nothing does."""
-    width = spectrum.omega[1] - spectrum.omega[0]
-    moving = np.abs(spectrum.omega) > (STATIC + 0.5) * width
-    return max(spectrum.mean[:, moving].max(initial=0.0) or spectrum.mean.max(), np.finfo(float).tiny / DEPTH)
+    moving = omega > (STATIC + 0.5) * (omega[1] - omega[0])
+    return max(values[:, moving].max(initial=0.0) or values.max(), np.finfo(float).tiny / DEPTH)
 
 
 def positions(q) -> np.ndarray:
