@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..errors import UsageError
 from .options import json_option, number, open_option
-from .say import opened, printed
+from .say import opened, printed, say
 
 EXAMPLES = """  smidgen plot chain.h5
   smidgen plot chain.h5 --kind energy --out energy.pdf
@@ -32,14 +32,23 @@ def add(commands):
 
 def command(args):
     """Write the picture; its path is the data."""
-    from ..show.plot import kinds, plot
+    from ..packages import needed
+    from ..show.plot import kinds
     if args.kinds:
         return show_kinds(args, kinds())
     if args.source is None:
         raise UsageError("draw what? give a file that `smidgen run` wrote, or a spec")
-    path = plot(args.source, args.run, kind=args.kind, out=args.out, part=args.part, width=args.width)
+    needed("matplotlib", "a picture")
+    from ..show.plot.draw import plot
+    path = plot(args.source, args.run, kind=args.kind, out=args.out, part=args.part, width=args.width, chose=told)
     printed({"out": str(path)}) if args.json else print(path)
     opened(path, args.open)
+
+
+def told(kind: str) -> None:
+    """The kind of picture that was chosen."""
+    from ..show.plot import kinds
+    say(f"kind {kind}: {kinds()[kind]}; --kind chooses another")
 
 
 def show_kinds(args, found: dict):

@@ -98,7 +98,8 @@ def _found(spec: Spec, family: str, values: dict):
     rows = [_of(over, values, there) for over in joined_by(spec, family) if over.family and len(families_of(over)) == 2]
     pairs = np.concatenate([pair for pair, _ in rows]) if rows else np.zeros((0, 2), np.int64)
     vectors = np.concatenate([v for _, v in rows]) if rows else np.zeros((0, 3))
-    _, first = np.unique(np.column_stack([pairs, np.round(vectors, 9)]), axis=0, return_index=True)
+    grid = vectors / (np.abs(vectors).max(initial=0) or 1)
+    _, first = np.unique(np.column_stack([pairs, np.round(grid, 9)]), axis=0, return_index=True)
     first.sort()
     return pairs[first], None if there is None else vectors[first]
 

@@ -11,7 +11,7 @@ from ..language.crystals import CRYSTALS
 from ..language.evaluate import evaluate
 from ..language.shells import SAME, SHELLS, Unclear, shell
 from ..language.spec import Places
-from ..language.units import LENGTH, NONE
+from ..language.units import LENGTH, NONE, unit
 from .formulas import Formulas
 from .names import plural
 from .problems import Problems, nearest
@@ -37,7 +37,7 @@ class PlaceReader:
         rows = node.get("vectors").entries("list of vectors", 3)
         vectors, constant = self.problems.together(lambda: self.vectors(node, rows, directions), lambda: self.constant(node))
         positions = self.positions(node, vectors, directions, sites)
-        return checked(Places(scaled(vectors, constant[0]), positions, measured=constant[1]), node, directions)
+        return checked(Places(scaled(vectors, constant[0]), positions, measured=constant[1], unit=length_in(node, constant[1])), node, directions)
 
     def idle(self, node: Node) -> None:
         for key in ("positions", "constant"):
@@ -57,7 +57,7 @@ class PlaceReader:
             node.get("size").wrong(codes.COUNT, f"`{name}` has {plural(CRYSTALS[name].directions, 'direction')}, `size` has {directions}",
                                    "give one size for each direction")
         value, measured = self.constant(node)
-        return replace(places_of(name, value), measured=measured)
+        return replace(places_of(name, value), measured=measured, unit=length_in(node, measured))
 
     def constant(self, node: Node) -> tuple[float, bool]:
         """(the unit of length of the vectors, is it one with a unit?)."""
@@ -125,6 +125,14 @@ class PlaceReader:
                 node.wrong(codes.VALUE, f"this position lies outside the cell: {value:.6g} of vector {k + 1}",
                            f"fractions go from 0 to below 1; the same site of this cell is at {value % 1:.6g}")
         return found
+
+
+def length_in(node: Node, measured: bool) -> str:
+    """The unit in which a lattice constant is written, `angstrom` of "3 angstrom"; "" of any other text."""
+    text = node.get("constant").raw if measured else None
+    word = text.split()[-1] if isinstance(text, str) and text.strip() else ""
+    found = unit(word)
+    return word if found is not None and found.dimension == LENGTH else ""
 
 
 def scaled(vectors, constant: float) -> tuple:

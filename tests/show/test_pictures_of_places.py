@@ -34,14 +34,18 @@ def drawn_from(over, sites):
     return draw.result_of(smidgen.run(spec, start="random", h=0.1, steps=4, what=["states"]), None)
 
 
+def areas(stage):
+    """Of the cells, in squares of the distance of neighbours, by the shoelace formula."""
+    x, y = np.moveaxis(stage.outlines / stage.space, -1, 0)
+    return 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1))
+
+
 @pytest.mark.parametrize("over", LATTICES)
 def test_cells_fill_the_plane(over):
-    """The area of each by the shoelace formula; none reaches over its neighbours."""
+    """None reaches over its neighbours."""
     sites, area, _ = LATTICES[over]
-    _, stage = pictures.stage_of(drawn_from(over, sites), {})
-    x, y = np.moveaxis(stage.outlines / stage.space, -1, 0)
-    found = 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1))
-    assert np.allclose(found, area, rtol=2e-3 if "kagome" in over else 1e-9)
+    _, stage, _ = pictures.stage_of(drawn_from(over, sites), {})
+    assert np.allclose(areas(stage), area, rtol=2e-3 if "kagome" in over else 1e-9)
 
 
 @pytest.mark.parametrize("over", LATTICES)
@@ -49,16 +53,67 @@ def test_bonds_are_drawn_between_neighbours_alone(over):
     """All equal, and at an inner site evenly about it: those of a honeycomb at 120 degrees; in the picture and in the player."""
     sites, _, each = LATTICES[over]
     drawn = drawn_from(over, sites)
-    _, stage = pictures.stage_of(drawn, {})
+    _, stage, _ = pictures.stage_of(drawn, {})
     family = data_of(draw.page(drawn))["families"][0]
     places, links = (np.frombuffer(zlib.decompress(base64.b64decode(family[key]["deflated"])), kind) for key, kind in (("places", "<f4"), ("links", "<i4")))
-    for where, bonds in [(stage.flat, stage.bonds), (places.reshape(-1, 3)[:, :2], links.reshape(-1, 2))]:
+    for where, bonds in [(stage.flat / stage.space, stage.bonds), (places.reshape(-1, 3)[:, :2], links.reshape(-1, 2))]:
         along = where[bonds[:, 1]] - where[bonds[:, 0]]
-        assert np.allclose(np.linalg.norm(along, axis=1), stage.space, rtol=1e-6)
+        assert np.allclose(np.linalg.norm(along, axis=1), 1, rtol=1e-6)
         inner = np.argmin(np.linalg.norm(where - where.mean(axis=0), axis=1))
         rays = np.concatenate([along[bonds[:, 0] == inner], -along[bonds[:, 1] == inner]])
         turns = np.diff(np.sort(np.degrees(np.arctan2(*rays.T[::-1]))))
         assert len(rays) == each and (np.allclose(turns, 360 / each, atol=1e-3) or "kagome" in over)
+
+
+MEASURED = """
+[model]
+name = "crystal"
+[units]
+energy = "meV"
+time = "fs"
+{length}
+[lattices.net]
+size = [6, 6]
+boundary = "periodic"
+constant = "{constant}"
+{cell}
+[space]
+w = {{ sphere = "net", moment = "1 mu_B" }}
+[effects.exchange]
+over = "bond(i, j) of net.first"
+energy = "-1 meV*dot(w[i], w[j])"
+[starts.random]
+random = 1
+"""
+CELLS = ('name = "honeycomb"', "vectors = [[2, 0], [1, 1]]\npositions = [[0, 0], [0.5, 0]]")
+
+
+def of_constant(cell, constant, length=""):
+    """(the stage, the names of its axes, what the player carries) of a lattice whose constant has a unit."""
+    drawn = draw.result_of(smidgen.run(smidgen.load_text(MEASURED.format(cell=cell, constant=constant, length=length)), start="random", h="1 fs", steps=2, what=["states"]), None)
+    _, stage, _ = pictures.stage_of(drawn, {})
+    axes = style.styled(pictures.draw_places)(drawn).axes
+    return stage, {ax.get_xlabel() for ax in axes if ax.get_xlabel()}, data_of(draw.page(drawn))["families"][0]
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_a_lattice_looks_alike_in_every_unit_of_length(cell):
+    """Cells, bonds and arrows, in distances of neighbours; the axes have the unit that [units] names, else that of the constant."""
+    stage, names, family = of_constant(cell, "3 angstrom", 'length = "angstrom"')
+    assert names == {"x (angstrom)"} and len(stage.bonds) > 50
+    for constant, name in [("3 angstrom", "angstrom"), ("3e-10 m", "m"), ("300 pm", "pm")]:
+        other, found, data = of_constant(cell, constant)
+        assert found == {f"x ({name})"}
+        assert np.allclose(areas(other), areas(stage)) and np.allclose(other.flat / other.space, stage.flat / stage.space)
+        assert np.array_equal(other.bonds, stage.bonds) and np.isclose(other.long / other.space, stage.long / stage.space)
+        for key, kind in (("places", "<f4"), ("links", "<i4")):
+            one, same = (np.frombuffer(zlib.decompress(base64.b64decode(d[key]["deflated"])), kind) for d in (data, family))
+            assert np.allclose(one, same, atol=1e-5), key
+
+
+def test_a_layer_and_a_part_have_no_smallest_size():
+    where = np.indices((4, 5, 6)).reshape(3, -1).T * 1e-10
+    assert len(part.seen(where, part.part_of("z=3e-10")).sites) == 20 and len(part.seen(where, part.part_of("x=1e-10:2e-10,z=4e-10")).sites) == 10
 
 
 def test_arrows_and_colours_are_those_of_the_sites():
@@ -149,20 +204,20 @@ random = 1
 def test_a_lattice_of_ones_own_is_drawn_as_it_is_written(tmp_path):
     """Two sites a cell: they are where the spec puts them, and a player names cell and site."""
     found = draw.result_of(smidgen.run(smidgen.load_text(OWN), start="random", h=0.1, steps=2, what=["states"]), None)
-    _, stage = pictures.stage_of(found, {})
+    _, stage, _ = pictures.stage_of(found, {})
     assert np.allclose(stage.flat, [[2 * (i // 2 % 4) + i // 8 + i % 2, i // 8] for i in range(24)])
     assert data_of(draw.page(found))["families"][0]["cell"] == {"size": [4, 3], "sites": 2}
 
 
 def test_units_of_a_result_are_said(film):
-    """At places, in a film, in the player and its strip; without them in model units."""
+    """At places, in a film, in the player and its strip; without them in model units. The spec of this film names none of length."""
     known = pictures.dataclasses.replace(film, values={"mz": np.arange(20.0)}, meta={**film.meta, "units": {
         "codata": 2022, "time": "ps", "energy": "meV", "length": "nm", "field": "T", "columns": {"t": "ps", "energy": "meV", "mz": "mu_B"}}})
-    for made, time, length, energy, moment in [(known, "ps", "nm", "meV", "mu_B"), (film, "model units", "model units", "", None)]:
+    for made, time, energy, moment in [(known, "ps", "meV", "mu_B"), (film, "model units", "", None)]:
         made = draw.with_facts(made)
         panel = style.styled(pictures.draw_places)(made).axes[3]
-        assert panel.get_title("left").endswith(f"({time})") and panel.get_xlabel() == f"x ({length})"
-        assert style.styled(pictures.film_parts)(made, {})[0].axes[0].get_ylabel() == f"y ({length})"
+        assert panel.get_title("left").endswith("1.1 ps" if moment else "1.1") and panel.get_xlabel() == "x (model units)"
+        assert style.styled(pictures.film_parts)(made, {})[0].axes[0].get_ylabel() == "y (model units)"
         data = data_of(draw.page(made))
         assert data["timeUnit"] == time and {m["unit"] for m in data["maps"]} == {energy}
         assert [s["unit"] for s in data["series"]] == ([] if moment is None else [moment])

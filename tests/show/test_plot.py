@@ -1,4 +1,5 @@
 """Pictures, by properties: what is drawn, where it is hidden, what bytes come out."""
+import dataclasses
 import json
 import re
 
@@ -11,7 +12,7 @@ from support.systems import tiers
 from smidgen.errors import UsageError
 from smidgen.methods import NAMES
 from smidgen.run.files.output import Result
-from smidgen.show.plot import chain, curves, draw, equilibria, leaf, orbits, overview, pictures
+from smidgen.show.plot import chain, curves, draw, equilibria, lattice, leaf, orbits, overview, pictures
 from smidgen.show.plot import portraits, sphere, style, surfaces, text, view
 
 
@@ -175,12 +176,12 @@ def test_a_lattice_is_seen_from_above(name):
     assert pictures.suitable(drawn, False) == "lattice"
     figure = style.styled(pictures.draw_lattice)(drawn)
     *panels, bar = figure.axes
-    assert len(panels) == 6 and bar.get_ylabel() and note in " ".join(t.get_text() for t in figure.texts) and "6 of 10 outputs" in figure.texts[-1].get_text()
-    assert [ax.get_xlabel() for ax in panels] == [""] * 3 + [f"cell of direction {along} (number)"] * 3
-    assert [ax.get_ylabel() for ax in panels] == [f"cell of direction {up} (number)", "", ""] * 2
+    assert len(panels) == 6 and bar.get_ylabel() and note in " ".join(t.get_text() for t in figure.texts) and "6 of 10 outputs" in figure.texts[-1].get_text().replace("\n", " ")
+    assert [ax.get_xlabel() for ax in panels] == [""] * 3 + [f"cell of direction {along}"] * 3
+    assert [ax.get_ylabel() for ax in panels] == [f"cell of direction {up}", "", ""] * 2
     for ax, k in zip(panels, np.linspace(0, 9, 6).astype(int)):
         shown, (image,) = drawn.w["w"][k][numbers] / 2, ax.images
-        assert ax.get_title("left").startswith(f"$t$ = {drawn.t[k]:g} ")
+        assert ax.get_title("left").startswith(f"$t$ = {drawn.t[k]:g}")
         assert image.origin == "lower" and image.get_extent() == [-0.5, columns / sites - 0.5, -0.5, rows - 0.5] and np.allclose(image.get_array(), shown[..., 2], atol=1e-15)
         assert len(ax.collections) == (name != "ladder") and ax.get_aspect() == ("auto" if name == "ladder" else 1)
         if not ax.collections:
@@ -190,6 +191,25 @@ def test_a_lattice_is_seen_from_above(name):
         across = (np.arange(columns) + 0.5) / sites - 0.5
         assert np.allclose(arrows.XY, np.stack(np.meshgrid(across, np.arange(rows)), -1).reshape(-1, 2))
         assert arrows.scale_units == "xy" and np.isclose(arrows.scale, sites / 0.9) and len(ax.lines) == (columns // sites - 1 if sites > 1 else 0)
+
+
+def test_a_lattice_at_periods_is_no_section_and_the_kind_is_told(tmp_path):
+    """A section is for few sites, or for sites on no lattice; `plot` tells what it has chosen, not what was asked for."""
+    drawn, told = drawn_from("film"), []
+    assert pictures.suitable(dataclasses.replace(drawn, meta={**drawn.meta, "period": 1.0}), False) == "lattice"
+    assert pictures.suitable(dataclasses.replace(drawn, meta={**drawn.meta, "period": 1.0, "grids": {}}), False) == "section"
+    for kind in ("auto", "components"):
+        draw.plot(drawn, kind=kind, out=tmp_path / f"{kind}.png", chose=told.append)
+    assert told == ["lattice"]
+
+
+def test_a_schematic_says_whether_places_are_known():
+    """Also: a wide lattice has a flat page, and cells are counted in whole numbers."""
+    assert "does not say where they stand" in lattice.schematic(2, False) and "--kind places draws them where they stand" in lattice.schematic(2, True)
+    w = np.ones((2, 3, 12, 1, 3))
+    figure = lattice.lattice_images(np.arange(2.0), w)
+    assert figure.get_figheight() < 0.35 * figure.get_figwidth()
+    assert all(tick == round(tick) for tick in [*figure.axes[0].get_xticks(), *figure.axes[0].get_yticks()])
 
 
 @pytest.mark.filterwarnings("error")

@@ -13,14 +13,16 @@ from matplotlib.collections import LineCollection, PolyCollection
 from .chain import thinned
 from .colours import DIVERGING, INK, SOFT
 from .part import Seen, seen
-from .style import footnote, new_figure
+from .style import footnote, panels
 from .text import of_all, shown
-from .units import NONE
+from .units import NONE, at_time, with_unit
 
 TIMES = 6           # most outputs
 ARROWS = 32         # most rows and columns of arrows
 CELLS = 40_000      # most cells; more are markers
+DASHES = ["-", (0, (4, 3)), (0, (1, 3))]      # of bonds, by their lengths
 BONDS = 1500        # most bonds drawn
+SAME = 1e-9         # of their distances: closer sites stand at one place
 FAR = 1.1           # how far a cell may reach where there is no neighbour, in distances of the nearest
 
 
@@ -52,10 +54,10 @@ def stage_of(where, links, part: dict, sites: int = 1) -> Stage:
 
 
 def spacing(flat) -> float:
-    """The distance between neighbours; of sites that belong to no lattice the median."""
+    """The distance between neighbours in two or three dimensions; of sites that belong to no lattice the median."""
     some = flat[thinned(len(flat), 30)]
     far = np.linalg.norm(flat[None] - some[:, None], axis=2)
-    nearest = np.where(far > 1e-9, far, np.inf).min(axis=1)
+    nearest = np.where(far > SAME * far.max(), far, np.inf).min(axis=1)
     return float(np.median(nearest)) if np.isfinite(nearest).all() else 1.0
 
 
@@ -66,6 +68,14 @@ def bonds_of(sites, links, where):
     both = number[links] if len(links) else np.zeros((0, 2), int)
     kept = both[(both >= 0).all(axis=1)]
     return kept if len(kept) <= BONDS else kept[:0]
+
+
+def shells(stage: Stage):
+    """0 of the shortest bonds, 1 of the next longer ones, 2 of all others."""
+    long = np.linalg.norm(stage.flat[stage.bonds[:, 1]] - stage.flat[stage.bonds[:, 0]], axis=1)
+    rising = np.sort(long)
+    firsts = rising[np.flatnonzero(np.diff(rising, prepend=-np.inf) > 1e-3 * stage.space)]
+    return np.minimum(np.searchsorted(firsts, long, side="right") - 1, len(DASHES) - 1)
 
 
 # -- cells ---------------------------------------------------------------------------------
@@ -87,7 +97,7 @@ def outline(flat, kinds, kind, space: float):
     angle = 2 * np.pi * np.arange(32) / 32
     shape = FAR * space * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     for neighbour in around[np.argsort(far)][:60]:
-        if 1e-9 < np.hypot(*neighbour) < 2.01 * FAR * space:
+        if SAME * space < np.hypot(*neighbour) < 2.01 * FAR * space:
             shape = clipped(shape, neighbour)
     return shape
 
@@ -122,18 +132,15 @@ def sparse(flat, space: float):
 def place_images(t, w, stage: Stage, title: str = "", note: str = "", units=NONE):
     """Unit vectors along w (k, n, 3) at up to six outputs, evenly chosen; `note` stands below."""
     keep = thinned(len(t), TIMES)
-    across = min(3, len(keep))
-    figure = new_figure(3.0 * across + 0.8, 3.0 * -(-len(keep) // across) + 0.4)
-    axes = figure.subplots(-(-len(keep) // across), across, squeeze=False).ravel()
+    wide, high = np.ptp(stage.flat, axis=0) + 1.6 * stage.space
+    figure, axes, across = panels(len(keep), high / wide)
     for k, (ax, pick) in enumerate(zip(axes, keep)):
         image, _ = one_time(ax, directions(w[pick], stage), stage)
-        ax.set_title(f"$t$ = {t[pick]:g} ({shown(units['time'])})", fontsize=9)
+        ax.set_title(at_time(t[pick], units["time"]), fontsize=9)
         named(ax, stage, units["length"], below=k + across < len(keep), beside=k % across > 0)
-    for ax in axes[len(keep):]:
-        ax.remove()
-    bar(figure, image, axes[:len(keep)], stage)
+    bar(figure, image, axes, stage)
     figure.suptitle(shown(title) or "Evolution of the lattice", x=0.01, ha="left", fontsize=10.5)
-    footnote(figure, stage.seen.said, note, arrows_of(stage), of_all(len(keep), len(t), "outputs"))
+    footnote(figure, stage.seen.said, note, arrows_of(stage), bonds_said(stage), of_all(len(keep), len(t), "outputs"))
     return figure
 
 
@@ -153,7 +160,7 @@ def one_time(ax, u, stage: Stage):
         cells_ = ax.scatter(*stage.flat.T, c=np.zeros(len(u)), s=points ** 2, marker="s" if len(u) > CELLS else "o", cmap=DIVERGING,
                             vmin=-1, vmax=1, lw=0)
     if len(stage.bonds):
-        ax.add_collection(LineCollection(stage.flat[stage.bonds], color=SOFT, lw=0.6, zorder=1.5))
+        ax.add_collection(LineCollection(stage.flat[stage.bonds], color=SOFT, lw=0.6, zorder=1.5, linestyles=[DASHES[k] for k in shells(stage)]))
     some = stage.arrows
     arrows = ax.quiver(*stage.flat[some].T, u[some, 0], u[some, 1], pivot="mid", angles="xy", scale_units="xy", scale=1 / stage.long,
                        color=INK, width=0.004, zorder=2)
@@ -173,13 +180,18 @@ def renewed(drawn, u, stage: Stage) -> None:
 
 def named(ax, stage: Stage, unit: str, below: bool = False, beside: bool = False) -> None:
     """Names of the axes, where no panel stands below or to the left."""
-    names = [f"{'xyz'[d]} ({shown(unit)})" for d in stage.seen.axes]
+    names = [with_unit("xyz"[d], shown(unit)) for d in stage.seen.axes]
     ax.tick_params(labelbottom=not below, labelleft=not beside)
     ax.set(xlabel="" if below else names[0], ylabel="" if beside else names[1])
 
 
 def bar(figure, image, axes, stage: Stage) -> None:
-    figure.colorbar(image, ax=list(axes), label=rf"$w_{'xyz'[stage.seen.towards]}/|w|$ (dimensionless)", pad=0.02)
+    figure.colorbar(image, ax=list(axes), label=rf"$w_{'xyz'[stage.seen.towards]}/|w|$", pad=0.02)
+
+
+def bonds_said(stage: Stage) -> str:
+    """What to say of bonds of several lengths."""
+    return ", ".join(["bonds: the shortest solid", "the next dashed", "longer ones dotted"][:1 + shells(stage).max(initial=0)]) if len(stage.bonds) and shells(stage).any() else ""
 
 
 def arrows_of(stage: Stage) -> str:

@@ -8,7 +8,7 @@ from .colours import ordered
 from .curves import TIME
 from .style import footnote, new_figure, styled
 from .text import of_all, shown
-from .units import plain
+from .units import at_time, plain
 from .view import View, split
 
 CELLS = 600         # most rows and columns of an image
@@ -31,13 +31,13 @@ def chain_image(t, w, title: str = "", note: str = "", told=plain):
     height = np.clip(unit[..., 2], -1, 1)
     shown_as = [(r"$\theta$ (rad)", np.arccos(height), "cividis", None, None),
                 (r"$\phi$ (rad)", np.arctan2(unit[..., 1], unit[..., 0]), "twilight", -np.pi, np.pi),
-                (r"$w_z/|w|$ (dimensionless)", height, "viridis", None, None)]
+                (r"$w_z/|w|$", height, "viridis", None, None)]
     figure = new_figure(10.2, 3.6)
     for ax, (label, values, colors, low, high) in zip(figure.subplots(1, 3, sharey=True), shown_as):
         image = ax.imshow(values, origin="lower", aspect="auto", cmap=colors, vmin=low, vmax=high,
                           extent=[-0.5, w.shape[1] - 0.5, t[0], t[-1]])
         ax.grid(False)
-        ax.set_xlabel("site $i$ (number)")
+        ax.set_xlabel("site $i$")
         figure.colorbar(image, ax=ax, label=label, pad=0.02)
         if ax.get_subplotspec().is_first_col():
             ax.set_ylabel(TIME.format(told("t")))
@@ -62,7 +62,7 @@ def chain_curves(t, w, times=None, bonds=None, title: str = "", view: View = Vie
     span = np.asarray(t, float)[picks] - t[picks[0]]
     colors = ordered(span / (span[-1] or 1))
     for ax, pick, color in zip(axes, picks, colors):
-        sphere.ball(ax, view, label=f"$t$ = {t[pick]:g} ({told('t')})")
+        sphere.ball(ax, view, label=at_time(t[pick], told("t")))
         one_curve(ax, np.asarray(w[pick], float), joined, view, color)
     for ax in axes[len(picks):]:
         ax.remove()

@@ -7,7 +7,7 @@ from . import sphere
 from .colours import ordered
 from .style import footnote, new_figure
 from .text import shown
-from .units import plain
+from .units import at_time, plain
 from .view import View
 
 TIMES, SHADES = 6, 5
@@ -21,7 +21,7 @@ def cloud(t, w, title: str = "", view: View = View(30, 40), note: str = "", told
     axes = figure.subplots(-(-len(picks) // columns), columns, squeeze=False).ravel()
     for ax, pick in zip(axes, picks):
         radius = float(np.linalg.norm(w[pick], axis=1).max())
-        sphere.ball(ax, view, radius, label=f"$t$ = {t[pick]:g} ({told('t')})")
+        sphere.ball(ax, view, radius, label=at_time(t[pick], told("t")))
         for part, color in zip(np.array_split(np.asarray(w[pick], float), SHADES), ordered(np.linspace(0, 1, SHADES))):
             sphere.points(ax, part, view, color, 1.5, rasterized=True)
     for ax in axes[len(picks):]:

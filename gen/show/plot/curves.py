@@ -6,7 +6,7 @@ import numpy as np
 from .colours import COMPONENTS, FAINT, INK
 from .style import footnote, method_marker, method_style, new_figure, styled
 from .text import shown
-from .units import plain
+from .units import plain, with_unit
 
 TIME = "time $t$ ({})"
 POINTS = 3000        # most points of one curve in a picture
@@ -75,7 +75,7 @@ def error_against_step(panels, order: int = 2):
         ax.set_xscale("log", base=2)
         ax.set_yscale("log")
         ax.set_xlabel("step length $h$ (model units)")
-        ax.set_ylabel(r"$\max_k\,|w_k - w(hk)|$ (dimensionless)")
+        ax.set_ylabel(r"$\max_k\,|w_k - w(hk)|$")
         ax.set_title(shown(title))
         slope_triangle(ax, methods, order)
         ax.legend(loc="upper left")
@@ -119,15 +119,15 @@ def invariant_rows(energy, momenta, casimirs, unit):
     """[(axis label, [(name, error (k,))])]: one row for each kind of invariant."""
     rows = []
     if energy is not None:
-        rows.append((f"$H - H_0$\n({unit('energy')})", [("energy", np.asarray(energy) - energy[0])]))
+        rows.append((with_unit("$H - H_0$", unit("energy"), "\n"), [("energy", np.asarray(energy) - energy[0])]))
     for family, m in momenta.items():
         change = np.asarray(m, float) - np.asarray(m, float)[0]
-        rows.append((f"momentum of {shown(family)}\nless its start\n({unit(f'momentum.{family}')})",
+        rows.append((with_unit(f"momentum of {shown(family)}\nless its start", unit(f"momentum.{family}"), "\n"),
                      [(x, change[:, i]) for i, x in enumerate("xyz")]))
     if casimirs is not None:
         change = np.asarray(casimirs, float) - np.asarray(casimirs, float)[:1]
         worst = np.take_along_axis(change, np.abs(change).argmax(1)[:, None], 1)[:, 0]
-        rows.append((f"largest change\nof a Casimir\n({unit('casimirs')})", [("largest error", worst)]))
+        rows.append((with_unit("largest change\nof a Casimir", unit("casimirs"), "\n"), [("largest error", worst)]))
     return rows
 
 
@@ -140,7 +140,7 @@ def against_time(t, panels, title: str = "", note: str = "", unit=plain):
         curves = curves if isinstance(curves, dict) else {name: (INK, curves)}
         for label, (color, y) in curves.items():
             ax.plot(*envelope(t, y), lw=0.9, color=color, label=shown(label))
-        ax.set_ylabel(f"{shown(name)}\n({unit(name)})")
+        ax.set_ylabel(with_unit(shown(name), unit(name), "\n"))
     if len(curves) > 1:
         axes[0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes[-1].set_xlabel(TIME.format(unit("t")))

@@ -12,14 +12,16 @@ from .pictures import KINDS, drawable, film_parts, kinds, suitable
 from .style import FORMATS, resized, save, styled
 
 
-def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=None, width=None) -> Path:
-    """The path of the picture; `smidgen.plot` says what the arguments mean."""
+def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=None, width=None, chose=lambda kind: None) -> Path:
+    """The path of the picture; `smidgen.plot` says what the arguments mean. chose: called with the kind that "auto" has become."""
     wanted(kind, out)
     piece = part_of(part)
     if is_film(out):
         return filmed(source, run, kind, Path(out), piece, width)
     result = shown(result_of(source, run))
     chosen = kind if kind != "auto" else "places" if piece else suitable(result, is_page(out))
+    if kind == "auto" and chosen != "player":
+        chose(chosen)
     path = Path(out) if out is not None else default_path(result, chosen)
     check_pair(chosen, path)
     if piece and chosen != "places":

@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.tri import Triangulation
 
+from .cells import spacing
 from .coding import deflated
 from .standing import site_maps
 from .text import printable
@@ -22,15 +23,16 @@ class Extras:
         self.standing, self.grids = meta.get("standing") or {}, meta.get("grids") or {}
         self.units, self.columns = kinds_of(result), columns_of(result)
         self.numbers, self.called = meta.get("numbers"), set(meta.get("effects") or ())
+        self.length = min((spacing(one["places"]) for one in self.standing.values()), default=1.0)
 
     def family(self, name: str) -> dict:
-        """places, links and cell of a family that has places."""
+        """places, links and cell of a family that has places, which are in units of the distance of neighbours."""
         found = self.standing.get(name)
         if found is None or len(found["places"]) != self.states[name].shape[1]:
             return {}
         more = {"cell": cell(*self.grids[name])} if name in self.grids else {}
         sides = triangles(found["places"])
-        return {"places": deflated(found["places"], "<f4"), "links": deflated(found["links"], "<i4"), **more,
+        return {"places": deflated(found["places"] / self.length, "<f4"), "links": deflated(found["links"], "<i4"), **more,
                 **({} if sides is None else {"triangles": deflated(sides, "<i4")})}
 
     def maps(self, keep) -> list[dict]:

@@ -12,7 +12,7 @@ from .chain import thinned
 from .colours import of_sites
 from .style import footnote, new_figure, styled
 from .text import of_all, shown
-from .units import NONE
+from .units import NONE, at_time
 from .view import View
 
 FORMATS = {".gif": "pillow", ".mp4": "ffmpeg"}
@@ -57,7 +57,7 @@ def lattice_film(t, w, stage, title: str = "", note: str = "", units=NONE):
 
     def draw_frame(k):
         cells.renewed(drawn, cells.directions(w[keep[k]], stage), stage)
-        ax.set_title(f"$t$ = {t[keep[k]]:g} ({shown(units['time'])})", fontsize=9)
+        ax.set_title(at_time(t[keep[k]], units["time"]), fontsize=9)
     return figure, draw_frame, len(keep)
 
 
@@ -84,5 +84,5 @@ def sphere_film(t, states: dict, title: str = "", note: str = "", units=NONE):
         for line, (w, _) in zip(lines, sites):
             path = view.project(w[keep[max(0, k - trail)]:keep[k] + 1])
             line.set_data(*np.where(path[:, 2:] >= 0, path[:, :2], np.nan).T)
-        ax.set_title(f"$t$ = {t[keep[k]]:g} ({shown(units['time'])})", fontsize=9)
+        ax.set_title(at_time(t[keep[k]], units["time"]), fontsize=9)
     return figure, draw_frame, len(keep)

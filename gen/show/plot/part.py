@@ -61,13 +61,14 @@ def span(axis: str, value):
 def seen(where, part: dict) -> Seen:
     """The sites of a part, of one layer where they fill three dimensions. Raises UsageError where there is none."""
     extent = np.ptp(where, axis=0)
-    thick = [d for d in range(3) if extent[d] > FLAT * max(extent.max(), 1e-300)]
+    grain = FLAT * extent.max()
+    thick = [d for d in range(3) if extent[d] > grain]
     layer = next((("xyz".index(axis), value) for axis, value in part.items() if isinstance(value, float)), None)
     if layer is None and len(thick) == 3:
-        layer = 2, fullest(where[:, 2])
-    inside, said = ranges(where, part), ""
+        layer = 2, fullest(where[:, 2], grain)
+    inside, said = ranges(where, part, grain), ""
     if layer is not None:
-        inside, said = in_layer(where, inside, *layer)
+        inside, said = in_layer(where, inside, *layer, grain)
     if not inside.any():
         raise UsageError(f"no site lies in this part; the lattice reaches from ({', '.join(f'{x:g}' for x in where.min(axis=0))}) "
                          f"to ({', '.join(f'{x:g}' for x in where.max(axis=0))})")
@@ -75,26 +76,33 @@ def seen(where, part: dict) -> Seen:
     return Seen(np.flatnonzero(inside), tuple(d for d in range(3) if d != towards), said)
 
 
-def fullest(heights) -> float:
+def layers_of(heights, grain: float):
+    """(the lowest height of each layer, how many sites it has): heights within a grain of each other are one."""
+    rising = np.sort(heights)
+    first = np.flatnonzero(np.diff(rising, prepend=-np.inf) > grain)
+    return rising[first], np.diff(first, append=len(rising))
+
+
+def fullest(heights, grain: float) -> float:
     """The height at which most sites lie; of several the lowest."""
-    layers, many = np.unique(np.round(heights, 6), return_counts=True)
+    layers, many = layers_of(heights, grain)
     return float(layers[np.argmax(many)])
 
 
-def ranges(where, part: dict):
+def ranges(where, part: dict, grain: float):
     """Which sites lie within all ranges."""
     inside = np.ones(len(where), bool)
     for axis, value in part.items():
         if not isinstance(value, float):
             x = where[:, "xyz".index(axis)]
-            inside &= (x >= value[0] - 1e-9) & (x <= value[1] + 1e-9)
+            inside &= (x >= value[0] - grain) & (x <= value[1] + grain)
     return inside
 
 
-def in_layer(where, inside, axis: int, at: float):
+def in_layer(where, inside, axis: int, at: float, grain: float):
     """(which sites of them lie in the layer nearest to `at`, what to say of it)."""
-    layers = np.unique(np.round(where[inside, axis], 6))
+    layers, _ = layers_of(where[inside, axis], grain)
     if len(layers) < 2:
         return inside, ""
     nearest = layers[np.argmin(np.abs(layers - at))]
-    return inside & (np.abs(where[:, axis] - nearest) < 1e-5), f"the layer {'xyz'[axis]} = {nearest:g}, one of {len(layers)}"
+    return inside & (np.abs(where[:, axis] - nearest) <= grain), f"the layer {'xyz'[axis]} = {nearest:g}, one of {len(layers)}"

@@ -212,7 +212,7 @@ def draw_lattice(result):
     cells = w.reshape(len(w), *size[::-1], sites, 3)
     picked = [slice(None) if d in (across, up) else 0 for d in reversed(range(len(size)))]
     said = [f"the lowest of {size[d]} layers" for d in above]
-    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up), by_column(result))
+    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up), by_column(result), placed(result) is not None)
 
 
 def placed(result):
@@ -225,19 +225,19 @@ def placed(result):
 
 
 def stage_of(result, part: dict):
-    """(name of a family, where its sites stand in the picture). Raises UsageError where none has places."""
+    """(name of a family, where its sites stand in the picture, units). Raises UsageError where none has places."""
     found = placed(result)
     if found is None:
         raise UsageError("no family of this result has places in two directions or more: its lattice has no `vectors` and is none by name")
     name, one = found
     _, sites = (result.meta.get("grids") or {}).get(name, ((), 0))
-    return name, cells.stage_of(one["places"], one["links"], part, sites)
+    return name, cells.stage_of(one["places"], one["links"], part, sites), {**kinds_of(result), "length": one["unit"]}
 
 
 def draw_places(result, part: dict | None = None):
     """The largest family with places: a cell and an arrow for each site, at up to six times."""
-    name, stage = stage_of(result, part or {})
-    return cells.place_images(result.t, states_of(result)[name], stage, first_line(result), others(result, name), kinds_of(result))
+    name, stage, units = stage_of(result, part or {})
+    return cells.place_images(result.t, states_of(result)[name], stage, first_line(result), others(result, name), units)
 
 
 def film_parts(result, part: dict):
@@ -245,8 +245,8 @@ def film_parts(result, part: dict):
     if placed(result) is None and not part:
         spheres_only(result)
         return film.sphere_film(result.t, states_of(result), first_line(result), units=kinds_of(result))
-    name, stage = stage_of(result, part)
-    return film.lattice_film(result.t, states_of(result)[name], stage, first_line(result), others(result, name), kinds_of(result))
+    name, stage, units = stage_of(result, part)
+    return film.lattice_film(result.t, states_of(result)[name], stage, first_line(result), others(result, name), units)
 
 
 def wide(size) -> list:
@@ -345,9 +345,9 @@ def suitable(result, html: bool) -> str:
                                    for n in result.values) else "observables"
     if not on_spheres(result):
         return "leaf"
-    if result.meta.get("period"):
-        return "section"
     flat, (_, w) = film_of(result)[0], largest(result)
+    if result.meta.get("period") and (w.shape[1] <= MANY or not result.meta.get("grids")):
+        return "section"
     if flat and result.w[flat].shape[1] > MANY:
         return "lattice" if on_squares(result, flat) else "places"
     if w.shape[1] > CLOUD and not smooth(w[0]):

@@ -5,9 +5,11 @@ import numpy as np
 
 from ...language.evaluate import evaluate
 from ...language.instances import instances_of
-from ...language.places import bond_vectors, bonds, positions
-from ...language.spec import families_of
+from ...language.places import bond_vectors, bonds, placed_on, positions
+from ...language.spec import Lattice, families_of
+from ...language.units import LENGTH, unit as unit_named
 from ...run.step.evaluated import Evaluated
+from .units import MODEL
 
 LINKS = 600_000     # most bonds of a family that a page carries
 SITE_OUTPUTS = 1_000_000    # sites times outputs up to which a page carries the numbers of sites
@@ -15,19 +17,33 @@ MAPS = 8            # most of them
 
 
 def standing(numbers: Evaluated) -> dict:
-    """family -> {"places": (n, 3), "links": (m, 2) numbers of sites that a bond joins there, not through a boundary}; families without places are left out."""
+    """family -> {"places": (n, 3), "unit": theirs, "links": (m, 2) numbers of sites that a bond joins there, not through a boundary}; families
+    without places are left out."""
     found = {}
     for name, (_, count) in numbers.places.items():
         where = positions(numbers.spec, name, numbers.values)
         if where is not None and len(where) == count and np.all(np.isfinite(where)):
-            found[name] = {"places": where, "links": links(numbers, name, where)[:LINKS]}
+            unit, size = length_of(numbers.spec.units, placed_on(numbers.spec, name))
+            found[name] = {"places": where / size, "unit": unit, "links": links(numbers, name, where)[:LINKS]}
     return found
+
+
+def length_of(units, over) -> tuple[str, float]:
+    """The unit in which places are told, and its size: the `length` of [units], else that in which the lattice constant is written; "" where places
+    are no lengths, as without a constant that has a unit."""
+    if units is None:
+        return MODEL, 1.0
+    if not isinstance(over, Lattice) or not over.places.measured:
+        return "", 1.0
+    if "length" in dict(units.named) or not over.places.unit:
+        return units.spelt(LENGTH), 1.0
+    return over.places.unit, float(units.factor(unit_named(over.places.unit)))
 
 
 def links(numbers: Evaluated, family: str, where) -> np.ndarray:
     """The bonds whose vector is the difference of the places of their ends."""
     pairs, along = bonds(numbers.spec, family, numbers.values), bond_vectors(numbers.spec, family, numbers.values)
-    return pairs[np.abs(where[pairs[:, 1]] - where[pairs[:, 0]] - along).max(axis=1, initial=0) < 1e-6 * (1 + np.abs(along).max(initial=0))]
+    return pairs[np.abs(where[pairs[:, 1]] - where[pairs[:, 0]] - along).max(axis=1, initial=0) <= 1e-6 * np.abs(along).max(initial=0)]
 
 
 def site_terms(spec, called) -> list:

@@ -74,6 +74,17 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def panels(count: int, tall: float = 1.0):
+    """(figure, its axes, how many stand side by side) for `count` panels of a map that is `tall` times as high as wide, at most three in a row."""
+    across = min(3, count)
+    rows = -(-count // across)
+    figure = new_figure(3.0 * across + 0.8, rows * (0.45 + 2.55 * min(max(tall, 0.15), 2.0)) + 0.4)
+    axes = figure.subplots(rows, across, squeeze=False).ravel()
+    for ax in axes[count:]:
+        ax.remove()
+    return figure, axes[:count], across
+
+
 def resized(figure: Figure, width: float | None) -> Figure:
     """The figure at this width in inches, with its proportions; None leaves it as it is. Text scales with it, down to LEAST of its size."""
     if width is None:

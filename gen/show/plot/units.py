@@ -8,9 +8,19 @@ NONE = {"time": MODEL, "energy": MODEL, "length": MODEL}
 
 
 def unit_of(result, column: str) -> str:
-    """Of a column: as the metadata have it, "dimensionless" for 1."""
+    """Of a column: as the metadata have it, "" for 1."""
     found = columns_of(result).get(column, MODEL)
-    return "dimensionless" if found == "1" else shown(found)
+    return "" if found == "1" else shown(found)
+
+
+def with_unit(name: str, unit: str, between: str = " ") -> str:
+    """`name (unit)`; the name alone of a number without a unit."""
+    return f"{name}{between}({unit})" if unit else name
+
+
+def at_time(t, unit: str) -> str:
+    """`t = 400 fs`, for matplotlib; without the unit where none is named."""
+    return f"$t$ = {t:g}" + ("" if unit in ("", MODEL) else f" ({shown(unit)})" if unit[0].isdigit() else f" {shown(unit)}")
 
 
 def columns_of(result) -> dict:
