@@ -16,7 +16,7 @@ POLISHED = 6        # Newton's steps at most; they converge quadratically
 
 
 def torque(numbers: Evaluated, energy: Energy, w) -> float:
-    """The largest |n x g| of a site that moves, over the largest |g| that there is where no terms cancel: 0 at an equilibrium, at most 1."""
+    """The largest |n x g| of a site that moves, over the largest |g| if no terms cancelled: 0 at an equilibrium, at most 1."""
     across = np.linalg.norm(np.cross(normals(numbers, w)[0], energy.gradient(w)), axis=1)[numbers.moving]
     largest = energy.strength(w)
     return float(across.max(initial=0.0) / largest) if largest > 0 else 0.0
@@ -26,13 +26,15 @@ def checked(numbers: Evaluated, energy: Energy, w) -> float:
     """The torque of an equilibrium. Raises UsageError with the number for a state that is none."""
     found = torque(numbers, energy, w)
     if not found <= STILL:
-        raise UsageError(f"the state is no equilibrium: |n x g| of a spin is up to {found:.3g} of the largest field |g|, beyond {STILL:g}; "
-                         "give an equilibrium, or let it be found (in Python relax=True, on the command line --theory without a start)")
+        raise UsageError(f"the state is no equilibrium: |n x g| of a spin is up to {found:.3g} of the largest field |g|, "
+                         f"beyond {STILL:g}; give an equilibrium, or let it be found (in Python relax=True, in the command --theory without a start)")
     return found
 
 
 def relaxed(numbers: Evaluated, energy: Energy, w) -> np.ndarray:
-    """The minimum of the energy that steps downward lead to from w, or w where that is an equilibrium; of spheres alone. Raises UsageError, MissingTool."""
+    """The minimum of the energy that steps downward lead to from w, or w where that is an equilibrium; of spheres alone.
+
+    Raises UsageError, MissingTool."""
     if torque(numbers, energy, w) < EXACT:
         return np.array(w, float)
     minimize = needed("scipy.optimize", "relaxation to an equilibrium").minimize
@@ -60,7 +62,8 @@ def relaxed(numbers: Evaluated, energy: Energy, w) -> np.ndarray:
 
 
 def polished(numbers: Evaluated, energy: Energy, w) -> np.ndarray:
-    """The equilibrium beside w by Newton's steps, as long as they come closer to it. Flat directions, such as common turns of all spins, are left as they are."""
+    """The equilibrium beside w by Newton's steps, as long as they come closer to it; along flat directions, such as common turns of all
+    spins, they leave the state as it is."""
     best = torque(numbers, energy, w)
     for _ in range(POLISHED):
         moved = Linear(numbers, energy, w).newton()

@@ -61,11 +61,12 @@ class Sum:
     def __init__(self, derived: Derived, numbers: Evaluated):
         indices, columns = instances_of(derived.term.over, numbers.values, numbers.places)
         self.derived, self.count = derived, len(next(iter(indices.values()), [0]))
-        self.sites = [np.full(self.count, numbers.places[family][0]) + (indices[slot] if isinstance(slot, str) else slot) for family, slot in derived.slots]
+        self.sites = [np.full(self.count, numbers.places[family][0]) + (indices[slot] if isinstance(slot, str) else slot)
+                      for family, slot in derived.slots]
         for leaf in derived.leaves.values():
             if isinstance(leaf, Time):
-                raise UsageError(f"the energy `{derived.term.name}` depends on time, so that no state is an equilibrium: leave it out (effects=..), "
-                                 "or give the parameters that hold it constant")
+                raise UsageError(f"the energy `{derived.term.name}` depends on time, so that no state is an equilibrium: leave it "
+                                 "out (effects=..), or give the parameters that hold it constant")
         env = {**numbers.values, **indices, **columns}
         self.leaves = {sp.Symbol(name, real=True): evaluate(leaf, env) for name, leaf in derived.leaves.items()}
 

@@ -17,7 +17,8 @@ from .hessian import Energy
 
 
 class Linear:
-    """i, j, blocks: H - mu C, 3 x 3 for each pair of sites that move; normal: (sites, 3); rate: |C w|/kappa of each site, with the sign of the bracket."""
+    """i, j, blocks: H - mu C, 3 x 3 for each pair of sites that move; normal: (sites, 3); rate: |C w|/kappa of each site, with the sign
+    of the bracket."""
 
     def __init__(self, numbers: Evaluated, energy: Energy, w):
         self.numbers, self.w = numbers, np.asarray(w, float)

@@ -1,4 +1,5 @@
-"""The magnetic cell of a state: the translations of the lattice, with rotations of all spins or without, that leave the linearised motion near it unchanged."""
+"""The magnetic cell of a state: the translations of the lattice, with rotations of all spins or without, that leave the linearised motion
+near it unchanged."""
 from __future__ import annotations
 
 import math
@@ -7,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import UsageError
-from ..run.fields.grid import Grid
+from ..run.fields.grid import Grid, said
 from ..run.step.evaluated import Evaluated
 from .linear import Linear
 
@@ -15,7 +16,8 @@ SAME = 1e-5         # of spins, of their length, and of blocks, of the largest: 
 
 
 class Sites:
-    """Where the sites of all families are: cell (sites, directions), of each; member: its number within the cell; at (cells, members): the site; members: family -> slice.
+    """Where the sites of all families are: cell (sites, directions), of each; member: its number within the cell; at (cells, members): the
+    site; members: family -> slice.
 
     Raises UsageError for a family that does not have the same number of sites in every cell."""
 
@@ -46,8 +48,8 @@ class Sites:
 
 @dataclass(frozen=True)
 class Order:
-    """size: cells in each direction after which the motion repeats. turns: by one cell of each direction, (directions, 3, 3), of an order that repeats
-    in every cell but for a rotation; None where it repeats as it is."""
+    """size: cells in each direction after which the motion repeats. turns: by one cell of each direction, (directions, 3, 3), of an order
+    that repeats in every cell but for a rotation; None where it repeats as it is."""
     size: tuple[int, ...]
     turns: np.ndarray | None = None
 
@@ -70,7 +72,8 @@ def order_of(linear: Linear, sites: Sites, given=None) -> Order:
 def given_order(linear: Linear, sites: Sites, given) -> Order:
     size = tuple(map(int, np.atleast_1d(given)))
     if len(size) != len(sites.grid.size) or any(not 1 <= s <= n or n % s for s, n in zip(size, sites.grid.size)):
-        raise UsageError(f"a magnetic cell of this lattice divides its {' x '.join(map(str, sites.grid.size))} cells, as {list(sites.grid.size)} does; {list(size)} does not")
+        raise UsageError(f"a magnetic cell of this lattice divides its {said(sites.grid.size)} cells, as {list(sites.grid.size)} does; "
+                         f"{list(size)} does not")
     for d, by in enumerate(size):
         if by < sites.grid.size[d] and (why := difference(linear, sites, d, by)):
             raise UsageError(f"the state does not repeat after {by} cells of direction {d + 1}: {why}")
@@ -86,7 +89,7 @@ def period(linear: Linear, sites: Sites, direction: int) -> int:
 
 
 def turning(linear: Linear, sites: Sites) -> Order | None:
-    """The order of a spiral, coplanar or not: each cell is the one before, rotated, and so are the blocks. None where it is no such order."""
+    """The order of a spiral: each cell is the one before, rotated, and so are the blocks. None where it is no such order."""
     size = sites.grid.size
     turns = [fitted(linear.w, linear.w[sites.shifted(d, 1)]) if n > 1 else np.eye(3) for d, n in enumerate(size)]
     if not all(sites.grid.periodic) or any(t is None for t in turns) or np.allclose(turns, np.eye(3), rtol=0, atol=SAME):
@@ -98,7 +101,9 @@ def turning(linear: Linear, sites: Sites) -> Order | None:
 
 
 def fitted(before, after) -> np.ndarray | None:
-    """The rotation from some vectors to others that fits best (W. Kabsch, Acta Cryst. A 32 (1976) 922). None where vectors on one line leave it open."""
+    """The rotation from some vectors to others that fits best (W. Kabsch, Acta Cryst. A 32 (1976) 922).
+
+    None where vectors on one line leave it open."""
     u, strength, v = np.linalg.svd(after.T @ before)
     if strength[1] < SAME * strength[0]:
         return None
@@ -112,7 +117,8 @@ def difference(linear: Linear, sites: Sites, direction: int, by: int, turn=None)
     off = np.linalg.norm(w[there] - w @ turn.T, axis=1) / np.linalg.norm(w, axis=1).max()
     if not off.max() <= SAME:
         return f"a spin differs by {off.max():.3g} of its length"
-    if not (np.array_equal(numbers.moving, numbers.moving[there]) and np.allclose(linear.rate, linear.rate[there], rtol=SAME, atol=0)):
+    alike = np.array_equal(numbers.moving, numbers.moving[there])
+    if not alike or not np.allclose(linear.rate, linear.rate[there], rtol=SAME, atol=0):
         return "sites are held, or have another kappa"
     pairs, shifted = linear.i * count + linear.j, there[linear.i] * count + there[linear.j]
     (keys, here), (others, other) = summed(pairs, linear.blocks), summed(shifted, turn @ linear.blocks @ turn.T)
@@ -131,16 +137,14 @@ def summed(pairs, blocks) -> tuple:
 
 
 def decomposed(turns) -> list:
-    """[(theta, P)] of rotations that commute: R_d = sum P exp(i theta_d), by the vectors that all of them leave along themselves. Equal theta are joined."""
+    """[(theta, P)] of rotations that commute: R_d = sum P exp(i theta_d), by the vectors that all of them leave along themselves.
+
+    Those of equal theta are joined."""
     mixed = sum((d + 1) ** 0.5 * (t + t.T) + 1j * (d + 2) ** (1 / 3) * (t - t.T) for d, t in enumerate(turns))
-    vectors = np.linalg.eigh(mixed)[1].T
     found: list = []
-    for v in vectors:
+    for v in np.linalg.eigh(mixed)[1].T:
         theta = np.angle(np.einsum("a,dab,b->d", v.conj(), turns, v))
-        p = np.outer(v, v.conj())
-        same = next((k for k, (other, _) in enumerate(found) if np.allclose(np.exp(1j * theta), np.exp(1j * other), rtol=0, atol=SAME)), None)
-        if same is None:
-            found.append((theta, p))
-        else:
-            found[same] = (found[same][0], found[same][1] + p)
+        same = [k for k, (other, _) in enumerate(found) if np.abs(np.exp(1j * theta) - np.exp(1j * other)).max() <= SAME]
+        joined = found.pop(same[0]) if same else (theta, 0)
+        found.append((joined[0], joined[1] + np.outer(v, v.conj())))
     return found

@@ -1,7 +1,8 @@
 """The normal modes of the motion near an equilibrium, wave vector by wave vector.
 
-On one magnetic cell of p sites that move, a(r, t) = v exp(i(2 pi k.r - omega t)), so that omega v = i G J A(k) v with the matrix A(k), 2p x 2p, of
-`linear`. Where A(k) has no eigenvalues of both signs, i A^(1/2) G J A^(1/2) is Hermitian and omega real; otherwise omega may be complex.
+On one magnetic cell of p sites that move, a(r, t) = v exp(i(2 pi k.r - omega t)), so that omega v = i G J A(k) v with the matrix A(k),
+2p x 2p, of `linear`. Where A(k) has no eigenvalues of both signs, i A^(1/2) G J A^(1/2) is Hermitian and omega real; otherwise omega may
+be complex. Wave vectors that differ by one of the reciprocal lattice of the magnetic cell have the same modes.
 """
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import UsageError
+from ..run.fields.grid import said
 from .linear import Linear, frames_of
 from .magnetic_cell import Order, Sites
 
@@ -20,8 +22,8 @@ SLOW = 1e-7             # of rate times curvature: omega below that is 0, since 
 
 
 class Found(NamedTuple):
-    """Of one k: omega, rising (2p,); growth, the rate at which a mode grows; waves (2p, sites, 3): the deviations of the sites of the cell, so that the
-    mean of |..|^2 at a temperature is kT, NaN where there is none; lowest: the smallest eigenvalue of A(k)."""
+    """Of one k: omega, rising (2p,); growth, the rate at which a mode grows; waves (2p, sites, 3): the deviations of the sites of the cell
+    at a temperature, over the root of kT, NaN where there are none; lowest: the smallest eigenvalue of A(k)."""
     omega: np.ndarray
     growth: np.ndarray
     waves: np.ndarray
@@ -35,21 +37,26 @@ class Modes:
         size, grid = np.array(order.size), sites.grid
         self.base = np.flatnonzero(np.all(sites.cell < size, axis=1) & linear.numbers.moving)
         if len(self.base) > LARGEST_CELL:
-            raise UsageError(f"the magnetic cell, {' x '.join(map(str, order.size))} cells, has {len(self.base)} sites, more than {LARGEST_CELL}: linear spin waves need a "
-                             "state that repeats in smaller cells, or a smaller lattice")
-        frames = frames_of(linear.normal)
+            raise UsageError(f"the magnetic cell, {said(order.size)} cells, has {len(self.base)} sites, more than {LARGEST_CELL}: linear "
+                             "spin waves need a state that repeats in smaller cells, or a smaller lattice")
         home = sites.site(sites.cell % size, sites.member)
-        frames = np.einsum("sab,scb->sac", frames[home], order.rotations(sites.cell) if order.turns is not None else np.eye(3)[None].repeat(len(home), 0))
+        frames = framed(linear, order, sites, home)
+        self.connect(linear, frames, home, sites, basis)
+        self.frames, self.rate, self.scale = frames[self.base], linear.rate[self.base], np.abs(linear.blocks).max(initial=0)
+        self.zero = SLOW * self.scale * np.abs(self.rate).max(initial=0)
+        self.sites, self.order, self.fractions = sites, order, basis[sites.member[self.base]]
+        self.places, self.known = sites.cell[self.base] + self.fractions, {}
+
+    def connect(self, linear: Linear, frames, home, sites: Sites, basis) -> None:
+        """rows, columns, blocks: what joins the sites of the cell to others; far: by which vectors."""
         number = np.full(len(home), -1)
         number[self.base] = np.arange(len(self.base))
         mine = np.isin(linear.i, self.base)
         blocks, i, j = linear.tangent(frames)[mine], linear.i[mine], linear.j[mine]
-        steps, share, which = images(sites.cell[j] - sites.cell[i], grid)
+        steps, share, which = images(sites.cell[j] - sites.cell[i], sites.grid)
         self.rows, self.columns = number[i[which]], number[home[j[which]]]
-        self.blocks, self.far = blocks[which] * share[:, None, None], steps + (basis[sites.member[j]] - basis[sites.member[i]])[which]
-        self.frames, self.rate, self.scale = frames[self.base], linear.rate[self.base], np.abs(blocks).max(initial=0)
-        self.zero = SLOW * self.scale * np.abs(self.rate).max(initial=0)
-        self.sites, self.order, self.fractions = sites, order, basis[sites.member[self.base]]
+        self.blocks = blocks[which] * share[:, None, None]
+        self.far = steps + (basis[sites.member[j]] - basis[sites.member[i]])[which]
 
     def of_family(self, family: str) -> tuple:
         """(which of the sites that move are of it, how many sites of it there are in a magnetic cell)."""
@@ -67,6 +74,16 @@ class Modes:
 
     def at(self, k) -> Found:
         """The modes of a wave vector, in units of the reciprocal lattice."""
+        around = np.rint(k * self.order.size) / self.order.size
+        first = np.where(self.sites.grid.periodic, k - around, 0)
+        key = tuple(np.round(first, 9) + 0.0)
+        if key not in self.known:
+            self.known[key] = self.found(first)
+        found = self.known[key]
+        return found._replace(waves=found.waves * np.exp(2j * np.pi * self.places @ (first - k))[:, None])
+
+    def found(self, k) -> Found:
+        """The same, computed."""
         a = self.matrix(k)
         curvature, vectors = np.linalg.eigh(a)
         largest = max(np.abs(curvature).max(), 1e-300)
@@ -89,6 +106,12 @@ class Modes:
     def in_space(self, waves) -> np.ndarray:
         """(2p, sites, 3) of columns in the frames."""
         return np.einsum("sam,sab->msb", waves.reshape(len(self.base), 2, -1), self.frames)
+
+
+def framed(linear: Linear, order: Order, sites: Sites, home) -> np.ndarray:
+    """Frames (sites, 2, 3): of the first magnetic cell, and those of others as they repeat or turn from there."""
+    frames = frames_of(linear.normal)[home]
+    return frames if order.turns is None else np.einsum("sab,scb->sac", frames, order.rotations(sites.cell))
 
 
 def images(steps, grid) -> tuple:

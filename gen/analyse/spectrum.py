@@ -34,7 +34,7 @@ from ..run.step.prepared import choose
 from ..run.record.record import Recorder
 from ..run.run import MEMORY, advance, describe
 from ..run.settings import model_of, settle, whole
-from .spin_waves import SpinWaves, packed, refined, state_of, theory as theory_of
+from .spin_waves import SpinWaves, is_path, packed, state_of, theory as theory_of
 from .waves import Components, waves, zone
 
 WINDOWS = ("none", "hann")
@@ -183,8 +183,8 @@ def found_lines(settings, numbers, family: str, grid: Grid, m, q, theory, basis)
     if theory is False:
         return None
     w = state_of(numbers, settings.start, settings.seed) if theory is True else state_of(numbers, theory, None)
-    between = BETWEEN if isinstance(q, str) and q.strip() != "all" else 1
-    return theory_of(numbers, family, grid, refined(m / np.array(grid.size), between), w, relax=theory is True, basis=basis, between=between)
+    between = BETWEEN if is_path(q) else 1
+    return theory_of(numbers, family, grid, m / np.array(grid.size), w, relax=theory is True, basis=basis, between=between)
 
 
 def directions(grid: Grid, m) -> np.ndarray:
@@ -285,7 +285,7 @@ def power(rows, window) -> np.ndarray:
 
 
 def seen_by_neutrons(s, rows, across, window) -> np.ndarray:
-    """(waves, M): sum S_ab (1 - q^q^)_ab = sum_a S_aa - |q^.S|^2 of rows (M, waves, 3) with the power s; where q = 0 the mean over directions."""
+    """(waves, M): the sum of S_aa less |q^.S|^2, q^ = q/|q|, of rows (M, waves, 3) with the power s; at q = 0 the mean over directions."""
     along = power(np.einsum("tqa,qa->tq", rows, across)[..., None], window)[..., 0].T
     return s.sum(axis=2) * np.where(across.any(axis=1), 1, 2 / 3)[:, None] - along
 

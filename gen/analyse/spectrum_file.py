@@ -16,8 +16,8 @@ ASKED = {"family": text, "waves": text, "window": text, "parts": count, "in_part
 PLACED = {"zone": lambda value: isinstance(value, dict) and all(rows_of_numbers([q]) for q in value.values()), "reciprocal": lambda value: rows_of_numbers(value)}    # of lattices with places
 
 
-THEORY = {"spec": text, "family": text, "cell": listed(count), "turns": listed(number), "torque": number, "moved": number, "energy": number, "stable": flag,
-          "between": count, "units": either(none, table(text)), "notes": listed(text)}
+THEORY = {"spec": text, "family": text, "cell": listed(count), "turns": listed(number), "torque": number, "moved": number,
+          "energy": number, "stable": flag, "between": count, "units": either(none, table(text)), "notes": listed(text)}
 
 
 def rows_of_numbers(value) -> bool:
@@ -39,7 +39,8 @@ def load_spectrum(path: str | os.PathLike) -> Spectrum:
         arrays.setdefault("tau", abs(meta["h"]) * meta["every"] * np.arange(arrays["omega"].size))
         fit(arrays)
         theory = unpacked(arrays, meta)
-        return Spectrum(meta, *(arrays.get(name) for name in ("q", "omega", "s", "equal_time", "tau", "autocorrelation", "neutron")), theory)
+        names = ("q", "omega", "s", "equal_time", "tau", "autocorrelation", "neutron")
+        return Spectrum(meta, *map(arrays.get, names), theory)
 
 
 def from_csv(file, size) -> tuple:
@@ -84,7 +85,8 @@ def unpacked(arrays: dict, meta: dict) -> SpinWaves | None:
             or weights.shape != (*omega.shape, 3) or w.ndim != 2 or w.shape[1] != 3:
         raise Wrong("the arrays of its theory do not fit each other")
     given = parsed(str(text_), lambda value: isinstance(value, dict))
-    if set(given) != set(THEORY) or not all(kind(given[name]) for name, kind in THEORY.items()) or (len(q) - 1) != given["between"] * (len(arrays["q"]) - 1):
+    known_ = set(given) == set(THEORY) and all(kind(given[name]) for name, kind in THEORY.items())
+    if not known_ or len(q) - 1 != given["between"] * (len(arrays["q"]) - 1):
         raise Wrong("the metadata of its theory are not what they should be")
     return SpinWaves(given, *found)
 

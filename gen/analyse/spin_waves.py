@@ -3,7 +3,8 @@
     found = smidgen.spin_waves(spec, start="neel", q="0,0 1/2,0 1/2,1/2 0,0")
     found.omega             # (wave vectors, lines), with the lines that S(q, omega) shows at each q
 
-The equilibrium may be any state: its magnetic cell, or the rotation by which a spiral goes on from cell to cell, is found. Formulas: docs/lattices.md.
+The equilibrium may be any state: its magnetic cell, or the rotation by which a spiral goes on from cell to cell, is found. Formulas stand in
+docs/lattices.md.
 """
 from __future__ import annotations
 
@@ -26,6 +27,7 @@ from .waves import waves
 
 FLAT = 1e-9         # of the largest curvature: what is lowered less is round-off
 GROWS = 1e-6        # of the largest frequency: a rate below that is round-off
+SMOOTH = 50         # sites of a magnetic cell up to which lines are computed between the wave vectors of the lattice
 SEEN = 1e-9         # of the largest weight: a line below that is not seen
 
 
@@ -34,15 +36,16 @@ class SpinWaves(ReadOnly):
     """Lines of linear spin waves near an equilibrium, in the units of the spec.
 
     :ivar q: the wave vectors in units of the reciprocal lattice vectors, shape (waves, directions).
-    :ivar omega: the angular frequencies at each wave vector in ascending order, shape (waves, lines); NaN if a wave vector has fewer lines. All are
-        0 or positive: a mode of negative frequency at q is one of positive frequency at -q.
-    :ivar weights: the integrals of S_xx, S_yy and S_zz over each line at a temperature, divided by kT, shape (waves, lines, 3). 0 if S(q, omega) does not
-        show the line at this q; NaN if there is no such number: at omega = 0, and for states that are not minima of the energy.
+    :ivar omega: the angular frequencies at each wave vector in ascending order, shape (waves, lines); NaN if a wave vector has fewer lines.
+        All are 0 or positive: a mode of negative frequency at q is one of positive frequency at -q.
+    :ivar weights: the integrals of S_xx, S_yy and S_zz over each line at a temperature, divided by kT, shape (waves, lines, 3). 0 if
+        S(q, omega) does not show the line at this q; NaN if there is no such number: at omega = 0, and for states that are not minima of
+        the energy.
     :ivar growth: the rate at which each mode grows, shape (waves, lines); 0 at minima of the energy.
     :ivar w: the equilibrium, shape (sites, 3).
-    :ivar meta: `cell`, the numbers of cells after which the motion repeats; `turns`, degrees from cell to cell in each direction for an order that goes on
-        by a rotation, otherwise []; `torque`, the largest |n x g| over the largest |g|; `moved`, by how many degrees relaxation turned spins; `energy`;
-        `stable`, whether no mode lowers the energy; `notes`, what the lines leave out.
+    :ivar meta: `cell`, the numbers of cells after which the motion repeats; `turns`, degrees from cell to cell in each direction for an order
+        that goes on by a rotation, otherwise []; `torque`, the largest |n x g| over the largest |g|; `moved`, by how many degrees relaxation
+        turned spins; `energy`; `stable`, whether no mode lowers the energy; `notes`, what the lines leave out.
     """
     INSTEAD = {"": "smidgen.spin_waves(spec, ...) finds others"}
     meta: dict
@@ -53,7 +56,8 @@ class SpinWaves(ReadOnly):
     w: np.ndarray
 
     def __repr__(self) -> str:
-        return f"<SpinWaves {self.meta['spec']}: {self.meta['family']}, {len(self.q)} waves, {self.omega.shape[1]} lines up to {np.nanmax(self.omega):.6g}>"
+        return (f"<SpinWaves {self.meta['spec']}: {self.meta['family']}, {len(self.q)} waves, {self.omega.shape[1]} lines up to "
+                f"{np.nanmax(self.omega):.6g}>")
 
     @property
     def seen(self) -> np.ndarray:
@@ -64,9 +68,9 @@ class SpinWaves(ReadOnly):
 
 @public
 @spec_or_name
-def spin_waves(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | Field | None = None, effects: Iterable[str] | None = None,
-               parameters: Mapping[str, object] | None = None, seed: int | None = None, family: str | None = None, q="all", basis=None,
-               relax: bool = False, cell=None, between: int = 1) -> SpinWaves:
+def spin_waves(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | Field | None = None,
+               effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None, seed: int | None = None, family: str | None = None, q="all",
+               basis=None, relax: bool = False, cell=None, between: int = 1) -> SpinWaves:
     """Compute the lines of linear spin waves near an equilibrium of a spec on a lattice. Arguments not listed here are as for `run`.
 
     :param start: the equilibrium: the name of a start of the spec, or a state of shape (sites, 3).
@@ -74,12 +78,15 @@ def spin_waves(spec: SpecLike, run: str | None = None, *, start: str | np.ndarra
     :param q: as for `spectrum`; wave vectors in an array need not be those of the finite lattice.
     :param basis: as for `spectrum`.
     :param relax: whether to minimise the energy from `start`, rather than to require that `start` is an equilibrium.
-    :param cell: the magnetic cell, as numbers of cells in each direction; by default the smallest is found, or the rotation by which a spiral goes on.
+    :param cell: the magnetic cell, as numbers of cells in each direction; by default the smallest is found, or the rotation by which a spiral
+        goes on.
     :param between: the number of steps from one wave vector of the lattice to the next along a path, for smooth lines.
-    :raises UsageError: if the state is not an equilibrium, for energies that depend on time, torques, tracers and magnetic cells of more than 1000 sites.
+    :raises UsageError: if the state is not an equilibrium, for energies that depend on time, torques, tracers and magnetic cells of more than
+        1000 sites.
     :raises MissingTool: for `relax` without scipy.
 
-    The lines follow from the Hessian of the energy. They do not include damping or noise, which is stated in `meta["notes"]`. Formulas are in docs/lattices.md.
+    The lines follow from the Hessian of the energy. They do not include damping or noise, which is stated in `meta["notes"]`. Formulas are in
+    docs/lattices.md.
     """
     one = asked(spec, run, None, None, effects, parameters)
     scene = scene_of(spec, one.effects, dict(one.parameters))
@@ -87,8 +94,7 @@ def spin_waves(spec: SpecLike, run: str | None = None, *, start: str | np.ndarra
     family = family_of(spec, family)
     grid = of(spec, family, dict(one.parameters))
     w = state_of(numbers, one.start if start is None else start, seed)
-    smooth = between if isinstance(q, str) and q.strip() != "all" else 1
-    return theory(numbers, family, grid, along(grid, q, smooth), w, relax=relax, basis=basis, cell=cell, between=smooth)
+    return theory(numbers, family, grid, rows_of(grid, q), w, relax=relax, basis=basis, cell=cell, between=between if is_path(q) else 1)
 
 
 def state_of(numbers: Evaluated, start, seed) -> np.ndarray:
@@ -106,15 +112,18 @@ def state_of(numbers: Evaluated, start, seed) -> np.ndarray:
     return w
 
 
-def along(grid: Grid, q, between: int = 1) -> np.ndarray:
-    """Wave vectors in units of the reciprocal lattice; of a path, with others between those of the lattice."""
-    if not isinstance(q, str):
-        rows = np.atleast_2d(np.asarray(q, float))
-        if rows.ndim != 2 or rows.shape[1] != len(grid.size) or not np.all(np.isfinite(rows)):
-            raise UsageError(f"a wave vector of this lattice has {len(grid.size)} finite numbers")
-        return rows
-    found = waves(grid, q) / np.array(grid.size)
-    return found if q.strip() == "all" else refined(found, between)
+def is_path(q) -> bool:
+    return isinstance(q, str) and q.strip() != "all"
+
+
+def rows_of(grid: Grid, q) -> np.ndarray:
+    """Wave vectors in units of the reciprocal lattice: those of the finite lattice by name, or any."""
+    if isinstance(q, str):
+        return waves(grid, q) / np.array(grid.size)
+    rows = np.atleast_2d(np.asarray(q, float))
+    if rows.ndim != 2 or rows.shape[1] != len(grid.size) or not np.all(np.isfinite(rows)):
+        raise UsageError(f"a wave vector of this lattice has {len(grid.size)} finite numbers")
+    return rows
 
 
 def refined(q, between: int) -> np.ndarray:
@@ -124,7 +133,7 @@ def refined(q, between: int) -> np.ndarray:
 
 
 def theory(numbers: Evaluated, family: str, grid: Grid, q, w, relax: bool = False, basis=None, cell=None, between: int = 1) -> SpinWaves:
-    """The lines near w, or near the equilibrium below it. numbers: those of the scene."""
+    """The lines near w, or near the equilibrium below it. numbers: those of the scene; between: steps from q to q, in small magnetic cells."""
     from .equilibrium import checked, relaxed, turned        # these need sympy
     from .hessian import Energy
     from .linear import Linear
@@ -136,11 +145,14 @@ def theory(numbers: Evaluated, family: str, grid: Grid, q, w, relax: bool = Fals
     torque = checked(numbers, energy, state)
     linear = Linear(numbers, energy, state)
     order = order_of(linear, sites, cell)
-    lines = Lines(Modes(linear, order, sites, fractions_of(sites, family, grid.basis(basis))), order, family, q)
-    meta = {"spec": numbers.spec.name, "family": family, "cell": list(order.size), "turns": [] if order.turns is None else np.degrees(angles(order.turns)).tolist(),
-            "torque": torque, "moved": float(np.degrees(turned(w, state))), "energy": energy.at(state), "stable": lines.stable, "between": between,
+    modes = Modes(linear, order, sites, fractions_of(sites, family, grid.basis(basis)))
+    smooth = between if len(modes.base) <= SMOOTH else 1
+    lines = Lines(modes, order, family, refined(q, smooth))
+    turns = [] if order.turns is None else np.degrees(angles(order.turns)).tolist()
+    meta = {"spec": numbers.spec.name, "family": family, "cell": list(order.size), "turns": turns, "torque": torque,
+            "moved": float(np.degrees(turned(w, state))), "energy": energy.at(state), "stable": lines.stable, "between": smooth,
             "units": units_of(numbers.spec), "notes": notes + lines.notes()}
-    return SpinWaves(meta, q, lines.omega, lines.weights, lines.growth, state)
+    return SpinWaves(meta, lines.q, lines.omega, lines.weights, lines.growth, state)
 
 
 def fractions_of(sites, family: str, basis) -> np.ndarray:
@@ -212,7 +224,8 @@ class Lines:
             return ["the state is no minimum of the energy: some modes lower it, but none grows"]
         some = np.flatnonzero((growth > GROWS * np.nanmax(self.omega)).any(axis=1))
         q = ", ".join(f"{x:.4g}" for x in self.q[at])
-        return [f"the state is unstable: modes grow at {len(some)} of {len(self.q)} wave vectors, fastest at q = {q}, at the rate {growth[at, line]:.6g}"]
+        return [f"the state is unstable: modes grow at {len(some)} of {len(self.q)} wave vectors, fastest at q = {q}, "
+                f"at the rate {growth[at, line]:.6g}"]
 
 
 # Files
@@ -222,4 +235,6 @@ ARRAYS = ("q", "omega", "weights", "growth", "w")
 
 def packed(found: SpinWaves | None) -> dict:
     """Arrays of a file."""
-    return {} if found is None else {**{f"theory_{name}": getattr(found, name) for name in ARRAYS}, "theory_meta": np.array(json.dumps(found.meta))}
+    if found is None:
+        return {}
+    return {**{f"theory_{name}": getattr(found, name) for name in ARRAYS}, "theory_meta": np.array(json.dumps(found.meta))}

@@ -35,7 +35,8 @@ def add(commands):
     parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average the spectra of P equal parts of the run")
     parser.add_argument("--autocorrelation", action="store_true", help="also in time, in a .npz")
     parser.add_argument("--neutron", action="store_true", help="also what neutrons see, with the factor 1 - q^q^")
-    parser.add_argument("--theory", metavar="START", nargs="?", const=True, default=False, help="beside it the lines of linear spin waves near an equilibrium: a start that is one, "
+    parser.add_argument("--theory", metavar="START", nargs="?", const=True, default=False,
+                        help="beside it the lines of linear spin waves near an equilibrium: a start that is one, "
                         "or without START the one to which relaxation leads from the start of the run")
     for name in ("start", "seed"):
         run_option(parser, name)
@@ -116,7 +117,8 @@ def lines(found):
     lines = [[]] * len(found.q) if found.theory is None else lines_of(found)
     yield f"{'q':>20} {'strongest at':>14} {'mean |S_q|^2':>14}" + "  linear spin waves" * (found.theory is not None)
     for q, omega, power, line in list(zip(found.q, peaks(found), found.equal_time.sum(axis=1), lines))[:TOLD]:
-        yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {power:14.6g}" + "  " * bool(len(line)) + few(f"{x:.6g}" for x in distinct(line))
+        told = "  " * bool(len(line)) + few(f"{x:.6g}" for x in distinct(line))
+        yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {power:14.6g}{told}"
     if found.theory is not None:
         yield from theory_lines(found)
     if len(found.q) > TOLD:

@@ -1,46 +1,10 @@
-"""Lines of linear spin waves: closed forms, the derivative of the compiled motion, the maxima of S(q, omega) of runs, refusals, files, the command."""
-import json
-
+"""Lines of linear spin waves: closed forms, refusals, what is told."""
 import numpy as np
 import pytest
 import smidgen
-from support.lattices import random_spins
+from support.magnets import AXIS, DMI, FIELD, NEEL, RATE, TURNS, magnet, shaken
 
 pytestmark = pytest.mark.quick
-MAGNET = """[model]
-name = "magnet"
-orientation = {orientation}
-[space]
-w = {{ sphere = "{count}", kappa = 2, radius = 1.5 }}
-[parameters]
-n = {n}
-J = {J}
-[effects.exchange]
-over = "bond(i, j) of {lattice}(n{more_n}, periodic)"
-energy = "-J*dot(w[i], w[j])"
-{more}
-[starts.order]
-theta = "{theta}"
-phi = "{phi}"
-[runs.demo]
-start = "order"
-h = 0.05
-time = 120
-output = {{ every = 4, what = ["states"] }}
-"""
-RATE = 0.8 * 1.5 / 2        # J r/kappa
-NEEL, TURNS = "pi*mod(i + floor(i/n), 2)", "2*pi/3*(mod(i, n) + floor(i/n))"
-FIELD = '[effects.field]\nover = "site(i) of w"\nenergy = "-0.2*w[i].z"\n'
-AXIS = '[effects.axis]\nover = "site(i) of w"\nenergy = "-0.1*w[i].z^2"\n'
-DMI = '[effects.dmi]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "-J*tan(2*pi/8)*cross(w[i], w[j]).z"\n'
-
-
-def magnet(lattice, sites=1, n=6, theta="0", phi="0", J=0.8, more="", orientation=1):
-    dimension = 1 if lattice == "chain" else 2
-    return smidgen.load_text(MAGNET.format(lattice=lattice, count="*".join([str(sites)] + ["n"] * dimension), more_n=", n" * (dimension - 1), n=n, theta=theta,
-                                           phi=phi, J=J, more=more, orientation=orientation))
-
-
 def triangular_gamma(q):
     """The mean of cos(q.d) over the six neighbours."""
     return (np.cos(2 * np.pi * q).sum(axis=1) + np.cos(2 * np.pi * (q[:, 0] + q[:, 1]))) / 3
@@ -105,6 +69,23 @@ def test_lines_of_the_order_of_120_degrees(cell, lines):
         np.testing.assert_allclose(np.sort([wanted(shift)[3] for shift in (-1, 0, 1)]), found.omega[3], atol=1e-7)
 
 
+@pytest.mark.parametrize("lattice, sites, basis, cell, theta, phi, more", [
+    ("triangular", 1, None, (3, 3), "pi/2", TURNS, ""), ("chain", 1, None, (8,), "pi/2", "2*pi*i/8", DMI),
+    ("ladder", 2, [[0.1], [0.4]], (8,), "pi/2", "2*pi*(floor(i/2) + mod(i, 2))/8", DMI.replace("chain", "ladder"))])
+def test_weights_of_a_turning_frame_are_those_of_the_magnetic_cell(lattice, sites, basis, cell, theta, phi, more):
+    """Two ways to the same S: one cell and a rotation, or many cells."""
+    n = 6 if lattice == "triangular" else 24
+    spec = magnet(lattice, sites, n, theta=theta, phi=phi, J=0.8 if more else -0.8, more=more)
+    one, other = (smidgen.spin_waves(spec, q=[[1 / 6] * len(cell), [5 / 24, 0.5][:len(cell)], [1.5, 0.25][:len(cell)]], basis=basis, cell=c) for c in (None, cell))
+    assert one.meta["turns"] and one.omega.shape[1] < other.omega.shape[1]
+    for k, line in enumerate(one.omega):
+        for omega in line[line > 1e-6]:
+            near = [np.abs(found.omega[k] - omega) < 1e-6 for found in (one, other)]
+            sums = [found.weights[k, at].sum(axis=0) for found, at in zip((one, other), near)]
+            np.testing.assert_allclose(*sums, rtol=1e-6, atol=1e-9)
+        assert other.weights[k][other.omega[k] > 1e-6].sum() == pytest.approx(one.weights[k][line > 1e-6].sum(), rel=1e-6)
+
+
 def test_lines_of_a_spiral_by_dzyaloshinskii_and_moriya():
     """Bonds of strength R = sqrt(J^2 + D^2) in the plane of the spiral, J across it: omega = 2 (r/kappa) sqrt(R (1 - cos k) (R - J cos k)) in the frame that turns."""
     found = smidgen.spin_waves(magnet("chain", n=24, theta="pi/2", phi="2*pi*i/8", more=DMI), q="0 1/2")
@@ -124,10 +105,6 @@ def test_waves_to_the_left_and_to_the_right():
     even, odd = 1.5 * 2 * 0.8 * (1 - np.cos(k)) + 2, 1.5 * 2 * 0.8 * 0.3 * np.sin(k)
     one, other = ((even + sign * odd) / 2 for sign in (1, -1))
     assert min(np.abs(found.omega[:, 0] - one).max(), np.abs(found.omega[:, 0] - other).max()) < 1e-12
-    back = smidgen.spectrum(magnet("chain", n=16, more=DMI.replace("tan(2*pi/8)", "0.3") + FIELD.replace("0.2", "2")), q=[[3 / 16], [-3 / 16]], start=shaken(np.tile([0, 0, 1.5], (16, 1))),
-                            theory="order", window="hann")
-    assert peaks(back) == pytest.approx(back.theory.omega[:, 0], abs=back.resolution)
-    assert abs(np.diff(back.theory.omega[:, 0])[0]) > 5 * back.resolution
 
 
 def test_weights_are_those_of_equipartition():
@@ -135,76 +112,6 @@ def test_weights_are_those_of_equipartition():
     found = smidgen.spin_waves(magnet("chain", more=FIELD), q="0 1/2")
     curvature = 1.6 * (1 - np.cos(2 * np.pi * found.q[:, 0])) + 0.2 / 1.5
     np.testing.assert_allclose(found.weights[:, 0], np.outer(1 / (2 * curvature), [1, 1, 0]), atol=1e-12)
-
-
-# The motion itself
-
-@pytest.mark.parametrize("more, held", [("", 0), ('[effects.edge]\nover = "site(i) of w"\npinned = "i == 0"\n', 1)], ids=["free", "pinned"])
-def test_frequencies_are_those_of_the_derivative_of_the_compiled_motion(more, held):
-    """A disordered chain with open ends, for which there is no formula: eigenvalues of the derivative of w x b, by differences of the compiled field."""
-    text = magnet("chain", n=7).sources[0][1].replace("chain(n, periodic)", "chain(n, open)").replace("-J*dot(w[i], w[j])", "-J*(1 + 0.3*normal(2, i, j))*dot(w[i], w[j]) - 0.3*w[i].x*w[j].z")
-    spec = smidgen.load_text(text.replace("[starts.order]", FIELD + AXIS + more + "[starts.order]"))
-    found = smidgen.spin_waves(spec, relax=True, start=shaken(1.5 * random_spins(7), 0.01), q=[[0.0]])
-    assert found.meta["cell"] == [7] and found.meta["torque"] < 1e-9
-    model = smidgen.build(spec).start(found.w, h=0.1)
-
-    def rate(w):
-        return (np.cross(w, model.field(w)) * (np.arange(7) >= held)[:, None]).ravel()
-    moves = 1e-5 * np.eye(21).reshape(21, 7, 3)
-    slope = np.stack([(rate(found.w + d) - rate(found.w - d)) / 2e-5 for d in moves], axis=1)
-    values = np.linalg.eigvals(slope).imag
-    assert found.omega.shape == (1, 7 - held)
-    np.testing.assert_allclose(found.omega[0], np.sort(values)[-(7 - held):], atol=1e-6)
-
-
-# Runs
-
-def shaken(w, size=0.02, seed=5):
-    """Near w: waves of every q at once, small enough not to meet."""
-    moved = w + size * np.random.default_rng(seed).standard_normal(w.shape)
-    return moved * (np.linalg.norm(w, axis=1) / np.linalg.norm(moved, axis=1))[:, None]
-
-
-def peaks(found):
-    up = found.omega >= 0
-    return found.omega[up][found.mean[:, up].argmax(axis=1)]
-
-
-@pytest.mark.parametrize("spec, path", [
-    (magnet("honeycomb", 2, 6), "Gamma K M Gamma"), (magnet("square", n=12, theta=NEEL, J=-0.8), "0,0 1/2,0 1/2,1/2 0,0"),
-    (magnet("triangular", n=12, theta="pi/2", phi=TURNS, J=-0.8), "Gamma K M Gamma")], ids=["ferromagnet", "neel", "120 degrees"])
-def test_maxima_of_runs_lie_on_the_lines(spec, path):
-    """Within one frequency: the strongest of each q on a line; and on each line that stands apart from the others a maximum."""
-    w = smidgen.spin_waves(spec, q=path).w
-    found = smidgen.spectrum(spec, q=path, start=shaken(w), window="hann", theory=True)
-    lines = [omega[seen] for omega, seen in zip(found.theory.omega[::8], found.theory.seen[::8])]
-    moving = [k for k, line in enumerate(lines) if line.max() > 4 * found.resolution]
-    assert len(moving) > 4
-    off = [np.abs(lines[k] - peaks(found)[k]).min() for k in moving]
-    assert max(off) < found.resolution
-    tested = 0
-    for k in moving:
-        apart = np.unique(np.round(lines[k], 6))
-        for line in apart:
-            if line > 4 * found.resolution and sum(np.abs(apart - line) < 5 * found.resolution) == 1:
-                near = np.abs(found.omega - line) < 1.01 * found.resolution
-                row, inner = found.mean[k], np.flatnonzero(near)
-                assert any(row[m] > row[m - 1] and row[m] > row[m + 1] for m in inner), (found.q[k], line)
-                tested += 1
-    assert tested > 5
-
-
-def test_what_neutrons_see():
-    """S = sum S_aa for q along z across a ferromagnet of z: of a chain along x the component x falls away."""
-    spec = magnet("chain", n=8)
-    found = smidgen.spectrum(spec, q="0 1/2", start=shaken(np.tile([0, 0, 1.5], (8, 1))), neutron=True, parts=2)
-    np.testing.assert_allclose(found.neutron[1:], found.s[1:, :, 1:].sum(axis=2), rtol=1e-9, atol=1e-15)
-    assert np.all(found.neutron > -1e-12)
-    plain = smidgen.load_text(magnet("chain", n=8).sources[0][1].replace("bond(i, j) of chain(n, periodic)", "bond(i, j) of ring.a") + '[lattices.ring]\nsize = ["n"]\n'
-                              'boundary = "periodic"\nbonds.a = [{ from = 0, to = 0, offset = [1] }]\n')
-    with pytest.raises(smidgen.UsageError, match="direction of q in space"):
-        smidgen.spectrum(plain, neutron=True)
-    assert smidgen.spin_waves(plain).omega.max() == pytest.approx(4 * RATE)
 
 
 # Refusals, and what is told
@@ -243,33 +150,3 @@ def test_relaxation_finds_the_order():
     found = smidgen.spin_waves(magnet("triangular", J=-0.8), start=w, relax=True)
     assert found.meta["turns"] == pytest.approx([120, 120]) and found.meta["torque"] < 1e-9 and found.meta["moved"] > 5
     assert found.meta["energy"] == pytest.approx(-36 * 1.5 * 0.8 * 1.5 ** 2)
-
-
-# Files, the command
-
-def test_files_keep_the_lines(tmp_path):
-    from smidgen.show.plot.spectrum import draw_spectrum
-    found = smidgen.spectrum(magnet("chain", n=8), q="0 1/2", time=20, theory=True, neutron=True)
-    again = smidgen.load_spectrum(found.save(tmp_path / "a.npz"))
-    assert again.theory.meta == found.theory.meta and again.save(tmp_path / "b.npz").read_bytes() == (tmp_path / "a.npz").read_bytes()
-    for name in ("q", "omega", "weights", "growth", "w"):
-        np.testing.assert_array_equal(getattr(again.theory, name), getattr(found.theory, name))
-    np.testing.assert_array_equal(again.neutron, found.neutron)
-    assert draw_spectrum(again, tmp_path / "a.png").stat().st_size > 1000
-    assert smidgen.load_spectrum(found.save(tmp_path / "a.csv")).theory is None
-    data = dict(np.load(tmp_path / "a.npz"))
-    for broken in ({"theory_q": data["theory_q"][1:]}, {"theory_w": data["theory_w"][:, :2]}, {"theory_meta": np.array("{}")}, {"neutron": data["neutron"][1:]}):
-        np.savez(tmp_path / "c.npz", **{**data, **broken})
-        with pytest.raises(smidgen.UsageError, match="is not a file of a smidgen run"):
-            smidgen.load_spectrum(tmp_path / "c.npz")
-
-
-def test_the_command(command, tmp_path):
-    (tmp_path / "m.toml").write_text(magnet("chain", n=8).sources[0][1])
-    said = command("spectrum", "m.toml", "--q", "0 1/2", "--time", "20", "--neutron", "--out", "a.npz", "--plot", "a.png", "--theory")
-    assert said.returncode == 0 and "linear spin waves: magnetic cell 1; |n x g| is 0 of the field" in said.stdout, said.stdout + said.stderr
-    assert said.stdout.splitlines()[6].split()[-1] == "2.4"
-    facts = json.loads(command("spectrum", "m.toml", "--q", "1/2", "--time", "20", "--theory=order", "--json").stdout)
-    assert facts["theory"]["lines"] == [[pytest.approx(2.4)]] and facts["theory"]["stable"] is True
-    refused = command("spectrum", "m.toml", "--theory=other", "--time", "20")
-    assert refused.returncode == 2 and "no start 'other'" in refused.stderr

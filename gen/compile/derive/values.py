@@ -20,7 +20,7 @@ _MANY = {"Add": operator.add, "Mul": operator.mul, "And": np.logical_and, "Or": 
 
 
 def value(e, known: dict):
-    """The value of e: a number or an array. known: symbol -> number or array; every expression that is met is added to it, and computed once.
+    """The value of e: a number or an array. known: symbol -> number or array; every expression that is met is added, and computed once.
 
     Floating-point exceptions give inf or nan, as in C."""
     if e not in known:

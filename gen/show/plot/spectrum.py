@@ -36,10 +36,12 @@ def spectrum_figure(spectrum):
     omega, values = upper(spectrum)
     top = brightest(omega, values)
     image = ax.pcolormesh(edges(x), edges(omega), np.maximum(values, DEPTH * top).T, norm=LogNorm(DEPTH * top, top), rasterized=True)
-    figure.colorbar(image, ax=ax, label="S(q, omega), mean of the components" if spectrum.neutron is None else "S(q, omega), as neutrons see it", extend="both")
+    what = "mean of the components" if spectrum.neutron is None else "as neutrons see it"
+    figure.colorbar(image, ax=ax, label=f"S(q, omega), {what}", extend="both")
     at = turns(spectrum.q)
     ax.set_xticks(x[at], [spectrum.names[k] or label(spectrum.q[k]) for k in at])
-    ax.set(xlabel="q, in units of the reciprocal lattice", ylabel=f"omega (rad/{unit})" if unit else "omega", xlim=edges(x)[[0, -1]], ylim=(0, height(spectrum, omega, values, top)))
+    ax.set(xlabel="q, in units of the reciprocal lattice", ylabel=f"omega (rad/{unit})" if unit else "omega",
+           xlim=edges(x)[[0, -1]], ylim=(0, height(spectrum, omega, values, top)))
     ax.grid(False)
     ax.set_title(shown(f"{meta['spec']} {meta['run']}: waves of {meta['family']}"))
     draw_resolution(ax, spectrum, x)
@@ -58,7 +60,8 @@ def notes(spectrum):
     yield f"h = {meta['h']:.6g}, output every {meta['every']}"
     yield "cross: resolution"
     if spectrum.theory is not None:
-        yield "lines: linear spin waves" + ", dotted where S has no weight" * bool(np.any(~spectrum.theory.seen & ~np.isnan(spectrum.theory.omega)))
+        hidden = bool(np.any(~spectrum.theory.seen & ~np.isnan(spectrum.theory.omega)))
+        yield "lines: linear spin waves" + ", dotted where S has no weight" * hidden
         yield from spectrum.theory.meta["notes"]
 
 
