@@ -12,7 +12,7 @@ MANUAL := argparse-manpage --module smidgen.cli.parser --function make_parser --
 PAGE   := out/smidgen.1
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo install site manual test quick test-long bench hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
+.PHONY: demo install site manual test quick test-long bench bench-scenes hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
@@ -47,6 +47,10 @@ install:
 
 bench: $(VENV)/ready
 	$(PY) tests/bench/run.py
+
+# What one word more in a spec costs, beside exchange alone (some minutes); writes docs/beside_exchange.md. TIMES=1: times too.
+bench-scenes: $(VENV)/ready
+	$(PY) tests/bench/beside_exchange.py $(if $(TIMES),--times)
 
 $(VENV)/ready: tests/install.sh requirements.txt requirements-test.txt pyproject.toml setup.py
 	PYTHON="$(PYTHON)" sh tests/install.sh $(VENV)

@@ -135,13 +135,13 @@ def starts_of(kernel: Kernel, spec) -> np.ndarray:
     return initial_state(spec, kernel.start or spec.starts[0].name)
 
 
-def compiled(kernel: Kernel, spec, place: Path) -> Path:
-    """The program of a kernel, with its starts beside it."""
+def compiled(kernel: Kernel, spec, place: Path, more=()) -> Path:
+    """The program of a kernel, with its starts beside it; more: flags."""
     for file, text in generate(spec, kernel.method, kernel.solver, features=kernel.features).items():
         (place / file).write_text(text)
     np.asarray(starts_of(kernel, spec), float).tofile(place / "starts")
     own = (f"-DMODEL={spec.name}", f'-DSOURCE="{place}/{spec.name}.c"', f"-DLANES={int('ensemble' in kernel.features)}")
-    subprocess.run([*find_compiler(), *FLAGS, "-I", place, *include_flags(), *own, HERE / "instructions.c", "-lm", "-o", place / "steps"], check=True)
+    subprocess.run([*find_compiler(), *FLAGS, *more, "-I", place, *include_flags(), *own, HERE / "instructions.c", "-lm", "-o", place / "steps"], check=True)
     return place / "steps"
 
 

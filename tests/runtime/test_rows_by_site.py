@@ -134,9 +134,9 @@ def test_threads_have_the_same_bits(monkeypatch):
         assert np.array_equal(smidgen.build(spec, threads=2).start("random", h=0.08).steps(9).save(), wanted)
 
 
-@pytest.mark.parametrize("energy, over", [("i*w[i].z^3", "site(i) of w"), (" + ".join(f"sin({k}*i)*w[i].x^2*{k % 2} + cos({k}*i)*cos({k}*t)*w[i].y" for k in range(1, 12)), "site(i) of w")])
+@pytest.mark.parametrize("energy, over", [("abs(i*w[i].z)", "site(i) of w"), (" + ".join(f"sin({k}*i)*w[i].x^2*{k % 2} + cos({k}*i)*cos({k}*t)*w[i].y" for k in range(1, 12)), "site(i) of w")])
 def test_what_goes_from_site_to_site(energy, over):
-    """What is not quadratic; more numbers a site than states have."""
+    """What has branches; more numbers a site than states have."""
     spec = lattice("general", "chain(n, periodic)", 16, "n", EXCHANGE + f'[effects.more]\nover = "{over}"\nenergy = "{energy}"\n')
     assert not by_rows(spec) and not by_rows(spec, "gauss-4")
 

@@ -101,7 +101,7 @@ def test_so_they_do_by_other_methods(method):
     (ABSENT + '[effects.squares]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(w[i] - w[j], w[i] - w[j])"\n', "`squares` does not vanish where one of its spins is 0, and some sites are absent"),
     ('[effects.random]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(vec(uniform(1, i, j), uniform(2, i, j), uniform(3, i, j)), w[i])*w[j].x"\n',
      "10 numbers differ from site to site, more than 8"),
-    ('[effects.quartic]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(w[i], w[j])^2"\n', "`quartic` is not quadratic in the spins")])
+    ('[effects.kinked]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "abs(dot(w[i], w[j]))"\n', "`kinked` has branches")])
 def test_what_prevents_it_is_said(what, said):
     """In `gen` and `run`, by the notes, and by `explain`."""
     spec = held("ring", what)

@@ -1,4 +1,4 @@
-"""The least and the largest value of a formula at all times, as formulas of what time does not decide.
+"""The least and the largest value of a formula at all times, and for all values of some symbols whose ends are known, as formulas of what neither decides.
 
 By interval arithmetic (R. E. Moore, "Interval Analysis", 1966): each operation takes the ends of its operands to the ends of its result,
 so that what comes of it may be too wide, never too narrow. An end is None where there is none, as of the time itself.
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import reduce
 from math import prod
+from types import MappingProxyType
 
 import sympy as sp
 
@@ -17,19 +18,19 @@ from ..derive.written import minus, negative, over, plus
 from ..derive.written import times as written_times
 from ..lower.lowering import CLOCK
 
-ALL = (None, None)
+ALL, NO_ENDS = (None, None), MappingProxyType({})
 HALF_TURN = sp.pi / 2
 MOST = 400, 80      # nodes of an end, and how deep they are: products of products of ends grow
 
 
-def in_time(low, e) -> bool:
-    """Does the time enter?"""
-    return any(low.level(s.name) == CLOCK for s in e.free_symbols)
+def varies(low, e, ends=NO_ENDS) -> bool:
+    """Does the time enter, or a symbol of those with ends?"""
+    return any(s in ends or low.level(s.name) == CLOCK for s in e.free_symbols)
 
 
-def largest_ever(low, e):
-    """An upper bound of a formula at all times, itself where it is the same at all of them; None where none is found."""
-    return extent(low, in_cosines(e))[1] if in_time(low, e) else e
+def largest_ever(low, e, ends=NO_ENDS):
+    """An upper bound of a formula at all times, itself where it is the same at all of them; None where none is found. ends: {symbol: (least, largest)}."""
+    return extent(low, in_cosines(e), ends)[1] if varies(low, e, ends) else e
 
 
 def in_cosines(e):
@@ -39,14 +40,16 @@ def in_cosines(e):
     return sp.sqrt(sp.expand_mul(e.base.xreplace(squares))) if root and squares else e
 
 
-def extent(low, e) -> tuple:
+def extent(low, e, ends=NO_ENDS) -> tuple:
     """(least, largest) value."""
-    if not in_time(low, e):
+    if not varies(low, e, ends):
         return e, e
+    if e in ends:
+        return ends[e]
     rule = next((rule for kind, rule in RULES if isinstance(e, kind)), None)
     if rule is None:
         return ALL
-    return tuple(map(sound, rule(e, [extent(low, a) if isinstance(a, sp.Expr) else ALL for a in e.args])))
+    return tuple(map(sound, rule(e, [extent(low, a, ends) if isinstance(a, sp.Expr) else ALL for a in e.args])))
 
 
 def sound(end):

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-import sympy as sp
-
 from ...language.held import lacking
 from ...language.spec import Lattice, Sites
 from ..lower.code import Argument, Assign, Braces, Call, Element, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
@@ -20,12 +18,12 @@ from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
 from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_term
-from .extent import in_time, largest_ever
 from .families import SITE
 from .lanes import in_lanes, named
-from .norms import row_sums, spectral_bound
+from .norms import row_sums
 from .pairs import slope_bound
 from .effort import by_rows
+from .row_bounds import bounds_of_term
 from .part import MOST_LANES, Part, buffer, placed
 from .response import response_kernel, stored
 from .site_values import count, differs, names, sited, value_function, with_sites
@@ -93,20 +91,15 @@ def rows_of(model, low, f, over, whole):
     why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving))
     if why_not:
         return why_not
-    bounds = {t.prefix: bounds_of(low, t, 0, bounded) for t in apart}
-    ends = [*bounds.values(), *(bounds_of(low, t, k, bounded) for t in terms if t.prefix in joined for k in (0, 1))] if bounded else []
-    found = Rows(over, colouring(model.lattices(f.name)), *((rest_field(model, low, f, whole), hessian(model, low, f, whole)) if bounded else (None, None)), whole=whole)
-    if bounded and None in (found.rest, found.norm, *(e for both in ends for e in both)):
-        return "its fields have no bound that holds at all times"
+    bounds = {(t.prefix, k): bounds_of_term(low, t, k, f.family.radius) if bounded else (None, None) for t in terms for k in range(len(t.slots))}
+    unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
+    if unbounded:
+        return f"the field of `{unbounded.derived.term.name}` has no bound that holds at all times"
+    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole)
     if not fits(found, model.lattices(f.name)):
         return "its colours do not have equally many sites, or its bonds reach too far"
-    alone = sited(low, apart, lambda t: bounds[t.prefix])
-    return replace(found, sited={**alone, **bonds_of_terms(low, model.loops, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounded)})
-
-
-def bounds_of(low, t, k: int, bounded: bool) -> tuple:
-    """Of the field of no spins and of the Hessian, in the row of slot k; None where nobody asks."""
-    return (rest_norm(low, t, k), hessian_norm(low, t, k)) if bounded else (None, None)
+    alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
+    return replace(found, sited={**alone, **bonds_of_terms(low, model.loops, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounds)})
 
 
 def roles_of(model, t, places: int, whole) -> tuple:
@@ -123,11 +116,11 @@ def role(t, k: int, bond, beside_it: int) -> Role:
     return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]))
 
 
-def bonds_of_terms(low, loops, terms, roles, first: int, bounded: bool) -> dict:
+def bonds_of_terms(low, loops, terms, roles, first: int, bounds) -> dict:
     """{prefix: `Bonded`}."""
     found = {}
     for t in terms:
-        found[t.prefix] = bonded(low, t, first, roles[t.prefix], lambda k: bounds_of(low, t, k, bounded), number_functions(loops, t))
+        found[t.prefix] = bonded(low, t, first, roles[t.prefix], lambda k: bounds[t.prefix, k], number_functions(loops, t))
         first += found[t.prefix].width
     return found
 
@@ -182,42 +175,12 @@ def fits(found: Rows, lattices) -> bool:
     return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= KNOWN
 
 
-def rest_field(model, low, f, whole):
-    """A bound on the norm of the field where all w are 0, at all times, of what all sites have alike; None where there is none."""
-    return row_sums(model, low, f, lambda t, k: alike(low, whole.get(t.prefix, t), k, rest_norm))
-
-
-def alike(low, t, k, norm):
-    """The norm of a term that all sites have alike, 0 of others."""
-    return 0 if differs(t) or two_ended(t) else norm(low, t, k)
-
-
-def rest_norm(low, t, k):
-    """That of one term."""
-    origin = {v: 0 for vector in t.derived.vectors for v in vector}
-    values = [low.number_values(sp.sympify(x).subs(origin)) for x in t.derived.gradient[k]]
-    return largest_ever(low, sp.sqrt(sum(x ** 2 for x in values)))
-
-
-def hessian(model, low, f, whole):
-    """The same of the norms of the Hessian's blocks in a row."""
-    return row_sums(model, low, f, lambda t, k: alike(low, whole.get(t.prefix, t), k, hessian_norm))
-
-
-def hessian_norm(low, t, k):
-    """That of one term; where time enters, entry by entry."""
-    blocks = [block.applyfunc(low.number_values) for (a, _), block in t.derived.hessian.items() if a == k]
-    norms = [largest_norm(low, b) if any(in_time(low, x) for x in b) else spectral_bound(b) for b in blocks]
-    return None if None in norms else sum(norms, sp.S.Zero)
-
-
-def largest_norm(low, block):
-    """As `spectral_bound`: of the symmetric part, and of the antisymmetric one."""
-    even, odd = (block + block.T) / 2, (block - block.T) / 2
-    alike = even == even[0, 0] * sp.eye(3)
-    entries = [[even[0, 0]] if alike else list(even), [odd[0, 1], odd[0, 2], odd[1, 2]]]
-    sizes = [[largest_ever(low, sp.Abs(x)) for x in part] for part in entries]
-    return None if None in sizes[0] + sizes[1] else sum(sp.sqrt(sum(x ** 2 for x in part)) for part in sizes)
+def alike(model, low, f, whole, bounds, which: int):
+    """The sum of a bound over the terms that all sites have alike."""
+    def norm(t, k):
+        t = whole.get(t.prefix, t)
+        return 0 if differs(t) or two_ended(t) else bounds[t.prefix, k][which]
+    return row_sums(model, low, f, norm)
 
 
 # What the model says of them

@@ -1,0 +1,124 @@
+"""Bounds of what a site of a lattice feels, at all times and of all states: of the field of no spins, and of the norms of the Hessian's blocks in its row.
+
+A term that is quadratic in the spins has the same Hessian at all states. That of another one is bounded where no spin is longer than its radius r, by the ends of each entry
+(`extent.py`): along the ray from 0 to a state the gradient g changes by no more than that, so that |g| <= |g(0)| + B r as for quadratic terms.
+"""
+from __future__ import annotations
+
+import sympy as sp
+
+from ..derive.derivatives import is_real, scalar
+from ..derive.parts import is_large
+from .extent import MOST, largest, largest_ever, varies
+from .norms import spectral_bound
+
+
+class Spins:
+    """The vectors of a term where none is longer than r; ends: the least and the largest value of each component, and of a symbol for each of their products."""
+
+    def __init__(self, low, t, radius):
+        value, leaves = scalar(radius)
+        low.leaves.update(leaves)
+        r, vectors = low.number_values(value), t.derived.vectors
+        self.components = {x for v in vectors for x in v}
+        self.products = {sp.Dummy(real=True): (v, w) for n, v in enumerate(vectors) for w in vectors[n:]}
+        self.ends = {**{x: (-r, r) for x in self.components}, **{p: (-r ** 2, r ** 2) for p in self.products}}
+
+    def named(self, e):
+        """With their symbols for products of vectors that stand there as such, expanded."""
+        return sp.expand(e.subs({self.written_out(p): p for p in self.products}))
+
+    def in_lengths(self, e):
+        """A polynomial with |v|^2 - v.x^2 - v.y^2 in place of v.z^2."""
+        e = sp.expand(e)
+        for p, (v, w) in self.products.items():
+            e = replaced(e, p, v, w) if v == w else e
+        return e
+
+    def parted(self, block):
+        """(what products of vectors add to the whole diagonal, in their symbols; the block without it)."""
+        scale, e = sp.S.Zero, block[0, 0]
+        for p, (v, w) in self.products.items():
+            e = min(e, replaced(e, p, v, w), key=terms)
+        for x in sp.Add.make_args(e):
+            rest = min(((block - y * sp.eye(3)).applyfunc(sp.expand) for y in (x, self.written_out(x))), key=all_terms)
+            if not x.free_symbols & self.components and all_terms(rest) < all_terms(block):
+                scale, block = scale + x, rest
+        return scale, block
+
+    def written_out(self, e):
+        return sp.expand(e.xreplace({p: sum(map(sp.Mul, v, w)) for p, (v, w) in self.products.items()}))
+
+    def of_components(self, e) -> bool:
+        """Is it a polynomial of components?"""
+        return e.is_polynomial(*self.components) and not is_large(e, *MOST)
+
+
+def terms(e) -> int:
+    return len(sp.Add.make_args(e)) if e != 0 else 0
+
+
+def all_terms(block) -> int:
+    return sum(map(terms, block))
+
+
+def replaced(e, product, v, w):
+    """e with that symbol in place of v.z w.z, and the rest of the product taken off it."""
+    return sp.expand(e.subs(v[2] * w[2], product - v[0] * w[0] - v[1] * w[1]))
+
+
+def bounds_of_term(low, t, k: int, radius) -> tuple:
+    """(of the field of no spins, of the Hessian) in the row of slot k; None where there is none."""
+    return rest_norm(low, t, k), hessian_norm(low, t, k, Spins(low, t, radius))
+
+
+def rest_norm(low, t, k):
+    origin = {v: 0 for vector in t.derived.vectors for v in vector}
+    values = [low.number_values(sp.sympify(x).subs(origin)) for x in t.derived.gradient[k]]
+    return largest_ever(low, sp.sqrt(sum(x ** 2 for x in values))) if all(map(is_real, values)) else None
+
+
+def hessian_norm(low, t, k, spins: Spins):
+    """Where time or spins enter, entry by entry."""
+    blocks = [block.applyfunc(low.number_values) for (a, _), block in t.derived.hessian.items() if a == k]
+    norms = [of_all_states(low, b, spins) if b.free_symbols & spins.components else largest_norm(low, b) if any(varies(low, x) for x in b) else spectral_bound(b) for b in blocks]
+    return None if None in norms else sum(norms, sp.S.Zero)
+
+
+def largest_norm(low, block):
+    """As `spectral_bound`: of the symmetric part, and of the antisymmetric one."""
+    even, odd = (block + block.T) / 2, (block - block.T) / 2
+    alike = even == even[0, 0] * sp.eye(3)
+    entries = [[even[0, 0]] if alike else list(even), [odd[0, 1], odd[0, 2], odd[1, 2]]]
+    sizes = [[largest_ever(low, sp.Abs(x)) for x in part] for part in entries]
+    return None if None in sizes[0] + sizes[1] else sum(sp.sqrt(sum(x ** 2 for x in part)) for part in sizes)
+
+
+def of_all_states(low, block, spins: Spins):
+    """Of a multiple of I that products of vectors give, as in dot(v, w)^2, and of what is left."""
+    if not all(map(spins.of_components, block)):
+        return largest_sums(low, block, spins)
+    exact = {x: sp.Rational(repr(float(x))) for x in block.atoms(sp.Float)}      # so that terms cancel out
+    scale, rest = spins.parted(block.xreplace(exact).applyfunc(spins.named))
+    norms = largest_ever(low, sp.Abs(scale), spins.ends), frobenius(low, rest, spins) or largest_sums(low, rest, spins)
+    return None if None in norms else rounded(sum(norms))
+
+
+def rounded(e):
+    """With real numbers in place of fractions; exponents are halves."""
+    return e.xreplace({x: sp.Float(x) for x in e.atoms(sp.Rational) if x.q > 2})
+
+
+def frobenius(low, block, spins: Spins):
+    """Where lengths alone enter it."""
+    square = spins.in_lengths(sum(x ** 2 for x in block))
+    return None if square.free_symbols & spins.components else largest_ever(low, sp.sqrt(square), spins.ends)
+
+
+def largest_sums(low, block, spins: Spins):
+    """The root of the largest sum of a row times that of a column."""
+    sizes = [largest_ever(low, sp.Abs(x), spins.ends) for x in block]
+    if None in sizes:
+        return None
+    rows, columns = [sum(sizes[3 * a:3 * a + 3]) for a in range(3)], [sum(sizes[a::3]) for a in range(3)]
+    return largest(*rows) if rows == columns else sp.sqrt(largest(*rows) * largest(*columns))
