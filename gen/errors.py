@@ -90,6 +90,11 @@ class RunError(SmidgenError):
         self.iterations, self.residual = iterations, residual
         self.site, self.partner, self.reached, self.rate = site, partner, reached, rate
 
+    def with_more(self, text: str) -> RunError:
+        """The same error, with `text` at the end of its message."""
+        self.args = (str(self) + text,)
+        return self
+
 
 class ValidationError(SmidgenError):
     """The generated code and the witness differ by more than the tolerance."""

@@ -191,7 +191,7 @@ def advance(model, settings, recorder, progress, save):
             if interrupted():
                 return "interrupted", None
             if not _some_steps(model, settings, recorder, pace):
-                error = model.failure()
+                error = model.failure().with_more(recorder.deviations.grown(model.values()))
                 if not (settings.substeps and _rescued(model, recorder, error)):
                     return f"failed: {error}", error
                 if model.count % settings.every == 0:

@@ -6,6 +6,7 @@
 #define SMG_PARAMETERS_H
 
 #include "smg_leaf.h"
+#include "smg_respond.h"
 
 /* The coefficients of a call that has no state, at the time t. */
 static const smg_coefficients *smg_begin(smg_coefficients *c, const smg_model *model, smg_real t) {
@@ -18,22 +19,35 @@ static const smg_coefficients *smg_begin(smg_coefficients *c, const smg_model *m
   return c;
 }
 
-/* Strengths and radii that no step could use, sites of which none is there, and radii other than `before`, where that
- * is not NULL. */
+/* Is it a number from 0 to SMG_MAX? */
+static inline int smg_is_size(smg_real x) { return x >= 0 && x <= SMG_MAX; }
+
+/* Can steps use the strength and the damping of a site (negative damping would heat it), and its diffusion? */
+static inline int smg_site_serves(const smg_coefficients *c, int64_t k) {
+#if SMG_RESPONDS
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_response(c, k, r);
+  if (!smg_is_size(smg_kappa(c, k) > 0 ? SMG_ORIENTATION * r[1] : -SMG_ORIENTATION * r[1])) return 0;
+#endif
+#if SMG_THERMAL
+  if (!smg_is_size(smg_diffusion(c, k))) return 0;
+#endif
+  return smg_kappa(c, k) != 0 && smg_is_size(smg_abs(smg_kappa(c, k)));
+}
+
+/* Is the radius of a sphere one of its kind, and that of `before`, where that is not NULL? */
+static inline int smg_radius_serves(const smg_coefficients *c, const smg_coefficients *before, int64_t k) {
+  return smg_radius(c, k) != 0 && smg_is_size(smg_radius(c, k)) &&
+         (!before || smg_radius(c, k) == smg_radius(before, k));
+}
+
+/* Strengths, dampings and radii that no step could use, sites of which none is there, and radii other than `before`. */
 static smg_status smg_check_sites(const smg_coefficients *c, const smg_coefficients *before) {
   int there = 0;
   for (int64_t k = 0; k < smg_sites(c); ++k) {
     there |= smg_present(c, k) > 0;
-    const smg_real kappa = smg_kappa(c, k);
-    if (!(kappa != 0) || !(SMG_MATH(fabs)(kappa) <= SMG_MAX)) return SMG_BAD_PARAMETER;
-#if SMG_THERMAL
-    const smg_real diffusion = smg_diffusion(c, k);
-    if (!(diffusion >= 0 && diffusion <= SMG_MAX)) return SMG_BAD_PARAMETER;
-#endif
-    if (smg_kind(c, k) != SMG_SPHERE) continue;
-    const smg_real radius = smg_radius(c, k);
-    if (!(radius > 0 && radius <= SMG_MAX)) return SMG_BAD_PARAMETER;
-    if (before && !(radius == smg_radius(before, k))) return SMG_BAD_PARAMETER;
+    if (!smg_site_serves(c, k) || (smg_kind(c, k) == SMG_SPHERE && !smg_radius_serves(c, before, k)))
+      return SMG_BAD_PARAMETER;
   }
   return there ? SMG_OK : SMG_BAD_PARAMETER;
 }

@@ -1,7 +1,7 @@
-/* smidgen runtime: scalar type, statuses and the report every step fills.
+/* smidgen runtime: the scalar type, the statuses, and the report of a step.
  *
- * Everything here is C11 that is also C++; no allocation, no globals, no I/O.
- * Define SMG_LONG_DOUBLE for the same text in extended precision, SMG_QUAD for quadruple (gcc, -lquadmath). */
+ * The code is C11 and C++; it does not allocate memory, has no global variables and does no I/O.
+ * Define SMG_LONG_DOUBLE for extended precision, SMG_QUAD for quadruple precision (gcc, -lquadmath). */
 #ifndef SMIDGEN_H
 #define SMIDGEN_H
 
@@ -27,21 +27,22 @@ typedef double smg_real;
 
 typedef enum smg_status {
   SMG_OK = 0,
-  SMG_NO_CONVERGENCE = 1, /* no solution was found, or none that can be vouched for */
-  SMG_NO_SOLUTION = 2,    /* the branch of solutions from W = w at h = 0 ends before this h: in closed form, or followed
-                             to its fold, to the centre of a sphere, or to infinity */
+  SMG_NO_CONVERGENCE = 1, /* no solution was found, or none that could be verified */
+  SMG_NO_SOLUTION = 2,    /* the branch of solutions from W = w at h = 0 ends before this h, at a fold, at the centre of
+                             a sphere or at infinity */
   SMG_WRONG_BRANCH = 3,   /* a solution, but not the one connected to W = w at h = 0 */
   SMG_NOT_FINITE = 4,     /* NaN or infinity in the state, the parameters or the field */
-  /* a parameter or a size out of range (kappa = 0, n < 1, a denormal h, |w| of R^3 beyond 1e+-150) */
+  /* a parameter or a size out of range (kappa = 0, n < 1, a negative damping, a denormal h, |w| of R^3 beyond
+   1e+-150) */
   SMG_BAD_PARAMETER = 5,
   /* a start off its sphere by more than 1e-12 (relative; a nearer one is put on it), or c = 0 */
   SMG_OFF_MANIFOLD = 6,
   SMG_SINGULAR = 7 /* the Newton matrix could not be factored */
 } smg_status;
 
-/* What the last step did; on failure, where and how badly. site is -1 if not tied to one, and so is
- * partner, the site that is in it with the first; reached is the part of h up to which solutions were
- * followed, 0 when none were. Of sites that are solved alone the one whose solutions end first is reported. */
+/* Report of the last step. After a failure, site is the site at which it failed and partner a second site involved, -1
+ * if there is none; reached is the fraction of h up to which solutions exist, 0 if unknown. Among sites that are solved
+ * separately, the one whose solutions end first is reported. */
 typedef struct smg_report {
   smg_status status;
   int iterations;

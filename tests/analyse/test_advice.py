@@ -161,7 +161,7 @@ def test_large_systems_are_tried(bisect):
     w = model.start("first", h=1.0).w.copy()
     assert advice.kind == "trial" and succeeds(model, w, advice.h) and not succeeds(model, w, 2 * advice.h)
     assert not bisect or 0.5 <= advice.h / bisected(model, w, advice.cap) <= 1
-    assert "generated code" in advice.reason
+    assert "a step of h = " in advice.reason and " fails: " in advice.reason
 
 
 def test_nothing_moves():

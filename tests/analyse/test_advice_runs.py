@@ -134,8 +134,8 @@ def test_a_pulse_is_seen_wherever_it_is(seed):
     assert found.rate == pytest.approx(math.hypot(1, strength), rel=0.05)
     assert found.rate_t == pytest.approx(values["at"], abs=values["width"] / 3)
     assert abs(found.h) <= 2.05 * math.pi / found.rate
-    fine = math.sqrt(0.012) / max(found.rate, found.change)
-    assert f"h = {fine:.3g} brings that to 0.1 %" in " ".join(found.words())
+    fine = found.fine
+    assert fine <= math.sqrt(0.012) / found.rate and f"with h = {fine:.3g} its phase is right to 0.1 %" in " ".join(found.words())
     model, whole = smidgen.build(spec, parameters=values), 10 + abs(strength) * values["width"] * math.sqrt(math.pi)
     error = np.abs(end_state(model, sign * fine, sign * 10) - end_state(model, sign * fine / 8, sign * 10)).max()
     assert error < 1e-3 * whole
@@ -154,6 +154,40 @@ def test_a_pulse_that_limits_a_step():
 def test_a_field_that_does_not_depend_on_time_has_no_samples():
     found = advise(load_text(PULSE.replace("exp(-((t - at)/width)^2)", "0.1")), parameters={"A": 1.0}, time=10)
     assert found.spacing is None and found.change == 0
+
+
+MODULATED = '''[model]
+name = "modulated"
+[space]
+w = { r3 = 1 }
+[parameters]
+eps = 0.05
+Omega = 2.0
+[effects.body]
+energy = "w.x^2/2 + w.y^2/3.4 + w.z^2/(5.8*(1 + eps*cos(Omega*t)))"
+[starts.first]
+vectors = [[0.05, 1.2, 0.1]]
+'''
+
+
+@pytest.mark.parametrize("period, time", [(0.15, 50), (0.15, 5000), (2.5, 50)])
+def test_a_weak_fast_modulation_is_resolved(period, time):
+    """Its frequency is not that of how much H changes, and the samples of a long run are further apart than its period."""
+    spec, values = load_text(MODULATED), {"Omega": math.tau / period}
+    found = advise(spec, parameters=values, h=0.05, time=time)
+    assert found.change == pytest.approx(math.tau / period, rel=0.15) and not found.abrupt and found.fine < period / 8
+    assert f"a period of about {math.tau / found.change:.2g}" in " ".join(found.words())
+    model = smidgen.build(spec, parameters=values)
+    assert np.abs(end_state(model, found.fine, 20) - end_state(model, found.fine / 8, 20)).max() < 1e-3
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("law, change, abrupt", [("0.5*sin(t) + 0.01*cos(40*t)", 40, False), ("exp(-t/3)", 1 / 3, False), ("t/50", 0, False), ("1e-7*t^2", 0, False),
+                                                 ("if(mod(t, 5) < 2.5, 1, 0)", 0, True), ("1e-3*cos(300*t) + t", 300, False)])
+def test_the_frequency_of_a_field(law, change, abrupt):
+    found = advise(load_text(MODULATED.replace("w.x^2/2 +", f"w.x*({law}) +")), parameters={"eps": 0}, h=0.05, time=50)
+    assert found.change == pytest.approx(change, rel=0.05) and found.abrupt is abrupt
+    assert any("as at a jump" in line for line in found.words()) is abrupt
 
 
 # -- the cause ------------------------------------------------------------------------------------

@@ -123,6 +123,40 @@ def test_a_control_torque():
     assert bits(one.steps(8).w) == bits(w) and one.t == 3
 
 
+DAMPED = """[model]
+name = "damped"
+orientation = %d
+[space]
+w = { %s, kappa = %s }
+[parameters]
+alpha = { default = [0.1, 0.2], size = 2 }
+[effects.field]
+over = "site(i) of w"
+energy = "w[i].z + w[i].x^2"
+[effects.drag]
+over = "site(i) of w"
+damping = "alpha[i]"
+%s
+[starts.some]
+w = { random = 1 }
+"""
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("orientation, space, kappa, more", [(1, "sphere = 2", "1", 'form = "ll"'), (-1, "r3 = 2", "-2", ""), (1, "sphere = 2", "-1", 'kT = "0.3"')])
+def test_c_refuses_a_negative_damping(orientation, space, kappa, more):
+    """At any site, at the start and later: energy would rise. kT = -0.3 is refused, too, with the diffusion that it gives."""
+    spec = smidgen.load_text(DAMPED % (orientation, space, kappa, more))
+    one = smidgen.build(spec).start(h=0.1).steps(3)
+    w = one.w.copy()
+    with pytest.raises(RunError, match="bad parameter"):
+        one.set_parameters({"alpha": [0.1, -1e-9]})
+    one.set_parameters({"alpha": [0.0, 0.3]}).steps(1)
+    assert not np.array_equal(one.w, w)
+    with pytest.raises(smidgen.SmidgenError):
+        smidgen.build(spec, parameters={"alpha": [-0.1, 0.1]}).start(h=0.1)
+
+
 @pytest.mark.quick
 def test_what_is_refused_changes_nothing():
     spec = smidgen.load_text('[model]\nname = "refusing"\n[space]\nw = { sphere = "n", kappa = "k", radius = "r" }\n[parameters]\nn = 4\nk = 1.0\nr = 1.0\n'

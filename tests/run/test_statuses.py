@@ -131,6 +131,28 @@ def test_a_field_that_overflows_after_good_steps(energy):
     refused(model, error.status)
 
 
+BREATHING = TEXT.format(name="breathing", space="w = { r3 = 1 }", parameters="C = 2.9\neps = 1.5",
+                        field='energy = "w.x^2/2"\n[effects.breathing]\nenergy = "w.z^2/(2*C*(1 + eps*cos(2*t)))"\n[starts.a]\nvectors = [[0.05, 1.2, 0.1]]')
+
+
+@pytest.mark.quick
+@pytest.mark.filterwarnings("error")
+def test_an_energy_that_is_infinite_is_named():
+    with pytest.raises(RunError, match=r"step 1 from t = 0: the energy is not finite at the start: effect 'breathing' at site 0") as caught:
+        smidgen.run(load_text(BREATHING), h=0.05, steps=10, parameters={"C": 0})
+    assert caught.value.status == NOT_FINITE
+
+
+@pytest.mark.quick
+@pytest.mark.filterwarnings("error")
+def test_an_energy_that_is_singular_is_told_where_a_step_fails():
+    """C_t passes through 0 again and again: the field changes within a step, or the energy has grown before."""
+    with pytest.raises(RunError, match=r"H depends on time, and the field changes by a factor of .* within this step"):
+        smidgen.run(load_text(BREATHING), h=0.05, steps=2000)
+    with pytest.raises(RunError, match=r"the energy of effect 'breathing' is .* here, .* at the start: H may be singular"):
+        smidgen.run(load_text(BREATHING), h=0.0005, steps=200000, every=100)
+
+
 @pytest.mark.quick
 def test_a_field_that_is_infinite_from_the_start():
     refused(build("strong", "exp(1000 + t)*w[i].z", parameters="unused = 1.0").start(tilted(1.0), h=1.0),

@@ -1,7 +1,8 @@
 """An H that depends on time: when is it strongest, and how fast does it change?
 
 The field b of two states that do not move, the start and a turned one, is sampled over the whole run. A pulse is seen
-when it is longer than the spacing of the samples.
+when it is longer than the spacing of the samples. How fast b changes follows from the samples (`pace.py`), and from a few
+that are closer together, since a modulation may be faster than their spacing.
 """
 from __future__ import annotations
 
@@ -10,22 +11,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...chance import generator
-from ...extremes import largest
 from ...language.expr import Time, walk
 from .equation import StepEquation
+from .pace import CLOSER, FOUR, Pace, together
 
 SAMPLES = 16, 4096      # the least and the most times that are looked at
 WORK = 1_000_000        # sites times samples between them
 MOMENTS = 16            # times at which the field is strongest, one for a site or fewer
+CLOSE = 4, 64           # the least of closer samples for each of their spacings, and how many others go with one of them
+GOLDEN = (5 ** 0.5 - 1) / 2
 
 
 @dataclass(frozen=True)
 class Clock:
-    """spacing: of the times looked at; moments: the times at which the field of a site is strongest; change: the largest
-    |db/dt| of a site over its largest |b|, 1/time."""
+    """spacing: of the times looked at; moments: the times at which the field of a site is strongest; change: the angular
+    frequency of the fastest modulation of a field that was found, 1/time; abrupt: does a field change faster than could be resolved?"""
     spacing: float
     moments: tuple
     change: float
+    abrupt: bool
 
 
 def is_timed(scene) -> bool:
@@ -39,26 +43,38 @@ def clock(equation: StepEquation, span: float) -> Clock | None:
         return None
     count = int(np.clip(WORK // len(equation.w), *SAMPLES))
     times = equation.t + equation.sign * span * np.linspace(0, 1, count)
-    spacing, found = span / (count - 1), [_sampled(equation.model, w, times, span / (count - 1))
-                                          for w in (equation.w, _turned(equation.w))]
+    spacing, found = span / (count - 1), [_sampled(equation.model, w, times) for w in (equation.w, _turned(equation.w))]
     best = {float(times[k]): size for moments, sizes, _ in found for k, size in zip(moments, sizes)}
     moments = sorted(best, key=best.get, reverse=True)[:MOMENTS]
-    return Clock(spacing, tuple(sorted(moments)), largest(*(change for *_, change in found)))
+    return Clock(spacing, tuple(sorted(moments)), *together([pace for *_, paces in found for pace in paces]))
 
 
-def _sampled(model, w, times, spacing):
-    """(index of the time at which each site's |b| is largest, that |b|, the largest relative change)."""
-    best, where, change, before = np.zeros(len(w)), np.zeros(len(w), int), np.zeros(len(w)), None
-    for k, t in enumerate(times):
-        b = np.nan_to_num(np.asarray(model.field(w, t), float), posinf=0, neginf=0)
-        size = np.linalg.norm(b, axis=1)
-        where[size > best] = k
-        best = np.maximum(best, size)
-        if before is not None:
-            change = np.maximum(change, np.linalg.norm(b - before, axis=1) / spacing)
-        before = b
+def _sampled(model, w, times):
+    """(index of the time at which each site's |b| is largest, that |b|, the Pace at each spacing)."""
+    best, where, pace = np.zeros(len(w)), np.zeros(len(w), int), Pace(times[1] - times[0], times[-1])
+    block = int(np.clip(WORK // SAMPLES[0] // len(w), 1, SAMPLES[0]))
+    for first in range(0, len(times), block):
+        fields = _fields(model, w, times[first:first + block + FOUR - 1])
+        sizes = np.linalg.norm(fields, axis=-1)
+        where = np.where(sizes.max(axis=0) > best, first + sizes.argmax(axis=0), where)
+        best = np.maximum(best, sizes.max(axis=0))
+        pace.add(fields)
     moving = best > 0
-    return where[moving], best[moving], float(np.max(change[moving] / best[moving], initial=0.0))
+    return where[moving], best[moving], [pace, *(_closer(model, w, times, pace.spacing / part) for part in CLOSER)]
+
+
+def _closer(model, w, times, spacing) -> Pace:
+    """The Pace of a few groups of samples with a smaller spacing, at times that are in step with no modulation."""
+    pace, least, others = Pace(spacing, times[-1]), *CLOSE
+    for k in range(max(least, len(times) // others)):
+        begin = times[0] + k * GOLDEN % 1 * (times[-1] - times[0])
+        pace.add(_fields(model, w, begin + spacing * np.arange(FOUR)))
+    return pace
+
+
+def _fields(model, w, times):
+    """b of every site at these times, 0 where it is not finite; shape (times, sites, 3)."""
+    return np.nan_to_num([np.asarray(model.field(w, t), float) for t in times], posinf=0, neginf=0)
 
 
 def _turned(w):

@@ -37,7 +37,7 @@ def end_of(model, equation, cap: float) -> End:
 
 def of_failure(bad: Failure, limit: float) -> End:
     """Of a step that failed."""
-    return End(limit, "trial", bad.sites, "", f"h = {bad.h:.6g}: {bad.message}")
+    return End(limit, "trial", bad.sites, "", f"h = {bad.h:.6g} fails: {bad.message}")
 
 
 def there(model, equation, failure: Failure, cap: float) -> End:

@@ -1,6 +1,8 @@
 """The fastest local rate of a state: what a step has to resolve."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...extremes import with_largest
@@ -8,6 +10,8 @@ from .equation import Nowhere, StepEquation
 
 UNKNOWNS = 150          # up to here with all of J; beyond, from the field alone
 EVALUATIONS = 2000      # of the field, for the rates of all the states that are looked at
+FINE = 1e-3             # relative error of the phase of the fastest motion, at the h that is called fine
+SAMPLES = 10            # steps in a period of the modulation of H, with that h
 
 
 def local_rate(equation: StepEquation) -> float:
@@ -40,3 +44,9 @@ def fastest(equation: StepEquation, places) -> tuple:
         except Nowhere:
             continue
     return with_largest(found, key=lambda rate: rate[0])
+
+
+def fine_step(rate: float, change: float) -> float | None:
+    """The h > 0 at which the phase of the fastest motion has an error of FINE, and a period of the modulation of H has SAMPLES steps."""
+    limits = (math.sqrt(12 * FINE), rate), (math.tau / SAMPLES, change)
+    return min((float(turn / pace) for turn, pace in limits if pace > 0), default=None)

@@ -17,7 +17,7 @@ from .along import MARGIN, TURN, along
 from .clock import clock
 from .end import End, end_of, of_failure, there
 from .equation import Nowhere, StepEquation
-from .rates import fastest, local_rate
+from .rates import fastest, fine_step, local_rate
 from .trial import first_failure
 from .words import named, reason, sentences
 
@@ -32,8 +32,9 @@ class Advice:
     limit: where the branch of solutions ends, or None: no end up to cap; cap: one rotation of the
     fastest motion a step; kind: 'fold', 'centre', 'edge', 'trial' or 'open'; t: the time of the state that
     limits h; sites and effect: who makes the end; rate: the fastest local rate, 1/time, and rate_t its time;
-    change: the rate at which H itself changes; phase_error: relative error (h rate)^2/12 of a phase at h, with
-    the larger of the two rates; run_h: the step of the run, None when it has none; orbits: (h, steps, last time)
+    change: the angular frequency of the fastest modulation of H, 0 for none; abrupt: does H also change faster than could be
+    resolved, as at a jump?; phase_error: relative error (h rate)^2/12 of a phase at h; fine: an h at which that is 0.1 % and a
+    period of the modulation has ten steps, None when nothing moves; run_h: the step of the run, None when it has none; orbits: (h, steps, last time)
     of the runs that were tried; states: how many of their states were looked at; span: the length of the run;
     spacing: of the times at which H was looked at, None when it does not depend on time; completes: False when even
     with h a step fails; failing: its time, or None.
@@ -51,7 +52,9 @@ class Advice:
     rate: float
     rate_t: float
     change: float
+    abrupt: bool
     phase_error: float
+    fine: float | None
     run_h: float | None
     orbits: tuple
     states: int
@@ -131,8 +134,8 @@ def _advice(model, equation, h, run, stated, span, steps) -> Advice:
     end, t = _binding(model, equation, look, start, cap)
     return Advice(
         model.name, run, model.method, equation.sign * look.h, end.limit, cap, end.kind, equation.t if t is None else t,
-        end.sites, end.effect, look.rate, look.rate_t, ticks.change if ticks else 0.0,
-        (look.h * max(look.rate, ticks.change if ticks else 0.0)) ** 2 / 12, h if stated else None,
+        end.sites, end.effect, look.rate, look.rate_t, ticks.change if ticks else 0.0, bool(ticks and ticks.abrupt),
+        (look.h * look.rate) ** 2 / 12, fine_step(look.rate, ticks.change if ticks else 0.0), h if stated else None,
         tuple((o.h, o.count, o.end) for o in look.orbits), sum(len(o.places) for o in look.orbits), span,
         ticks.spacing if ticks else None, look.failing is None, look.failing,
         reason(end, look.h, named(model, end.sites), t))

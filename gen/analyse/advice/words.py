@@ -4,13 +4,14 @@ from __future__ import annotations
 import math
 
 from .along import ROOM
+from .rates import SAMPLES
 
-FINE = 0.1              # per cent: the phase error of the h that is called fine
+COARSE = 1.5            # radians by which the fastest motion turns in a step: beyond, its phase is not given
 ENDS = {
     "fold": "the step equation has a fold at h = {limit:.6g}, made by {sites}{through}",
     "centre": "near h = {limit:.6g} the midpoint of {sites} runs into the centre{of}, and no step exists beyond",
     "edge": "near h = {limit:.6g} the midpoint of {sites} comes to the edge of where its Casimir or its energy{of} is defined",
-    "trial": "the generated code fails at {said} ({sites})",
+    "trial": "a step of {said} ({sites}), and the limit is near h = {limit:.6g}",
 }
 
 
@@ -22,7 +23,7 @@ def reason(end, h: float, sites: str, t: float | None) -> str:
     text = ENDS[end.kind].format(limit=end.limit, sites=sites, said=end.said,
                                  through=f" through {effect}" if end.effect else "", of=f" ({effect})" if end.effect else "")
     where = "" if t is None else f"from the state at t = {t:.6g}, "
-    return f"{where}{text}; this is {h / end.limit:.2g} of {'what works' if end.kind == 'trial' else 'it'}"
+    return f"{where}{text}; this is {h / end.limit:.2g} of it"
 
 
 def named(model, sites) -> str:
@@ -38,8 +39,7 @@ def sentences(a) -> list[str]:
     """Of an `Advice`: the largest safe step, the accuracy, what was looked at, the run's own step."""
     lines = [_head(a), _accuracy(a), _looked(a)]
     if a.spacing is not None:
-        lines.append(f"H depends on time: its strength was looked at every {a.spacing:.3g} of t, over {a.span:.6g}; "
-                     "a pulse shorter than that may be missed.")
+        lines += _clock(a)
     if not a.completes:
         lines.append(f"Even with h = {a.h:.6g} a step fails around t = {a.failing:.6g}, or has no margin there: "
                      "the run may not come to its end.")
@@ -55,20 +55,34 @@ def _head(a) -> str:
 
 
 def _accuracy(a) -> str:
-    """What h does to the fastest motion: a relative error (h rate)^2/12 of its phase."""
-    pace, h = max(a.rate, a.change), abs(a.h)
-    if not pace:
+    """What h does to the fastest motion, and to a modulation of H."""
+    h = abs(a.h)
+    if a.fine is None:
         return "Accuracy: nothing moves at this start."
-    fine = math.sqrt(0.12 * FINE) / pace
-    when = f" (at t = {a.rate_t:.6g})" if a.span else ""
-    own = f", H itself changes at the rate {a.change:.3g}" if a.change else ""
-    more = f"; h = {fine:.3g} brings that to {FINE} %" if fine < h else ""
-    return f"Accuracy: the fastest local rate is {a.rate:.6g}{when}{own}, h times it is {h * pace:.3g}, and {_off(h, pace)}{more}."
+    at = f"rate {a.rate:.6g}, at t = {a.rate_t:.6g}" if a.span else f"rate {a.rate:.6g}"
+    slow = f"at h = {a.h:.6g} the fastest rotation ({at}) turns by {h * a.rate:.3g} rad in a step, {_off(h * a.rate)}"
+    more = f"; with h = {a.fine:.3g} its phase is right to 0.1 %" if a.fine < h else ""
+    return f"Accuracy: {slow}{more}."
 
 
-def _off(h: float, pace: float) -> str:
-    turn = h * pace
-    return f"its phase is off by about {100 * turn ** 2 / 12:.2g} %" if turn < 1.5 else "it is not resolved"
+def _off(turn: float) -> str:
+    return f"its phase is off by about {100 * turn ** 2 / 12:.2g} %" if turn < COARSE else "too much to be accurate"
+
+
+def _clock(a) -> list[str]:
+    """How fast H changes, and how well that is known."""
+    changes = f" and changes as fast as a modulation with a period of about {math.tau / a.change:.2g}; steps per period: {_per_period(a.h, a)}" if a.change else ""
+    if changes and abs(a.h) > a.fine:
+        changes += f", {math.tau / a.change / a.fine:.2g} with h = {a.fine:.3g}"
+    abrupt = f"Somewhere H changes within less than {a.spacing:.3g}, as at a jump: a step across it is less accurate."
+    return [f"H depends on time{changes}.", *([abrupt] if a.abrupt else []),
+            f"Its strength was looked at every {a.spacing:.3g} of t, over {a.span:.6g}; a pulse shorter than that may be missed."]
+
+
+def _per_period(h: float, a) -> str:
+    """How many steps of h a period of the modulation has, and whether they are enough."""
+    count = math.tau / a.change / abs(h)
+    return f"{count:.2g} with h = {abs(h):.6g}" + " (too few to follow it)" * (count < SAMPLES / 2)
 
 
 def _looked(a) -> str:
@@ -84,7 +98,8 @@ def _looked(a) -> str:
 def _own(a) -> str:
     """The run's own step beside the advice."""
     side = "within" if abs(a.run_h) <= abs(a.h) else "above"
-    pace = max(a.rate, a.change)
-    off = f"; {_off(abs(a.run_h), pace)}" if pace else ""
+    turn = abs(a.run_h) * a.rate
+    off = f"; {_off(turn)}" if 0 < turn < COARSE else f"; the fastest rotation turns by {turn:.3g} rad in it, {_off(turn)}" if turn else ""
+    off += f"; steps per period of H: {_per_period(a.run_h, a)}" if a.change else ""
     what = "the largest step that was looked at" if a.kind == "open" else "the largest safe step"
     return f"The run's h = {a.run_h:.6g} is {side} {what}, {a.h:.6g}{off}."

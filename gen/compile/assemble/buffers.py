@@ -20,8 +20,8 @@ def around_steps(model) -> list:
 def of_steps(model) -> list:
     """Those of the step itself."""
     n = model.total
-    found = [buffer("w", 3 * n, "the state: 3 numbers per site"), buffer("compensation", 3 * n, "what w has lost to rounding"),
-             buffer("u", 3 * n, "increment W - w of the step under way")]
+    found = [buffer("w", 3 * n, "the state: 3 numbers per site"), buffer("compensation", 3 * n, "rounding errors of w"),
+             buffer("u", 3 * n, "increment W - w of the current step")]
     instead = [b for part in model.parts for b in part.instead(model)]
     if instead:
         return found[:2] + instead
@@ -29,13 +29,13 @@ def of_steps(model) -> list:
         return found + [buffer(name, (Computed(size, (n,)) if isinstance(size, str) else size * n) + more, meaning)
                         for name, size, more, meaning in model.method.arrays]
     if any(f.kind != "sphere" for f in model.families):
-        found.append(buffer("leaf_value", n, "|w| or C(w): the leaf each site is on"))
-    found.append(buffer("m", 3 * n, "the points where the field is taken") if model.plan.coupled else
-                 buffer("m", 0, "midpoints of coupled sites: none here"))
+        found.append(buffer("leaf_value", n, "|w| or C(w): the leaf of each site"))
+    found.append(buffer("m", 3 * n, "points where the field is evaluated") if model.plan.coupled else
+                 buffer("m", 0, "midpoints of coupled sites: none in this model"))
     if model.plan.coupled:
         found += [buffer("mbar", 3 * n, "midpoints (w + W)/2"), buffer("g", 3 * n, "dH/dw at m"), buffer("r", 3 * n, "residual"),
                   buffer("s", n, "m = s mbar"), *matrix_buffers(model),
-                  buffer("curve", 15 * n, "a branch of solutions followed: its point, tangent, changes")]
+                  buffer("curve", 15 * n, "for following a branch of solutions: point, tangent, changes")]
     return [*found, *(b for part in model.parts for b in part.buffers(model))]
 
 
@@ -52,8 +52,8 @@ def matrix_buffers(model) -> list:
     if model.plan.matrix:
         return frame + [buffer("A", matrix, "Newton matrix"), buffer("work", work, "its factorisation")]
     return frame + [buffer("A", matrix, "diagonal blocks of the Newton matrix J"), buffer("sums", rows, "row sums of abs(J - I)"),
-                    buffer("mean", rows, "the same of (J + J^T)/2"), buffer("v", 3 * n, "a change of the midpoints"),
-                    buffer("hessian_v", 3 * n, "the change of dH/dw that it makes, d2H/dw2 v"),
+                    buffer("mean", rows, "the same for (J + J^T)/2"), buffer("v", 3 * n, "a change of the midpoints"),
+                    buffer("hessian_v", 3 * n, "the change d2H/dw2 v of dH/dw"),
                     buffer("product", rows, "half of a product with J"), buffer("work", work, "basis of a Krylov space")]
 
 

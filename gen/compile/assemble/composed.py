@@ -17,17 +17,17 @@ class Composed(Part):
     def buffers(self, model):
         if not model.method.of_midpoints:
             return []
-        misses = buffer("misses", 5, "what every level of the predictor missed in a step, and in how many stages")
+        misses = buffer("misses", 5, "errors of each level of the predictor in a step, and the number of stages")
         if model.solo:
             return [misses]
-        kept = buffer("increments", 3 * model.composed * model.total, "increments of all stages of the step just taken")
+        kept = buffer("increments", 3 * model.composed * model.total, "increments of all stages of the last step")
         return [misses, buffer("before", 6 * model.total, "w and compensation before the step"), *([kept] if keeps_stages(model) else [])]
 
     def members(self, model):
         if not model.method.of_midpoints:
             return []
-        stage = ("int stage", "stages done of the step under way, or of the step just taken")
-        return [stage] if model.solo else [stage, (f"smg_real *spare[{model.history}]", "room for as many: a failed stage leaves the history as it was")]
+        stage = ("int stage", "stages done of the current or last step")
+        return [stage] if model.solo else [stage, (f"smg_real *spare[{model.history}]", "as many again, so that a failed stage leaves the history unchanged")]
 
     def most_around(self, model, step):
         return step.times_reported(model.composed)

@@ -190,7 +190,7 @@ class FewInLanes(Part):
         return {"SMG_FEW_IN_LANES": 1}
 
     def buffers(self, model):
-        return [buffer("few", Computed("SMG_FEW_SIZE", (model.total,)), "the same in lanes, by components")]
+        return [buffer("few", Computed("SMG_FEW_SIZE", (model.total,)), "w and the field in lanes, by components")]
 
     def sizes(self, model, value):
         return {"SMG_FEW_SIZE": lambda n: 15 * whole_vectors(n)}

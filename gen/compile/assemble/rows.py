@@ -432,7 +432,7 @@ class ByRows(Part):
         return row_settings(model)
 
     def members(self, model):
-        values = [("smg_real *row_values", "numbers of sites by slots, one after the other")] if number_of_values(model.in_rows) else []
+        values = [("smg_real *row_values", "values of sites by slots")] if number_of_values(model.in_rows) else []
         return values + ([] if model.method.stage_rows else row_members(model.method.of_midpoints))
 
     def instead(self, model):

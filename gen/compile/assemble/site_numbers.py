@@ -41,8 +41,8 @@ class SiteNumbers(Part):
         return {"SMG_SITE_NUMBERS": len(model.site_numbers)}
 
     def held(self, model):
-        return [("const smg_real *of_sites", "numbers of sites, one after the other, or NULL: found where they are asked for")] * bool(model.site_numbers)
+        return [("const smg_real *of_sites", "values of sites, or NULL: then they are computed when needed")] * bool(model.site_numbers)
 
     def around(self, model):
         numbers = len(model.site_numbers)
-        return [buffer("site_numbers", numbers * model.total, "what formulas have of single sites")] if numbers else []
+        return [buffer("site_numbers", numbers * model.total, "values of formulas at each site")] if numbers else []

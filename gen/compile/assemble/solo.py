@@ -249,12 +249,12 @@ class SingleSphere(Part):
 
     def buffers(self, model):
         rows = buffer("rows", 4 * ROWS, "history: increment and 1/|w + W| of each step, newest first")
-        prepared = buffer("prepared", Computed("smg_prepared_size", (whole(model.method.stages),)), "coefficients for every size of stage, after 1 and the h that they are for")
+        prepared = buffer("prepared", Computed("smg_prepared_size", (whole(model.method.stages),)), "coefficients of each stage size, after 1 and the h that they belong to")
         return [rows] if model.method.stages == 1 else [rows, prepared]
 
     def members(self, model):
         return [("int row", "newest row of the history"), ("int64_t begun", "the count at which the history began"),
-                ("smg_real older[4]", "part of the prediction that needs the older rows alone")]
+                ("smg_real older[4]", "part of the prediction that depends only on the older rows")]
 
     def history(self, model):
         return HISTORY if model.method.stages == 1 else STAGES

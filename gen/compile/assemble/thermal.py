@@ -25,12 +25,12 @@ class Thermal(Part):
         return {"SMG_THERMAL": 1}
 
     def around(self, model):
-        return [buffer("unturned", 3 * model.total, "w before the noise of the step under way")]
+        return [buffer("unturned", 3 * model.total, "w before the noise of the current step")]
 
     def most_around(self, model, step):
         """A step that fails, and two halves."""
         return step * 3
 
     def members(self, model):
-        return [("uint64_t seed", "of the noise"), ("uint32_t member", "of an ensemble: each has noise of its own"),
-                ("int64_t halved", "steps that were taken as two of h/2, with the same noise")]
+        return [("uint64_t seed", "seed of the noise"), ("uint32_t member", "number of the member of an ensemble, for its noise"),
+                ("int64_t halved", "number of steps taken as two steps of h/2, with the same noise")]

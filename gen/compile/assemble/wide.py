@@ -154,6 +154,6 @@ class Extended(Part):
         """Pairs of numbers: three high parts and three low ones for each site."""
         n = model.total
         return [buffer("low", 3 * n, "low parts of u"), buffer("wide_m", 6 * n, "midpoints m, high and low parts"),
-                buffer("wide_g", 6 * n, "dH/dw there"), buffer("wide_v", 6 * n, "h X there"), buffer("wide_d", 3 * n, "what u lacks of it"),
-                buffer("wide_e", 3 * n, "what v lacks of the solution"),
+                buffer("wide_g", 6 * n, "dH/dw there"), buffer("wide_v", 6 * n, "h X there"), buffer("wide_d", 3 * n, "residual of u"),
+                buffer("wide_e", 3 * n, "error of v"),
                 buffer("wide_s", 0 if model.solo else n, "m = s mbar"), buffer("wide_y", 0 if model.solo else 3 * n, "change of dH/dw")]

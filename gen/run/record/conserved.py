@@ -88,8 +88,9 @@ def random_state(model, dice) -> np.ndarray:
 
 def torque(model, w, t: float, own, kappa) -> np.ndarray:
     """sum kappa w x b of the sites `own`, in units of the sizes of its terms; shape (3,)."""
-    terms = kappa * np.cross(w, np.asarray(model.field(w, t), float))[own]
-    return terms.sum(axis=0) / (np.abs(terms).sum() or 1)
+    with np.errstate(all="ignore"):         # a field that is not finite gives a row that is left out
+        terms = kappa * np.cross(w, np.asarray(model.field(w, t), float))[own]
+        return terms.sum(axis=0) / (np.abs(terms).sum() or 1)
 
 
 def acting_sites(model) -> np.ndarray:

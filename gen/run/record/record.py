@@ -13,6 +13,8 @@ from ..files.output import RESERVED
 from ..step.block import Block, clean
 from .computed import SHAPES, computed_columns, functions_of
 
+LARGE = 100         # times the energies at the start: an energy that is worth a word where a step fails
+
 
 class Recorder:
     """Collects outputs in blocks and hands them to the sinks; keeps the largest deviations.
@@ -104,7 +106,7 @@ class Deviations:
         self.scene, self.columns, self.c0, self.outputs = model.scene, model.columns, casimirs.copy(), 0
         self.without, self.driven = with_tracers(model.scene), driven(model.scene)
         self.axes, self.largest = conserved_axes(model, span), {}
-        self.grain = round_off_of_momentum(model)
+        self.grain, self.first = round_off_of_momentum(model), values.copy()
         self.energy, self.momentum = self._of(values[None])
 
     def _of(self, values):
@@ -138,6 +140,16 @@ class Deviations:
     def _raise(self, kind, name, change):
         found = self.largest.setdefault(kind, {})
         found[name] = largest(found.get(name, 0.0), abs(change).max())
+
+    def grown(self, values) -> str:
+        """What is said of the effect whose energy in `values` is LARGE times all energies at the start; "" where none is."""
+        of = [k for k, name in enumerate(self.columns) if name.startswith("energy.")]
+        start = max((abs(self.first[k]) for k in of), default=0.0)
+        k = max(of, key=lambda k: abs(values[k]), default=None)
+        if k is None or not LARGE * start < abs(values[k]) < math.inf or not start:
+            return ""
+        return (f"; the energy of effect '{self.columns[k].removeprefix('energy.')}' is {values[k]:.3g} here, {self.first[k]:.3g} at the start: "
+                "H may be singular near this state or time")
 
     def summary(self) -> dict:
         """errors and changes: name -> the largest one; without: the effects that the energy leaves out."""

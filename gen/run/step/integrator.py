@@ -27,7 +27,9 @@ from .noise import noise_of
 from .prepared import Prepared, asked, checked_threads, checked_tolerance, choose, prepare
 from .saved import Saved
 from .start import find_start, state_at, wrong_start
-from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, why
+from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, infinite_energies, what, why
+
+VARIES = 3          # a field that changes by more within a step that fails is worth a word
 
 
 @public
@@ -421,16 +423,23 @@ class Integrator(ReadOnly):
     def _fail(self, status):
         if status == 0:
             return
-        name, meaning = STATUS.get(status, NO_MEMORY)
         found = self.report()
         found["rate"] = self._rate(found["site"])
-        raise RunError(f"step {self.count + 1} from t = {self.t:.12g}: {name}: {meaning}"
-                       f"{why(found)}{advice(status, found, self.h, METHODS[self.method].midpoint)}", status, self.count, **found)
+        infinite = infinite_energies(self.columns, self.values()) if status == Status.NOT_FINITE else []
+        raise RunError(f"step {self.count + 1} from t = {self.t:.12g}: {what(status, infinite, self.count)}"
+                       f"{why(found)}{advice(status, found, self.h, METHODS[self.method].midpoint)}{self._varies()}",
+                       status, self.count, **found)
+
+    def _varies(self) -> str:
+        """What is said of a field that changes much within the step because H depends on time."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            low, *_, high = sorted(float(np.linalg.norm(self.field(self.state(), self.t + part * self.h))) for part in (0, 0.5, 1))
+        return f"; H depends on time, and the field changes by a factor of {high / low:.3g} within this step" if VARIES * low < high < np.inf and low else ""
 
     def _rate(self, site: int) -> float:
         """|h b|, the angle by which the field turns `site` in a step; of the fastest one for -1."""
         b = np.asarray(self.field(self.state()), float)
-        with np.errstate(over="ignore"):        # a step of 1e300 fails, and its rate may be infinite
+        with np.errstate(over="ignore", invalid="ignore"):      # a step of 1e300 fails, and its rate may be infinite
             turns = abs(self.h) * np.hypot(np.hypot(b[:, 0], b[:, 1]), b[:, 2])
         return float(turns[site] if site >= 0 else turns.max())
 

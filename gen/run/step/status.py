@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import enum
+import math
 import re
 
 from ...resources import runtime_header
@@ -25,6 +26,19 @@ STATUS = {int(one): (one.name.lower().replace("_", " "), meanings_of(HEADER)[one
 RESCUED = (Status.NO_CONVERGENCE, Status.NO_SOLUTION, Status.WRONG_BRANCH, Status.SINGULAR)     # where a smaller step may help
 REFUSED = 100       # a status above: not of a step
 NO_MEMORY = ("no memory", "there is not enough memory")
+
+
+def infinite_energies(columns, values) -> list[str]:
+    """The effects whose energy is not finite, of values named by `columns`."""
+    return [name.removeprefix("energy.") for name, value in zip(columns, values) if name.startswith("energy.") and not math.isfinite(value)]
+
+
+def what(status: int, infinite, count: int) -> str:
+    """What happened in a step that failed after `count` others; infinite: effects whose energy is not finite before it."""
+    name, meaning = STATUS.get(status, NO_MEMORY)
+    if infinite:
+        return f"the energy is not finite {'here' if count else 'at the start'}: effect {' and '.join(map(repr, infinite))}"
+    return meaning if status == Status.NOT_FINITE else f"{name}: {meaning}"
 
 
 def why(found: dict) -> str:
