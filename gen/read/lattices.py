@@ -86,7 +86,9 @@ class Lattices:
         return tuple(self.problems.together(*(lambda e=e: self.formulas.count(e) for e in entries)))
 
     def boundaries(self, node: Node, dimensions: int) -> tuple[bool, ...]:
-        child = node.need("boundary", 'write `boundary = "periodic"` or `"open"`')
+        if not node.has("boundary"):
+            return (True,) * dimensions
+        child = node.get("boundary")
         if isinstance(child.raw, list):
             entries = child.entries()
             if len(entries) != dimensions:

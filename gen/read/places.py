@@ -35,9 +35,20 @@ class PlaceReader:
             self.idle(node)
             return None
         rows = node.get("vectors").entries("list of vectors", 3)
-        vectors, constant = self.problems.together(lambda: self.vectors(node, rows, directions), lambda: self.constant(node))
+        length = self.length_of(rows)
+        vectors, (value, measured) = self.problems.together(lambda: self.vectors(node, rows, directions, NONE if length is None else LENGTH), lambda: self.constant(node))
+        if length is not None and measured:
+            node.get("constant").wrong(codes.CONFLICT, "the vectors are lengths, and so is the constant", "drop `constant`, or write the vectors without units")
+        length = node.get("constant") if measured else length
         positions = self.positions(node, vectors, directions, sites)
-        return checked(Places(scaled(vectors, constant[0]), positions, measured=constant[1], unit=length_in(node, constant[1])), node, directions)
+        return checked(Places(scaled(vectors, value), positions, measured=length is not None, unit=length_in(length)), node, directions)
+
+    def length_of(self, rows: list[Node]) -> Node | None:
+        """The first entry of the vectors that is a length; None where they are numbers."""
+        if self.formulas.declared.units is None:
+            return None
+        entries = [entry for row in rows if isinstance(row.raw, list) for entry in row.entries() if isinstance(entry.raw, str)]
+        return next((e for e in entries if self.formulas.measured(e, "a lattice vector").dimension == LENGTH), None)
 
     def idle(self, node: Node) -> None:
         for key in ("positions", "constant"):
@@ -57,7 +68,7 @@ class PlaceReader:
             node.get("size").wrong(codes.COUNT, f"`{name}` has {plural(CRYSTALS[name].directions, 'direction')}, `size` has {directions}",
                                    "give one size for each direction")
         value, measured = self.constant(node)
-        return replace(places_of(name, value), measured=measured, unit=length_in(node, measured))
+        return replace(places_of(name, value), measured=measured, unit=length_in(node.get("constant") if measured else None))
 
     def constant(self, node: Node) -> tuple[float, bool]:
         """(the unit of length of the vectors, is it one with a unit?)."""
@@ -80,13 +91,13 @@ class PlaceReader:
             node.wrong(codes.VALUE, f"`{node.label}` is {value:g}", "give a finite number")
         return value
 
-    def row(self, node: Node, most: int) -> tuple[float, ...]:
-        return tuple(self.problems.together(*(lambda e=e: self.number(e) for e in node.entries("row of numbers", most))))
+    def row(self, node: Node, most: int, wanted=NONE) -> tuple[float, ...]:
+        return tuple(self.problems.together(*(lambda e=e: self.number(e, wanted=wanted) for e in node.entries("row of numbers", most))))
 
-    def vectors(self, node: Node, rows: list[Node], directions: int) -> tuple:
-        """Rows (x, y, z), linearly independent."""
+    def vectors(self, node: Node, rows: list[Node], directions: int, wanted) -> tuple:
+        """Rows (x, y, z), linearly independent; wanted: their dimension, a length or none."""
         child = node.get("vectors")
-        found = self.problems.together(*(lambda r=r: self.row(r, 3) for r in rows))
+        found = self.problems.together(*(lambda r=r: self.row(r, 3, wanted) for r in rows))
         if len(found) < directions:
             child.wrong(codes.COUNT, f"{plural(len(found), 'vector')} for {plural(directions, 'direction')}",
                         "give a vector for each direction; one more measures positions across them")
@@ -127,10 +138,9 @@ class PlaceReader:
         return found
 
 
-def length_in(node: Node, measured: bool) -> str:
-    """The unit in which a lattice constant is written, `angstrom` of "3 angstrom"; "" of any other text."""
-    text = node.get("constant").raw if measured else None
-    word = text.split()[-1] if isinstance(text, str) and text.strip() else ""
+def length_in(node: Node | None) -> str:
+    """The unit in which a length is written, `angstrom` of "3 angstrom"; "" of any other text."""
+    word = node.raw.split()[-1] if node is not None and isinstance(node.raw, str) and node.raw.strip() else ""
     found = unit(word)
     return word if found is not None and found.dimension == LENGTH else ""
 

@@ -23,14 +23,15 @@ class Places:
 
     def __init__(self, read, texts, problems: Problems):
         """read: of the text of an `over`; texts: of all effects and observables."""
-        self.read, self.texts, self.problems, self.overs = read, texts, problems, None
+        self.read, self.texts, self.problems, self.overs, self.unread = read, texts, problems, None, False
 
     def of(self, family) -> Lattice | Graph | None:
         """None where there are none; ValueError where two are as good."""
         if family.lattice is not None:
             return family.lattice
         if self.overs is None:
-            self.overs = [over for over in self.problems.tried(*(lambda t=t: self.read(t) for t in self.texts)) if over is not Bad]
+            found = self.problems.tried(*(lambda t=t: self.read(t) for t in self.texts))
+            self.overs, self.unread = [over for over in found if over is not Bad], Bad in found
         return best([over for over in self.overs if isinstance(over, (Lattice, Graph)) and is_on(over, family.name)])
 
 
@@ -71,6 +72,8 @@ def site(resolver, node, number: Expr) -> tuple:
     except ValueError:
         resolver.fail(codes.OVER, node.head, f"`{name}` lies on several lattices, and which of them says where its sites stand is not clear",
                       f"say it in [space]: `{name} = {{ sphere = \"LATTICE\" }}`, a lattice of [lattices]")
+    if over is None and (places.unread or name in scope.declared.unread):
+        raise Bad       # the error is in the lattice or in the index family
     if over is None or over.places is None:
         resolver.fail(codes.OVER, node.head, f"the sites of `{name}` have no places", HINT)
     return by_number(over, number), over

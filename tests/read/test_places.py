@@ -1,5 +1,6 @@
 """Lattices by name and their shells, from a table written by hand; places of lattices that users declare, and what is refused."""
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -205,6 +206,61 @@ def test_what_is_refused(lines, over, code, words, caret):
     marks = next(k for k, text in enumerate(line) if "^" in text)
     start, width = line[marks].index("^"), line[marks].count("^") + line[marks].count("~")
     assert line[marks - 1][start:start + width] == caret
+
+
+WALL = '''
+[lattices.own]
+size = ["n", "n"]
+vectors = [[2, 0], [1, 1]]
+positions = [[0, 0], [0.5, 0]]
+bonds.mortar = [{ from = 0, to = 1, offset = [0, 0] }, { from = 1, to = 0, offset = [1, 0] }, { from = 1, to = 0, offset = [0, 1] }]
+'''
+
+
+def test_a_wall_of_bricks_has_three_neighbours_and_is_periodic_without_a_word():
+    """The example of docs/spec.md: all at distance 1; a lattice by name is periodic without a boundary too."""
+    assert all(line in (Path(__file__).parents[2] / "docs/spec.md").read_text() for line in WALL.splitlines()[3:])
+    for rows in around(spec("own.mortar", "2*n*n", WALL)):
+        assert len(rows) == 3
+        np.testing.assert_allclose(np.linalg.norm(rows, axis=1), 1)
+
+
+IN_UNITS = '''
+[model]
+name = "rect"
+[units]
+energy = "meV"
+time = "fs"
+field = "T"
+[lattices.rect]
+size = [3, 3]
+{lines}
+positions = [[0, 0], [0.5, 0.4]]
+[space]
+w = {{ sphere = "rect", moment = "2 mu_B" }}
+[effects.near]
+over = "bond(i, j) of rect.first"
+energy = "3 meV*dot(w[i], w[j])"
+[starts.one]
+theta = "if(r(i).x < 4 angstrom, 0, pi)"
+phi = 0
+'''
+
+
+def in_units(lines):
+    return smidgen.load_text(IN_UNITS.format(lines=lines))
+
+
+def test_vectors_may_be_lengths():
+    """As with a constant that is one; mixed with bare numbers, or beside such a constant, they are refused. One error: that sites have no places is none."""
+    one, same = (in_units(lines) for lines in ('vectors = [["4.2 angstrom", 0], [0, "0.31 nm"]]', 'vectors = [[4.2, 0], [0, 3.1]]\nconstant = "1 angstrom"'))
+    np.testing.assert_allclose(*(positions(each, "w", Evaluated(each).values) for each in (one, same)), rtol=1e-14)
+    assert one.families[0].lattice.places.measured and one.families[0].lattice.places.unit == "angstrom"
+    for lines, words in [('vectors = [["4.2 angstrom", 0], [0, 3.1]]', "is a length, and this has no unit"), ('vectors = [["4.2 fs", 0], [0, "3 fs"]]', "and this is a time"),
+                         ('constant = "1 nm"\nvectors = [["4.2 angstrom", 0], [0, "3 nm"]]', "and so is the constant")]:
+        with pytest.raises(SpecError) as caught:
+            in_units(lines)
+        assert words in str(caught.value) and "E501" not in {d.code for d in caught.value.diagnostics}
 
 
 def test_a_bond_that_is_a_list_is_told_how_one_is_written():
