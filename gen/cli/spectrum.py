@@ -16,11 +16,14 @@ EXAMPLES = """  smidgen spectrum heisenberg_chain random --q "0 1/2" --time 200 
   smidgen spectrum film.toml --q "0,0 1/2,0" --plot film.png --theory   with the lines of linear spin waves
   smidgen spectrum film.toml --parts 10 --out -          a table on stdout"""
 TOLD = 20       # waves whose peaks are said
+STATIC = 2.5    # frequencies next to 0 into which what does not move leaks
+MOST = 0.999    # of the weight away from 0
+ROOM = 4        # times as far as that weight: beyond it a larger --every would do
 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("spectrum", command, "run a lattice and tell its waves, S(q, omega)", EXAMPLES)
+    parser = commands.add("spectrum", command, "run a lattice and compute the spectrum of its waves, S(q, omega)", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
     parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
@@ -96,12 +99,31 @@ def peaks(found) -> list:
     return found.omega[up][found.mean[:, up].argmax(axis=1)].tolist()
 
 
+def moving(found) -> tuple:
+    """(frequencies away from 0, S there, its mean over the components): without what stands still, such as magnetic order."""
+    away = found.omega > STATIC * found.resolution
+    return found.omega[away], found.mean[:, away]
+
+
+def peaks_away(found) -> list:
+    """For each wave the frequency away from 0 at which it is strongest; None where there is none."""
+    omega, s = moving(found)
+    return omega[s.argmax(axis=1)].tolist() if len(omega) else [None] * len(found.q)
+
+
+def reached(found):
+    """The frequency below which MOST of the weight away from 0 lies; None without any."""
+    omega, s = moving(found)
+    total = np.cumsum(s.sum(axis=0))
+    return float(omega[np.searchsorted(total, MOST * total[-1])]) if len(omega) and total[-1] > 0 else None
+
+
 def facts(found) -> dict:
     """For programs."""
     meta = {k: v for k, v in found.meta.items() if k not in ("sources", "start")}
     theory = {} if found.theory is None else {"theory": {**found.theory.meta, "lines": [line.tolist() for line in lines_of(found)]}}
     return {**meta, "q": found.q.tolist(), "omega": [float(found.omega[0]), float(found.omega[-1]), len(found.omega)],
-            "peak": peaks(found), "equal_time": found.equal_time.tolist(), **theory}
+            "peak": peaks(found), "peak_away_from_0": peaks_away(found), "equal_time": found.equal_time.tolist(), **theory}
 
 
 def lines_of(found) -> list:
@@ -112,18 +134,28 @@ def lines_of(found) -> list:
 
 def lines(found):
     """For people."""
+    unit = f" rad/{found.meta['units']['time']}" if found.meta.get("units") else ""
     yield (f"{found.meta['spec']} {found.meta['run']}: {len(found.q)} waves of {found.meta['family']}, {len(found.omega)} frequencies "
-           f"{found.omega[1] - found.omega[0]:.6g} apart up to {found.omega[-1]:.6g}")
+           f"{found.omega[1] - found.omega[0]:.6g} apart up to {found.omega[-1]:.6g}{unit}")
+    yield from sampling(found, unit)
     lines = [[]] * len(found.q) if found.theory is None else lines_of(found)
-    yield f"{'q':>20} {'strongest at':>14} {'mean |S_q|^2':>14}" + "  linear spin waves" * (found.theory is not None)
-    for q, omega, power, line in list(zip(found.q, peaks(found), found.equal_time.sum(axis=1), lines))[:TOLD]:
+    yield f"{'q':>20} {'strongest at':>14} {'away from 0':>14} {'mean |S_q|^2':>14}" + "  linear spin waves" * (found.theory is not None)
+    for q, omega, away, power, line in list(zip(found.q, peaks(found), peaks_away(found), found.equal_time.sum(axis=1), lines))[:TOLD]:
         told = "  " * bool(len(line)) + few(f"{x:.6g}" for x in distinct(line))
-        yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {power:14.6g}{told}"
+        yield f"{', '.join(f'{x:.6g}' for x in q):>20} {omega:14.6g} {'' if away is None else f'{away:.6g}':>14} {power:14.6g}{told}"
     if found.theory is not None:
         yield from theory_lines(found)
     if len(found.q) > TOLD:
         left = len(found.q) - TOLD
-        yield f".. and {left} more wave{'s' * (left > 1)}, which --out FILE, --out - or --json tells"
+        yield f".. and {left} more wave{'s' * (left > 1)}: --out FILE, --out - or --json gives all"
+
+
+def sampling(found, unit: str):
+    """What --every should be where most of the frequencies have no weight."""
+    most = reached(found)
+    every = found.meta["every"] if most is None else int(found.meta["every"] * found.omega[-1] / (2 * most))
+    if most is not None and ROOM * most < found.omega[-1]:
+        yield f"99.9 % of the weight away from 0 lies below {most:.6g}{unit}: --every {every} would be enough"
 
 
 def distinct(line) -> list:

@@ -4,7 +4,9 @@ import json
 import numpy as np
 import pytest
 import smidgen
+from smidgen.analyse.spectrum import Spectrum
 from smidgen.analyse.waves import Components, every_wave, waves
+from smidgen.cli.spectrum import lines, peaks, peaks_away, reached
 from smidgen.run.fields.grid import Grid
 from support.lattices import HONEY, random_spins
 
@@ -211,13 +213,24 @@ def test_files_that_are_no_spectrum(random_run, tmp_path):
             smidgen.load_spectrum(tmp_path / name)
 
 
+def test_what_stands_still_hides_no_wave():
+    """The frequency away from 0; below it all weight, so that a larger --every would do; with units frequencies have theirs."""
+    omega, s = np.arange(-100, 100) * 0.5, np.zeros((2, 200, 3))
+    s[:, 100], s[0, 106], s[1, 108] = 1000, 1, 2            # omega = 0, 3 and 4
+    meta = {"spec": "a", "run": "b", "family": "w", "every": 2, "window": "none", "units": {"time": "ps"}, "zone": {}}
+    found = Spectrum(meta, np.array([[0.0], [0.5]]), omega, s, s.sum(axis=1), np.arange(200.0))
+    assert peaks(found) == [0, 0] and peaks_away(found) == [3, 4] and reached(found) == 4
+    told = list(lines(found))
+    assert told[0].endswith("up to 49.5 rad/ps") and "below 4 rad/ps: --every 12" in told[1] and [row.split()[2] for row in told[3:]] == ["3", "4"]
+
+
 def test_the_command(command, tmp_path):
     (tmp_path / "m.toml").write_text(MAGNET.format(orientation=1, count="n", lattice="chain(n, periodic)"))
     said = command("spectrum", "m.toml", "--q", "0 1/2", "--window", "hann", "--out", "a.npz", "--plot", "a.png")
     assert said.returncode == 0 and "9 waves of w, 150 frequencies" in said.stdout and (tmp_path / "a.png").exists(), said.stderr
     assert "more wave" not in said.stdout and len(said.stdout.splitlines()) == 11
     many = command("spectrum", "m.toml", "--set", "n=24", "--time", "4").stdout.splitlines()
-    assert len(many) == 23 and many[-1].startswith(".. and 4 more waves, which --out FILE")
+    assert len(many) == 23 and many[-1].startswith(".. and 4 more waves: --out FILE")
     facts = json.loads(command("spectrum", "m.toml", "--q", "1/4", "--json").stdout)
     assert facts["q"] == [[0.25]] and len(facts["peak"]) == 1
     table = command("spectrum", "m.toml", "--q", "1/4", "--time", "4", "--out", "-").stdout.splitlines()
