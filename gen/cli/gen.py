@@ -92,6 +92,6 @@ def effort_lines(most: dict):
     yield "a step takes at most"
     for key, meaning in MOST.items():
         yield f"  {most[key]:>13,}  {meaning}"
-    yield "bytes, in doubles"
+    yield "sizes in bytes (smg_real = double)"
     for key, meaning in SIZES.items():
         yield f"  {'?' if most[key] is None else format(most[key], ','):>13}  {meaning}" + " depends on the sizes" * (most[key] is None)

@@ -50,4 +50,4 @@ def show(args, reports):
     from ..tables import show as show_table
     for report in reports:
         show_table(report.table())
-    say(f"smidgen: {NOT_SEEN}")
+    say(f"smidgen: note: {NOT_SEEN}")

@@ -104,7 +104,7 @@ class Damping(Effect):
     gives_up = {"by": "damped sites", "as": "sites are damped", "symplectic": "damped sites lose area", "energy": "damped sites lose energy",
                 "momentum": "damped sites turn towards their field"}
     work = 18, 24       # F = f g and Q = q g, then F + m x Q; the vector that it adds
-    not_negative = {"damping": "a damping is finite and not negative: energy falls", "kT": "a temperature is finite and not negative"}
+    not_negative = {"damping": "a damping must be finite and not negative, so that the energy decreases", "kT": "a temperature must be finite and not negative"}
 
     @property
     def formulas(self) -> dict[str, Expr]:

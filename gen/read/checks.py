@@ -428,7 +428,7 @@ def on_sphere(w, i, part, family: Family, path: tuple, values: dict) -> Iterator
         yield Trouble(at(path, part, i[k]), codes.OFF,
                       f"`{family.name}[{i[k]}]` starts at length {length[k]:.15g}, its sphere has "
                       f"radius {r[k]:.15g}",
-                      "write `normalise = true` to put it there, or give more digits")
+                      "write `normalise = true` to put it there, give more digits, or use `r3`, if the length matters")
 
 
 def at(path: tuple, part, site: int) -> tuple:
@@ -497,9 +497,10 @@ def effects(spec: Spec, r: Run, h: float, path: tuple) -> Iterator[Trouble]:
     noise = next((e.name for e in called if e.heats), None)
     if noise and h < 0:
         yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}, and the noise of `{noise}` has no step backward", f"give a positive step, or `without = [\"{noise}\"]`")
-    more = next((e.name for e in called if e.pushes or e.damps), None)
-    if more and not METHODS[r.method].responds:
-        yield Trouble(path + ("method",), codes.METHOD, f"method {r.method} is for sites that only precess in their field, and `{more}` adds another motion",
+    kind = next((e for e in called if e.pushes or e.damps), None)
+    if kind and not METHODS[r.method].responds:
+        more = kind.name
+        yield Trouble(path + ("method",), codes.METHOD, f"method {r.method} does not support {'damping' if kind.damps else 'torques'} (effect `{more}`)",
                       f"use {others(r.method)}, or `without = [\"{more}\"]`")
 
 

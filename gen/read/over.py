@@ -36,6 +36,7 @@ class Written:
 
 class OverParser(Parser):
     """Reads the grammar above."""
+    text = "`over`"
 
     def over(self) -> Written:
         head = self.name("one of " + ", ".join(HEADS))
@@ -57,7 +58,7 @@ class OverParser(Parser):
 
     def end(self) -> None:
         if self.now.kind != "end":
-            self.fail(f"{self.found()} does not continue the index family",
+            self.fail(f"`{self.now.text}` does not continue the index family",
                       "such as `site(i) of w` or `bond(i, j) of chain(n, periodic)`")
 
     def listed(self, opening: str, item, where: str) -> list:
@@ -67,7 +68,7 @@ class OverParser(Parser):
             self.take()
             found.append(item())
         if not self.at(")"):
-            self.fail("`,` or `)` is missing in this list", f"{self.found()} stands here")
+            self.fail("`,` or `)` is missing in this list", self.here())
         self.take()
         return found
 

@@ -53,6 +53,9 @@ class ParameterReader:
         if node.is_number() or self.declared.units and isinstance(node.raw, str):   # J = 1.0, J = "5.7 meV"
             value = self.measure.number(node)
             return self.measured(Parameter(name, kind(value), value))
+        if isinstance(node.raw, list):
+            form = "vector = true" if len(node.raw) == 3 else f"size = {len(node.raw)}"
+            node.wrong(codes.TYPE, f"`{node.label}` is a list", f"write `{node.name} = {{ default = [..], {form} }}`")
         node.table("default", "file", "size", "vector", "fixed", "unit", "meaning")
         p, unit, said, fixed = self.problems.together(
             lambda: self.with_unit(name, node), lambda: meaning(node, "unit"), lambda: meaning(node, "meaning"),

@@ -9,6 +9,7 @@ import math
 from ..language import limits
 from ..language import codes
 from ..language.units import unit
+from .names import FUNCTIONS
 from .problems import Problems
 from .quantities import at_unit, quantity
 from .source import Span, Text
@@ -25,7 +26,8 @@ def join(a: Span, b: Span) -> Span:
 
 
 class Parser:
-    """A cursor over the tokens of one formula."""
+    """A cursor over the tokens of one formula; text: what messages call it."""
+    text = "the formula"
 
     def __init__(self, text: Text, problems: Problems):
         self.problems = problems
@@ -48,18 +50,19 @@ class Parser:
 
     def expect(self, text: str, what: str) -> Token:
         if not self.at(text):
-            self.fail(f"`{text}` is missing {what}", self.misplaced() or self.opened(text) or f"{self.found()} stands here")
+            self.fail(f"`{text}` is missing {what}", self.misplaced() or self.opened(text) or self.here())
         return self.take()
 
-    def found(self) -> str:
-        return "the end" if self.now.kind == "end" else f"`{self.now.text}`"
+    def here(self) -> str:
+        """What stands at the cursor."""
+        return f"{self.text} ends here" if self.now.kind == "end" else f"`{self.now.text}` stands here"
 
     def fail(self, cause: str, hint: str):
         self.problems.fail(codes.SYNTAX, self.now.span, cause, hint)
 
     def name(self, what: str) -> Token:
         if self.now.kind != "name":
-            self.fail(f"{what} is missing", f"{self.found()} stands here")
+            self.fail(f"{what} is missing", self.here())
         return self.take()
 
     def end(self) -> None:
@@ -69,7 +72,7 @@ class Parser:
         hint = self.product() or "an operator such as `*` is missing"
         if self.at(")", "]"):
             hint = "there is one bracket too many"
-        self.fail(f"{self.found()} does not continue the formula", self.misplaced() or hint)
+        self.fail(f"`{self.now.text}` does not continue the formula", self.misplaced() or hint)
 
     def product(self) -> str:
         """`2 t` as the product that was meant."""
@@ -167,12 +170,14 @@ class Parser:
             return self.parenthesis()
         if self.now.kind != "name" or self.at("and", "or", "not", "of", "on"):
             self.fail("a number, name or `(` is missing", "vectors are written `vec(x, y, z)`"
-                      if self.at("[") else f"{self.found()} stands here")
+                      if self.at("[") else self.here())
         name = self.take()
         if self.at("("):
             return self.call(name)
         if self.at("["):
             return self.item(name)
+        if name.text in FUNCTIONS and self.now.kind in ("name", "number"):
+            self.fail(f"`{name.text}` needs parentheses around its argument", f"write `{name.text}(..)`, with all of its argument in the parentheses")
         return Name(name.text, name.span)
 
     def parenthesis(self) -> Syntax:

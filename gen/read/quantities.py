@@ -89,7 +89,7 @@ def whole_quantity(parser) -> Unit:
     if parser.at("-", "+"):
         parser.take()
     if parser.now.kind != "number":
-        parser.fail(f"a number is missing: {parser.found()} stands here", "a value is a number, followed by a unit: `1.5 meV`")
+        parser.fail(f"a number is missing: {parser.here()}", "a value is a number, followed by a unit: `1.5 meV`")
     value = parser.number_value(parser.take())
     return terms(parser, Unit(sign * exact(value), ONE.dimension))
 
@@ -112,7 +112,7 @@ def terms(parser, found: Unit) -> Unit:
         if parser.at("*", "/"):
             parser.take()
         if not at_unit(parser):
-            parser.fail(f"the name of a unit is missing: {parser.found()} stands here", "such as `meV`, `kg m^2` or `rad/ps`")
+            parser.fail(f"the name of a unit is missing: {parser.here()}", "such as `meV`, `kg m^2` or `rad/ps`")
         one, span = term(parser)
         found, count = found * one ** sign, count + 1
         bounded(parser, count, span)

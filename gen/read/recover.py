@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Optional
 
 KEY = re.compile(r'[ \t]*("[^"\n]*"|[\w.-]+)[ \t]*=', re.ASCII)
+CALL = re.compile(r"[ \t]*\w+[ \t]*\(", re.ASCII)
 HEADER = re.compile(r"^[ \t]*\[", re.MULTILINE)
 WORD = re.compile(r"\w+", re.ASCII)
 MANY_LINES = ('"""', "'''")
@@ -37,7 +38,7 @@ def recovered(text: str, offset: int, message: str, taken: bool, aside: Aside) -
         return blanked(text, start, start + len(line))
     if key:
         return without_value(text, start, line, key, aside)
-    if message.startswith("Expected '='"):
+    if message.startswith("Expected '='") and not CALL.match(line):     # a formula with arguments: what uses it means nothing without it
         return without_sign(text, start, line, aside)
     return None
 

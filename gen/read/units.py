@@ -61,6 +61,7 @@ def read_by(reader, text: Text, problems: Problems) -> Unit:
     parser = Parser(text, problems)
     if parser.now.kind == "end":
         problems.fail(codes.SYNTAX, text.whole, "an empty text", "write a unit, such as `meV`")
+    parser.text = "the value"
     return reader(parser)
 
 

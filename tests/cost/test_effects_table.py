@@ -81,7 +81,7 @@ def test_operations_and_bytes_of_a_site_are_those_of_the_formula(rows):
 def test_what_is_lost_and_why(rows):
     found = rows()
     assert found["exchange"].lost == {}
-    assert found["easy"].lost == {"momentum": "but along (0, 0, 1)"}
+    assert found["easy"].lost == {"momentum": "conserved only along (0, 0, 1)"}
     assert set(found["pulse"].lost) == {"energy", "momentum"} and found["pulse"].lost["energy"] == "depends on the time"
     assert set(found["bath"].lost) == {"energy", "momentum", "symplectic", "reversible"}
     assert found["drag"].lost == {**dict.fromkeys(("energy", "momentum", "symplectic"), "a torque does not derive from an energy"), "layout": "rows without it, sites with it"}

@@ -123,7 +123,7 @@ def test_every_method_that_takes_damping_goes_to_the_same_end(method):
 @quick
 @pytest.mark.parametrize("method", [m for m in METHODS if not METHODS[m].responds and METHODS[m].stages == 1])
 def test_other_methods_refuse_it_and_name_some_that_do_not(method):
-    with pytest.raises(UsageError, match="only precess in their field; use spherical-midpoint or|'bath' is no gradient of one"):
+    with pytest.raises(UsageError, match=r"does not support damping \(effect 'bath'\); use spherical-midpoint or|'bath' is no gradient of one"):
         build(spec_of("axis"), method=method)
 
 

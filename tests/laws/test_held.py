@@ -87,7 +87,7 @@ def test_a_pinned_site_alone_stays_where_it_is(method, kind):
 @quick
 @pytest.mark.parametrize("method", [m for m in METHODS if m not in RESPONDING and not METHODS[m].free_body and METHODS[m].stages == 1])
 def test_other_methods_say_why_not(method):
-    with pytest.raises(smidgen.UsageError, match="sites that only precess in their field|sublattice|bond|single site"):
+    with pytest.raises(smidgen.UsageError, match="does not support sites that do not move|sublattice|bond|single site"):
         smidgen.build(held(), method=method)
 
 

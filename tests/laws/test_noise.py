@@ -314,7 +314,7 @@ def test_what_does_not_go_with_noise_is_refused():
         build(spec.calm).start("a", h=0.1, member=1)
     with pytest.raises(UsageError, match="the kT of `w.0.` is -1"):
         build(spec, parameters={"kT": -1.0})
-    with pytest.raises(UsageError, match="only precess in their field"):
+    with pytest.raises(UsageError, match=r"does not support damping \(effect"):
         build(spec, method="axis-splitting")
     one = build(spec).start("a", h=0.1)
     late = one.save()

@@ -297,7 +297,7 @@ PAIRS = {"logs": LOGS, "chain": model("heisenberg", RING.format(5, "open") + '"d
 
 @pytest.mark.quick
 @pytest.mark.parametrize("energy, said", [
-    ('"dot(w[i], w[j]) + w[i].z*w[j].z"', r"is not known as a function of dot\(w\[i\], w\[j\]\) alone"), ('"w[i].z"', "is of a single site")])
+    ('"dot(w[i], w[j]) + w[i].z*w[j].z"', r"is not known as a function of dot\(w\[i\], w\[j\]\) alone"), ('"w[i].z"', "involves only a single site")])
 def test_what_stands_in_the_way_of_pairs_is_named(energy, said):
     with pytest.raises(UsageError, match="effect 'second' " + said):
         generate(model("no_pairs", BONDS + '"dot(w[i], w[j])"', BONDS + energy), method="pair-rotations")

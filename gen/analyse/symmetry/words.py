@@ -51,7 +51,7 @@ def _rotations(r):
         turns = ", ".join(f"{name} about {axis_name(a)}" for name, a in one.items())
         yield f"H is unchanged when families turn together, each about its own axis: {turns}{_scope(r, False)}."
     if not (r.rotations or r.mixed or any("rotations" in u for u in r.undecided)):
-        yield "No rotation leaves H unchanged, of all vectors or of one family."
+        yield "No rotation of all vectors, or of one family, leaves H unchanged."
 
 
 def _damping(r):
@@ -92,7 +92,7 @@ def _held(r):
     if r.absent:
         yield f"Sites of {' and '.join(r.absent)} are absent, in no term and in no sum."
     if r.standing or r.absent:
-        yield "No explicit splitting serves where sites are pinned or absent."
+        yield "No explicit splitting can be used, because some sites are pinned or absent."
 
 
 def _by_site(r):
@@ -137,7 +137,7 @@ def _energy(r):
         if i.kind == "energy":
             yield f"The {i.name} is conserved by the flow; {_kept(r, i)}."
     if r.energy_changes:
-        yield "H depends on time: the energy is no integral."
+        yield "H depends on time: the energy is not conserved."
 
 
 def _casimirs(r):
@@ -166,10 +166,10 @@ def _signs(r):
 
 
 def _splittings(r):
-    """Explicit methods that serve this H; of the others, what stands in their way."""
+    """Explicit methods that can be used for this H; of the others, what prevents it."""
     for name, why in r.splittings.items():
         kind = "symplectic" if METHODS[name].symplectic else "not symplectic"
         if why is None:
-            yield f"Explicit method {name} ({kind}) serves: {METHODS[name].how[1]}."
+            yield f"Explicit method {name} ({kind}) can be used: {METHODS[name].how[1]}."
         else:
             yield f"No {name}: {why}."

@@ -23,11 +23,11 @@ OWN = 0.05                      # part by which the parameters of members differ
 def members(case: Case, subject) -> list[Row]:
     """One row: how many members have other bits than alone, or stop elsewhere."""
     if FEATURE not in case.features:
-        case.unseen.append("ensembles, which this code has not")
+        case.unseen.append("ensembles: this code was generated without them")
         return [not_applicable("ensemble", f"no ensembles in this build: --features {FEATURE}")]
     one = getattr(subject, "double", None)
     if one is None or not hasattr(one._c, "ensemble_new"):
-        case.unseen.append("ensembles, which this integrator does not show")
+        case.unseen.append("ensembles: this integrator does not give access to them")
         return [not_applicable("ensemble", "this integrator shows no ensembles")]
     lanes, wrong, total = one._c.ensemble_lanes(), [], 0
     for count, t, own in tried(case, one, lanes):

@@ -54,7 +54,7 @@ def shared(case: Case, subject) -> list[Row]:
     """Three rows; only where they are asked for, since the text is compiled twice more."""
     one = getattr(subject, "double", None)
     if one is None or not one.notes.get("threads"):
-        return neither("the steps go by no rows: they have one thread")
+        return neither("this model is not stepped by rows, so it has one thread")
     if not case.layouts:
         return unseen(case, "--layouts looks at them")
     if not getattr(subject, "generated", False):

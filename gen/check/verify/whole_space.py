@@ -46,7 +46,7 @@ def said(case: Case, asked, ends) -> str:
     """What was seen; what was not is kept for the certificate."""
     gap = f"{100 * largest_gap(ends):.2g} %"
     case.unseen.append(f"other states than those of the run, those beside its start, and {len(ends)} over the whole "
-                       f"space: caps of up to {gap} of a site's sphere hold none")
+                       f"space (caps of up to {gap} of the sphere of a site contain none of them)")
     left_out = f", {asked - len(ends)} more were refused" * (asked > len(ends))
     return f"{FOLLOW} steps from {len(ends)} states{left_out}; the largest empty cap is {gap} of a sphere"
 

@@ -59,12 +59,18 @@ def laws_of(contributions) -> dict:
     return found
 
 
+def beyond_precession(contributions) -> str:
+    """What makes sites do more than precess in their field, and the first effect that does."""
+    kinds = (("damping", lambda c: c.response is not None), ("torques", lambda c: c.push or c.bends), ("sites that do not move", lambda c: c.moves is not None))
+    return next(f"{kind} (effect '{c.name}')" for kind, has in kinds for c in contributions if has(c))
+
+
 def require_of_responses(spec: Spec, contributions, method: Method) -> None:
     """Raises UsageError where sites move in their field in a way that the method or their space has no step for."""
     responses = responses_of(contributions)
     if responses and not method.responds:
         fitting = [m.name for m in METHODS.values() if m.responds and m.symmetric and m.stages == 1]
-        raise UsageError(f"method {method.name} is for sites that only precess in their field; use {' or '.join(fitting[:3])}")
+        raise UsageError(f"method {method.name} does not support {beyond_precession(contributions)}; use {' or '.join(fitting[:3])}")
     strange = [f.name for f in spec.families if f.name in responses and f.kind == "nambu"]
     if strange:
         raise UsageError(f"sites that do more than precess in their field are on spheres or in R^3, not on Nambu leaves, as '{strange[0]}' is")

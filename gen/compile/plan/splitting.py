@@ -195,7 +195,7 @@ def not_of_pairs(d: Derived) -> str | None:
     if not d.slots or of_the_product(d, sp.Symbol("u", real=True)) is not None:
         return None
     if len(d.slots) != 2:
-        return f"joins {len(d.slots)} sites" if len(d.slots) > 2 else "is of a single site"
+        return f"joins {len(d.slots)} sites" if len(d.slots) > 2 else "involves only a single site"
     one, other = (f"{family}[{site}]" for family, site in d.slots)
     return f"is not known as a function of dot({one}, {other}) alone"
 
