@@ -61,7 +61,7 @@ CASES = {       # name: (the scene, other files, file and line of the error, of 
     "damping below 0": (ON + '[effects.drag]\nuse = "spins/damping"\nalpha = -0.1\n', {}, "a.toml", 5, "the damping of `w[0]` is -0.1", "not negative"),
     "two dampings": (ON + HOT % 1 + '[effects.more]\nuse = "spins/damping"\nalpha = 0.1\n', {}, "a.toml", 7, "`bath` damps the sites of `w` already", "one damping"),
     "damping and nothing else": (ON + 'effects = ["drag"]\n[effects.drag]\nuse = "spins/damping"\nalpha = 0.1\n', {}, "a.toml", 4, "no effect has an energy", "give one"),
-    "a method that takes no damping": (ON + HOT % 1 + '[runs.demo]\nmethod = "pair-rotations"\n', {}, "a.toml", 8, "`bath` adds another motion", "use spherical-midpoint"),
+    "a method that takes no damping": (ON + HOT % 1 + '[runs.demo]\nmethod = "pair-rotations"\n', {}, "a.toml", 8, "does not support damping (effect `bath`)", "use spherical-midpoint"),
     "noise backward": (ON + HOT % 1 + "[runs.demo]\nh = -0.01\n", {}, "a.toml", 8, "the noise of `bath` has no step backward", "a positive step"),
     "an array of the wrong length": (ON + '[parameters]\ng = { default = [1.0, 2.0], size = "n" }\n[effects.field]\nenergy = "-g[0]*w[i].z"\n', {},
                                      "a.toml", 4, "2 entries, its size is 4", "give 4 numbers"),

@@ -36,22 +36,24 @@ def smallest_scale(values) -> float:
 
 
 @styled
-def energy_errors(series, title: str = "", unit=plain):
+def energy_errors(series, title: str = "", unit=plain, conserved: bool = True):
     """Energy errors H(t) - H(0) of several methods: linear above, symmetric logarithm below.
 
-    series: list of (method, t (k,), error (k,)); unit: column -> its unit, as below.
+    series: list of (method, t (k,), error (k,)); unit: column -> its unit, as below; conserved: where the energy is not, these are no errors, and
+    the logarithm, in which a curve bends where it crosses the linear part, is left out.
     """
-    figure = new_figure(6.4, 4.8)
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    for ax in (upper, lower):
+    figure = new_figure(6.4, 4.8 if conserved else 3.0)
+    axes = figure.subplots(1 + conserved, 1, sharex=True, squeeze=False)[:, 0]
+    for ax in axes:
         draw_series(ax, series)
         ax.set_ylabel(f"$H - H_0$ ({unit('energy')})")
-    lower.set_ylabel(f"$H - H_0$ ({unit('energy')}),\nsymmetric logarithm")
-    lower.set_yscale("symlog", linthresh=smallest_scale([e for _, _, e in series]))
-    lower.axhline(0, color=FAINT, lw=0.6)
-    lower.set_xlabel(TIME.format(unit("t")))
-    upper.legend(loc="best")
-    upper.set_title(shown(title) or "Energy error")
+    if conserved:
+        axes[1].set_ylabel(f"$H - H_0$ ({unit('energy')}),\nsymmetric logarithm")
+        axes[1].set_yscale("symlog", linthresh=smallest_scale([e for _, _, e in series]))
+        axes[1].axhline(0, color=FAINT, lw=0.6)
+    axes[-1].set_xlabel(TIME.format(unit("t")))
+    axes[0].legend(loc="best")
+    axes[0].set_title(shown(title) or "Energy error")
     return figure
 
 

@@ -9,7 +9,7 @@ from .facts import with_facts
 from .film import is_film, write_film, writer_for
 from .part import part_of
 from .pictures import KINDS, drawable, film_parts, kinds, suitable
-from .style import FORMATS, resized, save, styled
+from .style import FORMATS, fit_titles, resized, save, styled
 
 
 def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=None, width=None, chose=lambda kind: None) -> Path:
@@ -56,7 +56,7 @@ def figure(result, kind: str = "auto"):
     chosen = suitable(result, False) if kind == "auto" else kind
     if chosen == "player":
         raise UsageError("the player is a page, not a picture: result.play()")
-    return styled(KINDS[chosen][0])(result)
+    return fit_titles(styled(KINDS[chosen][0])(result))
 
 
 def page(result) -> str:

@@ -37,7 +37,7 @@ def with_facts(result):
 def why_driven(spec, called) -> str:
     """Why the energy of these effects is not conserved, in words."""
     others = dict.fromkeys(e.gives_up["as"] for e in spec.effects if e.name in called and e.gives_up)
-    return ", ".join(["H depends on time"] * of_time(spec, called) + [*others])
+    return ", ".join(["H may depend on time: its formula contains t"] * of_time(spec, called) + [*others])
 
 
 def bonds(numbers: Evaluated, called) -> dict:

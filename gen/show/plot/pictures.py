@@ -146,12 +146,12 @@ def by_column(result):
 
 
 def draw_energy(result):
-    """Energy error over time, linear and symlog, and that of each effect."""
+    """Energy error over time, linear and symlog; where the energy is not conserved, its change."""
     energy, note = conserved_energy(result)
     if energy is None:
         raise UsageError("this result holds no energy: run with --what energy")
     series = [(str(result.meta.get("method", "energy")), result.t, energy - energy[0])]
-    return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note), by_column(result))
+    return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note), by_column(result), not result.meta.get("driven"))
 
 
 def draw_effects(result):

@@ -13,6 +13,7 @@ from .text import shown
 from .view import View
 
 POINTS = 100_000        # most points of all paths in one picture
+STARTS = 24             # most paths whose starts are marked
 
 
 @styled
@@ -127,7 +128,7 @@ def site_name(family: str, number: int, count: int) -> str:
 
 @styled
 def several(states, title: str = "", view: View = View(), points: bool = False):
-    """The paths of all sites on one sphere, of states {family: (k, count, 3)}; ends are marked.
+    """The paths of all sites on one sphere, of states {family: (k, count, 3)}; ends are marked, and starts where they are few.
 
     Bodies of different radius are drawn on their own sphere, seen through the larger ones.
     points: draw the outputs alone, as in a Poincare section.
@@ -141,17 +142,23 @@ def several(states, title: str = "", view: View = View(), points: bool = False):
         ax.plot(r * np.cos(t), r * np.sin(t), color=FAINT, lw=0.7, ls=":", zorder=1.5)
     colors = colours.of_sites({name: w.shape[1] for name, w in states.items()})
     every = [(w[:, i], c) for name, w in states.items() for i, c in enumerate(colors[name])]
-    (scatter_all if points else trace_all)(ax, every, view)
+    few = len(every) <= STARTS and not points
+    if points:
+        scatter_all(ax, every, view)
+    else:
+        trace_all(ax, every, view, few)
     legend(ax, site_keys(colors), "o" if points else "-o")
-    footnote(figure, "" if points else "discs: where the paths end")
+    footnote(figure, "rings: start" * few, "discs: end" * (not points), "pale: behind the sphere")
     return figure
 
 
-def trace_all(ax, paths, view: View) -> None:
-    """Paths [(w (k, 3), colour)] with a disc at the end of each."""
+def trace_all(ax, paths, view: View, starts: bool = False) -> None:
+    """Paths [(w (k, 3), colour)] with a disc at the end of each, and a ring at its start."""
     most = max(2, POINTS // len(paths))
     for w, color in paths:
         sphere.curve(ax, w[thinned(len(w), most)], view, color, 0.9)
+        if starts:
+            sphere.points(ax, w[:1], view, "white", 22, edge=color, zorder=5)
         sphere.points(ax, w[-1:], view, color, 22, edge="white", zorder=5)
 
 

@@ -33,6 +33,7 @@ STYLE = {
 
 FORMATS = ("png", "svg", "pdf")
 LETTERS = 14        # of a footnote in an inch
+SHORT = 24          # letters of a title that fits anywhere
 WIDEST, LEAST = 40, 0.6     # inches; of the size of text in a picture that is made smaller
 _UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
@@ -54,6 +55,28 @@ def footnote(figure: Figure, *words: str) -> None:
     if said:
         lines = textwrap.wrap(said, int(LETTERS * figure.get_figwidth()))
         figure.supxlabel("\n".join(shown(line) for line in lines), x=0.01, ha="left", fontsize=8, color=SOFT)
+
+
+def fit_titles(figure: Figure) -> Figure:
+    """The figure, its titles broken into lines where they would reach beyond it or into the next panel."""
+    titles = [(text, ax) for ax in figure.axes for text in (ax.title, ax._left_title)] + [(text, None) for text in filter(None, [figure._suptitle])]
+    titles = [(text, ax) for text, ax in titles if len(text.get_text()) > SHORT and text.get_visible()]
+    if titles:
+        figure.draw_without_rendering()
+    for text, ax in titles:
+        place = text.get_window_extent()
+        room = right_edge(figure, ax) - place.x0
+        if place.width > room > 0:
+            letters = max(SHORT // 2, int(0.97 * room / place.width * max(map(len, text.get_text().split("\n")))))
+            text.set_text("\n".join(part for line in text.get_text().split("\n") for part in textwrap.wrap(line, letters)))
+    return figure
+
+
+def right_edge(figure: Figure, ax) -> float:
+    """Up to where a title of `ax` may reach, in pixels: to the panel on its right, or to the edge of the figure."""
+    own = ax.get_window_extent() if ax is not None else figure.bbox
+    beside = [other.x0 for other in (one.get_window_extent() for one in figure.axes) if other.x0 >= own.x1 and other.y0 < own.y1 and other.y1 > own.y0]
+    return min([*(beside if ax is not None else ()), figure.bbox.x1])
 
 
 def styled(function):
@@ -109,6 +132,7 @@ def save(figure: Figure, out, exact: bool = False) -> Path:
 
     Raises UsageError for another ending or where the file cannot be written.
     """
+    fit_titles(figure)
     path = Path(out)
     kind = path.suffix.lstrip(".").lower()
     if kind not in FORMATS:
