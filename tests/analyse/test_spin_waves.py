@@ -98,6 +98,15 @@ def test_lines_of_a_spiral_by_dzyaloshinskii_and_moriya():
     np.testing.assert_allclose(found.omega, lines, atol=1e-7)
 
 
+def test_a_rotation_counts_only_if_the_hessian_turns_with_the_spins():
+    """Axes that turn with a spiral leave it one cell; axes that stand still make four of a spiral of 90 degrees."""
+    along = AXIS.replace("w[i].z^2", "(w[i].x*cos(pi*i/4) + w[i].y*sin(pi*i/4))^2")
+    turning = smidgen.spin_waves(magnet("chain", n=16, theta="pi/2", phi="pi*i/4", more=DMI + along), q="0 1/2")
+    assert turning.meta["turns"] == pytest.approx([45]) and turning.meta["cell"] == [1]
+    still = smidgen.spin_waves(magnet("chain", n=16, theta="pi/2", phi="pi*i/2", more=DMI + AXIS.replace("z^2", "x^2")), q="0 1/2")
+    assert still.meta["turns"] == [] and still.meta["cell"] == [4]
+
+
 def test_waves_to_the_left_and_to_the_right():
     """Along the field omega(q) and omega(-q) differ by the odd part of the bonds; a line of the other way is at the q that it has."""
     found = smidgen.spin_waves(magnet("chain", n=16, more=DMI.replace("tan(2*pi/8)", "0.3") + FIELD.replace("0.2", "2")), q="all")
@@ -105,6 +114,12 @@ def test_waves_to_the_left_and_to_the_right():
     even, odd = 1.5 * 2 * 0.8 * (1 - np.cos(k)) + 2, 1.5 * 2 * 0.8 * 0.3 * np.sin(k)
     one, other = ((even + sign * odd) / 2 for sign in (1, -1))
     assert min(np.abs(found.omega[:, 0] - one).max(), np.abs(found.omega[:, 0] - other).max()) < 1e-12
+
+
+def test_bonds_half_way_around_the_lattice():
+    """Both bonds of two cells join the same sites: each way has one."""
+    found = smidgen.spin_waves(magnet("chain", n=2), q=[[0], [1 / 4], [1 / 2]])
+    np.testing.assert_allclose(found.omega[:, 0], RATE * np.array([0, 2, 4]), atol=1e-12)
 
 
 def test_weights_are_those_of_equipartition():
