@@ -102,7 +102,7 @@ def units_lines(spec) -> list[str]:
 def not_symplectic(model: Model) -> str:
     """What is given up of a symplectic method."""
     why = model.spec.given_up("by", "damped sites")
-    return f"; {why}: not symplectic" * (not model.spec.conservative and model.method.symplectic)
+    return f"; not symplectic in this model, because of {why}" * (not model.spec.conservative and model.method.symplectic)
 
 
 def abi_slots(model: Model, M: str) -> dict:
