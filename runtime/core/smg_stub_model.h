@@ -125,6 +125,7 @@ typedef struct smg_state {
   int row_team, row_strong, row_weak, row_stretched, row_alone, row_due;
   int64_t row_passes, row_fewest, row_from, row_near, row_reach;
   int32_t *row_beside;
+  void *row_kinds;
   smg_real row_bound, *row_w, *row_compensation, *row_m, *row_u, *row_late;
   smg_real *w, *compensation, *u, *m, *mbar, *g, *r, *s, *G, *S, *x, *A, *work, *curve, *sums, *mean, *v, *hessian_v;
   smg_real *product, *few, *misses, *prepared, *before, *increments, *leaf_value, *points, *slopes, *inverse, *stages;

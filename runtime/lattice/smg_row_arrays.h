@@ -30,21 +30,23 @@ static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t
 static inline size_t smg_place_tables(smg_state *s, smg_real *mem) {
   smg_blocks blocks;
   const int there = smg_in_blocks(&s->c, &blocks);
-  const size_t used = there ? smg_beside_size(&s->c) : 0;
+  size_t used = there ? smg_beside_size(&s->c) : 0;
   s->row_beside = there && mem ? (smg_slot_beside *)(void *)mem : NULL;
 #if SMG_SITE_VALUES
   s->row_values = mem ? smg_line_from(mem + used) + SMG_BEFORE : NULL;
-  return used + SMG_WIDEST + (size_t)(SMG_SITE_VALUES * smg_pitch(&s->c));
-#else
-  return used;
+  used += SMG_WIDEST + (size_t)(SMG_SITE_VALUES * smg_pitch(&s->c));
 #endif
+#if SMG_KNOWN > SMG_AT_HAND
+  s->row_kinds = mem ? smg_line_from(mem + used) : NULL;
+  used += SMG_WIDEST + sizeof(smg_beside) / sizeof(smg_real) * SMG_KNOWN * SMG_BESIDES;
+#endif
+  return used;
 }
 
 /* Nothing is lost to rounding: in empty slots nothing ever is. */
 static inline void smg_forget_rows(const smg_state *s) {
   const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);
-  for (int k = 0; k < 3; ++k)
-    for (int64_t slot = 0; slot < slots; ++slot) s->row_compensation[k * pitch + slot] = 0;
+  for (int k = 0; k < 3; ++k) smg_zero(s->row_compensation + k * pitch, slots);
 }
 
 /* What is in them. */
@@ -83,6 +85,9 @@ static void smg_begin_call(smg_state *s, smg_besides *known) {
   const smg_blocks *blocks = smg_blocks_of(s, &found);
   smg_forget_besides(&s->c, known);
   known->beside = s->row_beside;
+#if SMG_KNOWN > SMG_AT_HAND
+  known->rows = (smg_beside(*)[SMG_BESIDES])s->row_kinds;
+#endif
 #if SMG_SITE_VALUES
   known->values = s->row_values;
 #endif

@@ -52,8 +52,7 @@ static inline void smg_choose_rows(smg_state *s) {
 #endif
   s->row_strong = field > SMG_ROW_STRONG;
   s->row_weak = !SMG_TOLD && field <= SMG_ROW_WEAK; /* a response leaves spins of another length to turn */
-  s->row_passes = s->row_fewest = s->row_from = s->row_near = s->row_reach = 0;
-  s->row_due = 0;
+  s->row_passes = s->row_fewest = s->row_from = s->row_near = s->row_reach = s->row_due = 0;
   s->row_stretched = 36 * field > 1; /* |h b| > 1/3 may be, as in smg_end_site */
 }
 

@@ -18,6 +18,8 @@
 #include "smg_model.h"
 #include "smg_slots.h"
 
+#include <string.h>
+
 /* numbers before the first slot and after the last that vectors reach into: gen/compile/assemble/rows.py keeps bonds so
  * short */
 #define SMG_BEFORE 8
@@ -134,6 +136,7 @@ static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, i
 #define SMG_ROW_KINDS (2 * SMG_REACH_1 + SMG_ROW_STEP)
 #define SMG_KNOWN \
   (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_ROW_KINDS * SMG_ROW_STEP)
+#define SMG_AT_HAND 300 /* of them on the stack, else all of them in the memory of the state */
 SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) {
   return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach);
 }
@@ -400,7 +403,11 @@ static inline int64_t smg_piece_room(const smg_coefficients *c) {
 /* What stands beside rows of every kind, from memory; and the places of the slots of short rows, so many that vectors
  * may begin at each of them. */
 typedef struct smg_besides {
+#if SMG_KNOWN > SMG_AT_HAND
+  smg_beside (*rows)[SMG_BESIDES];
+#else
   smg_beside rows[SMG_KNOWN][SMG_BESIDES];
+#endif
   int known[SMG_KNOWN];
   smg_real place[SMG_LONG_ROW + SMG_WIDEST];
   int64_t room; /* slots of a piece */
@@ -414,7 +421,7 @@ typedef struct smg_besides {
 
 static inline void smg_forget_besides(const smg_coefficients *c, smg_besides *all) {
   const int64_t length = smg_row_length(c);
-  for (int k = 0; k < SMG_KNOWN; ++k) all->known[k] = 0;
+  memset(all->known, 0, sizeof all->known);
   for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
   all->room = smg_piece_room(c);
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) all->first[colour] = smg_first_row(c, colour);

@@ -294,7 +294,7 @@ def test_a_large_plane_has_the_bits_of_a_small_one(monkeypatch, name, method):
     assert np.array_equal(*(model.save() for model in found)) and np.array_equal(*(model.steps(3).w for model in found))
 
 
-@pytest.mark.parametrize("name, why", [("index", "0.1*i*w[i].x*w[i].z^2"), ("cubed", "w[i].z^3")])
+@pytest.mark.parametrize("name, why", [("branches", "0.1*i*abs(w[i].x)"), ("unbounded", "1/w[i].z")])
 def test_what_rows_are_not_for(name, why):
     spec = lattice("general", "chain(n, periodic)", 16, "n", EXCHANGE + FIELD.replace(re.search('energy = "(.*)"', FIELD)[1], why))
     assert "SMG_BY_ROWS" not in generate(spec)["general.c"]

@@ -7,13 +7,14 @@ rows or it does not, whatever the time is.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 from ...language.held import lacking
 from ...language.spec import Lattice, Sites
 from ..lower.code import Argument, Assign, Braces, Call, Element, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS, term_kernels
-from ..plan.colouring import KNOWN, Colouring, colouring, kinds_of_rows
+from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
@@ -96,8 +97,8 @@ def rows_of(model, low, f, over, whole):
     if unbounded:
         return f"the field of `{unbounded.derived.term.name}` has no bound that holds at all times"
     found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole)
-    if not fits(found, model.lattices(f.name)):
-        return "its colours do not have equally many sites, or its bonds reach too far"
+    if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
+        return f"{longest(model, f)} reaches too far, or the places of a cell have no colours of equally many sites"
     alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
     return replace(found, sited={**alone, **bonds_of_terms(low, model.loops, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounds)})
 
@@ -166,13 +167,26 @@ def midpoint_rows(model, f) -> bool:
     return swept and "extended" not in model.features and model.method.stages == 1
 
 
-def fits(found: Rows, lattices) -> bool:
+def longest(model, f) -> str:
+    """The term whose bonds reach farthest."""
+    reaches = {t.derived.term.name: max(sum(abs(a - b) for a, b in zip(one, other)) for bond in t.over.bonds for (_, one), (_, other) in product(bond, bond))
+               for t, _ in model.roles(f.name) if isinstance(t.over, Lattice)}
+    return f"`{max(reaches, key=reaches.get)}`"
+
+
+def many_kinds(model) -> int:
+    """How many kinds of rows, where they are too many for the stack; else 0."""
+    kinds = kinds_of_rows(model.in_rows.colours, model.lattices(model.families[0].name))
+    return kinds if kinds > AT_HAND else 0
+
+
+def fits(found: Rows, lattices, kinds: int = KNOWN) -> bool:
     """Several colours of equally many sites; bonds that begin in the cell of a member, and reach no further than vectors may."""
     c = found.colours
     even = found.step > 1 or all(len(found.places(k)) == found.ranks for k in range(c.colours))
     near = all(abs(a[1][0] - b[1][0]) <= REACH * found.step for over in lattices for bond in over.bonds for a in bond for b in bond)
     based = all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
-    return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= KNOWN
+    return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= kinds
 
 
 def alike(model, low, f, whole, bounds, which: int):
@@ -433,6 +447,7 @@ class ByRows(Part):
 
     def members(self, model):
         values = [("smg_real *row_values", "values of sites by slots")] if number_of_values(model.in_rows) else []
+        values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(many_kinds(model))
         return values + ([] if model.method.stage_rows else row_members(model.method.of_midpoints))
 
     def instead(self, model):
@@ -460,7 +475,7 @@ class ByRows(Part):
             return 0
         around = sum(value(b.size) for part in model.parts for b in part.around(model))
         slots = slots_of(model, value)
-        return around + slots.arrays(model.method.of_midpoints) + slots.tables(site_values(model), besides(model))
+        return around + slots.arrays(model.method.of_midpoints) + slots.tables(site_values(model), besides(model), many_kinds(model))
 
     def lanes(self, model):
         return MOST_LANES
