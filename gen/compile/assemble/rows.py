@@ -483,16 +483,16 @@ class ByRows(Part):
 
 def row_members(swept: bool) -> list:
     """swept: by sweeps, of midpoints."""
-    of_sweeps = [("int row_strong, row_weak, row_stretched", "in strong fields? in weak ones?"),
-                 ("int row_alone", "do their sites feel neither themselves nor others of their colour?"),
-                 ("int row_due", "are the increments of the step before still to be added to row_w?"),
-                 ("int64_t row_passes, row_fewest", "passes of colours in the last step, and in one of the last two"),
-                 ("int64_t row_from", "the pass from which it is watched how far midpoints move"),
-                 ("int64_t row_near, row_reach", "the pass from which small components were nearly looked at, and how many slots away a site feels others"),
-                 ("smg_real row_bound", "the factor by which a sweep shrinks all errors at least, where it is below 1")]
-    later = [("smg_real *row_u, *row_late", "increments of the step under way, of the first colour and of the others")]
-    return [("int rows, row_team", "do steps go by rows of the lattice, in lanes, without other arrays than these? threads that share them, with OpenMP"),
+    of_sweeps = [("int row_strong, row_weak, row_stretched", "flags: |h b| may be large, is small, may exceed 1/3"),
+                 ("int row_alone", "flag: sites do not interact with sites of their own colour, nor with themselves"),
+                 ("int row_due", "flag: the increments of the last step have not yet been added to row_w"),
+                 ("int64_t row_passes, row_fewest", "passes over the colours in the last step; the smaller number of the last two steps"),
+                 ("int64_t row_from", "the pass from which the changes of the midpoints are measured"),
+                 ("int64_t row_near, row_reach", "the pass from which small components are checked; the range of the interaction in slots"),
+                 ("smg_real row_bound", "bound on the factor by which a sweep reduces errors, if below 1")]
+    later = [("smg_real *row_u, *row_late", "increments of the current step, of the first colour and of the others")]
+    return [("int rows, row_team", "1 if steps are taken by rows of the lattice, in lanes, using the arrays row_*; number of threads that share them (OpenMP)"),
             *(of_sweeps if swept else []),
-            ("int32_t *row_beside", "where the lattice stands in blocks: the slots beside each vector, else NULL"),
+            ("int32_t *row_beside", "if the lattice is stored in blocks: the slots of the neighbours of each vector, otherwise NULL"),
             ("smg_real *row_w, *row_compensation" + ", *row_m" * swept,
-             "the same by rows, where between calls w is up to date" + ", in the place of row_m" * swept), *(later if swept else [])]
+             "w, its rounding errors" + " and midpoints" * swept + " by rows" + " (between calls, w is stored in row_m)" * swept), *(later if swept else [])]
