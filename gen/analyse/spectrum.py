@@ -138,8 +138,8 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
              solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
              every: int | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
              seed: int | None = None, native: bool | None = None, threads: int | None = None, family: str | None = None, q="all",
-             window: str = "none", parts: int = 1, autocorrelation: bool = False, neutron: bool = False, theory: bool | str | np.ndarray = False, basis=None,
-             progress: Callable[[int], object] = lambda done: None) -> Spectrum:
+             window: str = "none", parts: int = 1, autocorrelation: bool = False, neutron: bool = False,
+             theory: bool | str | np.ndarray | SpinWaves = False, basis=None, progress: Callable[[int], object] = lambda done: None) -> Spectrum:
     """Run a spec and compute the spectrum S(q, omega) of the spins of a family on its lattice. Arguments not listed here are as for `run`.
 
     :param family: the family; needed if there are several.
@@ -151,7 +151,7 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     :param autocorrelation: whether to compute autocorrelations in time too.
     :param neutron: whether to compute what neutrons see too; at q = 0 that is the mean over directions of q.
     :param theory: True for the lines of linear spin waves near the equilibrium that relaxation reaches from the start; or an equilibrium, as
-        the name of a start or as a state of shape (sites, 3). See `spin_waves`.
+        the name of a start or as a state of shape (sites, 3); or lines of `spin_waves` at the same q, for instance of some effects only.
     :param basis: the positions of the sites of a cell, shape (sites, directions); by default those of the spec, otherwise fractions of the
         diagonal of the cell.
     :raises UsageError: for an argument that does not fit.
@@ -182,9 +182,19 @@ def found_lines(settings, numbers, family: str, grid: Grid, m, q, theory, basis)
     """The lines that are asked for, smooth along a path. Raises UsageError before the run."""
     if theory is False:
         return None
+    if isinstance(theory, SpinWaves):
+        return fitting(theory, m / np.array(grid.size))
     w = state_of(numbers, settings.start, settings.seed) if theory is True else state_of(numbers, theory, None)
     between = BETWEEN if is_path(q) else 1
     return theory_of(numbers, family, grid, m / np.array(grid.size), w, relax=theory is True, basis=basis, between=between)
+
+
+def fitting(theory: SpinWaves, q) -> SpinWaves:
+    """Lines that are given. Raises UsageError where they are those of other wave vectors."""
+    own = theory.q[::theory.meta["between"]]
+    if own.shape != q.shape or not np.allclose(own, q, rtol=0, atol=1e-9):
+        raise UsageError("the lines that are given are those of other wave vectors: compute them with the same q")
+    return theory
 
 
 def directions(grid: Grid, m) -> np.ndarray:

@@ -221,7 +221,8 @@ class Lines:
         growth = np.nan_to_num(self.growth)
         at, line = np.unravel_index(growth.argmax(), growth.shape)
         if growth[at, line] <= GROWS * max(np.nanmax(self.omega), growth[at, line], 1e-300):
-            return ["the state is no minimum of the energy: some modes lower it, but none grows"]
+            return [f"the state is no minimum of the energy: modes lower it, by up to {-self.lowest / self.modes.scale:.2g} of the largest "
+                    "curvature, but none grows"]
         some = np.flatnonzero((growth > GROWS * np.nanmax(self.omega)).any(axis=1))
         q = ", ".join(f"{x:.4g}" for x in self.q[at])
         return [f"the state is unstable: modes grow at {len(some)} of {len(self.q)} wave vectors, fastest at q = {q}, "

@@ -82,6 +82,19 @@ def test_waves_to_the_left_and_to_the_right():
 
 # Files, the command
 
+def test_lines_that_are_given():
+    """A pulse moves the spins; the lines are those without it."""
+    pulse = '[effects.pulse]\nover = "site(i) of w"\nenergy = "-0.05*exp(-(t - 3)^2)*w[i].x*if(i == 0, 1, 0)"\n'
+    spec = magnet("chain", n=8, more=pulse + FIELD)
+    lines = smidgen.spin_waves(spec, effects=["exchange", "field"], q="0 1/2", between=2)
+    found = smidgen.spectrum(spec, q="0 1/2", theory=lines, window="hann")
+    assert found.theory is lines and peaks(found)[2:] == pytest.approx(lines.omega[4::2, 0], abs=found.resolution)
+    with pytest.raises(smidgen.UsageError, match="other wave vectors"):
+        smidgen.spectrum(spec, q="0 1/4", theory=lines)
+    with pytest.raises(smidgen.UsageError, match=r"`pulse` depends on time.*theory=spin_waves\(effects="):
+        smidgen.spectrum(spec, q="0 1/2", theory=True)
+
+
 def test_files_keep_the_lines(tmp_path):
     from smidgen.show.plot.spectrum import draw_spectrum
     found = smidgen.spectrum(magnet("chain", n=8), q="0 1/2", time=20, theory=True, neutron=True)
