@@ -19,6 +19,7 @@ from ..errors import RunError, UsageError, ValidationError
 from ..extremes import largest, smallest, with_largest
 from ..methods import METHODS
 from ..language.spec import Spec
+from ..language.units import TIME
 from ..public import html_of, public
 from ..read.shipped import SpecLike, spec_or_name
 from ..run.settings import Settings, model_of, settle
@@ -63,6 +64,7 @@ class Report:
     steps: int
     growth: float
     lines: tuple[Line, ...]
+    time: str = ""
 
     @property
     def passed(self) -> bool:
@@ -92,7 +94,7 @@ class Report:
     def table(self):
         """A rich Table."""
         from rich.table import Table
-        table = Table(title=f"{self.spec} {self.run}: {self.method}, h = {self.h:g}, "
+        table = Table(title=f"{self.spec} {self.run}: {self.method}, h = {self.h:g}{' ' * bool(self.time)}{self.time}, "
                             f"{self.sites} site{'s' * (self.sites != 1)}")
         for name in ("check", "measured", "bound", "", "note"):
             table.add_column(name, overflow="fold")
@@ -136,7 +138,7 @@ def validate(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     flow_lines, _ = case.guarded("order of convergence", lambda: (compare_flow(case), None), None)
     s = case.settings
     return Report(spec.name, s.run, s.method, s.h, case.witness.sites, steps, growth,
-                  tuple([*lines, *step_lines, *flow_lines]))
+                  tuple([*lines, *step_lines, *flow_lines]), spec.units.spelt(TIME) if spec.units else "")
 
 
 class Case:

@@ -49,14 +49,15 @@ def command(args):
 def table(found, spec):
     """A rich Table; with a column of units, where numbers have some."""
     from rich.table import Table
+    from ..language.units import TIME
     from ..run.record.units import of_column
-    shown = Table(title=f"{found.meta['spec']}: {found.meta['samples']} samples of {found.meta['members']} members, each to t = "
-                        f"{found.meta['steps'] * found.meta['h']:g}, from t = {found.meta['after']:g} on")
-    for column in ("", "mean", "standard error", "variance", "correlation time"):
-        shown.add_column(column, justify="right" if column else "left")
-    if spec.units:
-        shown.add_column("unit")
+    time, many = f" {spec.units.spelt(TIME)}" if spec.units else "", found.meta["members"]
+    shown = Table(title=f"{found.meta['spec']}: {found.meta['samples']} samples of {many} member{'s' * (many != 1)}{', each' * (many != 1)} to t = "
+                        f"{found.meta['steps'] * found.meta['h']:g}{time}, from t = {found.meta['after']:g}{time} on")
+    for column in ("", "mean", "standard error", *["unit"] * bool(spec.units), "variance", f"correlation time{f' ({time[1:]})' * bool(time)}"):
+        shown.add_column(column, justify="right" if column not in ("", "unit") else "left")
     for name, one in found.of.items():
         unit = [of_column(spec, spec.units, name)] if spec.units else []
-        shown.add_row(name, f"{one.mean:.8g}", *("" if x is None else f"{x:.3g}" for x in (one.error, one.variance, one.correlation)), *unit)
+        error, variance, correlation = ("" if x is None else f"{x:.3g}" for x in (one.error, one.variance, one.correlation))
+        shown.add_row(name, f"{one.mean:.8g}", error, *unit, variance, correlation)
     return shown

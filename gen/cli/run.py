@@ -193,10 +193,13 @@ def facts(args, result, code) -> dict:
 def lines(args, result):
     """The summary for people."""
     meta = result.meta
-    yield (f"{meta['spec']} {meta['run']}: {meta['method']}, h = {meta['h']:.10g}{unit(meta, 't')}, {meta['done']} of "
+    name = f"{meta['spec']} {meta['run']}" if meta["spec"] != meta["run"] else f"model {meta['spec']}, run {meta['run']}"
+    yield (f"{name}: {meta['method']}, h = {meta['h']:.10g}{unit(meta, 't')}, {meta['done']} of "
            f"{meta['steps']} steps to t = {result.summary['t']:.10g}{unit(meta, 't')} in {result.summary['seconds']:.2f} s")
     if meta["chosen"]:
         yield f"chosen: {notes_line(meta['chosen'])}"
+    if result.summary.get("by_rows") is not None:
+        yield f"this run was solved {'by rows' if result.summary['by_rows'] else 'site by site, for h is too large for rows'}"
     yield from deviation_lines(result.summary, meta)
     yield from estimate_lines(result)
     yield from split_lines(result)
@@ -222,14 +225,26 @@ def mean_lines(meta):
     """The averages of a run that takes some."""
     for name, one in (meta["means"] or {}).items():
         error = "" if one["error"] is None else f" ± {one['error']:.2g}"
-        correlation = "" if one["correlation"] is None else f", correlation time {one['correlation']:.3g}"
+        correlation = "" if one["correlation"] is None else f", correlation time {one['correlation']:.3g}{unit(meta, 't')}"
         yield f"mean of {name} from t = {meta['averages']['after']:g}{unit(meta, 't')} on: {one['mean']:.8g}{error}{unit(meta, name.removesuffix('.x'))}, variance {one['variance'] or 0:.4g}{correlation}"
+
+
+def directions(axes) -> dict:
+    """kind -> along which axes the momentum is conserved (errors) and along which it is not (changes); "" where it is along all or none."""
+    if len(axes) != 1:
+        return {"errors": "", "changes": ""}
+    names = [x for x, a in zip("xyz", axes[0]) if abs(a) > 1 - 1e-9]
+    if not names:
+        along = f"({', '.join(f'{a:.3g}' for a in axes[0])})"
+        return {"errors": f" along {along}", "changes": f" across {along}"}
+    return {"errors": f" along {names[0]}", "changes": f" along {', '.join(x for x in 'xyz' if x not in names)}"}
 
 
 def deviation_lines(summary, meta):
     """Errors of what is conserved, changes of what is not."""
-    names = {"energy": "energy without tracers"} if summary.get("without") else {}
+    along = directions(summary.get("axes", ()))
     for kind, said in (("errors", "largest error"), ("changes", "not conserved, largest change")):
+        names = {"momentum": f"momentum{along[kind]}", **({"energy": "energy without tracers"} if summary.get("without") else {})}
         if summary[kind]:
             found = (f"{names.get(name, name)} {value:.3g}{unit(meta, name)}" for name, value in summary[kind].items())
             yield f"{said} over the outputs (absolute): {', '.join(found)}"

@@ -98,13 +98,14 @@ class Each:
 class Places:
     """Where the sites of a lattice stand. vectors: rows (x, y, z), of its directions, then of those that measure positions alone;
     positions: of the sites of a cell, fractions of all vectors; name: of a lattice of `language.crystals`; assumed: from that name alone, which any other
-    lattice with places overrules; measured: the vectors are lengths with a unit; unit: its name in the lattice constant."""
+    lattice with places overrules; measured: the vectors are lengths with a unit; unit: its name in the lattice constant; names: of the sites of a cell."""
     vectors: tuple[tuple[float, ...], ...]
     positions: tuple[tuple[float, ...], ...]
     name: str = ""
     assumed: bool = False
     measured: bool = False
     unit: str = ""
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -179,6 +180,7 @@ class Term:
     value: Expr
     meaning: str = ""
     unit: str = ""
+    names: tuple[str, ...] = ()
 
     key = "value"       # of its formula in a spec
 

@@ -58,7 +58,7 @@ class Lattices:
         periodic, places = self.problems.together(
             lambda: self.boundaries(node, len(size)),
             lambda: PlaceReader(self.formulas, self.problems).read(node, len(size), sites))
-        sites = self.sites(node, sites, places)
+        sites, places = self.sites(node, sites, places), places and replace(places, names=names)
         return Declaration(size, periodic, sites, self.bond_lists(node, sites, len(size), places), places, names)
 
     def of_cell(self, node: Node) -> tuple:

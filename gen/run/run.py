@@ -28,6 +28,7 @@ from .files.options import OPTIONS
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise
 from .step.pace import Pace
+from .step.saved import HISTORY
 from .record.means import Means
 from .record.units import units_of
 from .record.record import Recorder, columns_of, entry_size
@@ -262,9 +263,18 @@ def _plain(values: dict) -> dict:
             for k, v in values.items()}
 
 
+def went_by_rows(model) -> bool | None:
+    """Was the last step of a lattice solved by rows? That is seen in what it keeps for the next: fewer increments. None where rows are no choice, or too few steps were taken."""
+    from ..compile.assemble.model import HISTORY as KEPT
+    from ..compile.plan.layout import MIDPOINT_ROWS
+    if MIDPOINT_ROWS not in model.notes.get("reason", "") or model.count <= KEPT:
+        return None
+    return bool(model.save()[HISTORY] < KEPT)
+
+
 def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
-    meta, extras, t = describe(model, settings, status), {"final": model.state()}, model.t
+    meta, extras, t, by_rows = describe(model, settings, status), {"final": model.state()}, model.t, went_by_rows(model)
     if status == "complete":
         meta["estimate"] = settings.estimate if settings.estimate is not None else bool(model.scene.heated) or ranks.on_first(lambda: clock.perf_counter() - began < SHORT)
         if meta["estimate"]:
@@ -278,7 +288,7 @@ def _finish(model, settings, recorder, status, error, began):
     meta["means"] = None if recorder.means is None else recorder.means.found()
     _close(model, recorder, meta, extras, began)
     empty = {"step": np.empty(0, np.int64), "t": np.empty(0)}
-    summary = {"t": t, **recorder.deviations.summary(), "in_parts": len(recorder.substeps), "halved": model.halved,
+    summary = {"t": t, **recorder.deviations.summary(), "by_rows": by_rows, "in_parts": len(recorder.substeps), "halved": model.halved,
                "estimate_left_out": settings.estimate is None and meta["estimate"] is False, "nearest": recorder.block.near_centre(model), "seconds": clock.perf_counter() - began}
     return _outcome(result_of(meta, {**(memory[0] if memory else empty), **extras}, summary), status, error)
 

@@ -34,6 +34,22 @@ steps = 40
 output = {{ what = ["states", "energy", "momentum", "casimirs"] }}
 """
 PAIR, FIELD = "dot(w[i], w[j])", "dot(w[i], w[j]) + w[i].x + w[i].y"
+FILM = """
+[model]
+name = "film"
+[space]
+w = { sphere = 64 }
+[effects.exchange]
+over = "bond(i, j) of square(8, 8)"
+energy = "-dot(w[i], w[j])"
+[starts.one]
+theta = "0.3*cos(i)"
+phi = "i"
+[runs.film]
+start = "one"
+h = 0.1
+steps = 10
+"""
 CASES = {       # inner, outer: is the energy conserved, in how many directions the momentum
     "neither": (PAIR, "3*dot(w[i], p[j])", True, 3),
     "tracers feel time": (PAIR, "3*cos(t)*dot(w[i], p[j])", True, 3),
@@ -83,7 +99,16 @@ def test_no_digits_below_the_round_off_of_the_momentum(capsys, tmp_path):
     result = smidgen.run(smidgen.load_text(text))
     assert result.summary["errors"]["momentum"] == 0 and 1e-11 < result.summary["changes"]["momentum"] < 1e-8
     (tmp_path / "m.toml").write_text(text)
-    assert cli.main(["run", str(tmp_path / "m.toml"), "--no-estimate"]) == 0 and "momentum 0, " in capsys.readouterr().out
+    assert cli.main(["run", str(tmp_path / "m.toml"), "--no-estimate"]) == 0 and "momentum along z 0, " in (said := capsys.readouterr().out) and "momentum along x, y 1.1e-09" in said
+
+
+@pytest.mark.parametrize("h, said", [("0.05", "by rows"), ("0.9", "site by site")])
+def test_a_run_tells_whether_it_went_by_rows(h, said, capsys, tmp_path):
+    """A film of 8 x 8 spins with four bonds each: 0.9 is beyond the bound, where sweeps need not converge. A run with the name of its model is told apart."""
+    (tmp_path / "m.toml").write_text(FILM)
+    assert cli.main(["run", str(tmp_path / "m.toml"), "--h", h, "--steps", "12", "--no-estimate"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("model film, run film: spherical") and f"this run was solved {said}" in told
 
 
 @pytest.mark.long

@@ -206,7 +206,18 @@ def test_a_lattice_of_ones_own_is_drawn_as_it_is_written(tmp_path):
     found = draw.result_of(smidgen.run(smidgen.load_text(OWN), start="random", h=0.1, steps=2, what=["states"]), None)
     _, stage, _ = pictures.stage_of(found, {})
     assert np.allclose(stage.flat, [[2 * (i // 2 % 4) + i // 8 + i % 2, i // 8] for i in range(24)])
-    assert data_of(draw.page(found))["families"][0]["cell"] == {"size": [4, 3], "sites": 2}
+    assert data_of(draw.page(found))["families"][0]["cell"] == {"size": [4, 3], "sites": 2, "names": ["0", "1"]}
+
+
+def test_sublattices_have_the_names_that_the_spec_gives_them():
+    """In the player and in a schematic; the discs of the player leave no hole, of all sites and of one place of a cell."""
+    text = OWN.replace("positions", 'sites = ["iron", "oxygen"]\npositions')
+    found = draw.result_of(smidgen.run(smidgen.load_text(text), start="random", h=0.1, steps=2, what=["states"]), None)
+    family = data_of(draw.page(found))["families"][0]
+    assert family["cell"]["names"] == ["iron", "oxygen"] and "sites iron, oxygen of a cell" in style.styled(pictures.draw_lattice)(found).texts[-1].get_text()
+    for where, radius in zip([found.meta["standing"]["w"]["places"][k::step] for k, step in ((0, 1), (0, 2), (1, 2))], family["cover"]):
+        square = np.mean(where, axis=0)[:2] + np.stack(np.meshgrid(*2 * [np.linspace(-0.5, 0.5, 21)]), -1).reshape(-1, 2)
+        assert np.linalg.norm(square[:, None] - where[None, :, :2], axis=2).min(axis=1).max() < radius < 1.6
 
 
 def test_units_of_a_result_are_said(film):

@@ -122,7 +122,7 @@ def test_a_film_has_places_bonds_and_its_energy_site_by_site(film):
     for i, j in FILM_BONDS:
         half[[i, j]] -= w[i] @ w[j] / 2
     maps = {m["name"]: m for m in data["maps"]}
-    for name, wanted in [("energy exchange", half), ("energy field", -w[:, 2]), ("energy", half - w[:, 2])]:
+    for name, wanted in [("energy.exchange", half), ("energy.field", -w[:, 2]), ("energy", half - w[:, 2])]:
         m = maps[name]
         values = m["low"] + (m["high"] - m["low"]) * inflated(m["values"], "u1").reshape(-1, 30)[0] / 255
         assert np.abs(values - wanted).max() < (m["high"] - m["low"]) / 500, name

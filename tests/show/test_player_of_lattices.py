@@ -47,7 +47,7 @@ setTimeout(() => {
   ask("pointermove", 3, 3); said.left = el("told").hidden;
   ask("pointerdown", middle[0] + 0.5 * unit, middle[1]); ask("pointerup", middle[0] + 0.5 * unit, middle[1]);
   said.spoken = el("spoken").textContent; said.ring = !el("site").hidden;
-  set("colour", [...el("colour").options].findIndex((o) => o.textContent === "energy exchange")); said.range = el("range").textContent;
+  set("colour", [...el("colour").options].findIndex((o) => o.textContent === "energy.exchange")); said.range = el("range").textContent;
   said.named = el("site").textContent.split("\\n").pop(); said.key = el("key").getAttribute("aria-label");
   said.colours = [...el("colour").options].map((o) => o.textContent);
   press("End"); said.end = it.now; said.value = el("slider").getAttribute("aria-valuetext"); press("Home"); said.home = it.now;
@@ -107,11 +107,11 @@ def test_a_site_is_named_with_its_cell_and_vector(said):
 @with_browser
 def test_a_map_colours_and_is_told(said):
     """Of site 18 half of its four bonds: to 14 and 22, 17 and 19 (and 6 below)."""
-    assert said["colours"] == ["direction", "w_x / |w|", "w_y / |w|", "w_z / |w|", "energy exchange"]
+    assert said["colours"] == ["direction", "w_x / |w|", "w_y / |w|", "w_z / |w|", "energy.exchange"]
     wanted = -0.5 * sum(np.cos(18 - j) for j in (14, 22, 17, 19, 6))
     name, _, value = said["named"].partition(" = ")
-    assert name == "energy exchange" and float(value.replace("\u2212", "-")) == pytest.approx(wanted, abs=0.02)
-    assert said["key"].startswith("Key: energy exchange") and " to " in said["range"]
+    assert name == "energy.exchange" and float(value.replace("\u2212", "-")) == pytest.approx(wanted, abs=0.02)
+    assert said["key"].startswith("Key: energy.exchange") and " to " in said["range"]
 
 
 @with_browser

@@ -50,7 +50,7 @@ class Averages:
         return self.of[name]
 
     def __repr__(self) -> str:
-        return f"<Averages {self.meta['spec']}: {few(self.of)}; {self.meta['samples']} samples of {self.meta['members']} members>"
+        return f"<Averages {self.meta['spec']}: {few(self.of)}; {self.meta['samples']} samples of {self.meta['members']} member{'s' * (self.meta['members'] != 1)}>"
 
     def text(self) -> str:
         """The contents of the .json file."""

@@ -152,9 +152,9 @@ class Deviations:
                 "H may be singular near this state or time")
 
     def summary(self) -> dict:
-        """errors and changes: name -> the largest one; without: the effects that the energy leaves out."""
+        """errors and changes: name -> the largest one; axes: the directions (k, 3) along which the momentum is conserved; without: the effects that the energy leaves out."""
         found = self.largest if self.outputs > 1 else {}
-        return {"errors": found.get("errors", {}), "changes": found.get("changes", {}), "without": sorted(self.without)}
+        return {"errors": found.get("errors", {}), "changes": found.get("changes", {}), "axes": self.axes.tolist(), "without": sorted(self.without)}
 
     def facts(self) -> dict:
         """What a resumed run must know."""

@@ -30,10 +30,17 @@ class Extras:
         found = self.standing.get(name)
         if found is None or len(found["places"]) != self.states[name].shape[1]:
             return {}
-        more = {"cell": cell(*self.grids[name])} if name in self.grids else {}
+        more = {"cell": cell(*self.grids[name], found["names"])} if name in self.grids else {}
         sides = triangles(found["places"])
-        return {"places": deflated(found["places"] / self.length, "<f4"), "links": deflated(found["links"], "<i4"), **more,
+        cover = {} if sides is None else {"cover": [covered(found["places"] / self.length, sides), *self.covers(found["places"], more)]}
+        return {"places": deflated(found["places"] / self.length, "<f4"), "links": deflated(found["links"], "<i4"), **more, **cover,
                 **({} if sides is None else {"triangles": deflated(sides, "<i4")})}
+
+    def covers(self, where, more: dict) -> list:
+        """The same of the sites of each place of a cell, where there are several."""
+        each = more["cell"]["sites"] if more else 1
+        found = [(where[k::each] / self.length, triangles(where[k::each])) for k in range(each)] if each > 1 else []
+        return [covered(some, sides) if sides is not None else 0.0 for some, sides in found]
 
     def maps(self, keep) -> list[dict]:
         """Numbers of sites at the outputs `keep`, as bytes between the smallest and the largest."""
@@ -64,8 +71,17 @@ def triangles(where):
     return found[sides < 2.1 * np.median(sides)]
 
 
-def cell(size, sites: int) -> dict:
-    return {"size": [int(n) for n in size], "sites": int(sites)}
+def covered(where, sides) -> float:
+    """The radius of discs about sites that leave no hole: of the circles through the corners of most triangles, and a little more."""
+    a, b, c = (np.linalg.norm(where[sides[:, k]] - where[sides[:, k - 1]], axis=1) for k in range(3))
+    s = (a + b + c) / 2
+    area = np.sqrt(np.maximum(s * (s - a) * (s - b) * (s - c), 1e-12))
+    return float(1.03 * np.quantile(a * b * c / (4 * area), 0.8))
+
+
+def cell(size, sites: int, names) -> dict:
+    called = [printable(name) for name in names] if len(names) == sites else [str(k) for k in range(sites)]
+    return {"size": [int(n) for n in size], "sites": int(sites), **({"names": called} if sites > 1 else {})}
 
 
 def mapped(one: dict) -> dict:

@@ -20,11 +20,11 @@ LONG = 4            # times as many cells one way as the other, beyond which the
 
 
 @styled
-def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1), told=plain, placed: bool = False):
+def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1), told=plain, placed: bool = False, names=()):
     """Unit vectors along w (k, rows, columns, sites of a cell, 3) at up to six outputs, evenly chosen; `note` stands below.
 
     directions: of the lattice, along columns and along rows, which go upwards. Of many cells some are left out. told: the unit of a column;
-    placed: can the sites be drawn where they stand?
+    placed: can the sites be drawn where they stand? names: of those of a cell.
     """
     keep, rows, columns = thinned(len(t), TIMES), thinned(w.shape[1], CELLS), thinned(w.shape[2], CELLS)
     part = np.asarray(w, float)[keep][:, rows][:, :, columns]
@@ -36,14 +36,15 @@ def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1), tol
         label(ax, directions, below=k + across < len(keep), beside=k % across > 0)
     figure.colorbar(image, ax=list(axes), label=r"$w_z/|w|$", pad=0.02)
     figure.suptitle(shown(title) or "Evolution of the lattice", x=0.01, ha="left", fontsize=10.5)
-    footnote(figure, schematic(w.shape[3], placed), note, of_all(len(rows) * len(columns), w.shape[1] * w.shape[2], "cells"), of_all(len(keep), len(t), "outputs"))
+    footnote(figure, schematic(w.shape[3], placed, names), note, of_all(len(rows) * len(columns), w.shape[1] * w.shape[2], "cells"), of_all(len(keep), len(t), "outputs"))
     return figure
 
 
-def schematic(sites: int, placed: bool) -> str:
+def schematic(sites: int, placed: bool, names=()) -> str:
     """What to say of a picture of cells of several sites."""
     rest = "; --kind places draws them where they stand" if placed else ", for this spec does not say where they stand"
-    return f"schematic: the {sites} sites of a cell side by side{rest}" if sites > 1 else ""
+    which = f"{sites} sites {', '.join(names)}" if names else f"{sites} sites"
+    return f"schematic: the {which} of a cell side by side{rest}" if sites > 1 else ""
 
 
 def squares(unit) -> bool:

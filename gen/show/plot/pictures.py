@@ -15,7 +15,7 @@ from .colours import of_sites
 from .extras import Extras
 from .facts import conserved_energy
 from .text import of_all, printable
-from .units import kinds_of, unit_of
+from .units import behind, kinds_of, unit_of
 
 TANGLED = 1500.0    # radii travelled from which on paths on one sphere cannot be told apart
 SMALLEST, LARGEST = 1e-100, 1e100      # coordinates whose squares are still numbers
@@ -33,7 +33,7 @@ def first_line(result) -> str:
 def facts(result) -> str:
     """Method, step, orientation: what a picture must say about where it comes from."""
     meta = result.meta
-    said = [str(meta.get("method", "")), f"h = {meta['h']:g}" if "h" in meta else "",
+    said = [str(meta.get("method", "")), f"h = {meta['h']:g}{behind(kinds_of(result)['time'])}" if "h" in meta else "",
             f"{meta['done']} steps" if "done" in meta else "",
             "orientation -1" if meta.get("orientation") == -1 else ""]
     return ", ".join(part for part in said if part)
@@ -212,7 +212,12 @@ def draw_lattice(result):
     cells = w.reshape(len(w), *size[::-1], sites, 3)
     picked = [slice(None) if d in (across, up) else 0 for d in reversed(range(len(size)))]
     said = [f"the lowest of {size[d]} layers" for d in above]
-    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up), by_column(result), placed(result) is not None)
+    return lattice.lattice_images(result.t, cells[(slice(None), *picked)], first_line(result), "; ".join(filter(None, [others(result, name), *said])), (across, up), by_column(result), placed(result) is not None, names_of(result, name))
+
+
+def names_of(result, name: str) -> tuple:
+    """Of the sites of a cell, where the lattice of a family names them."""
+    return ((result.meta.get("standing") or {}).get(name) or {}).get("names", ())
 
 
 def placed(result):

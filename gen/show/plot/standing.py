@@ -17,14 +17,16 @@ MAPS = 8            # most of them
 
 
 def standing(numbers: Evaluated) -> dict:
-    """family -> {"places": (n, 3), "unit": theirs, "links": (m, 2) numbers of sites that a bond joins there, not through a boundary}; families
+    """family -> {"places": (n, 3), "unit": theirs, "names": of the sites of a cell, "links": (m, 2) numbers of sites that a bond joins there, not through a boundary}; families
     without places are left out."""
     found = {}
     for name, (_, count) in numbers.places.items():
         where = positions(numbers.spec, name, numbers.values)
         if where is not None and len(where) == count and np.all(np.isfinite(where)):
-            unit, size = length_of(numbers.spec.units, placed_on(numbers.spec, name))
-            found[name] = {"places": where / size, "unit": unit, "links": links(numbers, name, where)[:LINKS]}
+            over = placed_on(numbers.spec, name)
+            unit, size = length_of(numbers.spec.units, over)
+            names = over.places.names if isinstance(over, Lattice) else ()
+            found[name] = {"places": where / size, "unit": unit, "names": names, "links": links(numbers, name, where)[:LINKS]}
     return found
 
 
@@ -48,7 +50,7 @@ def links(numbers: Evaluated, family: str, where) -> np.ndarray:
 
 def site_terms(spec, called) -> list:
     """The terms whose value a site has a share of: effects that are energies, and observables."""
-    return [(f"energy {e.name}", e) for e in spec.energies if e.name in called] + [(o.name, o) for o in spec.observables]
+    return [(f"energy.{e.name}", e) for e in spec.energies if e.name in called] + [(o.name, o) for o in spec.observables]
 
 
 def site_maps(numbers: Evaluated, called, t, states: dict) -> list[dict]:
@@ -66,7 +68,7 @@ def whole(maps, called) -> list[dict]:
     """The same after the energy of each site, where it has several parts."""
     sums = []
     for family in dict.fromkeys(m["family"] for m in maps):
-        parts = [m for m in maps if m["family"] == family and m["name"].startswith("energy ")]
+        parts = [m for m in maps if m["family"] == family and m["name"].startswith("energy.")]
         if len(parts) > 1:
             sums.append({**parts[0], "name": "energy", "values": sum(m["values"] for m in parts)})
     return sums + maps

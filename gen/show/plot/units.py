@@ -20,7 +20,12 @@ def with_unit(name: str, unit: str, between: str = " ") -> str:
 
 def at_time(t, unit: str) -> str:
     """`t = 400 fs`, for matplotlib; without the unit where none is named."""
-    return f"$t$ = {t:g}" + ("" if unit in ("", MODEL) else f" ({shown(unit)})" if unit[0].isdigit() else f" {shown(unit)}")
+    return f"$t$ = {t:g}{shown(behind(unit))}"
+
+
+def behind(unit: str) -> str:
+    """` fs`, behind a number; nothing where no unit is named."""
+    return "" if unit in ("", MODEL) else f" ({unit})" if unit[0].isdigit() else f" {unit}"
 
 
 def columns_of(result) -> dict:

@@ -1,5 +1,5 @@
 // Time: play, pause, go to a frame.
-import { it, el, show, time } from "./state.mjs";
+import { it, el, behind, show, time } from "./state.mjs";
 import { nothing, words } from "./strip.mjs";
 
 export const SPEEDS = [["\u00bc\u00d7", 0.25], ["\u00bd\u00d7", 0.5], ...[1, 2, 4, 10, 30, 100].map((x) => [`${x}\u00d7`, x])];
@@ -30,5 +30,5 @@ function tick(stamp) {
 }
 export function clockText() {
   const k = Math.min(Math.round(it.now), it.frames - 1);
-  return "t = " + time().toPrecision(6) + (it.errors ? "    H \u2212 H\u2080 = " + show(it.errors[k]) : "");
+  return "t = " + time().toPrecision(6) + behind(it.data.timeUnit) + (it.errors ? "    H \u2212 H\u2080 = " + show(it.errors[k]) + behind(it.data.unit) : "");
 }

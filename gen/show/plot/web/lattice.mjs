@@ -89,8 +89,8 @@ export function sparse(m, f, sites, wide) { // one site of each square of this w
 
 export function siteName(f, site) {
   if (!f.cell) return `${f.name}[${site}]`;
-  const { size, sites } = f.cell;
+  const { size, sites, names } = f.cell;
   let number = Math.floor(site / sites);
   const cell = size.map((n) => { const c = number % n; number = Math.floor(number / n); return c; });
-  return `${f.name}[${site}], cell (${cell.join(", ")})` + (sites > 1 ? `, site ${site % sites} of it` : "");
+  return `${f.name}[${site}], ` + (sites > 1 ? `site ${names[site % sites]} of ` : "") + `cell (${cell.join(", ")})`;
 }

@@ -20,7 +20,7 @@ let keyed = "";
 
 // ---- drawing ----
 function triad() {                          // where x, y and z point, in a corner
-  const from = [34, it.height - 58], long = 22;
+  const above = it.height - 24 - el("keybox").offsetHeight - 52, from = above > 60 ? [it.width - 74, above] : [34, it.height - 58], long = 22;
   g.font = "italic 12px system-ui, sans-serif"; g.textAlign = "center"; g.textBaseline = "middle"; g.lineWidth = 1.2;
   ["x", "y", "z"].forEach((name, k) => {
     const v = [0, 0, 0]; v[k] = 1;
@@ -35,6 +35,7 @@ function placesView() {
   g.clearRect(0, 0, it.width, it.height);
   el("stage").classList.remove("sheet");
   const words = drawPlaces();
+  drawnKey();
   triad();
   return words;
 }
@@ -56,7 +57,7 @@ function draw() {
   drawPicked(g);
   el("clock").textContent = clockText();
   el("note").textContent = [it.without, words].filter((part) => part).join("; ");
-  drawnKey();
+  if (it.view === "sphere") drawnKey();
   drawStrip(e);
   filmed();
 }
@@ -114,7 +115,8 @@ function makePlaces() {
   const most = Math.max(...placed().map(perCell)), m = measured();
   choices("colour", channels().map((c) => c.name), 0);
   choices("slice", ["none", "x", "y", "z"], 0, ["none", "x", "y", "z"]);
-  choices("sublattice", ["all", ...Array(most).keys()], 0, ["all", ...Array(most).keys()]);
+  const widest = placed().find((f) => perCell(f) === most);
+  choices("sublattice", ["all", ...(most > 1 ? widest.cell.names : [0])], 0, ["all", ...Array(most).keys()]);
   choices("marks", ["arrows", "cells, arrows", "cells", "every arrow"], 0, ["arrows", "cells, arrows", "cells", "all"]);
   el("slicebox").hidden = m.directions < 3; el("sublatticebox").hidden = most < 2; el("isobox").hidden = !placed().some((f) => f.triangles); el("layerbox").hidden = true;
   it.cameras.places = { first: first(), home: turned(...first()) };

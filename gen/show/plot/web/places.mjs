@@ -152,10 +152,14 @@ function instances(one) {
   else gl.drawArrays(gl.TRIANGLES, 0, 3 * one.sites.length);
 }
 const onPlane = () => m.plane && m.directions === 2;
+function disc(f) {                          // its radius, such that discs leave no hole between the sites that are seen
+  const only = el("sublattice").value, each = perCell(f), found = f.cover && f.cover[only === "all" || each < 2 ? 0 : 1 + Number(only) % each];
+  return found || (each > 1 ? 1.02 : 0.75) * m.space;
+}
 function drawCells(set, shared) {
   if (!set.cells.sites.length) return;
   const [across, up] = onPlane() ? [[1, 0, 0], [0, 1, 0]] : camera().turn;
-  use(gl, programs.cells, { ...shared, across, up, size: (onPlane() ? perCell(set.f) > 1 ? 1.02 : 0.75 : 0.34) * m.space, plane: Number(onPlane()) });
+  use(gl, programs.cells, { ...shared, across, up, size: onPlane() ? disc(set.f) : 0.34 * m.space, plane: Number(onPlane()) });
   follow(set.cells, set.f, channel());
   instances(set.cells);
 }

@@ -50,7 +50,7 @@ void main() {
   vec3 flat_ = colour_of(u, value);
   if (inked == 1) flat_ = vec3(dot(flat_, vec3(0.3, 0.6, 0.1)) > 0.4 ? 0.05 : 0.95);
   float light = pieces == 3 ? 1.0 : 0.80 + 0.24 * dot((frame * normal) * turn, normalize(vec3(-0.4, 0.6, 0.7)));
-  colour = inked == 1 ? flat_ : mix(flat_ * light, paper, clamp(fog * (0.35 + 0.9 * gl_Position.z), 0.0, 0.6));
+  colour = inked == 1 ? flat_ : mix(flat_ * light, paper, clamp(fog * 1.2 * gl_Position.z, 0.0, 0.5));
 }`, `#version 300 es
 precision highp float;
 in vec3 colour; out vec4 seen_;

@@ -20,6 +20,8 @@ export function show(x) {                   // a number in few characters
   return x.toExponential(1).replace(/-/g, "\u2212").replace("e+", "e");
 }
 
+export const behind = (unit) => !unit || unit === "model units" ? "" : /^\d/.test(unit) ? ` (${unit})` : ` ${unit}`;
+
 export function time() {                    // of the model, now
   const k = Math.floor(it.now), next = Math.min(k + 1, it.frames - 1);
   return it.times[k] + (it.now - k) * (it.times[next] - it.times[k]);
