@@ -16,6 +16,9 @@
 #ifndef SMG_COUPLED_NAMBU
 #define SMG_COUPLED_NAMBU 0
 #endif
+#ifndef SMG_SWEPT
+#define SMG_SWEPT 0
+#endif
 #ifndef SMG_CONSTANT_HESSIAN
 #define SMG_CONSTANT_HESSIAN 0
 #endif

@@ -209,17 +209,18 @@ static int smg_few_solved(smg_state *s) {
   return solved && smg_lane_largest(moved.row) <= SMG_SLOWED && smg_lane_largest(moved.products) <= s->scale * s->scale;
 }
 
-/* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it. */
+/* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it; or to sweeps,
+ * which count those. */
 static smg_status smg_few_iterate(smg_state *s, smg_real h) {
   if (s->newton_steps > 0) {
-    --s->newton_steps;
+    s->newton_steps -= !SMG_SWEPT;
     return SMG_NO_CONVERGENCE;
   }
   if (smg_few_settle(s, smg_few_enter(s, h)) && smg_few_solved(s)) {
     smg_few_leave(s);
     return SMG_OK;
   }
-  s->newton_steps = SMG_NEWTON_STEPS;
+  s->newton_steps = SMG_SWEPT ? 0 : SMG_NEWTON_STEPS;
   return SMG_NO_CONVERGENCE;
 }
 

@@ -150,3 +150,26 @@ def test_a_field_that_is_no_number_is_refused(monkeypatch, n, lanes):
     with pytest.raises(smidgen.RunError, match="not finite"):
         model.steps(1)
     assert np.array_equal(model.w, w) and model.count == 0
+
+
+MANY = few(SPINS, 301)
+
+
+@pytest.mark.parametrize("h, same", [(0.05, False), (12.0, True)])
+def test_more_sites_than_a_matrix_is_for_go_in_lanes_too(h, same):
+    """Where steps are large they are left to sweeps, with their bits."""
+    assert generate(MANY).notes["reason"].startswith("all pairs: fixed-point iteration in lanes")
+    lanes, sweeps = (started(MANY, h, **how) for how in ({}, {"solver": "rotation"}))
+    assert np.abs(lanes.steps(3).w - sweeps.steps(3).w).max() <= (0 if same else 1e-14)
+
+
+@pytest.mark.long
+def test_many_sites_have_the_same_bits_for_any_number_of_lanes_and_restored(monkeypatch):
+    found = []
+    for lanes in EVERY_WIDTH:
+        monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+        model = started(MANY, 0.05)
+        saved, whole = model.steps(3).save(), model.steps(5).save()
+        assert np.array_equal(model.start("random", h=0.03).restore(saved).steps(5).save(), whole)
+        found.append(whole)
+    assert all(np.array_equal(found[0], one) for one in found[1:])

@@ -21,6 +21,7 @@ LAYOUTS = ("members", "rows", "few", "single", "sites")     # the first that is 
 MIDPOINT_ROWS = "by rows in lanes where h is so small that sweeps must converge"
 TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
 STAGE_ROWS = "sites of a row in lanes"
+ALL_PAIRS = "all pairs: fixed-point iteration in lanes while it settles soon"
 FEW = "few sites: fixed-point iteration in lanes while it settles soon, else dense Newton"
 
 
@@ -30,7 +31,9 @@ def with_layout(plan: Plan, method: Method, offered) -> Plan:
     laid = replace(plan, layout=layout)
     if layout == "rows":
         return laid.also(MIDPOINT_ROWS if method.of_midpoints else TURN_ROWS if method.splitting else STAGE_ROWS)
-    return replace(laid, reason=FEW) if layout == "few" else laid
+    if layout == "few":
+        return replace(laid, reason=FEW if plan.solver == "dense" else f"{ALL_PAIRS}; {plan.reason}")
+    return laid
 
 
 def by_threads(plan: Plan, method: Method) -> bool:

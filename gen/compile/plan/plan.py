@@ -33,7 +33,7 @@ class Plan:
     local, coupled: family names, of midpoint methods; solver: 'local', 'dense', 'band', 'sparse', 'rotation', 'plain';
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
     rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it;
-    lanes: fixed-point iteration in lanes is tried before dense Newton, where the terms allow it;
+    lanes: fixed-point iteration in lanes is tried before dense Newton or sweeps, where the terms allow it;
     coupling: what joins the sites, where Newton has a matrix; layout: one of `LAYOUTS` of layout.py.
     """
     method: str
@@ -152,9 +152,10 @@ def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contri
         other = "rotation or plain" if turns else "plain"
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
                          f"a sparse factorisation and models of few sites; here use solver {other}")
+    lanes = solver == "auto" and method.onto_leaf
     if not turns:
-        return Plan(method.name, local, coupled, "plain", "many sites, not coupled as a chain: fixed-point iteration, then Newton with GMRES if it does not converge")
-    return Plan(method.name, local, coupled, "rotation",
+        return Plan(method.name, local, coupled, "plain", lanes=lanes, reason="many sites, not coupled as a chain: fixed-point iteration, then Newton with GMRES if it does not converge")
+    return Plan(method.name, local, coupled, "rotation", lanes=lanes, reason=
                 "many sites, not coupled as a chain: rotation sweeps, one spin after the other, then Newton with GMRES if they do not converge", rotation=True)
 
 

@@ -34,12 +34,12 @@ static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
 #if SMG_MATRIX_FREE
   SMG_PRODUCTS_LEFT(s) = SMG_KRYLOV_A_STEP;
 #endif
+#if SMG_FEW_IN_LANES
+  if (smg_few_iterate(s, h) == SMG_OK) return SMG_OK;
+#endif
 #if SMG_SWEPT
   status = smg_sweeps(s, h);
   if (status == SMG_OK) return SMG_OK;
-#endif
-#if SMG_FEW_IN_LANES
-  if (smg_few_iterate(s, h) == SMG_OK) return SMG_OK;
 #endif
   for (int k = 0; k < tries; ++k) {
     smg_predict(s, k == 0 ? s->degree : -1);
