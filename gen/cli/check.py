@@ -2,8 +2,6 @@
 from __future__ import annotations
 
 from ..errors import Exit, SmidgenError
-from ..read.names import plural
-from ..language.names_used import unused
 from .options import json_option, spec_argument
 from .say import describe, printed, say
 
@@ -41,7 +39,9 @@ def examine(word: str, library) -> dict:
 
 def facts(word: str, library) -> dict:
     """Load, settle every run, and count."""
+    from ..language.names_used import unused
     from ..run.settings import settle
+    from ..read.names import plural
     from ..read.shipped import load_spec
     from ..run.step.evaluated import sizes
     from ..analyse.symmetry.jumps import jumps

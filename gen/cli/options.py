@@ -7,7 +7,6 @@ from pathlib import Path
 
 from ..compile.features import FEATURES
 from ..errors import UsageError
-from ..read.given import Bare, BareInteger, constant, parts_of
 from ..run.files.options import OPTIONS
 from ..methods import NAMES as METHODS, SOLVERS
 
@@ -118,6 +117,7 @@ def assignment(text: str) -> tuple[str, object]:
 
 def entry(text: str, what: str):
     """A number, or a text with its unit: which one it may have is known to the spec."""
+    from ..read.given import Bare, BareInteger, parts_of
     if parts_of(text):
         return text.strip()
     value = number(text, what)
@@ -126,6 +126,7 @@ def entry(text: str, what: str):
 
 def number(text: str, what: str):
     """The value of a formula of numbers and pi."""
+    from ..read.given import constant
     try:
         value = constant(text, what)
     except UsageError as error:

@@ -7,9 +7,7 @@ from pathlib import Path
 
 from .. import ranks
 from ..errors import Exit, RunError, UsageError
-from ..run.files.checkpoint import folder_of
-from ..run.estimate import SHORT
-from ..run.files.options import OPTIONS
+from ..run.files.options import OPTIONS, SHORT
 from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of
 from .say import notes_line, printed, say
 
@@ -209,6 +207,7 @@ def lines(args, result):
     if meta["status"] != "complete":
         yield f"status: {meta['status'] if meta['status'] == 'interrupted' else 'failed'}"
     if args.out not in (None, "-"):
+        from ..run.files.checkpoint import folder_of
         yield f"{args.out} was complete already: nothing was done" if getattr(args, "complete", False) else f"wrote {args.out}"
         if meta["status"] == "interrupted" and folder_of(args.out).is_dir():
             yield f"go on with: smidgen run --resume {args.out}"
@@ -243,11 +242,12 @@ def directions(axes) -> dict:
 def deviation_lines(summary, meta):
     """Errors of what is conserved, changes of what is not."""
     along = directions(summary.get("axes", ()))
-    for kind, said in (("errors", "largest error"), ("changes", "not conserved, largest change")):
+    for kind, said, change in (("errors", "", "error"), ("changes", "not conserved, ", "change")):
         names = {"momentum": f"momentum{along[kind]}", **({"energy": "energy without tracers"} if summary.get("without") else {})}
-        if summary[kind]:
-            found = (f"{names.get(name, name)} {value:.3g}{unit(meta, name)}" for name, value in summary[kind].items())
-            yield f"{said} over the outputs (absolute): {', '.join(found)}"
+        for where, end in ((f"largest {change} over the outputs", False), (f"{change} of the last state", True)):
+            found = [f"{names.get(name, name)} {value:.3g}{unit(meta, name)}" for name, value in summary[kind].items() if (name in summary.get("at_end", ())) == end]
+            if found:
+                yield f"{said}{where} (absolute): {', '.join(found)}"
 
 
 VAGUE = 0.1     # an estimate beyond this tells that the end is not known

@@ -5,8 +5,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 from ..public import few
 from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
@@ -113,6 +111,7 @@ def peaks_away(found) -> list:
 
 def reached(found):
     """The frequency below which MOST of the weight away from 0 lies; None without any."""
+    import numpy as np
     omega, s = moving(found)
     total = np.cumsum(s.sum(axis=0))
     return float(omega[np.searchsorted(total, MOST * total[-1])]) if len(omega) and total[-1] > 0 else None
@@ -165,6 +164,7 @@ def distinct(line) -> list:
 
 def theory_lines(found):
     """What is known of the equilibrium, and what the lines do not tell."""
+    import numpy as np
     meta = found.theory.meta
     repeats = (f"each cell is the one before, turned by {', '.join(f'{x:.6g}' for x in meta['turns'])} degrees" if meta["turns"] else
                f"magnetic cell {' x '.join(map(str, meta['cell']))}")

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from ..errors import Exit
 from ..language import limits
-from ..read.given import parts_of
 from .options import chosen, json_option, number, processor_options, run_option, spec_argument, whole
 from .say import printed, say
 
@@ -66,6 +65,7 @@ def axis(text: str):
 
 def end(text: str, what: str) -> tuple:
     """(a number, its unit) of an end of a range."""
+    from ..read.given import parts_of
     value, unit = parts_of(text) or (text, "")
     return number(value, what), unit
 

@@ -23,7 +23,6 @@ from ..methods import METHODS
 from .step.integrator import Integrator
 from .step.pace import Pace
 
-SHORT = 2.0         # seconds that a run may take for its error to be estimated unasked
 LOW = 4             # orders up to this: half and twice as many steps
 FINER = 8           # of higher ones: as small a part of the error is left in the finer run
 AGREE = 2           # two estimates agree within this factor

@@ -22,9 +22,9 @@ from ..read.shipped import SpecLike, spec_or_name
 from ..version import __version__
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
-from .estimate import SHORT, end_error
+from .estimate import end_error
 from .step.integrator import Integrator
-from .files.options import OPTIONS
+from .files.options import OPTIONS, SHORT
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise
 from .step.pace import Pace
@@ -274,6 +274,7 @@ def went_by_rows(model) -> bool | None:
 
 def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
+    recorder.look_at_end()
     meta, extras, t, by_rows = describe(model, settings, status), {"final": model.state()}, model.t, went_by_rows(model)
     if status == "complete":
         meta["estimate"] = settings.estimate if settings.estimate is not None else bool(model.scene.heated) or ranks.on_first(lambda: clock.perf_counter() - began < SHORT)

@@ -5,6 +5,7 @@
 #define SMG_INTERFACE_H
 
 #include "smg_saved.h"
+#include "smg_sum.h"
 
 smg_status SMG_PUBLIC(model_init)(smg_model *model, const smg_params *p) { return smg_make_model(model, p, NULL); }
 smg_status SMG_PUBLIC(set_parameters)(smg_model *model, const smg_params *p) { return smg_set_parameters(model, p); }
@@ -55,10 +56,14 @@ void SMG_PUBLIC(momentum)(const smg_model *model, const smg_real *w, smg_real *o
   smg_begin(&c, model, 0);
   for (int f = 0; f < SMG_FAMILIES; ++f) {
     for (int b = 0; b < 3; ++b) {
-      smg_real sum = 0, lost = 0;
-      for (int64_t k = first; k < smg_family_end(&c, f); ++k)
-        smg_add_compensated(&sum, &lost, smg_present(&c, k) * smg_kappa(&c, k) * w[3 * k + b]);
-      out[3 * f + b] = sum + lost;
+      const int64_t end = smg_family_end(&c, f);
+      smg_sum sum = SMG_NO_SUM;
+      for (int64_t from = first; from < end; from += SMG_HELD) {
+        smg_real *held = smg_sum_room(&sum, smg_held_end(from, end) - from);
+        for (int64_t k = from; k < smg_held_end(from, end); ++k)
+          held[k - from] = smg_present(&c, k) * smg_kappa(&c, k) * w[3 * k + b];
+      }
+      out[3 * f + b] = smg_sum_of(&sum);
     }
     first = smg_family_end(&c, f);
   }

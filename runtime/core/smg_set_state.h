@@ -36,6 +36,7 @@ static void smg_go_on_from(smg_state *s, const smg_real *w) {
   smg_forget_compensation(s);
 #if SMG_BY_ROWS
   smg_choose_rows(s);
+  s->row_kept = 0;
 #endif
 }
 

@@ -184,6 +184,7 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
   smg_set_size(s, smg_signed_h(s->h));
 #if SMG_BY_ROWS
   smg_choose_rows(s);
+  s->row_kept = 0;
 #endif
   const size_t used = smg_layout(s, mem);
   for (size_t k = (size_t)kept; k < used; ++k) mem[k] = 0;

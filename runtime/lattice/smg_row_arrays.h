@@ -70,10 +70,11 @@ static inline void smg_put_absent(smg_state *s, int by_slots) {
     if (smg_put_away(s, k) && by_slots) s->w[3 * k + 2] = 0;
 }
 
-/* w into slots, and back; empty ones hold a spin that nothing turns, or the vector 0 where a torque would turn that.
- */
+/* w into slots, where it is not there yet, and back; empty ones hold a spin that nothing turns, or the vector 0 where a
+ * torque would turn that. */
 static void smg_enter_rows(smg_state *s) {
   const int64_t slots = smg_slots(&s->c), pitch = smg_pitch(&s->c);
+  if (s->row_kept) return;
   smg_put_absent(s, 1);
   for (int64_t slot = 0; slot < slots; ++slot) s->row_w[2 * pitch + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
   smg_to_slots(s, s->w, s->row_w);
@@ -100,6 +101,9 @@ static void smg_begin_call(smg_state *s, smg_besides *known) {
 static void smg_leave_rows(smg_state *s) {
   smg_to_sites(s, s->row_w, s->w);
   smg_put_absent(s, 0);
+#if !SMG_THERMAL /* which turns w between steps */
+  s->row_kept = 1;
+#endif
 }
 
 #endif

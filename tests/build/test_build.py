@@ -5,9 +5,9 @@ import json
 import multiprocessing
 import os
 import stat
-import sys
 import threading
 import time
+from importlib import import_module
 
 import pytest
 import smidgen
@@ -16,7 +16,7 @@ from support import toy as model
 from smidgen.build.binary import build_library, cache_folder, find_compiler, generator_digest
 
 pytestmark = pytest.mark.quick
-BUILD = sys.modules["smidgen.build.binary"]
+BUILD = import_module("smidgen.build.binary")
 
 
 @pytest.fixture(autouse=True)

@@ -2,7 +2,7 @@
 import ast
 import itertools
 import math
-import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ from smidgen.run.record.record import Deviations
 from smidgen.run.settings import settle
 from smidgen.run.step.start import initial_state
 
-validation = sys.modules["smidgen.check.validate"]     # its name in the package is the function's
+validation = import_module("smidgen.check.validate")     # its name in the package is the function's
 GEN = Path(smidgen.__file__).parent
 MAKERS = {"default_rng", "PCG64", "PCG64DXSM", "Philox", "MT19937", "SFC64", "SeedSequence", "RandomState", "Random"}
 quick = pytest.mark.quick

@@ -1,6 +1,6 @@
 """Faults planted in generated C, for a family of models: each gets its no, or the certificate says what it left out."""
 import functools
-import sys
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from smidgen.check.verify.row import NO, YES
 from smidgen.check.verify.sums import sums
 from smidgen.check.verify.whole_space import GRID, directions, whole_space
 
-validation = sys.modules["smidgen.check.validate"]         # its name in the package is the function's
+validation = import_module("smidgen.check.validate")         # its name in the package is the function's
 
 # name -> values, solver: alone, R^3, Nambu, dense Newton, sweeps and band, sweeps alone, tracers
 MODELS = {"free_rigid_body": ({}, "auto"), "irreversible_rigid_body": ({}, "auto"), "two_bodies": ({}, "auto"),

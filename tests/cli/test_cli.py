@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -256,7 +257,7 @@ def test_a_step_that_fails(command, tmp_path):
 
 def test_validation_can_fail(command, monkeypatch):
     from smidgen import cli
-    validate = sys.modules["smidgen.check.validate"]
+    validate = import_module("smidgen.check.validate")
     bad = validate.Report("m", "r", "x", 0.1, 1, 1, 1.0, (validate.Line("field", 1.0, "0", False),))
     monkeypatch.setattr(validate, "validate", lambda *a, **k: bad)
     assert cli.main(["validate", TOP]) == 5
@@ -439,7 +440,7 @@ def test_nothing_near_is_not_guessed(words, capsys):
 # Tables
 
 def a_report(note):
-    validate = sys.modules["smidgen.check.validate"]         # its name in the package is the function's
+    validate = import_module("smidgen.check.validate")         # its name in the package is the function's
     return validate.Report("m", "r", "x", 0.1, 1, 1, 1.0, (validate.Line("field", 1.0, "0", True, note),))
 
 

@@ -1,4 +1,5 @@
 """What `import smidgen` gives: every name, whatever is imported first; keywords, attributes, reprs."""
+import importlib
 import inspect
 import subprocess
 import sys
@@ -80,6 +81,18 @@ def test_importing_draws_in_neither_matplotlib_nor_sympy():
     said = subprocess.run([sys.executable, "-c", "import smidgen, sys; print({'sympy', 'matplotlib'} & set(sys.modules))"],
                           capture_output=True, text=True)
     assert said.stdout == "set()\n"
+
+
+def test_the_help_of_the_command_needs_none_of_the_large_packages():
+    code = "import smidgen.cli.parser as p, sys; p.make_parser(); print({'numpy', 'sympy', 'matplotlib', 'h5py', 'jinja2'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
+
+
+def test_all_that_is_public_has_a_place():
+    assert {*smidgen.PLACES, *smidgen.MODULES} <= {*smidgen.__all__} and {name for name in smidgen.__all__ if not name.endswith("Error") and name != "MissingTool"} | {
+        "CheckpointError"} == {*smidgen.PLACES, *smidgen.MODULES}
+    importlib.import_module("smidgen.run.step.integrator")      # a package of the name of a function
+    assert callable(smidgen.run)
 
 
 def test_the_package_says_that_it_is_typed():

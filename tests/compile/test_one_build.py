@@ -1,7 +1,7 @@
 """One build serves all values that lead to one plan: sizes, steps, lists of any length, texts; and its bits are those of
 a build for that size alone."""
-import sys
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from smidgen.run.step.prepared import scene_of
 from smidgen.run.step.evaluated import Evaluated
 from smidgen.run.step.start import initial_state
 
-BUILD = sys.modules["smidgen.build.binary"]
+BUILD = import_module("smidgen.build.binary")
 HEAD = '[model]\nname = "many"\n[space]\n'
 CHAIN = HEAD + """w = { sphere = "n" }
 [parameters]

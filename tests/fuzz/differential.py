@@ -11,6 +11,7 @@ import random
 import sys
 import tempfile
 import time
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ UNIT = 2.0**-30             # of the changes that show how data carry their last
 JUMP = 1e-3          # of a value, by which no smooth one changes then
 STATES, STEPS = 3, 4
 ALLOWED = 8                 # units in the last place of what a number is made of, and of what data carry
-COMPILER = sys.modules["smidgen.build.binary"]
+COMPILER = import_module("smidgen.build.binary")
 
 
 @contextlib.contextmanager

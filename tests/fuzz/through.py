@@ -15,9 +15,9 @@ import os
 import re
 import resource
 import subprocess
-import sys
 import tempfile
 import time
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -315,7 +315,7 @@ def smooth(spec) -> bool:
 @contextlib.contextmanager
 def builds(words, cache, compiler):
     """Libraries by this compiler with these options, in a cache of their own."""
-    module, before = sys.modules["smidgen.build.binary"], {name: os.environ.get(name) for name in ("SMIDGEN_CACHE", "CC")}
+    module, before = import_module("smidgen.build.binary"), {name: os.environ.get(name) for name in ("SMIDGEN_CACHE", "CC")}
     flags, module.FLAGS = module.FLAGS, words
     os.environ.update(SMIDGEN_CACHE=str(cache), CC=compiler)
     try:

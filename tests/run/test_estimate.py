@@ -1,6 +1,6 @@
 """The estimate of a run's error is withheld where step sizes disagree about it, and metadata say why."""
 import math
-import sys
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from smidgen.methods import METHODS
 from smidgen.run.estimate import Other, judged
 
 EPS = float(np.finfo(float).eps)
-module = sys.modules["smidgen.run.run"]
+module = import_module("smidgen.run.run")
 ROTATING = """
 [model]
 name = "stirred"

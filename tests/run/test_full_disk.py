@@ -5,7 +5,7 @@ import os
 import resource
 import signal
 import subprocess
-import sys
+from importlib import import_module
 
 import pytest
 import smidgen
@@ -56,13 +56,13 @@ def test_no_room_for_the_result_itself(tmp_path, patient_disk, suffix, unbroken)
     limit = {".h5": 20_000, ".npz": 12_000, ".csv": 20_000}[suffix]
 
     def live():
-        real = vars(sys.modules["smidgen.run.run"])["_close"]
+        real = vars(import_module("smidgen.run.run"))["_close"]
 
         def close(*args):
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
             real(*args)
-        vars(sys.modules["smidgen.run.run"])["_close"] = close
+        vars(import_module("smidgen.run.run"))["_close"] = close
         try:
             chain_run(out, steps=128, checkpoint=64)
         except smidgen.OutputError as problem:

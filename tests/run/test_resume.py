@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -24,13 +25,13 @@ def stopped(tmp_path, patient_disk):
     out = tmp_path / "a.h5"
 
     def live():
-        real = vars(sys.modules["smidgen.run.run"])["_save"]
+        real = vars(import_module("smidgen.run.run"))["_save"]
 
         def save(model, recorder, began):
             real(model, recorder, began)
             if model.count == 120:
                 crash.die()
-        vars(sys.modules["smidgen.run.run"])["_save"] = save
+        vars(import_module("smidgen.run.run"))["_save"] = save
         chain_run(out)
     assert crash.forked(live) == -signal.SIGKILL
     return out
@@ -127,18 +128,18 @@ def test_every_bit_of_a_part_is_watched(stopped):
 
 
 def test_another_version_is_refused(stopped, monkeypatch):
-    monkeypatch.setattr(sys.modules["smidgen.run.resume"], "generator_name", lambda: "smidgen 9.9 0123456789abcdef")
+    monkeypatch.setattr(import_module("smidgen.run.resume"), "generator_name", lambda: "smidgen 9.9 0123456789abcdef")
     refused(stopped, "begun by smidgen .* this is smidgen 9.9")
 
 
 def test_another_compiler_is_refused(stopped, monkeypatch):
-    build = sys.modules["smidgen.build.binary"]
+    build = import_module("smidgen.build.binary")
     monkeypatch.setattr(build, "compiler_version", lambda words: "another compiler 1.0")
     refused(stopped, "begun with another compiler")
 
 
 def test_another_format_is_refused(stopped, monkeypatch):
-    monkeypatch.setattr(sys.modules["smidgen.run.files.checkpoint"], "FORMAT", 2)
+    monkeypatch.setattr(import_module("smidgen.run.files.checkpoint"), "FORMAT", 2)
     refused(stopped, "another version of smidgen")
 
 

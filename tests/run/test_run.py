@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
@@ -320,7 +321,7 @@ def test_the_widest_table(toy, tmp_path, sites, good):
 def test_the_most_memory(steps, good):
     """2 GiB of outputs are kept, an entry more is refused."""
     layout, settings = {"energy": ((), np.dtype(float))}, SimpleNamespace(steps=steps, every=1, what=["energy"])
-    check = sys.modules["smidgen.run.run"]._affordable
+    check = import_module("smidgen.run.run")._affordable
     check(layout, settings, keep=False)
     if good:
         check(layout, settings, keep=True)

@@ -2,13 +2,13 @@
 import mmap
 import os
 import signal
-import sys
 import time
+from importlib import import_module
 
 
 START, COMPUTING, WRITING, RESULT, ENDED = range(5)
 NAMES = ("start", "computing", "checkpoint writing", "putting the result together")
-RUN = vars(sys.modules["smidgen.run.run"])
+RUN = vars(import_module("smidgen.run.run"))
 
 
 class Phases:

@@ -105,8 +105,10 @@ int toy_abi_restore(void *v, const smg_real *in) {
 double toy_abi_time(void *v) { toy *s = v; return s->t0 + (double)s->count * s->h; }
 int64_t toy_abi_sites(void *v) { return ((toy *)v)->n; }
 void toy_abi_state(void *v, smg_real *w) { toy *s = v; memcpy(w, s->w, (size_t)s->n * 3 * sizeof *w); }
-void toy_abi_values(void *v, smg_real *out) {
+const smg_real *toy_abi_w(void *v) { return ((toy *)v)->w; }
+void toy_abi_values(void *v, const unsigned char *asked, smg_real *out) {
   toy *s = v;
+  (void)asked;
   smg_real m[3] = {0, 0, 0};
   for (int64_t i = 0; i < 3 * s->n; i++) m[i % 3] += s->w[i];
   out[0] = out[1] = s->j * m[2];

@@ -3,17 +3,12 @@ from __future__ import annotations
 
 from .families import number_functions, site_functions
 from .parameters import parameter_functions
-from .sums import site_sums, sum_functions, sums, value_body
+from .sums import site_sums, sum_functions
 from .sweeps import visits
 from .tables import tables
+from .value_sums import value_sums
 from ..lower.code import mentions, needed
 from ..lower.trim import trim
-
-
-def value_sums(model) -> list:
-    """[(kind, name of the term, statements that add up its values)] of the energies and observables."""
-    terms = [("energy", *named) for named in model.sums.items()] + [("observe", t.derived.term.name, [t]) for t in model.observables]
-    return [(kind, name, sums(model, parts, lambda t: value_body(model, t))) for kind, name, parts in terms]
 
 
 def definitions(model) -> tuple[list, list]:

@@ -492,7 +492,7 @@ def row_members(swept: bool) -> list:
                  ("smg_real row_bound", "bound on the factor by which a sweep reduces errors, if below 1")]
     later = [("smg_real *row_u, *row_late", "increments of the current step, of the first colour and of the others")]
     return [("int rows, row_team", "1 if steps are taken by rows of the lattice, in lanes, using the arrays row_*; number of threads that share them (OpenMP)"),
-            *(of_sweeps if swept else []),
+            *(of_sweeps if swept else []), ("int row_kept", "flag: w is in row_w, as the last call has left it"),
             ("int32_t *row_beside", "if the lattice is stored in blocks: the slots of the neighbours of each vector, otherwise NULL"),
             ("smg_real *row_w, *row_compensation" + ", *row_m" * swept,
              "w, its rounding errors" + " and midpoints" * swept + " by rows" + " (between calls, w is stored in row_m)" * swept), *(later if swept else [])]

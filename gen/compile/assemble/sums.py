@@ -39,11 +39,6 @@ def block_body(model, t) -> list:
             for k, l in t.derived.hessian]
 
 
-def value_body(model, t) -> tuple:
-    value = t.call("value", [model.vector("w", s) for s in t.slots])
-    return (Call("smg_add_compensated", (Unary("&", Name("sum")), Unary("&", Name("lost")), value)),)
-
-
 # The contract: gradients, Hessian blocks and products over all sites
 
 def sum_functions(model) -> list:

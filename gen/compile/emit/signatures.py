@@ -118,7 +118,7 @@ FLAT = {
         of(LONG, "savesize", s=POINTER),
         of(VOID, "save", s=POINTER, out=REALS),
         of(INT, "restore", s=POINTER, **{"in": CONST_REALS}),
-        of(VOID, "values", s=POINTER, out=REALS),
+        of(VOID, "values", s=POINTER, asked=FLAGS, out=REALS),
         of(VOID, "casimirs", s=POINTER, out=REALS),
         of(INT, "outputs", s=POINTER, first=LONG, every=LONG, rows=LONG, out=CONST_POINTER, done=LONGS),
         of(LONG, "count", s=POINTER),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from .kinds import VALUE, count, either, finite_or_not, flag, listed, none, number, seed, table, text
 
 ALWAYS = object()       # every file has it
+SHORT = 2.0             # seconds that a run may take for its error to be estimated unasked
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,7 @@ class Job:
         if min(self.members, self.bins - 1) < 1:
             raise UsageError("an average is over one member or more, in two bins or more")
         self.w = np.array(self.start(spec))
-        self.block, self.pace = Block(self.model, False), Pace()
+        self.block, self.pace = Block(self.model, False, self.names, casimirs=False), Pace()
         self.at = [self.model.columns.index(name) for name in self.names]
         self.statistics = Statistics(len(self.names), self.bins)
         self.meta = self.facts(spec, after)

@@ -14,6 +14,7 @@ from ..step.block import Block, clean
 from .computed import SHAPES, computed_columns, functions_of
 
 LARGE = 100         # times the energies at the start: an energy that is worth a word where a step fails
+COMPARED = ("energy", "momentum", "casimirs")      # with the first output
 
 
 class Recorder:
@@ -27,11 +28,12 @@ class Recorder:
         self.ends = None if settings is None or settings.what else (0, settings.steps)
         self.model, self.sinks, self.count, self.begun = model, sinks, 0, False
         self.computed = functions_of(model, layout)
-        self.block = Block(model, bool(self.computed) or any(f in layout for f in model.families))
+        asked = asked_of(model, layout, () if means is None else means.names)
+        self.block = Block(model, bool(self.computed) or any(f in layout for f in model.families), asked, "casimirs" in layout)
         self.steps = np.empty(self.block.capacity, np.int64)
         entries = outputs_of(model, self.block)
         self.columns = {name: entries[name] for name in layout if name in entries}
-        self.deviations = Deviations(model, model.values(), model.casimirs(), span)
+        self.deviations = Deviations(model, model.values(), model.casimirs(), span, layout)
         gone = ~model.prepared.numbers.present      # in no output: their vectors are 0
         self.gone = np.flatnonzero(gone) if gone.any() else None
         self.substeps = []          # (step, t, k) of steps taken as 2^k smaller ones
@@ -59,7 +61,7 @@ class Recorder:
             self.block.states[new, self.gone] = 0
         if done:
             self.begun = True
-            self.deviations.see(self.block.values[new], self.block.casimirs[new])
+            self.deviations.see(self.block.values[new], None if self.block.casimirs is None else self.block.casimirs[new])
             if self.means is not None:
                 self.means.see(self.steps[new] // self.every, self.block.values[new])
         self.count += done if self.sinks else 0
@@ -70,6 +72,10 @@ class Recorder:
     def split(self, k: int) -> None:
         """The step to the present state was taken as 2^k smaller ones."""
         self.substeps.append((self.model.count, self.model.t, k))
+
+    def look_at_end(self) -> None:
+        """The deviations of the present state, of what the outputs do not hold."""
+        self.deviations.see_end(self.model.values()[None], self.model.casimirs()[None])
 
     def facts(self) -> dict:
         """What a resumed run must know beside the state and the rows."""
@@ -98,12 +104,13 @@ class Recorder:
 class Deviations:
     """The largest deviations from the first output: errors of what is conserved, changes of the rest.
 
-    span: how long the run is. Which energy and momentum are meant, and what of them is
-    conserved, says conserved.py; with one output there is nothing to compare.
+    span: how long the run is; layout: the columns of its outputs: what they do not hold is compared at the end alone. Which energy and
+    momentum are meant, and what of them is conserved, says conserved.py; with one output there is nothing to compare.
     """
 
-    def __init__(self, model, values, casimirs, span: float):
+    def __init__(self, model, values, casimirs, span: float, layout):
         self.scene, self.columns, self.c0, self.outputs = model.scene, model.columns, casimirs.copy(), 0
+        self.held = {name for name in COMPARED if any(column.split(".")[0] == name for column in layout)}
         self.without, self.driven = with_tracers(model.scene), driven(model.scene)
         self.axes, self.largest = conserved_axes(model, span), {}
         self.grain, self.first = round_off_of_momentum(model), values.copy()
@@ -116,14 +123,22 @@ class Deviations:
         return energy_of(named, self.without), momentum_of(rows, self.scene)
 
     def see(self, values, casimirs) -> None:
-        """Compare k outputs with the first: values (k, columns), Casimirs (k, sites)."""
+        """Compare k outputs with the first: values (k, columns), Casimirs (k, sites), of what they hold."""
         self.outputs += len(values)
+        self._compare(self.held, values, casimirs)
+
+    def see_end(self, values, casimirs) -> None:
+        """Compare the last state, as one output, in what outputs do not hold."""
+        self._compare(set(COMPARED) - self.held, values, casimirs)
+
+    def _compare(self, names, values, casimirs):
         energy, momentum = self._of(values)
-        if energy is not None:
+        if "energy" in names and energy is not None:
             self._raise("changes" if self.driven else "errors", "energy", energy - self.energy)
-        if not all(f.tracer for f in self.scene.families):
+        if "momentum" in names and not all(f.tracer for f in self.scene.families):
             self._momentum(momentum - self.momentum)
-        self._raise("errors", "casimirs", casimirs - self.c0)
+        if "casimirs" in names:
+            self._raise("errors", "casimirs", casimirs - self.c0)
 
     def _momentum(self, change):
         """Its part in the conserved directions, and the rest."""
@@ -152,9 +167,11 @@ class Deviations:
                 "H may be singular near this state or time")
 
     def summary(self) -> dict:
-        """errors and changes: name -> the largest one; axes: the directions (k, 3) along which the momentum is conserved; without: the effects that the energy leaves out."""
+        """errors and changes: name -> the largest one; axes: the directions (k, 3) along which the momentum is conserved; without: the effects that
+        the energy leaves out; at_end: the names whose deviation is that of the last state."""
         found = self.largest if self.outputs > 1 else {}
-        return {"errors": found.get("errors", {}), "changes": found.get("changes", {}), "axes": self.axes.tolist(), "without": sorted(self.without)}
+        return {"errors": found.get("errors", {}), "changes": found.get("changes", {}), "axes": self.axes.tolist(), "without": sorted(self.without),
+                "at_end": [name for name in COMPARED if name not in self.held]}
 
     def facts(self) -> dict:
         """What a resumed run must know."""
@@ -163,6 +180,11 @@ class Deviations:
     def go_on(self, facts: dict) -> None:
         """Be where `facts` were taken."""
         self.outputs, self.largest = facts["outputs"], facts["largest"]
+
+
+def asked_of(model, layout, more) -> set:
+    """Columns of the model that the outputs of a layout are made of, and some more."""
+    return {name for name in model.columns if name in layout or name in more or name.rpartition(".")[0] in layout and name.startswith("momentum.")}
 
 
 def entry_size(layout: dict) -> int:

@@ -19,7 +19,7 @@ NEAR = 0.1              # of |W|: a midpoint nearer than that is worth a warning
 
 class Addresses(ctypes.Structure):
     """struct smg_outputs of runtime/core/smg_outputs.h."""
-    _fields_ = [*((name, ctypes.c_void_p) for name in ("t", "states", "values", "casimirs", "near")), ("pairs", ctypes.c_int64),
+    _fields_ = [*((name, ctypes.c_void_p) for name in ("t", "states", "values", "casimirs", "asked", "near")), ("pairs", ctypes.c_int64),
                 ("nearest", ctypes.c_void_p), ("where", ctypes.c_void_p)]
 
 
@@ -27,28 +27,35 @@ class Block:
     """Room for `capacity` outputs of a model.
 
     t: shape (capacity,); states: (capacity, sites, 3), or None when they are not asked for; values: (capacity, columns)
-    in the order of `Integrator.columns`; casimirs: (capacity, sites).
+    in the order of `Integrator.columns`, of which those in `asked` are found (None: all); casimirs: (capacity, sites), or None.
     """
 
-    def __init__(self, model, states: bool):
-        numbers = model.sites * (4 if states else 1) + len(model.columns)
+    def __init__(self, model, states: bool, asked=None, casimirs: bool = True):
+        numbers = model.sites * (3 * states + casimirs) + len(model.columns)
+        self.asked = flags_of(model.columns, asked)
         self.capacity = max(1, min(MOST, CHUNK // (model.real.itemsize * numbers)))
         self.t = np.empty(self.capacity)
         self.states = np.empty((self.capacity, model.sites, 3), model.real) if states else None
         self.values = np.empty((self.capacity, len(model.columns)), model.real)
-        self.casimirs = np.empty((self.capacity, model.sites), model.real)
+        self.casimirs = np.empty((self.capacity, model.sites), model.real) if casimirs else None
         self.near = np.array(spherical_parts(model), np.int64).reshape(-1, 2)
         self.nearest, self.where = np.array([np.inf]), np.array([-1, 0], np.int64)
 
     def addressed(self, begin: int) -> Addresses:
         """What the C takes to write from row `begin` on."""
         at = [None if a is None else a[begin:].ctypes.data for a in (self.t, self.states, self.values, self.casimirs)]
-        return Addresses(*at, self.near.ctypes.data, len(self.near), self.nearest.ctypes.data, self.where.ctypes.data)
+        return Addresses(*at, self.asked.ctypes.data, self.near.ctypes.data, len(self.near), self.nearest.ctypes.data, self.where.ctypes.data)
 
     def near_centre(self, model) -> dict | None:
         """rho (in units of |W|), site, step and t of the step nearest to a centre, if nearer than NEAR; else None."""
         rho, (site, step) = float(np.sqrt(self.nearest[0])), self.where.tolist()
         return {"rho": rho, "site": site, "step": step, "t": model.t0 + step * model.h} if rho < NEAR else None
+
+
+def flags_of(columns, asked) -> np.ndarray:
+    """Of each column, is it asked for? The components of the momentum are found together."""
+    momentum = asked is not None and any(name.startswith("momentum.") for name in asked)
+    return np.array([asked is None or name in asked or (momentum and name.startswith("momentum.")) for name in columns], np.uint8)
 
 
 def clean(rows):

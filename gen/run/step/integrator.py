@@ -285,7 +285,7 @@ class Integrator(ReadOnly):
         """All conserved quantities and observables, in the order of `columns`."""
         self._taken()
         out = np.empty(len(self.columns), self.real) if out is None else out
-        self._c.values(self._state, out.ctypes.data)
+        self._c.values(self._state, np.ones(len(self.columns), np.uint8).ctypes.data, out.ctypes.data)
         return out
 
     def casimirs(self, out=None) -> np.ndarray:
