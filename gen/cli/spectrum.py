@@ -63,6 +63,8 @@ def command(args):
     made = {}
     if args.out:
         made["out"] = str(found.save(args.out))
+        if args.out.endswith(".csv") and (found.theory is not None or found.neutron is not None):
+            say("a .csv holds q, omega and S alone; an .npz has the lines of linear spin waves and what neutrons see too")
     if args.plot:
         from ..show.plot.spectrum import draw_spectrum
         made["plot"] = str(draw_spectrum(found, args.plot))
