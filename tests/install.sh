@@ -44,7 +44,7 @@ fi
 venv=$1
 want=$(needed | tr '\n' ' ')
 if [ -n "$want" ]; then
-  { may_install && echo "smidgen: installing $want" >&2 && apt_install $want; } ||
+  { may_install && echo "smidgen: installing $want (some minutes)" >&2 && apt_install $want; } ||
     { echo "smidgen: install these first: apt-get install $want" >&2; exit 6; }
 fi
 "$PYTHON" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
@@ -52,6 +52,6 @@ fi
 [ -x "$venv/bin/pip" ] || { rm -rf "$venv"; "$PYTHON" -m venv "$venv"; }
 pip() { "$venv/bin/python" -m pip --disable-pip-version-check "$@" >"$venv/install.log" 2>&1 ||
   { cat "$venv/install.log" >&2; exit 1; }; }
-echo "smidgen: installing Python packages into $venv" >&2
+echo "smidgen: installing Python packages into $venv (some minutes)" >&2
 pip install --no-compile -r requirements.txt -r requirements-test.txt  # what is imported is compiled then
 pip install --no-compile --no-deps --no-build-isolation -e .

@@ -130,7 +130,7 @@ def test_results_keep_the_places(tmp_path, results, name):
 
 
 def test_what_no_file_can_hold(tmp_path, results):
-    for key, name, said in [("honeycomb", "a.vtr", "no boxes"), ("honeycomb", "a.vti", "no boxes"), ("flat", "a.vtx", "ends in")]:
+    for key, name, said in [("honeycomb", "a.vtr", "not boxes"), ("honeycomb", "a.vti", "not boxes"), ("flat", "a.vtx", "ends in")]:
         with pytest.raises(UsageError, match=said):
             smidgen.snapshot(results[key], tmp_path / name)
     bare = smidgen.run(smidgen.load_text(SPEC.format(lattice='size = [4]\nboundary = "open"\nbonds.first = [{ offset = [1] }]', shell="")))
