@@ -146,6 +146,29 @@ def test_a_scene_without_the_effect_has_the_c_of_one_that_never_had_it():
     assert "SITE_VALUES" not in plain and "row_values" not in generate(drawn("ring"))["ring.h"] and "SMG_SITE_VALUES 1" in some
 
 
+STRENGTHS = {"by a formula": '"(1 + mod(i, 2))*(1 - 2*mod(i, 3)/3)"', "drawn": '"1.5 + uniform(3, i)"', "of an array": '"1 + a[i]/2"'}
+
+
+@pytest.mark.parametrize("kind, method", [("by a formula", MIDPOINT), ("drawn", TURNS), *(pytest.param(k, m, marks=pytest.mark.long) for k, m in (("of an array", MIDPOINT), ("drawn", "gauss-4"), ("by a formula", f"{TURNS}-4")))])
+def test_strengths_that_differ(kind, method):
+    """With a pinned site; those of pair rotations must be alike."""
+    numbers = "a = { default = [" + ",\n".join(f"{0.1 * (k % 7)}" for k in range(45)) + '], size = "5*n" }'
+    held = '[effects.edge]\nover = "site(i) of w"\npinned = "i == 4"\n' if method == MIDPOINT else ""
+    spec = lattice("strengths", "square(n, 5, open)", 9, "5*n", EXCHANGE + DM + field("0.3*w[i].x") + held, numbers, more=f", kappa = {STRENGTHS[kind]}")
+    assert by_rows(spec, method) and close(spec, method) <= 2e-14
+
+
+def test_the_bound_of_strengths_is_that_of_the_least():
+    """A site that turns eight times as fast as the first one: no step goes by rows where it may not."""
+    spec = lattice("fast", "chain(n, periodic)", 16, "n", EXCHANGE, more=', kappa = "if(i == 5, 0.125, 1)"')
+    assert by_rows(spec) and close(spec, steps=2) <= 1e-13
+    assert "smg_abs(smg_rate(c, k))*" in text_of(spec)
+
+
+def text_of(spec) -> str:
+    return generate(spec)[f"{spec.name}.c"]
+
+
 @pytest.mark.parametrize("compiler, mode", MODES)
 def test_clean_c(tmp_path, compiler, mode):
     for method in (MIDPOINT, "gauss-4"):

@@ -27,10 +27,13 @@ def of_family(model, f) -> str | None:
         return f"there are {len(model.families)} families"
     if f.kind != "sphere":
         return f"`{f.name}` is not a family of spheres"
-    for what, formula, kernel in (("kappa", f.family.kappa, f.kappa), ("radius", f.family.radius, f.radius)):
-        if index_names(formula) or kernel.values:
-            return f"the {what} of `{f.name}` differs from site to site"
-    return None
+    unlike = "kappa" if model.method.splitting == "pairs" and several(f.family.kappa, f.kappa) else "radius" if several(f.family.radius, f.radius) else ""
+    return f"the {unlike} of `{f.name}` differs from site to site" if unlike else None
+
+
+def several(formula, kernel) -> bool:
+    """May it differ from site to site?"""
+    return bool(index_names(formula) or kernel.values)
 
 
 def of_laws(model, low, laws) -> str | None:

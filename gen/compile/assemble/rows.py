@@ -11,14 +11,14 @@ from itertools import product
 
 from ...language.held import lacking
 from ...language.spec import Lattice, Sites
-from ..lower.code import Argument, Assign, Braces, Call, Element, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
+from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS, term_kernels
 from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
-from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_term
+from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_term, several
 from .families import SITE
 from .lanes import in_lanes, named
 from .norms import row_sums
@@ -27,8 +27,8 @@ from .effort import by_rows
 from .row_bounds import bounds_of_term
 from .part import MOST_LANES, Part, buffer, placed
 from .response import response_kernel, stored
-from .site_values import count, differs, names, sited, value_function, with_sites
-from .site_values import taken as taken_values, taken_value
+from .site_factors import factors, multiplied, rate_function, rated
+from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites
 from .slots import Slots
 
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
@@ -39,7 +39,7 @@ class Rows:
     """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds.
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
-    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? law: the kernel of the response of the others.
+    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others.
     """
     over: Lattice
     colours: Colouring
@@ -49,6 +49,7 @@ class Rows:
     sited: dict = field(default_factory=dict, compare=False)
     whole: dict = field(default_factory=dict, compare=False)
     held: bool = False
+    rated: bool = False
     law: object = field(default=None, compare=False)
 
     @property
@@ -89,14 +90,14 @@ def rows_of(model, low, f, over, whole):
     why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, whole.values())), None)
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
-    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving))
+    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving) + several(f.family.kappa, f.kappa))
     if why_not:
         return why_not
     bounds = {(t.prefix, k): bounds_of_term(low, t, k, f.family.radius) if bounded else (None, None) for t in terms for k in range(len(t.slots))}
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of `{unbounded.derived.term.name}` has no bound that holds at all times"
-    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole)
+    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa))
     if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
         return f"{longest(model, f)} reaches too far, or the places of a cell have no colours of equally many sites"
     alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
@@ -209,7 +210,7 @@ def row_functions(model) -> list:
     apart = [f for one in found.sited.values() for f in one.functions]
     kernels = [in_lanes(f) for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
-    return [*apart, *value_function(found.sited.values(), found.held), *law_function(found), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+    return [*apart, *rate_function(found), *value_function(found.sited.values(), factors(found)), *law_function(found), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
@@ -220,7 +221,8 @@ def bounds_of_a_row(model) -> list:
     found, apart = model.in_rows, model.in_rows.sited.values()
     said = (("smg_rest_field_norm", found.rest, [one.rest for one in apart if one.rest]),
             ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm, [one.norm for one in apart if one.norm]))
-    return [Function("smg_real", name, SITE, (Return(with_sites(bound, some)),), wanted=True) for name, bound, some in said if bound is not None and (name, bound) != swept(model)]
+    bounds = [(name, rated(found, with_sites(bound, some))) for name, bound, some in said if bound is not None and (name, bound) != swept(model)]
+    return [Function("smg_real", name, SITE, (Return(bound),), wanted=True) for name, bound in bounds]
 
 
 def swept(model) -> tuple:
@@ -230,7 +232,7 @@ def swept(model) -> tuple:
 
 def bounded_apart(model) -> bool:
     """Do those sweeps have another one?"""
-    return model.reach is not None and model.in_rows.norm not in (None, swept(model)[1])
+    return model.reach is not None and (model.in_rows.rated or model.in_rows.norm not in (None, swept(model)[1]))
 
 
 def looked_up(name: str, arguments, index: str, values, beyond=None) -> Function:
@@ -250,9 +252,14 @@ def place_function(found: Rows) -> Function:
     return Function("int64_t", "smg_place", arguments, (*tests, Return(ZERO)), wanted=True)
 
 
+def width(found: Rows) -> int:
+    """Numbers that a site has of terms."""
+    return sum(one.width for one in found.sited.values())
+
+
 def number_of_values(found: Rows) -> int:
-    """That differ from site to site; the last tells which sites move."""
-    return sum(one.width for one in found.sited.values()) + found.held
+    """All that differ from site to site."""
+    return width(found) + len(factors(found))
 
 
 def law_function(found: Rows) -> list:
@@ -333,13 +340,8 @@ def row_gradient(model) -> Function:
 
 
 def row_part(model, sub: int) -> tuple:
-    """The terms of the sites of a place; 0 of those that do not move."""
-    return (*terms_of_place(model, sub), *(held_still(model.in_rows) if model.in_rows.held else ()))
-
-
-def held_still(found: Rows) -> tuple:
-    moves = Let("moves", taken_value(number_of_values(found) - 1), "const smg_lanes")
-    return (moves, *(Assign(Element("sum", a), Name("moves"), "*=") for a in range(3)))
+    """The terms of the sites of a place, times their factors."""
+    return (*terms_of_place(model, sub), *multiplied(model.in_rows, width(model.in_rows)))
 
 
 def terms_of_place(model, sub: int) -> tuple:

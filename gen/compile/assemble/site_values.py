@@ -140,9 +140,9 @@ def names(one: Sited) -> list:
     return [a.name for a in one.gradient.arguments if a.kind == "smg_lanes"]
 
 
-def value_function(found, held: bool) -> list:
-    """smg_site_value(c, n, site): the n-th number of a site; held: behind those of terms whether it moves."""
-    bodies = [body for one in found for body in one.calls()] + [value_call("smg_moves")] * held
+def value_function(found, factors) -> list:
+    """smg_site_value(c, n, site): the n-th number of a site; factors: {name: function} of those behind those of terms."""
+    bodies = [body for one in found for body in one.calls()] + [value_call(f) for f in factors.values()]
     if not bodies:
         return []
     tests = [If((compare(Index("n"), "==", total(n)),), body) for n, body in enumerate(bodies[:-1])]
