@@ -5,7 +5,7 @@ import argparse
 
 from ..errors import UsageError
 from .options import json_option, names, number
-from .say import printed
+from .say import printed, say
 
 EXAMPLES = """  smidgen snapshot film.h5 --out last.ovf               the last state
   smidgen snapshot film.h5 --time 50 --out film.vtk --text
@@ -57,7 +57,15 @@ def told(args, result) -> dict:
     family = family_of(spec, args.family)
     w, step, t = state_of(result, family, args.row, args.time)
     tell = {"magnetisation": lambda: lattice.magnetisation(w).tolist(), "charge": lambda: float(lattice.charge(w, of(spec, family, parameters)))}
-    return {"step": step, "t": float(t), **{name: tell[name]() for name in args.what}}
+    found = {"step": step, "t": float(t)}
+    for name in args.what:
+        try:
+            found[name] = tell[name]()
+        except UsageError as problem:
+            if len(args.what) == 1:
+                raise
+            say(f"no {name}: {problem}")
+    return found
 
 
 def row(text: str) -> int:

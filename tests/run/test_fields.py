@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 import smidgen
+from smidgen import cli
 from fuzz.judge import check_print
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -244,6 +245,15 @@ def test_damaged_files_are_read_or_refused_in_words(tmp_path_factory, which, at,
         assert found.vectors.shape[1] == 3 and (not cut or len(found.vectors) == (2 if which[2] is None else 8))
     except smidgen.UsageError as refusal:
         check_print(str(refusal))
+
+
+def test_what_a_lattice_does_not_have_hides_nothing_else(tmp_path, capsys):
+    """A honeycomb has a magnetisation and no topological charge; asked for alone, that is an error."""
+    smidgen.run(smidgen.load_text(HONEY), out=tmp_path / "a.npz")
+    assert cli.main(["snapshot", str(tmp_path / "a.npz"), "--what", "magnetisation,charge"]) == 0
+    said = capsys.readouterr()
+    assert "magnetisation: [" in said.out and "charge" not in said.out and "no charge: a topological charge is defined only for" in said.err
+    assert cli.main(["snapshot", str(tmp_path / "a.npz"), "--what", "charge"]) == 2
 
 
 def test_the_command(command, tmp_path):

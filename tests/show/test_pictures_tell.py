@@ -106,7 +106,7 @@ SITES_DRAWN = {     # kind -> how many sites a figure of it shows
     "chain": lambda f: f.axes[0].images[0].get_array().shape[1],
     "curves": lambda f: discs(f.axes[0]),
     "cloud": lambda f: discs(f.axes[0]),
-    "sphere": lambda f: discs(f.axes[0]),
+    "sphere": lambda f: discs(f.axes[0]) // 2,      # starts and ends
     "section": lambda f: discs(f.axes[0]) // 5,
 }
 

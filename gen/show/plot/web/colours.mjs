@@ -47,7 +47,6 @@ function wheel(c, size, ink) {              // all directions: z in the middle, 
     c.fillText(name, middle + x * (rim + 9), middle + y * (rim + 9));
   }
   c.fillStyle = "#000"; c.fillText("z", middle, middle);
-  c.fillStyle = ink; c.textAlign = "right"; c.fillText("\u2212z: rim", size, size - 6);
 }
 function bar(c, channel, size) {
   const wide = size - 20;

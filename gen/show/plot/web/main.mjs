@@ -47,7 +47,7 @@ function drawnKey() {
   el("keybox").hidden = it.view !== "places";
   key.style.width = KEY + "px"; key.style.height = KEY + "px";
   drawKey(fit(key, key.getContext("2d"), KEY, KEY), one, KEY, inks().soft);
-  const range = one.kind === 0 ? "colour: direction of w" : `${one.name}: ${show(one.low)} to ${show(one.high)}${one.unit ? " " + one.unit : ""}`;
+  const range = one.kind === 0 ? "direction of w, rim: \u2212z" : `${one.name}: ${show(one.low)} to ${show(one.high)}${one.unit ? " " + one.unit : ""}`;
   key.setAttribute("aria-label", one.kind === 0 ? "Key: hue shows the azimuth of w, lightness its z" : `Key: ${range}`);
   el("range").textContent = range;
   el("keybox").classList.toggle("bar", high < KEY);
