@@ -37,7 +37,7 @@ class TorqueReader:
         name, (over, value, on), said, unit = self.problems.together(
             lambda: self.terms.name(node, "effect", ()), lambda: self.term(node),
             lambda: self.terms.text(node, "meaning"), lambda: self.terms.text(node, "unit"))
-        return Torque(name, over, value, said, unit, on)
+        return Torque(name, over, value, said, unit, on=on)
 
     def term(self, node):
         """(the index family, the torque, the vector that it moves)."""
