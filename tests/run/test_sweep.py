@@ -91,9 +91,7 @@ def test_a_sweep_that_is_killed_goes_on(path):
     folder = path.parent / "cells"
     words = [sys.executable, "-m", "smidgen", "sweep", str(path), "--set", "a=0:0.5:40", "--steps", "20000", "--every", "20000", "--out", str(folder), "--processes", "2"]
     child = subprocess.Popen(words, start_new_session=True)
-    for _ in range(600):
-        if (folder / "cells.jsonl").exists() and len((folder / "cells.jsonl").read_text().splitlines()) > 4:
-            break
+    while child.poll() is None and not ((folder / "cells.jsonl").exists() and len((folder / "cells.jsonl").read_text().splitlines()) > 4):
         time.sleep(0.05)
     os.killpg(child.pid, signal.SIGKILL)
     child.wait()
