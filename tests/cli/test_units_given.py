@@ -1,12 +1,17 @@
 """Values with units on the command line and in Python."""
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import smidgen
 
+from smidgen.check.validate import Report
 from smidgen.cli import main
+from smidgen.cli.average import table
 from smidgen.cli.options import assignment
 from smidgen.cli.sweep import axis
 from smidgen.errors import UsageError
+from smidgen.language.units import TIME
 from smidgen.run.settings import settle
 
 SPEC = """
@@ -103,3 +108,14 @@ def test_averages_have_units(spec, capsys):
     assert main(["average", str(spec), "--after", "5 fs"]) == 0
     assert any(line.split()[-2] == "meV" for line in capsys.readouterr().out.splitlines() if " energy " in line)
     assert main(["average", str(spec), "--after", "5"]) == 2
+
+
+def test_times_in_tables_have_their_unit():
+    """Of `validate` and `average`; one member is no members."""
+    assert "h = 0.1 fs, 1 site" in Report("m", "r", "x", 0.1, 1, 1, 1.0, (), "fs").table().title
+    spec = smidgen.load("film_in_units")
+    time = spec.units.spelt(TIME)
+    one = SimpleNamespace(mean=1.0, error=0.1, variance=0.2, correlation=3.0)
+    shown = table(SimpleNamespace(meta={"spec": "m", "samples": 8, "members": 1, "steps": 10, "h": 2.0, "after": 5.0}, of={"energy": one}), spec)
+    assert shown.title == f"m: 8 samples of 1 member to t = 20 {time}, from t = 5 {time} on"
+    assert [column.header for column in shown.columns] == ["", "mean", "standard error", "unit", "variance", f"correlation time ({time})"]
