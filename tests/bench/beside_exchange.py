@@ -156,7 +156,7 @@ def kernel_of(scene: Scene) -> Kernel:
 
 def row(scene: Scene) -> dict:
     files = generate(spec_of(scene), scene.method, features=scene.features)
-    prevented = "the tangent map takes Newton's matrix" if "tangent" in scene.features else files.notes["reason"].partition("site by site, because ")[2]
+    prevented = files.notes["reason"].partition("site by site, because ")[2]
     with tempfile.TemporaryDirectory() as place:
         program = compiled(kernel_of(scene), spec_of(scene), Path(place), VECTORS)
         first, both = (counted(kernel_of(scene), program, k * STEPS) for k in (1, 2))

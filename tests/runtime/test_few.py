@@ -155,7 +155,7 @@ def test_a_field_that_is_no_number_is_refused(monkeypatch, n, lanes):
 MANY = few(SPINS, 301)
 
 
-@pytest.mark.parametrize("h, same", [(0.05, False), (12.0, True)])
+@pytest.mark.parametrize("h, same", [(0.05, False), pytest.param(12.0, True, marks=pytest.mark.long)])
 def test_more_sites_than_a_matrix_is_for_go_in_lanes_too(h, same):
     """Where steps are large they are left to sweeps, with their bits."""
     assert generate(MANY).notes["reason"].startswith("all pairs: fixed-point iteration in lanes")

@@ -25,7 +25,7 @@ SPECS = {
     "ring exchange": lattice("ring_exchange", "plaquettes.all", 10, "6*n", RING, PLAQUETTES),
     "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", SQUARED + field(CUBIC), more=", radius = 1.7, kappa = -0.6"),
 }
-QUICK = ("cubic", "blocks")
+QUICK = ("cubic",)
 
 
 @pytest.mark.parametrize("name, method", [pytest.param(n, m, marks=() if n in QUICK and m == MIDPOINT else pytest.mark.long) for n in SPECS for m in (MIDPOINT, "gauss-4")])

@@ -30,11 +30,12 @@ def shells(name: str, n: int, boundary: str, shell: str):
 SPECS = {"second": shells("second", 6, "periodic", "second"), "third": shells("third", 7, "open", "third"), "seam": shells("seam", 5, "periodic", "second"), "second, open": shells("open_second", 7, "open", "second")}
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=() if n in ("second", "third") else pytest.mark.long) for n in SPECS])
+@pytest.mark.parametrize("name", [pytest.param(n, marks=() if n == "second" else pytest.mark.long) for n in SPECS])
 def test_rows_solve_the_step(name):
     assert by_rows(SPECS[name]) and close(SPECS[name], steps=2) <= 2e-14
 
 
+@pytest.mark.long
 def test_restored_it_goes_on():
     model = smidgen.build(SPECS["second"])
     assert restored(model) and one_by_one(model)

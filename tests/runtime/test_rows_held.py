@@ -110,6 +110,11 @@ def test_what_prevents_it_is_said(what, said):
     assert any(line.endswith(f"because {said}.") for line in smidgen.explain(spec).words())
 
 
+def test_the_tangent_map_prevents_it():
+    reason = generate(SOME, features=("tangent",)).notes["reason"]
+    assert reason.endswith("; site by site, because the tangent map takes the matrix of Newton") and "by rows" not in reason
+
+
 def test_where_nothing_prevents_it_nothing_is_said():
     assert "site by site" not in generate(SOME).notes["reason"]
     assert not any("site by site" in line for line in smidgen.explain(SOME).words())

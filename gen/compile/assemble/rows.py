@@ -435,7 +435,7 @@ class ByRows(Part):
 
     def made(self, model, low):
         found = rows(model, low)
-        model.why_by_site = found if isinstance(found, str) else ""
+        model.why_by_site = found if isinstance(found, str) else "the tangent map takes the matrix of Newton" if "tangent" in model.features else ""
         return found if isinstance(found, Rows) else None
 
     def functions(self, model):
