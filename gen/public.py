@@ -69,7 +69,7 @@ class ReadOnly:
             known = [n for n in dir(self) if not n.startswith("_") and n != "INSTEAD"]
             return f"{kind} has no attribute '{name}'{guess(name, known, ATTRIBUTES)}"
         instead = self.INSTEAD.get(name, self.INSTEAD.get("", ""))
-        return f"'{name}' of {kind} is only read" + f": {instead}" * bool(instead)
+        return f"'{name}' of {kind} is read-only" + f": {instead}" * bool(instead)
 
 
 def html_of(words: str) -> str:

@@ -49,7 +49,7 @@ def shared(place: Path) -> str:
     for status in (place.lstat(), place.stat()):
         if status.st_uid != os.getuid():
             return f"it belongs to user {status.st_uid}, not to {os.getuid()}"
-    return f"others may write it (mode {status.st_mode & 0o7777:o})" if status.st_mode & OTHERS else ""
+    return f"it can be written by others (mode {status.st_mode & 0o7777:o})" if status.st_mode & OTHERS else ""
 
 
 def sync_folder(folder: Path) -> None:

@@ -48,7 +48,7 @@ class Exponents(NamedTuple):
         """
         size = len(self.times) // batches
         if size < 1:
-            raise UsageError(f"{len(self.times)} blocks make no {batches} batches")
+            raise UsageError(f"{len(self.times)} blocks cannot be divided into {batches} batches")
         parts = self.growth[:size * batches].reshape(batches, size, -1).sum(axis=1)
         span = self.times[0] * size
         return parts.std(axis=0, ddof=1) / span / np.sqrt(batches)
@@ -75,7 +75,7 @@ def exponents(model, w, h: float, steps: int, columns: int | None = None, every:
     most = 2 * model.sites
     columns = most if columns is None else columns
     if not 1 <= columns <= most:
-        raise UsageError(f"columns: from 1 to {most}, twice the sites of {model.name}; not {columns}")
+        raise UsageError(f"columns must be from 1 to {most}, twice the sites of {model.name}; not {columns}")
     v = tangent_vectors(model, columns, seed)
     growth = np.empty((blocks, columns))
     for k in range(blocks):
@@ -137,7 +137,7 @@ def _on_spheres(w, radius):
 
 def _blocks(steps: int, every: int) -> int:
     if every < 1 or steps < every:
-        raise UsageError(f"every: from 1 to the number of steps, {steps}; not {every}")
+        raise UsageError(f"every must be from 1 to the number of steps, {steps}; not {every}")
     return steps // every
 
 

@@ -155,7 +155,7 @@ def fit_curve(points, degrees=DEGREES) -> Curve:
     phi, rho = chart.polar(points)
     bare = widest_gap(phi)
     if bare > GAP:
-        raise UsageError(f"the points do not form a closed curve: {bare:.3g} radians are bare")
+        raise UsageError(f"the points do not form a closed curve: {bare:.3g} radians are not covered")
     best = fit_degree(chart, points, phi, rho, degrees[0])
     for degree in (d for d in degrees[1:] if 8 * d <= len(points)):
         last, more = best, fit_degree(chart, points, phi, rho, degree)

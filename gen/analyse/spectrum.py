@@ -57,7 +57,7 @@ class Spectrum(ReadOnly):
     :ivar theory: the lines of linear spin waves, a `SpinWaves`; None if not requested, and if the spectrum was read from a .csv.
     :ivar meta: everything else about the run.
     """
-    INSTEAD = {"": "smidgen.spectrum(spec, ...) makes another spectrum"}
+    INSTEAD = {"": "compute another spectrum with smidgen.spectrum(spec, ...)"}
     meta: dict
     q: np.ndarray
     omega: np.ndarray
@@ -218,7 +218,7 @@ def part_length(settings, parts) -> int:
     parts = whole(parts, "parts")
     length = settings.steps // settings.every // parts if parts else 0
     if length < 2:
-        raise UsageError(f"{settings.steps} steps with an output every {settings.every} make no {parts} parts of two outputs or more")
+        raise UsageError(f"{settings.steps} steps with an output every {settings.every} cannot be divided into {parts} parts of at least two outputs")
     return length
 
 

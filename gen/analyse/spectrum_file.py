@@ -65,10 +65,10 @@ def known(given: str) -> dict:
     of_run = checked(meta)
     wrong = [key for key, kind in ASKED.items() if key not in meta or not kind(meta[key])]
     if wrong:
-        raise Wrong(f"its metadata lacks '{wrong[0]}', or that is not what it should be")
+        raise Wrong(f"'{wrong[0]}' is missing from its metadata, or invalid")
     wrong = [key for key, kind in PLACED.items() if key in meta and not kind(meta[key])]
     if wrong:
-        raise Wrong(f"'{wrong[0]}' of its metadata is not what it should be")
+        raise Wrong(f"'{wrong[0]}' of its metadata is invalid")
     return {**{key: meta[key] for key in meta if key in of_run or key in ASKED or key in PLACED}, **{key: of_run[key] for key in of_run if key not in meta}}
 
 
@@ -94,8 +94,8 @@ def unpacked(arrays: dict, meta: dict) -> SpinWaves | None:
 def fit(arrays: dict) -> None:
     """Do all shapes fit? Raises Wrong."""
     if any(name not in arrays or arrays[name].dtype.kind != "f" for name in ("q", "omega", "s", "tau")):
-        raise Wrong("it lacks the arrays of a spectrum")
+        raise Wrong("it does not contain the arrays of a spectrum")
     waves, m = len(arrays["q"]), arrays["omega"].shape
     wanted = {"s": (waves, *m, 3), "tau": m, "equal_time": (waves, 3), "autocorrelation": (waves, *m, 3), "neutron": (waves, *m)}
     if arrays["q"].ndim != 2 or len(m) != 1 or any(name in arrays and arrays[name].shape != shape for name, shape in wanted.items()):
-        raise Wrong("its arrays do not fit each other")
+        raise Wrong("the shapes of its arrays are not consistent")

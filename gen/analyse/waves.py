@@ -52,7 +52,7 @@ def named(grid: Grid, point: str) -> tuple:
     """A corner of the zone. Raises UsageError."""
     known = zone(grid)
     if point not in known:
-        raise UsageError(f"no corner '{point}' of the zone of this lattice; it has: {', '.join(known)}, or give numbers, such as {example(grid).split()[1]}")
+        raise UsageError(f"the zone of this lattice has no corner '{point}'; it has: {', '.join(known)}, or give numbers, such as {example(grid).split()[1]}")
     return known[point]
 
 
@@ -74,7 +74,7 @@ def whole(grid: Grid, q) -> np.ndarray:
     if off.any():
         row, k = np.argwhere(off)[0]
         n, low = grid.size[k], math.floor(q[row, k] * grid.size[k])
-        raise UsageError(f"q = {q[row, k]:.10g} is no wave of {n} cells; the nearest are {low}/{n} and {low + 1}/{n}")
+        raise UsageError(f"q = {q[row, k]:.10g} is not a wave vector of {n} cells; the nearest are {low}/{n} and {low + 1}/{n}")
     return m.astype(np.int64)
 
 

@@ -68,7 +68,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
     """
     features, compiler = chosen_features(features), find_compiler()
     if fast and "extended" in features:
-        raise UsageError("no extended precision in a fast build: leave one of them out")
+        raise UsageError("extended precision and a fast build exclude each other")
     flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(threads_of(compiler) if threads else ()), *defines)
     wide = native is None and not fast
     caller = mpi_compiler(compiler) if ranks else compiler
@@ -81,7 +81,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   lambda work: _build_into(work, text, caller, flags, wide))
     facts = json.loads((place / "built.json").read_text())
     if threads and not facts["notes"].get("threads"):
-        raise UsageError(f"steps of {spec.name} by {method} have one thread: only those of lattices by rows have several")
+        raise UsageError(f"steps of {spec.name} by {method} use one thread: only steps that are processed by rows can use several")
     return Built(spec.name, place / LIBRARY, place, real, compiler_version(compiler),
                  tuple(facts["flags"]), facts["notes"], generator_name())
 
@@ -91,14 +91,13 @@ def find_compiler() -> tuple[str, ...]:
     try:
         wanted = shlex.split(os.environ.get("CC", ""))
     except ValueError as problem:
-        raise MissingTool(f"CC is no command: {problem} in {os.environ['CC']!r}") from None
+        raise MissingTool(f"CC is not a command: {problem} in {os.environ['CC']!r}") from None
     for words in ([wanted] if wanted else [["cc"], ["gcc"], ["clang"]]):
         path = shutil.which(words[0])
         if path:
             return _of_c((path, *words[1:]))
-    raise MissingTool(f"no C compiler: {wanted[0]!r} is not there" if wanted else
-                      "no C compiler (cc, gcc or clang): install one, on Debian with "
-                      "apt-get install gcc libc6-dev")
+    raise MissingTool(f"no C compiler: {wanted[0]!r} was not found" if wanted else
+                      "no C compiler (cc, gcc or clang) was found: install one, on Debian with apt-get install gcc libc6-dev")
 
 
 @functools.lru_cache(maxsize=None)
@@ -155,7 +154,7 @@ def unfused(compiler: tuple[str, ...], flags: tuple[str, ...]) -> tuple[str, ...
 def threads_of(compiler: tuple[str, ...]) -> tuple[str, ...]:
     """The flags for OpenMP. Raises MissingTool."""
     if not takes(compiler, THREADS):
-        raise MissingTool(f"{shlex.join(compiler)} has no OpenMP, which threads need (on Debian: gcc, or clang with libomp-dev)")
+        raise MissingTool(f"{shlex.join(compiler)} does not support OpenMP, which threads need (on Debian: gcc, or clang with libomp-dev)")
     return THREADS
 
 
@@ -232,8 +231,8 @@ def compile_shared(work: Path, sources, compiler, flags) -> None:
         text = shlex.join(command) + "\n" + said.stderr
         log = _keep_log(text)
         first = next((line for line in said.stderr.splitlines() if "error" in line), "")
-        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or 'it made no library'}\n"
-                         f"all it said is in {log}", log=text)
+        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or 'it did not write a library'}\n"
+                         f"its output is in {log}", log=text)
 
 
 def _keep_log(text: str) -> Path:

@@ -34,11 +34,10 @@ def cache_folder() -> Path:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         trouble = shared(place)
     except OSError as problem:
-        raise BuildError(f"cannot make the cache {place}: {problem.strerror}; "
+        raise BuildError(f"cannot create the cache {place}: {problem.strerror}; "
                          "set SMIDGEN_CACHE to a folder that can be written") from None
     if trouble:
-        raise BuildError(f"the cache {place} is not safe: {trouble}, and what lies there is run. It holds compiled models "
-                         "only: remove it, or set SMIDGEN_CACHE to a folder of your own that nobody else can write")
+        raise BuildError(f"the cache {place} is not safe: {trouble}, and its contents would be executed. It contains compiled models only: remove it, or set SMIDGEN_CACHE to a folder of your own that nobody else can write")
     return place
 
 
@@ -78,7 +77,7 @@ def whole(place: Path) -> bool:
     with contextlib.suppress(OSError):
         if not place.is_symlink() and not shared(place) and (place / SEAL).read_bytes() == digest_of(place):
             return True
-    warnings.warn(f"{place} is damaged, or not ours alone: it is made again")
+    warnings.warn(f"{place} is damaged or can be written by others: it is rebuilt")
     return False
 
 

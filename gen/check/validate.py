@@ -349,7 +349,7 @@ def compare_flow(case: Case) -> list[Line]:
                            "exact here; " + note)]
     elif largest(*errors) <= RESOLVED * FLOOR * size(start) and not shows_order(errors, size(start), claimed):
         lines = [agreement("order of convergence", largest(*errors), RESOLVED * FLOOR * size(start),
-                           "too small for the reference to tell the order; " + note)]
+                           "too small for the order to be visible; " + note)]
     else:
         lines = [Line("order of convergence", observed(errors, size(start)), f"{low:g} .. {high:g}",
                       shows_order(errors, size(start), claimed), note)]
@@ -383,12 +383,12 @@ def converge(case, start):
             if doubled == DOUBLINGS or halved or not flows_agree(case, start, 2 * time):
                 return time, steps, errors, tried
             time, steps, doubled = 2 * time, 2 * steps, doubled + 1
-            tried = f" (time doubled {doubled} times to rise above round-off)"
+            tried = f" (time doubled {doubled} times to exceed round-off)"
         elif errors is not None and shows_order(errors, size(start), METHODS[case.settings.method].order) or halved == HALVINGS:
             return time, steps, errors or [math.nan] * 3, tried
         else:
             steps, halved = 2 * steps, halved + 1
-            tried = f" (h halved {halved} times to see the order)"
+            tried = f" (h halved {halved} times until the order was visible)"
 
 
 def compare_end(case: Case, start) -> list[Line]:

@@ -51,7 +51,7 @@ def guarded(args) -> int:
     except SmidgenError as error:
         return told(error, getattr(args, "json", False))
     except MemoryError:
-        print("smidgen: there is not enough memory for this: choose fewer sites or a smaller array, or fewer outputs", file=sys.stderr)
+        print("smidgen: not enough memory: use fewer sites, a smaller array or fewer outputs", file=sys.stderr)
         return int(Exit.USAGE)
     except KeyboardInterrupt:
         print("smidgen: interrupted", file=sys.stderr)

@@ -15,12 +15,12 @@ def add(commands):
     parser = commands.add("advise", command, "estimate the largest safe step of a run, and say why", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
-    parser.add_argument("--h", help="the step to compare with; its sign is that of the advice")
+    parser.add_argument("--h", help="the step to compare with; a negative one asks for advice on backward runs")
     for name in ("start", "seed"):
         run_option(parser, name)
     long = parser.add_mutually_exclusive_group()
-    long.add_argument("--steps", type=whole, help="how long to look: a number of steps of the run's h")
-    long.add_argument("--time", help="how long to look: a duration")
+    long.add_argument("--steps", type=whole, help="length of the run to examine, in steps of its h")
+    long.add_argument("--time", help="length of the run to examine, as a duration")
     json_option(parser)
 
 

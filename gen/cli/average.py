@@ -6,7 +6,7 @@ from .say import printed, say
 
 EXAMPLES = """  smidgen average hot.toml --after 50 --out hot.json
   smidgen average hot.toml --what mz,energy --time 20 --after 10 --members 1000 --out hot.json
-  smidgen average hot.toml --what mz,energy --time 20 --after 10 --members 1000 --out hot.json   goes on where it was stopped"""
+  smidgen average hot.toml --what mz,energy --time 20 --after 10 --members 1000 --out hot.json   continues where it stopped"""
 CHOICES = ("method", "solver", "h", "steps", "time", "every", "what", "effects", "seed", "tolerance")
 
 
@@ -17,14 +17,14 @@ def add(commands):
     model_options(parser)
     for name in ("h", "start", "seed", "every", "tolerance"):
         run_option(parser, name)
-    run_option(parser, "what", help="numbers: energy, energy.EFFECT, momentum.FAMILY.x, names of observables; default: the energy and all observables")
+    run_option(parser, "what", help="quantities: energy, energy.EFFECT, momentum.FAMILY.x, names of observables; default: the energy and all observables")
     long = parser.add_mutually_exclusive_group()
     for name in ("steps", "time"):
         run_option(long, name)
-    parser.add_argument("--after", default=None, metavar="TIME", help="samples from that time on; default: what the run's averages say, else from the start")
-    parser.add_argument("--members", type=whole, default=1, metavar="N", help="as many trajectories, each with noise of its own; default: 1")
-    parser.add_argument("--bins", type=whole, default=None, metavar="N", help="of a histogram, at most; default: the run's, else 64")
-    parser.add_argument("--out", metavar="FILE", help="a file .json; where FILE.part lies, a run that was stopped goes on")
+    parser.add_argument("--after", default=None, metavar="TIME", help="take samples from this time on; default: that of the run's averages, otherwise 0")
+    parser.add_argument("--members", type=whole, default=1, metavar="N", help="number of trajectories, each with its own noise; default: 1")
+    parser.add_argument("--bins", type=whole, default=None, metavar="N", help="largest number of bins of a histogram; default: that of the run's averages, otherwise 64")
+    parser.add_argument("--out", metavar="FILE", help="a .json file; if there is a FILE.part from an interrupted run, it is continued")
     json_option(parser)
 
 

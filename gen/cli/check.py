@@ -54,7 +54,7 @@ def facts(word: str, library) -> dict:
         + [f"effects {', '.join(spec.effect_names)}",
            f"runs {', '.join(steps) or 'none'}"]
         + ([f"in {', '.join(scale.text for scale in spec.units.scales)}"] if spec.units else []))
-    text += "".join(f"\n  warning: nothing uses the parameter '{name}'" for name in idle)
+    text += "".join(f"\n  warning: the parameter '{name}' is not used" for name in idle)
     text += "".join(f"\n  warning: the energy of '{name}' jumps, by {size:.2g} in one term, where a vector crosses an edge of its formula: `smidgen explain`"
                     for name, size in sudden.items())
     return {"spec": word, "ok": True, "name": spec.name, "families": families,

@@ -16,16 +16,16 @@ EXAMPLES = """  smidgen choose free_rigid_body --error 1e-8 --time 100
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("choose", command, "find the method and step that give an accuracy in the least time", EXAMPLES)
+    parser = commands.add("choose", command, "find the method and step that reach an accuracy in the least time", EXAMPLES)
     spec_argument(parser)
     study_options(parser)
-    for word, said in (("--error", "error of the state at the end, as part of the largest |w|"),
-                       ("--energy", "largest error of the energy on the way, in its unit")):
+    for word, said in (("--error", "error of the final state, relative to the largest |w|"),
+                       ("--energy", "largest error of the energy during the run, in its unit")):
         parser.add_argument(word, type=lambda text, word=word: number(text, word), metavar="E", help=said)
-    parser.add_argument("--mean", metavar="NUMBER", help="of a scene at a temperature: --error is that of the mean of this number, energy or an observable; default: the energy")
-    parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0, metavar="T", help="of such a scene: what the measurement may take; default: 60")
-    parser.add_argument("--symplectic", action="store_true", help="of the symplectic methods only")
-    parser.add_argument("--out", metavar="FILE.toml", help="write the spec with the choice as a run of it")
+    parser.add_argument("--mean", metavar="NUMBER", help="at a temperature: the energy or an observable, to whose mean --error refers; default: the energy")
+    parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0, metavar="T", help="at a temperature: limit on the time of the measurement; default: 60")
+    parser.add_argument("--symplectic", action="store_true", help="consider symplectic methods only")
+    parser.add_argument("--out", metavar="FILE.toml", help="write the spec with an additional run `chosen`")
     json_option(parser)
 
 
@@ -51,9 +51,9 @@ def written(spec, args, choice) -> Path:
     if len(spec.sources) != 1:
         raise UsageError("a spec that includes others cannot be written as one file")
     if any(run.name == "chosen" for run in spec.runs):
-        raise UsageError("the spec has a run 'chosen' already")
+        raise UsageError("the spec already has a run 'chosen'")
     if args.parameters or args.effects or args.seed is not None or args.start is not None:
-        raise UsageError("--out writes the run of the spec as it is: leave --set, --effects, --seed and --start out")
+        raise UsageError("--out adds a run to the spec and cannot be combined with --set, --effects, --seed or --start")
     base = next((run for run in spec.runs if run.name == args.run), spec.runs[0] if spec.runs else None)
     start = f'start = "{base.start}"\n' if base is not None and base.start else ""
     row = choice.row

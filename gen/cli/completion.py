@@ -12,7 +12,7 @@ SHELLS = ("bash", "zsh", "tcsh")
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("completion", partial(command, commands.parser), "print a script by which a shell completes commands and options", EXAMPLES)
+    parser = commands.add("completion", partial(command, commands.parser), "print a script that completes commands and options in a shell", EXAMPLES)
     parser.add_argument("shell", choices=SHELLS, metavar="SHELL", help=" or ".join(SHELLS))
 
 

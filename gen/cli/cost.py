@@ -7,24 +7,24 @@ from .say import printed, say
 EXAMPLES = """  smidgen cost free_rigid_body --time 100
   smidgen cost point_vortices --out vortices.csv --plot vortices.png
   smidgen cost heisenberg_chain --set n=20 --seconds 20
-  smidgen cost --from vortices.csv --plot again.svg   the figure of a table"""
+  smidgen cost --from vortices.csv --plot again.svg   draw a table"""
 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("cost", command, "measure which method gives which accuracy in the least time", EXAMPLES)
+    parser = commands.add("cost", command, "measure the time that each method needs for an accuracy", EXAMPLES)
     spec_argument(parser, nargs="?")
     study_options(parser)
     parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0,
-                        help="what the timed runs may take together (60)")
-    parser.add_argument("--no-long", action="store_true", help="leave the long runs out")
-    parser.add_argument("--no-ends", action="store_true", help="leave end errors out: judge by what is kept")
+                        help="limit on the total time of the timed runs (60)")
+    parser.add_argument("--no-long", action="store_true", help="omit the long runs")
+    parser.add_argument("--no-ends", action="store_true", help="omit errors of the final state; judge by conserved quantities")
     parser.add_argument("--peers", type=names, nargs="?", const=True, default=False, metavar="A,B",
-                        help="also general integrators, these or all that are there: GSL, SUNDIALS, SciPy, heyoka, C by hand")
-    parser.add_argument("--mean", metavar="NUMBER", help="of a scene at a temperature: the number whose mean is judged, energy or an observable; default: the energy")
+                        help="include general-purpose integrators, these or all that are installed: GSL, SUNDIALS, SciPy, heyoka, C by hand")
+    parser.add_argument("--mean", metavar="NUMBER", help="at a temperature: the energy or an observable whose mean is judged; default: the energy")
     parser.add_argument("--out", metavar="FILE", help="the table as .csv")
     parser.add_argument("--plot", metavar="FILE", help="the figure: .png, .svg or .pdf")
-    parser.add_argument("--from", metavar="FILE", dest="table", help="a table that was written before, instead of measuring")
+    parser.add_argument("--from", metavar="FILE", dest="table", help="read a table instead of measuring")
     json_option(parser)
 
 
@@ -36,7 +36,7 @@ def command(args):
     if args.out:
         say(f"wrote {table.save(args.out)}")
     if args.plot and not isinstance(table, Cost):
-        raise UsageError("at a temperature there is no figure: --out writes the table")
+        raise UsageError("there is no figure for scenes at a temperature; --out writes the table")
     if args.plot:
         from ..show.plot.cost import draw_cost
         say(f"wrote {draw_cost(table, args.plot)}")

@@ -10,17 +10,16 @@ from .say import printed, say
 EXAMPLES = """  smidgen effects
   smidgen effects spins/uniaxial
   smidgen effects mine/pump --library ~/pieces
-  smidgen effects film.toml                         what each effect of a scene costs and gives up
-  smidgen effects --test --library ~/pieces         what the laws of pieces say, in numbers"""
+  smidgen effects film.toml                         what each effect of a scene costs, and what is lost
+  smidgen effects --test --library ~/pieces         check the laws of pieces"""
 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("effects", command, "show the library of effects, one of them (formula, arguments, law, source), or what those of a scene cost "
-                          "and give up", EXAMPLES)
-    parser.add_argument("word", metavar="PIECE or SPEC", nargs="?", help="a name of the library, or a scene; default: all of the library, a line each")
+    parser = commands.add("effects", command, "show the library of effects, one of its pieces, or what the effects of a scene cost and which properties are lost", EXAMPLES)
+    parser.add_argument("word", metavar="PIECE or SPEC", nargs="?", help="a piece of the library, or a scene; default: list the library")
     model_options(parser)
-    parser.add_argument("--test", action="store_true", help="check the laws: run the [test] of each piece, and compare")
+    parser.add_argument("--test", action="store_true", help="check the laws: run the [test] of each piece and compare")
     parser.add_argument("--no-times", action="store_true", help="of a scene: measure nothing")
     library_option(parser)
     json_option(parser)
@@ -33,7 +32,7 @@ def command(args):
     if args.word is not None and args.word not in known and is_spec(args.word):
         return of_scene(args)
     if args.run:
-        raise UsageError("a piece has no runs: a RUN is that of a SPEC")
+        raise UsageError("a piece has no runs; RUN requires a SPEC")
     found = [piece(name, args.library) for name in ([args.word] if args.word else known)]
     if args.test:
         return tested(found, args)
@@ -91,5 +90,5 @@ def tested(found, args):
         say(f"without a [test]: {', '.join(without)}")
     broken = dict.fromkeys(law.piece for law in laws if not law.passed)
     if broken:
-        say(f"smidgen: a law does not hold: {', '.join(broken)}")
+        say(f"smidgen: these laws do not hold: {', '.join(broken)}")
     return Exit.VALIDATION if broken else Exit.OK

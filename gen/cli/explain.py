@@ -11,7 +11,7 @@ EXAMPLES = """  smidgen explain heisenberg_chain
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("explain", command, "say what is conserved and what the method keeps", EXAMPLES)
+    parser = commands.add("explain", command, "report what is conserved and what the method preserves", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
     json_option(parser)

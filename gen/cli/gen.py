@@ -5,7 +5,7 @@ from .options import feature_option, json_option, model_options, spec_argument
 from .say import notes_line, printed, say
 
 GEN = """  smidgen gen heisenberg_chain --out chain
-  smidgen gen top.toml --amalgamate --out .      two files are all that a program needs
+  smidgen gen top.toml --amalgamate --out .      two files, all that a program needs
   smidgen gen top.toml --effects kinetic --set I=1,2,4 --method classical-midpoint"""
 BUILD = """  smidgen build top.toml                    compile into the cache, print the library
   smidgen build top.toml --out /usr/local   lib/libtop.a, include/top.h, lib/pkgconfig/top.pc"""
@@ -20,7 +20,7 @@ def add(commands):
     parser.add_argument("--out", default=".", metavar="DIR", help="where to; default: here")
     parser.add_argument("--amalgamate", action="store_true",
                         help="inline the runtime: one .h and one .c, nothing else")
-    parser.add_argument("--certificate", metavar="FILE", help="the JSON of `smidgen verify`, for the header's comment")
+    parser.add_argument("--certificate", metavar="FILE", help="a certificate of `smidgen verify --json`, to be quoted in the header")
     json_option(parser)
     parser = commands.add("build", build, "compile a spec", BUILD)
     spec_argument(parser)
@@ -29,7 +29,7 @@ def add(commands):
     parser.add_argument("--out", metavar="DIR", help="install a static library, its headers "
                         "and a pkg-config file below DIR")
     parser.add_argument("--native", action="store_true",
-                        help="for this processor (-march=native)")
+                        help="compile for this processor (-march=native)")
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     json_option(parser)
 

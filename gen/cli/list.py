@@ -12,7 +12,7 @@ EXAMPLES = """  smidgen list
 def add(commands):
     """The sub-command."""
     parser = commands.add("list", command, "show the specs that come with smidgen, or its methods", EXAMPLES)
-    parser.add_argument("--methods", action="store_true", help="the methods, each with what it keeps")
+    parser.add_argument("--methods", action="store_true", help="list the methods and what they preserve")
     json_option(parser)
 
 

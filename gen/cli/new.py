@@ -15,7 +15,7 @@ EXAMPLES = """  smidgen new my_top                        a commented spec, my_t
 def add(commands):
     """The sub-command."""
     parser = commands.add("new", command, "write a spec to start from", EXAMPLES)
-    parser.add_argument("name", metavar="NAME", help="a name; it becomes the prefix in C")
+    parser.add_argument("name", metavar="NAME", help="the name of the model; also the prefix in C")
     parser.add_argument("--from", dest="source", metavar="SPEC", help="copy this shipped spec")
     parser.add_argument("--out", metavar="FILE", help="default: NAME.toml")
     json_option(parser)

@@ -20,8 +20,7 @@ def spec_argument(parser, **more):
 
 def library_option(parser):
     """--library DIR."""
-    parser.add_argument("--library", action="append", default=[], metavar="DIR", help="a folder in which files that a spec names are looked for, "
-                        "after its own; repeatable")
+    parser.add_argument("--library", action="append", default=[], metavar="DIR", help="a folder to search for files that a spec names, after its own folder; repeatable")
 
 
 def model_options(parser):
@@ -48,16 +47,16 @@ def chosen(args, names_) -> dict:
 def processor_options(parser):
     """--native, --portable: for which processors to compile."""
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--native", action="store_true", default=None, help="compile for this processor; by default so where vectors of "
-                       "lanes make it faster, with the same bits")
-    which.add_argument("--portable", action="store_false", dest="native", default=None, help="compile for every processor of this family")
+    which.add_argument("--native", action="store_true", default=None, help="compile for this processor; default: if this is faster "
+                       "and gives the same bits")
+    which.add_argument("--portable", action="store_false", dest="native", default=None, help="compile for all processors of this family")
 
 
 def study_options(parser):
     """What a study of many methods looks at: RUN, --time, --methods, --effects, --set, --start, --seed, --native, --portable."""
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
-    parser.add_argument("--time", help="how long: a number or a formula; default: as long as the run")
-    parser.add_argument("--methods", type=names, metavar="A,B", help="of these only; default: all that serve")
+    parser.add_argument("--time", help="duration: a number or a formula; default: that of the run")
+    parser.add_argument("--methods", type=names, metavar="A,B", help="consider these only; default: all that apply")
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="parameters", metavar="NAME=VALUE",
                         help="a parameter; a list as 1,2,3; repeatable")
     for name in ("effects", "start", "seed"):
@@ -83,7 +82,7 @@ def start_of(word: str):
 def feature_option(parser):
     """--features: what the C shall have beyond the step."""
     parser.add_argument("--features", type=names, default=(), metavar="A,B",
-                        help=f"what the C shall have beyond the step: {', '.join(FEATURES)}")
+                        help=f"additions to the C code: {', '.join(FEATURES)}")
 
 
 def json_option(parser):
@@ -140,7 +139,7 @@ def whole(text: str) -> int:
     """An integer from 0 up; 1e6 is one."""
     value = number(text, "a count")
     if value != int(value) or value < 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not an integer from 0 up")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a non-negative integer")
     return int(value)
 
 

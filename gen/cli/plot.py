@@ -7,22 +7,22 @@ from .say import opened, printed, say
 
 EXAMPLES = """  smidgen plot chain.h5
   smidgen plot chain.h5 --kind energy --out energy.pdf
-  smidgen plot free_rigid_body demo --out top.html   runs it, writes a page that plays it
+  smidgen plot free_rigid_body demo --out top.html   runs it and writes an interactive page
   smidgen plot film.h5 --part x=10:30,y=10:30        a part of a lattice
   smidgen plot film.h5 --out film.gif                a film
-  smidgen plot chain.h5 --width 3.4 --out chain.pdf  as wide as a column of a journal
+  smidgen plot chain.h5 --width 3.4 --out chain.pdf  the width of a column
   smidgen plot chain.h5 --open                       and show it
   smidgen plot --kinds                               what can be drawn"""
 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("plot", command, "draw a result, or a spec that is run for it", EXAMPLES)
+    parser = commands.add("plot", command, "draw a result; a spec is run first", EXAMPLES)
     parser.add_argument("source", metavar="SOURCE", nargs="?",
                         help="a file that `smidgen run` wrote, or a SPEC")
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
-    parser.add_argument("--kind", default="auto", help="what to draw; default: what suits")
-    parser.add_argument("--part", metavar="PART", help="of a lattice: ranges x=0:20,y=5:15, or a layer z=1.5")
+    parser.add_argument("--kind", default="auto", help="what to draw; default: a suitable kind")
+    parser.add_argument("--part", metavar="PART", help="a part of a lattice: ranges x=0:20,y=5:15, or a layer z=1.5")
     parser.add_argument("--out", metavar="FILE", help="the file: .png, .svg or .pdf, .html (a player), .gif or .mp4 (a film)")
     parser.add_argument("--width", type=lambda text: number(text, "--width"), metavar="INCHES", help="width of the picture; default: depends on the kind")
     open_option(parser)
@@ -37,7 +37,7 @@ def command(args):
     if args.kinds:
         return show_kinds(args, kinds())
     if args.source is None:
-        raise UsageError("draw what? give a file that `smidgen run` wrote, or a spec")
+        raise UsageError("give a result file or a spec to draw")
     needed("matplotlib", "a picture")
     from ..show.plot.draw import plot
     path = plot(args.source, args.run, kind=args.kind, out=args.out, part=args.part, width=args.width, chose=told)

@@ -22,7 +22,7 @@ EXAMPLES = """  smidgen run heisenberg_chain
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("run", command, "run a spec and write what it gives", EXAMPLES)
+    parser = commands.add("run", command, "run a spec and write the result", EXAMPLES)
     spec_argument(parser, nargs="?")
     model_options(parser)
     run_option(parser, "h")
@@ -36,13 +36,13 @@ def add(commands):
     for name in ("fast", "threads", "real"):
         run_option(parser, name)
     parser.add_argument("--out", metavar="FILE", help="the result: .csv, .npz or .h5; - for a table on stdout")
-    parser.add_argument("--repeat", metavar="FILE", help="do again the run that wrote FILE")
+    parser.add_argument("--repeat", metavar="FILE", help="repeat the run that wrote FILE")
     run_option(parser, "checkpoint")
-    parser.add_argument("--resume", metavar="FILE", help="go on with the run that was writing FILE with --checkpoint")
+    parser.add_argument("--resume", metavar="FILE", help="continue the run that was writing FILE with --checkpoint")
     run_option(parser, "tolerance")
     one = parser.add_mutually_exclusive_group()
     one.add_argument("--estimate", action="store_const", const=True, help="repeat the run with larger and with smaller steps to estimate its error, "
-                     f"which takes 2 to 2.5 times as many steps; default: where the run took less than {SHORT:g} s")
+                     f"which takes 2 to 2.5 times as many steps; default: if the run took less than {SHORT:g} s")
     one.add_argument("--no-estimate", action="store_const", const=False, dest="estimate", help="do not")
     run_option(parser, "substeps")
     json_option(parser)
@@ -116,7 +116,7 @@ def warn_of_jumps(spec, settings):
     from ..compile.select import select
     for name, size in jumps(select(spec, settings.effects, settings.parameters)).items():
         say(f"warning: the energy of '{name}' jumps, by {size:.2g} in one term, where a vector crosses an edge of its formula: "
-            "a step across keeps neither energy nor order; see `smidgen explain`")
+            "a step across an edge preserves neither energy nor order; see `smidgen explain`")
 
 
 def go_on(args):
@@ -124,8 +124,8 @@ def go_on(args):
     from ..progress import progress
     from ..run.resume import resume, saved_run
     if args.spec is not None or args.repeat is not None or args.out is not None:
-        raise UsageError("--resume takes all from the file: leave SPEC, --out and --repeat out")
-    refuse_choices(args, "--resume goes on with a run as it was: only --json goes with it")
+        raise UsageError("--resume takes everything from the file: omit SPEC, --out and --repeat")
+    refuse_choices(args, "--resume continues a run unchanged: it can be combined with --json only")
     meta = ranks.on_first(lambda: saved_run(args.resume))
     args.out, args.complete = args.resume, meta.get("status") == "complete"
     with progress(meta["steps"], meta["spec"]) as tick:
@@ -136,11 +136,11 @@ def asked(args):
     """(spec, run, choices) from SPEC and its options, or from a file to repeat."""
     if args.repeat is None:
         if args.spec is None:
-            raise UsageError("which spec? `smidgen list` shows those that come with it")
+            raise UsageError("no spec is given; `smidgen list` shows the specs that come with smidgen")
         from ..read.shipped import load_spec
         return load_spec(args.spec, args.library), args.run, choices(args)
     if args.spec is not None:
-        raise UsageError("--repeat takes the spec from the file: leave SPEC out")
+        raise UsageError("--repeat takes the spec from the file: omit SPEC")
     from ..build.binary import generator_name
     from ..run.files.output import load_result
     from ..run.files.recorded import recorded
@@ -165,7 +165,7 @@ def choices(args) -> dict:
     return given
 
 
-def refuse_choices(args, said="--repeat repeats a run as it was: only --out and --json go with it"):
+def refuse_choices(args, said="--repeat repeats a run unchanged: it can be combined with --out and --json only"):
     """A repeated run is the run as it was, and so is one that goes on."""
     if args.parameters or args.start or args.estimate is not None or chosen(args, CHOICES):
         raise UsageError(said)
@@ -174,7 +174,7 @@ def refuse_choices(args, said="--repeat repeats a run as it was: only --out and 
 def report(args, result, code: int):
     """The summary: on stdout, unless the table goes there."""
     if ranks.count() > 1 and not result.meta["chosen"].get("ranks"):
-        say(f"note: each of the {ranks.count()} ranks took all steps: only those of lattices by rows are shared")
+        say(f"note: each of the {ranks.count()} ranks took all steps: only steps processed by rows can be shared")
     tell = say if args.out == "-" else print
     if args.json:
         return printed(facts(args, result, code))
@@ -208,9 +208,9 @@ def lines(args, result):
         yield f"status: {meta['status'] if meta['status'] == 'interrupted' else 'failed'}"
     if args.out not in (None, "-"):
         from ..run.files.checkpoint import folder_of
-        yield f"{args.out} was complete already: nothing was done" if getattr(args, "complete", False) else f"wrote {args.out}"
+        yield f"{args.out} is complete: nothing was done" if getattr(args, "complete", False) else f"wrote {args.out}"
         if meta["status"] == "interrupted" and folder_of(args.out).is_dir():
-            yield f"go on with: smidgen run --resume {args.out}"
+            yield f"continue with: smidgen run --resume {args.out}"
 
 
 def unit(meta, column: str) -> str:
@@ -257,22 +257,21 @@ def estimate_lines(result):
     """How far the end is from the exact solution."""
     error, withheld = result.meta.get("end_error"), result.meta.get("end_error_withheld")
     if result.summary.get("estimate_left_out"):
-        yield "error of the final state: not estimated, for it would take some 2.5 times as long as the run did; --estimate asks for it"
+        yield "error of the final state: not estimated, since that takes some 2.5 times as long as the run; use --estimate"
     if withheld:
-        yield f"error of the final state: not estimated: {withheld}"
+        yield f"error of the final state: no estimate: {withheld}"
     if error is None:
         return
     if error < VAGUE:
-        yield f"estimated error of the end: {error:.2g} of |w| (by two more runs with other steps; --no-estimate leaves it out)"
+        yield f"estimated error of the final state: {error:.2g} of |w| (from two more runs with other steps; --no-estimate omits this)"
     else:
-        yield "the end is not known: with other steps it is another one (h is too large, or the motion is chaotic)"
+        yield "the final state is not resolved: it changes with h (h is too large, or the motion is chaotic)"
 
 
 def halved_lines(result):
     """Steps of a thermal run that had no midpoint."""
     if result.summary.get("halved"):
-        yield (f"{result.summary['halved']} of {result.meta['done']} steps did not exist at this h from the state that noise had made: "
-               "each was taken as two of h/2, between the same noise")
+        yield (f"{result.summary['halved']} of {result.meta['done']} steps had no solution after the first half of the noise: each was taken as two steps of h/2, with the same noise")
 
 
 def split_lines(result):
@@ -280,9 +279,8 @@ def split_lines(result):
     if not result.summary["in_parts"]:
         return
     step, t, k = result.substeps[0]
-    yield (f"warning: {result.summary['in_parts']} steps failed and were taken in parts, the first to step {step:.0f} "
-           f"(t = {t:.10g}) in {2 ** int(k)}: where the step changes, the method is not one symplectic map of a "
-           "fixed step, and what it keeps over long times is not known")
+    yield (f"warning: {result.summary['in_parts']} steps failed and were replaced by smaller ones, the first to step {step:.0f} "
+           f"(t = {t:.10g}) in {2 ** int(k)}: with a changing step the method is not a single symplectic map, and its long-time behaviour is not known")
 
 
 def near_lines(result):
@@ -290,4 +288,4 @@ def near_lines(result):
     near = result.summary.get("nearest")
     if near:
         yield (f"warning: the step to step {near['step']} (t = {near['t']:.10g}) had its midpoint at site {near['site']} within "
-               f"{near['rho']:.2g} radii of the centre, where steps cease to exist; take a smaller h (smidgen advise tells how small)")
+               f"{near['rho']:.2g} radii of the centre, where steps cease to exist; use a smaller h (see smidgen advise)")

@@ -25,16 +25,16 @@ def add(commands):
     spec_argument(parser)
     model_options(parser)
     parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
-    parser.add_argument("--q", metavar="PATH", default="all", help="wave vectors in units of the reciprocal lattice: corners of a path, by numbers or by name (Gamma K M Gamma), "
+    parser.add_argument("--q", metavar="PATH", default="all", help="wave vectors in units of the reciprocal lattice vectors: corners of a path, by numbers or by name (Gamma K M Gamma), "
                         "such as \"0,0 1/2,0 1/2,1/2\", or all (default)")
     parser.add_argument("--h", help="the step: a number or a formula")
     long = parser.add_mutually_exclusive_group()
     long.add_argument("--steps", type=whole, help="number of steps")
     long.add_argument("--time", help="duration: a multiple of h; frequencies are 2 pi/time apart")
-    parser.add_argument("--every", type=whole, metavar="K", help="a sample each K-th step; frequencies go up to pi/(K h)")
+    parser.add_argument("--every", type=whole, metavar="K", help="steps between samples; the largest frequency is pi/(K h)")
     parser.add_argument("--window", choices=("none", "hann"), default="none", help="in time; default: none")
-    parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average the spectra of P equal parts of the run")
-    parser.add_argument("--autocorrelation", action="store_true", help="also in time, in a .npz")
+    parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average over the spectra of P equal parts of the run")
+    parser.add_argument("--autocorrelation", action="store_true", help="also compute autocorrelations in time (.npz only)")
     parser.add_argument("--neutron", action="store_true", help="also what neutrons see, with the factor 1 - q^q^")
     parser.add_argument("--theory", metavar="START", nargs="?", const=True, default=False,
                         help="beside it the lines of linear spin waves near an equilibrium: a start that is one, "

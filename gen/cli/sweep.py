@@ -12,7 +12,7 @@ from .say import printed, say
 
 EXAMPLES = """  smidgen sweep free_rigid_body --set I3=3:4:11 --out bodies
   smidgen sweep spins.toml demo --set J=0:2:50 --set B=0.5 --starts 20 --out spins
-  smidgen sweep spins.toml demo --set J=0:2:50 --set B=0.5 --starts 20 --out spins   goes on where it was stopped"""
+  smidgen sweep spins.toml demo --set J=0:2:50 --set B=0.5 --starts 20 --out spins   continues where it stopped"""
 
 
 def add(commands):
@@ -22,11 +22,11 @@ def add(commands):
     parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
     parser.add_argument("--set", type=axis, action="append", default=[], dest="axes", metavar="NAME=FIRST:LAST:COUNT",
                         help="COUNT values of a parameter, evenly from FIRST to LAST; or one value, or a list as 1,2,3; repeatable")
-    parser.add_argument("--starts", type=whole, metavar="N", help="N random starts for all values, of the seeds from --seed on")
+    parser.add_argument("--starts", type=whole, metavar="N", help="N random starts for each combination of values, with seeds from --seed on")
     parser.add_argument("--seed", type=whole, default=0, help="the first seed; default: 0")
-    parser.add_argument("--out", required=True, metavar="FOLDER", help="where the manifest and the results go; the same command goes on there")
+    parser.add_argument("--out", required=True, metavar="FOLDER", help="the folder of the results; the same command continues an interrupted sweep")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--processes", type=whole, metavar="N", help="how many at once; default: one a processor")
+    where.add_argument("--processes", type=whole, metavar="N", help="number of cells to compute at once; default: one per processor")
     where.add_argument("--cluster", metavar="ADDRESS", help="compute on the workers of this Dask scheduler, such as tcp://host:8786")
     for name in ("method", "solver"):
         run_option(parser, name, choices=None)
@@ -56,9 +56,9 @@ def axis(text: str):
     what, name = f"--set {name.strip()}", assignment(f"{name}=0")[0]
     (first, unit), (last, other), count = end(ends[0], what), end(ends[1], what), whole(ends[2])
     if unit != other:
-        raise argparse.ArgumentTypeError(f"'{text}': write both ends in one unit, such as J=0 meV:2 meV:50")
+        raise argparse.ArgumentTypeError(f"'{text}': give both ends in the same unit, such as J=0 meV:2 meV:50")
     if not 1 <= count <= limits.CELLS:
-        raise argparse.ArgumentTypeError(f"a sweep has from 1 to {limits.CELLS} cells, not {count}")
+        raise argparse.ArgumentTypeError(f"a sweep must have from 1 to {limits.CELLS} cells, not {count}")
     values = [between(first, last, k, count) for k in range(count)]
     return name, [f"{value!r} {unit}" for value in values] if unit else values, True
 
@@ -94,7 +94,7 @@ def command(args):
             found = sweep(load_spec(args.spec, args.library), args.run, axes=axes, out=args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
                           tell=lambda outcome: (ended.append(outcome), tick(len(ended)), said(outcome)), **given)
     except KeyboardInterrupt:
-        say(f"smidgen: interrupted; cells that have ended since it began: {len(ended)}; the same command goes on with the others in {Path(args.out)}")
+        say(f"smidgen: interrupted after {len(ended)} cells; the same command continues with the others in {Path(args.out)}")
         return Exit.INTERRUPTED
     failed = [outcome for outcome in found if outcome["status"] != "complete"]
     if args.json:

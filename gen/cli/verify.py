@@ -26,7 +26,7 @@ def add(commands):
     parser.add_argument("--h", help="the step")
     parser.add_argument("--start", help="a start of the spec")
     parser.add_argument("--seed", type=whole, help="seed of a random start")
-    parser.add_argument("--layouts", action="store_true", help="lattices by rows: threads, wavefronts and ranks of MPI too (compiled twice more)")
+    parser.add_argument("--layouts", action="store_true", help="include threads, wavefronts and MPI ranks (compiles lattices by rows twice more)")
     parser.add_argument("--json", metavar="FILE", dest="file", help="write the certificate as JSON; - for stdout")
 
 

@@ -33,14 +33,14 @@ def with_effects(spec: Spec, names) -> Spec:
         return spec
     known = spec.effect_names
     if not names:
-        raise UsageError("no effect is named; there are: " + ", ".join(known))
+        raise UsageError("no effect is selected; there are: " + ", ".join(known))
     for name in names:
         if name not in known:
             raise UsageError(f"there is no effect `{name}` in {spec.name}: "
                              + nearest(name, known))
     kept = replace(spec, effects=tuple(e for e in spec.effects if e.name in set(names)))
     if not any(e.moves for e in kept.effects):
-        raise UsageError(f"damping alone moves nothing: name an energy too, such as {next(e.name for e in spec.effects if e.moves)}")
+        raise UsageError(f"damping alone does not move anything: add an energy, such as {next(e.name for e in spec.effects if e.moves)}")
     return kept
 
 

@@ -58,7 +58,7 @@ def cost(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | No
     methods = known_methods(methods)
     if scene_of(spec, settings.effects, settings.parameters).heated:
         if peers or not ends:
-            raise UsageError("at a temperature the error is that of a mean: general integrators and runs without a reference are not available")
+            raise UsageError("at a temperature the error of a mean is measured: `peers` and `ends=False` are not available")
         return weak_cost(spec, settings, time, methods, mean, seconds, lambda: {"machine": machine(), **measured(settings.native)}, progress)
     no_mean(mean)
     case = Case(spec, settings, asked_time(spec, settings, time))
@@ -66,7 +66,7 @@ def cost(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | No
     known = reference(case) if ends else no_reference(case)
     names = candidates(case, methods)
     if not names:
-        raise UsageError("none of these methods serves this spec")
+        raise UsageError("none of these methods applies to this spec")
     rows = []
     for k, method in enumerate(names):
         progress(f"sweep of {method}", k / len(names))
@@ -92,7 +92,7 @@ def facts(case: Case, known) -> dict:
     sampled = case.model(case.settings.method).start(case.w.copy(), h=case.settings.h)
     agree = " and ".join(known.methods)
     said = f"{agree} in extended precision, which agree to {known.error:.1e}" + " (chaotic, or not resolved)" * known.chaotic
-    said = said if known.methods else "none: judged by what is kept"
+    said = said if known.methods else "none: judged by conserved quantities"
     return {"spec": case.spec.name, "run": case.settings.run, "time": f"{case.time:.10g}", "sites": len(case.w),
             "energy": f"{abs(float(sample(sampled)[1])):.6g}", "machine": machine(),
             **measured(case.settings.native), "reference": said,

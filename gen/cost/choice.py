@@ -106,12 +106,12 @@ def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
     asked = asked_errors(error, energy)
     case = Case(spec, settings, asked_time(spec, settings, time))
     if case.energy_changes and energy is not None:
-        raise UsageError("the energy is not conserved, for H depends on time, sites are damped or torques act: ask for an end error")
+        raise UsageError("the energy is not conserved, because H depends on time, sites are damped or torques act: ask for an error of the final state")
     progress("reference", 0.0)
     known = reference(case, min(1e-13, (error or 1e-6) / 1000))
     if error is not None and not known.error <= error / 3:
-        raise UsageError(f"the end is not known to {error:g}: two methods with the smallest steps differ by {known.error:.1e} "
-                         "(a chaotic run, or one that is too long): ask for an energy error, or for less time")
+        raise UsageError(f"the final state is not known to {error:g}: two methods with the smallest steps differ by {known.error:.1e} "
+                         "(the motion is chaotic, or the run too long): ask for an energy error, or a shorter time")
     names = [n for n in high_orders_first(candidates(case, methods)) if METHODS[n].symplectic or not symplectic]
     good, short = search(case, names, known, asked, progress)
     if not good:
@@ -125,7 +125,7 @@ def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
 
 def no_mean(mean) -> None:
     if mean is not None:
-        raise UsageError(f"the mean of `{mean}` is judged at a temperature, and there is none: no effect of the scene has kT")
+        raise UsageError(f"the mean of `{mean}` is defined at a temperature only, and no effect of the scene has kT")
 
 
 def known_methods(methods) -> list | None:
@@ -137,10 +137,10 @@ def asked_errors(error, energy) -> dict:
     """What is asked for, by the name of the column."""
     asked = {k: float(v) for k, v in (("end_error", error), ("energy", energy)) if v is not None}
     if not asked:
-        raise UsageError("what accuracy? give an end error (--error 1e-8) or an energy error (--energy 1e-10)")
+        raise UsageError("give the accuracy: an error of the final state (--error 1e-8) or an energy error (--energy 1e-10)")
     for value in asked.values():
         if not 0 < value < math.inf:
-            raise UsageError(f"an error that is asked for is a positive number, not {value:g}")
+            raise UsageError(f"an error must be a positive number, not {value:g}")
     return asked
 
 
@@ -248,10 +248,10 @@ def words(choice: Choice) -> list[str]:
     tolerance = f", tolerance {row.tolerance:.3g} (--tolerance)" if row.tolerance == row.tolerance else ""
     said = [f"{label(row.method)} (--method {row.method}) with h = {row.h:.17g}, {row.steps} steps{tolerance}",
             f"takes {duration(row.seconds)} ({duration(row.ns_step / 1e9)} a step); "
-            + ", ".join(f"{kinds[w]} {getattr(row, w):.1e} where {v:g} is asked for" for w, v in choice.asked.items()),
+            + ", ".join(f"{kinds[w]} {getattr(row, w):.1e} where {v:g} is requested" for w, v in choice.asked.items()),
             f"measured against {' and '.join(choice.known.methods)} in extended precision, which agree to {choice.known.error:.1e}"]
     if not METHODS[row.method].symplectic:
-        said.append("not symplectic" + ", but it keeps the energy" * METHODS[row.method].keeps_energy + ": for longer runs ask for one that is (--symplectic)")
+        said.append("not symplectic" + ", but it conserves the energy" * METHODS[row.method].keeps_energy + ": for longer runs ask for one that is (--symplectic)")
     for other in choice.others[:4]:
         said.append(f"  {label(other.method)}{', to a tolerance' * (other.tolerance == other.tolerance)}: {other.seconds / row.seconds:.3g} times that, h = {other.h:.4g}")
     return said + broken_even(choice)
@@ -261,9 +261,9 @@ def broken_even(choice: Choice) -> list[str]:
     """After how many steps the pick has paid for its compiler: beside a general integrator, and the next one."""
     row, beside = choice.row, choice.general
     if not row.compiled >= COMPILED:
-        said = "  compiled already: from the first step on it is ahead of {}, which takes {} times as long for this error"
+        said = "  already compiled: it is faster from the first step than {}, which takes {} times as long for this error"
         return [said.format(label(beside.method), f"{beside.seconds / row.seconds:.3g}")] if beside is not None and beside.seconds > row.seconds else []
     found = [(label(beside.method), steps_until_even(row, beside, True))] if beside is not None else []
-    found += [(f"{label(choice.others[0].method)}, compiled already,", steps_until_even(row, choice.others[0], True))] if choice.others else []
-    said = [f"beside {name} it has paid after {steps:.2g} steps" for name, steps in found if steps < math.inf]
-    return [f"  compiling it took {duration(row.compiled)} of the processor: {'; '.join(said)}"] if said else []
+    found += [(f"{label(choice.others[0].method)}, already compiled,", steps_until_even(row, choice.others[0], True))] if choice.others else []
+    said = [f"compared with {name} it pays off after {steps:.2g} steps" for name, steps in found if steps < math.inf]
+    return [f"  compilation took {duration(row.compiled)} of processor time: {'; '.join(said)}"] if said else []

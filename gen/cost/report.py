@@ -88,7 +88,7 @@ def load_cost(path: str | os.PathLike) -> Cost:
     facts = dict(line[len(HEAD):].split(" = ", 1) for line in text.splitlines() if line.startswith(HEAD) and " = " in line)
     table = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     if not table or not {"kind", *COLUMNS} <= set(table[0]):
-        raise UsageError(f"{path} is no cost table: `smidgen cost SPEC --out {path}` writes one")
+        raise UsageError(f"{path} is not a cost table; write one with `smidgen cost SPEC --out {path}`")
     rows = [row_of(line) for line in table if line["kind"] in ("sweep", "peer")]
     long = [(line["method"], number(line["h"]), number(line["t"]), number(line["energy"])) for line in table if line["kind"] == "long"]
     return Cost(rows, long, facts)
@@ -149,7 +149,7 @@ def table_of(*headers):
 
 def times(cost: Cost):
     """Time of each method for each end error."""
-    table = table_of("time to an end error of", *(f"{t:.0e}" for t in TARGETS), "symplectic")
+    table = table_of("time to a final error of", *(f"{t:.0e}" for t in TARGETS), "symplectic")
     found = frontier(cost.rows)
     for name, own in sorted(found.items(), key=lambda item: -METHODS[item[0]].order if item[0] in METHODS else 0):
         table.add_row(label(name), *(duration(x) for x in own), "" if name in PEERS else "yes" if symplectic(name) else "no")

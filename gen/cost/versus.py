@@ -56,7 +56,7 @@ def behind(cost: Cost, what: str, targets=TARGETS) -> list[str]:
     for name, cells in others(cost, what, targets).items():
         for target, cell, mine in zip(targets, cells, own):
             if cell.name and not cell.seconds >= mine.seconds:
-                needs = f"{cell.seconds / mine.seconds:.2f} of the time of {label(mine.name)}" if mine.name else "no symplectic method gets there"
+                needs = f"{cell.seconds / mine.seconds:.2f} of the time of {label(mine.name)}" if mine.name else "no symplectic method reaches it"
                 found.append(f"{label(name)} at {target:.0e}: {needs}")
     return found
 

@@ -83,7 +83,7 @@ def weak_cost(spec: Spec, settings: Settings, time, methods: Iterable[str] | Non
     progress("reference", 0.0)
     reference = row_of(spec, settings, whole, DEFAULT, coarse << RUNGS, what, share * REFERENCE, 0)
     if reference.status or reference.members < FEWEST:
-        raise UsageError(f"the reference, {DEFAULT} with h = {reference.h:.3g}, {reference.status or 'has too few members'}: give more --seconds, or less time")
+        raise UsageError(f"the reference, {DEFAULT} with h = {reference.h:.3g}, {reference.status or 'has too few members'}: use more --seconds, or a shorter time")
     rows = []
     for k, (name, steps) in enumerate(plan):
         progress(f"{name} with {steps} steps", (k + REFERENCE) / (len(plan) + REFERENCE))
@@ -136,10 +136,10 @@ def table(cost: WeakCost):
 
 def fastest(cost: WeakCost) -> list[str]:
     """Of each method the step with which it is there first."""
-    said = ["* the error of the step; the others are not told from chance"]
+    said = ["* the error due to the step is significant; the others are within statistical errors"]
     for target in TARGETS:
         best = {name: min((r for r in cost.rows if r.method == name), key=lambda r: r.takes(target)) for name in dict.fromkeys(r.method for r in cost.rows)}
         there = [f"{label(name)} {duration(row.takes(target))} (h = {row.h:.3g})" for name, row in best.items() if row.takes(target) < math.inf]
         if there and target > 2 * cost.reference.mean_error:
-            said.append(f"time to an error of {target:g}, by steps and chance: " + "; ".join(there))
+            said.append(f"time to an error of {target:g}, from steps and statistics: " + "; ".join(there))
     return said

@@ -25,8 +25,8 @@ class DampingReader:
             node.get(next(key for key in ("damping", "kT") if node.has(key))).wrong(
                 codes.CONFLICT, f"`{node.label}` has an energy and a damping", "write two effects, an energy and a damping")
         if not node.has("damping"):
-            node.get("kT").wrong(codes.MISSING, f"`{node.label}` has a `kT` and no `damping`",
-                                 "noise alone heats without end, damping balances it: write `damping = 0.1` beside it")
+            node.get("kT").wrong(codes.MISSING, f"`{node.label}` has `kT` but no `damping`",
+                                 "noise without damping heats the system without limit: add `damping = 0.1`")
         node.table(*KEYS)
         name, (over, alpha, form, kT), said = self.problems.together(
             lambda: self.terms.name(node, "effect", ()), lambda: self.law(node), lambda: self.terms.text(node, "meaning"))
@@ -56,10 +56,10 @@ class DampingReader:
         self.terms.known({over.family})
         family = self.terms.declared.families[over.family]
         if family.kind == "nambu" or family.tracer:
-            what = "are tracers, which follow what carries them" if family.tracer else "are on Nambu leaves"
-            at.wrong(codes.NOT_HERE, f"the sites of `{family.name}` {what}", "a damping is for sites on spheres or in R^3")
+            what = "are tracers, which only follow other sites" if family.tracer else "are on Nambu leaves"
+            at.wrong(codes.NOT_HERE, f"the sites of `{family.name}` {what}", "damping requires sites on spheres or in R^3")
         if over.family in self.damped:
-            node.problems.fail(codes.CONFLICT, node.key, f"`{self.damped[over.family]}` damps the sites of `{over.family}` already", "write one damping with the sum of both")
+            node.problems.fail(codes.CONFLICT, node.key, f"`{self.damped[over.family]}` already damps the sites of `{over.family}`", "combine them into one damping")
         self.damped[over.family] = node.name
         return over, condition
 
@@ -69,9 +69,9 @@ class DampingReader:
             return FORMS[kind == "r3"]
         form = node.get("form").string()
         if kind == "r3" and form == FORMS[0]:
-            node.get("form").wrong(codes.CHOICE, "Gilbert's damping is for spheres", 'in R^3, where |w| is that of the start, write `form = "ll"`')
+            node.get("form").wrong(codes.CHOICE, "Gilbert damping requires spheres", 'in R^3, where |w| depends on the start, write `form = "ll"`')
         if form not in FORMS:
-            node.get("form").wrong(codes.CHOICE, f"`{form}` is no form of damping", " or ".join(f'`"{x}"`' for x in FORMS))
+            node.get("form").wrong(codes.CHOICE, f"`{form}` is not a form of damping", " or ".join(f'`"{x}"`' for x in FORMS))
         return form
 
 

@@ -25,7 +25,7 @@ class HeldReader:
     def read(self, node) -> Held:
         key, *others = [k for k in KINDS if node.has(k)]
         for other in (*others, *(k for k in ("energy", "damping", "kT", "torque") if node.has(k))):
-            node.get(other).wrong(codes.CONFLICT, f"`{node.label}` has `{key}` and `{other}`", "write two effects, each with a key of its own")
+            node.get(other).wrong(codes.CONFLICT, f"`{node.label}` has `{key}` and `{other}`", "write two separate effects")
         node.table("over", key, "meaning")
         name, (over, where), said = self.problems.together(
             lambda: self.terms.name(node, "effect", ()), lambda: self.sites(node, key), lambda: self.terms.text(node, "meaning"))
@@ -36,10 +36,10 @@ class HeldReader:
         over, condition = sites_of(self.terms.over(node, key))
         at = node.get("over") if node.has("over") else node
         if not isinstance(over, Sites):
-            at.wrong(codes.OVER, f"`{key}` speaks of the sites of a family", 'write `over = "site(i) of w"`')
+            at.wrong(codes.OVER, f"`{key}` applies to the sites of a family", 'write `over = "site(i) of w"`')
         self.terms.known({over.family})
         if self.terms.declared.families[over.family].kind == "nambu":
-            at.wrong(codes.NOT_HERE, f"the sites of `{over.family}` are on Nambu leaves", f"`{key}` is for sites on spheres or in R^3")
+            at.wrong(codes.NOT_HERE, f"the sites of `{over.family}` are on Nambu leaves", f"`{key}` requires sites on spheres or in R^3")
         where = self.terms.formulas.condition(node.get(key), "a condition on sites", over.index, key, over.family)
         return over, where if condition is None else Op("and", (condition, where))
 
@@ -61,7 +61,7 @@ class Held(Effect):
 
     @property
     def lost(self) -> dict[str, str]:
-        return {} if self.gone else {"momentum": "the others turn about sites that do not move"}
+        return {} if self.gone else {"momentum": "the others rotate about sites that do not move"}
 
     @property
     def formulas(self) -> dict[str, Expr]:

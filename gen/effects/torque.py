@@ -18,7 +18,7 @@ from ..methods import GRADIENT, HESSIAN, SITE_GRADIENT
 from .motion import Contribution, family_of, times
 
 KEYS = ("over", "torque", "on", "meaning", "unit")
-CROSS = "write it with the vector as a factor, `cross({}, ..)`: that is tangent whatever stands beside it"
+CROSS = "write it with the vector as a factor, `cross({}, ..)`: then it is always tangent"
 OF_FIELDS = frozenset((GRADIENT, SITE_GRADIENT, HESSIAN))      # what one offers that is a field
 AXES = "xyz"
 
@@ -32,7 +32,7 @@ class TorqueReader:
     def read(self, node) -> Torque:
         for other in ("energy", "damping", "kT", "form"):
             if node.has(other):
-                node.get(other).wrong(codes.CONFLICT, f"`{node.label}` has a torque and `{other}`", "write two effects, each with a key of its own")
+                node.get(other).wrong(codes.CONFLICT, f"`{node.label}` has a torque and `{other}`", "write two separate effects")
         node.table(*KEYS)
         name, (over, value, on), said, unit = self.problems.together(
             lambda: self.terms.name(node, "effect", ()), lambda: self.term(node),
@@ -78,9 +78,9 @@ class TorqueReader:
         declared = self.terms.declared.families
         self.terms.known({on.family, *(e.family for e in walk(value) if isinstance(e, Spin))})
         if declared[on.family].kind == "nambu":
-            formula.wrong(codes.NOT_HERE, f"the sites of `{on.family}` are on Nambu leaves", "a torque is for sites on spheres or in R^3")
+            formula.wrong(codes.NOT_HERE, f"the sites of `{on.family}` are on Nambu leaves", "a torque requires sites on spheres or in R^3")
         if declared[on.family].tracer or self.terms.tracers(value):
-            formula.wrong(codes.NOT_HERE, "this torque moves or names tracers, which follow what carries them", "write it for families that are not tracers")
+            formula.wrong(codes.NOT_HERE, "this torque moves or refers to tracers, which only follow other sites", "use families that are not tracers")
 
     def tangent(self, formula, on: Spin, value) -> None:
         """w . torque = 0 on the sphere, in R^3 everywhere; or the error says what is left."""
@@ -91,11 +91,10 @@ class TorqueReader:
         try:
             left = sums.reduced(dot(sums.vector(on), sums.vector(value)))
         except TooLong:
-            formula.wrong(codes.BIG, "this torque is too long to be seen to be tangent", CROSS.format(self.spelt(on)))
+            formula.wrong(codes.BIG, "this torque is too long to check that it is tangent", CROSS.format(self.spelt(on)))
         if left:
             where = "on the sphere" if radius else "for every vector"
-            formula.wrong(codes.NORMAL, f"this torque leaves the sphere: of `dot({self.spelt(on)}, torque)`, which is to be 0 {where}, there is left "
-                          f"{sums.text(left)}", CROSS.format(self.spelt(on)))
+            formula.wrong(codes.NORMAL, f"this torque is not tangent to the sphere: `dot({self.spelt(on)}, torque)` must be 0 {where}, but is {sums.text(left)}", CROSS.format(self.spelt(on)))
 
     @staticmethod
     def spelt(on: Spin) -> str:
@@ -113,7 +112,7 @@ class Torque(Term, Effect):
     keys = ("torque", "on")
     reader = TorqueReader
     gives_up = {"by": "torques", "as": "torques act", "symplectic": "torques are not Hamiltonian", "energy": "torques add and remove energy",
-                "momentum": "torques turn sites without turning others back"}
+                "momentum": "torques act on sites without a reaction on others"}
 
     def mapped(self, over, formula) -> Torque:
         return replace(super().mapped(over, formula), on=formula(self.on))

@@ -47,7 +47,7 @@ def _lookup(env, name):
     try:
         return env[name]
     except KeyError:
-        raise UsageError(f"'{name}' has no value here") from None
+        raise UsageError(f"'{name}' is not defined here") from None
 
 
 def _number(value):

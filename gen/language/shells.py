@@ -51,7 +51,7 @@ def within(vectors, positions, directions: int, reach: float):
 def clear(lengths) -> None:
     """Raise Unclear for distances that are nearly the same, and for sites at one place."""
     if lengths[0] <= APART * lengths[-1]:
-        raise Unclear(f"two sites stand at one place: they are {lengths[0]:.6g} apart")
+        raise Unclear(f"two sites are at the same position: they are {lengths[0]:.6g} apart")
     jumps = np.diff(lengths) / lengths[1:]
     for k in np.flatnonzero((jumps > SAME) & (jumps < APART)):
         raise Unclear(f"bonds of lengths {lengths[k]:.9g} and {lengths[k + 1]:.9g} are nearly one shell")

@@ -23,7 +23,7 @@ def edges_of(name: str, couplings) -> np.ndarray:
         return of_matrix(name, coo.shape, coo.row, coo.col, coo.data)
     rows = np.asarray(couplings, float)
     if rows.ndim != 2 or not rows.size:
-        raise UsageError(f"the couplings of '{name}' are a square matrix, or rows i, j, J, not an array of shape {rows.shape}")
+        raise UsageError(f"the couplings of '{name}' must be a square matrix or rows i, j, J, not an array of shape {rows.shape}")
     if rows.shape[0] == rows.shape[1] and not is_list(rows):
         return of_matrix(name, rows.shape, *np.nonzero(rows), rows[np.nonzero(rows)])
     return rows
@@ -38,17 +38,17 @@ def is_list(rows) -> bool:
 def of_matrix(name: str, shape, row, column, data) -> np.ndarray:
     """The pairs that a matrix couples, each once."""
     if shape[0] != shape[1]:
-        raise UsageError(f"the couplings of '{name}' are a square matrix, not one of {shape[0]} x {shape[1]}")
+        raise UsageError(f"the couplings of '{name}' must be a square matrix, not one of {shape[0]} x {shape[1]}")
     some = np.asarray(data) != 0
     row, column, data = np.asarray(row)[some].astype(np.int64), np.asarray(column)[some].astype(np.int64), np.asarray(data, float)[some]
     if np.any(row == column):
         site = row[np.argmax(row == column)]
-        raise UsageError(f"the couplings of '{name}' join site {site} to itself; an anisotropy is an effect over \"site(i) of w\"")
+        raise UsageError(f"the couplings of '{name}' couple site {site} to itself; an anisotropy is an effect over \"site(i) of w\"")
     found: dict = {}
     for i, j, J in zip(row.tolist(), column.tolist(), data.tolist()):
         other = found.setdefault((min(i, j), max(i, j)), J)
         if other != J:
-            raise UsageError(f"the couplings of '{name}' are no symmetric matrix: {other:g} and {J:g} of sites {min(i, j)} and {max(i, j)}")
+            raise UsageError(f"the couplings of '{name}' are not a symmetric matrix: {other:g} and {J:g} of sites {min(i, j)} and {max(i, j)}")
     if not found:
         raise UsageError(f"the couplings of '{name}' are all 0")
     return np.array([(i, j, J) for (i, j), J in sorted(found.items())], float)
@@ -60,7 +60,7 @@ def loaded(couplings):
         return couplings
     path = Path(couplings)
     if path.suffix not in (".npz", ".mtx", ".npy"):
-        raise UsageError(f"{path}: couplings are read from .npz of scipy.sparse, .mtx or .npy")
+        raise UsageError(f"{path}: couplings can be read from .npz of scipy.sparse, .mtx or .npy")
     try:
         if path.suffix == ".npy":
             return np.load(path, allow_pickle=False)
@@ -73,7 +73,7 @@ def atoms_of(source):
     """Atoms as ASE has them; of a path, such as one of a .cif, by ase.io.read. Raises UsageError, MissingTool without the package ase."""
     if not isinstance(source, (str, os.PathLike)):
         if not all(hasattr(source, name) for name in ("cell", "pbc", "get_scaled_positions", "get_chemical_symbols")):
-            raise UsageError(f"atoms are an ase.Atoms or the path of a file that ASE reads, not a {type(source).__name__}")
+            raise UsageError(f"atoms must be an ase.Atoms or the path of a file that ASE reads, not a {type(source).__name__}")
         return source
     try:
         return needed("ase.io", f"{source}").read(source)

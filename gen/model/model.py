@@ -67,7 +67,7 @@ class Model:
         rows = np.asarray(default, float)
         vectors = rows.ndim == 2 if vector is None else vector
         if rows.shape[1:] != ((3,) if vectors and rows.ndim == 2 else ()) or vectors and rows.ndim == 1 and rows.shape != (3,):
-            raise UsageError(f"parameter '{name}' has the shape {rows.shape}; an array has (size,), one of vectors (size, 3), a vector (3,)")
+            raise UsageError(f"parameter '{name}' has the shape {rows.shape}; an array must have (size,), an array of vectors (size, 3), a vector (3,)")
         several = not (vectors and rows.ndim == 1)
         self._add("parameters", name, {"default": rows, **({"size": len(rows) if size is None else counted(size)} if several else {}), **({"vector": True} if vectors else {}), **says})
         return Indexed(name, vectors) if several else Vector(sympy.Symbol(name, real=True))
@@ -181,7 +181,7 @@ class Model:
         if family is None:
             return self._add("starts", name, says)
         if family in table.setdefault(name, {}):
-            raise UsageError(f"start '{name}' of {family} is there already")
+            raise UsageError(f"there already is a start '{name}' of {family}")
         table[name][family] = says
 
     def run(self, name: str, **says) -> None:
@@ -195,7 +195,7 @@ class Model:
     def _add(self, table, name, value):
         found = self._tables.setdefault(table, {})
         if name in found:
-            raise UsageError(f"'{name}' is in [{table}] of this model already")
+            raise UsageError(f"[{table}] of this model already has '{name}'")
         found[name] = value
 
     # -- what becomes of it ---------------------------------------------------------------------
@@ -216,7 +216,7 @@ class Model:
         """
         large = [*self.outside(), *self.outside("graphs", "edges")]
         if large:
-            raise UsageError(f"{', '.join(large)}: an array of more than {INLINE} numbers stands in a file of its own; use save(path)")
+            raise UsageError(f"{', '.join(large)}: an array of more than {INLINE} numbers must be in a separate file; use save(path)")
         return tomli_w.dumps(inlined(self._tables))
 
     def save(self, path: str | os.PathLike) -> Path:

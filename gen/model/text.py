@@ -29,7 +29,7 @@ def expression(value):
     try:
         return sympy.sympify(value, strict=True)
     except sympy.SympifyError:
-        raise UsageError(f"a {type(value).__name__} is no formula: {str(value)[:80]}") from None
+        raise UsageError(f"a {type(value).__name__} is not a formula: {str(value)[:80]}") from None
 
 
 def text(e, least: int = SUM) -> str:
@@ -110,7 +110,7 @@ def applied(e):
     """A function that sympy does not know: one of the language."""
     name = e.func.__name__
     if name not in FUNCTIONS | UNRESERVED:
-        raise UsageError(f"`{name}` is no function of specs; there are: {', '.join(sorted(FUNCTIONS | UNRESERVED))}")
+        raise UsageError(f"specs have no function `{name}`; there are: {', '.join(sorted(FUNCTIONS | UNRESERVED))}")
     return call(name, e.args)
 
 
@@ -127,7 +127,7 @@ def pieces(e):
     """if(c, a, if(..)); what holds last must hold everywhere."""
     *first, (last, always) = e.args
     if always is not sympy.true:
-        raise UsageError("a Piecewise needs a last piece (value, True), for what is left")
+        raise UsageError("a Piecewise needs a last piece (value, True)")
     said = text(last)
     for value, condition in reversed(first):
         said = f"if({text(condition)}, {text(value)}, {said})"

@@ -51,7 +51,7 @@ class Vector:
 
     def __mul__(self, factor):
         if isinstance(factor, Vector):
-            raise UsageError("two vectors are multiplied by `.dot` or `.cross`, not by `*`")
+            raise UsageError("multiply two vectors with `.dot` or `.cross`, not with `*`")
         return Vector(self.value * sympy.sympify(factor, strict=True))
 
     __rmul__ = __mul__
@@ -86,7 +86,7 @@ def vector(value) -> Vector:
     try:
         return vec(*value)
     except TypeError:
-        raise UsageError(f"{value!r} is no vector: a site such as w[i], or three numbers") from None
+        raise UsageError(f"{value!r} is not a vector: use a site such as w[i], or three numbers") from None
 
 
 def function(name: str, *arguments):

@@ -108,7 +108,7 @@ def nothing_left(spec: Spec, values: dict) -> Iterator[Trouble]:
     """Some site must be there."""
     gone = [e for e in spec.effects if e.gone]
     if gone and not any(np.any(is_there(spec, f, values)) for f in spec.families):
-        yield Trouble(("effects", gone[0].name), codes.VALUE, "every site is absent: nothing is left that could move", "leave some sites")
+        yield Trouble(("effects", gone[0].name), codes.VALUE, "every site is absent: no site is left to move", "leave some sites")
 
 
 def is_there(spec: Spec, family: Family, values: dict):
@@ -144,7 +144,7 @@ def sizes(spec: Spec, values: dict) -> Iterator[Trouble]:
         path = ("space", family.name, family.kind)
         if count < 1:
             yield Trouble(path, codes.COUNT, f"`{family.name}` would have {plural(count, 'site')}",
-                          "a family has at least one site")
+                          "a family must have at least one site")
         elif total > limits.SITES:
             yield Trouble(path, codes.LIMIT, f"the model would have {total} sites; at most "
                           f"{limits.SITES} are allowed", "choose smaller counts")
@@ -161,14 +161,14 @@ def array(p, values: dict, entries: int) -> Iterator[Trouble]:
     path = ("parameters", p.name, "default")
     if size < 1:
         yield Trouble(("parameters", p.name, "size"), codes.COUNT,
-                      f"`{p.name}` would have {size} entries", "an array is not empty")
+                      f"`{p.name}` would have {size} entries", "an array must not be empty")
     elif entries > limits.ARRAY:
         before = f", with the arrays before it {entries}" if entries > size else ""
         yield Trouble(("parameters", p.name, "size"), codes.LIMIT, f"`{p.name}` would have {size} "
                       f"entries{before}; at most {limits.ARRAY} are allowed", "choose a smaller size")
     elif have != size:
         yield Trouble(path, codes.COUNT, f"`{p.name}` has {have} entries, its size is {size}",
-                      f"give {size} numbers, or one number that every entry has")
+                      f"give {size} numbers, or one number for all entries")
 
 
 # Strengths, radii, Casimirs
@@ -227,7 +227,7 @@ def strength(family: Family, values: dict) -> Iterator[Trouble]:
         yield too_short(family, path, e, values)
     elif bad:
         yield Trouble(path, codes.KAPPA, f"the strength of `{family.name}[{bad[0]}]` is "
-                      f"{bad[1]:g}", "a strength is finite and not zero, of either sign")
+                      f"{bad[1]:g}", "a strength must be finite and not zero")
 
 
 def listed(e) -> bool:
@@ -289,11 +289,11 @@ def lattice(over: Lattice, family: str, count: int, path: tuple, values: dict) -
     sites = math.prod(size) * over.sites
     if min(size) < 1:
         yield Trouble(path, codes.COUNT, f"a lattice of {' x '.join(map(str, size))} cells",
-                      "every direction has at least one cell")
+                      "every direction must have at least one cell")
     elif sites != count:
         cells = " x ".join(map(str, size)) + (f" x {over.sites}" if over.sites > 1 else "")
         yield Trouble(path, codes.LATTICE, f"the lattice has {cells} = {sites} sites, "
-                      f"`{family}` has {count}", f"make the counts equal, say `sphere = \"{all_sites(over)}\"`")
+                      f"`{family}` has {count}", f"make the counts equal, for example `sphere = \"{all_sites(over)}\"`")
     else:
         yield from loops(over, size, path)
 
@@ -304,8 +304,7 @@ def loops(over: Lattice, size: list[int], path: tuple) -> Iterator[Trouble]:
         ends = {(sub, tuple(o % n if p else o for o, n, p in zip(off, size, over.periodic)))
                 for sub, off in bond}
         if len(ends) < len(bond):
-            yield Trouble(path, codes.BOND, f"on {' x '.join(map(str, size))} periodic cells a "
-                          "bond would join a site to itself", "make the lattice longer, or open")
+            yield Trouble(path, codes.BOND, f"with {' x '.join(map(str, size))} periodic cells a bond would join a site to itself", "make the lattice larger, or its boundary open")
             return
 
 
@@ -413,7 +412,7 @@ def on_leaf(w, i, part, family: Family, path: tuple, values: dict) -> Iterator[T
     elif not w.any(axis=1).all():
         zero = i[int(np.argmin(w.any(axis=1)))]
         yield Trouble(at(path, part, zero), codes.OFF, f"`{family.name}[{zero}]` starts at zero",
-                      "start away from zero, where the bracket vanishes")
+                      "choose a start other than zero, where the bracket vanishes")
 
 
 def on_sphere(w, i, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
@@ -426,7 +425,7 @@ def on_sphere(w, i, part, family: Family, path: tuple, values: dict) -> Iterator
     k = int(np.argmax(off))
     if not off[k] <= limits.SPHERE:
         yield Trouble(at(path, part, i[k]), codes.OFF,
-                      f"`{family.name}[{i[k]}]` starts at length {length[k]:.15g}, its sphere has "
+                      f"`{family.name}[{i[k]}]` has length {length[k]:.15g}, its sphere has "
                       f"radius {r[k]:.15g}",
                       "write `normalise = true` to put it there, give more digits, or use `r3`, if the length matters")
 
@@ -450,7 +449,7 @@ def run(spec: Spec, r: Run, values: dict) -> Iterator[Trouble]:
     h, path = number(r.h, values), ("runs", r.name)
     if not math.isfinite(h) or h == 0:
         yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}",
-                      "a step is finite and not zero; a negative one runs backward")
+                      "a step must be finite and not zero; a negative step runs backward")
         return
     yield from duration(r, h, path, values)
     if r.period is not None:
@@ -477,7 +476,7 @@ def multiple(time: float, h: float, path, code: str, what: str) -> Iterator[Trou
     ratio = time / h
     if not math.isfinite(ratio) or ratio <= 0 or ratio > limits.STEPS:
         yield Trouble(path, codes.STEP, f"a {what} of {time:g} with a step of {h:g}",
-                      "it has the sign of the step and is not zero")
+                      "it must have the sign of the step and not be zero")
     elif abs(ratio - round(ratio)) > limits.MULTIPLE * ratio or round(ratio) < 1:
         low = math.floor(ratio)
         near = " and ".join(f"{k * h:.15g} ({k} step{'s' * (k != 1)})"
@@ -496,7 +495,7 @@ def effects(spec: Spec, r: Run, h: float, path: tuple) -> Iterator[Trouble]:
     called = [e for e in spec.effects if r.effects is None or e.name in r.effects]
     noise = next((e.name for e in called if e.heats), None)
     if noise and h < 0:
-        yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}, and the noise of `{noise}` has no step backward", f"give a positive step, or `without = [\"{noise}\"]`")
+        yield Trouble(path + ("h",), codes.STEP, f"the step is {h:g}, but with the noise of `{noise}` steps cannot be negative", f"give a positive step, or `without = [\"{noise}\"]`")
     kind = next((e for e in called if e.pushes or e.damps), None)
     if kind and not METHODS[r.method].responds:
         more = kind.name
@@ -513,6 +512,5 @@ def method(spec: Spec, r: Run, path: tuple) -> Iterator[Trouble]:
             yield Trouble(path, codes.METHOD, f"method {chosen.name} is not for the factor `{f.name}`",
                           f"use {others(chosen.name)}")
     if chosen.free_body and not free:
-        yield Trouble(path, codes.METHOD, f"the {chosen.title.removeprefix('the ')} method is for one free "
-                      "rigid body: `{ sphere = 1 }` or `{ r3 = 1 }`",
+        yield Trouble(path, codes.METHOD, f"the {chosen.title.removeprefix('the ')} method requires a single free rigid body: `{{ sphere = 1 }}` or `{{ r3 = 1 }}`",
                       f"use {others(chosen.name)}")

@@ -39,14 +39,14 @@ class Dimensions:
         for d, span in zip(found, spans):
             if d not in (ANY, known):
                 first = op if " " in op else f"`{op}`"
-                self.fail(codes.DIMENSION, span, f"{first} joins {said(known)} and {said(d)}", self.advice(known, d))
+                self.fail(codes.DIMENSION, span, f"{first} combines {said(known)} and {said(d)}", self.advice(known, d))
         return NONE if op in PURE else known
 
     @staticmethod
     def advice(wanted, given) -> str:
         """What would make one of the other."""
         if given == NONE:
-            return f"write a unit behind its number, or multiply it by {said(wanted)}"
+            return f"write a unit after the number, or multiply it by {said(wanted)}"
         if wanted == NONE:
             return f"divide it by {said(given)}"
         return f"multiply it by {said(quotient(wanted, given)) if quotient(wanted, given) != NONE else 'a number'}, or correct a unit"
@@ -73,8 +73,8 @@ class Dimensions:
             return base.dimension
         share = exponent.value is not None and Fraction(exponent.value).limit_denominator(LARGEST)
         if exponent.value is None or float(share) != exponent.value:
-            self.fail(codes.DIMENSION, spans[1], f"{said(base.dimension)} has a power that is no constant",
-                      "write the exponent as a number, or divide the base by its unit")
+            self.fail(codes.DIMENSION, spans[1], f"{said(base.dimension)} has an exponent that is not constant",
+                      "write the exponent as a number, or make the base dimensionless")
         return power(base.dimension, share)
 
     def pure(self, op, args, spans):

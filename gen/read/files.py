@@ -21,7 +21,7 @@ from .tree import Node, number_trouble
 LIBRARY = ".library"        # no file of a spec has such a name
 CELL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\Z", re.ASCII)
 PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*\Z", re.ASCII)
-HOME = "name a file that lies beside the spec or in a folder below it, such as `tables/edges.csv`, or give its folder with --library"
+HOME = "name a file in the folder of the spec or below it, such as `tables/edges.csv`, or name its folder with --library"
 
 
 class Files:
@@ -55,7 +55,7 @@ class Files:
     def by_name(self, node: Node, word: str) -> tuple[str, str]:
         """(folder, file) of a spec of the library, or of one that comes with smidgen."""
         return self.among(node, self.library) or self.of_smidgen(
-            node, shipped(), f"no spec `{word}` comes with smidgen", f"a file is named with its ending, `{word}.toml`; ")
+            node, shipped(), f"no spec `{word}` comes with smidgen", f"a file is named with its extension, `{word}.toml`; ")
 
     def piece(self, node: Node) -> tuple[str, str, str]:
         """As `spec`, of the piece that `node` names: beside the spec, in the library, or one that comes with smidgen."""
@@ -107,7 +107,7 @@ class Files:
                 self.broken(node, number, f"{len(rows[-1])} numbers, the first row has "
                             f"{len(rows[0])}", what)
         if not rows:
-            node.wrong(codes.TABLE, f"`{node.raw}` holds no numbers", f"it should hold {what}")
+            node.wrong(codes.TABLE, f"`{node.raw}` contains no numbers", f"it should hold {what}")
         return rows
 
     def numbers(self, node: Node, columns: int) -> list[tuple]:
@@ -128,10 +128,10 @@ class Files:
             shape = found.shape
             numbers = np.array(found, dtype=float).reshape(-1, columns) if found.dtype.kind in "fiu" and shape in ((shape[0], columns), (shape[0],)[:columns == 1]) else None
         except Exception:       # of what a damaged head is taken for, numpy gives no list
-            node.wrong(codes.TABLE, f"`{name}` cannot be read: it is no .npy file of numbers", "write it by numpy.save, without objects")
+            node.wrong(codes.TABLE, f"`{name}` cannot be read: it is not a .npy file of numbers", "write it with numpy.save, without objects")
         if numbers is None or not len(numbers):
-            flat = "; its entries in the order of the sites are `a.ravel()`" if len(shape) > 1 and columns == 1 else ""
-            node.wrong(codes.TABLE, f"`{name}` holds an array of shape {shape} and type {found.dtype}", f"it should hold real numbers, {what}{flat}")
+            flat = "; `a.ravel()` has its entries in the order of the sites" if len(shape) > 1 and columns == 1 else ""
+            node.wrong(codes.TABLE, f"`{name}` contains an array of shape {shape} and type {found.dtype}", f"it should contain real numbers, {what}{flat}")
         if (bad := np.flatnonzero([bool(number_trouble(x)) for x in numbers.ravel().tolist()])).size:
             node.wrong(codes.TABLE, f"`{name}`, row {bad[0] // columns + 1}: {numbers.ravel()[bad[0]]:g} is out of range", f"it should hold {what}")
         self.keep(folder, name, "\n".join(",".join(map(repr, row)) for row in numbers.tolist()))
@@ -150,7 +150,7 @@ class Files:
 
     def broken(self, node: Node, number: int, cause: str, what: str):
         node.wrong(codes.TABLE, f"`{node.raw}`, line {number}: {cause}",
-                   f"the file should hold {what}")
+                   f"the file should contain {what}")
 
     def text(self, node: Node) -> str:
         """The text of the file, after all checks of its name and kind."""
@@ -169,7 +169,7 @@ class Files:
         """(folder, name) of the file that `node` names, after all checks of its name and kind."""
         name, home = node.string(), node.problems.sources.of(node.span.start).folder
         if not home:
-            node.wrong(codes.PATH, "a spec without a file of its own cannot name files",
+            node.wrong(codes.PATH, "a spec that is not read from a file cannot name files",
                        "save the spec and load it by its path")
         self.check_name(node, name)
         places = (home, *self.library)
@@ -181,7 +181,7 @@ class Files:
         """Only plain relative names: no `..`, no drive, no absolute path."""
         parts = PurePosixPath(name).parts
         if ".." in parts or name.startswith("/"):
-            node.wrong(codes.PATH, f"`{name}` leads out of the spec's folder", HOME)
+            node.wrong(codes.PATH, f"`{name}` is outside the folder of the spec", HOME)
         if not parts or name != "/".join(parts) or not all(PART.match(p) for p in parts):
             node.wrong(codes.PATH, "this is not the plain name of a file", HOME)
 
@@ -189,7 +189,7 @@ class Files:
         """A regular file of bounded size whose real place is inside the folder."""
         real, home = os.path.realpath(path), os.path.realpath(folder)
         if os.path.commonpath((real, home)) != home:
-            node.wrong(codes.PATH, f"`{node.raw}` leads out of the spec's folder", HOME)
+            node.wrong(codes.PATH, f"`{node.raw}` is outside the folder of the spec", HOME)
         try:
             info = os.stat(real)
         except OSError as e:

@@ -14,7 +14,7 @@ from .source import Span, Text
 from .syntax import Syntax
 from .tree import Node
 
-NOT_IN_COUNTS = {"^": "write a power as a product: `n*n`", "/": "a count has no division: make half of it a parameter, `m`, and write `2*m`"}
+NOT_IN_COUNTS = {"^": "write a power as a product: `n*n`", "/": "a count cannot contain a division: declare half of it as a parameter, `m`, and write `2*m`"}
 FREE = "a formula of parameters"
 WITHOUT_POINT = "a parameter is an integer when its default is written without a point: `n = { default = 100 }`"
 
@@ -47,7 +47,7 @@ class Formulas:
             what = {"v": "a vector", "b": "a condition"}[result.kind]
             hint = "take a component or `dot(a, b)`" if result.kind == "v" else \
                 "write `if(condition, 1, 0)`"
-            self.problems.fail(codes.KIND, text.whole, f"a number is needed here, this is {what}",
+            self.problems.fail(codes.KIND, text.whole, f"a number is needed here, but this is {what}",
                                hint)
         return result
 
@@ -57,10 +57,10 @@ class Formulas:
         if units is None or ANY in (wanted, found.dimension) or wanted == found.dimension:
             return
         if found.dimension == NONE:
-            self.problems.fail(codes.MEASURE, span, f"{what} is {said(wanted)}, and this has no unit", f"write a unit behind its number: `1 {units.spelt(wanted)}`")
+            self.problems.fail(codes.MEASURE, span, f"{what} is {said(wanted)}, but this has no unit", f"write a unit after the number: `1 {units.spelt(wanted)}`")
         if wanted == NONE:
-            self.problems.fail(codes.MEASURE, span, f"{what} is a number without a unit, and this is {said(found.dimension)}", f"divide it by {said(found.dimension)}")
-        self.problems.fail(codes.DIMENSION, span, f"{what} is {said(wanted)}, and this is {said(found.dimension)}", lacking(wanted, found.dimension))
+            self.problems.fail(codes.MEASURE, span, f"{what} is a number without a unit, but this is {said(found.dimension)}", f"divide it by {said(found.dimension)}")
+        self.problems.fail(codes.DIMENSION, span, f"{what} is {said(wanted)}, but this is {said(found.dimension)}", lacking(wanted, found.dimension))
 
     def vector(self, text: Text, scope: Scope, what: str = "", wanted=ANY) -> Expr:
         """A formula whose value is a vector."""
@@ -71,7 +71,7 @@ class Formulas:
     def vector_number(self, text: Text, scope: Scope) -> Typed:
         result = self.typed(text, scope)
         if result.kind != "v":
-            self.problems.fail(codes.KIND, text.whole, f"a vector is needed here, this is {'a number' if result.kind == 's' else 'a condition'}",
+            self.problems.fail(codes.KIND, text.whole, f"a vector is needed here, but this is {'a number' if result.kind == 's' else 'a condition'}",
                                "such as `cross(w[i], p)` or `vec(x, y, z)`")
         return result
 
@@ -113,10 +113,10 @@ class Formulas:
         return expr
 
     def not_integral(self, span: Span, hint: str = WITHOUT_POINT):
-        self.problems.fail(codes.INTEGER, span, "a count is made of integers and integer parameters with + - *", hint)
+        self.problems.fail(codes.INTEGER, span, "a count is a formula of integers and integer parameters with + - *", hint)
 
 
 def lacking(wanted, given) -> str:
     """What is to be done to a formula of another dimension."""
     factor, inverse = quotient(wanted, given), quotient(given, wanted)
-    return f"it lacks {said(factor)} as a factor" if sum(factor) >= sum(inverse) else f"it has {said(inverse)} too much as a factor"
+    return f"a factor {said(factor)} is missing" if sum(factor) >= sum(inverse) else f"it has an extra factor {said(inverse)}"

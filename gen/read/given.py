@@ -81,14 +81,14 @@ def number_of(units: Units, name: str, value, dimension):
     if isinstance(value, str):
         return told(value, name, lambda text, problems: quantity(text, problems, units, dimension))
     if isinstance(value, (Bare, BareInteger)) and value and dimension != NONE:
-        raise UsageError(f"`{name}` is {said(dimension)}, and {value} has no unit: write {name}=\"{value} {units.spelt(dimension)}\"")
+        raise UsageError(f"`{name}` is {said(dimension)}, but {value} has no unit: write {name}=\"{value} {units.spelt(dimension)}\"")
     return value
 
 
 def quantity(text: Text, problems: Problems, units: Units, dimension) -> float:
     found = quantity_of(text, problems)
     if found.dimension != dimension:
-        problems.fail(codes.DIMENSION, text.whole, f"{said(dimension)} is needed here, and this is {said(found.dimension)}",
+        problems.fail(codes.DIMENSION, text.whole, f"{said(dimension)} is needed here, but this is {said(found.dimension)}",
                       f"such as `1 {units.spelt(dimension)}`")
     return in_units(found, units, text.whole, problems)
 

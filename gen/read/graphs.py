@@ -37,7 +37,7 @@ class Graphs:
     def rows(self, node: Node) -> list[tuple]:
         if node.has("edges"):
             return self.listed(node)
-        child = node.need("file", 'name the table of edges: `file = "edges.csv"`')
+        child = node.need("file", 'give the table of edges: `file = "edges.csv"`')
         return self.checked(child, self.files.rows(child, 2, TABLE), f"`{child.raw}`")
 
     def listed(self, node: Node) -> list[tuple]:
@@ -47,7 +47,7 @@ class Graphs:
             child.wrong(codes.CONFLICT, f"`{node.label}` has `edges` and a `file`", "give one of them")
         rows = [tuple(whole(e.number()) if k < 2 else e.number() for k, e in enumerate(row.entries("row `[i, j, weight]`", 2 + limits.COLUMNS))) for row in child.entries("list of edges")]
         if not rows or any(len(row) < 2 or len(row) != len(rows[0]) for row in rows):
-            child.wrong(codes.TABLE, "these are no edges", f"they are {TABLE}, of one length")
+            child.wrong(codes.TABLE, "these are no edges", f"they must be {TABLE}, all of the same length")
         return self.checked(child, rows, "the list")
 
     @staticmethod
@@ -58,7 +58,7 @@ class Graphs:
         for i, j, *_ in rows:
             if not (isinstance(i, int) and isinstance(j, int) and i >= 0 and j >= 0) or i == j:
                 child.wrong(codes.TABLE, f"{what} has an edge from {i} to {j}",
-                            "an edge joins two different sites, whole numbers from 0")
+                            "an edge joins two different sites, numbered from 0")
         return rows
 
     def placed_rows(self, node: Node) -> tuple:
@@ -74,10 +74,10 @@ class Graphs:
         found = self.files.rows(child, 2, POSITIONS) if isinstance(child.raw, str) else [[e.number() for e in row.entries("row of numbers", 3)] for row in child.entries("list of positions")]
         for k, row in enumerate(found):
             if len(row) not in (2, 3) or len(row) != len(found[0]):
-                child.wrong(codes.TABLE, f"row {k} has {len(row)} numbers", "each site stands at x, y or at x, y, z")
+                child.wrong(codes.TABLE, f"row {k} has {len(row)} numbers", "each site has a position x, y or x, y, z")
         if len(set(map(tuple, found))) < len(found):
             first, again = doubled(found)
-            child.wrong(codes.VALUE, f"sites {first} and {again} stand at one place", "give each site a place of its own")
+            child.wrong(codes.VALUE, f"sites {first} and {again} are at the same position", "give each site a different position")
         return tuple((*map(float, row), 0.0)[:3] for row in found)
 
     def home(self, node: Node) -> tuple:
@@ -96,8 +96,7 @@ class Graphs:
         rows, names = self.known[name], [i.text for i, _ in w.items]
         if not 2 <= len(names) <= len(rows[0]):
             self.problems.fail(codes.OVER, w.head.span, f"graph `{name}` has {len(rows[0])} "
-                               f"columns, but {len(names)} are named", "write `edge(i, j) of "
-                               f"{name}`, and a name for each weight that you use")
+                               f"columns, but {len(names)} are named", f"write `edge(i, j) of {name}`, followed by a name for each weight that is used")
         columns = tuple((n, tuple(float(r[k + 2]) for r in rows))
                         for k, n in enumerate(names[2:]))
         return Graph(names[0], names[1], tuple((r[0], r[1]) for r in rows), columns, family, self.places[name])

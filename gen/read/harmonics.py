@@ -73,7 +73,7 @@ def harmonics(resolver, node) -> Typed:
     """`NAME(a, w)` of an array and a vector."""
     if len(node.args) != 2:
         resolver.fail(codes.ARITY, node.head, f"`{node.name}` takes 2 arguments, not {len(node.args)}",
-                      f"the array of coefficients and a vector: `{node.name}(a, w[i])`")
+                      f"its arguments are the array of coefficients and a vector: `{node.name}(a, w[i])`")
     degree = degree_of(resolver, node)
     w = resolver.resolve(node.args[1])
     if w.kind != "v":
@@ -89,9 +89,9 @@ def degree_of(resolver, node) -> int:
     if p is None or p.kind != "array" or p.name in declared.vectors | declared.lists:
         if isinstance(first, Name) and p is None:
             resolver.resolve(first)
-        resolver.fail(codes.KIND, first.span, f"`{node.name}` takes the name of an array of numbers first", "such as `psi` of `psi = { file = \"psi.csv\", size = 16 }`")
+        resolver.fail(codes.KIND, first.span, f"`{node.name}` takes the name of an array of numbers as first argument", "such as `psi` of `psi = { file = \"psi.csv\", size = 16 }`")
     if not isinstance(p.size, Num):
-        resolver.fail(codes.INTEGER, first.span, f"the size of `{p.name}` is a formula; the degree of the harmonics must be known here", "write its `size` as a number: 16 for degrees 0 to 3")
+        resolver.fail(codes.INTEGER, first.span, f"the size of `{p.name}` is a formula, but the degree of the harmonics must be a constant", "write its `size` as a number: 16 for degrees 0 to 3")
     degree = isqrt(p.size.value) - 1
     if (degree + 1) ** 2 != p.size.value or degree > limits.HARMONICS:
         resolver.fail(codes.COUNT, first.span, f"`{p.name}` has {p.size.value} entries; harmonics to degree L have (L + 1)^2",

@@ -68,7 +68,7 @@ class Lattices:
         entries = node.get("sites").entries("list of names", limits.CELL)
         names = tuple(identifier(self.problems, e.key, e.string(), "site of a cell") for e in entries)
         if not names or len(set(names)) < len(names):
-            node.get("sites").wrong(codes.CLASH, "the sites of a cell have different names", 'write `sites = ["a", "b"]`, or their number')
+            node.get("sites").wrong(codes.CLASH, "the sites of a cell must have different names", 'write `sites = ["a", "b"]`, or their number')
         return len(names), names
 
     def sites(self, node: Node, sites: int | None, places: Places | None) -> int:
@@ -82,7 +82,7 @@ class Lattices:
     def sizes(self, node: Node) -> tuple[Expr, ...]:
         entries = node.entries("list of one size per direction", limits.DIMENSIONS)
         if not entries:
-            node.wrong(codes.COUNT, "a lattice has at least one direction", 'write `size = ["n"]`')
+            node.wrong(codes.COUNT, "a lattice must have at least one direction", 'write `size = ["n"]`')
         return tuple(self.problems.together(*(lambda e=e: self.formulas.count(e) for e in entries)))
 
     def boundaries(self, node: Node, dimensions: int) -> tuple[bool, ...]:
@@ -93,8 +93,7 @@ class Lattices:
             entries = child.entries()
             if len(entries) != dimensions:
                 child.wrong(codes.COUNT, f"{len(entries)} boundaries for "
-                            f"{plural(dimensions, 'direction')}", "give one for each, or "
-                            "one word for all")
+                            f"{plural(dimensions, 'direction')}", "give one for each direction, or one word for all")
             return tuple(self.boundary(e) for e in entries)
         return (self.boundary(child),) * dimensions
 
@@ -118,8 +117,8 @@ class Lattices:
             child.wrong(codes.BOND, f"`{child.label}` has no bonds", "write `[{ offset = [1] }]`")
         bonds = tuple(self.problems.together(*(lambda e=e: self.bond(e, sites, dimensions) for e in entries)))
         if len({len(b) for b in bonds}) > 1:
-            child.wrong(codes.BOND, "all bonds of a list join the same number of sites",
-                        "put the others into another list")
+            child.wrong(codes.BOND, "all bonds of a list must join the same number of sites",
+                        "move the others to another list")
         return bonds
 
     def bond(self, node: Node, sites: int, dimensions: int) -> tuple:
@@ -160,8 +159,7 @@ class Lattices:
         """`[sub, offset, ...]`: one site of a bond written with `at`."""
         entries = node.entries("list `[site, offset, ...]`")
         if len(entries) != 1 + dimensions:
-            node.wrong(codes.BOND, f"a site is 1 + {dimensions} integers: its number in the "
-                       "cell, then the cell's offset", f"write `{[0] * (1 + dimensions)}`")
+            node.wrong(codes.BOND, f"a site is given by 1 + {dimensions} integers: its number in the cell and the offset of the cell", f"write `{[0] * (1 + dimensions)}`")
         if entries[0].integer(0, limits.CELL) >= sites:
             entries[0].wrong(codes.BOND, f"a cell has sites 0 to {sites - 1}",
                              "set `sites` to the number of sites in a cell")
@@ -195,7 +193,7 @@ class Lattices:
         if all(family is None for _, family in w.items):
             return (reader.home(w),)
         if w.family:
-            reader.problems.fail(codes.OVER, w.family.span, "the indices have their families already", "drop `on`")
+            reader.problems.fail(codes.OVER, w.family.span, "the indices already have families", "drop `on`")
         return tuple(reader.family(family) for _, family in w.items if family)
 
     def between(self, w, over: Lattice, families) -> Lattice:
@@ -203,10 +201,10 @@ class Lattices:
         if len(families) > 1 or w.items[0][1]:
             named = [family is not None for _, family in w.items]
             if named != [True] * len(over.indices) + [False] * bool(over.number):
-                self.problems.fail(codes.OVER, w.head.span, "every site of the bond has its family, or none has", "write `bond(i of a, j of b) of LATTICE`")
+                self.problems.fail(codes.OVER, w.head.span, "either every site of the bond has a family, or none has", "write `bond(i of a, j of b) of LATTICE`")
         over = over if over.family else replace(over, families=families)
         if over.family and any(len(set(bond)) < len(bond) for bond in over.bonds):
-            self.problems.fail(codes.BOND, w.target.span, "a bond joins different sites, and one of these has two equal ends",
+            self.problems.fail(codes.BOND, w.target.span, "a bond must join different sites, but one of these has two equal ends",
                                "write `from` and `to` or an `offset` that is not zero, or join two families, `bond(i of a, j of b)`")
         return over
 
@@ -215,7 +213,7 @@ class Lattices:
         lattice = self.lookup(w)
         if w.member.text not in lattice.names:
             self.problems.fail(codes.UNKNOWN_NAME, w.member.span, f"no site in a cell of `{w.target.text}` is called `{w.member.text}`",
-                               nearest(w.member.text, lattice.names) if lattice.names else 'name the sites of a cell: `sites = ["a", "b"]` in place of their number')
+                               nearest(w.member.text, lattice.names) if lattice.names else 'give the sites of a cell names: `sites = ["a", "b"]`')
         if lattice.sites == 1:
             return Sites(index, family)
         place = (lattice.names.index(w.member.text), (0,) * len(lattice.size))
@@ -248,7 +246,7 @@ class Lattices:
         names = tuple(i.text for i, _ in w.items)
         if not ends <= len(names) <= ends + 1:
             self.problems.fail(codes.OVER, w.head.span, f"these bonds join {ends} sites, but {len(names)} are bound",
-                               "name one index for each site, and if you like one more for the number of the bond")
+                               "bind one index for each site, and optionally one for the number of the bond")
         return names[:ends], "".join(names[ends:])
 
     def short(self, w, family: str) -> Lattice:
@@ -279,7 +277,7 @@ class Lattices:
     def farther(self, w, distance: int) -> tuple:
         """Of a chain."""
         if w.member:
-            self.problems.fail(codes.OVER, w.member.span, "these neighbours have a distance already", "write `chain(n, periodic).second`")
+            self.problems.fail(codes.OVER, w.member.span, "the distance of these neighbours is already given", "write `chain(n, periodic).second`")
         return (((0, (0,)), (0, (distance,))),)
 
     def form(self, name: str) -> str:

@@ -176,7 +176,7 @@ class Reader:
             raise Bad                   # an unknown section, which is noted, was to hold them
         if node is None or node.raw == {}:
             self.problems.fail(codes.MISSING, Span(0, 1), "the spec has no [effects]",
-                               'give the energy: [effects.name] with `energy = "..."`')
+                               'add an energy: [effects.name] with `energy = "..."`')
         return self.section("effects", limits.EFFECTS)
 
     def run_reader(self) -> RunReader:
@@ -188,7 +188,7 @@ class Reader:
                          names("observables"), names("starts"), self.scene)
 
     def model(self) -> dict:
-        node = self.find("model") or self.root.need("model", 'begin with [model] and `name = "..."`')
+        node = self.find("model") or self.root.need("model", 'start with [model] and `name = "..."`')
         node.table("name", "title", "orientation")
         return dict(zip(("name", "title", "orientation"), self.problems.together(
             lambda: self.name(node), lambda: meaning(node, "title"), lambda: self.orientation(node))))
@@ -218,7 +218,7 @@ class Reader:
             FormulaReader(self.declared, self.problems).read(self.section("formulas"))
         self.index_families()
         with self.problems.guard():
-            self.find("space") or self.root.need("space", 'say where the motion takes place: [space] with '
+            self.find("space") or self.root.need("space", 'describe the space: [space] with '
                            '`w = { sphere = 1 }`')
             SpaceReader(self.declared, self.formulas, self.problems, self.lattices, self.graphs).read(self.section("space"))
         undeclared(self.declared, self.problems)

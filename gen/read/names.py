@@ -85,8 +85,7 @@ def identifier(problems: Problems, span: Span, name: str, what: str) -> str:
                       f"at most {limits.IDENTIFIER} are allowed", "choose a shorter name")
     if name.endswith("_") or "__" in name or name.lower().startswith("smg_"):
         problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}",
-                      "names that end in `_`, hold `__` or start with `smg_` are kept for "
-                      "generated code")
+                      "names that end in `_`, contain `__` or start with `smg_` are reserved for generated code")
     if what not in OUTSIDE:
         reserved(problems, span, name, what)
     if what == "model":
@@ -104,16 +103,15 @@ def reserved(problems: Problems, span: Span, name: str, what: str) -> None:
                          (C_WORDS, "C or C++"), (PYTHON_WORDS, "Python")):
         if name in words:
             problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}: "
-                          f"it is a word of {owner}", f"choose another name, say `{name}0`")
+                          f"it is a reserved word of {owner}", f"choose another name, such as `{name}0`")
 
 
 def of_files(problems: Problems, span: Span, name: str) -> None:
     """Refuse a model whose files or functions would be those of something else, also where file names know no upper case."""
     small = name.lower()
     if small in HEADERS:
-        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a model: its file {name}.h would stand in the place of the header "
-                      f"{small}.h", f"choose another name, say `{name}_model`")
+        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a model: its file {name}.h would hide the header {small}.h", f"choose another name, such as `{name}_model`")
     if small == "smg" or small in SYMBOLS or small.startswith(SYMBOL_PREFIXES):
         owner = "smidgen's own" if small == "smg" else "those of a system library"
-        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a model: its functions {name}_init, .. could be {owner}",
-                      f"choose another name, say `model_{name}`")
+        problems.fail(codes.RESERVED, span, f"`{name}` cannot name a model: its functions {name}_init, .. might clash with {owner}",
+                      f"choose another name, such as `model_{name}`")

@@ -58,7 +58,7 @@ class OverParser(Parser):
 
     def end(self) -> None:
         if self.now.kind != "end":
-            self.fail(f"`{self.now.text}` does not continue the index family",
+            self.fail(f"`{self.now.text}` is not expected in an index family",
                       "such as `site(i) of w` or `bond(i, j) of chain(n, periodic)`")
 
     def listed(self, opening: str, item, where: str) -> list:
@@ -132,7 +132,7 @@ class OverReader:
         if len(self.declared.families) != 1:
             families = ", ".join(self.declared.families)
             self.problems.fail(codes.OVER, w.head.span, "the space has several families: "
-                               f"{families}", "say which: `... on "
+                               f"{families}", "name one: `... on "
                                f"{next(iter(self.declared.families), 'w')}`")
         return next(iter(self.declared.families))
 
@@ -168,11 +168,10 @@ class OverReader:
 
     def each(self, w: Written) -> Over:
         if w.target or any(family is None for _, family in w.items) or len(w.items) < 2:
-            self.problems.fail(codes.OVER, w.head.span, "`each` names two or more indices, "
-                               "each with its family", "write `each(i of p, j of w)`")
+            self.problems.fail(codes.OVER, w.head.span, "`each` binds two or more indices, each with its family", "write `each(i of p, j of w)`")
         families = tuple(self.family(f) for _, f in w.items)
         if len(set(families)) != len(families):
-            self.problems.fail(codes.OVER, w.head.span, "`each` runs over different families",
+            self.problems.fail(codes.OVER, w.head.span, "`each` requires different families",
                                "for pairs of one family write `pair(i, j) of w`")
         return Each(tuple(i.text for i, _ in w.items), families)
 

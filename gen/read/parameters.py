@@ -135,7 +135,7 @@ class ParameterReader:
         """Three numbers that formulas use as a vector."""
         if node.has("size"):
             node.get("size").wrong(codes.CONFLICT, f"the vector `{name}` has three entries",
-                                   "leave `size` out, or give a list of vectors, `[[0, 0, 1], ..]`")
+                                   "omit `size`, or give a list of vectors, `[[0, 0, 1], ..]`")
         if not isinstance(default.raw, list) or len(default.raw) != 3:
             default.wrong(codes.COUNT, f"the vector `{name}` needs three numbers",
                           "write `default = [0.0, 0.0, 1.0]`")
@@ -186,8 +186,7 @@ class FormulaReader:
         """`"name(a, b)" = "..."`."""
         match = HEAD.match(node.name)
         if match is None:
-            self.problems.fail(codes.SYNTAX, node.key, f"`{node.name}` does not declare a "
-                               "formula", 'write `"name(a, b)" = "..."` or `name = "..."`')
+            self.problems.fail(codes.SYNTAX, node.key, f"`{node.name}` is not a valid declaration of a formula", 'write `"name(a, b)" = "..."` or `name = "..."`')
         name = match.group(1)
         taken = name in self.declared.names()
         self.declared.broken |= set() if taken else {name}
@@ -209,8 +208,7 @@ class FormulaReader:
         for k, a in enumerate(names):
             identifier(self.problems, node.key, a, "argument")
             if a in names[:k] or a in self.declared.names():
-                self.problems.fail(codes.CLASH, node.key, f"the argument `{a}` means something "
-                                   "already", "choose another name")
+                self.problems.fail(codes.CLASH, node.key, f"the name of the argument `{a}` is already in use", "choose another name")
         if len(names) > limits.ARGUMENTS:
             self.problems.fail(codes.LIMIT, node.key, f"at most {limits.ARGUMENTS} arguments "
                                "are allowed", "split the formula")

@@ -71,8 +71,8 @@ class Parser:
             return
         hint = self.product() or "an operator such as `*` is missing"
         if self.at(")", "]"):
-            hint = "there is one bracket too many"
-        self.fail(f"`{self.now.text}` does not continue the formula", self.misplaced() or hint)
+            hint = "there is an extra bracket"
+        self.fail(f"`{self.now.text}` is not expected here", self.misplaced() or hint)
 
     def product(self) -> str:
         """`2 t` as the product that was meant."""
@@ -80,7 +80,7 @@ class Parser:
         inside = self.k > 1 and self.tokens[self.k - 2].text == "."         # a component: what is multiplied begins before it
         plain = not inside and before.kind in ("number", "name") and self.now.kind in ("number", "name")
         known = plain and before.kind == "number" and unit(self.now.text) and not self.problems.measured
-        also = "; for a unit the spec needs a section [units]" if known else ""
+        also = "; units require a section [units]" if known else ""
         return f"a product is written with `*`: `{before.text}*{self.now.text}`{also}" if plain else ""
 
     def opened(self, closing: str) -> str:
@@ -94,9 +94,9 @@ class Parser:
         if not open_ones:
             return ""
         rest = "".join({"(": ")", "[": "]"}[t.text] for t in reversed(open_ones))
-        many = f"; {len(open_ones)} brackets are open" if len(open_ones) > 1 else ""
+        many = f"; {len(open_ones)} brackets are not closed" if len(open_ones) > 1 else ""
         place = open_ones[-1].span.start - self.tokens[0].span.start + 1
-        return f"the `{open_ones[-1].text}` that is character {place} of the formula is still open{many}: write `{rest}` where it ends"
+        return f"the `{open_ones[-1].text}` that is character {place} of the formula is not closed{many}: write `{rest}` where it ends"
 
     def misplaced(self) -> str:
         """What to write in place of a comma or an index that stands wrongly here."""
@@ -104,9 +104,9 @@ class Parser:
         if self.at(",") and before.kind == after.kind == "number":
             return f"decimals are written with a point: `{before.text}.{after.text}`"
         if self.at(","):
-            return "commas stand between the arguments of a function only"
+            return "commas separate the arguments of a function"
         if self.at("[") and before.text in ("x", "y", "z", "]"):
-            return "the index stands first, the component last: `w[i].z`"
+            return "the index comes first, then the component: `w[i].z`"
         return ""
 
     # Expressions
@@ -217,7 +217,7 @@ class Parser:
         whole = token.text.isdigit()
         if whole and (len(token.text) > 17 or int(token.text) > limits.INTEGER):
             self.problems.fail(codes.NUMBER, token.span, "an integer beyond 2^53",
-                               f"write it as a real number, say `{token.text[:1]}.0e9`")
+                               f"write it as a real number, such as `{token.text[:1]}.0e9`")
         value = int(token.text) if whole else float(token.text)
         size = abs(value)
         if not math.isfinite(value) or size > limits.LARGEST or 0 < size < limits.SMALLEST:
@@ -240,8 +240,7 @@ class Deeper:
         self.parser.depth += 1
         if self.parser.depth > limits.DEPTH:
             self.parser.problems.fail(
-                codes.LIMIT, self.span, f"more than {limits.DEPTH} brackets, signs or powers "
-                "inside each other", "split the formula with names in [formulas]")
+                codes.LIMIT, self.span, f"more than {limits.DEPTH} nested brackets, signs or powers", "split it into named [formulas]")
 
     def __exit__(self, *_):
         self.parser.depth -= 1

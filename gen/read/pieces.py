@@ -82,17 +82,17 @@ def checked(file: Source, problems: Problems):
 def sound(root: Node) -> Node:
     """A piece with all that it needs."""
     root.table("piece", "effect", "test")
-    says = root.need("piece", 'begin with [piece] and `title = "..."`').table(*PIECE)
-    says.need("title", 'say what it is: `title = "..."`')
+    says = root.need("piece", 'start with [piece] and `title = "..."`').table(*PIECE)
+    says.need("title", 'give it a title: `title = "..."`')
     for key in ("title", "source", "law"):
         meaning(says, key)
     for node in says.get("arguments").table().items() if says.has("arguments") else ():
         node.table(*ARGUMENT)
     if root.has("test"):
         root.get("test").table(*TEST)
-    effect = root.need("effect", "[effect] is the effect, with `$words` for arguments").table()
+    effect = root.need("effect", "the effect goes into [effect], with `$words` for arguments").table()
     if effect.has("use"):
-        effect.get("use").wrong(codes.NOT_HERE, "a piece uses no other piece", "write its effect out")
+        effect.get("use").wrong(codes.NOT_HERE, "a piece cannot use another piece", "write its effect out")
     return root
 
 
@@ -113,8 +113,8 @@ class Arguments:
         value = self.node.get(argument.name) or argument.get("default")
         if value is None:
             said = argument.raw.get("meaning", "")
-            self.node.problems.fail(codes.MISSING, self.node.key, f"`{self.node.label}` gives no `{argument.name}`" + f": {said}" * bool(said),
-                                    f"the piece `{self.node.raw['use']}` needs it: `{argument.name} = ...`")
+            self.node.problems.fail(codes.MISSING, self.node.key, f"`{self.node.label}` does not give `{argument.name}`" + f": {said}" * bool(said),
+                                    f"the piece `{self.node.raw['use']}` needs this argument: `{argument.name} = ...`")
         if argument.has("one_of") and value.raw not in argument.raw["one_of"]:
             value.wrong(codes.CHOICE, f"`{value.label}` is {value.raw!r}", "it is one of " + ", ".join(map(str, argument.raw["one_of"])))
         return value
@@ -139,7 +139,7 @@ def parts(child: Node, text: Text, words: dict[str, Node], home: dict[str, int])
     for match in WORD.finditer(text.value):
         yield text.value[end:match.start()], text.offsets[end:match.start()]
         if match[1] not in words:
-            child.problems.fail(codes.UNKNOWN_NAME, text.span(*match.span()), f"`{match[0]}` is no argument of this piece", nearest(match[1] or "", words))
+            child.problems.fail(codes.UNKNOWN_NAME, text.span(*match.span()), f"`{match[0]}` is not an argument of this piece", nearest(match[1] or "", words))
         alone = (text.value[:match.start()].rstrip()[-1:] or "(") in "(," and (text.value[match.end():].lstrip()[:1] or ")") in "),"
         characters, offsets = spoken(words[match[1]], alone or child.name in PLAIN)
         yield characters, (home[match[1]],) * len(characters) if match[1] in home else offsets

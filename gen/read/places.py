@@ -53,7 +53,7 @@ class PlaceReader:
     def idle(self, node: Node) -> None:
         for key in ("positions", "constant"):
             if node.has(key):
-                node.get(key).wrong(codes.MISSING, f"`{node.label}` has `{key}` and no `vectors`",
+                node.get(key).wrong(codes.MISSING, f"`{node.label}` has `{key}` but no `vectors`",
                                     'give `vectors = [[1, 0], [0, 1]]`, or the `name` of a lattice')
 
     def named(self, node: Node, directions: int) -> Places:
@@ -61,7 +61,7 @@ class PlaceReader:
         child, name = node.get("name"), node.get("name").string()
         for key in ("vectors", "positions"):
             if node.has(key):
-                node.get(key).wrong(codes.CONFLICT, f"a {name} lattice has `{key}` of its own", f"drop `{key}`, or drop `name`")
+                node.get(key).wrong(codes.CONFLICT, f"a {name} lattice has its own `{key}`", f"remove `{key}` or `name`")
         if name not in CRYSTALS:
             child.wrong(codes.CHOICE, f"there is no lattice `{name}`", nearest(name, CRYSTALS))
         if CRYSTALS[name].directions != directions:
@@ -86,7 +86,7 @@ class PlaceReader:
         try:
             value = float(evaluate(self.formulas.free(node, what, wanted=wanted), {}))
         except UsageError:
-            node.wrong(codes.NOT_HERE, "vectors and positions are numbers, which no parameter changes", 'such as `0.5` or `"sqrt(3)/2"`')
+            node.wrong(codes.NOT_HERE, "vectors and positions are numbers, without parameters", 'such as `0.5` or `"sqrt(3)/2"`')
         if not abs(value) <= limits.LARGEST:
             node.wrong(codes.VALUE, f"`{node.label}` is {value:g}", "give a finite number")
         return value
@@ -100,18 +100,18 @@ class PlaceReader:
         found = self.problems.together(*(lambda r=r: self.row(r, 3, wanted) for r in rows))
         if len(found) < directions:
             child.wrong(codes.COUNT, f"{plural(len(found), 'vector')} for {plural(directions, 'direction')}",
-                        "give a vector for each direction; one more measures positions across them")
+                        "give a vector for each direction; an additional one is the unit of positions across them")
         length = max(map(len, found))
         for row, numbers in zip(rows, found):
             if len(numbers) != length or not length:
-                row.wrong(codes.COUNT, f"this vector has {plural(len(numbers), 'component')}, another one {length}", "give all of them x, y, or x, y, z")
+                row.wrong(codes.COUNT, f"this vector has {plural(len(numbers), 'component')}, another one {length}", "give all of them two components, or all three")
             if not any(numbers):
-                row.wrong(codes.VALUE, "this vector is zero", "cells that follow each other stand apart")
+                row.wrong(codes.VALUE, "this vector is zero", "neighbouring cells must not coincide")
         padded = np.zeros((len(found), 3))
         padded[:, :length] = found
         units = padded / np.linalg.norm(padded, axis=1, keepdims=True)
         if len(found) > length or np.linalg.det(units @ units.T) < FLAT:
-            child.wrong(codes.VALUE, "these vectors are linearly dependent: cells would lie on each other", "give vectors that span a cell")
+            child.wrong(codes.VALUE, "these vectors are linearly dependent: cells would overlap", "give vectors that span a cell")
         return tuple(map(tuple, padded.tolist()))
 
     def positions(self, node: Node, vectors: tuple, directions: int, sites: int | None) -> tuple:
@@ -124,7 +124,7 @@ class PlaceReader:
         child = node.get("positions")
         rows = child.entries("list of positions", limits.CELL)
         if not rows or sites not in (None, len(rows)):
-            child.wrong(codes.COUNT, f"{plural(len(rows), 'position')} for {plural(sites or 1, 'site')} of a cell", "give one for each site, and drop `sites`")
+            child.wrong(codes.COUNT, f"{plural(len(rows), 'position')} for {plural(sites or 1, 'site')} of a cell", "give one for each site, and remove `sites`")
         return tuple(self.problems.together(*(lambda r=r: self.position(r, len(vectors), directions) for r in rows)))
 
     def position(self, node: Node, count: int, directions: int) -> tuple:
@@ -134,7 +134,7 @@ class PlaceReader:
         for k, value in enumerate(found[:directions]):
             if not 0 <= value < 1:
                 node.wrong(codes.VALUE, f"this position lies outside the cell: {value:.6g} of vector {k + 1}",
-                           f"fractions go from 0 to below 1; the same site of this cell is at {value % 1:.6g}")
+                           f"fractions must be at least 0 and less than 1; the equivalent site of this cell is at {value % 1:.6g}")
         return found
 
 
@@ -163,7 +163,7 @@ def checked(places: Places, node: Node, directions: int) -> Places:
         apart[:, :directions] -= np.rint(apart[:, :directions])
         close = np.flatnonzero(np.abs(apart).max(axis=1, initial=0) < SAME)
         if close.size:
-            node.get("positions").wrong(codes.VALUE, f"sites {close[0]} and {k} of a cell stand at one place", "give each site a place of its own")
+            node.get("positions").wrong(codes.VALUE, f"sites {close[0]} and {k} of a cell are at the same position", "give each site a different position")
     return places
 
 
@@ -175,5 +175,5 @@ def shell_of(places: Places, directions: int, token, problems: Problems) -> tupl
     except Unclear as reason:
         problems.fail(codes.BOND, token.span, str(reason), 'give more digits, such as "sqrt(3)/2", or list the bonds')
     if len(bonds) > limits.BONDS:
-        problems.fail(codes.LIMIT, token.span, f"this shell has {len(bonds)} bonds a cell; at most {limits.BONDS} are allowed", "take a nearer one")
+        problems.fail(codes.LIMIT, token.span, f"this shell has {len(bonds)} bonds per cell; at most {limits.BONDS} are allowed", "take a nearer one")
     return bonds

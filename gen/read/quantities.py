@@ -127,7 +127,7 @@ def exact(value) -> Fraction:
 def fits(text: Text, problems) -> None:
     """Refuse a text that is too long to be a unit."""
     if len(text.value) > limits.UNIT:
-        problems.fail(codes.LIMIT, text.whole, f"a quantity of {len(text.value)} characters; at most {limits.UNIT} are allowed",
+        problems.fail(codes.LIMIT, text.whole, f"the quantity has {len(text.value)} characters; at most {limits.UNIT} are allowed",
                       "choose a simpler unit")
 
 

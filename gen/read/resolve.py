@@ -47,8 +47,7 @@ class Resolver:
             self.stop(codes.BIG, span, f"the formula expands to more than {limits.NODES} "
                       "operations and operands", hint)
         if depth > limits.TREE:
-            self.stop(codes.BIG, span, f"more than {limits.TREE} operations inside each other "
-                      "(a sum has one for each term)", hint)
+            self.stop(codes.BIG, span, f"more than {limits.TREE} nested operations (a sum counts one for each term)", hint)
 
     def stop(self, *told) -> None:
         """Report a formula that is too big, and leave it."""
@@ -110,7 +109,7 @@ class Resolver:
         if node.name == "t" and self.scope.time:
             return Typed(Time(), "s", dimension=self.dimension(TIME))
         if node.name == "t":
-            self.fail(codes.NOT_HERE, node.span, f"time `t` may not stand in {self.scope.place}",
+            self.fail(codes.NOT_HERE, node.span, f"time `t` is not allowed in {self.scope.place}",
                       "time enters through effects: `energy = \"B*cos(t)*w.z\"`")
         if node.name in FUNCTIONS | UNRESERVED:
             self.fail(codes.SYNTAX, node.span, f"`{node.name}` is a function without arguments",
@@ -120,7 +119,7 @@ class Resolver:
     def unknown(self, name: str, span: Span, index: bool = False):
         declared = self.scope.declared
         if name in declared.pending:
-            self.fail(codes.NOT_HERE, span, f"`{name}` may not stand in {self.scope.place}",
+            self.fail(codes.NOT_HERE, span, f"`{name}` is not allowed in {self.scope.place}",
                       nearest("", self.scope.known()))
         if name in declared.broken or declared.nameless:
             raise Bad
@@ -143,7 +142,7 @@ class Resolver:
         if is_single(family) or node.name in self.scope.declared.unread:
             return Typed(Spin(node.name, 0), "v", dimension=self.of(node.name))
         self.fail(codes.INDEX, node.span, f"`{node.name}` is a family of vectors",
-                  f"name one of them, such as `{node.name}[i]` or `{node.name}[0]`")
+                  f"select one of them, such as `{node.name}[i]` or `{node.name}[0]`")
 
     def of(self, name: str) -> tuple:
         """The dimension of a parameter or of the vectors of a family."""
@@ -152,8 +151,7 @@ class Resolver:
     def family_here(self, name: str, span: Span):
         family = self.scope.declared.families[name]
         if not self.scope.families or self.scope.whole not in ("", name):
-            self.fail(codes.NOT_HERE, span, f"`{name}` is a vector of the state, which may not "
-                      f"stand in {self.scope.place}", nearest("", self.scope.known()))
+            self.fail(codes.NOT_HERE, span, f"`{name}` is a vector of the state, which is not allowed in {self.scope.place}", nearest("", self.scope.known()))
         return family
 
     # Indexing
@@ -166,7 +164,7 @@ class Resolver:
             return self.entry(node)
         if node.name in self.scope.known():
             self.fail(codes.INDEX, node.head, f"`{node.name}` has no entries",
-                      "entries belong to arrays, such as `gamma[i]`, and to families, `w[i]`")
+                      "arrays have entries, such as `gamma[i]`, and families, `w[i]`")
         return self.unknown(node.name, node.head)
 
     def spin(self, node: Item) -> Typed:
@@ -176,12 +174,12 @@ class Resolver:
             return self.placed(Typed(Spin(node.name, slot), "v", dimension=self.of(node.name)), node)
         owner = self.indices().get(slot, "")
         if slot not in self.indices() and isinstance(found := self.resolve(node.index).expr, Idx) and found.bond:
-            self.fail(codes.INDEX, node.index.span, f"`{slot}` is the number of a bond, not of a site", "these bonds have fewer sites than indices are bound")
+            self.fail(codes.INDEX, node.index.span, f"`{slot}` is the number of a bond, not of a site", "the last index is the number of the bond, not a site")
         if owner != node.name:
             over = f"sites of `{owner}`" if owner else "something else"
             self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "
-                      f"not over the sites of `{node.name}`", f"all with all: `each(i of {owner or 'p'}, k of {node.name})`; "
-                      "each with the one of its number: one family on a lattice with `sites = 2`")
+                      f"not over the sites of `{node.name}`", f"for all combinations: `each(i of {owner or 'p'}, k of {node.name})`; "
+                      "for sites with the same number: one family on a lattice with `sites = 2`")
         return self.placed(Typed(Spin(node.name, slot), "v", dimension=self.of(node.name)), node)
 
     def placed(self, result: Typed, node: Syntax) -> Typed:
@@ -210,12 +208,11 @@ class Resolver:
     def entry(self, node: Item) -> Typed:
         p = self.scope.declared.parameters[node.name]
         if p.kind != "array":
-            self.fail(codes.INDEX, node.head, f"`{p.name}` is one number, it has no entries",
+            self.fail(codes.INDEX, node.head, f"`{p.name}` is a single number and has no entries",
                       f"write `{p.name}`, or make it an array: `{{ default = 1.0, size = \"n\" }}`")
         index = self.resolve(node.index)
         if not integral(index.expr, self.scope.declared.parameters):
-            self.fail(codes.INDEX, node.index.span, "an index is made of integers, integer "
-                      "parameters and indices with + - *", "such as `gamma[i]` or `gamma[2*i + 1]`")
+            self.fail(codes.INDEX, node.index.span, "an index is a formula of integers, integer parameters and indices with + - *", "such as `gamma[i]` or `gamma[2*i + 1]`")
         if p.name in self.scope.declared.lists:
             return self.row(p.name, index, node)
         return self.placed(Typed(Elem(p.name, index.expr), "s", index.nodes + 1,
@@ -276,7 +273,7 @@ class Resolver:
             return found
         coefficients, vector = node.args
         if self.resolve(vector).dimension != NONE:
-            self.fail(codes.DIMENSION, vector.span, f"the vector of `{node.name}` has a unit", "harmonics are functions of a direction: divide it by its length")
+            self.fail(codes.DIMENSION, vector.span, f"the vector of `{node.name}` has a unit", "harmonics are functions of a direction: divide the vector by its length")
         return replace(found, dimension=self.of(coefficients.name))
 
     def draw(self, node: Call) -> Typed:
@@ -340,7 +337,7 @@ class Resolver:
         if op in ("<", "<=", ">", ">=", "==", "!=", "abs") and "v" in kinds:
             return "compare components or `norm(w)`"
         if "b" in kinds:
-            return "a condition may only stand first in `if(condition, a, b)`"
+            return "a condition is only allowed as the first argument of `if(condition, a, b)`"
         return "it takes " + ", or ".join(map(spoken, wanted))
 
     def exponent(self, exponent: Typed, span: Span) -> None:
@@ -358,9 +355,8 @@ class Resolver:
         except (ArithmeticError, ValueError, TypeError):
             value = math.nan
         if not math.isfinite(value) or abs(value) > limits.LARGEST:
-            self.fail(codes.VALUE, span, "this constant has no finite value of ordinary size",
-                      "write one that is defined, of size below "
-                      f"{limits.LARGEST:g}")
+            self.fail(codes.VALUE, span, "the value of this constant is not finite, or too large or too small",
+                      f"its absolute value must be below {limits.LARGEST:g}")
         return value
 
     # Named formulas

@@ -67,13 +67,13 @@ class RunReader:
     def number(self, entry: Node) -> str:
         word, known = entry.string(), ("energy", *(f"energy.{name}" for name in (*self.effects, *self.scene.left_out)), *self.observables)
         if word not in known and not word.startswith("momentum.") and word not in self.declared.broken:
-            entry.wrong(codes.OUTPUT, f"there is no number `{word}` to be averaged", nearest(word, known))
+            entry.wrong(codes.OUTPUT, f"there is no quantity `{word}` to average", nearest(word, known))
         return word
 
     def tolerance(self, node: Node) -> float:
         value = node.number()
         if not 0 < value <= LOOSEST:
-            node.wrong(codes.LIMIT, f"`{node.label}` is {node.raw}", f"a tolerance is above 0 and at most {LOOSEST:g}")
+            node.wrong(codes.LIMIT, f"`{node.label}` is {node.raw}", f"a tolerance must be above 0 and at most {LOOSEST:g}")
         return float(value)
 
     def given(self, node: Node, **readers) -> dict:
@@ -116,7 +116,7 @@ class RunReader:
         listed, without = self.problems.together(lambda: self.listed(node, "effects"), lambda: self.listed(node, "without"))
         left = tuple(name for name in (self.effects if listed is None else listed) if name not in (without or ()))
         if not left:
-            self.problems.fail(codes.MISSING, node.key, f"`{node.label}` calls for no effect", "name at least one energy")
+            self.problems.fail(codes.MISSING, node.key, f"`{node.label}` selects no effect", "add at least one energy")
         return left
 
     def listed(self, node: Node, key: str):
@@ -127,7 +127,7 @@ class RunReader:
         names = self.problems.together(*(lambda e=e: self.choice(e, known, "effect") for e in child.entries("list of effects")))
         for entry in child.entries() if self.problems.sources.of(child.span.start) is self.problems.sources.files[0] else ():
             if key == "effects" and entry.raw in self.scene.left_out:
-                entry.wrong(codes.UNKNOWN_NAME, f"the scene leaves out `{entry.raw}`", "call for it in [scene], or take it out of this run")
+                entry.wrong(codes.UNKNOWN_NAME, f"the scene leaves out `{entry.raw}`", "add it to [scene], or remove it from this run")
         added = self.added(child) if key == "effects" else ()
         return tuple(name for name in (*self.unique(child, tuple(names)), *added) if name not in self.scene.left_out)
 
@@ -140,8 +140,7 @@ class RunReader:
     def unique(self, node: Node, names: tuple) -> tuple:
         """The names of a list: at least one, and each once."""
         if not names:
-            node.wrong(codes.MISSING, f"`{node.label}` is empty", "leave it out, or name what "
-                       "you want")
+            node.wrong(codes.MISSING, f"`{node.label}` is empty", "omit it, or name the outputs")
         for name in names:
             if names.count(name) > 1:
                 node.wrong(codes.CLASH, f"`{name}` is listed twice", "name it once")

@@ -83,9 +83,9 @@ def base_of(node: Node, files: Files, above: tuple) -> Source:
     """The file that `base` names, as one more source."""
     name, folder, text = files.spec(node)
     if (name, folder) in ((file.name, file.folder) for file in above):
-        node.wrong(codes.RECURSION, f"`{node.raw}` builds on this file, directly or through others", "a chain of bases has an end")
+        node.wrong(codes.RECURSION, f"`{node.raw}` builds on this file, directly or through others", "bases must not refer to each other in a circle")
     if len(above) > limits.BASES:
-        node.wrong(codes.LIMIT, f"more than {limits.BASES} bases, one on the other", "merge some of them")
+        node.wrong(codes.LIMIT, f"a chain of more than {limits.BASES} bases", "merge some of them")
     return node.problems.sources.add(text, name, folder)
 
 
@@ -115,7 +115,7 @@ def named(root: Node, says: Node, file: Source) -> None:
     elif "name" not in model or says.problems.sources.of(root.marks[path].key.start) is not file:
         stem, mark = PurePath(file.name).stem, says.get("base").marks[("scene", "base")]
         if not IDENTIFIER.match(stem):
-            says.problems.fail(codes.MISSING, says.key, f"`{stem}` is the name of the file, but cannot name a model", 'give it one in [scene]: `name = "..."`')
+            says.problems.fail(codes.MISSING, says.key, f"the name of the file, `{stem}`, cannot be the name of a model", 'give the model a name in [scene]: `name = "..."`')
         model["name"], root.marks[path] = stem, Mark(mark.key, mark.value, Text(stem, (mark.value.start,) * (len(stem) + 1)))
 
 
@@ -135,7 +135,7 @@ def chosen(scene: Scene, says: Node) -> Scene:
     called = frozenset(effect_names(scene, says.get("effects"))) if says.has("effects") else scene.called
     called -= frozenset(effect_names(scene, says.get("without"))) if says.has("without") else frozenset()
     if scene.known and not called:
-        (says.get("effects") or says.get("without") or says).wrong(codes.MISSING, "this scene calls for no effect", "name at least one energy")
+        (says.get("effects") or says.get("without") or says).wrong(codes.MISSING, "this scene selects no effect", "add at least one energy")
     return replace(scene, called=called)
 
 
@@ -176,7 +176,7 @@ def other_run(root: Node, node: Node, above: tuple) -> Node:
     like, runs = node.get("like"), [run.name for run in tables(root, "runs")]
     word = like.string()
     if word in (*above, node.name):
-        like.wrong(codes.RECURSION, f"`{word}` is like itself, directly or through other runs", "name a run that says all that it needs")
+        like.wrong(codes.RECURSION, f"`{word}` refers to itself with `like`, directly or through other runs", "name a run without `like`")
     if word not in runs:
         like.wrong(codes.UNKNOWN_NAME, f"there is no run `{word}`", nearest(word, set(runs) - {node.name}))
     return root.get("runs").get(word)

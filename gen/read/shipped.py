@@ -34,7 +34,7 @@ def find_spec(word: str) -> Path:
     if word in known:
         return known[word]
     close = difflib.get_close_matches(word, known, 1)
-    hint = f"did you mean '{close[0]}'?" if close else "`smidgen list` shows those that come with it"
+    hint = f"did you mean '{close[0]}'?" if close else "`smidgen list` shows the specs that come with smidgen"
     raise UsageError(f"'{word}' is neither a file nor a shipped spec; {hint}")
 
 

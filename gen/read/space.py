@@ -18,8 +18,7 @@ from .tree import Node
 from .units import Measure
 
 KINDS = ("sphere", "r3", "nambu")
-SPACES = ("there are `sphere`, `r3` (of so(3)) and `nambu` (grad C x grad H, C quadratic: SO(2,1), SE(2), SE(1,1), Heisenberg), and products of "
-          "them; outside are canonical pairs, e(3), so(4), su(n)")
+SPACES = ("there are `sphere`, `r3` (of so(3)) and `nambu` (grad C x grad H, C quadratic: SO(2,1), SE(2), SE(1,1), Heisenberg), and products of these; canonical pairs, e(3), so(4) and su(n) are not supported")
 KEYS = {"sphere": ("kappa", "moment", "radius", "tracer", "fixed"), "r3": ("kappa", "tracer", "fixed"),
         "nambu": ("kappa", "C", "tracer")}
 
@@ -65,7 +64,7 @@ class SpaceReader:
         name = identifier(self.problems, node.key, node.name, "family of vectors")
         if name in self.declared.names() or name in COLUMNS:
             self.declared.broken.add(name)
-            self.problems.fail(codes.CLASH, node.key, f"`{name}` means something already{self.elsewhere(node)}",
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` is already in use{self.elsewhere(node)}",
                                "choose another name")
         return name
 
@@ -106,7 +105,7 @@ class SpaceReader:
                 return radius
             if at is None:
                 node.wrong(codes.MEASURE, f"`{node.label}` has no strength: kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw", KAPPA)
-            at.wrong(codes.DIMENSION, f"kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw, and this is {said(kappa)}", KAPPA)
+            at.wrong(codes.DIMENSION, f"kappa is {said(quotient(ACTION, radius))} in w' = (1/kappa) w x dH/dw, but this is {said(kappa)}", KAPPA)
         return radius
 
     def sites(self, node: Node) -> tuple:
@@ -170,7 +169,7 @@ class SpaceReader:
     def listed(self, child: Node, name: str) -> Expr:
         table = f"{name}_kappa"
         if table in self.declared.names() | self.declared.broken | self.declared.pending:
-            child.wrong(codes.CLASH, f"the list is kept as `{table}`, which is declared already",
+            child.wrong(codes.CLASH, f"the list is stored as `{table}`, which is already declared",
                         f"rename `{table}`")
         measure = Measure(self.declared.units)
         self.declared.tables[table] = tuple(float(measure.number(e)) for e in child.entries())

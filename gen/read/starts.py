@@ -63,8 +63,7 @@ class StartReader:
                 lambda f=f: self.family(node, f, (*tables, "meaning")) if f.name in others else self.of(node, f) for f in families.values())))
         if itself:
             self.problems.fail(codes.START, node.key, "the space has several families: "
-                               + ", ".join(families), "give each a table of its own, "
-                               f"or all but one: {', '.join(f'[{node.label}.{name}]' for name in families)}")
+                               + ", ".join(families), f"give each its own table, or all but one: {', '.join(f'[{node.label}.{name}]' for name in families)}")
         node.table(*families, "meaning")
         return tuple(self.problems.together(*(lambda f=f: self.of(node, f) for f in families.values())))
 
@@ -87,14 +86,13 @@ class StartReader:
     def normalise(self, node: Node, family: Family) -> bool:
         chosen = node.has("normalise") and node.get("normalise").flag()
         if chosen and family.kind != "sphere":
-            node.get("normalise").wrong(codes.START, f"`{family.name}` has no sphere to "
-                                        "normalise to", "leave `normalise` out")
+            node.get("normalise").wrong(codes.START, f"`{family.name}` is not on a sphere, so there is nothing to normalise to", "leave `normalise` out")
         return chosen
 
     def measure(self, node: Node, family: Family) -> Measure:
         """What reads the components of a vector; of one that is normalised they may have any unit."""
         if node.has("unit") and self.declared.units is None:
-            node.get("unit").wrong(codes.MEASURE, "a start has a unit only with a section [units]", "leave it out")
+            node.get("unit").wrong(codes.MEASURE, "units in a start require a section [units]", "leave it out")
         found = Measure(self.declared.units, node.get("unit"))
         if not (node.has("normalise") and node.get("normalise").flag()):
             found.needed(node.get("unit"), self.dimension(family), f"the unit of `{family.name}`")
@@ -106,7 +104,7 @@ class StartReader:
     def plain(self, node: Node, family: Family) -> None:
         """Refuse directions for vectors that have a unit and no sphere that gives their length."""
         if self.declared.units and family.kind != "sphere" and self.dimension(family) != NONE:
-            node.wrong(codes.MEASURE, f"this gives `{family.name}` the length 1, and it is {said(self.dimension(family))}", "give x, y, z or vectors, with units")
+            node.wrong(codes.MEASURE, f"this gives `{family.name}` the length 1, but it is {said(self.dimension(family))}", "give x, y, z or vectors, with units")
 
     def vectors(self, node: Node, family: Family):
         entries, measure = node.get("vectors").entries("list of vectors"), self.measure(node, family)
@@ -128,7 +126,7 @@ class StartReader:
 
     def random(self, node: Node, family: Family):
         if family.kind == "nambu":
-            node.get("random").wrong(codes.START, "random starts are for spheres and r3",
+            node.get("random").wrong(codes.START, "random starts require spheres or r3",
                                      "give vectors or x, y, z")
         self.plain(node.get("random"), family)
         return "random", node.get("random").integer(0, SEED)
@@ -141,13 +139,13 @@ class StartReader:
         return self.problems.together(*(lambda k=k: self.component(node, k, wanted, family) for k in keys))
 
     def component(self, node: Node, key: str, wanted, family: str) -> Expr:
-        child = node.need(key, f"`{' '.join(FORMS['formula'])}` or `theta phi` go together")
+        child = node.need(key, f"give either `{' '.join(FORMS['formula'])}` or `theta phi`")
         return self.formulas.free(child, "a start", "i", wanted, family)
 
     def angles(self, node: Node, family: Family):
         """theta from the z axis, phi around it; times the radius of a sphere."""
         if family.kind == "nambu":
-            self.problems.fail(codes.START, node.key, "angles are for spheres and r3",
+            self.problems.fail(codes.START, node.key, "angles require spheres or r3",
                                "give vectors or x, y, z")
         if any(node.has(k) and isinstance(node.get(k).raw, list) for k in FORMS["angles"]):
             return self.listed_angles(node, family)
@@ -165,11 +163,11 @@ class StartReader:
         self.plain(node.get("theta") or node, family)
         measure = Measure(self.declared.units)
         measure.needed(None, NONE, "an angle")
-        theta, phi = ([measure.number(e) for e in node.need(k, "theta and phi go together").entries(
-            "list of angles, as the other one is")] for k in FORMS["angles"])
+        theta, phi = ([measure.number(e) for e in node.need(k, "theta and phi must both be given").entries(
+            "list of angles, like the other one")] for k in FORMS["angles"])
         if len(theta) != len(phi):
             node.get("phi").wrong(codes.START, f"{len(phi)} angles phi for {len(theta)} angles "
-                                  "theta", "give one of each for every site")
+                                  "theta", "give one pair for every site")
         if not isinstance(family.radius or Num(1), Num):
             node.get("theta").wrong(codes.START, "lists of angles need a radius that is a number",
                                     "give formulas in i, or vectors")

@@ -36,7 +36,7 @@ class TermReader:
             with self.problems.guard():
                 found.append(readers[kind_of(node.raw if isinstance(node.raw, dict) else ())].read(node))
         if len(found) == len(nodes) and found and not any(e.moves for e in found):     # others may be energies with an error
-            section.wrong(codes.MISSING, "no effect has an energy", 'a damping acts in the field of energies: give one, `energy = "..."`')
+            section.wrong(codes.MISSING, "no effect has an energy", 'damping requires the field of an energy: add `energy = "..."`')
         return tuple(found)
 
     def read(self, section: Node, key: str, what: str, taken=()) -> tuple[Term, ...]:
@@ -85,8 +85,8 @@ class TermReader:
         bearer = ("a family" if name in self.declared.families else "an effect" if name in taken else
                   "an output" if name in COLUMNS else None)
         if bearer:
-            self.problems.fail(codes.CLASH, node.key, f"`{name}` is the name of {bearer} already",
-                               f"the outputs of a run stand side by side: choose another name for the {what}")
+            self.problems.fail(codes.CLASH, node.key, f"`{name}` is already the name of {bearer}",
+                               f"outputs of a run must have different names: rename the {what}")
         return name
 
     def sum(self, node: Node, key: str, what: str):
@@ -104,8 +104,8 @@ class TermReader:
         if key == "energy":
             self.affordable(node, formula, value)
         if key == "energy" and len(self.tracers(value)) > 1:
-            formula.wrong(codes.NOT_HERE, "this energy joins two tracers, which act on none",
-                          "join each tracer to families that are not tracers")
+            formula.wrong(codes.NOT_HERE, "this energy couples two tracers, which do not act on other sites",
+                          "couple tracers to families that are not tracers")
         return over, value
 
     @staticmethod
@@ -113,7 +113,7 @@ class TermReader:
         """Refuse a formula whose derivatives would take too long."""
         if (work := derivatives(value)) > limits.DERIVATIVES:
             formula.wrong(codes.BIG, f"the derivatives of `{node.name}` take some {work} operations; at most {limits.DERIVATIVES} are "
-                          "allowed", "write it as several effects, each with some terms of the sum, or shorter")
+                          "allowed", "simplify it, or split the sum into several effects")
 
     with_columns = staticmethod(with_columns)
 
@@ -152,7 +152,7 @@ class TermReader:
         alone = all(is_single(self.declared.families[f]) and f not in families.values()
                     for f in fixed)
         if not (alone and isinstance(over, (Sites, Each))):
-            node.wrong(codes.INDEX, "a sum of energies takes all its vectors at bound indices",
+            node.wrong(codes.INDEX, "all vectors in a sum of energies must have bound indices",
                        "write `each(i of p, j of w)` for all combinations, or a graph for some")
         extra = {f: f"{f}_site" for f in sorted(fixed)}
         over = Each(tuple(families) + tuple(extra.values()),

@@ -19,14 +19,13 @@ def checked(node: Node) -> str:
     text = node.text()
     if len(text.value) > limits.TEXT:
         node.wrong(codes.LIMIT, f"`{node.label}` has {len(text.value)} characters; at most "
-                   f"{limits.TEXT} are allowed", "say it more briefly, the rest in a comment")
+                   f"{limits.TEXT} are allowed", "shorten it, and put the rest into a comment")
     for mark in FORBIDDEN:
         k = text.value.find(mark)
         if k >= 0:
-            node.problems.fail(codes.TEXT, text.span(k, k + len(mark)), f"`{mark}` may not "
-                               "stand in a text", "it would end or break a comment")
+            node.problems.fail(codes.TEXT, text.span(k, k + len(mark)), f"`{mark}` is not allowed in a text", "it would end or continue a comment")
     for k, c in enumerate(text.value):
         if not plain(c):
             node.problems.fail(codes.TEXT, text.span(k, k + 1), f"the character U+{ord(c):04X} "
-                               "may not stand in a text", "write one line of visible characters")
+                               "is not allowed in a text", "use a single line of printable characters")
     return text.value

@@ -17,8 +17,8 @@ TAKEN = re.compile(r"cannot (declare|overwrite|mutate)|duplicate inline table ke
 PLACE = re.compile(r"\(at line (\d+), column (\d+)\)\Z")
 
 
-TOO_DEEP = (f"more than {limits.NESTING} tables or lists inside each other",
-            "a spec needs no more than six")
+TOO_DEEP = (f"more than {limits.NESTING} nested tables or lists",
+            "a spec needs at most six")
 
 
 def document(file: Source, problems: Problems, sections=()) -> tuple[Node, Aside]:
@@ -73,10 +73,10 @@ def lexical(file: Source, problems: Problems) -> None:
     text, start = file.text, file.begin
     if len(text.encode("utf-8", "surrogatepass")) > limits.FILE_BYTES:
         problems.fail(codes.LIMIT, Span(start, start + 1), f"the spec has more than {limits.FILE_BYTES} "
-                      "bytes", "put long lists into files")
+                      "bytes", "move long lists into files")
     if not text.strip():
         problems.fail(codes.EMPTY, Span(start, start + 1), "the spec is empty",
-                      'begin with [model] and `name = "..."`')
+                      'start with [model] and `name = "..."`')
     for line in text.split("\n"):
         if len(line) > limits.LINE:
             problems.fail(codes.LIMIT, Span(start + limits.LINE, start + limits.LINE + 1),
@@ -95,16 +95,16 @@ def bounded(node: Node) -> Node:
     return node
 
 
-HINTS = {"illegal character '\\n'": "a string ends on the line where it begins",
-         "invalid value": "strings and formulas stand in quotes; a point needs a digit before and after it",
+HINTS = {"illegal character '\\n'": "a string must end on the line where it begins",
+         "invalid value": "strings and formulas need quotes; a decimal point needs a digit before and after it",
          "expected newline or end of document after a statement":
-             "one `key = value` a line; strings and formulas stand in quotes",
-         "unclosed inline table": "inside { } commas stand between the entries, and quotes around formulas: "
+             "one `key = value` per line; strings and formulas need quotes",
+         "unclosed inline table": "inside { } entries are separated by commas, and formulas need quotes: "
                                   "`{ sphere = \"2*n\" }`",
          "expected ']' at the end of a table declaration":
              "a section is named `[effects.NAME]`, with letters, digits and `_` in NAME",
          "expected '=' after a key in a key/value pair":
-             "a key is one word, or stands in quotes: `\"f(a, b)\" = \"a + b\"`"}
+             "a key is one word, or in quotes: `\"f(a, b)\" = \"a + b\"`"}
 
 
 def complaint(message: str, file: Source, text: str, problems: Problems, aside: Aside):
@@ -120,12 +120,12 @@ def complaint(message: str, file: Source, text: str, problems: Problems, aside: 
     if taken:
         start = text.rfind("\n", 0, offset) + 1
         problems.note(codes.DUPLICATE, Span(file.begin + start, file.begin + max(offset, start + 1)), spoken(cause),
-                      "every key and table is written once")
+                      "every key and table can be given only once")
     else:
         named = not text[offset:offset + 1].isascii() and text[offset].isalpha()
-        problems.note(codes.TOML, Span(file.begin + offset, file.begin + offset + 1), f"`{text[offset]}` (U+{ord(text[offset]):04X}) does not stand in a name" if named else cause,
-                      "names have ASCII letters, digits and `_`; other letters stand in titles and meanings, between quotes" if named else
-                      HINTS.get(cause, "the outside of a spec is TOML: [tables], `key = value`"))
+        problems.note(codes.TOML, Span(file.begin + offset, file.begin + offset + 1), f"`{text[offset]}` (U+{ord(text[offset]):04X}) is not allowed in a name" if named else cause,
+                      "names consist of ASCII letters, digits and `_`; other characters are allowed in titles and meanings, in quotes" if named else
+                      HINTS.get(cause, "a spec is a TOML file: [tables], `key = value`"))
     return recovered(text, offset, message, taken, aside)
 
 

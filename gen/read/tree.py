@@ -111,7 +111,7 @@ class Node:
                        "lists are written `[a, b, c]`")
         if len(self.raw) > most:
             self.wrong(codes.LIMIT, f"`{self.label}` has {len(self.raw)} entries; "
-                       f"at most {most} are allowed", "make it shorter, or use a file")
+                       f"at most {most} are allowed", "shorten it, or use a file")
         return [Node(v, self.path + (k,), self.marks, self.problems)
                 for k, v in enumerate(self.raw)]
 
@@ -123,7 +123,7 @@ class Node:
         if len(self.raw) > limits.STRING:
             self.wrong(codes.LIMIT, f"`{self.label}` has {len(self.raw)} characters; "
                        f"at most {limits.STRING} are allowed",
-                       "split it with names in [formulas]")
+                       "split it into named [formulas]")
         return self.marks[self.path].text
 
     def string(self) -> str:
@@ -149,7 +149,7 @@ class Node:
         trouble = number_trouble(self.raw)
         if trouble:
             self.wrong(codes.NUMBER, f"`{self.label}` {trouble}",
-                       "write an ordinary number; choose other units if need be")
+                       "use a number in this range; choose other units if necessary")
         return self.raw
 
     def integer(self, least: int, most: int) -> int:
@@ -158,7 +158,7 @@ class Node:
                        f"write a whole number from {least} to {most}")
         if not least <= self.raw <= most:
             self.wrong(codes.LIMIT, f"`{self.label}` is {self.raw}",
-                       f"it must lie between {least} and {most}")
+                       f"it must be between {least} and {most}")
         return self.raw
 
 

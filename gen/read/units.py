@@ -10,7 +10,7 @@ from .source import Span, Text
 from .tree import Node
 
 KEYS = (*KINDS, "dimensionless")
-NEEDED = 'name an energy, `energy = "meV"`, or an angular momentum and a time'
+NEEDED = 'give an energy, `energy = "meV"`, or an angular momentum and a time'
 
 
 class UnitsReader:
@@ -32,7 +32,7 @@ class UnitsReader:
     def plain(self, section: Node) -> None:
         for child in section.items():
             if child.name in KINDS:
-                child.wrong(codes.CONFLICT, f"`{child.label}` is a unit, and `dimensionless` says that there is none", "keep one of them")
+                child.wrong(codes.CONFLICT, f"`{child.label}` is a unit, but `dimensionless` means that there are none", "keep one of them")
 
     def scale(self, node: Node, kind: str) -> Scale:
         return Scale(node.string().strip(), of_dimension(node, KINDS[kind], f"the unit of {said(KINDS[kind])}"))

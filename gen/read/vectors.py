@@ -12,7 +12,7 @@ from .problems import Bad, Problems
 from .scope import Typed
 
 AXES = "xyz"
-HINT = "give the lattice `vectors`, or take one by its name, such as `square(nx, ny, periodic)`"
+HINT = "give the lattice `vectors`, or use one that has a name, such as `square(nx, ny, periodic)`"
 
 
 class Places:
@@ -66,16 +66,16 @@ def site(resolver, node, number: Expr) -> tuple:
     name = (resolver.indices().get(number.name) or scope.site) if isinstance(number, Idx) else scope.site or only(resolver)
     places = scope.declared.places
     if name not in scope.declared.families or places is None:
-        resolver.fail(codes.NOT_HERE, node.head, f"`r` may not stand in {scope.place}", "it stands in effects, observables, conditions and starts")
+        resolver.fail(codes.NOT_HERE, node.head, f"`r` is not allowed in {scope.place}", "it is allowed in effects, observables, conditions and starts")
     try:
         over = places.of(scope.declared.families[name])
     except ValueError:
-        resolver.fail(codes.OVER, node.head, f"`{name}` lies on several lattices, and which of them says where its sites stand is not clear",
-                      f"say it in [space]: `{name} = {{ sphere = \"LATTICE\" }}`, a lattice of [lattices]")
+        resolver.fail(codes.OVER, node.head, f"`{name}` is on several lattices, any of which could give the positions of its sites",
+                      f"choose one in [space]: `{name} = {{ sphere = \"LATTICE\" }}`, a lattice of [lattices]")
     if over is None and (places.unread or name in scope.declared.unread):
         raise Bad       # the error is in the lattice or in the index family
     if over is None or over.places is None:
-        resolver.fail(codes.OVER, node.head, f"the sites of `{name}` have no places", HINT)
+        resolver.fail(codes.OVER, node.head, f"the sites of `{name}` have no positions", HINT)
     return by_number(over, number), over
 
 
@@ -132,9 +132,9 @@ def bond(resolver, node, i: str, j: str) -> tuple:
     """(the three components of the vector from site i to site j, as columns of the index family; that family)."""
     over = resolver.scope.over
     if not isinstance(over, (Lattice, Graph)) or not {i, j} <= set(ends(over)) or i == j:
-        resolver.fail(codes.NOT_HERE, node.head, "`r(i, j)` is the vector of a bond", "its indices are two of those of `bond(..)` or `edge(..)`; else write `r(j) - r(i)`")
+        resolver.fail(codes.NOT_HERE, node.head, "`r(i, j)` is the vector of a bond", "its indices are bound by `bond(..)` or `edge(..)`; otherwise write `r(j) - r(i)`")
     if over.places is None:
-        resolver.fail(codes.OVER, node.head, "these bonds have no vectors: their sites have no places", HINT)
+        resolver.fail(codes.OVER, node.head, "these bonds have no vectors, because their sites have no positions", HINT)
     return tuple(number(over, i, j, k) for k in range(3)), over
 
 

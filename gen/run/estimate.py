@@ -46,12 +46,12 @@ def end_error(model: Integrator, settings, final: np.ndarray, stopped=lambda: Fa
     model: the compiled model of the run; it is begun anew. Both are None for no steps and after Ctrl-C (`stopped`).
     """
     if model.scene.heated:
-        return None, "with thermal noise another number of steps is another path"
+        return None, "with thermal noise, a different number of steps is a different trajectory"
     off, found = [], others(model, settings)
     for other in found:
         end = ended(model, settings, other, stopped)
         if end is None:
-            return None, None if stopped() else f"with {other.steps} steps in place of {settings.steps} a step fails"
+            return None, None if stopped() else f"with {other.steps} steps instead of {settings.steps} a step fails"
         off.append(float(np.linalg.norm(final - end, axis=1).max() / np.linalg.norm(final, axis=1).max()))
     return judged(METHODS[model.method], settings.steps, found, off, float(np.finfo(final.dtype).eps)) if found else (None, None)
 

@@ -66,16 +66,15 @@ def saved_run(path) -> dict:
 def begun_again(meta: dict, path):
     """(model at its start, settings) of a saved run, when this program is the one that began it."""
     if meta["generator"] != generator_name():
-        raise CheckpointError(f"{path} was begun by {meta['generator']}, this is {generator_name()}: the bits "
-                              f"would differ. Go on with that version, or remove {folder_of(path)} and begin anew")
+        raise CheckpointError(f"{path} was started by {meta['generator']}, this is {generator_name()}: the bits would differ. Continue with that version, or remove {folder_of(path)} and start again")
     spec, name, given = recorded(meta)
     settings = settle(spec, name, **given)
     model = begun(spec, settings)
     now = json.loads(json.dumps(describe(model, settings)))
     differing = [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]
     if differing:
-        raise CheckpointError(f"{path} was begun with another {', '.join(differing)}: the bits would differ. "
-                              f"Remove {folder_of(path)} to begin anew")
+        raise CheckpointError(f"{path} was started with another {', '.join(differing)}: the bits would differ. "
+                              f"Remove {folder_of(path)} to start again")
     return model, settings
 
 
@@ -86,7 +85,7 @@ def _complete(path):
     except UsageError:
         result = None
     if result is None or result.meta["status"] != "complete":
-        raise CheckpointError(f"nothing was saved of {Path(path)}: a run that can go on is one with checkpoints, "
+        raise CheckpointError(f"there is no checkpoint of {Path(path)}: to write checkpoints, use "
                               "`smidgen run SPEC --checkpoint 10000 --out result.h5`")
     return dataclasses.replace(result, summary={
         "t": result.meta["h"] * result.meta["done"], "errors": {}, "changes": {}, "seconds": 0.0,

@@ -120,7 +120,7 @@ def begun(spec: Spec, settings: Settings) -> Integrator:
     s = settings
     model = model_of(spec, s)
     if s.substeps:
-        refuse_with_noise(model.scene, "no substeps", "a step that fails is taken as two of h/2 with the same noise anyway")
+        refuse_with_noise(model.scene, "no substeps", "a failed step is always replaced by two of h/2 with the same noise")
     return model.start(s.own_start, h=s.h, seed=s.seed, tolerance=s.tolerance)
 
 
@@ -235,7 +235,7 @@ def _affordable(layout, settings, keep):
     total = entry_size(layout) * (settings.steps // settings.every + 1 if settings.what else 2)
     if keep and total > MEMORY:
         raise UsageError(f"the outputs take {total / 2 ** 30:.1f} GiB of memory: write them to "
-                         "a file (out=\"result.h5\"), or give a larger every")
+                         "a file (out=\"result.h5\"), or use a larger every")
 
 
 def describe(model: Integrator, settings: Settings, status: str = "running") -> dict:

@@ -111,7 +111,7 @@ def asked_averages(spec: Spec, given: Mapping) -> Averages:
     what = given.get("what", ())
     what = (what,) if isinstance(what, str) else what
     if not isinstance(what, Iterable) or not all(isinstance(name, str) for name in what):
-        raise UsageError("averages: `what` is a list of names")
+        raise UsageError("averages: `what` must be a list of names")
     return Averages(tuple(what), _read(spec, "after", given.get("after")), given.get("bins"))
 
 
@@ -122,7 +122,7 @@ def averages_of(given: Averages | None, env) -> dict | None:
     after = 0.0 if given.after is None else number(given.after, env, "after")
     bins = BINS if given.bins is None else whole(given.bins, "bins")
     if after < 0 or bins < 2:
-        raise UsageError("averages are from a time on that is not negative, in two bins or more")
+        raise UsageError("averages need a time that is not negative and at least two bins")
     return {"what": list(given.what), "after": after, "bins": bins}
 
 
@@ -139,7 +139,7 @@ def _placed(start, numbers: Evaluated):
 def whole(value, what: str) -> int:
     """An integer from 0 up. Raises UsageError."""
     if not isinstance(value, numbers.Real) or value != int(value) or value < 0:
-        raise UsageError(f"{what} must be an integer from 0 up, not {value}")
+        raise UsageError(f"{what} must be a non-negative integer, not {value}")
     return int(value)
 
 
@@ -157,7 +157,7 @@ def number(value, env, what: str) -> float:
 def step_size(h, env) -> float:
     """The step h: finite, not zero."""
     if h is None:
-        raise UsageError("no step: give h (on the command line: --h 0.1)")
+        raise UsageError("no step size is given: give h (on the command line: --h 0.1)")
     h = number(h, env, "h")
     if h == 0:
         raise UsageError("h must not be 0")
@@ -167,7 +167,7 @@ def step_size(h, env) -> float:
 def number_of_steps(steps, time, h: float, env) -> int:
     """From a number of steps or a duration; both is an error, and so is neither."""
     if (steps is None) == (time is None):
-        raise UsageError("how long? give either steps or time"
+        raise UsageError("no duration is given: give either steps or time"
                          " (on the command line: --steps 1000 or --time 100)")
     if time is not None:
         return multiple(number(time, env, "time"), h, "the duration")
@@ -189,7 +189,7 @@ def duration(spec: Spec, base: Run, s: Settings, steps=None, time=None) -> float
 def multiple(duration: float, h: float, what: str) -> int:
     """duration / |h| as an integer. Raises UsageError that names the two nearest."""
     if duration < 0 < h:
-        raise UsageError(f"{what} is {duration:g}: to run backward give a negative h")
+        raise UsageError(f"{what} is {duration:g}: to run backward, use a negative h")
     duration, h = abs(duration), abs(h)
     n = round(duration / h)
     if n > limits.STEPS:
@@ -224,5 +224,5 @@ def chosen_outputs(spec: Spec, what) -> tuple[str, ...]:
     known = [*KINDS, *COMPUTED, *(o.name for o in spec.observables)]
     for name in what:
         if name not in known:
-            raise UsageError(f"no output '{name}'; there are: {', '.join(known)}")
+            raise UsageError(f"there is no output '{name}'; there are: {', '.join(known)}")
     return what

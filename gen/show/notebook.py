@@ -74,7 +74,7 @@ def of_spectrum(spectrum: Spectrum) -> str:
 def of_averages(averages: Averages) -> str:
     """A table: name, mean, standard error."""
     rows = "".join(f"<tr><td>{html.escape(name)}</td><td>{one.mean:.6g}</td><td>{'' if one.error is None else format(one.error, '.2g')}</td></tr>" for name, one in [*averages.of.items()][:16])
-    return f"{html_of(repr(averages))}<table><tr><th>of</th><th>mean</th><th>standard error</th></tr>{rows}</table>"
+    return f"{html_of(repr(averages))}<table><tr><th>quantity</th><th>mean</th><th>standard error</th></tr>{rows}</table>"
 
 
 class Shown:

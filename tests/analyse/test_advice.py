@@ -115,10 +115,10 @@ def test_a_spin_across_its_field():
     spec = load_text(FIELD)
     advice = advise(spec, start="across")
     assert advice.kind == "centre" and abs(advice.limit - 1) < 3e-3 and advice.sites == (0,)
-    assert "runs into the centre" in advice.words()[0]
+    assert "reaches the centre" in advice.words()[0]
     tilted = advise(spec, start="tilted")
     assert tilted.kind == "open" and tilted.limit is None and abs(tilted.cap - math.pi) < 1e-9
-    assert abs(tilted.rate - 2) < 1e-6 and "accuracy decides" in tilted.words()[0]
+    assert abs(tilted.rate - 2) < 1e-6 and "accuracy is the limit" in tilted.words()[0]
 
 
 def test_the_sites_of_the_closest_pair_are_named():

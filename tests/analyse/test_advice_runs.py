@@ -104,7 +104,7 @@ def test_what_is_not_looked_at_is_said():
     end = max(end for *_, end in found.orbits)
     assert found.span == 1e6 and end < 1e4
     assert all(count * 5000 <= 200_000 for _, count, _ in found.orbits)
-    said = next(line for line in found.words() if line.startswith("Looked at"))
+    said = next(line for line in found.words() if line.startswith("Examined"))
     assert "the run, 1e+06 long" in said and f"to t = {end:.6g}" in said
 
 
@@ -113,7 +113,7 @@ def test_a_motion_that_ends_is_told():
     """On an open leaf this one leaves for infinity at t = 5.3: no step completes the run, and the advice says so."""
     found = advise(load_text(text(4)), time=200)
     assert not found.completes and 0 < found.failing < 200
-    assert any("may not come to its end" in line for line in found.words())
+    assert any("may not be completed" in line for line in found.words())
 
 
 # -- H that depends on time -----------------------------------------------------------------------
@@ -265,7 +265,7 @@ def test_a_hole_is_found():
 @pytest.mark.parametrize("h, side", [(1e-3, "within"), (0.01, "within"), (50.0, "above")])
 def test_the_step_of_the_run_is_compared_with_the_one_that_is_named(h, side):
     found = advise(load_text(PULSE), h=h, time=10)
-    largest = "the largest step that was looked at" if found.kind == "open" else "the largest safe step"
+    largest = "the largest step examined" if found.kind == "open" else "the largest safe step"
     assert f"The run's h = {h:.6g} is {side} {largest}, {found.h:.6g}" in found.words()[-1]
 
 
@@ -276,4 +276,4 @@ def test_the_length_of_the_run():
     assert advise(spec, h=0.3, time=1.0).span == 1.0
     one, ten = advise(spec, steps=1), advise(spec, steps=10)
     assert 10 * one.span == pytest.approx(ten.span)
-    assert "this state alone" in " ".join(advise(spec, time=0).words())
+    assert "Only this state was examined" in " ".join(advise(spec, time=0).words())

@@ -143,8 +143,8 @@ def test_wave_vectors_by_name():
 
 
 @pytest.mark.parametrize("q, said", [
-    ("0 1/4", "q = 0.25 is no wave of 6 cells; the nearest are 1/6 and 2/6"), ("0,0 1/2,0", "has 1 finite numbers"), ("", "points of 1 numbers"),
-    ("0 a", "no corner .a."), ("0 1,2", "points of 1"), ([np.nan], "finite"), ([1e300], "finite"), ("al", "no corner .al."), ([[[0]]], "1 finite"), ([["x"]], "rows of numbers"),
+    ("0 1/4", "q = 0.25 is not a wave vector of 6 cells; the nearest are 1/6 and 2/6"), ("0,0 1/2,0", "has 1 finite numbers"), ("", "points of 1 numbers"),
+    ("0 a", "has no corner .a."), ("0 1,2", "points of 1"), ([np.nan], "finite"), ([1e300], "finite"), ("al", "has no corner .al."), ([[[0]]], "1 finite"), ([["x"]], "rows of numbers"),
     ("0 1/0", ".")])
 def test_what_is_no_wave_vector(q, said):
     with pytest.raises(smidgen.UsageError, match=said):
@@ -153,8 +153,8 @@ def test_what_is_no_wave_vector(q, said):
 
 def test_what_makes_no_spectrum():
     spec = chain()
-    for given, said in [({"steps": 8}, "no 1 parts of two"), ({"parts": 0}, "no 0 parts"), ({"parts": 40, "time": 20}, "no 40 parts"), ({"window": "han"}, "no window 'han'"),
-                        ({"every": 1, "time": 0.05 * 10 ** 8}, "GiB of memory"), ({"basis": [[0], [1]]}, "a basis has 1 rows")]:
+    for given, said in [({"steps": 8}, "1 parts of at least two"), ({"parts": 0}, "into 0 parts"), ({"parts": 40, "time": 20}, "into 40 parts"), ({"window": "han"}, "no window 'han'"),
+                        ({"every": 1, "time": 0.05 * 10 ** 8}, "GiB of memory"), ({"basis": [[0], [1]]}, "a basis must have 1 rows")]:
         with pytest.raises(smidgen.UsageError, match=said):
             smidgen.spectrum(spec, **given)
     with pytest.raises(smidgen.UsageError, match="no lattice joins"):

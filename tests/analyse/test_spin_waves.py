@@ -142,7 +142,7 @@ def test_what_has_no_lines():
     for cell, said in (((4,), r"divides its 6 cells"), ((1,), "does not repeat after 1 cells of direction 1: a spin differs by 2")):
         with pytest.raises(smidgen.UsageError, match=said):
             smidgen.spin_waves(magnet("chain", theta="pi*i", J=-0.8), cell=cell)
-    for q, said in (([[0, 1]], "1 finite numbers"), ("0 1/5", "no wave of 6 cells")):
+    for q, said in (([[0, 1]], "1 finite numbers"), ("0 1/5", "not a wave vector of 6 cells")):
         with pytest.raises(smidgen.UsageError, match=said):
             smidgen.spin_waves(magnet("chain"), q=q)
     with pytest.raises(smidgen.UsageError, match=r"shape \(6, 3\), not \(5, 3\)"):

@@ -88,9 +88,9 @@ def test_components_see_where_sites_stand():
 
 def test_corners_that_are_refused():
     grid = smidgen.lattice.of(magnet("honeycomb", 2, 4, 2))
-    with pytest.raises(UsageError, match="no corner 'R' of the zone.*Gamma, M, K"):
+    with pytest.raises(UsageError, match="has no corner 'R'; it has: .*Gamma, M, K"):
         waves(grid, "Gamma R")
-    with pytest.raises(UsageError, match="is no wave of 4 cells"):
+    with pytest.raises(UsageError, match="is not a wave vector of 4 cells"):
         waves(grid, "Gamma K")
     assert name_of(grid, [2, 0]) == "M"
 

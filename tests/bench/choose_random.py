@@ -1,6 +1,6 @@
 """`choose` and the error estimate of `run` on Hamiltonians that nobody has looked at: those of the fuzzer.
 
-    python tests/bench/choose_random.py                  # 100 of them, half an hour: choose_random.csv in docs/cost/lanes_N; goes on where it was stopped
+    python tests/bench/choose_random.py                  # 100 of them, half an hour: choose_random.csv in docs/cost/lanes_N; continues where it stopped
     python tests/bench/choose_random.py --count 5 --out a.csv
     python tests/bench/choose_random.py --summary        # what the table shows
 

@@ -2,7 +2,7 @@
 registers of this processor have them, and the page docs/costs.md of the tables of all widths.
 
     python tests/bench/cost.py                       # all of it and promises.py
-    python tests/bench/cost.py --since 2026-11-23    # the same, but tables of this width from that day on stay: goes on where it was stopped
+    python tests/bench/cost.py --since 2026-11-23    # the same, but tables of this width from that day on stay: continues where it stopped
     python tests/bench/cost.py point_vortices        # only these
     python tests/bench/cost.py --quick --into /tmp/x # two systems, few methods, short: is all of it there?
     python tests/bench/cost.py --page                # figures and page from the tables

@@ -22,7 +22,7 @@ SYSTEMS = [("sublattice-rotations", *CUBIC, 20), ("sublattice-rotations", *CUBIC
 BUILDS = {"portable": dict(native=False), "native": dict(native=True)}
 BYTES = {"sublattice-rotations": 1.5 * 120}
 ROOM = np.ones(1 << 25)
-COLUMNS = ["method", "lattice", "spins", "portable, ns", "native, ns", "million spin steps a second", "memory, ns", "native / memory"]
+COLUMNS = ["method", "lattice", "spins", "portable, ns", "native, ns", "million spin steps per second", "memory, ns", "native / memory"]
 
 
 def turn(model) -> float:
@@ -52,7 +52,7 @@ def row(method: str, over: str, sites: str, n: int, repeats: int) -> dict:
     least = {name: min(times) for name, times in found.items()}
     limit = BYTES[method] / max(memory) if method in BYTES and models["native"].sites > 1e6 else None
     return {"method": method, "lattice": over.partition("(")[0], "spins": models["native"].sites, **{f"{name}, ns": round(t, 2) for name, t in least.items()},
-            "million spin steps a second": round(1e3 / least["native"]), "memory, ns": round(limit, 1) if limit else "",
+            "million spin steps per second": round(1e3 / least["native"]), "memory, ns": round(limit, 1) if limit else "",
             "native / memory": round(least["native"] / limit, 2) if limit else ""}
 
 

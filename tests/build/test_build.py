@@ -131,8 +131,8 @@ def test_cc_is_heeded(monkeypatch):
 
 @pytest.mark.parametrize("words, said", [
     ("gcc '", "No closing quotation"), ('"gcc', "No closing quotation"), ("gcc \\", "No escaped character"),
-    ("g++", "compiles C\\+\\+, not C"), ("gcc -x c++", "compiles C\\+\\+"), ("''", "is not there"), ("/", "is not there"),
-    ("/etc/passwd", "is not there"), ("{script}", "cannot run")])
+    ("g++", "compiles C\\+\\+, not C"), ("gcc -x c++", "compiles C\\+\\+"), ("''", "was not found"), ("/", "was not found"),
+    ("/etc/passwd", "was not found"), ("{script}", "cannot run")])
 def test_what_is_no_c_compiler(spec, tmp_path, monkeypatch, words, said):
     script = tmp_path / "cc"
     script.write_bytes(b"\x7fELF no program")
@@ -142,8 +142,8 @@ def test_what_is_no_c_compiler(spec, tmp_path, monkeypatch, words, said):
         build_library(spec, generate=Counting())
 
 
-@pytest.mark.parametrize("words, said", [("true", "made no library"), ("false", "made no library"), ("gcc --no-such", "no-such"),
-                                         ("gcc -E", "cannot load"), ("gcc -fvisibility=hidden", "shows no function")])
+@pytest.mark.parametrize("words, said", [("true", "did not write a library"), ("false", "did not write a library"), ("gcc --no-such", "no-such"),
+                                         ("gcc -E", "cannot load"), ("gcc -fvisibility=hidden", "does not export the function")])
 def test_compilers_that_make_no_library_of_use(toy, monkeypatch, words, said):
     monkeypatch.setenv("CC", words)
     with pytest.raises(smidgen.BuildError, match=said):

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.quick
 
 @pytest.fixture(autouse=True)
 def place(tmp_path, monkeypatch):
-    """A cache that is not there yet."""
+    """A cache that does not exist yet."""
     monkeypatch.setenv("SMIDGEN_CACHE", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
@@ -59,7 +59,7 @@ def linked(path):
     lambda e: os.chown(e, 12345, -1) if os.getuid() == 0 else e.chmod(0o702)])
 def test_what_is_not_as_it_was_made_is_made_again(damage):
     damage(made()[0])
-    with pytest.warns(UserWarning, match="damaged, or not ours alone"):
+    with pytest.warns(UserWarning, match="damaged or can be written by others"):
         found, count = made()
     assert count == 1 and (found / "a.so").read_bytes() == b"library" and made()[1] == 0
 
@@ -76,7 +76,7 @@ def test_a_damaged_library_never_runs(toy):
     binary = smidgen.build(toy).built.binary
     good = binary.read_bytes()
     flip(binary)
-    with pytest.warns(UserWarning, match="made again"):
+    with pytest.warns(UserWarning, match="rebuilt"):
         again = smidgen.build(toy).built.binary
     assert again.read_bytes() == good
 
@@ -87,7 +87,7 @@ def test_the_witness_is_watched_too(monkeypatch):
     library = native._built()
     good = library.read_bytes()
     flip(library)
-    with pytest.warns(UserWarning, match="made again"):
+    with pytest.warns(UserWarning, match="rebuilt"):
         assert native._built().read_bytes() == good
 
 
@@ -95,7 +95,7 @@ def test_the_witness_is_watched_too(monkeypatch):
 def test_a_cache_that_others_may_write_is_refused(place, mode):
     place.mkdir()
     place.chmod(mode)
-    with pytest.raises(smidgen.BuildError, match=f"others may write it .mode {mode:o}.*remove it.*SMIDGEN_CACHE"):
+    with pytest.raises(smidgen.BuildError, match=f"can be written by others .mode {mode:o}.*remove it.*SMIDGEN_CACHE"):
         made()
     assert list(place.iterdir()) == []
 

@@ -40,7 +40,7 @@ def test_laws_of_pieces_of_the_user_are_checked(tmp_path, sign, code):
     (tmp_path / "pump.toml").write_text(OWN.replace("SIGN", sign))
     (tmp_path / "plain.toml").write_text(OWN.partition("[test]")[0])
     found, out, err = effects("pump", "--test", "--library", tmp_path)
-    assert found == code and "turned(w0[0]" in out and ("a law does not hold: pump" in err) == bool(code)
+    assert found == code and "turned(w0[0]" in out and ("these laws do not hold: pump" in err) == bool(code)
     found, out, err = effects("plain", "--test", "--library", tmp_path, "--json")
     assert found == 0 and json.loads(out) == {"laws": [], "without": ["plain"]} and "without a [test]: plain" in err
 

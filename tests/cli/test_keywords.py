@@ -41,7 +41,7 @@ def test_a_method_or_a_start_in_the_place_of_the_run_is_told_where_it_goes():
     spec = smidgen.load("free_rigid_body")
     for name in OF_A_RUN[:-1]:
         more = {"sweep": {"out": "nowhere"}, "choose": {"error": 1e-6}}.get(name, {})
-        with pytest.raises(smidgen.UsageError, match="no run 'gauss-8'.*that is a method: method='gauss-8'"):
+        with pytest.raises(smidgen.UsageError, match="has no run 'gauss-8'.*that is a method: method='gauss-8'"):
             getattr(smidgen, name)(spec, "gauss-8", **more)
     with pytest.raises(smidgen.UsageError, match="its keyword `start`"):
         smidgen.ensemble(spec, *[[[1.0, 0.0, 0.0]]])

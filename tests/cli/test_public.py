@@ -156,14 +156,14 @@ def test_attributes_of_an_integrator_are_read_and_say_what_to_call(spec, model, 
     if started:
         model.start(h=0.1).steps(3)
     before = dict(vars(model))
-    with pytest.raises(smidgen.ReadOnlyError, match=f"'{name}' of Integrator is only read: .*(start|build|steps|set_parameters)\\(") as caught:
+    with pytest.raises(smidgen.ReadOnlyError, match=f"'{name}' of Integrator is read-only: .*(start|build|steps|set_parameters)\\(") as caught:
         setattr(model, name, 0.2)
     assert isinstance(caught.value, AttributeError) and all(vars(model)[n] is before[n] for n in before)
 
 
 @pytest.mark.parametrize("name", sorted(attributes(smidgen.Result)))
 def test_attributes_of_a_result_are_read(result, name):
-    with pytest.raises(smidgen.ReadOnlyError, match=f"'{name}' of Result is only read: .*run\\("):
+    with pytest.raises(smidgen.ReadOnlyError, match=f"'{name}' of Result is read-only: .*run\\("):
         setattr(result, name, None)
 
 

@@ -39,9 +39,9 @@ def test_shipped_specs(name):
 
 
 @pytest.mark.parametrize("name, method, features, layout, said", [
-    ("free_rigid_body", SPHERICAL, (), "single", "every site is solved alone, by Newton in closed form"),
-    ("free_rigid_body", SPHERICAL, ("ensemble",), "members", "every site is solved alone, by Newton in closed form"),
-    ("free_rigid_body", CLASSICAL, (), "sites", "every site is solved alone, by Newton in closed form"),
+    ("free_rigid_body", SPHERICAL, (), "single", "every site is solved separately, by Newton or in closed form"),
+    ("free_rigid_body", SPHERICAL, ("ensemble",), "members", "every site is solved separately, by Newton or in closed form"),
+    ("free_rigid_body", CLASSICAL, (), "sites", "every site is solved separately, by Newton or in closed form"),
     ("point_vortices", SPHERICAL, (), "few", FEW), ("point_vortices", SPHERICAL, ("extended",), "sites", "few sites: dense Newton"),
     ("heisenberg_chain", SPHERICAL, (), "rows", MIDPOINT_ROWS), ("heisenberg_chain", "gauss-4", (), "rows", STAGE_ROWS),
     ("heisenberg_chain", "sublattice-rotations", (), "rows", TURN_ROWS), ("heisenberg_chain", "cf4", (), "sites", "")])
@@ -90,8 +90,8 @@ def test_unknowns_of_a_site(method, unknowns):
 
 @pytest.mark.parametrize("name, method, solver, said", [
     ("heisenberg_chain", CLASSICAL, "rotation", "no solver 'rotation'"),
-    ("cubic_lattice", SPHERICAL, "newton", "here use solver rotation or plain"),
-    ("cubic_lattice", CLASSICAL, "newton", "here use solver plain"),
+    ("cubic_lattice", SPHERICAL, "newton", "use solver rotation or plain here"),
+    ("cubic_lattice", CLASSICAL, "newton", "use solver plain here"),
     ("nambu_a31", "gauss-4", "auto", "not for Nambu factors")])
 def test_what_does_not_go_together_is_refused(name, method, solver, said):
     with pytest.raises(UsageError, match=said):
@@ -132,7 +132,7 @@ def test_no_gradient_of_a_single_site_no_rotation_sweeps(name, solver):
     """A sum over all sites: no band either, and a small matrix as before."""
     found = with_more(name, SUM_BY_FFT)
     assert (found.solver, found.rotation) == (solver, False)
-    with pytest.raises(UsageError, match="solver rotation needs the gradient of a single site of every effect, and 'far' offers none"):
+    with pytest.raises(UsageError, match="solver rotation needs the gradient of a single site of every effect, and 'far' does not have it"):
         with_more(name, SUM_BY_FFT, solver="rotation")
 
 
@@ -146,7 +146,7 @@ def test_a_chain_whose_terms_have_no_gradient_of_a_single_site_is_solved_by_newt
 def test_a_site_that_is_solved_alone_needs_its_own_gradient():
     """Only where the contribution meets such a site: spins of a chain are not alone."""
     field = Contribution("field", (("w", "i"),), offers=OFFERS - {SITE_GRADIENT})
-    with pytest.raises(UsageError, match="solved alone needs the gradient of a single site"):
+    with pytest.raises(UsageError, match="solved separately needs the gradient of a single site"):
         with_more("free_rigid_body", field)
     assert with_more("two_bodies", field).solver == "dense"
 
@@ -155,7 +155,7 @@ def test_a_site_that_is_solved_alone_needs_its_own_gradient():
 def test_a_method_is_refused_where_a_contribution_lacks_what_it_asks(method):
     """Without a Hessian there is no Newton; methods of gradients alone take any, and the refusal names them."""
     if HESSIAN in METHODS[method].asks:
-        with pytest.raises(UsageError, match=f"method {method} needs the .* of every effect, and 'damping' offers none; use gauss-2 or "):
+        with pytest.raises(UsageError, match=f"method {method} needs the .* of every effect, and 'damping' does not have it; use gauss-2 or "):
             with_more("free_rigid_body", DAMPING, method)
     else:
         assert with_more("free_rigid_body", DAMPING, method).solver == METHODS[method].how[0]
@@ -165,7 +165,7 @@ def test_a_method_of_energies_refuses_what_is_none():
     """Moser and Veselov discretise a Lagrangian; the offers alone would let this pass."""
     method = next(m for m in METHODS if METHODS[m].free_body)
     twist = Contribution("twist", (("w", "i"),), conservative=False)
-    with pytest.raises(UsageError, match="'twist' is no gradient"):
+    with pytest.raises(UsageError, match="'twist' is not the gradient"):
         with_more("free_rigid_body", twist, method)
     assert with_more("free_rigid_body", twist).solver == "local"
 

@@ -64,7 +64,7 @@ def test_its_table_and_its_words(heun, tmp_path):
     assert ",".join(("kind", *COLUMNS)) in lines and sum(line.startswith("weak,heun,") for line in lines) == 4
     assert any(line.startswith("reference,spherical-midpoint,") for line in lines) and "# number = mz" in lines
     said = str(heun)
-    assert "mean of `mz` from t = 20 to 40" in said and "* the error of the step" in said and "time to an error of 0.1" in said
+    assert "mean of `mz` from t = 20 to 40" in said and "* the error due to the step" in said and "time to an error of 0.1" in said
 
 
 def test_the_time_for_an_error_has_both_kinds():
@@ -79,11 +79,11 @@ def test_the_time_for_an_error_has_both_kinds():
 
 
 def test_what_does_not_fit_is_refused(warm):
-    with pytest.raises(UsageError, match="no number 'my'"):
+    with pytest.raises(UsageError, match="no quantity 'my'"):
         smidgen.cost(warm, mean="my", seconds=1e-3)
-    with pytest.raises(UsageError, match="the error is that of a mean: general integrators"):
+    with pytest.raises(UsageError, match="the error of a mean is measured: `peers`"):
         smidgen.cost(warm, peers=True)
-    with pytest.raises(UsageError, match="the mean of `mz` is judged at a temperature, and there is none"):
+    with pytest.raises(UsageError, match="the mean of `mz` is defined at a temperature only"):
         smidgen.cost(warm, effects=["field"], mean="mz")
     assert METHODS["heun"].noise_within and not METHODS["cf4"].noise_within
 
@@ -113,7 +113,7 @@ def test_choose_measures_at_a_temperature(warm):
     assert abs(pick.row.error) < 0.05 and pick.cost.facts["number"] == "mz"
 
 
-@pytest.mark.parametrize("asked, said", [({}, "give the error of the mean"), ({"energy": 0.1}, "no step is symplectic"), ({"error": 0.1, "symplectic": True}, "no step is symplectic")])
+@pytest.mark.parametrize("asked, said", [({}, "the error of a mean"), ({"energy": 0.1}, "no step is symplectic"), ({"error": 0.1, "symplectic": True}, "no step is symplectic")])
 def test_choose_asks_for_the_error_of_a_mean(warm, asked, said):
     with pytest.raises(UsageError, match=said):
         smidgen.choose(warm, seconds=1e-3, **asked)

@@ -80,7 +80,7 @@ def page(found: dict) -> tuple[str, float, list]:
         "added up by header, line and branch.\n",
         f"**{100 * taken / total:.1f} %** of {total} branches are taken.\n",
         table(("header", "taken", "branches", "%"), [*per_header, ("all", taken, total, f"{100 * taken / total:.1f}")]) + "\n",
-        "## What no test takes\n",
+        "## Branches that no test takes\n",
         table(("header", "code", "taken", "why not all"),
               [(h, code(line), f"{a} of {b}", why.get(line, "")) for h, _, line, a, b in lacking]) + "\n"]
     return "\n".join(text), taken / total, [line for _, _, line, _, _ in lacking if line not in why]

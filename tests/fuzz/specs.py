@@ -1,6 +1,6 @@
 """Whole random specs through everything: reader, generator, four strict compilers, sanitizers, restore, witness.
 
-    python -m fuzz.specs --count 2000 --seed 0 --jobs 2     # goes on where it was stopped
+    python -m fuzz.specs --count 2000 --seed 0 --jobs 2     # continues where it stopped
     python -m fuzz.specs --scenes --count 1000              # scenes, which build on other files and use pieces
     python -m fuzz.specs --spec FILE                        # one saved text again
 

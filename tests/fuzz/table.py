@@ -44,9 +44,9 @@ def tables(counts, code: str, seeds: str, fewer: int, what="specs") -> str:
     """Markdown: layouts by kinds of methods, compilers by levels, and what came of all. fewer: specs whose steps were not all judged."""
     total = {v: sum(c[v] for c in counts) for v in ("specs", *VERDICTS)}
     kinds = sorted({kind(c["method"]) for c in counts})
-    head = (f"{total['specs']} {what}, {seeds}: {total['fine']} fine, {total['refused']} with a start or a step that is refused with a status, "
-            f"{total['fault']} faults; generator, witness and target {code}. The witness took fewer steps than the program for {fewer} of them, since "
-            "its own would have taken too long. Rows are how the steps went, not what the spec was written for.\n")
+    head = (f"{total['specs']} {what}, {seeds}: {total['fine']} passed, {total['refused']} refused with a status, "
+            f"{total['fault']} faults; generator, witness and target {code}. The witness took fewer steps than the program in {fewer} of them, to limit its time. "
+            "Rows are the layouts that were actually used, not those for which the specs were written.\n")
     return "\n".join([head, grid(counts, "layout", "layout", kinds, lambda c: kind(c["method"])), "",
                       grid(counts, "program", "program, under the sanitizers", LEVELS, lambda c: c["program"].split()[1], lambda text: text.split()[0]), "",
                       grid(counts, "library", "library", LEVELS, lambda c: c["library"].split()[1], lambda text: text.split()[0]), ""])

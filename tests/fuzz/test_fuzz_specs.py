@@ -181,7 +181,7 @@ def test_the_table_counts_every_spec():
     counts = counted(rows)
     assert sum(c["specs"] for c in counts) == 4 and sum(c["fine"] for c in counts) == 2
     text = tables(counts, "abc", "seeds 0 to 3", 2)
-    assert "4 specs, seeds 0 to 3: 2 fine, 1 with" in text and "fewer steps than the program for 2 of them" in text and "1 faults" in text and "| rows | 3 |  | 3 |" in text
+    assert "4 specs, seeds 0 to 3: 2 passed, 1 refused" in text and "fewer steps than the program in 2 of them" in text and "1 faults" in text and "| rows | 3 |  | 3 |" in text
 
 
 # -- each spec in a process of its own --------------------------------------------------------------

@@ -3,7 +3,7 @@
     PYTHONPATH=tests python -m hard.table                # both tiers, then the page
     PYTHONPATH=tests python -m hard.table --tier quick   # the quick tier, printed only
     PYTHONPATH=tests python -m hard.table --page         # the page from docs/hard.csv
-    PYTHONPATH=tests python -m hard.table ring           # the cases whose name holds "ring", printed only
+    PYTHONPATH=tests python -m hard.table ring           # the cases whose name contains "ring", printed only
     PYTHONPATH=tests python -m hard.table ring --merge   # the same, and their rows replaced in the page
 
 The exit code is 1 when a row does not hold.
@@ -41,7 +41,7 @@ class Line:
 
 
 def chosen(tiers, word) -> list[Case]:
-    """The cases of these tiers whose name holds `word`."""
+    """The cases of these tiers whose name contains `word`."""
     return [c for c in CASES if c.tier in tiers and word in c.name]
 
 
@@ -49,7 +49,7 @@ def table_of(one: Case, rows: list[Row], took: float) -> Table:
     """A case as a table for the terminal."""
     table = Table(title=f"{one.name}  [dim]({one.tier}, {took:.1f} s)[/]", title_justify="left", caption=one.about,
                   caption_justify="left", expand=True)
-    for name, share in (("", 1), ("measured of", 14), ("must be", 10), ("is", 10)):
+    for name, share in (("", 1), ("quantity", 14), ("criterion", 10), ("measured", 10)):
         table.add_column(name, ratio=share, overflow="fold")
     for row in rows:
         table.add_row("[green]✓[/]" if row.holds else "[bold red]✗[/]", *map(escape, (row.what, row.criterion, row.measured)))
@@ -67,7 +67,7 @@ def measure(cases) -> list[Line]:
     failed = [line for line in found if line.holds != "yes"]
     console.print(f"{len(cases)} cases, {len(found)} rows, {len(failed)} failed, none skipped")
     for line in failed:
-        console.print(f"[red]failed[/] {escape(f'{line.case}: {line.what}: must be {line.criterion}, is {line.measured}')}")
+        console.print(f"[red]failed[/] {escape(f'{line.case}: {line.what}: expected {line.criterion}, found {line.measured}')}")
     return found
 
 
@@ -103,7 +103,7 @@ def case_text(one: Case, lines) -> str:
     """A case in Markdown: what it asks, then its rows."""
     rows = [f"| {cell(r.what)} | {cell(r.criterion)} | {cell(r.measured)} | {r.holds} |" for r in lines if r.case == one.name]
     tier = "" if one.tier == "quick" else f" ({one.tier} tier)"
-    return "\n".join([f"### {one.name}{tier}", "", one.about, "", "| measured of | must be | is | holds |", "|---|---|---|---|", *rows])
+    return "\n".join([f"### {one.name}{tier}", "", one.about, "", "| quantity | criterion | measured | pass |", "|---|---|---|---|", *rows])
 
 
 def subject_text(name: str, lines) -> str:
@@ -118,7 +118,7 @@ def summary(lines) -> str:
     head = f"{len(CASES)} cases, {len(lines)} rows, {failed} failed, none skipped."
     each = [f"| {c.name} | {c.tier} | {sum(r.case == c.name for r in lines)} | "
             f"{'yes' if all(r.holds == 'yes' for r in lines if r.case == c.name) else 'NO'} |" for c in CASES]
-    return "\n".join([head, "", "| case | tier | rows | holds |", "|---|---|---|---|", *each])
+    return "\n".join([head, "", "| case | tier | rows | pass |", "|---|---|---|---|", *each])
 
 
 def page(lines) -> str:
@@ -134,7 +134,7 @@ def write_page():
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("word", nargs="?", default="", help="only cases whose name holds it")
+    parser.add_argument("word", nargs="?", default="", help="only cases whose name contains it")
     parser.add_argument("--tier", choices=TIERS, help="only this tier")
     parser.add_argument("--merge", action="store_true", help="put the rows of these cases into the table and the page")
     parser.add_argument("--page", action="store_true", help="only write the page from the table")
@@ -143,7 +143,7 @@ def main() -> int:
         return write_page() or 0
     cases = chosen((asked.tier,) if asked.tier else TIERS, asked.word)
     if not cases:
-        parser.error(f"no case holds '{asked.word}'")
+        parser.error(f"no case contains '{asked.word}'")
     lines = measure(cases)
     if asked.merge or len(cases) == len(CASES):
         write_table(merged(lines))

@@ -254,10 +254,10 @@ def test_everything_pinned_stands():
 
 @quick
 @pytest.mark.parametrize("text, said", [
-    ('over = "site(i) of w"\npinned = "i"', "needs a condition"), ('over = "site(i) of w"\nabsent = "w[i].z < 0"', "may not stand in a condition on sites"),
-    ('over = "site(i) of w"\nabsent = "t < 1"', "time `t` may not stand"), ('over = "pair(i, j) of w"\npinned = "i < j"', "speaks of the sites of a family"),
+    ('over = "site(i) of w"\npinned = "i"', "needs a condition"), ('over = "site(i) of w"\nabsent = "w[i].z < 0"', "is not allowed in a condition on sites"),
+    ('over = "site(i) of w"\nabsent = "t < 1"', "time `t` is not allowed"), ('over = "pair(i, j) of w"\npinned = "i < j"', "applies to the sites of a family"),
     ('over = "site(i) of w"\npinned = "i < 2"\nabsent = "i < 1"', "`pinned` and `absent`"), ('over = "site(i) of w"\npinned = "i < 2"\nenergy = "w[i].x"', "`pinned` and `energy`"),
-    ('pinned = "1 < 2"', "speaks of the sites of a family"), ('over = "site(i) of w"\npinned = "i < 2"\nform = "ll"', "no key `form`|unknown|form"),
+    ('pinned = "1 < 2"', "applies to the sites of a family"), ('over = "site(i) of w"\npinned = "i < 2"\nform = "ll"', "no key `form`|unknown|form"),
     ('over = "site(i) of w"\npinned = "unifrom(3, i) < 1"', "did you mean `uniform`")])
 def test_what_is_not_accepted(text, said):
     with pytest.raises(smidgen.SpecError, match=said):

@@ -300,11 +300,11 @@ def test_without_kT_there_is_nothing_of_it(name, method):
 @quick
 def test_what_does_not_go_with_noise_is_refused():
     spec = spec_of(SPIN, 2, more='[runs.demo]\nstart = "a"\nh = 0.05\nsteps = 20\n')
-    with pytest.raises(UsageError, match="noise has no step backward"):
+    with pytest.raises(UsageError, match="with noise, steps cannot be negative"):
         build(spec).start("a", h=-0.1)
     with pytest.raises(UsageError, match="no substeps of a scene with thermal noise"):
         smidgen.run(spec, substeps=True)
-    with pytest.raises(UsageError, match="feature tangent is for motion without noise"):
+    with pytest.raises(UsageError, match="feature tangent requires motion without noise"):
         build(spec, features=("tangent",))
     with pytest.raises(UsageError, match="ask for the error of a mean"):
         smidgen.choose(spec, energy=1e-3)
@@ -322,7 +322,7 @@ def test_what_does_not_go_with_noise_is_refused():
     with pytest.raises(RunError, match="a parameter or a size is out of range"):
         one.restore(late).step()        # from 2^48 steps on the counter would repeat itself
     result = smidgen.run(spec, estimate=True)
-    assert result.meta["end_error"] is None and "another path" in result.meta["end_error_withheld"]
+    assert result.meta["end_error"] is None and "a different trajectory" in result.meta["end_error_withheld"]
 
 
 @quick

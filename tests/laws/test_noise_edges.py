@@ -25,7 +25,7 @@ def test_what_cannot_be_a_state_with_noise_is_refused(place, values):
     for value in values:
         wrong = before.copy()
         wrong[place] = value
-        with pytest.raises(smidgen.RunError, match="no saved state"):
+        with pytest.raises(smidgen.RunError, match="not a saved state"):
             one.restore(wrong)
         np.testing.assert_array_equal(one.save(), before)
 

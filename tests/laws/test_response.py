@@ -144,19 +144,19 @@ def test_every_method_goes_to_the_same_end_at_its_order(method, name):
 @pytest.mark.quick
 def test_methods_without_such_a_step_refuse_it(method):
     spec = spec_of("body")
-    with pytest.raises(UsageError, match=r"does not support damping \(effect 'stub'\); use spherical-midpoint or|'stub' is no gradient of one"):
+    with pytest.raises(UsageError, match=r"does not support damping \(effect 'stub'\); use spherical-midpoint or|'stub' is not the gradient"):
         files_of(spec, LL.response(), method)
 
 
 @pytest.mark.quick
 def test_what_else_is_refused():
     """Extended precision, Nambu leaves, and two laws for one family."""
-    with pytest.raises(UsageError, match="feature extended is for sites that only precess"):
+    with pytest.raises(UsageError, match="feature extended requires sites that only precess"):
         files_of(spec_of("body"), LL.response(), features=("extended",))
-    with pytest.raises(UsageError, match="not on Nambu leaves, as 'w' is"):
+    with pytest.raises(UsageError, match="but 'w' is a Nambu factor"):
         files_of(smidgen.load("nambu_a31"), LL.response())
     twice = [Contribution(name, (("w", "i"),), conservative=False, response=LL.response()) for name in ("one", "two")]
-    with pytest.raises(UsageError, match="'two' is a second law by which 'w' moves"):
+    with pytest.raises(UsageError, match="'two' is a second law of motion for 'w'"):
         choose(spec_of("body"), "spherical-midpoint", "auto", (*contributions_of(spec_of("body")), *twice))
 
 

@@ -95,7 +95,7 @@ def test_an_observable_of_a_sublattice():
 
 @pytest.mark.parametrize("over, sites, said", [
     ("site(i) of honey.oxigen", NAMED, "no site in a cell of `honey` is called `oxigen`.*\n.*\n.*\n.*did you mean `oxygen`"),
-    ("site(i) of honey.oxygen", "2", "name the sites of a cell"), ("site(i) of honey.oxygen", '["a", "a"]', "have different names"),
+    ("site(i) of honey.oxygen", "2", "give the sites of a cell names"), ("site(i) of honey.oxygen", '["a", "a"]', "have different names"),
     ("site(i) of honey", NAMED, "there is no family `honey`"), ("pair(i, j) of honey.iron", NAMED, "`pair` runs over a family")])
 def test_what_is_no_sublattice_is_told(over, sites, said):
     with pytest.raises(smidgen.SpecError, match=said):
@@ -183,7 +183,7 @@ def test_no_compiler_warns(tmp_path, compiler, how):
 
 
 @pytest.mark.parametrize("over, said", [
-    ("bond(i of a, j) of film", "every site of the bond has its family, or none has"), ("bond(i of a, j of b) of film on a", "have their families already"),
+    ("bond(i of a, j) of film", "either every site of the bond has a family, or none has"), ("bond(i of a, j of b) of film on a", "already have families"),
     ("bond(i of a, j of a) of film", "a bond joins different sites"), ("bond(i, j) of film on a", "a bond joins different sites"),
     ("bond(i of a, j of c) of film", "there is no family `c`"), ("edge(i of a, j of b) of g", "only `each` and `bond`"), ("bond(i of a, j of b) of square(nx, nx, open)", "`a` has 20")])
 def test_what_joins_no_families_is_told(over, said):

@@ -86,7 +86,7 @@ def test_the_witness_finds_classes_of_which_no_two_bonds_meet():
     groups = splittings.classes(one, found)
     assert len(groups) == 2 * 12 - 1 and [part for _, part in groups].count(1.0) == 1
     assert sum(len(group) for group, _ in groups) == 2 * len(found) - len(groups[11][0])
-    with pytest.raises(RunError, match="two bonds of a class meet"):
+    with pytest.raises(RunError, match="two bonds of a class share a site"):
         splittings.apart(found)
 
 

@@ -217,7 +217,7 @@ def test_the_witness_does_not_trust_the_colours():
     good = splittings.proper(one, splittings.colours(one))
     bad = good.copy()
     bad[good == good.max()] -= 1
-    with pytest.raises(RunError, match="two sites of one colour"):
+    with pytest.raises(RunError, match="two sites of the same colour"):
         splittings.proper(one, bad)
 
 
@@ -297,7 +297,7 @@ PAIRS = {"logs": LOGS, "chain": model("heisenberg", RING.format(5, "open") + '"d
 
 @pytest.mark.quick
 @pytest.mark.parametrize("energy, said", [
-    ('"dot(w[i], w[j]) + w[i].z*w[j].z"', r"is not known as a function of dot\(w\[i\], w\[j\]\) alone"), ('"w[i].z"', "involves only a single site")])
+    ('"dot(w[i], w[j]) + w[i].z*w[j].z"', r"is not recognised as a function of dot\(w\[i\], w\[j\]\) alone"), ('"w[i].z"', "involves only a single site")])
 def test_what_stands_in_the_way_of_pairs_is_named(energy, said):
     with pytest.raises(UsageError, match="effect 'second' " + said):
         generate(model("no_pairs", BONDS + '"dot(w[i], w[j])"', BONDS + energy), method="pair-rotations")

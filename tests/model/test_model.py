@@ -76,7 +76,7 @@ def test_large_arrays_go_to_files(tmp_path):
     model.energy("anisotropy", "site(i) of w", -K[i]*w[i].dot(axis[i])**2)
     model.start("random", random=3)
     model.run("demo", start="random", h=0.1, steps=2)
-    with pytest.raises(UsageError, match=r"axis, K: an array of more than 1000 numbers stands in a file of its own; use save\(path\)"):
+    with pytest.raises(UsageError, match=r"axis, K: an array of more than 1000 numbers must be in a separate file; use save\(path\)"):
         model.to_toml()
     path = model.save(tmp_path / "many.toml")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["many.toml", "many_K.npy", "many_axis.npy"]
@@ -109,13 +109,13 @@ def test_other_effects_spaces_starts_and_units():
     (lambda m, w, i: m.parameter("a", np.ones((2, 2))), r"parameter 'a' has the shape \(2, 2\)"),
     (lambda m, w, i: m.parameter("a", np.ones(2), vector=True), r"parameter 'a' has the shape \(2,\)"),
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.gamma(w[i].z)), "`gamma` of sympy has no counterpart in the formulas of a spec"),
-    (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Function("erf")(w[i].z)), "`erf` is no function of specs; there are: abs"),
+    (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Function("erf")(w[i].z)), "specs have no function `erf`; there are: abs"),
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.oo*w[i].z), "`Infinity` of sympy has no counterpart"),
-    (lambda m, w, i: m.energy("e", "site(i) of w", object()), "a object is no formula"),
+    (lambda m, w, i: m.energy("e", "site(i) of w", object()), "a object is not a formula"),
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Piecewise((1, w[i].z > 0))), "a Piecewise needs a last piece"),
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Integer(10)**400*w[i].z), "an integer of 401 digits is beyond the largest number"),
-    (lambda m, w, i: w[i]*w[i], "two vectors are multiplied by `.dot` or `.cross`"),
-    (lambda m, w, i: w[i] + 3, "3 is no vector: a site such as")])
+    (lambda m, w, i: w[i]*w[i], "multiply two vectors with `.dot` or `.cross`"),
+    (lambda m, w, i: w[i] + 3, "3 is not a vector: use a site such as")])
 def test_what_is_refused_at_once(act, message):
     model = Model("refused")
     n = model.parameter("n", 2)

@@ -19,17 +19,17 @@ GENERATOR = ("gen/compile/derive/derivatives.py", "gen/compile/lower/lowering.py
 # What cannot be wrong, only slow, wordy or elsewhere in memory: no faults are planted there.
 SPARED = (
     ("runtime/core/smidgen.h", r".", "types, statuses and messages; no arithmetic"),
-    ("templates/model.*", r".", "the frame of a file: declarations and comments"),
+    ("templates/model.*", r".", "the outline of a file: declarations and comments"),
     ("gen/compile/emit/amalgamate.py", r".", "copies the runtime into the file; tests/build/test_build.py compiles it"),
     ("gen/compile/emit/text.py", r"comment|plain|return plain", "text of comments"),
     ("*", r"SMG_MAX_NEWTON|SMG_MAX_SWEEPS|SMG_TRIED_SWEEPS|SMG_NEWTON_STEPS|SMG_CONTINUATION_STEPS|SMG_LATE|SMG_FARTHEST|SMG_STRAIGHT|SMG_ALONG|SMG_PANEL\b"
-          r"|SMG_MAX_POINTS|SMG_CURVE_WORK|SMG_MAX_CORRECTIONS|^HISTORY|^SOLO|^ROWS|MOST_", "how long an iteration may take, how much it remembers: any value is right"),
+          r"|SMG_MAX_POINTS|SMG_CURVE_WORK|SMG_MAX_CORRECTIONS|^HISTORY|^SOLO|^ROWS|MOST_", "limits of iterations and lengths of histories, of which any value is correct"),
     ("gen/compile/emit/interface.py", r"_text=|comment\(|note = |counts = |title=", "comments of the header"),
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
     ("gen/compile/assemble/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
-    ("runtime/newton/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to the same solution"),
-    ("templates/abi.c.j2", r"free\(", "memory that is given back late; nobody links this file"),
-    ("gen/compile/assemble/buffers.py", r".", "room for arrays: more of it is no fault; less is for the sanitizers of tests/compile/test_generated_c.py"),
+    ("runtime/newton/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to compute the same solution"),
+    ("templates/abi.c.j2", r"free\(", "memory that is freed late; this file is not linked into programs"),
+    ("gen/compile/assemble/buffers.py", r".", "sizes of arrays: larger ones are not a fault; smaller ones are found by the sanitizers of tests/compile/test_generated_c.py"),
     ("runtime/lattice/smg_row_ranks.h", r".", "ranks of MPI: nothing else compiles it; tests/runtime/test_ranks.py compares all their bits"),
     ("runtime/lattice/smg_row_halo.h", r".", "the same"),
     ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),

@@ -48,7 +48,7 @@ def web(folder, n=60, m=150, energy=EXCHANGE, more=""):
 def test_sweeps_come_first(tmp_path):
     spec = web(tmp_path)
     files = generate(spec)
-    assert files.notes["solver"] == "sparse" and files.notes["reason"].startswith("graph: rotation sweeps while they settle soon, else Newton on")
+    assert files.notes["solver"] == "sparse" and files.notes["reason"].startswith("graph: rotation sweeps while they converge fast, otherwise Newton on")
     assert "SMG_SWEPT" in files["web.c"] and "SMG_SWEPT" not in generate(spec, solver="newton")["web.c"]
 
 

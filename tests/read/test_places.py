@@ -182,7 +182,7 @@ REFUSED = [     # what stands in the spec, its over, code, words of the cause, w
     ('name = "kagome"\nsites = 2', "own", "E210", "3 sites", "2"),
     ('name = "square"', "own.secnd", "E302", "no bonds `secnd`", "secnd"),
     ("", "square(n, n, periodic).ninth", "E302", "no shell `ninth`", "ninth"),
-    ("", "chain(n, periodic, 2).first", "E501", "distance already", "first"),
+    ("", "chain(n, periodic, 2).first", "E501", "distance of these neighbours is already given", "first"),
     ("", "kagom(n, n)", "E501", "no lattice `kagom(...)`", "kagom"),
     ("vectors = [[1, 0], [0.5, 0.86602]]", "own", "E502", "nearly one shell", "own"),
     ("vectors = [[1, 0], [0, 1000000]]", "own.sixth", None, "", ""),
@@ -256,7 +256,7 @@ def test_vectors_may_be_lengths():
     one, same = (in_units(lines) for lines in ('vectors = [["4.2 angstrom", 0], [0, "0.31 nm"]]', 'vectors = [[4.2, 0], [0, 3.1]]\nconstant = "1 angstrom"'))
     np.testing.assert_allclose(*(positions(each, "w", Evaluated(each).values) for each in (one, same)), rtol=1e-14)
     assert one.families[0].lattice.places.measured and one.families[0].lattice.places.unit == "angstrom"
-    for lines, words in [('vectors = [["4.2 angstrom", 0], [0, 3.1]]', "is a length, and this has no unit"), ('vectors = [["4.2 fs", 0], [0, "3 fs"]]', "and this is a time"),
+    for lines, words in [('vectors = [["4.2 angstrom", 0], [0, 3.1]]', "is a length, but this has no unit"), ('vectors = [["4.2 fs", 0], [0, "3 fs"]]', "but this is a time"),
                          ('constant = "1 nm"\nvectors = [["4.2 angstrom", 0], [0, "3 nm"]]', "and so is the constant")]:
         with pytest.raises(SpecError) as caught:
             in_units(lines)

@@ -61,7 +61,7 @@ def test_a_fault_in_any_block_is_found(monkeypatch, more, said):
 
 
 @pytest.mark.parametrize("start, said", [
-    ('x = "1 + (if(i == 11, 1, 0))"\ny = "0"\nz = "0"', "`w[11]` starts at length 2"),
+    ('x = "1 + (if(i == 11, 1, 0))"\ny = "0"\nz = "0"', "`w[11]` has length 2"),
     ('x = "1/(i - 13)"\ny = "0"\nz = "0"\nnormalise = true', "`w[13]` is not finite"),
     ('x = "i - 7"\ny = "0"\nz = "0"\nnormalise = true', "`w[7]` starts at zero")])
 def test_a_fault_of_a_start_in_any_block_is_found(monkeypatch, start, said):

@@ -127,12 +127,12 @@ REFUSED = [
     (dict(energy="r(i + 1).x"), "E308", "bound indices", "i + 1"),
     (dict(energy="r(i, i).x"), "E309", "vector of a bond", "r"),
     (dict(over="pair(i, j) of w", energy="r(i, j).x", more='[observables.o]\nover = "bond(i, j) of square(n, n)"\nvalue = "1"\n'), "E309", "vector of a bond", "r"),
-    (dict(over="pair(i, j) of w", energy="r(i).x"), "E501", "no places", "r"),
+    (dict(over="pair(i, j) of w", energy="r(i).x"), "E501", "no positions", "r"),
     (dict(over="bond(i, j) of bare", energy="r(i, j).x", count="n", more='[lattices.bare]\nsize = ["n"]\nboundary = "open"\nbonds.x = [{ offset = [1] }]\n'), "E501", "no vectors", "r"),
     (dict(energy="r(i)"), "E303", "a vector", "r(i)"),
     (dict(more='[lattices.a]\nname = "square"\nsize = ["n", "n"]\nboundary = "open"\n[lattices.b]\nname = "square"\nconstant = 2\nsize = ["n", "n"]\nboundary = "open"\n'
       '[effects.f]\nover = "bond(i, j) of a"\nenergy = "r(i).x"\n[effects.g]\nover = "bond(i, j) of b"\nenergy = "1"\n'), "E501", "several lattices", "r"),
-    (dict(more='[effects.f]\nover = "site(i) of w"\nenergy = "w[i].z"\n[runs.d]\nstart = "s"\nh = "r(0).x"\nsteps = 1\n[starts.s]\nrandom = 1\n'), "E309", "may not stand", "r"),
+    (dict(more='[effects.f]\nover = "site(i) of w"\nenergy = "w[i].z"\n[runs.d]\nstart = "s"\nh = "r(0).x"\nsteps = 1\n[starts.s]\nrandom = 1\n'), "E309", "is not allowed", "r"),
     (dict(count="skew", more=SKEW.replace("[2, 0]", "[0, 0]"), over="site(i) of w", energy="w[i].z"), "E307", "zero", "[0, 0]"),
 ]
 

@@ -169,8 +169,8 @@ def test_a_killed_run_goes_on_to_the_byte(tmp_path, monkeypatch, members, after_
 
 @quick
 @pytest.mark.parametrize("given, said", [
-    (dict(what=["my"]), "no number 'my'.*mz"), (dict(after=400), "no sample after t = 400"), (dict(after=-1), "no sample"), (dict(members=0), "one member or more"),
-    (dict(members=2, effects=["field"]), "no effect of the scene has kT"), (dict(bins=1), "two bins"), (dict(h=-0.1), "no step backward")])
+    (dict(what=["my"]), "no quantity 'my'.*mz"), (dict(after=400), "no sample after t = 400"), (dict(after=-1), "no sample"), (dict(members=0), "at least one member"),
+    (dict(members=2, effects=["field"]), "no effect of the scene has kT"), (dict(bins=1), "two bins"), (dict(h=-0.1), "steps cannot be negative")])
 def test_what_does_not_fit_is_refused(given, said):
     with pytest.raises(UsageError, match=said):
         smidgen.average(smidgen.load_text(SPIN), **given)
@@ -182,7 +182,7 @@ def test_files_that_are_none(tmp_path):
     with pytest.raises(UsageError, match="holds no averages"):
         smidgen.load_averages(tmp_path / "a.json")
     (tmp_path / "b.json.part").write_text('{"meta": 3}')
-    with pytest.raises(UsageError, match="not what a stopped run left"):
+    with pytest.raises(UsageError, match="was not left by an interrupted run"):
         smidgen.average(smidgen.load_text(SPIN), out=tmp_path / "b.json")
 
 
@@ -233,8 +233,8 @@ def test_a_run_gives_the_averages_that_its_spec_asks_for(tmp_path):
 @quick
 @pytest.mark.quick
 @pytest.mark.parametrize("averages, said", [
-    ({"waht": ["mz"]}, "averages have no 'waht'; did you mean 'what'?"), ({"": False}, "averages have no ''"), ({"what": False}, "averages: `what` is a list of names"),
-    ({"what": [1]}, "averages: `what` is a list of names"), ({"bins": 1}, "in two bins or more"), ({"after": -1}, "that is not negative"), ({"bins": "many"}, "bins")])
+    ({"waht": ["mz"]}, "averages have no 'waht'; did you mean 'what'?"), ({"": False}, "averages have no ''"), ({"what": False}, "averages: `what` must be a list of names"),
+    ({"what": [1]}, "averages: `what` must be a list of names"), ({"bins": 1}, "at least two bins"), ({"after": -1}, "that is not negative"), ({"bins": "many"}, "bins")])
 def test_averages_that_cannot_be(averages, said):
     with pytest.raises(UsageError, match=re.escape(said)):
         smidgen.run(smidgen.load_text(SPIN), steps=2, averages=averages)
@@ -247,9 +247,9 @@ def test_rows_beside_averages_and_averages_from_python():
     assert plain.meta["means"] is None and np.array_equal(found.values["mz"], plain.values["mz"])
     assert found.meta["means"]["mz"]["mean"] == pytest.approx(plain.values["mz"][50:].mean(), rel=1e-14)
     assert len(smidgen.run(spec, steps=50, what=(), averages={}).t) == 2
-    with pytest.raises(UsageError, match="no number 'my' in spin to be averaged"):
+    with pytest.raises(UsageError, match="spin has no quantity 'my' to average"):
         smidgen.run(spec, steps=5, averages={"what": ["my"]})
-    with pytest.raises(smidgen.SpecError, match="there is no number `mw` to be averaged"):
+    with pytest.raises(smidgen.SpecError, match="there is no quantity `mw` to average"):
         smidgen.load_text(AVERAGED.replace('"mz"', '"mw"'))
 
 

@@ -107,10 +107,10 @@ def test_what_cannot_be_a_saved_state_is_refused(chain, place, values):
     for value in values:
         wrong = before.copy()
         wrong[place] = value
-        with pytest.raises(smidgen.RunError, match="no saved state"):
+        with pytest.raises(smidgen.RunError, match="not a saved state"):
             chain.restore(wrong)
         np.testing.assert_array_equal(chain.save(), before)
-    with pytest.raises(smidgen.RunError, match="no saved state"):
+    with pytest.raises(smidgen.RunError, match="not a saved state"):
         chain.restore(before[:-1])
     chain.restore(before).steps(1)
 
@@ -130,7 +130,7 @@ def test_a_saved_state_is_on_its_spheres(name, method):
         for w in wrong:
             other = saved.copy()
             other[here] = w
-            with pytest.raises(smidgen.RunError, match="no saved state"):
+            with pytest.raises(smidgen.RunError, match="not a saved state"):
                 one.restore(other)
             assert one.restore(saved).save().tobytes() == saved.tobytes()
 

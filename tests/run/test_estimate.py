@@ -99,7 +99,7 @@ def test_the_reason_is_in_the_metadata_and_is_repeated(tmp_path, command):
     said = command("run", "irreversible_rigid_body", "--h", "1", "--steps", "10", "--json").stdout
     assert '"end_error_withheld": "' in said and '"end_error": null' in said
     said = command("run", "irreversible_rigid_body", "--h", "1", "--steps", "10").stdout
-    assert "error of the final state: not estimated: " in said and "estimated error" not in said
+    assert "error of the final state: no estimate: " in said and "estimated error" not in said
 
 
 @pytest.mark.quick
@@ -109,8 +109,8 @@ def test_the_loosest_tolerance_has_an_estimate_or_a_reason():
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("longest, words, taken, said", [(0.0, [], False, "--estimate asks for it"), (np.inf, [], True, "estimated error of the end: "),
-                                                         (0.0, ["--estimate"], True, "estimated error of the end: "), (np.inf, ["--no-estimate"], False, None)])
+@pytest.mark.parametrize("longest, words, taken, said", [(0.0, [], False, "use --estimate"), (np.inf, [], True, "estimated error of the final state: "),
+                                                         (0.0, ["--estimate"], True, "estimated error of the final state: "), (np.inf, ["--no-estimate"], False, None)])
 def test_a_long_run_is_repeated_where_that_is_asked_for(monkeypatch, capsys, tmp_path, longest, words, taken, said):
     """`longest`: the seconds up to which a run is short. The file says what was done, and its repetition, on a machine of any speed, has its bytes."""
     monkeypatch.setattr(module, "SHORT", longest)

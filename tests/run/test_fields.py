@@ -53,7 +53,7 @@ def test_a_snapshot_starts_the_run_that_goes_on(tmp_path, spec_text, ending):
 def test_sites_without_positions_are_no_picture_in_space(tmp_path):
     """A honeycomb has two sites in a cell: .vtk is refused and writes nothing, .ovf says what its positions are."""
     found = smidgen.run(smidgen.load_text(HONEY))
-    with pytest.raises(smidgen.UsageError, match="2 sites in a cell, and the spec gives them no positions"):
+    with pytest.raises(smidgen.UsageError, match="2 sites per cell, and the spec gives no positions"):
         smidgen.snapshot(found, tmp_path / "a.vtk")
     assert not list(tmp_path.iterdir())
     assert b"Desc: the sites of a cell stand at fractions of its diagonal" in smidgen.snapshot(found, tmp_path / "a.ovf").read_bytes()
@@ -63,13 +63,13 @@ def test_states_that_there_are_not(tmp_path, film, result):
     for choice, said in [({"time": 0.5}, "nearest is at 0.[46]"), ({"row": 9}, "no row 9"), ({"row": 1, "time": 0.2}, "either")]:
         with pytest.raises(smidgen.UsageError, match=said):
             smidgen.snapshot(result, tmp_path / "a.ovf", **choice)
-    with pytest.raises(smidgen.UsageError, match="ends in .ovf, .vtk"):
+    with pytest.raises(smidgen.UsageError, match="end in .ovf, .vtk"):
         smidgen.snapshot(result, tmp_path / "a.txt")
     with pytest.raises(smidgen.OutputError, match="cannot write"):
         smidgen.snapshot(result, tmp_path / "none" / "a.ovf")
     without = smidgen.run(film, what=["energy"])
     assert np.array_equal(load_field(smidgen.snapshot(without, tmp_path / "a.ovf")).vectors, without.final)
-    with pytest.raises(smidgen.UsageError, match="no states but the last"):
+    with pytest.raises(smidgen.UsageError, match="contains only the last state"):
         smidgen.snapshot(without, tmp_path / "a.ovf", row=0)
 
 
@@ -190,28 +190,28 @@ def test_files_of_others(tmp_path, ending, data):
     (".ovf", OOMMF.replace("2.0", "1.0"), "not in the format OVF 2.0"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 3"), "6 numbers, not 9"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 1"), "6 numbers, not 3"),
-    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 90000000"), "promises"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 90000000"), "header implies"),
     (".ovf", OOMMF.replace("xnodes: 2", "xnodes: 999999999999"), "from 1 to 100000000 sites"),
-    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: -2"), "lacks 'xnodes'"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: -2"), "'xnodes' is missing"),
     (".ovf", OOMMF.replace("# xnodes: 2", "# xnodes: 2\n# xnodes: 3"), "'xnodes' twice"),
-    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: \u0662"), "lacks 'xnodes'"),
-    (".ovf", OOMMF.replace("dim: 3 ", "dim: 1 "), "no vectors"),
+    (".ovf", OOMMF.replace("xnodes: 2", "xnodes: \u0662"), "'xnodes' is missing"),
+    (".ovf", OOMMF.replace("dim: 3 ", "dim: 1 "), "does not contain vectors"),
     (".ovf", OOMMF.replace("count: 1", "count: 2"), "several segments"),
-    (".ovf", OOMMF.replace("Text", "Binary 8"), "promises|order of its bytes"),
+    (".ovf", OOMMF.replace("Text", "Binary 8"), "implies|byte order"),
     (".ovf", OOMMF.replace("-1   0 0", "-1   0"), "5 numbers, not 6"),
     (".ovf", OOMMF.replace("-1   0 0", "-1 x 0"), "damaged"),
-    (".ovf", OOMMF.replace("rectangular", "irregular"), "lacks 'pointcount'"),
+    (".ovf", OOMMF.replace("rectangular", "irregular"), "'pointcount' is missing"),
     (".ovf", "# OOMMF OVF 2.0\n" + 300 * "# a: b\n", "no data"),
     (".ovf", b"", "not in the format"),
-    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 3"), "do not fit"),
-    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 90000000").replace("DATA 2", "DATA 90000000"), "promises"),
+    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 3"), "VECTORS is not that"),
+    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 90000000").replace("DATA 2", "DATA 90000000"), "header implies"),
     (".vtk", PARAVIEW.replace("-1\n0 0\n", "-1\n0     \n"), "have 5 numbers, not 6"),
-    (".vtk", PARAVIEW.replace("VECTORS", "TENSORS"), "'TENSORS' is not read"),
-    (".vtk", PARAVIEW.replace("STRUCTURED_POINTS", "STRUCTURED_GRID"), "'DATASET' is not read"),
-    (".vtk", PARAVIEW.replace("ASCII", "BINARY"), "promises"),
+    (".vtk", PARAVIEW.replace("VECTORS", "TENSORS"), "'TENSORS' cannot be read"),
+    (".vtk", PARAVIEW.replace("STRUCTURED_POINTS", "STRUCTURED_GRID"), "'DATASET' cannot be read"),
+    (".vtk", PARAVIEW.replace("ASCII", "BINARY"), "header implies"),
     (".vtk", PARAVIEW[:PARAVIEW.index("VECTORS")], "no VECTORS"),
-    (".vtk", VERSION_5.replace(b"CELLS 3", b"CELLS 9000"), "promises"),
-    (".vtk", VERSION_5.replace(b"float 2", b"float 900"), "promises"),
+    (".vtk", VERSION_5.replace(b"CELLS 3", b"CELLS 9000"), "header implies"),
+    (".vtk", VERSION_5.replace(b"float 2", b"float 900"), "header implies"),
     (".vtk", b"\x00" * 100, "not in the legacy format"),
 ])
 def test_what_is_no_such_file_is_refused_in_words(tmp_path, ending, data, said):
@@ -275,5 +275,5 @@ def test_numbers_beyond_those_that_are_promised_are_refused(tmp_path):
     whole = path.read_bytes()
     at = whole.index(b"# End: Data") - 1
     path.write_bytes(whole[:at] + np.ones(3).tobytes() + whole[at:])
-    with pytest.raises(smidgen.UsageError, match="do not end where they should"):
+    with pytest.raises(smidgen.UsageError, match="do not end in the right place"):
         load_field(path)

@@ -40,7 +40,7 @@ def test_checkpoints_that_find_no_room(tmp_path, patient_disk, monkeypatch, room
     assert caught.value.exit_code == Exit.OUTPUT and not out.exists()
     if folder_of(out).exists():
         saved = Folder(out).parts("state")[-1].number if Folder(out).parts("state") else 0
-        assert f"The first {saved} steps are safe" in str(caught.value)
+        assert f"The first {saved} steps are saved" in str(caught.value)
         assert f"smidgen run --resume {out}" in str(caught.value)
         assert not [p for p in folder_of(out).iterdir() if p.suffix == ".new"]
     else:

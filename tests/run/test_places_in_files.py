@@ -130,12 +130,12 @@ def test_results_keep_the_places(tmp_path, results, name):
 
 
 def test_what_no_file_can_hold(tmp_path, results):
-    for key, name, said in [("honeycomb", "a.vtr", "not boxes"), ("honeycomb", "a.vti", "not boxes"), ("flat", "a.vtx", "ends in")]:
+    for key, name, said in [("honeycomb", "a.vtr", "not boxes"), ("honeycomb", "a.vti", "not boxes"), ("flat", "a.vtx", "end in")]:
         with pytest.raises(UsageError, match=said):
             smidgen.snapshot(results[key], tmp_path / name)
     bare = smidgen.run(smidgen.load_text(SPEC.format(lattice='size = [4]\nboundary = "open"\nbonds.first = [{ offset = [1] }]', shell="")))
     for name in ("a.vtu", "a.vtr"):
-        with pytest.raises(UsageError, match="no places"):
+        with pytest.raises(UsageError, match="no positions"):
             smidgen.snapshot(bare, tmp_path / name)
     assert bare.positions is None and not list(tmp_path.iterdir())
 

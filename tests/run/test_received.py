@@ -186,7 +186,7 @@ def test_metadata_of_the_wrong_shape(tmp_path, good, key, wrong):
         path = tmp_path / "a.csv"
         path.write_bytes(with_meta(".csv", good[".csv"], json.dumps(changed)))
         if key in changed or key not in received.ADDED:
-            with pytest.raises(smidgen.UsageError, match=f"{key}|no JSON") if changed != meta else pytest.raises(AssertionError):
+            with pytest.raises(smidgen.UsageError, match=f"{key}|not JSON") if changed != meta else pytest.raises(AssertionError):
                 assert smidgen.load_result(path) is None
 
 
@@ -254,7 +254,7 @@ def test_a_zip_bomb(tmp_path, good):
     data[at + 20:at + 28] = b"\xfe\xff\xff\xff" * 2
     path.write_bytes(data)
     judged(path)
-    refused(path, "promises")
+    refused(path, "header implies")
 
 
 def test_members_that_lie_on_each_other(tmp_path, good):
@@ -270,7 +270,7 @@ def test_members_that_lie_on_each_other(tmp_path, good):
     path = tmp_path / "a.npz"
     path.write_bytes(data[:end] + 100 * entry + tail)
     judged(path)
-    refused(path, "promises")
+    refused(path, "header implies")
 
 
 def planted(h5, folder, how):
@@ -333,7 +333,7 @@ def test_columns_that_do_not_fit(tmp_path, good, name, shape):
     path, arrays = tmp_path / "a.npz", dict(np.load(io.BytesIO(good[".npz"])))
     first = next(iter(json.loads(str(arrays["meta"]))["families"]))
     path.write_bytes(saved(**{**arrays, first if name == "w" else name: np.zeros(shape)}))
-    refused(path, "does not fit|lacks")
+    refused(path, "does not fit|lacks|missing")
     path.write_bytes(saved(**{k: v for k, v in arrays.items() if k != "t"}))
     refused(path, "lacks")
 

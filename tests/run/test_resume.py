@@ -111,7 +111,7 @@ def test_damage_that_cannot_be_got_round_is_refused(stopped, kind):
 def test_no_state_left_is_refused(stopped):
     for part in Folder(stopped).parts("state"):
         spoil(part)
-    refused(stopped, "no state before it is left")
+    refused(stopped, "there is no earlier state")
 
 
 def test_every_bit_of_a_part_is_watched(stopped):
@@ -135,7 +135,7 @@ def test_another_version_is_refused(stopped, monkeypatch):
 def test_another_compiler_is_refused(stopped, monkeypatch):
     build = import_module("smidgen.build.binary")
     monkeypatch.setattr(build, "compiler_version", lambda words: "another compiler 1.0")
-    refused(stopped, "begun with another compiler")
+    refused(stopped, "started with another compiler")
 
 
 def test_another_format_is_refused(stopped, monkeypatch):
@@ -156,17 +156,17 @@ def test_one_run_at_a_time(stopped, unbroken):
 @pytest.mark.parametrize("checkpoint", [None, 40])
 def test_saved_work_is_not_thrown_away(stopped, checkpoint):
     before = content(folder_of(stopped))
-    with pytest.raises(smidgen.CheckpointError, match=r"not finished \(120 steps are saved\).*--resume"):
+    with pytest.raises(smidgen.CheckpointError, match=r"unfinished run \(120 steps are saved\).*--resume"):
         chain_run(stopped, checkpoint=checkpoint)
     assert content(folder_of(stopped)) == before
     assert not stopped.exists()
 
 
 def test_nothing_to_go_on_with(tmp_path, unbroken):
-    with pytest.raises(smidgen.CheckpointError, match="nothing was saved.*--checkpoint"):
+    with pytest.raises(smidgen.CheckpointError, match="there is no checkpoint.*--checkpoint"):
         smidgen.resume(tmp_path / "none.h5")
     folder_of(tmp_path / "empty.h5").mkdir()
-    with pytest.raises(smidgen.CheckpointError, match="nothing was saved"):
+    with pytest.raises(smidgen.CheckpointError, match="there is no checkpoint"):
         smidgen.resume(tmp_path / "empty.h5")
 
 
@@ -293,10 +293,10 @@ def test_the_command(command, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("words, said", [
-    (["run", "--resume", "none.h5"], "nothing was saved"),
-    (["run", "free_rigid_body", "--resume", "a.h5"], "leave SPEC"),
-    (["run", "--resume", "a.h5", "--steps", "5"], "only --json"),
-    (["run", "--resume", "a.h5", "--out", "b.h5"], "leave SPEC"),
+    (["run", "--resume", "none.h5"], "there is no checkpoint"),
+    (["run", "free_rigid_body", "--resume", "a.h5"], "omit SPEC"),
+    (["run", "--resume", "a.h5", "--steps", "5"], "--json only"),
+    (["run", "--resume", "a.h5", "--out", "b.h5"], "omit SPEC"),
     (["run", "free_rigid_body", "--checkpoint", "5"], "--out result.h5"),
     (["run", "free_rigid_body", "--checkpoint", "5", "--out", "-"], "--out result.h5"),
     (["run", "free_rigid_body", "--checkpoint", "0", "--out", "a.h5"], "checkpoint must be")])

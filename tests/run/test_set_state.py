@@ -114,7 +114,7 @@ def test_what_cannot_be_a_state_is_refused_and_the_state_stays():
                 act()
         model.w[:] = kept
         assert bits(model.save()) == bits(saved)      # the same w: nothing was written
-    with pytest.raises(ReadOnlyError, match="w\\[:\\] = "):
+    with pytest.raises(ReadOnlyError, match="write to w"):
         model.w = kept
     model.w[1] *= 1 + 1e-13
     assert abs(np.linalg.norm(model.step().w[1]) - 1) < 5e-16
@@ -125,7 +125,7 @@ def test_the_tangent_map_of_a_step_ends_where_w_is_written():
     v = np.ones_like(model.w)
     model.tangent(v.copy())
     model.w[:] = kicked(model.w)
-    with pytest.raises(RunError, match="no step taken"):
+    with pytest.raises(RunError, match="no step has been taken"):
         model.tangent(v.copy())
     model.push_forward(v, 2)
 

@@ -166,6 +166,6 @@ def test_the_command_warns(pulse, tmp_path, monkeypatch, capsys):
     assert main(["run", "pulse.toml"]) == 4
     assert main(["run", "pulse.toml", "--substeps"]) == 0
     said = capsys.readouterr().out
-    assert "warning" in said and "in parts" in said and "symplectic" in said
+    assert "warning" in said and "replaced by smaller ones" in said and "symplectic" in said
     assert main(["run", "pulse.toml", "--substeps", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["in_parts"] == 2

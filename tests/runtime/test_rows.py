@@ -327,10 +327,10 @@ def test_threads_have_the_same_bits(monkeypatch, quiet_threads, name, threads):
 
 
 def test_threads_where_there_are_none():
-    with pytest.raises(smidgen.UsageError, match="have one thread"):
+    with pytest.raises(smidgen.UsageError, match="use one thread"):
         smidgen.build(smidgen.load("free_rigid_body"), threads=2)
     for wrong in (0, -1, 1.5, True, 10**6):
-        with pytest.raises(smidgen.UsageError, match="threads are a number"):
+        with pytest.raises(smidgen.UsageError, match="threads must be a number"):
             smidgen.build(SPECS["plain cubic"], threads=wrong)
 
 

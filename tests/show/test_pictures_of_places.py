@@ -134,17 +134,17 @@ def test_a_part_and_a_layer():
     assert part.seen(where, part.part_of("z=3.2")).said == "the layer z = 3, one of 6"
 
 
-@pytest.mark.parametrize("given, said", [("q=1", "names x, y or z, not 'q'"), ("x", "is written x=0:20"), ("x=1,z=2", "one layer at most"), ("x=3:1", "is empty: 3 is not below 1"),
-                                         ("x=a", "a number or a range"), ("x=nan", "a number or a range"), ("x=90:99", "no site lies in this part; the lattice reaches from")])
+@pytest.mark.parametrize("given, said", [("q=1", "refers to x, y or z, not 'q'"), ("x", "is written x=0:20"), ("x=1,z=2", "at most one layer"), ("x=3:1", "is empty: 3 is not below 1"),
+                                         ("x=a", "a number or a range"), ("x=nan", "a number or a range"), ("x=90:99", "no site is in this part; the lattice extends from")])
 def test_a_wrong_part_is_refused(given, said, film, tmp_path):
     with pytest.raises(UsageError, match=said):
         draw.plot(film, part=given, out=tmp_path / "p.png")
 
 
 def test_what_has_no_places_has_no_part(top, film, tmp_path):
-    with pytest.raises(UsageError, match="no family of this result has places"):
+    with pytest.raises(UsageError, match="no family of this result has positions"):
         draw.plot(top, part="x=0:1", out=tmp_path / "p.png")
-    with pytest.raises(UsageError, match="a part is for the kind 'places' and for films, not for 'energy'"):
+    with pytest.raises(UsageError, match="a part can be drawn with the kind 'places' and in films, not with 'energy'"):
         draw.plot(film, kind="energy", part="x=0:1", out=tmp_path / "p.png")
 
 
@@ -164,13 +164,13 @@ def test_a_film_has_its_outputs(film, ring, tmp_path):
 
 @pytest.mark.skipif(films.writers.is_available("ffmpeg"), reason="ffmpeg is installed")
 def test_a_film_without_ffmpeg_is_refused(film, tmp_path):
-    with pytest.raises(MissingTool, match="needs the program ffmpeg, which is not found: install it, or write film.gif"):
+    with pytest.raises(MissingTool, match="needs the program ffmpeg, which was not found: install it, or write film.gif"):
         draw.plot(film, out=tmp_path / "film.mp4")
     assert not list(tmp_path.iterdir())
 
 
 def test_a_film_of_a_curve_is_refused(film, tmp_path):
-    with pytest.raises(UsageError, match="leave --kind out, not 'energy'"):
+    with pytest.raises(UsageError, match="omit --kind instead of 'energy'"):
         draw.plot(film, kind="energy", out=tmp_path / "film.gif")
 
 

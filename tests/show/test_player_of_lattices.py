@@ -63,7 +63,7 @@ setTimeout(() => {
 
 
 def slab():
-    """Spins that turn about z, each from an azimuth of its own; site 23 is not there."""
+    """Spins that turn about z, each from an azimuth of its own; site 23 is missing."""
     i, t = np.arange(24), np.arange(5)[:, None]
     w = np.stack([np.cos(i + 0.1 * t), np.sin(i + 0.1 * t), 0 * i + 0 * t], axis=-1)
     w[:, 23] = 0

@@ -159,7 +159,7 @@ LAYERS = {      # a lattice; the directions that are drawn; the sites of the low
     "crystal": ("cubic(4, 3, 2, periodic)", 24, (0, 1), np.arange(12).reshape(3, 4), "the lowest of 2 layers"),
     "edge": ("cubic(1, 4, 5, open)", 20, (1, 2), np.arange(20).reshape(5, 4), ""),
     "ladder": ("square(12, 2, open)", 24, (0, 1), np.arange(24).reshape(2, 12), ""),
-    "honeycomb": ("honey.all", 32, (0, 1), np.arange(32).reshape(4, 8), "schematic: the 2 sites of a cell side by side"),
+    "honeycomb": ("honey.all", 32, (0, 1), np.arange(32).reshape(4, 8), "schematic: the 2 sites of a cell are drawn side by side"),
 }
 
 
@@ -248,14 +248,14 @@ def test_what_a_run_does_not_call_is_no_lattice_of_it():
         assert (pictures.suitable(drawn, False) == "lattice") == (effects == ["film"])
 
 
-@pytest.mark.parametrize("run, said", [("noise", "'noise' names none of a spec$"), ("picture.png", "say --out picture.png")])
+@pytest.mark.parametrize("run, said", [("noise", "'noise' cannot select another$"), ("picture.png", "use --out picture.png")])
 def test_a_result_has_no_runs(top, run, said):
     with pytest.raises(UsageError, match=said):
         draw.plot(top, run, kind="sphere")
 
 
 def test_a_chain_is_no_such_lattice(ring):
-    with pytest.raises(UsageError, match="is known of this result: draw the kind 'chain'"):
+    with pytest.raises(UsageError, match="this result has no lattice of two or three directions: use the kind 'chain'"):
         pictures.draw_lattice(ring)
 
 
@@ -289,7 +289,7 @@ def test_the_callers_own_style_survives(top, tmp_path):
 # -- errors ----------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("kind, out, words", [
-    ("energie", None, "did you mean 'energy'"), ("energy", "a.gif", "leave --kind out"),
+    ("energie", None, "did you mean 'energy'"), ("energy", "a.gif", "omit --kind"),
     ("player", "a.png", ".html"), ("energy", "a.html", "player"), ("auto", "a.tiff", "ending"),
 ])
 def test_wrong_wishes_are_usage_errors(kind, out, words, top, tmp_path):

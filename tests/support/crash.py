@@ -77,10 +77,10 @@ def instants(seed, count, longest):
 
 
 def begin_or_resume(path, begin):
-    """Go on with `path`, or begin it when nothing was saved."""
+    """Go on with `path`, or begin it when there is no checkpoint."""
     try:
         return smidgen.resume(path)
     except smidgen.CheckpointError as problem:
-        if "nothing was saved" not in str(problem):
+        if "there is no checkpoint" not in str(problem):
             raise
         return begin(path)

@@ -98,7 +98,7 @@ def advise(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
     s = settle(spec, run, start=start, method=method, solver=solver, h=h if stated else 1.0, steps=1, every=1,
                effects=effects, parameters=parameters, seed=seed)
     if not METHODS[s.method].midpoint:
-        raise UsageError(f"advise follows the step equation of a midpoint method; {METHODS[s.method].title} has another")
+        raise UsageError(f"advise applies to midpoint methods; {METHODS[s.method].title} has another step equation")
     model = model_of(spec.calm, s)
     w = model.start(s.own_start, h=s.h, seed=s.seed).w.copy()
     return advice_for(model, w, 0.0, s.h, s.run, stated,

@@ -9,8 +9,8 @@ from .rates import SAMPLES
 COARSE = 1.5            # radians by which the fastest motion turns in a step: beyond, its phase is not given
 ENDS = {
     "fold": "the step equation has a fold at h = {limit:.6g}, made by {sites}{through}",
-    "centre": "near h = {limit:.6g} the midpoint of {sites} runs into the centre{of}, and no step exists beyond",
-    "edge": "near h = {limit:.6g} the midpoint of {sites} comes to the edge of where its Casimir or its energy{of} is defined",
+    "centre": "near h = {limit:.6g} the midpoint of {sites} reaches the centre{of}; no step exists beyond that",
+    "edge": "near h = {limit:.6g} the midpoint of {sites} leaves the region where its Casimir or its energy{of} is defined",
     "trial": "a step of {said} ({sites}), and the limit is near h = {limit:.6g}",
 }
 
@@ -18,7 +18,7 @@ ENDS = {
 def reason(end, h: float, sites: str, t: float | None) -> str:
     """Why not more than h > 0: what ends the steps, from the state at the time t, None: the start."""
     if end.kind == "open":
-        return "there the fastest motion turns once around in a step; accuracy decides"
+        return "at this step the fastest motion makes a full turn per step; accuracy is the limit"
     effect = f"effect '{end.effect}'"
     text = ENDS[end.kind].format(limit=end.limit, sites=sites, said=end.said,
                                  through=f" through {effect}" if end.effect else "", of=f" ({effect})" if end.effect else "")
@@ -41,8 +41,7 @@ def sentences(a) -> list[str]:
     if a.spacing is not None:
         lines += _clock(a)
     if not a.completes:
-        lines.append(f"Even with h = {a.h:.6g} a step fails around t = {a.failing:.6g}, or has no margin there: "
-                     "the run may not come to its end.")
+        lines.append(f"Even with h = {a.h:.6g} a step fails around t = {a.failing:.6g}, or has no margin: the run may not be completed.")
     if a.run_h is not None:
         lines.append(_own(a))
     return lines
@@ -50,7 +49,7 @@ def sentences(a) -> list[str]:
 
 def _head(a) -> str:
     what = "start" if not a.span else "run"
-    return (f"No step from the states looked at has a limit up to h = {a.h:.6g}: {a.reason}." if a.kind == "open" else
+    return (f"No limit was found up to h = {a.h:.6g}: {a.reason}." if a.kind == "open" else
             f"The largest safe step for this {what} is h = {a.h:.6g}: {a.reason}.")
 
 
@@ -76,7 +75,7 @@ def _clock(a) -> list[str]:
         changes += f", {math.tau / a.change / a.fine:.2g} with h = {a.fine:.3g}"
     abrupt = f"Somewhere H changes within less than {a.spacing:.3g}, as at a jump: a step across it is less accurate."
     return [f"H depends on time{changes}.", *([abrupt] if a.abrupt else []),
-            f"Its strength was looked at every {a.spacing:.3g} of t, over {a.span:.6g}; a pulse shorter than that may be missed."]
+            f"Its strength was looked at every {a.spacing:.3g} of t over {a.span:.6g}; a pulse shorter than that may have been missed."]
 
 
 def _per_period(h: float, a) -> str:
@@ -88,10 +87,10 @@ def _per_period(h: float, a) -> str:
 def _looked(a) -> str:
     """Which states and times the advice was found from: a margin there, none elsewhere."""
     if not a.span:
-        return "Looked at: this state alone. Where bodies come closer later, a smaller step may be needed."
+        return "Only this state was examined. If bodies come closer later, a smaller step may be needed."
     runs = " and ".join(f"with h = {h:.6g} to t = {t:.6g} ({count} steps)" for h, count, t in a.orbits)
-    room = f"a step {ROOM} times as large as advised exists from each of {a.states} of its states" if a.completes else "not all of it"
-    return (f"Looked at: the run, {a.span:.6g} long, {runs}; {room}. "
+    room = f"a step {ROOM} times as large exists from each of {a.states} of its states" if a.completes else "not all of it"
+    return (f"Examined: the run, of length {a.span:.6g}, {runs}; {room}. "
             "Other starts, and later times, may need a smaller step.")
 
 
@@ -101,5 +100,5 @@ def _own(a) -> str:
     turn = abs(a.run_h) * a.rate
     off = f"; {_off(turn)}" if 0 < turn < COARSE else f"; the fastest rotation turns by {turn:.3g} rad in it, {_off(turn)}" if turn else ""
     off += f"; steps per period of H: {_per_period(a.run_h, a)}" if a.change else ""
-    what = "the largest step that was looked at" if a.kind == "open" else "the largest safe step"
+    what = "the largest step examined" if a.kind == "open" else "the largest safe step"
     return f"The run's h = {a.run_h:.6g} is {side} {what}, {a.h:.6g}{off}."

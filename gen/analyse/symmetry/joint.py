@@ -262,5 +262,5 @@ def looked_for(asked: Asked) -> list[str]:
         said.append("quadratic forms of all sites together")
     elif len(one.places) > 1:
         why = f"{len(one.places)} sites, of at most {bounds.JOINT}" if len(one.places) > bounds.JOINT else f"more than {bounds.TERMS} terms, or too much work"
-        return [*said, f"not quadratic forms that join sites ({why})"]
+        return [*said, f"not searched: quadratic forms that couple sites ({why})"]
     return said

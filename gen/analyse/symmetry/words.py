@@ -34,8 +34,7 @@ def _value(v) -> str:
 
 def _jumps(r):
     for name, size in r.jumps.items():
-        yield (f"The energy of '{name}' jumps, by {size:.2g} in one of its terms, where a vector crosses an edge of a floor, mod, if or comparison: there energy is not "
-               "conserved, no method has an order, and a step across may be refused or be one of several solutions.")
+        yield (f"The energy of '{name}' jumps, by {size:.2g} in one of its terms, where a vector crosses an edge of a floor, mod, if or comparison: energy is not conserved there, no method has its order, and a step across the edge may fail or have several solutions.")
 
 
 def _rotations(r):
@@ -64,8 +63,8 @@ def _damping(r):
                f"neither energy nor momentum is conserved.{falls}")
     if r.heated:
         when = "within" if METHODS[r.method].noise_within else "before and after"
-        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} {when} each step; their lengths stay. "
-               f"{_stationary(r)} A path is that of its seed and its h.")
+        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} {when} each step; their lengths are unchanged. "
+               f"{_stationary(r)} A trajectory is determined by its seed and h.")
 
 
 def _stationary(r) -> str:
@@ -73,24 +72,23 @@ def _stationary(r) -> str:
     if r.pushed:
         return "Torques act as well: exp(-H/kT) is not stationary."
     order = "h" if METHODS[r.method].noise_within else "h^2 whatever the method"
-    return f"Where all have one kT, H depends on no time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order {order}."
+    return f"If all have the same kT, H does not depend on time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order {order}."
 
 
 def _torques(r):
     """What torques give up, and what holds."""
     if r.pushed:
-        symmetric = f" A step of -h{', without the noise,' * bool(r.heated)} still undoes a step of h." if METHODS[r.method].symmetric else ""
-        yield (f"Torques move the sites of {' and '.join(r.pushed)}, which no energy could do: steps are not symplectic, and neither energy nor momentum is "
+        symmetric = f" A step of -h{', without the noise,' * bool(r.heated)} is still the inverse of a step of h." if METHODS[r.method].symmetric else ""
+        yield (f"Torques move the sites of {' and '.join(r.pushed)}, which is not the motion of any energy: steps are not symplectic, and neither energy nor momentum is "
                f"conserved; torques may add energy as well as remove it. They are tangent, so lengths are preserved.{symmetric}")
 
 
 def _held(r):
     """What sites that stand give up."""
     if r.standing:
-        yield (f"Sites of {' and '.join(r.standing)} stand still and are felt by the others: total momentum is not conserved. What moves is Hamiltonian in their field; "
-               "of integrals the energy alone is looked for.")
+        yield (f"Sites of {' and '.join(r.standing)} do not move but act on the others: total momentum is not conserved. The motion of the others is Hamiltonian; the only integral searched for is the energy.")
     if r.absent:
-        yield f"Sites of {' and '.join(r.absent)} are absent, in no term and in no sum."
+        yield f"Sites of {' and '.join(r.absent)} are absent from all terms and sums."
     if r.standing or r.absent:
         yield "No explicit splitting can be used, because some sites are pinned or absent."
 
@@ -98,7 +96,7 @@ def _held(r):
 def _by_site(r):
     """What prevents the fast layout."""
     if r.by_site:
-        yield f"The steps of its lattice go site by site, not by rows in lanes, because {r.by_site}."
+        yield f"Its lattice is processed site by site, not by rows in lanes, because {r.by_site}."
 
 
 def _numbers(count: int) -> str:
@@ -106,7 +104,7 @@ def _numbers(count: int) -> str:
 
 
 def _kept(r, i) -> str:
-    return f"kept exactly by {METHODS[r.method].title}" if i.kept else f"not shown to be kept exactly by {METHODS[r.method].title}: {i.why}"
+    return f"preserved exactly by {METHODS[r.method].title}" if i.kept else f"not shown to be preserved exactly by {METHODS[r.method].title}: {i.why}"
 
 
 def _linear(r):
@@ -148,18 +146,18 @@ def _casimirs(r):
 
 def _searched(r):
     if r.searched:
-        yield f"Integrals looked for, beside the energy: {'; '.join(r.searched)}. Others may exist."
+        yield f"Integrals searched for, besides the energy: {'; '.join(r.searched)}. Others may exist."
 
 
 def _signs(r):
     if r.energy_changes is not False:
         return
     if (-1, -1, -1) in r.signs:
-        yield "H is even: w -> -w turns the motion around in time."
+        yield "H is even: w -> -w reverses the motion in time."
     mirrors = ["".join(c for c, x in zip("xyz", s) if x < 0) for s in r.signs if math.prod(s) < 0 and sum(s) == 1]
     if mirrors:
         yield (f"H is unchanged by the mirror images {', '.join(f'{m} -> -{m}' for m in mirrors)}: "
-               "each turns the motion around in time.")
+               "each reverses the motion in time.")
     halves = ["xyz"[s.index(1)] for s in r.signs if sum(s) == -1]
     if halves:
         yield f"H is unchanged by half a turn about {', '.join(halves)}."

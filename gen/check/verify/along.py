@@ -28,6 +28,6 @@ def along(case: Case, subject) -> list[Row]:
 
 def run_row(case: Case, subject, count, run) -> Row:
     if case.settings.method not in EQUATIONS:
-        return not_applicable("run", "the interpreter has no residual of this method")
+        return not_applicable("run", "the interpreter cannot compute residuals of this method")
     note = f"{'all' if count == run else 'the first'} {count} steps"
     return at_most("run", worst(case, subject, case.path, 0.0, case.h), RESIDUAL, note)

@@ -40,19 +40,19 @@ CONTRACTS = 0.5         # row sums of |F' - 1|: the only solution near is the on
 def branch(case: Case, subject) -> list[Row]:
     """One row: which part of the long steps that were followed back ended on another branch."""
     if case.settings.method not in EQUATIONS:
-        return [not_applicable("branch", "the interpreter has no residual of this method")]
+        return [not_applicable("branch", "the interpreter cannot compute residuals of this method")]
     if case.sites > LARGEST:
-        case.unseen.append(f"whether long steps end on another branch: more than {LARGEST} sites")
+        case.unseen.append(f"whether long steps end on another branch (more than {LARGEST} sites)")
         return [not_applicable("branch", f"more than {LARGEST} sites: the interpreter's matrix is dense")]
     taken, found = 0, []
     for w, t, unit in places(case):
         tried = [(angle * unit, step(subject, w, t, angle * unit)) for angle in ANGLES]
         taken += sum(after is not None for _, after in tried)
         found += [judged(case, w, after - w, t, h) for h, after in suspects(w, tried)]
-    case.unseen.append(f"branches of other steps than {taken} long ones that were taken")
-    undecided = f", {found.count(None)} of which in vain" * (None in found)
+    case.unseen.append(f"whether steps other than {taken} long ones are on the branch")
+    undecided = f", {found.count(None)} of which without result" * (None in found)
     wrong = found.count(False)
-    note = f"{taken} long steps taken, {len(found)} of them followed back{undecided}; on another branch: {wrong}"
+    note = f"{taken} long steps, {len(found)} followed back to h = 0{undecided}; on another branch: {wrong}"
     return [at_most("branch", wrong / max(len(found), 1), SHARE, note)]
 
 

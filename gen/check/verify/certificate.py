@@ -85,7 +85,7 @@ class Certificate:
         f = self.facts
         table = Table(title=f"{f['spec']} {f['run']}: {f['method']}, h = {f['h']:g}, {f['sites']} "
                             f"site{'s' * (f['sites'] != 1)}: {'yes' if self.passed else 'NO'}")
-        table.caption = f"Not looked at: {'; '.join(f['not_looked_at'])}." if f["not_looked_at"] else None
+        table.caption = f"Not measured: {'; '.join(f['not_looked_at'])}." if f["not_looked_at"] else None
         for column in ("property", "measured", "criterion", "", "note"):
             table.add_column(column, overflow="fold")
         styles = {"yes": "green", "no": "bold red", "does not apply": "dim"}
@@ -125,7 +125,7 @@ def certify(spec: Spec, run=None, *, tier="normal", features=(), layouts=False, 
             seed_of_checks=SEED, **given) -> Certificate:
     """All checks of one run; `subject` in place of the generated code. Arguments as `verify`."""
     if not (tier in STATES or isinstance(tier, int) and not isinstance(tier, bool) and tier >= 1000):
-        raise UsageError("tier is \"quick\", \"normal\" or a number of steps from 1000 up")
+        raise UsageError("tier must be \"quick\", \"normal\" or a number of steps of at least 1000")
     settings = settle(spec, run, **lengthened(spec, run, given))
     noisy, spec = spec, spec.calm
     case = Case(spec, settings, STATES.get(tier, STATES["normal"]), seed_of_checks, tier, features, layouts)

@@ -38,7 +38,7 @@ def contraction(case: Case, subject) -> list[Row]:
         went = by_rows(one, case, float(np.copysign(2 * x, case.h)))
         seen += went is not None
         most = largest(most, factor(x, rate, own)) if went else most
-    note = f"of {seen} steps beside |h| = {2 * edge:.3g}, where the factor is 1"
+    note = f"of {seen} steps near |h| = {2 * edge:.3g}, where the factor is 1"
     return [at_most("by rows", most, 1, note)]
 
 

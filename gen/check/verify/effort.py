@@ -38,11 +38,11 @@ def effort(case: Case, subject) -> list[Row]:
     if method.how[:1] == ("explicit",):
         return neither("the method is explicit")
     if one is None:
-        return neither("this integrator shows no saved states")
+        return neither("this integrator does not save states")
     try:
         path = Steps(case, another(one))
     except RunError as error:
-        return neither(f"the steps end before a history is whole: {error}")
+        return neither(f"the steps ended before the history was complete: {error}")
     if not method.midpoint:
         return [cold(path), *neither("its history does not contain increments of steps")[1:3], tolerance(path)]
     return [iterations(path), predictor(path), settled(path), tolerance(path)]

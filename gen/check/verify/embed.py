@@ -23,16 +23,16 @@ def read_certificate(file, scene, method: str, solver: str, features=()) -> list
     """The lines for the header of a selected spec. Raises UsageError for a file that does not fit."""
     data = parsed(file)
     if data.get("format") != FORMAT or data.get("version") != VERSION:
-        raise UsageError(f"{file}: no {FORMAT} of version {VERSION}")
+        raise UsageError(f"{file} is not a {FORMAT} of version {VERSION}")
     asked = {"fingerprint": (fingerprint(scene, method, solver, features),
-                             "another spec, method or solver, or of other effects, values or features"),
+                             "another spec, method or solver, or for other effects, values or features"),
              "generator_digest": (generator_digest(), "another version of the generator")}
     for key, (mine, what) in asked.items():
         if data.get(key) != mine:
-            raise UsageError(f"{file}: the certificate is of {what}; `smidgen verify` makes a new one")
+            raise UsageError(f"{file}: the certificate is of {what}; create a new one with `smidgen verify`")
     rows = [checked(file, entry) for entry in listed(file, data)]
     if data.get("passed") is not all(row.verdict != NO for row in rows):
-        raise UsageError(f"{file}: what it says of the whole is not what its rows say")
+        raise UsageError(f"{file}: its verdict does not follow from its rows")
     return lines(rows, positive(file, data, "h"), positive(file, data, "sites"))
 
 
@@ -47,7 +47,7 @@ def parsed(file) -> dict:
     except (ValueError, RecursionError):
         data = None
     if not isinstance(data, dict):
-        raise UsageError(f"{file}: no certificate: not a JSON object of at most {BYTES} bytes")
+        raise UsageError(f"{file} is not a certificate: not a JSON object of at most {BYTES} bytes")
     return data
 
 
@@ -65,10 +65,10 @@ def checked(file, entry: dict) -> Row:
     name, said, relation = entry["name"], entry.get("verdict"), entry.get("relation")
     measured, bound = (number(file, name, entry.get(key)) for key in ("measured", "bound"))
     if said not in VERDICTS or relation not in (MOST, LEAST, ""):
-        raise UsageError(f"{file}: row '{name}' has a verdict or a relation that is none")
+        raise UsageError(f"{file}: row '{name}' has an invalid verdict or relation")
     bare = (measured, bound) == (None, None) and (said != YES or name == "order")     # an exact step has no order
     if not (said == verdict(measured, relation, bound) if relation else bare):
-        raise UsageError(f"{file}: the verdict of row '{name}' is not what its numbers say")
+        raise UsageError(f"{file}: the verdict of row '{name}' does not follow from its numbers")
     return Row(name, measured, relation, bound, said)
 
 
@@ -77,7 +77,7 @@ def number(file, name, value) -> float | None:
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < 1e300:
-        raise UsageError(f"{file}: row '{name}' holds what is no finite number")
+        raise UsageError(f"{file}: row '{name}' contains a value that is not a finite number")
     return float(value)
 
 

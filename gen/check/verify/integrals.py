@@ -99,7 +99,7 @@ def form(site, s):
 def integrals(case: Case, subject, known: Known) -> list[Row]:
     """Momentum, quadratic integrals, energy."""
     return [kept(case, subject, "momentum", known.momentum, no_momentum(case)),
-            kept(case, subject, "quadratic integrals", known.quadratic, "no single site has any that the method keeps"),
+            kept(case, subject, "quadratic integrals", known.quadratic, "no single site has any that the method conserves"),
             energy(case, subject, known)]
 
 
@@ -109,7 +109,7 @@ def no_momentum(case: Case) -> str:
         return case.scene.given_up("momentum")
     if method.keeps_linear:
         return "no rotation leaves H unchanged"
-    return "not claimed: the parts of H keep none by themselves" if method.splitting else "not claimed of this method"
+    return "not claimed: the parts of H do not conserve any individually" if method.splitting else "not claimed of this method"
 
 
 def kept(case: Case, subject, name, found, otherwise) -> Row:
@@ -140,9 +140,9 @@ def energy(case: Case, subject, known: Known) -> Row:
     if not case.scene.conservative:
         return not_applicable("energy", case.scene.given_up("energy"))
     if not known.energy:
-        return not_applicable("energy", "not claimed: H is no sum of integrals that the method keeps")
+        return not_applicable("energy", "not claimed: H is not a sum of integrals that the method conserves")
     if subject.energy(case.w, 0.0) is None:
-        return not_applicable("energy", "this integrator shows no energy")
+        return not_applicable("energy", "this integrator does not provide the energy")
     worst = largest(*(energy_change(case, subject, *trial) for trial in case.trials()))
     return at_most("energy", worst, ULPS)
 

@@ -34,7 +34,7 @@ def beside(spec: Spec, case: Case, model: Integrator) -> Row:
     """STEPS steps from the start, C and interpreter."""
     s = case.settings
     if not case.small or s.method not in METHODS:
-        return not_applicable("noise", "the interpreter takes no steps of this size or method")
+        return not_applicable("noise", "the interpreter cannot take steps of this size or method")
     mine = model.start(case.w.copy(), h=case.h, seed=SEED).steps(STEPS).state()
     other = Witness(spec, s.parameters, s.effects, seed=SEED).steps(case.w, 0.0, case.h, STEPS, s.method)[-1]
     bound = CONTROLLED if METHODS_OF_SPECS[s.method].controlled else STEP

@@ -32,7 +32,7 @@ STEPS = 8
 def order(case: Case, subject) -> list[Row]:
     """One row: the worst of all states of one step, and of the flow."""
     if METHODS[case.settings.method].controlled:
-        return [not_applicable("order", "the method takes steps of its own, to a tolerance")]
+        return [not_applicable("order", "the method chooses its own steps, for a tolerance")]
     local = [(one_step(case, subject, w, t), t) for w, t in case.points]
     flow = against_flow(case, subject)
     claimed = METHODS[case.settings.method].order
@@ -40,7 +40,7 @@ def order(case: Case, subject) -> list[Row]:
     worst, t = with_smallest(known, itemgetter(0)) if known else (None, 0.0)
     both = [p for p in (worst, flow) if p is not None]
     if not both:
-        return [Row("order", None, "", None, "yes", "exact: errors at round-off at every step")]
+        return [Row("order", None, "", None, "yes", "exact: errors at round-off for every h")]
     notes = [f"{worst:.3f} of one step at t = {t:.4g}" if known else "one step is exact",
              f"{flow:.3f} against the flow" if flow is not None else "exact against the flow"]
     return [at_least("order", smallest(*both), claimed * (1 - SLACK / 2), "; ".join(notes))]

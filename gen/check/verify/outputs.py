@@ -23,7 +23,7 @@ STATES = 12
 def outputs(case: Case, subject) -> list[Row]:
     """One row: the worst column."""
     if subject.outputs(case.w.astype(LONG), 0.0) is None:
-        return [not_applicable("outputs", "this integrator writes no values")]
+        return [not_applicable("outputs", "this integrator does not provide values")]
     gaps, sizes, seen = {}, {}, 0
     for w, t in places(case):
         try:

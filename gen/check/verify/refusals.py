@@ -31,7 +31,7 @@ SHORTEST = 1e-3
 def refusals(case: Case, subject) -> list[Row]:
     """One row: how many steps were refused although they have a solution on the right branch."""
     if case.settings.method not in EQUATIONS:
-        return [not_applicable("refusals", "the interpreter has no residual of this method")]
+        return [not_applicable("refusals", "the interpreter cannot compute residuals of this method")]
     if case.sites > LARGEST and not linear(case):
         case.unseen.append(f"whether steps are refused without need: more than {LARGEST} sites and a field that is not linear")
         return [not_applicable("refusals", f"more than {LARGEST} sites and a field that is not linear: no bound is known")]

@@ -21,7 +21,7 @@ def restore(case: Case, subject) -> list[Row]:
     """One row: the part of the breaks after which something differs, at the start of the run and at its end."""
     one = getattr(subject, "double", None)
     if one is None:
-        return [not_applicable("restore", "this integrator saves no states")]
+        return [not_applicable("restore", "this integrator does not save states")]
     one, other, found = another(one), another(one), []
     breaks = BREAKS[:max(3, case.of_tier(WORK) // (case.sites * 3 * (max(BREAKS) + FOLLOWED)) * len(BREAKS))]
     try:

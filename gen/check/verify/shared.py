@@ -115,7 +115,7 @@ def same_bits(case: Case, one: Integrator, places, calls, wanted) -> list[Row]:
         for threads in (1, 2):
             waves.append(path(ways.start(*place, threads, wave=True), calls) == bits)
             went = went or ways.in_wave()
-    note = f"{sum(calls)} steps by two threads, where a lattice of this size has one"
+    note = f"{sum(calls)} steps by two threads, although a lattice of this size uses one"
     return [at_most("threads", teams.count(False), 0, note), wavefronts(case, waves, went)]
 
 
@@ -123,7 +123,7 @@ def wavefronts(case: Case, same, went) -> Row:
     """Where a lattice is too small for one even with the smallest blocks, nothing was seen."""
     if went:
         return at_most("wavefronts", same.count(False), 0, "forced on a lattice of this size")
-    case.unseen.append("steps in wavefronts, by which lattices of 60 MB and more go: this one is too small to force one")
+    case.unseen.append("wavefronts, which lattices from 60 MB on use: this one is too small")
     return not_applicable("wavefronts", "too few sites, or a method without them")
 
 
@@ -148,7 +148,7 @@ def ranks(case: Case, one: Integrator, places, calls, wanted) -> Row:
         try:
             said = subprocess.run(command, capture_output=True, text=True, errors="replace", env={**os.environ, **TOGETHER}, timeout=LIMIT)
         except subprocess.TimeoutExpired:
-            return refused("ranks", f"two ranks have not come to an end within {LIMIT} s")
+            return refused("ranks", f"two ranks did not finish within {LIMIT} s")
         found = [folder / f"found-{k}" for k in (0, 1)]
         if not all(file.exists() for file in found):
             why = next((line for line in said.stderr.splitlines() if line.strip(" -")), f"exit code {said.returncode}")

@@ -30,15 +30,15 @@ SAMPLES = 48            # starts times sites
 def sums(case: Case, subject) -> list[Row]:
     """One row: the rms over starts and sites of the summed residuals, in units of what plain sums leave."""
     if "plain-sums" in case.features:
-        return [not_applicable("sums", "plain sums were asked for")]
+        return [not_applicable("sums", "plain sums were requested")]
     if case.settings.method not in EQUATIONS:
-        return [not_applicable("sums", "the interpreter has no residual of this method")]
+        return [not_applicable("sums", "the interpreter cannot compute residuals of this method")]
     starts = np.array([case.nudged(0.1) for _ in range(max(4, -(-SAMPLES // case.sites)))])
     h = small(case, starts)
     try:
         ends = subject.run(starts, 0.0, h, range(1, STEPS + 1))
     except RunError as error:
-        return [not_applicable("sums", f"orbits beside the start cannot be followed for {STEPS} steps: {error}")]
+        return [not_applicable("sums", f"orbits near the start cannot be followed for {STEPS} steps: {error}")]
     parts = np.concatenate([left(case, states, h) for states in np.concatenate([starts[None], ends]).swapaxes(0, 1)])
     if not parts.size:
         return [not_applicable("sums", "nothing moves")]

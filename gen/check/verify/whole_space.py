@@ -30,7 +30,7 @@ GRIDDED = 64            # sites for which it is
 def whole_space(case: Case, subject) -> list[Row]:
     """One row: the largest residual in ulps, from all the states that are not refused."""
     if case.settings.method not in EQUATIONS:
-        return [not_applicable("whole space", "the interpreter has no residual of this method")]
+        return [not_applicable("whole space", "the interpreter cannot compute residuals of this method")]
     starts = spread(case, max(FEWEST, min(MOST, case.of_tier(WORK) // case.sites)))
     found, ends = 0.0, []
     for (t, h), group in groups(case, starts).items():
@@ -38,14 +38,14 @@ def whole_space(case: Case, subject) -> list[Row]:
             found = largest(found, worst(case, subject, states, t, h))
             ends.append(states[-1])
     if not ends:
-        return [not_applicable("whole space", "no step can be taken from any of the states")]
+        return [not_applicable("whole space", "no step succeeds from any of the states")]
     return [at_most("whole space", found, ACCEPTED, said(case, len(starts), np.array(ends)))]
 
 
 def said(case: Case, asked, ends) -> str:
     """What was seen; what was not is kept for the certificate."""
     gap = f"{100 * largest_gap(ends):.2g} %"
-    case.unseen.append(f"other states than those of the run, those beside its start, and {len(ends)} over the whole "
+    case.unseen.append(f"states other than those of the run, those near its start, and {len(ends)} over the whole "
                        f"space (caps of up to {gap} of the sphere of a site contain none of them)")
     left_out = f", {asked - len(ends)} more were refused" * (asked > len(ends))
     return f"{FOLLOW} steps from {len(ends)} states{left_out}; the largest empty cap is {gap} of a sphere"

@@ -31,7 +31,7 @@ def witness_check(case: Case, subject) -> list[Row]:
 def formulas(case: Case, subject) -> list[Row]:
     """Field and energy at the states of the case and at others beside, at the busiest times."""
     if subject.field(case.w, 0.0) is None:
-        why = "this integrator shows no field and no energy"
+        why = "this integrator does not provide the field and the energy"
         return [not_applicable("field", why), not_applicable("energy formula", why)]
     places = [*case.points, *((case.nudged(0.3), t) for t in case.times()[:STATES["normal"]])]
     found = [x for x in (formula_gaps(case, subject, w, t) for w, t in places) if x is not None]
@@ -57,7 +57,7 @@ def step(case: Case, subject) -> Row:
     """One step beside the interpreter's, in ulps that the step may stretch."""
     method = case.settings.method
     if not case.small:
-        return not_applicable("step", "the interpreter's matrix is dense: the residual is looked at instead")
+        return not_applicable("step", "the interpreter's matrix is dense: the residual is used instead")
     if method not in METHODS:
         return not_applicable("step", "the interpreter has no such method")
     found = [float(np.abs(subject.step(w, t, h) - case.witness.step(w, t, h, method)).max())
@@ -69,6 +69,6 @@ def residual(case: Case, subject) -> Row:
     """|W - w - h X(m)| of single steps without history."""
     method = case.settings.method
     if method not in EQUATIONS:
-        return not_applicable("residual", "the interpreter has no residual of this method")
+        return not_applicable("residual", "the interpreter cannot compute residuals of this method")
     found = (worst(case, subject, np.array([w, subject.step(w, t, h)]), t, h) for w, t, h in case.trials())
     return at_most("residual", largest(*found), RESIDUAL)

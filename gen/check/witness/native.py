@@ -77,4 +77,4 @@ def _problem(said: str):
     if "gsl" in said and ("No such file" in said or "not found" in said or "cannot find" in said):
         return MissingTool("the witness needs GSL: apt-get install libgsl-dev")
     first = next((line for line in said.splitlines() if "error" in line), said[:200])
-    return BuildError(f"the witness does not compile: {first}", log=said)
+    return BuildError(f"the witness cannot be compiled: {first}", log=said)

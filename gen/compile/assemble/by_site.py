@@ -18,7 +18,7 @@ from .site_values import MOST, differs
 def of_lattices(model) -> str | None:
     """The bonds: "" where there are none of a lattice, and nobody asks."""
     found = {(t.over.size, t.over.sites) for t in model.fields if isinstance(t.over, Lattice)}
-    return "" if not found else "its bonds are those of several lattices" if len(found) > 1 else None
+    return "" if not found else "its bonds belong to several lattices" if len(found) > 1 else None
 
 
 def of_family(model, f) -> str | None:
@@ -45,12 +45,12 @@ def of_laws(model, low, laws) -> str | None:
         return f"{model.method.title} has no step by rows with `{effects[0]}`"
     names = " and ".join(f"`{c.name}`" for c in model.contributions if c.response is not None or c.push)
     if any(map(indexed, laws.values())):
-        return f"what sites do by {names} differs from site to site"
+        return f"the motion of sites by {names} differs from site to site"
     if any(low.when(x.expr) >= CLOCK for law in laws.values() for x in response_kernel(low, law).results):
-        return f"what sites do by {names} depends on time"
+        return f"the motion of sites by {names} depends on time"
     if model.moving and any(x != Num(0) for law in laws.values() for x in (*law.F0, *law.Q0)):
         torques = " and ".join(f"`{c.name}`" for c in model.contributions if c.push)
-        return f"some sites do not move, and the torque {torques} turns sites where there is no field"
+        return f"some sites do not move, and the torque {torques} moves sites even where there is no field"
     return None
 
 
@@ -58,7 +58,7 @@ def of_term(low, t) -> str | None:
     """A term of the energy: it is in one piece, smooth, and the same in every cell, or one of single sites or of bonds of two."""
     name = f"`{t.derived.term.name}`"
     if not isinstance(t.over, (Lattice, Sites)):
-        return f"{name} is a sum over neither sites nor bonds of the lattice"
+        return f"{name} is neither a sum over the sites nor over the bonds of the lattice"
     if switched(t.derived):
         return f"{name} has branches"
     if t.weights():

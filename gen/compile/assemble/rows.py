@@ -74,7 +74,7 @@ def rows(model, low):
     f, laws = model.families[0], laws_of(model.contributions)
     over = one_lattice(model.lattices(f.name))
     why_not = of_lattices(model)
-    why_not = why_not if why_not is not None else of_family(model, f) or of_laws(model, low, laws) or (None if over else "its sites feel no bond")
+    why_not = why_not if why_not is not None else of_family(model, f) or of_laws(model, low, laws) or (None if over else "its sites have no bonds")
     if why_not is None and not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
         why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
     if why_not is not None:

@@ -130,7 +130,7 @@ class Extended(Part):
 
     def fits(self, model):
         if model.responses:
-            raise UsageError("feature extended is for sites that only precess in their field")
+            raise UsageError("feature extended requires sites that only precess in their field")
 
     def functions(self, model):
         return wide_functions(model)

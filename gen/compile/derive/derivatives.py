@@ -136,9 +136,7 @@ class NoRealValue(UsageError):
     """A formula without a finite real value, whatever the state."""
 
     def __init__(self, where: str = "a formula"):
-        super().__init__(f"{where} has no finite real value, whatever the state: it divides by what is always zero, or takes a "
-                         "root, a logarithm or a power of what never has one; write it so that it is defined, with "
-                         "`max` or `if` around what is not")
+        super().__init__(f"{where} has no finite real value for any state: it divides by something that is always zero, or takes a root, a logarithm or a power outside its domain; use `max` or `if` to restrict it to its domain")
 
 
 UNREAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
@@ -382,5 +380,4 @@ def scalar(e: Expr):
     try:
         return bare(algebra.of(e)), algebra.leaves
     except TooLarge:
-        raise UsageError(f"a formula of parameters takes more than {SCALAR[0]} operations and operands when its vectors are "
-                         "written out in components: give its value as a parameter") from None
+        raise UsageError(f"a formula of parameters takes more than {SCALAR[0]} operations and operands when its vectors are written in components: give its value as a parameter") from None

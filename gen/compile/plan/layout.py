@@ -18,11 +18,11 @@ from ...methods import Method
 from .plan import Plan
 
 LAYOUTS = ("members", "rows", "few", "single", "sites")     # the first that is offered is taken; the last always is
-MIDPOINT_ROWS = "by rows in lanes where h is so small that sweeps must converge"
-TURN_ROWS = "sites of a row in lanes where closed directions fit the colours"
+MIDPOINT_ROWS = "by rows in lanes if h is so small that sweeps must converge"
+TURN_ROWS = "sites of a row in lanes if the periodic directions fit the colours"
 STAGE_ROWS = "sites of a row in lanes"
 ALL_PAIRS = "all pairs: fixed-point iteration in lanes while it settles soon"
-FEW = "few sites: fixed-point iteration in lanes while it settles soon, else dense Newton"
+FEW = "few sites: fixed-point iteration in lanes while it converges fast, otherwise dense Newton"
 
 
 def with_layout(plan: Plan, method: Method, offered, why_by_site: str = "") -> Plan:

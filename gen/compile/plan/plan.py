@@ -78,7 +78,7 @@ def coupled_families(spec: Spec, contributions=None) -> tuple:
         active = [s for s in c.slots if s[0] not in tracers]
         passive = [s for s in c.slots if s[0] in tracers]
         if len(passive) > 1:
-            raise UsageError(f"effect '{c.name}' joins two tracers; tracers act on none")
+            raise UsageError(f"effect '{c.name}' couples two tracers; tracers do not act on other sites")
         if passive or len(active) > 1 and not moves_tracers(c.over, c.slots, tracers):
             coupled.update(f for f, _ in active)
     return tuple(f.name for f in spec.families if f.name in coupled)
@@ -128,9 +128,9 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
         require_splitting(spec, METHODS[method])
     if not METHODS[method].of_midpoints:
         return Plan(method, (), (), *METHODS[method].how)
-    require([c for c in contributions if any(f in local for f, _ in c.slots)], ASKS["local"], "a site that is solved alone")
+    require([c for c in contributions if any(f in local for f, _ in c.slots)], ASKS["local"], "a site that is solved separately")
     if not coupled:
-        return Plan(method, local, coupled, "local", "every site is solved alone, by Newton in closed form")
+        return Plan(method, local, coupled, "local", "every site is solved separately, by Newton or in closed form")
     if solver not in METHODS[method].solvers:
         raise UsageError(f"method {method} has no solver '{solver}'; use {' or '.join(METHODS[method].solvers)}")
     if solver in ("rotation", "plain"):
@@ -145,13 +145,13 @@ def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contri
     factored = all_offer(contributions, ASKS["newton"])
     plan = newton_plan(spec, method.name, local, coupled, joint_overs(spec, contributions)) if factored else None
     if plan is not None and plan.solver in ("band", "sparse") and solver == "auto" and method.onto_leaf and turns:
-        return replace(plan, rotation=True, reason=f"{plan.coupling}: rotation sweeps while they settle soon, else {plan.reason}")
+        return replace(plan, rotation=True, reason=f"{plan.coupling}: rotation sweeps while they converge fast, otherwise {plan.reason}")
     if plan is not None:
         return replace(plan, lanes=plan.solver == "dense" and solver == "auto" and method.onto_leaf, reason=f"{plan.coupling}: {plan.reason}")
     if solver == "newton":
         other = "rotation or plain" if turns else "plain"
         raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
-                         f"a sparse factorisation and models of few sites; here use solver {other}")
+                         f"a sparse factorisation and models with few sites; use solver {other} here")
     lanes = solver == "auto" and method.onto_leaf
     if not turns:
         return Plan(method.name, local, coupled, "plain", lanes=lanes, reason="many sites, not coupled as a chain: fixed-point iteration, then Newton with GMRES if it does not converge")
@@ -227,8 +227,7 @@ def require_free_body(spec: Spec, method: str) -> None:
         if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
             raise UsageError(f"method {method} needs a single body whose energy does not depend on time")
         if d.parts:
-            raise UsageError(f"method {method} needs a quadratic form in w, and the formula of '{effect.name}' is too long "
-                             "to be known as one: write it shorter, or as several effects")
+            raise UsageError(f"method {method} needs a quadratic form in w, and the formula of '{effect.name}' is too long to be recognised as one: simplify it, or split it into several effects")
         for k, row in enumerate(d.gradient):
             for a in range(3):
                 linear = sum(d.hessian[k, k][a, b] * d.vectors[k][b] for b in range(3)) if (k, k) in d.hessian else 0

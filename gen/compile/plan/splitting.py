@@ -35,9 +35,9 @@ def obstacle(spec: Spec, method: Method) -> str | None:
     """What stands in the way, in words: a factor of the space, or the first effect that does; None where nothing does."""
     for f in spec.families:
         if f.kind not in method.spaces:
-            return f"'{f.name}' is a Nambu factor, on which the parts of H make no rotations"
+            return f"'{f.name}' is a Nambu factor, on which the parts of H do not generate rotations"
         if f.tracer and method.splitting == "pairs":
-            return f"'{f.name}' is a family of tracers, which turn nothing"
+            return f"'{f.name}' is a family of tracers, which do not act on other sites"
     derived = ((e.name, derive(e)) for e in spec.energies)
     found = ((name, "has a condition on its vectors" if switched(d) else OBSTACLES[method.splitting](d)) for name, d in derived)
     return next((f"effect '{name}' {why}" for name, why in found if why), None)
@@ -197,10 +197,10 @@ def not_of_pairs(d: Derived) -> str | None:
     if len(d.slots) != 2:
         return f"joins {len(d.slots)} sites" if len(d.slots) > 2 else "involves only a single site"
     one, other = (f"{family}[{site}]" for family, site in d.slots)
-    return f"is not known as a function of dot({one}, {other}) alone"
+    return f"is not recognised as a function of dot({one}, {other}) alone"
 
 
-ASKED = {"axes": "is for a sum of functions of single components, each of x, of y or of z alone",
-         "sublattices": "is for an energy that is linear in every single site",
-         "pairs": "is for a sum of functions of scalar products of two sites"}
+ASKED = {"axes": "requires a sum of functions of single components, each of x, of y or of z alone",
+         "sublattices": "requires an energy that is linear in every single site",
+         "pairs": "requires a sum of functions of scalar products of two sites"}
 OBSTACLES = {"axes": mixing, "sublattices": bending, "pairs": not_of_pairs}

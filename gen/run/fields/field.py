@@ -45,7 +45,7 @@ class Field:
             raise UsageError(f"the start has {len(self.vectors)} vectors, {spec.name} has {count} sites")
         grids = [grid for name in numbers.places for grid in grids_of(numbers, name)]
         if self.size and grids and not any(grid.sites == 1 and padded(grid) == self.size for grid in grids):
-            raise UsageError(f"the start lies on {said(self.size)} cells, {spec.name} on {' and '.join(said(g.size) for g in grids)}"
+            raise UsageError(f"the start is on {said(self.size)} cells, {spec.name} on {' and '.join(said(g.size) for g in grids)}"
                              + " of several sites" * all(g.sites > 1 for g in grids))
         return on_spheres(self.vectors, numbers.radii)
 
@@ -53,7 +53,7 @@ class Field:
 def padded(grid: Grid) -> tuple:
     """The cells in three directions. Raises UsageError for four."""
     if len(grid.size) > 3:
-        raise UsageError("files of spins have at most three directions")
+        raise UsageError("a file of spins has at most three directions")
     return (*grid.size, 1, 1)[:3]
 
 
@@ -84,7 +84,7 @@ def save_field(path, w, grid: Grid, label: str, title: str, text: bool, bonds=()
     if path.suffix in MADE:
         return save(path, MADE[path.suffix](w, grid, label, text, *([bonds] if path.suffix == ".vtu" else [])))
     if path.suffix not in FORMATS:
-        raise UsageError(f"{path}: the name of a file of spins ends in {', '.join([*FORMATS, *MADE])}, or of a series in .pvd")
+        raise UsageError(f"{path}: the name of a file of spins must end in {', '.join([*FORMATS, *MADE])}, or of a series in .pvd")
     return save(path, known_format(path).written(w, grid, padded(grid), label, " ".join(title.split()), text))
 
 
@@ -101,7 +101,7 @@ def known_format(path):
     """The module that knows the ending of `path`."""
     suffix = Path(path).suffix
     if suffix not in FORMATS:
-        raise UsageError(f"{path}: the name of a file of spins ends in {' or '.join(FORMATS)}")
+        raise UsageError(f"{path}: the name of a file of spins must end in {' or '.join(FORMATS)}")
     return FORMATS[suffix]
 
 

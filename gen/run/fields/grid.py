@@ -42,7 +42,7 @@ class Grid:
         """States (.., count, 3) as (.., last direction, .., first direction, sites, 3). Raises UsageError for another shape."""
         w = np.asarray(w)
         if w.shape[-2:] != (self.count, 3):
-            raise UsageError(f"states on this lattice have shape (.., {self.count}, 3), not {w.shape}")
+            raise UsageError(f"states on this lattice must have shape (.., {self.count}, 3), not {w.shape}")
         return w.reshape(*w.shape[:-2], *self.size[::-1], self.sites, 3)
 
     def positions(self, basis=None) -> np.ndarray:
@@ -57,7 +57,7 @@ class Grid:
         diagonal = np.repeat(np.arange(self.sites)[:, None] / self.sites, len(self.size), axis=1)
         basis = diagonal if given is None else np.asarray(given, float)
         if basis.shape != diagonal.shape or not np.all(np.isfinite(basis)):
-            raise UsageError(f"a basis has {self.sites} rows of {len(self.size)} finite numbers")
+            raise UsageError(f"a basis must have {self.sites} rows of {len(self.size)} finite numbers")
         return basis
 
     def fractions(self) -> np.ndarray:
@@ -105,7 +105,7 @@ def of(source, family: str | None = None, parameters: dict | None = None) -> Gri
     if not most:
         raise UsageError(f"no lattice joins the sites of '{name}' in {spec.name}")
     if len(most) > 1:
-        raise UsageError(f"'{name}' of {spec.name} lies on lattices of different sizes: {', '.join(said(g.size) for g in most)} cells")
+        raise UsageError(f"'{name}' of {spec.name} is on lattices of different sizes: {', '.join(said(g.size) for g in most)} cells")
     return most[0]
 
 
@@ -136,7 +136,7 @@ def with_parameters(source, parameters: dict | None) -> tuple[Spec, dict]:
     if isinstance(source, Spec):
         return source, dict(parameters or {})
     if not hasattr(source, "meta"):
-        raise UsageError(f"a spec or a result is needed, not a {type(source).__name__}")
+        raise UsageError(f"expected a spec or a result, not a {type(source).__name__}")
     return spec_of(source.meta["sources"], source.meta["spec"]), {**source.meta["set"], **(parameters or {})}
 
 

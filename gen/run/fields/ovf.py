@@ -15,7 +15,7 @@ from ..files.received import Wrong, within
 CHECK = {4: 1234567.0, 8: 123456789012345.0}        # the first number of binary data
 HEADER = 200        # lines; OOMMF writes thirty
 AXES = "xyz"
-SCHEMATIC = "Desc: the sites of a cell stand at fractions of its diagonal, for a spec gives them no positions"
+SCHEMATIC = "Desc: the sites of a cell are placed at fractions of its diagonal, since the spec gives no positions"
 READ = ("valuedim", "segment count", "meshtype", "pointcount", *(f"{axis}nodes" for axis in AXES))     # what counts of the header
 
 
@@ -60,14 +60,14 @@ def read(file, length: int) -> tuple[np.ndarray, tuple | None]:
     """(vectors, cells in three directions or None) of an open file of `length` bytes. Raises Wrong."""
     head, kind = header(file)
     if head.get("valuedim") != "3":
-        raise Wrong("it holds no vectors (valuedim: 3)")
+        raise Wrong("it does not contain vectors (valuedim: 3)")
     if whole(head, "segment count", "1") != 1:
         raise Wrong("it has several segments")
     regular = head.get("meshtype", "").lower() == "rectangular"
     size = tuple(whole(head, f"{axis}nodes") for axis in AXES) if regular else None
     count = size[0] * size[1] * size[2] if regular else whole(head, "pointcount")
     if not 1 <= count <= limits.SITES:
-        raise Wrong(f"from 1 to {limits.SITES} sites are read, not {count}")
+        raise Wrong(f"from 1 to {limits.SITES} sites can be read, not {count}")
     return numbers(file, length, kind, count, 3 if regular else 6)[:, -3:], size
 
 
@@ -91,7 +91,7 @@ def whole(head: dict, key: str, default: str = "") -> int:
     """A count of the header."""
     text = head.get(key, default)
     if not (text.isascii() and text.isdecimal()) or len(text) > 19:
-        raise Wrong(f"its header lacks '{key}', or that is no count")
+        raise Wrong(f"'{key}' is missing from its header, or is not a count")
     return int(text)
 
 
@@ -104,13 +104,13 @@ def numbers(file, length: int, kind: list, count: int, width: int) -> np.ndarray
             raise Wrong(f"it has {len(found)} numbers, not {count * width}")
         return found.reshape(count, width)
     if kind not in (["binary", "4"], ["binary", "8"]):
-        raise Wrong("its data are neither text nor binary 4 or 8")
+        raise Wrong("its data are neither Text nor Binary 4 or 8")
     size = int(kind[1])
     within([(1 + count * width) * size], length - file.tell())
     data = np.frombuffer(file.read((1 + count * width) * size), f"<f{size}")
     if data[0] != CHECK[size]:
-        raise Wrong("the order of its bytes is not that of OVF 2.0")
+        raise Wrong("its byte order is not that of OVF 2.0")
     rest = [file.readline(limits.LINE).strip() for _ in range(2)]
     if not (rest[0] or rest[1]).lower().startswith(b"# end: data"):
-        raise Wrong("its data do not end where they should")
+        raise Wrong("its data do not end in the right place")
     return data[1:].astype(float).reshape(count, width)

@@ -60,7 +60,7 @@ def straight(spec, family: str, parameters: dict, grid) -> np.ndarray:
 def saved_series(out: Path, result, family: str, grid, lines, text: bool) -> Path:
     """All outputs, each a file of the folder that has the name of `out` without its ending: .vtr of meshes, .vtu of other lattices."""
     if not result.w or not len(result.t):
-        raise UsageError("the result holds no states: run with --what states")
+        raise UsageError("the result contains no states: run with --what states")
     ending, folder = ".vtr" if grid.spacing() is not None else ".vtu", out.with_suffix("")
     try:
         folder.mkdir(exist_ok=True)
@@ -75,13 +75,13 @@ def saved_series(out: Path, result, family: str, grid, lines, text: bool) -> Pat
 def state_of(result, family: str, row: int | None = None, time: float | None = None):
     """(w, step, t) of a family: of an output, or of the last state."""
     if row is not None and time is not None:
-        raise UsageError("which state? give either row or time")
+        raise UsageError("give either row or time")
     if row is None and time is None:
         first, count = sizes(*with_parameters(result, None))[family]
         meta = result.meta
         return result.final[first:first + count], meta["done"], result.t[-1] if len(result.t) and result.step[-1] == meta["done"] else meta["done"] * meta["h"]
     if not result.w or not len(result.t):
-        raise UsageError("the result holds no states but the last one: run with --what states")
+        raise UsageError("the result contains only the last state: run with --what states")
     k = row_at(result, time) if row is None else row
     if not -len(result.t) <= k < len(result.t):
         raise UsageError(f"no row {k}: the result has {len(result.t)}")

@@ -26,8 +26,7 @@ INTEGERS = {"vtktypeint64": 8, "vtktypeint32": 4}   # of version 5, in whose CEL
 def written(w, grid, size, label: str, title: str, text: bool) -> bytes:
     """The bytes of a file. grid: the Grid on which the vectors lie; size: its cells in three directions. Raises UsageError without places of several sites."""
     if grid.places is None and grid.sites > 1:
-        raise UsageError(f"no .vtk of this lattice: it has {grid.sites} sites in a cell, and the spec gives them no positions, without "
-                         "which a picture in space would be wrong; .ovf keeps the vectors by number")
+        raise UsageError(f"this lattice cannot be written as .vtk: it has {grid.sites} sites per cell, and the spec gives no positions; .ovf does not need them")
     if grid.places is not None:
         return with_places(w, grid, size, label, title, text)
     head = (f"# vtk DataFile Version 3.0\n{title[:TITLE] or label}\n{'ASCII' if text else 'BINARY'}\n"
@@ -97,7 +96,7 @@ class Reader:
             while self.file.readline(limits.LINE).strip():
                 pass
         elif not (key == "DATASET" and rest[0].upper() in SHAPES or key in PASSED):
-            raise Wrong(f"'{key[:20]}' is not read: a file of spins has points and VECTORS")
+            raise Wrong(f"'{key[:20]}' cannot be read: a file of spins contains points and VECTORS")
 
     def counts(self, key: str, rest: list) -> None:
         """How many there are."""
@@ -131,7 +130,7 @@ class Reader:
     def rows(self, words: list) -> np.ndarray:
         """The vectors; nothing is taken for more than the file has."""
         if self.count is None or self.count != self.points or not 1 <= self.count <= limits.SITES or words[2].lower() not in SIZES:
-            raise Wrong("its VECTORS do not fit its points")
+            raise Wrong("the number of its VECTORS is not that of its points")
         left, size = self.length - self.file.tell(), SIZES[words[2].lower()]
         within([6 * self.count - 1 if self.text else 3 * self.count * size], left)
         if self.text:

@@ -15,7 +15,7 @@ from .grid import Grid
 
 TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8"), "u": ("UInt8", "u1")}
 VERTEX, LINE = 1, 3
-NO_PLACES = "it has no places in the spec; give the lattice `vectors`, or take one by its name"
+NO_PLACES = "the spec gives no positions; give the lattice `vectors`, or use one that has a name"
 
 
 def array(name: str, rows, text: bool) -> str:
@@ -38,7 +38,7 @@ def points(w, grid: Grid, label: str, text: bool, bonds=()) -> bytes:
     """.vtu: the sites at their places, a line for each bond (pairs of numbers) that does not go through the boundary. Raises UsageError."""
     where = grid.where()
     if where is None:
-        raise UsageError(f"no .vtu of this lattice: {NO_PLACES}")
+        raise UsageError(f"this lattice cannot be written as .vtu: {NO_PLACES}")
     lines = np.asarray(bonds, np.int64).reshape(-1, 2)
     cells = [np.arange(len(w)), lines.ravel()]
     ends = np.concatenate([np.arange(1, len(w) + 1), len(w) + 2 * np.arange(1, len(lines) + 1)])

@@ -78,10 +78,10 @@ class Part:
         with refusing(self.path, CheckpointError), opened(self.path, CheckpointError) as file:
             data = file.read()
             if digest_of(data) != self.digest:
-                raise CheckpointError(f"{self.path} is damaged: its bytes are not those that were written")
+                raise CheckpointError(f"{self.path} is damaged: its contents have changed")
             facts, arrays = unpacked(data)
             if not FACTS[self.kind](facts) or not NEEDED[self.kind] <= set(arrays) or any(a.ndim == 0 for a in arrays.values()):
-                raise Wrong("it is no such part")
+                raise Wrong("it is not a part of a checkpoint")
             return facts, arrays
 
 
@@ -138,7 +138,7 @@ class Folder:
         """The folder of a run to go on with. Raises CheckpointError."""
         folder = cls(out)
         if not folder.path.is_dir():
-            raise CheckpointError(f"nothing was saved of {out}: {folder.path} is not there")
+            raise CheckpointError(f"there is no checkpoint of {out}: {folder.path} does not exist")
         folder.lock()
         return folder
 
@@ -150,7 +150,7 @@ class Folder:
         except OSError as problem:
             raise CheckpointError(f"cannot use {place}: {problem.strerror}") from None
         if self.handle is None:
-            raise CheckpointError(f"another run is writing {self.out}: wait until it ends")
+            raise CheckpointError(f"another run is writing {self.out}: wait until it has finished")
 
     def release(self) -> None:
         """Give the lock back."""
@@ -170,8 +170,7 @@ class Folder:
         if self.parts("run"):
             done = max((part.number for part in self.parts("state")), default=0)
             raise CheckpointError(
-                f"{self.path} holds a run that was not finished ({done} steps are saved): go on "
-                f"with it, `smidgen run --resume {self.out}`, or remove that folder")
+                f"{self.path} contains an unfinished run ({done} steps are saved): continue it with `smidgen run --resume {self.out}`, or remove the folder")
 
     def parts(self, kind: str) -> list[Part]:
         """Those of one kind, by number."""
@@ -187,7 +186,7 @@ class Folder:
         """The metadata of the run. Raises CheckpointError."""
         parts = self.parts("run")
         if not parts:
-            raise CheckpointError(f"nothing was saved of {self.out}: {self.path} holds no run")
+            raise CheckpointError(f"there is no checkpoint of {self.out}: {self.path} does not contain a run")
         facts, _ = parts[0].read()
         if facts["format"] != FORMAT:
             raise CheckpointError(f"{self.path} was written by another version of smidgen")
@@ -220,7 +219,7 @@ class Folder:
                 damage = problem
             tell(f"{damage}; going back from step {part.number}")
         if states:
-            raise CheckpointError(f"{damage}; no state before it is left. To begin anew, remove {self.path}")
+            raise CheckpointError(f"{damage}; there is no earlier state. To start again, remove {self.path}")
         return None
 
     def forget_after(self, rows: int) -> None:

@@ -30,7 +30,7 @@ class Option:
 
 OPTIONS = (
     Option("start", either(text, listed(listed(finite_or_not))), reads="start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk"),
-    Option("method", text, reads="method", help="the integrator, of `smidgen list --methods`; default: the run's", metavar="NAME"),
+    Option("method", text, reads="method", help="the method, see `smidgen list --methods`; default: that of the run", metavar="NAME"),
     Option("solver", text, reads="solver", help="solver of the step equation"),
     Option("h", number, reads="formula", help="the step: a number or a formula, such as 2*pi/n; negative runs backward (write --h=-0.1)"),
     Option("steps", count, reads="whole", help="number of steps"),
@@ -41,15 +41,14 @@ OPTIONS = (
            help="outputs: states, energy, momentum, casimirs, magnetisation, charge, names of observables"),
     Option("effects", listed(text), reads="names", help="keep these effects only", metavar="A,B"),
     Option("parameters", table(VALUE), as_key="set"),
-    Option("seed", either(none, seed), reads="whole", help="seed of a random start, and of thermal noise"),
+    Option("seed", either(none, seed), reads="whole", help="seed of a random start and of thermal noise"),
     Option("real", text, reads="real"),
     Option("native", either(none, flag)),
-    Option("substeps", flag, False, "flag", "take a step that fails as up to 1024 smaller ones, and say so"),
-    Option("checkpoint", None, reads="whole", metavar="N", help="write a checkpoint every N steps: a run that is killed goes on from there"),
+    Option("substeps", flag, False, "flag", "replace a step that fails by up to 1024 smaller ones, and report it"),
+    Option("checkpoint", None, reads="whole", metavar="N", help="write a checkpoint every N steps, from which an interrupted run can be continued"),
     Option("estimate", either(none, flag), False),
-    Option("tolerance", either(none, number), None, "number", metavar="E", help="of a step, as part of the largest component of w: its iterations end there, "
-           "or step control aims at it; default: round-off"),
-    Option("fast", flag, False, "flag", "--native, and products and sums in one operation: for whom the same bits on every machine are too dear"),
-    Option("threads", either(none, count), None, "whole", "how many may share a step: of lattices by rows, with the same bits", "N"),
+    Option("tolerance", either(none, number), None, "number", metavar="E", help="error allowed in a step, relative to the largest component of w; default: round-off"),
+    Option("fast", flag, False, "flag", "--native, with fused multiply-add: trades bit-reproducibility for speed"),
+    Option("threads", either(none, count), None, "whole", "number of threads that share a step (lattices processed by rows; same bits)", "N"),
     Option("averages", either(none, table(either(number, listed(text)))), None),
 )

@@ -48,7 +48,7 @@ class Result(ReadOnly):
 
     `result["energy"]` returns an output by its name in files. A notebook shows a picture.
     """
-    INSTEAD = {"": "smidgen.run(spec, ...) makes another result"}
+    INSTEAD = {"": "compute another result with smidgen.run(spec, ...)"}
     _shows: ClassVar[object | None] = None       # the stage that draws puts in what notebooks show of a result
     meta: dict
     step: np.ndarray
@@ -64,7 +64,7 @@ class Result(ReadOnly):
         said = " ".join(str(self.meta.get(word) or "") for word in ("spec", "run")).strip()
         over = f" over t = {self.t[0]:.6g} .. {self.t[-1]:.6g}" if len(self.t) else ""
         return (f"<Result {said}: {self.meta.get('method')}, {self.meta.get('status')}, {len(self.t)} outputs{over}: "
-                f"{few([*(self.w or {}), *self.values]) or 'nothing kept'}>")
+                f"{few([*(self.w or {}), *self.values]) or 'no outputs'}>")
 
     def keys(self) -> list[str]:
         """The names that `result[name]` accepts."""
@@ -142,7 +142,7 @@ def known_format(path) -> str:
     """The suffix of `path`, if it names a format."""
     suffix = Path(path).suffix
     if suffix not in FORMATS:
-        raise UsageError(f"{path}: the name of a result ends in {', '.join(FORMATS)}")
+        raise UsageError(f"{path}: the name of a result must end in {', '.join(FORMATS)}")
     return suffix
 
 

@@ -82,7 +82,7 @@ def from_csv(file, size):
         raise Wrong(f"more than {limits.CSV_COLUMNS} columns")
     table = rows_of(file) if file.tell() < size else np.empty((0, len(names)))
     if table.shape[1] != len(names):
-        raise Wrong("its rows do not fit its header")
+        raise Wrong("its rows do not match its header")
     columns = gathered(table, names)
     columns["step"] = integers(columns.get("step"))
     for name in comments.keys() - {"meta"}:
@@ -132,7 +132,7 @@ def from_npz(file, size):
     with zipfile.ZipFile(file) as archive:
         members = archive.infolist()
         if any(m.compress_type != zipfile.ZIP_STORED or m.flag_bits & 1 for m in members):
-            raise Wrong("its arrays are compressed or locked")
+            raise Wrong("its arrays are compressed or encrypted")
         within([m.file_size for m in members], size)
         columns = {m.filename.removesuffix(".npy"): from_npy(archive.read(m)) for m in members}
     meta = columns.pop("meta", None)
@@ -149,7 +149,7 @@ def from_npy(data: bytes):
     shape, fortran, kind = read_head(head)
     at = head.tell()
     if fortran or kind.hasobject or math.prod(shape) * kind.itemsize != len(data) - at:
-        raise Wrong("an array is not what its head says")
+        raise Wrong("an array does not match its header")
     return np.frombuffer(bytearray(data[at:]), kind).reshape(shape)
 
 
@@ -163,12 +163,12 @@ def sets_of(h5, group, key, size):
     """(the text `key` of an open file, the arrays of one of its groups)."""
     head = plain_set(h5, key, size) if key in h5 else None
     if head is None or head.shape != () or head.dtype.kind != "S":      # of fixed length: see output.put_text
-        raise Wrong("it has no metadata, or that of an earlier version")
+        raise Wrong("it has no metadata, or was written by an earlier version")
     found = {name: plain_set(group, name, size) for name in group if name != key}
     found = {name: s for name, s in found.items() if s.dtype not in (COUNTED, LETTER)}
     within([s.size * s.dtype.itemsize for s in (head, *found.values())], size)
     if any(s.dtype.kind not in "fiu" for s in found.values()):
-        raise Wrong("it holds other things than numbers")
+        raise Wrong("it contains something other than numbers")
     return head[()].decode(), {name: s[...] for name, s in found.items()}
 
 
@@ -178,7 +178,7 @@ def plain_set(group, name, size):
     link = group.get(name, getlink=True)
     found = group[name] if isinstance(link, h5py.HardLink) else None
     if not isinstance(found, h5py.Dataset) or found.is_virtual or found.external or found.shape is None:
-        raise Wrong("it holds what is no data set of its own")
+        raise Wrong("it contains something other than data sets")
     if found.id.get_create_plist().get_nfilters():
         raise Wrong("its data sets are compressed")
     if found.chunks and found.size:
@@ -189,7 +189,7 @@ def plain_set(group, name, size):
 def within(sizes, size):
     """No more bytes are promised than the file has."""
     if sum(sizes) > size:
-        raise Wrong(f"it promises {sum(sizes)} bytes and has {size}")
+        raise Wrong(f"its header implies {sum(sizes)} bytes, but it has {size}")
 
 
 READERS = {".csv": from_csv, ".npz": from_npz, ".h5": from_h5}
@@ -215,9 +215,9 @@ def parsed(given: str, kind):
     try:
         value = json.loads(given)
     except (ValueError, RecursionError):
-        raise Wrong("its metadata is no JSON, or too deep") from None
+        raise Wrong("its metadata is not JSON, or nested too deeply") from None
     if not kind(value):
-        raise Wrong("its metadata or a state beside it is not what it should be")
+        raise Wrong("its metadata or its state is invalid")
     return value
 
 
@@ -225,11 +225,11 @@ def checked(given) -> dict:
     """The metadata: text of JSON, or what it says, with every key of META and no other."""
     meta = parsed(given, lambda value: True) if isinstance(given, str) else given
     if not isinstance(meta, dict):
-        raise Wrong("its metadata is no table")
+        raise Wrong("its metadata is not a table")
     meta = {**ADDED, **up_to_date(meta)}
     wrong = [key for key, kind in META.items() if key not in meta or not kind(meta[key])]
     if wrong:
-        raise Wrong(f"its metadata lacks '{wrong[0]}', or that is not what it should be")
+        raise Wrong(f"'{wrong[0]}' is missing from its metadata, or invalid")
     return {key: meta[key] for key in meta if key in META}
 
 
@@ -242,7 +242,7 @@ def fit(meta: dict, columns: dict) -> None:
         raise Wrong("it lacks the columns step and t, or the last state")
     for name, column in columns.items():
         if column.dtype.kind not in "fiu" or not shaped(name, column.shape, rows, meta["families"]):
-            raise Wrong("a column does not fit the others")
+            raise Wrong("the length of a column differs from that of the others")
 
 
 def shaped(name, shape, rows, families) -> bool:

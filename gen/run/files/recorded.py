@@ -28,7 +28,7 @@ def spec_of(sources, name: str):
 def _written(folder: Path, sources, name: str) -> Path:
     """The path of the spec, when all files lie in `folder`; a scene has its name from its file."""
     if not sources:
-        raise ValueError("there is no text of it")
+        raise ValueError("its text is missing")
     paths = [_inside(folder, name) for name in (f"{name}.toml", *(other for other, _ in sources[1:]))]
     for path, (_, text) in zip(paths, sources):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -40,5 +40,5 @@ def _inside(folder: Path, name: str) -> Path:
     """A recorded name is data: it must stay in the folder made for it."""
     path = (folder / name).resolve()
     if not path.is_relative_to(folder.resolve()):
-        raise ValueError(f"{name!r} leaves the folder of the spec")
+        raise ValueError(f"{name!r} is outside the folder of the spec")
     return path

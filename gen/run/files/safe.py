@@ -46,7 +46,7 @@ class SafeSink:
             arrays = part.read()[1]
             for name, (shape, kind) in self.layout.items():
                 if name not in arrays or arrays[name].shape != (len(arrays["t"]), *shape) or arrays[name].dtype != kind:
-                    raise CheckpointError(f"{part.path} holds rows of another run")
+                    raise CheckpointError(f"{part.path} contains rows of another run")
             yield {name: arrays[name] for name in self.layout}
 
     def close(self, meta: dict, extras: dict, capacity: int, keep: bool = False) -> None:
@@ -85,5 +85,4 @@ class SafeSink:
     def _way_on(self) -> str:
         if not self.folder or not self.folder.path.is_dir() or not self.folder.parts("run"):
             return ""
-        return (f". The first {self.saved or 0} steps are safe in {self.folder.path}: when there is room, go on "
-                f"with `smidgen run --resume {self.out}`")
+        return (f". The first {self.saved or 0} steps are saved in {self.folder.path}: when there is room, continue with `smidgen run --resume {self.out}`")

@@ -101,9 +101,9 @@ class Job:
         self.names = numbers_of(self.model, what)
         self.first = first_sample(after, settings)
         if self.members > 1 and not self.model.scene.heated:
-            raise UsageError("members differ by their noise, and there is none: no effect of the scene has kT; give members=1")
+            raise UsageError("members differ in their noise, but no effect of the scene has kT; give members=1")
         if min(self.members, self.bins - 1) < 1:
-            raise UsageError("an average is over one member or more, in two bins or more")
+            raise UsageError("an average needs at least one member and two bins")
         self.w = np.array(self.start(spec))
         self.block, self.pace = Block(self.model, False, self.names, casimirs=False), Pace()
         self.at = [self.model.columns.index(name) for name in self.names]
@@ -182,9 +182,9 @@ class Job:
             found = json.loads(self.part().read_text(encoding="utf-8"))
             other = [key for key, value in self.meta.items() if json.loads(json.dumps(value)) != found["meta"].get(key)]
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            raise UsageError(f"{self.part()} is not what a stopped run left: remove it") from None
+            raise UsageError(f"{self.part()} was not left by an interrupted run: remove it") from None
         if other:
-            raise UsageError(f"{self.part()} is of a run with other choices ({', '.join(other)}): remove it, or choose another file")
+            raise UsageError(f"{self.part()} belongs to a run with other choices ({', '.join(other)}): remove it, or choose another file")
         self.done = found["done"]
         self.begin()
         self.model.restore(np.frombuffer(base64.b64decode(found["state"]), self.model.real))
@@ -203,7 +203,7 @@ def first_sample(after, settings) -> int:
     after = number(after, {}, "after")
     first = max(1, math.ceil(after / abs(settings.h) / settings.every * (1 - 1e-15))) * settings.every
     if after < 0 or first > settings.steps:
-        raise UsageError(f"no sample after t = {after:g}: the run ends at {settings.steps * abs(settings.h):g}, and takes one each {settings.every} steps")
+        raise UsageError(f"no sample after t = {after:g}: the run ends at {settings.steps * abs(settings.h):g}, and samples are {settings.every} steps apart")
     return first
 
 

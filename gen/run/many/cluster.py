@@ -107,11 +107,11 @@ def check(cluster: str) -> None:
     """Is Dask here, and does anything listen there? Asked before a client is made, which would try again for a while after it has failed.
     Raises UsageError."""
     if importlib.util.find_spec("distributed") is None:
-        raise UsageError("a cluster needs the package `distributed`: pip install 'smidgen[cluster]', here and where the workers run")
+        raise UsageError("a cluster needs the package `distributed`: pip install 'smidgen[cluster]', here and for the workers")
     scheme, _, place = cluster.rpartition("://")
     host, _, port = place.rpartition(":")
     if scheme not in ("", "tcp", "tls") or not host or not port.isdecimal():
-        raise UsageError(f"'{cluster}' is no address of a Dask scheduler, such as tcp://host:8786")
+        raise UsageError(f"'{cluster}' is not the address of a Dask scheduler, such as tcp://host:8786")
     try:
         socket.create_connection((host.strip("[]"), int(port)), CONNECT).close()
     except (OSError, OverflowError) as problem:

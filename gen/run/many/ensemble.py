@@ -161,7 +161,7 @@ class Stepped:
 
     def why(self, status: int, count: int, site: int, reached: float) -> str:
         where = f" at site {site}" if site >= 0 and self.w.shape[1] > 1 else ""
-        far = f"; from there steps exist up to |h| = {abs(self.h) * reached:.6g}" if status == Status.NO_SOLUTION and 0 < reached <= 1 else ""
+        far = f"; from this state, steps exist up to |h| = {abs(self.h) * reached:.6g}" if status == Status.NO_SOLUTION and 0 < reached <= 1 else ""
         return f"step {count + 1} from t = {self.t0 + count * self.h:.12g}: {': '.join(STATUS[status])}{where}{far}"
 
     def state(self) -> np.ndarray:
@@ -195,11 +195,11 @@ def _stacked(start) -> np.ndarray:
     try:
         w = np.array(start, dtype=float, order="C")
     except (TypeError, ValueError):
-        raise UsageError("the start is an array of numbers, of shape (members, sites, 3), or the name of one") from None
+        raise UsageError("the start must be an array of shape (members, sites, 3), or a name") from None
     if w.ndim == 2:
         w = w[:, None, :]
     if w.ndim != 3 or w.shape[2] != 3 or not len(w):
-        raise UsageError(f"the start has shape (members, sites, 3), not {np.shape(start)}")
+        raise UsageError(f"the start must have shape (members, sites, 3), not {np.shape(start)}")
     return w
 
 
@@ -209,7 +209,7 @@ def _is_own(spec, name: str, value) -> bool:
     if p is None or np.ndim(value) != (2 if p.kind == "array" else 1):
         return False
     if p.kind == "int" or p.fixed:
-        raise UsageError(f"'{name}' is the same for all members: {'an integer' if p.kind == 'int' else 'it is fixed, compiled in'}")
+        raise UsageError(f"'{name}' must be the same for all members: {'an integer' if p.kind == 'int' else 'it is fixed, compiled in'}")
     try:
         array = np.asarray(value, float)
     except (TypeError, ValueError):
@@ -228,7 +228,7 @@ def _members(given, own) -> int:
         raise UsageError("how many members? " + ", ".join(f"{name}: {count}" for name, count in found.items()))
     members = next(iter(found.values()), 1)
     if not 1 <= members <= limits.MEMBERS:
-        raise UsageError(f"an ensemble has from 1 to {limits.MEMBERS} members, not {members}")
+        raise UsageError(f"an ensemble must have from 1 to {limits.MEMBERS} members, not {members}")
     return members
 
 
@@ -279,9 +279,9 @@ def _chosen(what, rows: int, size: int) -> tuple:
     what = (what,) if isinstance(what, str) else tuple(what)
     for name in what:
         if name not in OUTPUTS:
-            raise UsageError(f"no output '{name}' of an ensemble; there are: {', '.join(OUTPUTS)}")
+            raise UsageError(f"an ensemble has no output '{name}'; there are: {', '.join(OUTPUTS)}")
     if "states" in what and rows * size > MEMORY:
-        raise UsageError(f"the outputs take {rows * size / 2 ** 30:.1f} GiB of memory: give a larger every, or fewer members")
+        raise UsageError(f"the outputs take {rows * size / 2 ** 30:.1f} GiB of memory: use a larger every, or fewer members")
     return what
 
 

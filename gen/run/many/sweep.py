@@ -54,7 +54,7 @@ def cells_of(axes: Mapping[str, list], starts: int | None, seed: int) -> list[Ce
     for values in axes.values():
         total *= len(values)
     if not 1 <= total <= limits.CELLS:
-        raise UsageError(f"a sweep has from 1 to {limits.CELLS} cells, not {total}")
+        raise UsageError(f"a sweep must have from 1 to {limits.CELLS} cells, not {total}")
     seeds = [None] if starts is None else range(seed, seed + starts)
     combined = itertools.product(*axes.values(), seeds)
     return [Cell(k, dict(zip(axes, parts)), parts[-1]) for k, parts in enumerate(combined)]
@@ -96,7 +96,7 @@ def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axe
 def swept(spec: Spec, run: str | None, axes: dict, folder, given: dict, starts, seed, processes, cluster, tell) -> list[dict]:
     """The same; given: the choices of the run that are made."""
     if cluster is not None and processes is not None:
-        raise UsageError("a sweep goes to processes here or to a cluster, not to both")
+        raise UsageError("give either processes or cluster, not both")
     cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder).absolute()
     for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
         settled = settle(spec, run, **{**given, "parameters": {**given.get("parameters", {}), **values}})
@@ -127,13 +127,13 @@ def opened(folder: Path, wanted: dict) -> dict:
         folder.mkdir(parents=True, exist_ok=True)
         if not (folder / MANIFEST).exists():
             if any(folder.iterdir()):
-                raise UsageError(f"{folder} is not empty, and no sweep: give another folder")
+                raise UsageError(f"{folder} is not empty and does not contain a sweep: use another folder")
             write_new(folder / MANIFEST, json.dumps(wanted, indent=1).encode())
         found, text = (folder / MANIFEST).read_text(errors="replace"), (folder / CELLS).read_text(errors="replace") if (folder / CELLS).exists() else ""
     except OSError as problem:
         raise OutputError(f"cannot write the sweep {folder}: {problem.strerror}") from None
     if parsed(found) != wanted:
-        raise UsageError(f"{folder} holds another sweep, of other choices or by another version: give another folder")
+        raise UsageError(f"{folder} contains another sweep, with other choices or from another version: use another folder")
     lines = [parsed(line) for line in text.splitlines()]
     return {line["cell"]: line for line in lines if is_outcome(line) and (line["file"] is None or (folder / line["file"]).exists())}
 
@@ -179,7 +179,7 @@ def computed(found, seen, spec, name, cells, folder: Path, given, ended: dict, t
                 ending(found, seen, [cell for cell in waiting if found.token or not cell.cancel()], take)
                 raise
     except lost():
-        raise RunError(f"a process of the sweep {folder}, or its cluster, was killed; the same command goes on with the {len(cells)} cells or fewer that are left", -1) from None
+        raise RunError(f"a process of the sweep {folder}, or its cluster, was killed; the same command continues with the remaining cells (at most {len(cells)})", -1) from None
     except OSError as problem:
         raise OutputError(f"cannot write the sweep {folder}: {problem.strerror or problem}") from None
     finally:
@@ -211,7 +211,7 @@ def ending(found, seen, under_way: list, take) -> None:
 def there(outcome: dict, folder: Path) -> dict:
     """The outcome, if its file is there. Raises OutputError: a worker of a cluster has another folder by the same name."""
     if outcome["file"] is not None and not (folder / outcome["file"]).exists():
-        raise OutputError(f"{folder / outcome['file']} was written elsewhere: the folder of a sweep must be the same one for all workers of the cluster")
+        raise OutputError(f"{folder / outcome['file']} is not in this folder: all workers of the cluster must see the same folder")
     return outcome
 
 
@@ -225,7 +225,7 @@ def one(spec, name, cell: Cell, folder: Path, given, generator: str, token: str 
     """One cell, in a process of its own. What it cannot do is its outcome; what nobody could do is raised, and where smidgen is another one.
     None: the workers of a cluster have been told to begin no more."""
     if generator_name() != generator:
-        raise UsageError(f"a worker of the cluster has another smidgen: {generator_name()} in place of {generator}")
+        raise UsageError(f"a worker of the cluster has another version of smidgen: {generator_name()} instead of {generator}")
     outcome = {"cell": cell.number, "parameters": cell.parameters, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
     with interrupts.raised():
         if workers.stopped(token):

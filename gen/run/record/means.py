@@ -68,5 +68,5 @@ def numbers_of(model, what) -> tuple[str, ...]:
     names = tuple(what) if what else ("energy", *(o.name for o in model.scene.observables))
     for name in names:
         if name not in known:
-            raise UsageError(f"no number '{name}' in {model.name} to be averaged; there are: {', '.join(known)}")
+            raise UsageError(f"{model.name} has no quantity '{name}' to average; there are: {', '.join(known)}")
     return tuple(dict.fromkeys(names))

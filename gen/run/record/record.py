@@ -225,5 +225,4 @@ def columns_of(model: Integrator, what) -> dict:
 def _distinct(names):
     for k, name in enumerate(names):
         if name in RESERVED or name in names[:k]:
-            raise UsageError(f"'{name}' already names another column of the results; "
-                             "call the family or observable something else")
+            raise UsageError(f"'{name}' is already the name of another column of the results; rename the family or observable")

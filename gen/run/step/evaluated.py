@@ -78,7 +78,7 @@ class Evaluated:
         """Is each site there? Shape (sites,). That none is, is refused."""
         found = self._of_sites(lambda f, count: ~self._where(absent(self.spec, f.name), count))
         if not found.any():
-            raise UsageError("every site is absent: nothing is left that could move")
+            raise UsageError("every site is absent: no site is left to move")
         return found
 
     @functools.cached_property
@@ -108,7 +108,7 @@ def parameter_values(spec: Spec, values: dict | None = None) -> dict:
     known = {p.name for p in spec.parameters} | set(tables)
     for name in values:
         if name not in known:
-            raise UsageError(f"no parameter '{name}' in {spec.name}{_nearest(name, known)}")
+            raise UsageError(f"{spec.name} has no parameter '{name}'{_nearest(name, known)}")
     scalars = {p.name: _scalar(p, values.get(p.name, p.default))
                for p in spec.parameters if p.kind != "array"}
     env = {**tables, **scalars}

@@ -99,10 +99,10 @@ class Integrator(ReadOnly):
     t0: float
     count: int
     w: np.ndarray | None
-    INSTEAD = {"": "smidgen.build(spec, ...) makes another model", "count": "steps(count) takes steps"} | dict.fromkeys(
-        ("h", "t0", "t", "w"), "start(w, t0=..., h=...) begins anew from any state, time and step") | {
-            "w": "w[:] = ... writes into it, start(w, t0=..., h=...) begins anew from any state, time and step",
-            "parameters": "set_parameters({name: value}) gives other values from the next step on"}
+    INSTEAD = {"": "build another model with smidgen.build(spec, ...)", "count": "steps(count) takes steps"} | dict.fromkeys(
+        ("h", "t0", "t", "w"), "call start(w, t0=..., h=...)") | {
+            "w": "write to w[:], or call start(w, t0=..., h=...)",
+            "parameters": "call set_parameters({name: value})"}
 
     def __init__(self, prepared: Prepared, built: Built, threads: int | None = None):
         self.prepared, self.built = prepared, built
@@ -146,7 +146,7 @@ class Integrator(ReadOnly):
         :raises RunError: if the model refuses the state or its parameters.
         """
         if h is None or not math.isfinite(h) or h == 0:
-            raise UsageError(f"a step h is needed: a finite number, not 0; it is {h}")
+            raise UsageError(f"h must be a finite number other than 0, not {h}")
         noise = noise_of(self.scene, h, seed, member)
         self.close()
         self._now(w=self._array(w, seed), h=float(h), t0=float(t0), count=0)
@@ -167,14 +167,14 @@ class Integrator(ReadOnly):
         """
         for p in self.scene.parameters:
             if p.name in values and (p.kind == "int" or p.fixed):
-                raise UsageError(f"'{p.name}' stays: it is {'an integer' if p.kind == 'int' else 'fixed, compiled in'}; build another model")
+                raise UsageError(f"'{p.name}' cannot be changed: it is {'an integer' if p.kind == 'int' else 'fixed, compiled in'}; build another model")
         prepared = self.prepared.with_parameters(values)
         given = passed(*packed(prepared.numbers))
         if self._state:
             self._taken()
             status = self._c.set_parameters(self._state, given[0].ctypes.data, given[2])
             if status:
-                raise RunError(f"{self.name} keeps its parameters: {': '.join(STATUS[status])}", status)
+                raise RunError(f"the parameters of {self.name} are not changed: {': '.join(STATUS[status])}", status)
         self._passed = given
         self._now(prepared=prepared, parameters=prepared.numbers.parameters)
         return self
@@ -200,7 +200,7 @@ class Integrator(ReadOnly):
         """Take up to `count` steps without raising an error; return the number of steps that succeeded."""
         self._started()
         if count < 0:
-            raise UsageError("a number of steps from 0 up; a negative h runs backward")
+            raise UsageError("the number of steps must not be negative; to run backward, use a negative h")
         self._gather_threads()
         done = ctypes.c_int64(0)
         status = self._c.go(self._state, self.w.ctypes.data, count, ctypes.byref(done))
@@ -274,7 +274,7 @@ class Integrator(ReadOnly):
         size = self._c.savesize(self._state)
         status = self._c.restore(self._state, saved.ctypes.data) if saved.shape == (size,) else Status.BAD_PARAMETER
         if status:
-            raise RunError(f"no saved state of {self.name}: {STATUS[status][1]}", status)
+            raise RunError(f"not a saved state of {self.name}: {STATUS[status][1]}", status)
         head = Saved.of(saved)
         self._now(t0=head.t0, h=head.h, count=head.count)
         self._status = 0
@@ -322,7 +322,7 @@ class Integrator(ReadOnly):
         :raises RunError: before the first step, after w has been changed, or if the map has no value. v is then unchanged.
         """
         if self.count == 0 and self._state:
-            raise UsageError("no step taken yet: the tangent map is that of the step just taken")
+            raise UsageError("no step has been taken yet: the tangent map is that of the last step")
         return self._carry(v, 0)
 
     def push_forward(self, v, count: int) -> np.ndarray:
@@ -331,13 +331,13 @@ class Integrator(ReadOnly):
         :raises RunError: if a step or its tangent map fails: w is then the state before that step, and v is unchanged.
         """
         if count < 0:
-            raise UsageError("a number of steps from 0 up; a negative h runs backward")
+            raise UsageError("the number of steps must not be negative; to run backward, use a negative h")
         return self._carry(v, count) if count else v
 
     def _carry(self, v, count):
         self._taken()
         if not hasattr(self._c, "tangent"):
-            raise UsageError("no tangent map in this build: build(..., features=('tangent',))")
+            raise UsageError("this build has no tangent map: use build(..., features=('tangent',))")
         array = _real_array(v, self.real)
         if array.ndim not in (2, 3) or array.shape[-2:] != (self.sites, 3):
             raise UsageError(f"tangent vectors of {self.name} have shape ({self.sites}, 3) or "
@@ -352,7 +352,7 @@ class Integrator(ReadOnly):
         if status:
             name, meaning = STATUS.get(status - REFUSED, NO_MEMORY)
             if status - REFUSED == Status.BAD_PARAMETER:
-                meaning = "no step taken since the state was written or restored"
+                meaning = "no step has been taken since the state was changed or restored"
             raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - REFUSED, self.count,
                            site=self.report()["site"])
         if not array.flags.writeable:
@@ -372,7 +372,7 @@ class Integrator(ReadOnly):
 
     def _started(self):
         if not self._state:
-            raise UsageError("no trajectory yet: call start(w, h=...) first")
+            raise UsageError("there is no trajectory yet: call start(w, h=...) first")
 
     def _taken(self) -> None:
         """What has been written into w is the state."""
@@ -388,8 +388,8 @@ class Integrator(ReadOnly):
 
     def _refuse(self, status: int) -> None:
         """Nothing is done with a w that cannot be the state."""
-        raise UsageError(f"what was written into w of {self.name} cannot be its state: {STATUS[status][0]}"
-                         f"{wrong_start(self.prepared.numbers, self.w)}; write another w")
+        raise UsageError(f"the values written to w of {self.name} are not a valid state: {STATUS[status][0]}"
+                         f"{wrong_start(self.prepared.numbers, self.w)}; change w")
 
     def _array(self, w, seed):
         if w is None or isinstance(w, str):
@@ -402,7 +402,7 @@ class Integrator(ReadOnly):
         try:
             array = np.ascontiguousarray(w, dtype=self.real)
         except (TypeError, ValueError):
-            raise UsageError("a state is an array of numbers") from None
+            raise UsageError("a state must be an array of numbers") from None
         if array.shape != (self.sites, 3):
             raise UsageError(f"a state of {self.name} has shape ({self.sites}, 3), "
                              f"not {np.shape(w)}")
@@ -456,6 +456,6 @@ def _real_array(v, real):
     try:
         return np.ascontiguousarray(v, dtype=real)
     except (TypeError, ValueError):
-        raise UsageError("tangent vectors are an array of numbers") from None
+        raise UsageError("tangent vectors must be an array of numbers") from None
 
 

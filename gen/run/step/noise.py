@@ -7,17 +7,17 @@ from ...errors import UsageError
 from ...language.spec import Spec
 
 SEEDS, MEMBERS = 2 ** 64, 2 ** 32
-WITHOUT = "the path has noise of its own at every h"
+WITHOUT = "the noise is different for every h"
 
 
 def noise_of(scene: Spec, h: float, seed: int | None = None, member: int = 0) -> tuple[int, int] | None:
     """(seed, member) as C takes them, a seed from 2^63 on less 2^64; None without noise. Raises UsageError for those that do not fit, and for h < 0."""
     if not scene.heated:
         if member:
-            raise UsageError("a member is one of several noises, and there is none: no effect of the scene has kT")
+            raise UsageError("a member selects one of several noises, but no effect of the scene has kT")
         return None
     if h < 0:
-        raise UsageError("noise has no step backward: give a positive h, or leave out the effect with kT")
+        raise UsageError("with noise, steps cannot be negative: use a positive h, or remove the effect with kT")
     seed = whole_below(0 if seed is None else seed, SEEDS, "the seed of noise")
     return seed - SEEDS * (seed >= SEEDS // 2), whole_below(member, MEMBERS, "a member")
 
@@ -25,11 +25,11 @@ def noise_of(scene: Spec, h: float, seed: int | None = None, member: int = 0) ->
 def whole_below(value, most: int, what: str) -> int:
     """An integer from 0 to most - 1. Raises UsageError."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 0 <= value < most:
-        raise UsageError(f"{what} is an integer from 0 to {most - 1}, not {value}")
+        raise UsageError(f"{what} must be an integer from 0 to {most - 1}, not {value}")
     return int(value)
 
 
 def refuse_with_noise(scene: Spec, what: str, why: str = WITHOUT) -> None:
     """Raises UsageError where `what` is asked of a scene with noise."""
     if scene.heated:
-        raise UsageError(f"{what} of a scene with thermal noise: {why}; leave out the effect with kT, or its kT")
+        raise UsageError(f"{what} of a scene with thermal noise: {why}; remove the effect with kT, or its kT")

@@ -50,9 +50,9 @@ def prepare(spec: Spec, method: str, effects: Iterable[str] | None = None, param
 def find_run(spec: Spec, name: str | None) -> Run:
     """The run of that name; None: the first one, or an empty one for a spec without runs."""
     if not isinstance(spec, Spec):
-        raise UsageError(f"a spec is needed, as smidgen.load gives it, not a {type(spec).__name__}")
+        raise UsageError(f"expected a spec, as returned by smidgen.load, not a {type(spec).__name__}")
     if not (name is None or isinstance(name, str)):
-        raise UsageError(f"a run is asked for by its name, not by a {type(name).__name__}; the start of an ensemble is its keyword `start`")
+        raise UsageError(f"a run is selected by its name, not by a {type(name).__name__}; the start of an ensemble is its keyword `start`")
     if name is None:
         return spec.runs[0] if spec.runs else Run("", None, METHODS[0], None)
     for run_ in spec.runs:
@@ -60,7 +60,7 @@ def find_run(spec: Spec, name: str | None) -> Run:
             return run_
     names = ", ".join(r.name for r in spec.runs) or "none"
     hint = f"; that is a method: method='{name}'" if name in METHODS else ""
-    raise UsageError(f"no run '{name}' in {spec.name}; it has: {names}{hint}")
+    raise UsageError(f"{spec.name} has no run '{name}'; it has: {names}{hint}")
 
 
 def asked(spec: Spec, run: str | None, method: str | None = None, solver: str | None = None, effects: Iterable[str] | None = None,
@@ -96,7 +96,7 @@ def listed(name, names: tuple) -> str:
 def checked_threads(threads) -> int | None:
     """Raises UsageError for what is no number of threads."""
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 1 <= threads <= MOST_THREADS):
-        raise UsageError(f"threads are a number from 1 to {MOST_THREADS}, not {threads}")
+        raise UsageError(f"threads must be a number from 1 to {MOST_THREADS}, not {threads}")
     return threads
 
 
@@ -105,5 +105,5 @@ def checked_tolerance(tolerance) -> float:
     if tolerance is None:
         return 0.0
     if not isinstance(tolerance, numbers.Real) or not 0 < tolerance <= LOOSEST:
-        raise UsageError(f"a tolerance is a number above 0 and up to {LOOSEST:g}, not {tolerance}")
+        raise UsageError(f"a tolerance must be a number above 0 and at most {LOOSEST:g}, not {tolerance}")
     return float(tolerance)

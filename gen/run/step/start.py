@@ -45,11 +45,11 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
     start = find_start(spec, start)
     given = {s.family: s for s in start.families}
     if seed is not None and all(s.kind != "random" for s in start.families) and not spec.heated:
-        raise UsageError(f"a seed is for random starts and for noise, and nothing of start '{start.name}' is random")
+        raise UsageError(f"a seed is given, but nothing in start '{start.name}' is random")
     parts = []
     for number, family in enumerate(spec.families):
         if family.name not in given:
-            raise UsageError(f"start '{start.name}' says nothing of '{family.name}'")
+            raise UsageError(f"start '{start.name}' does not give '{family.name}'")
         one, count = given[family.name], numbers.places[family.name][1]
         w = _vectors(spec, family, number, one, env, count, seed)
         parts.append(_on_manifold(family, one, w, radius(family, env, count)))
@@ -100,8 +100,7 @@ def wrong_site(w, radii) -> str:
         return f"site {int(np.argmax(wild))} of the start"
     if np.any(wide):
         site = int(np.argmax(wide))
-        return (f"site {site} of the start: its largest component is {largest[site]:.3g}; a vector is 0 or has "
-                f"one between {limits.SHORTEST:g} and {limits.LARGEST:g}")
+        return (f"site {site} of the start: its largest component is {largest[site]:.3g}; a vector must be 0, or have one between {limits.SHORTEST:g} and {limits.LARGEST:g}")
     with np.errstate(over="ignore"):
         length = np.linalg.norm(w, axis=1)
     off = np.abs(length - radii) / radii
@@ -133,9 +132,9 @@ def _vectors(spec, family, number, one: FamilyStart, env, count, seed):
 def _random_directions(seed, number, count):
     """Uniform on the unit sphere."""
     if not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise UsageError(f"a seed must be an integer from 0 up, not {seed!r}")
+        raise UsageError(f"a seed must be a non-negative integer, not {seed!r}")
     if seed >= SEEDS:
-        raise UsageError(f"a seed is at most {SEEDS - 1}, not {seed}")
+        raise UsageError(f"a seed must be at most {SEEDS - 1}, not {seed}")
     return draws.directions(np.uint64(seed), number, count)
 
 
@@ -178,7 +177,7 @@ def _loaded(path):
     except OSError:
         raise
     except Exception:       # of what a damaged head is taken for, numpy gives no list
-        raise ValueError("it is no .npy file of real numbers") from None
+        raise ValueError("it is not a .npy file of real numbers") from None
 
 
 def _header_lines(path):
@@ -201,17 +200,16 @@ def _on_manifold(family, one, w, radii):
     """w on its spheres: scaled there when the start says so or when it is off by a few digits, otherwise refused."""
     if family.kind != "sphere":
         if one.normalise:
-            raise UsageError(f"'{family.name}' is no sphere: nothing to normalise to")
+            raise UsageError(f"'{family.name}' is not on a sphere, so there is nothing to normalise to")
         return w
     length = np.linalg.norm(w, axis=1)
     if one.normalise:
         if np.any(length == 0):
-            raise UsageError(f"the start of '{family.name}' holds a zero vector")
+            raise UsageError(f"the start of '{family.name}' contains a zero vector")
         return w * (radii / length)[:, None]
     off = np.abs(length - radii) / radii
     if np.any(off > limits.SPHERE):
         site = int(np.argmax(off))
         raise UsageError(f"site {site} of '{family.name}' starts at |w| = {length[site]:.17g}, "
-                             f"off its sphere of radius {radii[site]:.17g}; correct it or "
-                             "write normalise = true")
+                             f"off its sphere of radius {radii[site]:.17g}; correct it, or write normalise = true")
     return np.where((off > 8 * np.finfo(float).eps)[:, None], w * (radii / length)[:, None], w)

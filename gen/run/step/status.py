@@ -52,8 +52,8 @@ def why(found: dict) -> str:
 def advice(status: int, found: dict, h: float, midpoint: bool) -> str:
     """What to try after a step that failed; `smidgen advise` knows midpoint methods."""
     if status == Status.NO_SOLUTION and 0 < found["reached"] <= 1:
-        return (f"; from here, and with H as it is at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
+        return (f"; from this state, with H at t + h/2, steps exist up to |h| = {abs(h) * found['reached']:.6g}: "
                 "take a smaller one")
     if status not in RESCUED:
         return ""
-    return "; try a smaller step, half of it" + ", or what `smidgen advise` says" * midpoint
+    return "; try a smaller step, such as h/2" + ", or the one that `smidgen advise` recommends" * midpoint

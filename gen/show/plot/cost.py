@@ -14,8 +14,8 @@ from ...methods import METHODS, MIDPOINTS
 from .colours import SOFT
 from .style import footnote, method_marker, method_style, new_figure, save, styled
 
-PANELS = (("end_error", "error at the end, part of |w|"), ("energy", "largest error of the energy"),
-          ("casimir", "largest error of a Casimir, part of it"))
+PANELS = (("end_error", "error of the final state, relative to |w|"), ("energy", "largest error of the energy"),
+          ("casimir", "largest relative error of a Casimir"))
 LEAST = 1e-17       # below it a point stands on the lower edge
 LEVELS = [10.0 ** -k for k in range(2, 15, 2)]      # errors at which the fastest of each kind is looked for
 KINDS = (symplectic, lambda name: name in METHODS and not symplectic(name), lambda name: name in PEERS)
@@ -48,7 +48,7 @@ def cost_figure(cost: Cost):
         panel(ax, cost, names, what, words)
     along(axes[3], cost, names)
     if cost_is_chaotic(cost):
-        axes[0].text(0.5, 0.5, "no end errors:\nthe end is too uncertain", ha="center", transform=axes[0].transAxes)
+        axes[0].text(0.5, 0.5, "no errors of the final state:\nit is not resolved", ha="center", transform=axes[0].transAxes)
     handles, labels = axes[1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper")
     f = cost.facts
@@ -60,7 +60,7 @@ def cost_figure(cost: Cost):
 def behind(rows, names) -> str:
     """The methods that are not drawn."""
     rest = [label(name) for name in by_method(rows) if name not in names]
-    return f"measured, and for no error the fastest of their kind: {', '.join(rest)}" if rest else ""
+    return f"measured, but not the fastest of their kind for any error: {', '.join(rest)}" if rest else ""
 
 
 @styled
@@ -72,7 +72,7 @@ def accuracy_cost(table: Cost):
     panel(left, table, names, *PANELS[0])
     along(right, table, names)
     left.set_title(f"Short runs: error at t = {table.facts['time']}")
-    right.set_title("Long runs: with steps for the same end error")
+    right.set_title("Long runs: with steps for the same error at the end of the short run")
     left.legend(loc="upper right")
     footnote(figure, table.facts["machine"], behind(table.rows, names))
     return figure
@@ -107,4 +107,4 @@ def failures(cost: Cost) -> str:
     """How many runs did not get to the end."""
     failed = [row for row in cost.rows if row.status]
     names = ", ".join(dict.fromkeys(METHODS[r.method].label if r.method in METHODS else r.method for r in failed))
-    return f"{len(failed)} runs with steps too large did not get to the end ({names})" if failed else ""
+    return f"{len(failed)} runs with too large steps were not completed ({names})" if failed else ""

@@ -124,7 +124,7 @@ def invariant_rows(energy, momenta, casimirs, unit):
         rows.append((with_unit("$H - H_0$", unit("energy"), "\n"), [("energy", np.asarray(energy) - energy[0])]))
     for family, m in momenta.items():
         change = np.asarray(m, float) - np.asarray(m, float)[0]
-        rows.append((with_unit(f"momentum of {shown(family)}\nless its start", unit(f"momentum.{family}"), "\n"),
+        rows.append((with_unit(f"momentum of {shown(family)}\nminus its start", unit(f"momentum.{family}"), "\n"),
                      [(x, change[:, i]) for i, x in enumerate("xyz")]))
     if casimirs is not None:
         change = np.asarray(casimirs, float) - np.asarray(casimirs, float)[:1]

@@ -25,9 +25,9 @@ def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=N
     path = Path(out) if out is not None else default_path(result, chosen)
     check_pair(chosen, path)
     if piece and chosen != "places":
-        raise UsageError(f"a part is for the kind 'places' and for films, not for '{chosen}'")
+        raise UsageError(f"a part can be drawn with the kind 'places' and in films, not with '{chosen}'")
     if width is not None and chosen == "player":
-        raise UsageError("the player adapts to its window: leave the width out")
+        raise UsageError("the player adapts to its window: omit the width")
     picture = styled(KINDS[chosen][0])(result, **({"part": piece} if piece else {}))
     return write_page(picture, path) if chosen == "player" else save(resized(picture, width), path, exact=width is not None)
 
@@ -35,7 +35,7 @@ def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=N
 def filmed(source, run, kind: str, path: Path, piece: dict, width: float | None) -> Path:
     """A film; whether it can be written is asked before anything is run."""
     if kind not in ("auto", "places", "sphere"):
-        raise UsageError(f"a film ({path.suffix}) shows a lattice at its places, or spheres: leave --kind out, not '{kind}'")
+        raise UsageError(f"a film ({path.suffix}) shows a lattice or spheres: omit --kind instead of '{kind}'")
     writer_for(path)
     result = shown(result_of(source, run))
     picture, draw_frame, frames = styled(film_parts)(result, piece)
@@ -45,7 +45,7 @@ def filmed(source, run, kind: str, path: Path, piece: dict, width: float | None)
 def shown(result):
     """What of a result can be drawn. Raises UsageError when nothing can."""
     if len(result.t) == 0:
-        raise UsageError("nothing to draw: the result holds no outputs")
+        raise UsageError("nothing to draw: the result contains no outputs")
     return drawable(result)
 
 
@@ -69,8 +69,8 @@ def wanted(kind: str, out) -> None:
     if kind not in kinds():
         close = difflib.get_close_matches(kind, kinds(), 1)
         hint = f"; did you mean '{close[0]}'?" if close else ""
-        raise UsageError(f"no kind of picture '{kind}'{hint} There are: {', '.join(kinds())}"
-                         if hint else f"no kind of picture '{kind}'; there are: {', '.join(kinds())}")
+        raise UsageError(f"there is no kind of picture '{kind}'{hint} There are: {', '.join(kinds())}"
+                         if hint else f"there is no kind of picture '{kind}'; there are: {', '.join(kinds())}")
     if out is not None and kind != "auto" and not is_film(out):
         check_pair(kind, Path(out))
     elif out is not None and not is_page(out) and not is_film(out):
@@ -104,8 +104,8 @@ def result_of(source, run: str | None):
     given = hasattr(source, "values") and hasattr(source, "t")
     if given or not hasattr(source, "families") and Path(source).suffix in RESULTS:
         if run is not None:
-            hint = f": for a picture of that name say --out {run}" if Path(run).suffix else f": for that kind of picture say --kind {run}, or kind='{run}'" if run in kinds() else ""
-            raise UsageError(f"a result holds one run; '{run}' names none of a spec{hint}")
+            hint = f": to name the picture, use --out {run}" if Path(run).suffix else f": to choose the kind of picture, use --kind {run}, or kind='{run}'" if run in kinds() else ""
+            raise UsageError(f"a result contains a single run; '{run}' cannot select another{hint}")
         return with_facts(source if given else load_result(source))
     from ...run.run import run as run_spec
     spec = loaded(source)

@@ -103,7 +103,7 @@ FIGURES = {
     "irreversible_energy_long": Entry(irreversible_energy, "Ten times longer", "Figure 4(c), continued",
                                       "The energy error of the spherical midpoint is still within the same bounds."),
     "forced_sections": Entry(forced_sections, "Poincar\u00e9 sections of the forced body", "Figure 5",
-                             "Left nearly all orbits lie on curves; right a band around the unstable equilibria is chaotic.", "broad"),
+                             "Left: nearly all orbits lie on curves. Right: a band around the unstable equilibria is chaotic.", "broad"),
     "forced_sections_flow": Entry(forced_sections, "The same sections by another program", "Figure 5, checked",
                                   "The same curves and the same chaos, so that both belong to the equation and not to the method.", "broad"),
     "vortex_illustration": Entry(portraits.manifold_illustration, "The invariant manifold", "Figure 6",

@@ -28,7 +28,7 @@ def writer_for(path: Path):
     """What writes this ending. Raises MissingTool for .mp4 without ffmpeg."""
     name = FORMATS[path.suffix.lower()]
     if not writers.is_available(name):
-        raise MissingTool(f"an {path.suffix} needs the program {name}, which is not found: install it, or write {path.stem}.gif")
+        raise MissingTool(f"an {path.suffix} needs the program {name}, which was not found: install it, or write {path.stem}.gif")
     return writers[name](fps=RATE)
 
 

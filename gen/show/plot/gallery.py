@@ -99,7 +99,7 @@ def table(columns, rows) -> str:
 def caption(p: Picture, folder: Path, keys: str = "") -> str:
     """The figure's number in the paper, title, keys of colours, words, and the way to its player."""
     number = f'<span class="number">{in_html(p.number)}</span> ' if p.number else ""
-    play = f' <a class="play" href="{address(p.player, folder)}">Turn and play</a>' if p.player else ""
+    play = f' <a class="play" href="{address(p.player, folder)}">Open the player</a>' if p.player else ""
     return f"<figcaption>{number}<b>{in_html(p.title)}</b><p>{keys}{in_html(p.caption)}</p>{play}</figcaption>"
 
 

@@ -31,7 +31,7 @@ def part_of(given) -> dict:
     pairs = given.items() if hasattr(given, "items") else [split(piece) for piece in str(given).split(",")]
     found = {axis: span(axis, value) for axis, value in pairs}
     if sum(isinstance(value, float) for value in found.values()) > 1:
-        raise UsageError("a part has one layer at most, such as z=1.5; others are ranges, such as x=0:20")
+        raise UsageError("a part has at most one layer, such as z=1.5; others are ranges, such as x=0:20")
     return found
 
 
@@ -46,7 +46,7 @@ def split(piece: str):
 def span(axis: str, value):
     """A range, or the place of a layer. Raises UsageError."""
     if axis not in ("x", "y", "z"):
-        raise UsageError(f"a part names x, y or z, not '{axis}'")
+        raise UsageError(f"a part refers to x, y or z, not '{axis}'")
     try:
         numbers = [float(v) for v in ([value] if np.ndim(value) == 0 else value)]
     except (TypeError, ValueError):
@@ -70,7 +70,7 @@ def seen(where, part: dict) -> Seen:
     if layer is not None:
         inside, said = in_layer(where, inside, *layer, grain)
     if not inside.any():
-        raise UsageError(f"no site lies in this part; the lattice reaches from ({', '.join(f'{x:g}' for x in where.min(axis=0))}) "
+        raise UsageError(f"no site is in this part; the lattice extends from ({', '.join(f'{x:g}' for x in where.min(axis=0))}) "
                          f"to ({', '.join(f'{x:g}' for x in where.max(axis=0))})")
     towards = layer[0] if layer else next((d for d in (2, 1, 0) if d not in thick), 2)
     return Seen(np.flatnonzero(inside), tuple(d for d in range(3) if d != towards), said)

@@ -42,7 +42,7 @@ def facts(result) -> str:
 def states_of(result) -> dict:
     """family -> (k, count, 3). Raises UsageError when the result holds no states."""
     if not result.w:
-        raise UsageError("this result holds no states: run with --what states,energy "
+        raise UsageError("this result contains no states: run with --what states,energy "
                          "(or draw another kind: energy, invariants, observables)")
     return {name: np.asarray(w, float) for name, w in result.w.items()}
 
@@ -95,7 +95,7 @@ def draw_sphere(result):
 
 def spheres_only(result) -> None:
     if not on_spheres(result):
-        raise UsageError("the sites of this result do not move on spheres: draw the kind 'leaf'")
+        raise UsageError("the sites of this result do not move on spheres: use the kind 'leaf'")
 
 
 def draw_section(result):
@@ -149,7 +149,7 @@ def draw_energy(result):
     """Energy error over time, linear and symlog; where the energy is not conserved, its change."""
     energy, note = conserved_energy(result)
     if energy is None:
-        raise UsageError("this result holds no energy: run with --what energy")
+        raise UsageError("this result contains no energy: run with --what energy")
     series = [(str(result.meta.get("method", "energy")), result.t, energy - energy[0])]
     return curves.energy_errors(series, first_line(result) + f" ({note})" * bool(note), by_column(result), not result.meta.get("driven"))
 
@@ -159,7 +159,7 @@ def draw_effects(result):
     parts = {n.removeprefix("energy."): v for n, v in result.values.items()
              if n.startswith("energy.")}
     if not parts:
-        raise UsageError("this result holds no energies: run with --what energy")
+        raise UsageError("this result contains no energies: run with --what energy")
     return curves.against_time(result.t, {f"energy {n}": v for n, v in parts.items()},
                                first_line(result), unit=lambda name: unit_of(result, name.replace("energy ", "energy.")))
 
@@ -171,7 +171,7 @@ def draw_invariants(result):
                if n.startswith("momentum.")}
     energy, _ = conserved_energy(result)
     if energy is None and "casimirs" not in values and not momenta:
-        raise UsageError("this result holds no invariants: run with "
+        raise UsageError("this result contains no invariants: run with "
                          "--what energy,momentum,casimirs")
     return curves.invariant_errors(result.t, energy, momenta,
                                    values.get("casimirs"), first_line(result), by_column(result))
@@ -183,7 +183,7 @@ def draw_observables(result):
            if n not in ("energy", "casimirs") and ("." not in n or n.startswith("charge."))}
     own |= {f"{n}.{x}": v[:, k] for n, v in result.values.items() if n.startswith("magnetisation.") for k, x in enumerate("xyz")}
     if not own:
-        raise UsageError("this result holds no observables: name some with --what")
+        raise UsageError("this result contains no observables: request some with --what")
     return curves.against_time(result.t, own, first_line(result), unit=lambda name: unit_of(result, name.removesuffix(".x").removesuffix(".y").removesuffix(".z")))
 
 
@@ -199,7 +199,7 @@ def draw_chain(result):
     """theta, phi and w_z of the largest family, over site and time."""
     name, w = largest(result)
     if len(result.t) < 2:
-        raise UsageError("a picture over time needs two outputs; this result holds one")
+        raise UsageError("a picture over time needs two outputs; this result contains one")
     return chain.chain_image(result.t, w, first_line(result), others(result, name), by_column(result))
 
 
@@ -207,7 +207,7 @@ def draw_lattice(result):
     """The largest family on a lattice of two directions, at up to six times; of several layers the lowest."""
     name, size, sites = film_of(result)
     if not name:
-        raise UsageError("no lattice of two or three directions is known of this result: draw the kind 'chain'")
+        raise UsageError("this result has no lattice of two or three directions: use the kind 'chain'")
     w, (across, up, *above) = states_of(result)[name], wide(size)
     cells = w.reshape(len(w), *size[::-1], sites, 3)
     picked = [slice(None) if d in (across, up) else 0 for d in reversed(range(len(size)))]
@@ -233,7 +233,7 @@ def stage_of(result, part: dict):
     """(name of a family, where its sites stand in the picture, units). Raises UsageError where none has places."""
     found = placed(result)
     if found is None:
-        raise UsageError("no family of this result has places in two directions or more: its lattice has no `vectors` and is none by name")
+        raise UsageError("no family of this result has positions in two or three dimensions: its lattice has neither `vectors` nor a name")
     name, one = found
     _, sites = (result.meta.get("grids") or {}).get(name, ((), 0))
     return name, cells.stage_of(one["places"], one["links"], part, sites), {**kinds_of(result), "length": one["unit"]}
@@ -329,10 +329,10 @@ KINDS = {
     "components": (draw_components, "x, y, z of the sites over time"),
     "chain": (draw_chain, "angles and w_z over site and time"),
     "lattice": (draw_lattice, "a lattice from above at up to six times: w_z as colour, w_x and w_y as arrows"),
-    "places": (draw_places, "a lattice with its sites at their places, at up to six times; a part of it by --part"),
+    "places": (draw_places, "a lattice with its sites at their positions, at up to six times; --part selects a part"),
     "curves": (draw_curves, "a chain or lattice on the sphere at six times, its bonds as arcs"),
     "cloud": (draw_cloud, "thousands of sites as points on the sphere at six times"),
-    "player": (draw_player, "an HTML page that turns and plays the trajectory"),
+    "player": (draw_player, "an HTML page with the trajectory as an animation"),
 }
 
 

@@ -54,7 +54,7 @@ def growth_table(rows, name, quantity) -> str:
         mine = chosen(rows, variant=variant)
         cells = {r.steps: f"{r.rms:.2g}" + (f" ({r.orbits})" if r.orbits != mine[0].orbits else "") for r in mine}
         body.append([variant, str(mine[0].orbits), *(cells.get(n, "") for n in steps), f"{exponent(mine):.2f}"])
-    return table(["", "over", *map(power, steps), "exponent"], body)
+    return table(["", "orbits", *map(power, steps), "exponent"], body)
 
 
 def cost_table(rows, name) -> str:
@@ -81,7 +81,7 @@ def verdict(growth, cost, name) -> str:
     kept = {v for v, rows in by_variant(growth, name, "H").items() if meets(rows)}
     best = min((r for r in chosen(cost, table=name) if r.variant in kept), key=lambda r: r.median, default=None)
     said = f"**{best.variant}**, {best.median:.1f} ns" if best else "none"
-    return f"{standings(growth, name, 'H')}\n\nThe cheapest that keeps it: {said}."
+    return f"{standings(growth, name, 'H')}\n\nThe cheapest variant that satisfies it: {said}."
 
 
 def by_variant(growth, name, quantity) -> dict:

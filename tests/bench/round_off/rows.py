@@ -40,7 +40,7 @@ class Cost:
 
 
 def read_rows(path: Path, kind) -> list:
-    """The rows of a file, none when it is not there."""
+    """The rows of a file, none if it does not exist."""
     if not path.exists():
         return []
     with path.open(newline="") as file:
