@@ -55,7 +55,7 @@ def test_the_same_bits_for_any_number_of_lanes_and_threads(monkeypatch):
 
 def test_the_memory_of_a_state_has_what_stands_beside_rows(tmp_path):
     """Small, so that the rest of it is small too."""
-    files = generate(SPECS["second"])
+    files = generate(shells("second", 2, "open", "second"))
     for file, text in {**files, "main.c": ASKED.format(name="second")}.items():
         (tmp_path / file).write_text(text)
     subprocess.run(["gcc", "-std=gnu11", "-w", "-O0", *include_flags(), *map(str, (tmp_path / "main.c", tmp_path / "second.c")), "-o", str(tmp_path / "asked"), "-lm"], check=True)
