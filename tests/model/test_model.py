@@ -105,7 +105,7 @@ def test_other_effects_spaces_starts_and_units():
 
 @pytest.mark.quick
 @pytest.mark.parametrize("act, message", [
-    (lambda m, w, i: m.parameter("n", 3), r"'n' is in \[parameters\] of this model already"),
+    (lambda m, w, i: m.parameter("n", 3), r"\[parameters\] of this model already has 'n'"),
     (lambda m, w, i: m.parameter("a", np.ones((2, 2))), r"parameter 'a' has the shape \(2, 2\)"),
     (lambda m, w, i: m.parameter("a", np.ones(2), vector=True), r"parameter 'a' has the shape \(2,\)"),
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.gamma(w[i].z)), "`gamma` of sympy has no counterpart in the formulas of a spec"),

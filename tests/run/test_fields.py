@@ -56,7 +56,7 @@ def test_sites_without_positions_are_no_picture_in_space(tmp_path):
     with pytest.raises(smidgen.UsageError, match="2 sites per cell, and the spec gives no positions"):
         smidgen.snapshot(found, tmp_path / "a.vtk")
     assert not list(tmp_path.iterdir())
-    assert b"Desc: the sites of a cell stand at fractions of its diagonal" in smidgen.snapshot(found, tmp_path / "a.ovf").read_bytes()
+    assert b"Desc: the sites of a cell are placed at fractions of its diagonal" in smidgen.snapshot(found, tmp_path / "a.ovf").read_bytes()
 
 
 def test_states_that_there_are_not(tmp_path, film, result):
