@@ -42,7 +42,7 @@ typedef struct smg_group {
 
 smg_status smg_step(smg_state *s);
 #endif
-#if defined(SMG_DOP853_CONTROL_H) && !defined(SMG_DOP853_H)
+#if defined(SMG_DOP853_TABLE_H) && !defined(SMG_DOP853_TRIAL_H)
 typedef smg_state smg_trial;
 smg_real *smg_vector(const smg_trial *f, int i);
 int64_t smg_width(const smg_trial *f);

@@ -5,6 +5,8 @@
  * its numbers, of smg_width(f) each; smg_trial_slope(f, part, size, z, k), k = p f(t, z), p the part `size` of h and t
  * at the part `part` of it. */
 #include "smg_dop853_table.h"
+#include "smg_model.h"
+#include "smg_vec.h"
 
 /* sum_j a_j k_j at one component, j < count, n components to a stage. The compiler knows `a` and `count`: weights that
  * are 0 are not there. */

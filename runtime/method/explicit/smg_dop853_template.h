@@ -4,8 +4,6 @@
  * Who includes it gives, before, what smg_dop853_stages_template.h asks for. */
 #include "smg_dop853_control.h"
 #include "smg_dop853_stages_template.h"
-#include "smg_model.h"
-#include "smg_vec.h"
 
 /* An output step under way. Sizes are parts of h. */
 typedef struct smg_pace {
