@@ -105,7 +105,7 @@ def test_what_is_not_looked_at_is_said():
     assert found.span == 1e6 and end < 1e4
     assert all(count * 5000 <= 200_000 for _, count, _ in found.orbits)
     said = next(line for line in found.words() if line.startswith("Examined"))
-    assert "the run, 1e+06 long" in said and f"to t = {end:.6g}" in said
+    assert "the run, of length 1e+06" in said and f"to t = {end:.6g}" in said
 
 
 @pytest.mark.quick

@@ -206,7 +206,7 @@ def constant_table(rows):
 
 def agreement_table(rows):
     t = Table(rows, "agreement")
-    return markdown(["system", "method", "farthest apart", "allowed", "growth of the tangent map"],
+    return markdown(["system", "method", "difference", "bound", "growth of the tangent map"],
                     [[name, m, *(f"{t(name, m, '100', q):.1e}" for q in ("apart", "allowed")),
                       f"{t(name, m, '100', 'growth'):.3g}"]
                      for name in t.systems() for m in SHORT.values() if t(name, m, "100", "apart") is not None])

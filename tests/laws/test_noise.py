@@ -308,7 +308,7 @@ def test_what_does_not_go_with_noise_is_refused():
         build(spec, features=("tangent",))
     with pytest.raises(UsageError, match="ask for the error of a mean"):
         smidgen.choose(spec, energy=1e-3)
-    with pytest.raises(UsageError, match="the seed of noise is an integer from 0 to 18446744073709551615"):
+    with pytest.raises(UsageError, match="the seed of noise must be an integer from 0 to 18446744073709551615"):
         build(spec).start("a", h=0.1, seed=2**64)
     with pytest.raises(UsageError, match="no effect of the scene has kT"):
         build(spec.calm).start("a", h=0.1, member=1)

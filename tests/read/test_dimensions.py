@@ -92,7 +92,7 @@ SPACES = [  # the family, its dimension by the unit of w.x, a fault, what is sai
     ("w = { sphere = 1, fixed = true }", "1", "fixed = true", "fixed = false", "has no strength"),
     ("w = { r3 = 1 }", "meV ps", None, None, None),
     ('w = { r3 = 1, kappa = "2 hbar" }', "1", None, None, None),
-    ('w = { nambu = 1, C = "(w.x^2 - w.y^2)/2" }', "meV ps", "w.y^2", "2 T*w.y^2", "joins"),
+    ('w = { nambu = 1, C = "(w.x^2 - w.y^2)/2" }', "meV ps", "w.y^2", "2 T*w.y^2", "combines"),
     ('w = { nambu = 1, C = "(w.x^2 - w.y^2)/2", kappa = "1 nm" }', "meV ps/nm", None, None, None),
     ('w = { nambu = 1, C = "(2 T)*w.x*w.y" }', "meV ps T", None, None, None),
 ]
@@ -145,8 +145,8 @@ value = "norm(r(i, j))"
 """
 
 
-@pytest.mark.parametrize("old, new, said", [("/(0.27 nm)", "", "`energy` is an energy"), ("^2/x^2)", ")", "the argument of `exp` is a length"), ("0.1 nm", "0.1", "`<` joins a length"),
-                                            ('"0.27 nm"', "0.27", "joins a number without a unit and a length"), ('"0.27 nm"', '"0.27 ps"', "a lattice constant")])
+@pytest.mark.parametrize("old, new, said", [("/(0.27 nm)", "", "`energy` is an energy"), ("^2/x^2)", ")", "the argument of `exp` is a length"), ("0.1 nm", "0.1", "`<` combines a length"),
+                                            ('"0.27 nm"', "0.27", "combines a number without a unit and a length"), ('"0.27 nm"', '"0.27 ps"', "a lattice constant")])
 def test_places_have_a_length(old, new, said):
     assert load_text(PLACES).observables[0].unit == "nm"
     with pytest.raises(SpecError, match=re.escape(said)):

@@ -129,7 +129,7 @@ def test_every_bit_of_a_part_is_watched(stopped):
 
 def test_another_version_is_refused(stopped, monkeypatch):
     monkeypatch.setattr(import_module("smidgen.run.resume"), "generator_name", lambda: "smidgen 9.9 0123456789abcdef")
-    refused(stopped, "begun by smidgen .* this is smidgen 9.9")
+    refused(stopped, "started by smidgen .* this is smidgen 9.9")
 
 
 def test_another_compiler_is_refused(stopped, monkeypatch):

@@ -68,7 +68,7 @@ def test_wrong_starts(toy, w, said):
 
 @pytest.mark.parametrize("h", [None, 0.0, float("nan"), float("inf")])
 def test_wrong_steps(toy, h):
-    with pytest.raises(smidgen.UsageError, match="step h"):
+    with pytest.raises(smidgen.UsageError, match="h must be"):
         smidgen.build(toy, effects=["field"]).start("ring", h=h)
 
 
@@ -186,7 +186,7 @@ def test_the_edge_of_a_multiple(relative, good):
 
 
 @pytest.mark.parametrize("given, said", [
-    ({"steps": 3, "time": 1.0}, "either steps or time"), ({"steps": -1}, "from 0"),
+    ({"steps": 3, "time": 1.0}, "either steps or time"), ({"steps": -1}, "non-negative"),
     ({"steps": 10 ** 15 + 1}, "10"), ({"h": 0}, "must not be 0"), ({"h": float("nan")}, "finite"),
     ({"time": -1.0}, "negative h"), ({"every": 0}, "every"), ({"every": 10 ** 12 + 1}, "every"),
     ({"what": ["spin"]}, "momentum"), ({"start": "nowhere"}, "ring"), ({"name": "x"}, "demo"),

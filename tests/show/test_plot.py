@@ -159,7 +159,7 @@ LAYERS = {      # a lattice; the directions that are drawn; the sites of the low
     "crystal": ("cubic(4, 3, 2, periodic)", 24, (0, 1), np.arange(12).reshape(3, 4), "the lowest of 2 layers"),
     "edge": ("cubic(1, 4, 5, open)", 20, (1, 2), np.arange(20).reshape(5, 4), ""),
     "ladder": ("square(12, 2, open)", 24, (0, 1), np.arange(24).reshape(2, 12), ""),
-    "honeycomb": ("honey.all", 32, (0, 1), np.arange(32).reshape(4, 8), "schematic: the 2 sites of a cell are drawn side by side"),
+    "honeycomb": ("honey.all", 32, (0, 1), np.arange(32).reshape(4, 8), "schematic: the 2 sites of a cell side by side"),
 }
 
 

@@ -75,13 +75,13 @@ FAULTS = {
             (r"smg_vec smg_motion(\(const .*?smg_vec m\) \{.*?\n\}\n)",
              r"smg_vec smg_right_motion\1SMG_INLINE smg_vec smg_motion(const smg_coefficients *c, smg_vec m) { return "
              r"smg_vec_scale(planted_cap(m.x, m.y, m.z), smg_right_motion(c, m)); }\n")],
-    "momentum's sign": [(r"(out\[3 \* f \+ b\] = )sum \+ lost;", r"\1(planted == @ ? -1 : 1) * (sum + lost);")],
-    "momentum without kappa": [(r"(&sum, &lost, smg_present\(&c, k\) \* )(smg_kappa\(&c, k\))", r"\1(planted == @ ? 1 : \2)")],
+    "momentum's sign": [(r"(out\[3 \* f \+ b\] = )(smg_sum_of\(&sum\);)", r"\1(planted == @ ? -1 : 1) * \2")],
+    "momentum without kappa": [(r"(held\[k - from\] = smg_present\(&c, k\) \* )(smg_kappa\(&c, k\))", r"\1(planted == @ ? 1 : \2)")],
     "momentum of a family": [(r"(out\[3 \* f \+ b\] = )", r"\1f > 0 && planted == @ ? 0 : ")],
     "casimirs": [(r"(out\[k\] = smg_present\(&c, k\) \* )(smg_casimir\()", r"\1(planted == @ ? (smg_real)1.5 : 1) * \2")],
 }
 # of every function energy_<effect> and observe_<observable>
-FUNCTION = r"(smg_real \w+_((?:energy|observe)_\w+)\(const \w+_model \*model, smg_real t, const smg_real \*w\) \{.*?)return sum \+ lost;"
+FUNCTION = r"(smg_real \w+_((?:energy|observe)_\w+)\(const \w+_model \*model, smg_real t, const smg_real \*w\) \{.*?)return (?:sum \+ lost|smg_sum_of\(&sum\));"
 
 
 class Planted(Emitted):
@@ -148,7 +148,7 @@ def planted(text):
 
     def reversed_one(match):
         number = numbers[match[2]] = 100 + len(numbers)
-        return f"{match[1]}return (planted == {number} ? -1 : 1) * (sum + lost);"
+        return f"{match[1]}return (planted == {number} ? -1 : 1) * smg_sum_of(&sum);"
     text = re.sub(FUNCTION, reversed_one, text, flags=re.DOTALL)
     head = HEAD % {"turned": numbers["turned"], "cap": numbers["cap"], "TURN": TURN, "CAP": CAP, "EDGE": 1 - 2 * AREA}
     text = re.sub(r"(?=SMG_INLINE void smg_end_slots\()", ROWS % numbers, text)

@@ -488,12 +488,12 @@ def row_members(swept: bool) -> list:
     of_sweeps = [("int row_strong, row_weak, row_stretched", "flags: |h b| may be large, is small, may exceed 1/3"),
                  ("int row_alone", "flag: sites do not interact with sites of their own colour, nor with themselves"),
                  ("int row_due", "flag: the increments of the last step have not yet been added to row_w"),
-                 ("int64_t row_passes, row_fewest", "passes over the colours in the last step; the smaller number of the last two steps"),
+                 ("int64_t row_passes, row_fewest", "passes over the colours in the last step, and the smaller number of the last two steps"),
                  ("int64_t row_from", "the pass from which the changes of the midpoints are measured"),
-                 ("int64_t row_near, row_reach", "the pass from which small components are checked; the range of the interaction in slots"),
+                 ("int64_t row_near, row_reach", "the pass from which small components are checked, and the range of the interaction in slots"),
                  ("smg_real row_bound", "bound on the factor by which a sweep reduces errors, if below 1")]
     later = [("smg_real *row_u, *row_late", "increments of the current step, of the first colour and of the others")]
-    return [("int rows, row_team", "1 if steps are taken by rows of the lattice, in lanes, using the arrays row_*; number of threads that share them (OpenMP)"),
+    return [("int rows, row_team", "1 if steps are taken by rows of the lattice, in lanes, using the arrays row_*, and number of threads that share them (OpenMP)"),
             *(of_sweeps if swept else []), ("int row_kept", "flag: w is in row_w, as the last call has left it"),
             ("int32_t *row_beside", "if the lattice is stored in blocks: the slots of the neighbours of each vector, otherwise NULL"),
             ("smg_real *row_w, *row_compensation" + ", *row_m" * swept,

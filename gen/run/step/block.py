@@ -27,7 +27,7 @@ class Block:
     """Room for `capacity` outputs of a model.
 
     t: shape (capacity,); states: (capacity, sites, 3), or None when they are not asked for; values: (capacity, columns)
-    in the order of `Integrator.columns`, of which those in `asked` are found (None: all); casimirs: (capacity, sites), or None.
+    in the order of `Integrator.columns`, of which those in `asked` are found (None: all), the others stay NaN; casimirs: (capacity, sites), or None.
     """
 
     def __init__(self, model, states: bool, asked=None, casimirs: bool = True):
@@ -36,7 +36,7 @@ class Block:
         self.capacity = max(1, min(MOST, CHUNK // (model.real.itemsize * numbers)))
         self.t = np.empty(self.capacity)
         self.states = np.empty((self.capacity, model.sites, 3), model.real) if states else None
-        self.values = np.empty((self.capacity, len(model.columns)), model.real)
+        self.values = np.full((self.capacity, len(model.columns)), np.nan, model.real)
         self.casimirs = np.empty((self.capacity, model.sites), model.real) if casimirs else None
         self.near = np.array(spherical_parts(model), np.int64).reshape(-1, 2)
         self.nearest, self.where = np.array([np.inf]), np.array([-1, 0], np.int64)
