@@ -57,7 +57,7 @@ def in_doubles(expression) -> float:
 @settings(max_examples=150, deadline=None)
 @given(st.recursive(LEAVES, joined, max_leaves=8))
 def test_a_formula_has_the_value_of_the_expression(expression):
-    assume(not expression.has(sympy.zoo, sympy.oo, -sympy.oo, sympy.nan))
+    assume(not expression.has(sympy.zoo, sympy.oo, -sympy.oo, sympy.nan, sympy.AccumBounds))    # of 1/0, and what comes of it
     exact = complex(sympy.N(expression.subs(EXACT), 30))
     assume(not exact.imag and 1e-100 < abs(exact.real) < 1e100 and math.isclose(in_doubles(expression), exact.real, rel_tol=1e-11))
     assert math.isclose(value(formula(expression)), exact.real, rel_tol=1e-8)
