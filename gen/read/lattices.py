@@ -245,7 +245,7 @@ class Lattices:
         """(an index for each end, one for the number of the bond or "")."""
         names = tuple(i.text for i, _ in w.items)
         if not ends <= len(names) <= ends + 1:
-            self.problems.fail(codes.OVER, w.head.span, f"these bonds join {ends} sites, but {len(names)} are bound",
+            self.problems.fail(codes.OVER, w.head.span, f"these bonds join {ends} sites, but {len(names)} indices are given",
                                "bind one index for each site, and optionally one for the number of the bond")
         return names[:ends], "".join(names[ends:])
 

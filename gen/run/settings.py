@@ -122,7 +122,7 @@ def averages_of(given: Averages | None, env) -> dict | None:
     after = 0.0 if given.after is None else number(given.after, env, "after")
     bins = BINS if given.bins is None else whole(given.bins, "bins")
     if after < 0 or bins < 2:
-        raise UsageError("averages need a time that is not negative and at least two bins")
+        raise UsageError("averages: `after` must not be negative, and `bins` must be at least 2")
     return {"what": list(given.what), "after": after, "bins": bins}
 
 

@@ -9,6 +9,7 @@
 #ifndef SMG_LANE_SPHERE_H
 #define SMG_LANE_SPHERE_H
 
+#include "smg_lane_misses.h"
 #include "smg_lane_vec.h"
 #include "smg_single_sphere.h"
 
@@ -39,7 +40,6 @@
 #define smg_sphere_misses smg_lane_sphere_misses
 #define smg_add_misses smg_lane_add_misses
 #include "smg_in_lanes.h"
-#include "smg_misses_template.h"
 #include "smg_sphere_template.h"
 #include "smg_in_numbers.h"
 

@@ -3,6 +3,7 @@
 #ifndef SMG_PREDICTOR_H
 #define SMG_PREDICTOR_H
 
+#include "smg_lane_misses.h"
 #include "smg_model.h"
 #include "smg_polynomial.h"
 
@@ -15,7 +16,11 @@ static inline int smg_time_to_choose(const smg_state *s) { return s->history < S
 
 /* the highest degree that so many increments serve */
 #define SMG_MOST_DEGREE(history) ((history)-1)
-#define SMG_SUMS 8 /* that the errors of the components are added up in, by turns */
+/* that the errors of the components are added up in, by turns: those of SMG_LANES components at once */
+#define SMG_SUMS 8
+#if SMG_LANES > SMG_SUMS
+#error "smg_predictor.h: a vector has more lanes than there are sums"
+#endif
 
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree) {
   smg_real sum = 0;
@@ -23,19 +28,33 @@ static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree
   return sum;
 }
 
-/* miss[d] += the error, squared, that every degree would have made in the component k of the step just solved. */
-static inline void smg_component_misses(const smg_state *s, int64_t k, smg_real *miss) {
-  smg_real row[SMG_HISTORY + 1] = {s->u[k]};
-  for (int j = 0; j < s->history; ++j) row[j + 1] = s->past[j][k];
-  smg_add_misses(s->history, row, miss);
+/* The components k, k + stride, .. of a, as many as there are lanes; 0 beyond the last one. */
+static inline smg_lanes smg_sampled(const smg_real *a, int64_t k, int64_t stride, int64_t size) {
+  smg_real x[SMG_LANES] = {0};
+  if (stride == 1 && k + SMG_LANES <= size) return smg_lane_take(a + k);
+  for (int l = 0; l < SMG_LANES && k + l * stride < size; ++l) x[l] = a[k + l * stride];
+  return smg_lane_take(x);
+}
+
+/* miss[d] += the error, squared, that every degree would have made in these components of the step just solved. */
+static inline void smg_sampled_misses(const smg_state *s, int64_t k, int64_t stride, int64_t size, smg_lanes *miss) {
+  smg_lanes row[SMG_HISTORY + 1];
+  row[0] = smg_sampled(s->u, k, stride, size);
+  for (int j = 0; j < s->history; ++j) row[j + 1] = smg_sampled(s->past[j], k, stride, size);
+  smg_lane_add_misses(s->history, row, miss);
 }
 
 /* Which degree would have served best? A sample of the components decides, now and then. */
 static void smg_choose_degree(smg_state *s) {
   const int64_t size = 3 * smg_sites(&s->c), stride = 1 + size / 256;
-  smg_real miss[SMG_SUMS][SMG_HISTORY] = {{0}}, total[SMG_HISTORY] = {0};
-  for (int64_t n = 0; n * stride < size; ++n) smg_component_misses(s, n * stride, miss[n % SMG_SUMS]);
-  for (int l = 0; l < SMG_SUMS; ++l) smg_axpy(total, 1, miss[l], s->history);
+  smg_lanes miss[SMG_SUMS / SMG_LANES][SMG_HISTORY];
+  smg_real total[SMG_HISTORY] = {0};
+  for (int k = 0; k < SMG_SUMS / SMG_LANES; ++k)
+    for (int d = 0; d < s->history; ++d) miss[k][d] = smg_lane_of(0);
+  for (int64_t n = 0; n * stride < size; n += SMG_LANES)
+    smg_sampled_misses(s, n * stride, stride, size, miss[n / SMG_LANES % (SMG_SUMS / SMG_LANES)]);
+  for (int l = 0; l < SMG_SUMS; ++l)
+    for (int d = 0; d < s->history; ++d) total[d] += smg_lane_get(&miss[l / SMG_LANES][d], l % SMG_LANES);
   s->degree = s->history > 0 ? smg_best_degree(s->history, total) : SMG_NO_DEGREE;
 }
 
