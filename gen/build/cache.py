@@ -35,7 +35,7 @@ def cache_folder() -> Path:
         trouble = shared(place)
     except OSError as problem:
         raise BuildError(f"cannot create the cache {place}: {problem.strerror}; "
-                         "set SMIDGEN_CACHE to a folder that can be written") from None
+                         "set SMIDGEN_CACHE to a writable folder") from None
     if trouble:
         raise BuildError(f"the cache {place} is not safe: {trouble}, and its contents would be executed. It contains compiled models only: remove it, or set SMIDGEN_CACHE to a folder of your own that nobody else can write")
     return place
@@ -56,7 +56,7 @@ def entry(name: str, make) -> Path:
             os.utime(place)
     except OSError as problem:
         raise BuildError(f"cannot build in the cache {place.parent}: {problem.filename or ''} {problem.strerror}; "
-                         "set SMIDGEN_CACHE to a folder that can be written") from None
+                         "set SMIDGEN_CACHE to a writable folder") from None
     return place
 
 

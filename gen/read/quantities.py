@@ -47,7 +47,7 @@ def term(parser) -> tuple[Unit, Span]:
         if sign < 0:
             parser.take()
         if parser.now.kind != "number" or not parser.now.text.isdigit():
-            parser.fail("the exponent of a unit is a whole number", "such as `s^-1` or `m^2`")
+            parser.fail("the exponent of a unit must be an integer", "such as `s^-1` or `m^2`")
         digits = parser.take()
         span = Span(name.span.start, digits.span.end)
         exponent = sign * bounded_exponent(parser, digits)

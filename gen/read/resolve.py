@@ -112,7 +112,7 @@ class Resolver:
             self.fail(codes.NOT_HERE, node.span, f"time `t` is not allowed in {self.scope.place}",
                       "time enters through effects: `energy = \"B*cos(t)*w.z\"`")
         if node.name in FUNCTIONS | UNRESERVED:
-            self.fail(codes.SYNTAX, node.span, f"`{node.name}` is a function without arguments",
+            self.fail(codes.SYNTAX, node.span, f"`{node.name}` is a function, but is given no arguments",
                       f"write `{node.name}(...)`")
         return self.unknown(node.name, node.span)
 

@@ -71,7 +71,7 @@ def site(resolver, node, number: Expr) -> tuple:
         over = places.of(scope.declared.families[name])
     except ValueError:
         resolver.fail(codes.OVER, node.head, f"`{name}` is on several lattices, any of which could give the positions of its sites",
-                      f"choose one in [space]: `{name} = {{ sphere = \"LATTICE\" }}`, a lattice of [lattices]")
+                      f"choose one in [space]: `{name} = {{ sphere = \"LATTICE\" }}`, where LATTICE is declared in [lattices]")
     if over is None and (places.unread or name in scope.declared.unread):
         raise Bad       # the error is in the lattice or in the index family
     if over is None or over.places is None:

@@ -148,7 +148,7 @@ def test_what_does_not_fit_is_told(tmp_path):
     assert "`b` is the number of a bond, not of a site" in refused("dot(w[i], w[b])", tmp_path)
     assert "takes the values 1 to 22" in refused("J[b + 1]*dot(w[i], w[j])", tmp_path)
     text = (tmp_path / "spec.toml").read_text().replace("bond(i, j, b) of cells\"\nenergy = \"J[b + 1]", "bond(i, j, k, b) of cells\"\nenergy = \"J[b]")
-    with pytest.raises(smidgen.SpecError, match="these bonds join 2 sites, but 4 are bound"):
+    with pytest.raises(smidgen.SpecError, match="these bonds join 2 sites, but 4 indices are given"):
         smidgen.load_text(text, path=tmp_path / "spec.toml")
     spec = spec_of(tmp_path, "open", "J[b]*dot(w[i], w[j])", size="22 + 0*nx")
     with pytest.raises(smidgen.UsageError, match="22 numbers for 17 bonds"):

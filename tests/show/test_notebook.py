@@ -37,7 +37,7 @@ def test_plot_and_play_write_no_file(result, tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == []
     with pytest.raises(smidgen.UsageError, match="no kind of picture 'energi'; did you mean 'energy'"):
         result.plot("energi")
-    with pytest.raises(smidgen.UsageError, match=r"the player is a page, not a picture: result.play\(\)"):
+    with pytest.raises(smidgen.UsageError, match=r"the player is an HTML page, not a picture: use result.play\(\)"):
         result.plot("player")
 
 

@@ -55,7 +55,7 @@ def figure(result, kind: str = "auto"):
     result = shown(with_facts(result))
     chosen = suitable(result, False) if kind == "auto" else kind
     if chosen == "player":
-        raise UsageError("the player is a page, not a picture: result.play()")
+        raise UsageError("the player is an HTML page, not a picture: use result.play()")
     return fit_titles(styled(KINDS[chosen][0])(result))
 
 
