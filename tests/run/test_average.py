@@ -234,7 +234,7 @@ def test_a_run_gives_the_averages_that_its_spec_asks_for(tmp_path):
 @pytest.mark.quick
 @pytest.mark.parametrize("averages, said", [
     ({"waht": ["mz"]}, "averages have no 'waht'; did you mean 'what'?"), ({"": False}, "averages have no ''"), ({"what": False}, "averages: `what` must be a list of names"),
-    ({"what": [1]}, "averages: `what` must be a list of names"), ({"bins": 1}, "at least two bins"), ({"after": -1}, "that is not negative"), ({"bins": "many"}, "bins")])
+    ({"what": [1]}, "averages: `what` must be a list of names"), ({"bins": 1}, "`bins` must be at least 2"), ({"after": -1}, "`after` must not be negative"), ({"bins": "many"}, "bins")])
 def test_averages_that_cannot_be(averages, said):
     with pytest.raises(UsageError, match=re.escape(said)):
         smidgen.run(smidgen.load_text(SPIN), steps=2, averages=averages)
