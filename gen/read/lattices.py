@@ -20,6 +20,7 @@ from .tree import Node, describe
 
 SIZES = ("n", "nx, ny", "nx, ny, nz")      # by directions, as examples have them
 BOUNDARIES = ("periodic", "open")
+HOW_BONDS = "write `bonds.name = [{ offset = [1] }]`"
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,10 @@ class Lattices:
     def bond_lists(self, node: Node, sites: int, dimensions: int, places: Places | None) -> dict:
         if places is not None and not node.has("bonds"):
             return {}
-        table = node.need("bonds", "write `bonds.name = [{ offset = [1] }]`").table()
+        table = node.need("bonds", HOW_BONDS)
+        if isinstance(table.raw, list):
+            table.wrong(codes.TYPE, f"the list of bonds `{table.label}` must have a name", HOW_BONDS)
+        table.table()
         return dict(self.problems.together(*(lambda c=child: (c.name, self.bond_list(c, sites, dimensions))
                                              for child in table.items())))
 
