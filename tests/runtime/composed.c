@@ -1,6 +1,7 @@
 /* A generated model, and a filter.
  *
- *     composed h t0 steps   < start   > status count iterations, then w with what it has lost to rounding
+ *     composed h t0 steps   < start   > status count iterations, then w with its rounding errors, which lattices by rows
+ *                                         keep elsewhere
  *
  * MODEL: its name; HEADER: "name.h". */
 #include HEADER
@@ -29,7 +30,7 @@ int main(int argc, char **argv) {
   triple_put((smg_real)status);
   triple_put((smg_real)s.count);
   triple_put((smg_real)iterations);
-  for (int64_t k = 0; k < n; ++k) triple_put(s.w[k] + s.compensation[k]);
+  for (int64_t k = 0; k < n; ++k) triple_put(s.w[k] + (s.compensation ? s.compensation[k] : 0));
   free(w);
   free(mem);
   return 0;
