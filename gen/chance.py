@@ -35,5 +35,5 @@ def generator(use: str, seed: int = 0) -> np.random.Generator:
     """A generator for one of USES, always the same for one seed. Raises KeyError for another use, UsageError for a seed that is
     no integer of 0 or more."""
     if not (isinstance(seed, (int, np.integer)) and seed >= 0):
-        raise UsageError(f"seed: an integer of 0 or more, not {seed!r}")
+        raise UsageError(f"the seed must be a non-negative integer, not {seed!r}")
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(USES[use],))))

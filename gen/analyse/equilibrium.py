@@ -26,8 +26,8 @@ def checked(numbers: Evaluated, energy: Energy, w) -> float:
     """The torque of an equilibrium. Raises UsageError with the number for a state that is none."""
     found = torque(numbers, energy, w)
     if not found <= STILL:
-        raise UsageError(f"the state is no equilibrium: |n x g| of a spin is up to {found:.3g} of the largest field |g|, "
-                         f"beyond {STILL:g}; give an equilibrium, or let it be found (in Python relax=True, in the command --theory without a start)")
+        raise UsageError(f"the state is not an equilibrium: |n x g| of some spin is {found:.3g} of the largest field |g|, above the limit of "
+                         f"{STILL:g}; give an equilibrium, or have one computed (relax=True in Python, --theory without a start on the command line)")
     return found
 
 
@@ -40,7 +40,7 @@ def relaxed(numbers: Evaluated, energy: Energy, w) -> np.ndarray:
     minimize = needed("scipy.optimize", "relaxation to an equilibrium").minimize
     radii, free = numbers.radii, numbers.moving
     if np.isnan(radii[free]).any():
-        raise UsageError("relaxation is for spheres: give an equilibrium of the other families")
+        raise UsageError("relaxation is implemented for spheres only: give an equilibrium of the other families")
     radius, scale = radii[free][:, None], max(np.abs(energy.gradient(w)).max(), 1e-300)
 
     def placed(x):

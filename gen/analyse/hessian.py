@@ -65,7 +65,7 @@ class Sum:
                       for family, slot in derived.slots]
         for leaf in derived.leaves.values():
             if isinstance(leaf, Time):
-                raise UsageError(f"the energy `{derived.term.name}` depends on time, so that no state is an equilibrium: leave it out by "
+                raise UsageError(f"the energy `{derived.term.name}` depends on time, so no state is an equilibrium: leave it out with "
                                  "effects=.. (--effects), or in Python spectrum(theory=spin_waves(effects=..)) of the others alone")
         env = {**numbers.values, **indices, **columns}
         self.leaves = {sp.Symbol(name, real=True): evaluate(leaf, env) for name, leaf in derived.leaves.items()}

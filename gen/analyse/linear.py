@@ -57,7 +57,7 @@ def normals(numbers: Evaluated, w) -> tuple:
     length = np.linalg.norm(found, axis=1)
     zero = np.flatnonzero((length == 0) & numbers.moving)
     if zero.size:
-        raise UsageError(f"site {zero[0]} is 0: it has no leaf on which it could move")
+        raise UsageError(f"site {zero[0]} is 0, so it has no leaf to move on")
     return found / np.where(length > 0, length, 1)[:, None], length
 
 

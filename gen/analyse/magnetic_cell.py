@@ -72,7 +72,7 @@ def order_of(linear: Linear, sites: Sites, given=None) -> Order:
 def given_order(linear: Linear, sites: Sites, given) -> Order:
     size = tuple(map(int, np.atleast_1d(given)))
     if len(size) != len(sites.grid.size) or any(not 1 <= s <= n or n % s for s, n in zip(size, sites.grid.size)):
-        raise UsageError(f"a magnetic cell of this lattice divides its {said(sites.grid.size)} cells, as {list(sites.grid.size)} does; "
+        raise UsageError(f"the magnetic cell of this lattice must divide its {said(sites.grid.size)} cells, as {list(sites.grid.size)} does; "
                          f"{list(size)} does not")
     for d, by in enumerate(size):
         if by < sites.grid.size[d] and (why := difference(linear, sites, d, by)):
@@ -119,11 +119,11 @@ def difference(linear: Linear, sites: Sites, direction: int, by: int, turn=None)
         return f"a spin differs by {off.max():.3g} of its length"
     alike = np.array_equal(numbers.moving, numbers.moving[there])
     if not alike or not np.allclose(linear.rate, linear.rate[there], rtol=SAME, atol=0):
-        return "sites are held, or have another kappa"
+        return "some sites are pinned or have a different kappa"
     pairs, shifted = linear.i * count + linear.j, there[linear.i] * count + there[linear.j]
     (keys, here), (others, other) = summed(pairs, linear.blocks), summed(shifted, turn @ linear.blocks @ turn.T)
     if not np.array_equal(keys, others):
-        return "the pairs that interact differ"
+        return "different pairs interact"
     gap = np.abs(here - other).max(initial=0.0) / np.abs(here).max(initial=1e-300)
     return "" if gap <= SAME else f"the Hessian differs by {gap:.3g} of its largest entry"
 

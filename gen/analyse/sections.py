@@ -101,7 +101,7 @@ def chart_of(points) -> Chart:
     axes = np.array([c, a, np.cross(c, a)])
     u = project(points, axes)
     if np.linalg.matrix_rank(u - u.mean(axis=0), tol=1e-12) < 2:
-        raise UsageError("the points do not form a closed curve: they lie on a line or are one point")
+        raise UsageError("the points do not form a closed curve: they lie on a line or coincide")
     return Chart(axes, u.mean(axis=0), np.linalg.cholesky(2 * np.cov(u.T)))
 
 
@@ -150,12 +150,12 @@ def fit_curve(points, degrees=DEGREES) -> Curve:
     """
     points = np.asarray(points, float)
     if len(points) < 8 * degrees[0]:
-        raise UsageError(f"{len(points)} points are too few for a curve: {8 * degrees[0]} or more")
+        raise UsageError(f"{len(points)} points are too few for a curve: at least {8 * degrees[0]} are needed")
     chart = chart_of(points)
     phi, rho = chart.polar(points)
     bare = widest_gap(phi)
     if bare > GAP:
-        raise UsageError(f"the points do not form a closed curve: {bare:.3g} radians are not covered")
+        raise UsageError(f"the points do not form a closed curve: they leave a gap of {bare:.3g} radians")
     best = fit_degree(chart, points, phi, rho, degrees[0])
     for degree in (d for d in degrees[1:] if 8 * d <= len(points)):
         last, more = best, fit_degree(chart, points, phi, rho, degree)
@@ -178,8 +178,8 @@ def least_squares(matrix, values) -> np.ndarray:
     try:
         return np.linalg.solve(r, values @ q)
     except np.linalg.LinAlgError:
-        raise UsageError("the points have fewer different angles than the curve has terms: "
-                         "a periodic orbit has no curve") from None
+        raise UsageError("the points have fewer distinct angles than the curve has terms: "
+                         "the orbit is periodic and traces no curve") from None
 
 
 def widest_gap(phi) -> float:

@@ -128,7 +128,7 @@ class Spectrum(ReadOnly):
 def saved_as(path) -> Path:
     """`path`, if its ending is one that a spectrum has. Raises UsageError."""
     if Path(path).suffix not in (".npz", ".csv"):
-        raise UsageError(f"{path}: the name of a spectrum ends in .npz or .csv")
+        raise UsageError(f"{path}: the name of a spectrum must end in .npz or .csv")
     return Path(path)
 
 
@@ -193,7 +193,7 @@ def fitting(theory: SpinWaves, q) -> SpinWaves:
     """Lines that are given. Raises UsageError where they are those of other wave vectors."""
     own = theory.q[::theory.meta["between"]]
     if own.shape != q.shape or not np.allclose(own, q, rtol=0, atol=1e-9):
-        raise UsageError("the lines that are given are those of other wave vectors: compute them with the same q")
+        raise UsageError("the lines given belong to other wave vectors: compute them with the same q")
     return theory
 
 
@@ -201,7 +201,7 @@ def directions(grid: Grid, m) -> np.ndarray:
     """q/|q| of each wave, (waves, 3); 0 at q = 0. Raises UsageError without places."""
     reciprocal = grid.reciprocal()
     if reciprocal is None:
-        raise UsageError("the factor of neutrons needs the direction of q in space: take a lattice by name, or one with vectors and positions")
+        raise UsageError("the neutron factor needs the direction of q in space: use a named lattice, or one with vectors and positions")
     q = m / np.array(grid.size) @ reciprocal
     length = np.linalg.norm(q, axis=1, keepdims=True)
     return q / np.where(length > 0, length, 1)

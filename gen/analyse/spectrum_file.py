@@ -49,13 +49,13 @@ def from_csv(file, size) -> tuple:
     names = header.strip().split(",")
     directions = len(names) - 1 - len(COMPONENTS)
     if directions < 1 or names != [*(f"q{k}" for k in range(directions)), "omega", *COMPONENTS]:
-        raise Wrong("its columns are not those of a spectrum")
+        raise Wrong("it does not have the columns of a spectrum")
     rows = rows_of(file)
     omega = rows[:, directions]
     waves = int(np.sum(omega == omega[0]))
     cube = rows.reshape(waves, -1, len(names))
     if np.any(cube[:, :, :directions] != cube[:, :1, :directions]) or np.any(cube[:, :, directions] != cube[0, :, directions]):
-        raise Wrong("its rows are not in the order of a spectrum")
+        raise Wrong("its rows are not ordered as in a spectrum")
     return comments.get("meta", ""), {"q": cube[:, 0, :directions], "omega": cube[0, :, directions], "s": cube[:, :, directions + 1:]}
 
 
@@ -68,7 +68,7 @@ def known(given: str) -> dict:
         raise Wrong(f"'{wrong[0]}' is missing from its metadata, or invalid")
     wrong = [key for key, kind in PLACED.items() if key in meta and not kind(meta[key])]
     if wrong:
-        raise Wrong(f"'{wrong[0]}' of its metadata is invalid")
+        raise Wrong(f"'{wrong[0]}' in its metadata is invalid")
     return {**{key: meta[key] for key in meta if key in of_run or key in ASKED or key in PLACED}, **{key: of_run[key] for key in of_run if key not in meta}}
 
 
@@ -79,15 +79,15 @@ def unpacked(arrays: dict, meta: dict) -> SpinWaves | None:
     if text_ is None and all(array is None for array in found):
         return None
     if text_ is None or text_.dtype.kind != "U" or text_.shape != () or any(array is None or array.dtype.kind != "f" for array in found):
-        raise Wrong("it lacks arrays of its theory")
+        raise Wrong("arrays of its theory are missing")
     q, omega, weights, growth, w = found
     if q.ndim != 2 or q.shape[1] != arrays["q"].shape[1] or omega.ndim != 2 or len(omega) != len(q) or growth.shape != omega.shape \
             or weights.shape != (*omega.shape, 3) or w.ndim != 2 or w.shape[1] != 3:
-        raise Wrong("the arrays of its theory do not fit each other")
+        raise Wrong("the arrays of its theory have inconsistent shapes")
     given = parsed(str(text_), lambda value: isinstance(value, dict))
     known_ = set(given) == set(THEORY) and all(kind(given[name]) for name, kind in THEORY.items())
     if not known_ or len(q) - 1 != given["between"] * (len(arrays["q"]) - 1):
-        raise Wrong("the metadata of its theory are not what they should be")
+        raise Wrong("the metadata of its theory are invalid")
     return SpinWaves(given, *found)
 
 

@@ -108,7 +108,7 @@ def state_of(numbers: Evaluated, start, seed) -> np.ndarray:
         raise UsageError(f"a state of {numbers.spec.name} has shape ({count}, 3), not {start.shape}")
     w = put_away(numbers, np.array(start, float))
     if why := wrong_start(numbers, w):
-        raise UsageError(f"the state is none that a start may be{why}")
+        raise UsageError(f"the state cannot be used as a start{why}")
     return w
 
 
@@ -122,7 +122,7 @@ def rows_of(grid: Grid, q) -> np.ndarray:
         return waves(grid, q) / np.array(grid.size)
     rows = np.atleast_2d(np.asarray(q, float))
     if rows.ndim != 2 or rows.shape[1] != len(grid.size) or not np.all(np.isfinite(rows)):
-        raise UsageError(f"a wave vector of this lattice has {len(grid.size)} finite numbers")
+        raise UsageError(f"a wave vector of this lattice must consist of {len(grid.size)} finite numbers")
     return rows
 
 
@@ -176,11 +176,11 @@ def obstacles(numbers: Evaluated) -> list:
     """What the lines do not tell. Raises UsageError where the energies do not decide on the motion."""
     scene = numbers.spec
     if scene.pushed:
-        raise UsageError(f"linear spin waves are those of energies, and a torque moves '{scene.pushed[0]}': leave it out (effects=..)")
+        raise UsageError(f"linear spin waves are defined for energies only, but a torque acts on '{scene.pushed[0]}': leave it out (effects=..)")
     if tracer := next((f.name for f in scene.families if f.tracer), None):
-        raise UsageError(f"linear spin waves are those of energies, and '{tracer}' is a tracer, which acts on none")
-    notes = ["the lines are those without damping, which widens and lowers them"] if scene.damped else []
-    return notes + ["the lines are those without noise: a temperature widens and shifts them"] * bool(scene.heated)
+        raise UsageError(f"linear spin waves are defined for energies only, but '{tracer}' is a tracer, which has none")
+    notes = ["the lines are computed without damping, which broadens them and lowers their frequencies"] if scene.damped else []
+    return notes + ["the lines are computed without noise; a temperature broadens and shifts them"] * bool(scene.heated)
 
 
 class Lines:
@@ -221,7 +221,7 @@ class Lines:
         growth = np.nan_to_num(self.growth)
         at, line = np.unravel_index(growth.argmax(), growth.shape)
         if growth[at, line] <= GROWS * max(np.nanmax(self.omega), growth[at, line], 1e-300):
-            return [f"the state is no minimum of the energy: modes lower it, by up to {-self.lowest / self.modes.scale:.2g} of the largest "
+            return [f"the state is not a minimum of the energy: some modes lower it, by up to {-self.lowest / self.modes.scale:.2g} of the largest "
                     "curvature, but none grows"]
         some = np.flatnonzero((growth > GROWS * np.nanmax(self.omega)).any(axis=1))
         q = ", ".join(f"{x:.4g}" for x in self.q[at])

@@ -24,7 +24,7 @@ def waves(grid: Grid, q) -> np.ndarray:
     try:
         rows = np.atleast_2d(np.asarray(q, float))
     except (TypeError, ValueError):
-        raise UsageError("q is \"all\", a path such as \"0,0 1/2,0\", or rows of numbers") from None
+        raise UsageError("q must be \"all\", a path such as \"0,0 1/2,0\", or rows of numbers") from None
     return whole(grid, rows)
 
 
@@ -38,7 +38,7 @@ def corners(grid: Grid, text: str) -> np.ndarray:
     """The points that a path names, by numbers or as corners of the zone."""
     points = [list(named(grid, point)) if point.isidentifier() and point != "pi" else [constant(number, "a wave vector") for number in point.split(",")] for point in text.split()]
     if not points or len({len(point) for point in points}) > 1:
-        raise UsageError(f"a path is points of {len(grid.size)} numbers each, such as \"{example(grid)}\", not \"{text}\"")
+        raise UsageError(f"a path consists of points of {len(grid.size)} numbers each, such as \"{example(grid)}\", not \"{text}\"")
     return whole(grid, np.array(points, float))
 
 
@@ -52,7 +52,7 @@ def named(grid: Grid, point: str) -> tuple:
     """A corner of the zone. Raises UsageError."""
     known = zone(grid)
     if point not in known:
-        raise UsageError(f"the zone of this lattice has no corner '{point}'; it has: {', '.join(known)}, or give numbers, such as {example(grid).split()[1]}")
+        raise UsageError(f"the Brillouin zone of this lattice has no point '{point}'; it has: {', '.join(known)}, or give numbers, such as {example(grid).split()[1]}")
     return known[point]
 
 
@@ -68,7 +68,7 @@ def example(grid: Grid) -> str:
 def whole(grid: Grid, q) -> np.ndarray:
     """m = q size. Raises UsageError for a q that is no wave of the lattice."""
     if q.ndim != 2 or q.shape[1] != len(grid.size) or not np.all(np.abs(q) < 2 ** 20):
-        raise UsageError(f"a wave vector of this lattice has {len(grid.size)} finite numbers, such as {example(grid).split()[1]}")
+        raise UsageError(f"a wave vector of this lattice must consist of {len(grid.size)} finite numbers, such as {example(grid).split()[1]}")
     m = np.rint(q * grid.size)
     off = np.abs(q * grid.size - m) > WHOLE * np.maximum(1, np.abs(m))
     if off.any():

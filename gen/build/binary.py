@@ -68,7 +68,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
     """
     features, compiler = chosen_features(features), find_compiler()
     if fast and "extended" in features:
-        raise UsageError("extended precision and a fast build exclude each other")
+        raise UsageError("extended precision cannot be combined with a fast build")
     flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(threads_of(compiler) if threads else ()), *defines)
     wide = native is None and not fast
     caller = mpi_compiler(compiler) if ranks else compiler
@@ -81,7 +81,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   lambda work: _build_into(work, text, caller, flags, wide))
     facts = json.loads((place / "built.json").read_text())
     if threads and not facts["notes"].get("threads"):
-        raise UsageError(f"steps of {spec.name} by {method} use one thread: only steps that are processed by rows can use several")
+        raise UsageError(f"steps of {spec.name} by {method} use one thread: only lattices processed by rows can use several")
     return Built(spec.name, place / LIBRARY, place, real, compiler_version(compiler),
                  tuple(facts["flags"]), facts["notes"], generator_name())
 
@@ -91,7 +91,7 @@ def find_compiler() -> tuple[str, ...]:
     try:
         wanted = shlex.split(os.environ.get("CC", ""))
     except ValueError as problem:
-        raise MissingTool(f"CC is not a command: {problem} in {os.environ['CC']!r}") from None
+        raise MissingTool(f"the environment variable CC does not hold a command: {problem} in {os.environ['CC']!r}") from None
     for words in ([wanted] if wanted else [["cc"], ["gcc"], ["clang"]]):
         path = shutil.which(words[0])
         if path:
@@ -154,7 +154,7 @@ def unfused(compiler: tuple[str, ...], flags: tuple[str, ...]) -> tuple[str, ...
 def threads_of(compiler: tuple[str, ...]) -> tuple[str, ...]:
     """The flags for OpenMP. Raises MissingTool."""
     if not takes(compiler, THREADS):
-        raise MissingTool(f"{shlex.join(compiler)} does not support OpenMP, which threads need (on Debian: gcc, or clang with libomp-dev)")
+        raise MissingTool(f"{shlex.join(compiler)} does not support OpenMP, which threads require; on Debian, use gcc, or clang with libomp-dev")
     return THREADS
 
 

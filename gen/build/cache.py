@@ -37,7 +37,7 @@ def cache_folder() -> Path:
         raise BuildError(f"cannot create the cache {place}: {problem.strerror}; "
                          "set SMIDGEN_CACHE to a writable folder") from None
     if trouble:
-        raise BuildError(f"the cache {place} is not safe: {trouble}, and its contents would be executed. It contains compiled models only: remove it, or set SMIDGEN_CACHE to a folder of your own that nobody else can write")
+        raise BuildError(f"the cache {place} is not safe: {trouble}, and code stored in it would be executed. It holds nothing but compiled models: delete it, or set SMIDGEN_CACHE to a folder of your own that nobody else can write")
     return place
 
 
@@ -77,7 +77,7 @@ def whole(place: Path) -> bool:
     with contextlib.suppress(OSError):
         if not place.is_symlink() and not shared(place) and (place / SEAL).read_bytes() == digest_of(place):
             return True
-    warnings.warn(f"{place} is damaged or can be written by others: it is rebuilt")
+    warnings.warn(f"{place} is damaged or writable by other users, and is rebuilt")
     return False
 
 

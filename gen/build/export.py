@@ -52,7 +52,7 @@ def export_library(spec: Spec, where, method: str, solver: str, features=()):
     """Build lib<model>.a with headers and a .pc file below `where`; returns (files, notes). Raises UsageError for the name of a system library."""
     where, name = Path(where), spec.name
     if name.lower() in LIBRARIES:
-        raise UsageError(f"a library of the model `{name}` would be lib{name}.a, which hides a system library of this name: rename the model")
+        raise UsageError(f"a library of the model `{name}` would be called lib{name}.a and would hide the system library of that name: rename the model")
     include, lib = where / "include", where / "lib"
     with tempfile.TemporaryDirectory(prefix="smidgen-") as work:
         files, notes, _ = export_sources(spec, work, method, solver, features=features)

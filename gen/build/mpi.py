@@ -15,6 +15,6 @@ def mpi_compiler(compiler: tuple[str, ...]) -> tuple[str, ...]:
     words = shlex.split(os.environ.get("MPICC", "")) or [WRAPPER]
     path = shutil.which(words[0])
     if path is None:
-        raise MissingTool(f"several ranks need {words[0]}, the compiler of MPI: on Debian apt-get install libopenmpi-dev openmpi-bin, or set MPICC")
+        raise MissingTool(f"running on several ranks requires {words[0]}, the MPI compiler: install it (on Debian: apt-get install libopenmpi-dev openmpi-bin), or set MPICC")
     program, *options = compiler
     return ("/usr/bin/env", f"OMPI_CC={program}", f"MPICH_CC={program}", path, *words[1:], *options, "-DSMG_MPI")

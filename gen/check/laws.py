@@ -130,7 +130,7 @@ def difference(says, left: str, right: str, env: dict) -> float:
 def sides(law: str) -> tuple[str, str]:
     left, equal, right = law.partition("==")
     if not equal or not left.strip() or not right.strip():
-        raise UsageError(f"`{law}` is not a law: write `left == right`")
+        raise UsageError(f"`{law}` is not a law: a law has the form `left == right`")
     return left.strip(), right.strip()
 
 

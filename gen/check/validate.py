@@ -39,7 +39,7 @@ RESOLVED = 10           # times FLOOR: errors below are those of the reference
 ORDER = (0.9, 1.1)      # observed order between h/2 and h/4, in units of the method's
 FLOOR = 1e-10           # errors of the flow below this measure the reference instead
 HALVINGS, DOUBLINGS = 7, 6
-NOT_SEEN = ("these bounds do not detect round-off faults, nor a wrong Hessian, which slows Newton's method without changing its result; "
+NOT_SEEN = ("these bounds detect neither round-off faults nor a wrong Hessian, which slows Newton's method without changing its result; "
             "`smidgen verify` measures both")
 
 
@@ -129,7 +129,7 @@ def validate(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     """
     steps = STEPS if steps is None else steps
     if steps < 1 or points < 1:
-        raise UsageError("validate needs at least one step and one point")
+        raise UsageError("validation needs at least one step and one random state")
     case = Case(settle(spec, run, steps=steps, every=1, start=start, method=method, solver=solver, h=h,
                        effects=effects, parameters=parameters, seed=seed, real=real, native=native), spec.calm, points)
     lines = [*field_lines(case), *value_lines(case)]
@@ -319,7 +319,7 @@ def compare_residuals(case):
         worst = largest(worst, case.witness.residual(before, model.w, k * s.h, s.h, s.method))
     allowed = ROUND_OFF * size(model.w)
     return agreement(f"residual of {s.steps} steps", worst, allowed,
-                     f"more than {DENSE} sites: the witness takes no steps of its own")
+                     f"more than {DENSE} sites, so the witness takes no steps of its own")
 
 
 def trajectory(case, w, h, count):
@@ -383,12 +383,12 @@ def converge(case, start):
             if doubled == DOUBLINGS or halved or not flows_agree(case, start, 2 * time):
                 return time, steps, errors, tried
             time, steps, doubled = 2 * time, 2 * steps, doubled + 1
-            tried = f" (time doubled {doubled} times to exceed round-off)"
+            tried = f" (the time was doubled {doubled} times so that errors exceed round-off)"
         elif errors is not None and shows_order(errors, size(start), METHODS[case.settings.method].order) or halved == HALVINGS:
             return time, steps, errors or [math.nan] * 3, tried
         else:
             steps, halved = 2 * steps, halved + 1
-            tried = f" (h halved {halved} times until the order was visible)"
+            tried = f" (h was halved {halved} times before the order was visible)"
 
 
 def compare_end(case: Case, start) -> list[Line]:

@@ -127,7 +127,7 @@ def test_the_sites_of_the_closest_pair_are_named():
         'over = "pair(i, j) of w"\nenergy = "-log(2 - 2*dot(w[i], w[j]))/(4*pi)"').replace(
         'theta = "a"\nphi = "pi*i"', "theta = [0.3, 2.0, 1.2, 2.08]\nphi = [0.0, 1.0, 3.0, 1.0]")
     advice = advise(load_text(text_))
-    assert advice.kind == "fold" and advice.sites == (1, 3) and "made by w[1] and w[3]" in advice.reason
+    assert advice.kind == "fold" and advice.sites == (1, 3) and "caused by w[1] and w[3]" in advice.reason
 
 
 # The parts
@@ -147,7 +147,7 @@ def test_backward_is_the_reversed_problem():
     spec = load_text(PAIR)
     forward, backward = advise(spec, h=0.1), advise(spec, h=-0.1)
     assert backward.h < 0 and abs(backward.h + forward.h) < 1e-6 * forward.h
-    assert forward.run_h == 0.1 and "within the largest safe step" in forward.words()[-1]
+    assert forward.run_h == 0.1 and "does not exceed the largest safe step" in forward.words()[-1]
     assert "above the largest safe step" in advise(spec, h=10.0).words()[-1]
 
 

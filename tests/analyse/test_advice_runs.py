@@ -105,7 +105,7 @@ def test_what_is_not_looked_at_is_said():
     assert found.span == 1e6 and end < 1e4
     assert all(count * 5000 <= 200_000 for _, count, _ in found.orbits)
     said = next(line for line in found.words() if line.startswith("Examined"))
-    assert "the run, of length 1e+06" in said and f"to t = {end:.6g}" in said
+    assert "the run over a time of 1e+06" in said and f"to t = {end:.6g}" in said
 
 
 @pytest.mark.quick
@@ -135,7 +135,7 @@ def test_a_pulse_is_seen_wherever_it_is(seed):
     assert found.rate_t == pytest.approx(values["at"], abs=values["width"] / 3)
     assert abs(found.h) <= 2.05 * math.pi / found.rate
     fine = found.fine
-    assert fine <= math.sqrt(0.012) / found.rate and f"with h = {fine:.3g} its phase is right to 0.1 %" in " ".join(found.words())
+    assert fine <= math.sqrt(0.012) / found.rate and f"with h = {fine:.3g} its phase is accurate to 0.1 %" in " ".join(found.words())
     model, whole = smidgen.build(spec, parameters=values), 10 + abs(strength) * values["width"] * math.sqrt(math.pi)
     error = np.abs(end_state(model, sign * fine, sign * 10) - end_state(model, sign * fine / 8, sign * 10)).max()
     assert error < 1e-3 * whole
@@ -147,7 +147,7 @@ def test_a_pulse_that_limits_a_step():
     for at in (1.37, 6.2):
         found = advise(spec, parameters={"at": at, "width": 0.02}, time=10, h=1.0)
         assert 0.5 * 2 / 60 < found.h < 2 / 60 and found.t == pytest.approx(at, abs=found.cap)
-        assert found.words()[-1].startswith("The run's h = 1 is above the largest safe step, 0.0")
+        assert found.words()[-1].startswith("The run's h = 1 exceeds the largest safe step, 0.0")
 
 
 @pytest.mark.quick
@@ -262,11 +262,11 @@ def test_a_hole_is_found():
 # -- the words ---------------------------------------------------------------------------------------
 
 @pytest.mark.quick
-@pytest.mark.parametrize("h, side", [(1e-3, "within"), (0.01, "within"), (50.0, "above")])
+@pytest.mark.parametrize("h, side", [(1e-3, "does not exceed"), (0.01, "does not exceed"), (50.0, "exceeds")])
 def test_the_step_of_the_run_is_compared_with_the_one_that_is_named(h, side):
     found = advise(load_text(PULSE), h=h, time=10)
     largest = "the largest step examined" if found.kind == "open" else "the largest safe step"
-    assert f"The run's h = {h:.6g} is {side} {largest}, {found.h:.6g}" in found.words()[-1]
+    assert f"The run's h = {h:.6g} {side} {largest}, {found.h:.6g}" in found.words()[-1]
 
 
 def test_the_length_of_the_run():

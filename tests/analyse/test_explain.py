@@ -227,7 +227,7 @@ def test_spins_of_a_ring_of_three_or_four_keep_their_products(n, count):
 def test_what_was_looked_for_is_said():
     """Four vortices have no such form, which is decided though the formula is too long to multiply out."""
     chain, vortices = explain(load_text(CHAIN)), explain(load("point_vortices"))
-    assert "not searched: quadratic forms that couple sites (10 sites, of at most 6)" in said(chain)
+    assert "not searched: quadratic forms that couple sites (10 sites; the limit is 6)" in said(chain)
     assert "quadratic forms of all sites together" in said(vortices) and not vortices.undecided and not kinds(vortices, "quadratic")
     assert "join" not in said(explain(load("free_rigid_body"))) and chain.as_dict()["searched"][0] == "linear ones"
 

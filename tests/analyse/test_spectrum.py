@@ -144,7 +144,7 @@ def test_wave_vectors_by_name():
 
 @pytest.mark.parametrize("q, said", [
     ("0 1/4", "q = 0.25 is not a wave vector of 6 cells; the nearest are 1/6 and 2/6"), ("0,0 1/2,0", "has 1 finite numbers"), ("", "points of 1 numbers"),
-    ("0 a", "has no corner .a."), ("0 1,2", "points of 1"), ([np.nan], "finite"), ([1e300], "finite"), ("al", "has no corner .al."), ([[[0]]], "1 finite"), ([["x"]], "rows of numbers"),
+    ("0 a", "has no point .a."), ("0 1,2", "points of 1"), ([np.nan], "finite"), ([1e300], "finite"), ("al", "has no point .al."), ([[[0]]], "1 finite"), ([["x"]], "rows of numbers"),
     ("0 1/0", ".")])
 def test_what_is_no_wave_vector(q, said):
     with pytest.raises(smidgen.UsageError, match=said):
@@ -181,7 +181,7 @@ def test_files_and_pictures(random_run, tmp_path):
         assert again.save(tmp_path / f"again.{ending}").read_bytes() == (tmp_path / f"a.{ending}").read_bytes()
     for ending in ("png", "svg", "pdf"):
         assert draw_spectrum(found, tmp_path / f"a.{ending}").stat().st_size > 1000
-    with pytest.raises(smidgen.UsageError, match="ends in .npz or .csv"):
+    with pytest.raises(smidgen.UsageError, match="must end in .npz or .csv"):
         found.save(tmp_path / "a.txt")
     with pytest.raises(smidgen.OutputError, match="cannot write"):
         found.save(tmp_path / "none" / "a.npz")
@@ -208,7 +208,7 @@ def test_files_that_are_no_spectrum(random_run, tmp_path):
         np.savez(tmp_path / "b.npz", **{**data, **broken})
         with pytest.raises(smidgen.UsageError, match="is not a file of a smidgen run"):
             smidgen.load_spectrum(tmp_path / "b.npz")
-    for name, said in (("a.txt", "ends in .npz or .csv"), ("none.csv", "cannot read")):
+    for name, said in (("a.txt", "must end in .npz or .csv"), ("none.csv", "cannot read")):
         with pytest.raises(smidgen.UsageError, match=said):
             smidgen.load_spectrum(tmp_path / name)
 

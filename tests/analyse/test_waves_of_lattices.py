@@ -88,7 +88,7 @@ def test_components_see_where_sites_stand():
 
 def test_corners_that_are_refused():
     grid = smidgen.lattice.of(magnet("honeycomb", 2, 4, 2))
-    with pytest.raises(UsageError, match="has no corner 'R'; it has: .*Gamma, M, K"):
+    with pytest.raises(UsageError, match="has no point 'R'; it has: .*Gamma, M, K"):
         waves(grid, "Gamma R")
     with pytest.raises(UsageError, match="is not a wave vector of 4 cells"):
         waves(grid, "Gamma K")

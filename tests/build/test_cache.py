@@ -59,7 +59,7 @@ def linked(path):
     lambda e: os.chown(e, 12345, -1) if os.getuid() == 0 else e.chmod(0o702)])
 def test_what_is_not_as_it_was_made_is_made_again(damage):
     damage(made()[0])
-    with pytest.warns(UserWarning, match="damaged or can be written by others"):
+    with pytest.warns(UserWarning, match="damaged or writable by other users"):
         found, count = made()
     assert count == 1 and (found / "a.so").read_bytes() == b"library" and made()[1] == 0
 

@@ -244,5 +244,5 @@ def test_validate_says_no_to_nan(name, good, monkeypatch):
 @quick
 @pytest.mark.parametrize("seed", [-1, 0.5, "1"])
 def test_a_seed_that_is_no_natural_number_is_refused(seed):
-    with pytest.raises(smidgen.UsageError, match="seed: an integer of 0 or more"):
+    with pytest.raises(smidgen.UsageError, match="the seed must be a non-negative integer"):
         generator("tangent vectors", seed)

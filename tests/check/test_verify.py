@@ -340,7 +340,7 @@ def test_the_certificate_of_other_code_is_refused(made, command):
     for words in (["heisenberg_chain"], ["free_rigid_body", "--method", CLASSICAL],
                   ["free_rigid_body", "--set", "I2=1.5"], ["free_rigid_body", "--features", "extended"]):
         done = command("gen", *words, "--certificate", file)
-        assert done.returncode == 2 and "the certificate is of another spec" in done.stderr
+        assert done.returncode == 2 and "the certificate belongs to another spec" in done.stderr
 
 
 HOSTILE = {

@@ -55,5 +55,5 @@ def test_one_that_it_shares_is_looked_at():
 def test_a_hot_scene_with_a_torque_has_no_boltzmann_distribution():
     text = SPEC.format(along="0, 1, 0").replace("[starts", '[effects.bath]\nover = "site(i) of w"\ndamping = 0.1\nkT = 0.2\n[starts')
     hot, calm = (" ".join(smidgen.explain(smidgen.load_text(text), effects=effects).words()) for effects in (None, ["exchange", "bath"]))
-    assert "exp(-H/kT) is not stationary" in hot and "A step of -h, without the noise, is still the inverse" in hot
-    assert "is stationary, up to" in calm and np.all([word not in calm for word in ("orques act", "not stationary")])
+    assert "exp(-H/kT) is not stationary" in hot and "A step of -h is still the inverse of a step of h with the noise left out" in hot
+    assert "is stationary up to" in calm and np.all([word not in calm for word in ("orques act", "not stationary")])

@@ -98,7 +98,7 @@ def advise(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
     s = settle(spec, run, start=start, method=method, solver=solver, h=h if stated else 1.0, steps=1, every=1,
                effects=effects, parameters=parameters, seed=seed)
     if not METHODS[s.method].midpoint:
-        raise UsageError(f"advise applies to midpoint methods; {METHODS[s.method].title} has another step equation")
+        raise UsageError(f"`smidgen advise` supports midpoint methods only; {METHODS[s.method].title} solves a different step equation")
     model = model_of(spec.calm, s)
     w = model.start(s.own_start, h=s.h, seed=s.seed).w.copy()
     return advice_for(model, w, 0.0, s.h, s.run, stated,
@@ -149,7 +149,7 @@ def _tried(model, equation, end: End, cap: float) -> End:
         if bad is None and h:
             return end
         end = of_failure(bad, bad.limit) if bad is not None else end
-    raise RunError(f"no first step succeeds: {end.said}", 1, site=(*end.sites, -1)[0])
+    raise RunError(f"no step from the start succeeds, however small: {end.said}", 1, site=(*end.sites, -1)[0])
 
 
 def _binding(model, equation, look, start: End, cap: float):

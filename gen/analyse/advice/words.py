@@ -8,8 +8,8 @@ from .rates import SAMPLES
 
 COARSE = 1.5            # radians by which the fastest motion turns in a step: beyond, its phase is not given
 ENDS = {
-    "fold": "the step equation has a fold at h = {limit:.6g}, made by {sites}{through}",
-    "centre": "near h = {limit:.6g} the midpoint of {sites} reaches the centre{of}; no step exists beyond that",
+    "fold": "the step equation has a fold at h = {limit:.6g}, caused by {sites}{through}",
+    "centre": "near h = {limit:.6g} the midpoint of {sites} reaches the centre{of}; no solution exists beyond that",
     "edge": "near h = {limit:.6g} the midpoint of {sites} leaves the region where its Casimir or its energy{of} is defined",
     "trial": "a step of {said} ({sites}), and the limit is near h = {limit:.6g}",
 }
@@ -23,7 +23,7 @@ def reason(end, h: float, sites: str, t: float | None) -> str:
     text = ENDS[end.kind].format(limit=end.limit, sites=sites, said=end.said,
                                  through=f" through {effect}" if end.effect else "", of=f" ({effect})" if end.effect else "")
     where = "" if t is None else f"from the state at t = {t:.6g}, "
-    return f"{where}{text}; this is {h / end.limit:.2g} of it"
+    return f"{where}{text}; the advice is {h / end.limit:.2g} of that limit"
 
 
 def named(model, sites) -> str:
@@ -41,7 +41,7 @@ def sentences(a) -> list[str]:
     if a.spacing is not None:
         lines += _clock(a)
     if not a.completes:
-        lines.append(f"Even with h = {a.h:.6g} a step fails around t = {a.failing:.6g}, or has no margin: the run may not be completed.")
+        lines.append(f"Even with h = {a.h:.6g} a step near t = {a.failing:.6g} fails or has no margin, so the run may not finish.")
     if a.run_h is not None:
         lines.append(_own(a))
     return lines
@@ -57,15 +57,15 @@ def _accuracy(a) -> str:
     """What h does to the fastest motion, and to a modulation of H."""
     h = abs(a.h)
     if a.fine is None:
-        return "Accuracy: nothing moves at this start."
+        return "Accuracy: nothing moves from this start."
     at = f"rate {a.rate:.6g}, at t = {a.rate_t:.6g}" if a.span else f"rate {a.rate:.6g}"
-    slow = f"at h = {a.h:.6g} the fastest rotation ({at}) turns by {h * a.rate:.3g} rad in a step, {_off(h * a.rate)}"
-    more = f"; with h = {a.fine:.3g} its phase is right to 0.1 %" if a.fine < h else ""
+    slow = f"at h = {a.h:.6g} the fastest rotation ({at}) turns by {h * a.rate:.3g} rad in a step, {'and ' * (h * a.rate < COARSE)}{_off(h * a.rate)}"
+    more = f"; with h = {a.fine:.3g} its phase is accurate to 0.1 %" if a.fine < h else ""
     return f"Accuracy: {slow}{more}."
 
 
 def _off(turn: float) -> str:
-    return f"its phase is off by about {100 * turn ** 2 / 12:.2g} %" if turn < COARSE else "too much to be accurate"
+    return f"the phase is off by about {100 * turn ** 2 / 12:.2g} %" if turn < COARSE else "too much to be accurate"
 
 
 def _clock(a) -> list[str]:
@@ -73,9 +73,9 @@ def _clock(a) -> list[str]:
     changes = f" and changes as fast as a modulation with a period of about {math.tau / a.change:.2g}; steps per period: {_per_period(a.h, a)}" if a.change else ""
     if changes and abs(a.h) > a.fine:
         changes += f", {math.tau / a.change / a.fine:.2g} with h = {a.fine:.3g}"
-    abrupt = f"Somewhere H changes within less than {a.spacing:.3g}, as at a jump: a step across it is less accurate."
+    abrupt = f"At some time H changes within less than {a.spacing:.3g}, as if it jumped; a step across that time is less accurate."
     return [f"H depends on time{changes}.", *([abrupt] if a.abrupt else []),
-            f"Its strength was looked at every {a.spacing:.3g} of t over {a.span:.6g}; a pulse shorter than that may have been missed."]
+            f"Its strength was sampled every {a.spacing:.3g} of t over {a.span:.6g}; a pulse shorter than that may have been missed."]
 
 
 def _per_period(h: float, a) -> str:
@@ -89,16 +89,16 @@ def _looked(a) -> str:
     if not a.span:
         return "Only this state was examined. If bodies come closer later, a smaller step may be needed."
     runs = " and ".join(f"with h = {h:.6g} to t = {t:.6g} ({count} steps)" for h, count, t in a.orbits)
-    room = f"a step {ROOM} times as large exists from each of {a.states} of its states" if a.completes else "not all of it"
-    return (f"Examined: the run, of length {a.span:.6g}, {runs}; {room}. "
+    room = f"a step {ROOM} times as large exists from each of the {a.states} states examined" if a.completes else "not to its end"
+    return (f"Examined: the run over a time of {a.span:.6g}, {runs}; {room}. "
             "Other starts, and later times, may need a smaller step.")
 
 
 def _own(a) -> str:
     """The run's own step beside the advice."""
-    side = "within" if abs(a.run_h) <= abs(a.h) else "above"
+    side = "does not exceed" if abs(a.run_h) <= abs(a.h) else "exceeds"
     turn = abs(a.run_h) * a.rate
     off = f"; {_off(turn)}" if 0 < turn < COARSE else f"; the fastest rotation turns by {turn:.3g} rad in it, {_off(turn)}" if turn else ""
     off += f"; steps per period of H: {_per_period(a.run_h, a)}" if a.change else ""
     what = "the largest step examined" if a.kind == "open" else "the largest safe step"
-    return f"The run's h = {a.run_h:.6g} is {side} {what}, {a.h:.6g}{off}."
+    return f"The run's h = {a.run_h:.6g} {side} {what}, {a.h:.6g}{off}."

@@ -38,18 +38,18 @@ class Integral:
 
 WHY = {
     "linear": "a.(W - w) = h a.X(m), which is zero at every point m",
-    "off": "this is proved on the spheres only, and the classical midpoint evaluates the field off them",
+    "off": "this is proved only on the spheres, and the classical midpoint evaluates the field off them",
     "parts": "the parts into which H is split do not conserve it individually",
     "none": "the method is not known to conserve linear integrals",
     "turns": "every site turns about dH/dw, which does not depend on the site itself",
     "own": "W.QW - w.Qw = 2h mbar.QX(m), and mbar is a multiple of m site by site",
-    "sum": "mbar is a multiple of m with a different factor for each site: a sum over sites is not conserved",
+    "sum": "mbar is a multiple of m with a factor that differs from site to site, so a sum over sites is not conserved",
     "every": "the classical midpoint conserves every quadratic integral",
     "other": "the method conserves no quadratic integral of w",
     "leaf": "an explicit method drifts off the leaf",
     "casimir": "X(m) is perpendicular to grad C(mbar)",
     "energy": "H is a sum of linear and single-site quadratic integrals",
-    "bounded": "its error stays bounded over long times for small h, as the method is symplectic",
+    "bounded": "as the method is symplectic, the energy error stays bounded over long times for small h",
     "drift": "the method is not symplectic on spheres: the energy may drift",
     "body": "the discrete free body conserves the energy and the momentum of the free body",
 }

@@ -261,6 +261,6 @@ def looked_for(asked: Asked) -> list[str]:
     if one.small:
         said.append("quadratic forms of all sites together")
     elif len(one.places) > 1:
-        why = f"{len(one.places)} sites, of at most {bounds.JOINT}" if len(one.places) > bounds.JOINT else f"more than {bounds.TERMS} terms, or too much work"
+        why = f"{len(one.places)} sites; the limit is {bounds.JOINT}" if len(one.places) > bounds.JOINT else f"more than {bounds.TERMS} terms, or too much work"
         return [*said, f"not searched: quadratic forms that couple sites ({why})"]
     return said

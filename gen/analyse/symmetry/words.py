@@ -34,7 +34,7 @@ def _value(v) -> str:
 
 def _jumps(r):
     for name, size in r.jumps.items():
-        yield (f"The energy of '{name}' jumps, by {size:.2g} in one of its terms, where a vector crosses an edge of a floor, mod, if or comparison: energy is not conserved there, no method has its order, and a step across the edge may fail or have several solutions.")
+        yield (f"The energy of '{name}' is discontinuous: one of its terms jumps by {size:.2g} where a floor, mod, if or comparison switches. Where a step crosses such a jump, energy is not conserved, the order of the method is lost, and the step may fail or have several solutions.")
 
 
 def _rotations(r):
@@ -48,7 +48,7 @@ def _rotations(r):
         yield f"H is unchanged by {turn} of {_whose(r, names)}{_scope(r, always)}."
     for one in r.mixed:
         turns = ", ".join(f"{name} about {axis_name(a)}" for name, a in one.items())
-        yield f"H is unchanged when families turn together, each about its own axis: {turns}{_scope(r, False)}."
+        yield f"H is unchanged when families rotate together, each about its own axis: {turns}{_scope(r, False)}."
     if not (r.rotations or r.mixed or any("rotations" in u for u in r.undecided)):
         yield "No rotation of all vectors, or of one family, leaves H unchanged."
 
@@ -57,7 +57,7 @@ def _damping(r):
     """What damping gives up, and what holds."""
     if r.damped:
         stays = " without its noise is" if r.heated else " stays"
-        falls = "" if r.energy_changes or r.heated else " Along the flow the energy falls until every damped site is parallel to its field; over a step it falls for small h."
+        falls = "" if r.energy_changes or r.heated else " Along the exact flow the energy decreases until every damped site is parallel to its field; in the numerical solution it decreases for small h."
         yield (f"The sites of {' and '.join(r.damped)} are damped: no step is symplectic, and neither energy nor momentum is conserved."
                f"{falls} The step{stays} symmetric." if METHODS[r.method].symmetric else f"The sites of {' and '.join(r.damped)} are damped: "
                f"neither energy nor momentum is conserved.{falls}")
@@ -72,14 +72,14 @@ def _stationary(r) -> str:
     if r.pushed:
         return "Torques act as well: exp(-H/kT) is not stationary."
     order = "h" if METHODS[r.method].noise_within else "h^2 whatever the method"
-    return f"If all have the same kT, H does not depend on time and every site is in the bath, exp(-H/kT) is stationary, up to an error of order {order}."
+    return f"If H does not depend on time and every site is in a bath at the same kT, exp(-H/kT) is stationary up to an error of order {order}."
 
 
 def _torques(r):
     """What torques give up, and what holds."""
     if r.pushed:
-        symmetric = f" A step of -h{', without the noise,' * bool(r.heated)} is still the inverse of a step of h." if METHODS[r.method].symmetric else ""
-        yield (f"Torques move the sites of {' and '.join(r.pushed)}, which is not the motion of any energy: steps are not symplectic, and neither energy nor momentum is "
+        symmetric = f" A step of -h is still the inverse of a step of h{' with the noise left out' * bool(r.heated)}." if METHODS[r.method].symmetric else ""
+        yield (f"Torques move the sites of {' and '.join(r.pushed)}, a motion that derives from no energy: steps are not symplectic, and neither energy nor momentum is "
                f"conserved; torques may add energy as well as remove it. They are tangent, so lengths are preserved.{symmetric}")
 
 
@@ -96,7 +96,7 @@ def _held(r):
 def _by_site(r):
     """What prevents the fast layout."""
     if r.by_site:
-        yield f"Its lattice is processed site by site, not by rows in lanes, because {r.by_site}."
+        yield f"The lattice is processed site by site rather than by rows, because {r.by_site}."
 
 
 def _numbers(count: int) -> str:
@@ -127,13 +127,13 @@ def _linear(r):
 def _quadratic(r):
     for i in r.integrals:
         if i.kind == "quadratic":
-            yield f"Quadratic integral, {i.name} ({_numbers(i.count)}): {_kept(r, i)}{_scope(r, i.always)}."
+            yield f"Quadratic integral {i.name} ({_numbers(i.count)}): {_kept(r, i)}{_scope(r, i.always)}."
 
 
 def _energy(r):
     for i in r.integrals:
         if i.kind == "energy":
-            yield f"The {i.name} is conserved by the flow; {_kept(r, i)}."
+            yield f"The {i.name} is conserved by the exact flow, {'and is' if i.kept else 'but is'} {_kept(r, i)}."
     if r.energy_changes:
         yield "H depends on time: the energy is not conserved."
 
@@ -156,11 +156,11 @@ def _signs(r):
         yield "H is even: w -> -w reverses the motion in time."
     mirrors = ["".join(c for c, x in zip("xyz", s) if x < 0) for s in r.signs if math.prod(s) < 0 and sum(s) == 1]
     if mirrors:
-        yield (f"H is unchanged by the mirror images {', '.join(f'{m} -> -{m}' for m in mirrors)}: "
+        yield (f"H is unchanged by the reflections {', '.join(f'{m} -> -{m}' for m in mirrors)}: "
                "each reverses the motion in time.")
     halves = ["xyz"[s.index(1)] for s in r.signs if sum(s) == -1]
     if halves:
-        yield f"H is unchanged by half a turn about {', '.join(halves)}."
+        yield f"H is unchanged by half-turns about {', '.join(halves)}."
 
 
 def _splittings(r):
@@ -170,4 +170,4 @@ def _splittings(r):
         if why is None:
             yield f"Explicit method {name} ({kind}) can be used: {METHODS[name].how[1]}."
         else:
-            yield f"No {name}: {why}."
+            yield f"Method {name} cannot be used: {why}."

@@ -21,7 +21,7 @@ def along(case: Case, subject) -> list[Row]:
     try:
         ends = subject.run(case.w[None], 0.0, case.h, range(1, count + 1))[:, 0]
     except RunError as error:
-        return [refused("steps", str(error)), refused("run", "the run ended early")]
+        return [refused("steps", str(error)), refused("run", "the run ended before its last step")]
     case.path = np.concatenate([case.w[None], ends])
     return [at_least("steps", count, count), run_row(case, subject, count, run)]
 

@@ -49,8 +49,8 @@ def branch(case: Case, subject) -> list[Row]:
         tried = [(angle * unit, step(subject, w, t, angle * unit)) for angle in ANGLES]
         taken += sum(after is not None for _, after in tried)
         found += [judged(case, w, after - w, t, h) for h, after in suspects(w, tried)]
-    case.unseen.append(f"whether steps other than {taken} long ones are on the branch")
-    undecided = f", {found.count(None)} of which without result" * (None in found)
+    case.unseen.append(f"whether steps other than the {taken} long ones tried are on the branch")
+    undecided = f", {found.count(None)} of them undecided" * (None in found)
     wrong = found.count(False)
     note = f"{taken} long steps, {len(found)} followed back to h = 0{undecided}; on another branch: {wrong}"
     return [at_most("branch", wrong / max(len(found), 1), SHARE, note)]

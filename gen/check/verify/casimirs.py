@@ -17,12 +17,12 @@ ULPS = 8
 def casimirs(case: Case, subject) -> list[Row]:
     """The worst Casimir error in ulps, of the run after k steps over sqrt(k)."""
     if case.path is None:
-        return [refused("casimirs", "the run ended early")]
+        return [refused("casimirs", "the run ended before its last step")]
     steps = np.arange(1, len(case.path))
     many = float(np.max(changed(case, case.path[0], case.path[1:]) / (EPS * np.sqrt(steps))))
     one = largest(*(changed(case, case.long(w), subject.step(case.long(w), t, h)) for w, t, h in case.trials())) / LONG_EPS
-    return [at_most("casimirs", largest(many, one), ULPS, f"{one:.2g} ulp of one step in extended precision, "
-                    f"{many:.2g} ulp sqrt(N) of {len(steps)} steps")]
+    return [at_most("casimirs", largest(many, one), ULPS, f"{one:.2g} ulp for one step in extended precision, "
+                    f"{many:.2g} ulp sqrt(N) over {len(steps)} steps")]
 
 
 def changed(case: Case, before, after):

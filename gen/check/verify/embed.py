@@ -29,10 +29,10 @@ def read_certificate(file, scene, method: str, solver: str, features=()) -> list
              "generator_digest": (generator_digest(), "another version of the generator")}
     for key, (mine, what) in asked.items():
         if data.get(key) != mine:
-            raise UsageError(f"{file}: the certificate is of {what}; create a new one with `smidgen verify`")
+            raise UsageError(f"{file}: the certificate belongs to {what}; create a new one with `smidgen verify`")
     rows = [checked(file, entry) for entry in listed(file, data)]
     if data.get("passed") is not all(row.verdict != NO for row in rows):
-        raise UsageError(f"{file}: its verdict does not follow from its rows")
+        raise UsageError(f"{file}: its verdict contradicts its rows")
     return lines(rows, positive(file, data, "h"), positive(file, data, "sites"))
 
 
@@ -56,7 +56,7 @@ def listed(file, data) -> list:
     rows = data.get("rows")
     names = [r.get("name") if isinstance(r, dict) else None for r in rows] if isinstance(rows, list) else []
     if not names or not all(isinstance(n, str) and n in CLAIMS for n in names) or len(set(names)) < len(names):
-        raise UsageError(f"{file}: its rows are not those of a certificate")
+        raise UsageError(f"{file}: its rows do not form a certificate")
     return rows
 
 
@@ -68,7 +68,7 @@ def checked(file, entry: dict) -> Row:
         raise UsageError(f"{file}: row '{name}' has an invalid verdict or relation")
     bare = (measured, bound) == (None, None) and (said != YES or name == "order")     # an exact step has no order
     if not (said == verdict(measured, relation, bound) if relation else bare):
-        raise UsageError(f"{file}: the verdict of row '{name}' does not follow from its numbers")
+        raise UsageError(f"{file}: the verdict of row '{name}' contradicts its numbers")
     return Row(name, measured, relation, bound, said)
 
 

@@ -17,7 +17,7 @@ ANGLE = 0.7
 def equivariant(case: Case, subject, actions) -> list[Row]:
     """The worst of all turns, states, steps and both precisions, in ulps."""
     if not METHODS[case.settings.method].equivariant:
-        return [not_applicable("equivariant", "the method treats the axes one after the other")]
+        return [not_applicable("equivariant", "the method treats the axes in turn")]
     if not actions:
         return [not_applicable("equivariant", f"no rotation leaves H{' and the torques' * bool(case.scene.pushed)} unchanged")]
     found = [apart(case, subject, x, t, h, action) for w, t, h in case.trials()

@@ -99,7 +99,7 @@ def form(site, s):
 def integrals(case: Case, subject, known: Known) -> list[Row]:
     """Momentum, quadratic integrals, energy."""
     return [kept(case, subject, "momentum", known.momentum, no_momentum(case)),
-            kept(case, subject, "quadratic integrals", known.quadratic, "no single site has any that the method conserves"),
+            kept(case, subject, "quadratic integrals", known.quadratic, "no single site has a quadratic integral that the method conserves"),
             energy(case, subject, known)]
 
 
@@ -109,7 +109,7 @@ def no_momentum(case: Case) -> str:
         return case.scene.given_up("momentum")
     if method.keeps_linear:
         return "no rotation leaves H unchanged"
-    return "not claimed: the parts of H do not conserve any individually" if method.splitting else "not claimed of this method"
+    return "not claimed: the parts of H do not conserve any of them individually" if method.splitting else "not claimed for this method"
 
 
 def kept(case: Case, subject, name, found, otherwise) -> Row:

@@ -24,10 +24,10 @@ def members(case: Case, subject) -> list[Row]:
     """One row: how many members have other bits than alone, or stop elsewhere."""
     if FEATURE not in case.features:
         case.unseen.append("ensembles: this code was generated without them")
-        return [not_applicable("ensemble", f"this build has no ensembles: --features {FEATURE}")]
+        return [not_applicable("ensemble", f"this build has no ensembles: use --features {FEATURE}")]
     one = getattr(subject, "double", None)
     if one is None or not hasattr(one._c, "ensemble_new"):
-        case.unseen.append("ensembles: this integrator does not give access to them")
+        case.unseen.append("ensembles: this integrator gives no access to them")
         return [not_applicable("ensemble", "this integrator does not provide ensembles")]
     lanes, wrong, total = one._c.ensemble_lanes(), [], 0
     for count, t, own in tried(case, one, lanes):

@@ -32,7 +32,7 @@ STEPS = 8
 def order(case: Case, subject) -> list[Row]:
     """One row: the worst of all states of one step, and of the flow."""
     if METHODS[case.settings.method].controlled:
-        return [not_applicable("order", "the method chooses its own steps, for a tolerance")]
+        return [not_applicable("order", "the method chooses its own steps to meet a tolerance")]
     local = [(one_step(case, subject, w, t), t) for w, t in case.points]
     flow = against_flow(case, subject)
     claimed = METHODS[case.settings.method].order

@@ -33,8 +33,8 @@ def refusals(case: Case, subject) -> list[Row]:
     if case.settings.method not in EQUATIONS:
         return [not_applicable("refusals", "the interpreter cannot compute residuals of this method")]
     if case.sites > LARGEST and not linear(case):
-        case.unseen.append(f"whether steps are refused without need: more than {LARGEST} sites and a field that is not linear")
-        return [not_applicable("refusals", f"more than {LARGEST} sites and a field that is not linear: no bound is known")]
+        case.unseen.append(f"whether steps are refused needlessly: more than {LARGEST} sites, and the field is not linear")
+        return [not_applicable("refusals", f"no bound is known for more than {LARGEST} sites and a field that is not linear")]
     asked = list(trials(case))
     refused = [trial for trial in asked if step(subject, *trial) is None]
     wrong = sum(case.sites > LARGEST or solvable(case, *trial) for trial in refused)

@@ -32,7 +32,7 @@ def round_off(case: Case, subject, known) -> list[Row]:
     """Two rows: the largest exponent, and the largest size, of Casimirs and of integrals."""
     steps = length(case)
     if steps < SHORTEST:
-        return neither("too few steps to see a law; use a longer run")
+        return neither("too few steps to see how errors grow; use a longer run")
     try:
         found = walks(case, subject, known, steps, SAMPLES)
         if largest(*(law(*walk) for _, *walk in found)) > EXPONENT:

@@ -56,7 +56,7 @@ def shared(case: Case, subject) -> list[Row]:
     if one is None or not one.notes.get("threads"):
         return neither("this model is not stepped by rows, so it has one thread")
     if not case.layouts:
-        return unseen(case, "--layouts looks at them")
+        return unseen(case, "use --layouts to check them")
     if not getattr(subject, "generated", False):
         return unseen(case, "this integrator cannot be compiled again")
     places = [(case.w, 0.0, case.h), (case.nudged(0.1), case.end(), case.h)]
@@ -123,7 +123,7 @@ def wavefronts(case: Case, same, went) -> Row:
     """Where a lattice is too small for one even with the smallest blocks, nothing was seen."""
     if went:
         return at_most("wavefronts", same.count(False), 0, "forced on a lattice of this size")
-    case.unseen.append("wavefronts, which lattices from 60 MB on use: this one is too small")
+    case.unseen.append("wavefronts: only lattices of at least 60 MB use them, and this one is too small")
     return not_applicable("wavefronts", "too few sites, or a method without them")
 
 
@@ -136,7 +136,7 @@ def ranks(case: Case, one: Integrator, places, calls, wanted) -> Row:
     """By two ranks, in processes of their own."""
     mpirun = shutil.which("mpirun")
     if mpirun is None or not one.notes.get("ranks"):
-        return unseen(case, "no mpirun here" if mpirun is None else "this method has none", NAMES[2:])[0]
+        return unseen(case, "mpirun was not found" if mpirun is None else "this method has none", NAMES[2:])[0]
     try:
         built = build_library(one.scene, one.method, one.solver, "double", case.settings.native, case.features, ranks=True, defines=SMALL)
     except MissingTool as problem:

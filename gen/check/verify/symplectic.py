@@ -29,7 +29,7 @@ def symplectic(case: Case, subject) -> list[Row]:
     if not case.tracers.any():
         return [defect_row(case, subject, "symplectic", np.flatnonzero(moving), "" if moving.all() else "of the sites that move")] if moving.any() else [
             not_applicable("symplectic", "no site moves")]
-    why = "tracers do not act on anything: together with the other sites they are not a Hamiltonian system"
+    why = "tracers act on nothing, so together with the other sites they do not form a Hamiltonian system"
     carried = np.flatnonzero(case.tracers & moving)
     rows = [not_applicable("symplectic", why)]
     if (~case.tracers & moving).any():
@@ -47,7 +47,7 @@ def defect_row(case: Case, subject, name, sites, note) -> Row:
     worst, h = with_largest(found, itemgetter(0))
     steps = "" if len(case.steps()) == 1 else f"worst at h = {h:.3g}"
     if METHODS[case.settings.method].controlled:
-        return Row(name, worst, MOST, DEFECT, NO, "the method is not symplectic: the defect is of the size of its tolerance, and accumulates")
+        return Row(name, worst, MOST, DEFECT, NO, "the method is not symplectic: the defect is about the size of its tolerance and accumulates")
     method = METHODS[case.settings.method]
     said = "the method is not symplectic" if worst > DEFECT and not method.symplectic and not method.of_midpoints else ""
     return at_most(name, worst, DEFECT, "; ".join(x for x in (said, note, steps) if x))

@@ -45,8 +45,8 @@ def whole_space(case: Case, subject) -> list[Row]:
 def said(case: Case, asked, ends) -> str:
     """What was seen; what was not is kept for the certificate."""
     gap = f"{100 * largest_gap(ends):.2g} %"
-    case.unseen.append(f"states other than those of the run, those near its start, and {len(ends)} over the whole "
-                       f"space (caps of up to {gap} of the sphere of a site contain none of them)")
+    case.unseen.append(f"states other than those of the run, those near its start, and {len(ends)} spread over the whole "
+                       f"space (the largest cap without any of them is {gap} of the sphere of a site)")
     left_out = f", {asked - len(ends)} more were refused" * (asked > len(ends))
     return f"{FOLLOW} steps from {len(ends)} states{left_out}; the largest empty cap is {gap} of a sphere"
 

@@ -59,7 +59,7 @@ def step(case: Case, subject) -> Row:
     if not case.small:
         return not_applicable("step", "the interpreter's matrix is dense: the residual is used instead")
     if method not in METHODS:
-        return not_applicable("step", "the interpreter has no such method")
+        return not_applicable("step", "the interpreter does not implement this method")
     found = [float(np.abs(subject.step(w, t, h) - case.witness.step(w, t, h, method)).max())
              / (EPS * size(w) * stretch(subject, w, subject.step(w, t, h), t, h)) for w, t, h in case.trials()]
     return at_most("step", largest(*found), CONTROLLED if METHODS_OF_SPECS[method].controlled else STEP)

@@ -129,7 +129,7 @@ class Witness:
             return self._stepped(w, t0, h, count, method, every)
         number = _choose("method", method, EQUATIONS)
         if count < 0 or every < 1:
-            raise UsageError("the number of steps must not be negative, and outputs at least one step apart")
+            raise UsageError("the number of steps must not be negative, and outputs must be at least one step apart")
         w, done = self._state(w), ctypes.c_int64(0)
         out = np.empty((count // every + 1, self.sites, 3))
         status = self._c.witness_steps(self._system_pointer, number, w.ctypes.data, t0, h, count,
@@ -295,7 +295,7 @@ class Witness:
 
     def _small(self):
         if self.sites > LARGEST_DENSE:
-            raise UsageError(f"the witness's Newton matrix is dense: at most {LARGEST_DENSE} "
+            raise UsageError(f"the witness uses a dense Newton matrix and takes at most {LARGEST_DENSE} "
                              f"sites, not {self.sites}; choose a smaller size")
 
 

@@ -110,7 +110,7 @@ def proper(witness, colour) -> np.ndarray:
     for name, one in witness.programs.items():
         of_terms = np.sort(colour[one.site], axis=1)
         if np.any(of_terms[:, 1:] == of_terms[:, :-1]):
-            raise RunError(f"effect {name} couples two sites of the same colour: the sublattices are not those of this model")
+            raise RunError(f"effect {name} couples two sites of the same colour: the sublattices do not belong to this model")
     return colour
 
 
@@ -166,7 +166,7 @@ def apart(group) -> list:
     """The bonds; RunError where two of them meet."""
     ends = [k for i, j, _ in group for k in (i, j)]
     if len(set(ends)) < len(ends):
-        raise RunError("two bonds of a class share a site: the classes are not those of this model")
+        raise RunError("two bonds of a class share a site: the classes do not belong to this model")
     return group
 
 
