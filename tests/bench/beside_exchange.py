@@ -94,6 +94,7 @@ def own(word: str) -> str:
 TWIST, FIELD, AXIS = bonds("-0.3*triple(vec(0, 0, 1), w[i], w[j])"), site("-0.5*w[i].z"), site("-0.4*w[i].z^2/2")
 DAMPED = own('damping = "0.1"')
 TURNING = "sublattice rotations"
+AXES = [f"w[i].{a}*w[j].{a}" for a in "xyz"]
 SCENES = (
     Scene("exchange alone"),
     Scene("DMI", (TWIST,)),
@@ -118,6 +119,8 @@ SCENES = (
     Scene("J1 + J3", (bonds("0.2*dot(w[i], w[j])", "cube.third"),)),
     Scene("cubic anisotropy", (site("-0.1*(w[i].x^4 + w[i].y^4 + w[i].z^4)"),)),
     Scene("biquadratic", (bonds("-0.1*dot(w[i], w[j])^2"),)),
+    Scene("three effects on the same bonds", tuple(bonds(f"-{xx}") for xx in AXES[1:]), exchange=f"-{AXES[0]}"),
+    Scene("six effects on the same bonds", tuple(bonds(f"-{xx}/2") for xx in (*AXES[1:], *AXES)), exchange=f"-{AXES[0]}/2"),
     Scene("two families", (bonds("-dot(v[i], v[j])", NEAR + " on v"),),
           lattice=NEAR + " on w", space='w = {{ sphere = "n*n*n" }}\nv = {{ sphere = "n*n*n" }}', start="[starts.s.w]\nrandom = 1\n[starts.s.v]\nrandom = 2"),
     Scene("damping", (DAMPED,)),

@@ -56,7 +56,7 @@ def of_laws(model, low, laws) -> str | None:
 
 def of_term(low, t) -> str | None:
     """A term of the energy: it is in one piece, smooth, and the same in every cell, or one of single sites or of bonds of two."""
-    name = f"`{t.derived.term.name}`"
+    name = t.called
     if not isinstance(t.over, (Lattice, Sites)):
         return f"{name} is neither a sum over the sites nor over the bonds of the lattice"
     if switched(t.derived):
@@ -76,7 +76,7 @@ def of_absent(t) -> str | None:
     for k, row in enumerate(t.derived.gradient):
         for q, vector in enumerate(t.derived.vectors):
             if q != k and any(sp.expand(sp.sympify(x).subs({v: 0 for v in vector})) != 0 for x in row):
-                return f"`{t.derived.term.name}` does not vanish where one of its spins is 0, and some sites are absent"
+                return f"{t.called} does not vanish where one of its spins is 0, and some sites are absent"
     return None
 
 

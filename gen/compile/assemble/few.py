@@ -118,7 +118,7 @@ def formulas(low, t, unit: bool = False):
     blocks = [sp.Matrix(3, 3, [low.number_values(x) for x in block]) for (k, _), block in t.derived.hessian.items() if k == 0]
     vectors = {v for vector in t.derived.vectors for v in vector}
     if not any(vectors & block.free_symbols for block in blocks):
-        return list(t.derived.gradient[0]), sum(map(spectral_bound, blocks), sp.S.Zero), {}
+        return list(t.derived.gradient[0]), sum((spectral_bound(b, t.derived.joined) for b in blocks), sp.S.Zero), {}
     u = sp.Symbol("product", real=True)
     f = of_the_product(t.derived, u)
     if f is None:

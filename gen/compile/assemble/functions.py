@@ -13,7 +13,7 @@ from ..lower.trim import trim
 
 def definitions(model) -> tuple[list, list]:
     """(tables, types and functions; `value_sums`): what nothing mentions is left out, arguments that nothing reads too."""
-    kernels = [f for t in (*model.fields, *model.observables) for f in t.functions]
+    kernels = [f for t in (*model.fields, *model.values, *model.observables) for f in t.functions]
     first = [f for part in model.parts for f in part.first(model)]
     functions = [*first, *parameter_functions(model), *kernels, *number_functions(model), *site_functions(model), *sum_functions(model), *site_sums(model),
                  *visits(model), *(f for part in model.parts for f in part.functions(model))]

@@ -23,6 +23,7 @@ from .families import FamilyCode, family_codes
 from .norms import edge_norms, reach
 from .parts import FIRST, PARTS
 from .rows import one_lattice
+from .same_bonds import energy_kernels
 
 
 HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
@@ -31,7 +32,7 @@ HISTORY = 7     # increments kept for the predictor; its degree adapts up to one
 class Model:
     """One spec with one plan. All kernels are made here, so that what is hoisted is known: `coefficients`.
 
-    families: sizes, strengths and leaves; energies, observables: kernels of one term; torques: of those that are fields beside the gradients; responses: laws of families whose sites do more than precess;
+    families: sizes, strengths and leaves; energies, observables: kernels of one term; values: of effects that share bonds (`same_bonds.py`), which `energies` have as one; torques: of those that are fields beside the gradients; responses: laws of families whose sites do more than precess;
     effects: of the spec, by name, what each is made of (`by_bond`); reach, edge_norms: bounds of the rows of the Hessian, or None, and of each edge of a graph; parts: those of `parts.py` that it has, each also an
     attribute by its name, what it is made of or None; whole: the spec with absent sites in its terms; why_by_site: why a lattice goes site by site.
     """
@@ -47,7 +48,7 @@ class Model:
         low = Lowering(self.spec)
         self.families = family_codes(low, self.spec, plan.coupled)
         self.by_name = {f.name: f for f in self.families}
-        self.energies = tuple(term_kernels(low, e, "effect") for e in self.spec.energies)
+        self.energies, self.values = energy_kernels(low, self.spec.energies, "effect", self.method)
         self.torques = tuple(field_kernels(low, t, t.slots, field) for t, field in fields_of(self.spec, self.contributions, self.method))
         self.observables = tuple(term_kernels(low, o, "observe", False) for o in self.spec.observables)
         self.parts = ()
@@ -86,7 +87,7 @@ class Model:
     @property
     def sums(self) -> dict:
         """Name of each energy of the spec -> the terms that it is made of."""
-        terms = {t.derived.term.name: t for t in self.energies}
+        terms = {t.derived.term.name: t for t in (*self.energies, *self.values)}
         return {name: [terms[part.name] for part in parts] for name, parts in self.effects.items() if all(part.name in terms for part in parts)}
 
     @property

@@ -61,7 +61,7 @@ def edge_norms(model, low) -> dict:
 
 def edge_kernel(low, t, k: int) -> Function:
     ratio = sp.Symbol("ratio", positive=True)
-    value = sum(spectral_bound(block) * (1 if a == b else ratio) for (a, b), block in blocks_of(low, t) if a == k)
+    value = sum(spectral_bound(block, t.derived.joined) * (1 if a == b else ratio) for (a, b), block in blocks_of(low, t) if a == k)
     kernel = low.kernel([value], t.derived.leaves)
     given = (*(a for a in t.arguments() if a.name[:1] != "v"), Argument("smg_real", ratio.name))
     return Function("smg_real", f"{t.prefix}_norm_{k}", given, (*kernel.values, Return(kernel.results[0])))
@@ -148,15 +148,22 @@ def block_norm(low, t, k):
             values = [low.number_values(x) for x in block]
             if any(low.when(x) > CLOCK for x in values):
                 return None
-            total_norm += spectral_bound(sp.Matrix(3, 3, values))
+            total_norm += spectral_bound(sp.Matrix(3, 3, values), t.derived.joined)
     return total_norm
 
 
-def spectral_bound(block):
+def spectral_bound(block, joined=()):
     """A bound on the spectral norm: of the symmetric part, which is exact for multiples of I, Frobenius elsewhere; and exact of the
-    antisymmetric one."""
+    antisymmetric one. joined: of a sum, from which the multiple of I is taken first, so that the bound is about that of its terms, or less."""
     even, odd = (block + block.T) / 2, (block - block.T) / 2
-    return even_bound(even.applyfunc(sp.expand)) + sp.sqrt(sum(x.expand() ** 2 for x in (odd[0, 1], odd[0, 2], odd[1, 2])))
+    scale, even = isotropic(even) if joined else (sp.S.Zero, even)
+    return sp.Abs(scale) + even_bound(even.applyfunc(sp.expand)) + sp.sqrt(sum(x.expand() ** 2 for x in (odd[0, 1], odd[0, 2], odd[1, 2])))
+
+
+def isotropic(block) -> tuple:
+    """(the third of the trace, the rest)."""
+    scale = sp.expand(block.trace() / 3)
+    return scale, block - scale * sp.eye(3)
 
 
 def even_bound(block):

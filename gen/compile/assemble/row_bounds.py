@@ -10,7 +10,7 @@ import sympy as sp
 from ..derive.derivatives import is_real, scalar
 from ..derive.parts import is_large
 from .extent import MOST, largest, largest_ever, varies
-from .norms import spectral_bound
+from .norms import isotropic, spectral_bound
 
 
 class Spins:
@@ -81,17 +81,18 @@ def rest_norm(low, t, k):
 def hessian_norm(low, t, k, spins: Spins):
     """Where time or spins enter, entry by entry."""
     blocks = [block.applyfunc(low.number_values) for (a, _), block in t.derived.hessian.items() if a == k]
-    norms = [of_all_states(low, b, spins) if b.free_symbols & spins.components else largest_norm(low, b) if any(varies(low, x) for x in b) else spectral_bound(b) for b in blocks]
+    norms = [of_all_states(low, b, spins) if b.free_symbols & spins.components else largest_norm(low, b, t.derived.joined) if any(varies(low, x) for x in b) else spectral_bound(b, t.derived.joined) for b in blocks]
     return None if None in norms else sum(norms, sp.S.Zero)
 
 
-def largest_norm(low, block):
+def largest_norm(low, block, joined):
     """As `spectral_bound`: of the symmetric part, and of the antisymmetric one."""
     even, odd = (block + block.T) / 2, (block - block.T) / 2
+    scale, even = isotropic(even) if joined else (None, even)
     alike = even == even[0, 0] * sp.eye(3)
-    entries = [[even[0, 0]] if alike else list(even), [odd[0, 1], odd[0, 2], odd[1, 2]]]
+    entries = [*([[scale]] if joined else []), [even[0, 0]] if alike else list(even), [odd[0, 1], odd[0, 2], odd[1, 2]]]
     sizes = [[largest_ever(low, sp.Abs(x)) for x in part] for part in entries]
-    return None if None in sizes[0] + sizes[1] else sum(sp.sqrt(sum(x ** 2 for x in part)) for part in sizes)
+    return None if any(None in part for part in sizes) else sum(sp.sqrt(sum(x ** 2 for x in part)) for part in sizes)
 
 
 def of_all_states(low, block, spins: Spins):

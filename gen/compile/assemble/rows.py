@@ -13,7 +13,7 @@ from ...language.held import lacking
 from ...language.spec import Lattice, Sites
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
-from ..lower.kernels import COEFFICIENTS, term_kernels
+from ..lower.kernels import COEFFICIENTS
 from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
@@ -29,6 +29,7 @@ from .part import MOST_LANES, Part, buffer, placed
 from .response import response_kernel, stored
 from .site_factors import factors, multiplied, rate_function, rated
 from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites
+from .same_bonds import energy_kernels
 from .slots import Slots
 
 REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
@@ -96,7 +97,7 @@ def rows_of(model, low, f, over, whole):
     bounds = {(t.prefix, k): bounds_of_term(low, t, k, f.family.radius) if bounded else (None, None) for t in terms for k in range(len(t.slots))}
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
-        return f"the field of `{unbounded.derived.term.name}` has no bound that holds at all times"
+        return f"the field of {unbounded.called} has no bound that holds at all times"
     found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa))
     if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
         return f"{longest(model, f)} reaches too far, or the places of a cell have no colours of equally many sites"
@@ -131,7 +132,7 @@ def whole_terms(model, low) -> dict:
     """{prefix: the term as it is where all its sites are there}, of a lattice that lacks some."""
     if not lacking(model.whole):
         return {}
-    return {t.prefix: term_kernels(low, e, "row") for t, e in zip(model.energies, model.whole.energies)}
+    return {t.prefix: whole for t, whole in zip(model.energies, energy_kernels(low, model.whole.energies, "row", model.method)[0])}
 
 
 def held_rows(found, model, low, law):
@@ -170,9 +171,9 @@ def midpoint_rows(model, f) -> bool:
 
 def longest(model, f) -> str:
     """The term whose bonds reach farthest."""
-    reaches = {t.derived.term.name: max(sum(abs(a - b) for a, b in zip(one, other)) for bond in t.over.bonds for (_, one), (_, other) in product(bond, bond))
+    reaches = {t.called: max(sum(abs(a - b) for a, b in zip(one, other)) for bond in t.over.bonds for (_, one), (_, other) in product(bond, bond))
                for t, _ in model.roles(f.name) if isinstance(t.over, Lattice)}
-    return f"`{max(reaches, key=reaches.get)}`"
+    return max(reaches, key=reaches.get)
 
 
 def many_kinds(model) -> int:

@@ -107,6 +107,7 @@ class Derived:
     hessian[k, l]: 3x3 matrix d2e/d(slot k)d(slot l), only the non-zero blocks;
     leaves: symbol name -> the expression node (parameter, entry, index, ..) it stands for;
     parts: symbol -> expression of each part of a large formula, in order of definition;
+    joined: the effects that it is a sum of, where they are several.
     pushed: of a torque the number of the slot that it moves: gradient[pushed] is its field, and the rest is 0.
     """
     term: Term
@@ -118,6 +119,7 @@ class Derived:
     leaves: dict
     parts: dict
     pushed: int | None = None
+    joined: tuple = ()
 
 
 def switched(d: Derived) -> set:

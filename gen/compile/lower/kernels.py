@@ -38,6 +38,11 @@ class TermKernels:
     def slots(self):
         return self.derived.slots
 
+    @property
+    def called(self) -> str:
+        """Its effects, for messages."""
+        return " and ".join(f"`{name}`" for name in self.derived.joined or (self.derived.term.name,))
+
     def weights(self):
         return [f"weight_{c}" for c, _ in self.over.columns] if isinstance(self.over, (Graph, Lattice)) else []
 
@@ -59,18 +64,32 @@ class TermKernels:
 
 def term_kernels(low: Lowering, term: Term, role: str, with_derivatives: bool = True) -> TermKernels:
     """Value, gradient and Hessian functions of one effect (role 'effect') or observable ('observe')."""
-    d = derive(term, with_derivatives)
-    bare = TermKernels(d, f"{role}_{term.name}")
+    return kernels_of(low, derive(term, with_derivatives), role, with_derivatives)
+
+
+def kernels_of(low: Lowering, d: Derived, role: str, with_derivatives: bool = True) -> TermKernels:
+    """The same of what is derived already."""
+    value = value_kernels(low, d, role)
+    if not with_derivatives:
+        return value
+    rest = motion_kernels(low, d, role)
+    return replace(rest, functions=(*value.functions, *rest.functions), operations=(value.operations[0], rest.operations[1]))
+
+
+def value_kernels(low: Lowering, d: Derived, role: str) -> TermKernels:
+    """The value alone."""
+    bare = TermKernels(d, f"{role}_{d.term.name}")
     value = low.kernel([d.value], d.leaves, d.parts)
-    functions, operations = [value_function(bare, value)], [value.operations]
-    if with_derivatives:
-        gradient = low.kernel([x for row in d.gradient for x in row], d.leaves, d.parts)
-        operations.append(gradient.operations)
-        functions.append(gradient_function(bare, gradient))
-        blocks = {pair: f for pair in d.hessian if (f := hessian_function(low, bare, pair)).body}       # without those that a fixed strength of 0 empties
-        functions += blocks.values()
-        d = replace(d, hessian={pair: d.hessian[pair] for pair in blocks})
-    return TermKernels(d, bare.prefix, tuple(functions), tuple(operations))
+    return replace(bare, functions=(value_function(bare, value),), operations=(value.operations,))
+
+
+def motion_kernels(low: Lowering, d: Derived, role: str) -> TermKernels:
+    """Gradient and Hessian."""
+    bare = TermKernels(d, f"{role}_{d.term.name}")
+    gradient = low.kernel([x for row in d.gradient for x in row], d.leaves, d.parts)
+    blocks = {pair: f for pair in d.hessian if (f := hessian_function(low, bare, pair)).body}       # without those that a fixed strength of 0 empties
+    return replace(bare, derived=replace(d, hessian={pair: d.hessian[pair] for pair in blocks}), functions=(gradient_function(bare, gradient), *blocks.values()),
+                   operations=(0, gradient.operations))
 
 
 def field_kernels(low: Lowering, torque: Term, slots: tuple, field) -> TermKernels:
