@@ -54,14 +54,14 @@ def growth_table(rows, name, quantity) -> str:
         mine = chosen(rows, variant=variant)
         cells = {r.steps: f"{r.rms:.2g}" + (f" ({r.orbits})" if r.orbits != mine[0].orbits else "") for r in mine}
         body.append([variant, str(mine[0].orbits), *(cells.get(n, "") for n in steps), f"{exponent(mine):.2f}"])
-    return table(["", "orbits", *map(power, steps), "exponent"], body)
+    return table(["variant", "orbits", *map(power, steps), "exponent"], body)
 
 
 def cost_table(rows, name) -> str:
     """Nanoseconds, a line for each variant."""
     rows = chosen(rows, table=name)
     base = next((r.median for r in rows if r.variant in BASES), None)
-    return NOTHING if base is None else table(["", "median ns", "least", "greatest", "ratio"],
+    return NOTHING if base is None else table(["variant", "median ns", "least", "greatest", "relative time"],
                  [[r.variant, f"{r.median:.1f}", f"{r.least:.1f}", f"{r.greatest:.1f}", f"{r.median / base:.2f}"]
                   for r in sorted(rows, key=lambda r: r.median)])
 
@@ -81,7 +81,7 @@ def verdict(growth, cost, name) -> str:
     kept = {v for v, rows in by_variant(growth, name, "H").items() if meets(rows)}
     best = min((r for r in chosen(cost, table=name) if r.variant in kept), key=lambda r: r.median, default=None)
     said = f"**{best.variant}**, {best.median:.1f} ns" if best else "none"
-    return f"{standings(growth, name, 'H')}\n\nThe cheapest variant that satisfies it: {said}."
+    return f"{standings(growth, name, 'H')}\n\nThe cheapest variant that meets the requirement: {said}."
 
 
 def by_variant(growth, name, quantity) -> dict:
