@@ -164,14 +164,14 @@ def words(rows) -> str:
     of = len(good) + len(failed)
     met = sum(float(r["error"]) <= float(r["asked"]) for r in good)
     costs = [float(r["seconds"]) / float(r["best_seconds"]) for r in good if r["best"]]
-    said = [f"{of} random Hamiltonians; of {len(rows) - of - late} more the end is not known or nothing moves, {late} took too long",
-            f"error met: {met} of {of}; refused: {len(failed)}",
-            f"cost at most 1.5 times the best of the sweep: {sum(c <= 1.5 for c in costs)} of {of}"
-            + (f" (median {np.median(costs):.2f}, largest {max(costs):.2f}; in {len(good) - len(costs)} the sweep has no row that is good enough)" if costs else "")]
+    said = [f"{of} random Hamiltonians were used. Another {len(rows) - of - late} were omitted because the final state is not resolved or nothing moves, and {late} because they took too long.",
+            f"The requested error was met for {met} of {of}; {len(failed)} were refused.",
+            f"The time was at most 1.5 times that of the best row of the sweep for {sum(c <= 1.5 for c in costs)} of {of}"
+            + (f" (median {np.median(costs):.2f}, largest {max(costs):.2f}; for {len(good) - len(costs)} no row of the sweep is accurate enough)." if costs else ".")]
     for what, error, estimate in (("the chosen run", "error", "estimate"), ("the default method", "plain_error", "plain_estimate")):
         ratios = [ratio_of(r, estimate, error) for r in good if r[error] and r[estimate]]
-        said.append(f"estimate of the error of {what}: within a factor of 3 in {sum(1 / 3 <= x <= 3 for x in ratios)} of {len(ratios)}, "
-                    f"the least and greatest ratio {min(ratios):.2g} and {max(ratios):.2g}; withheld in {sum(not r[estimate] for r in good if r[error])}")
+        said.append(f"The estimated error of {what} was within a factor of 3 of the true error for {sum(1 / 3 <= x <= 3 for x in ratios)} of {len(ratios)}, with "
+                    f"ratios between {min(ratios):.2g} and {max(ratios):.2g}. No estimate was given for {sum(not r[estimate] for r in good if r[error])}.")
     return "\n".join(f"- {line}" for line in said)
 
 

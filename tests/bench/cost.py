@@ -103,15 +103,15 @@ def more(place: Path, systems: dict):
     width = f"vectors of {place.name.removeprefix('lanes_')} lanes"
     found = {name: smidgen.load_cost(place / f"{name}.csv") for name in systems if (place / f"{name}.csv").exists()}
     if found:
-        yield f"## Who is first, {width}\n\n{HOW_FIRST}\n\n{summary(found)}\n\n{short_of(found)}\n"
-    for title, bench, name in (("What each promise costs", promises, "promises.csv"), ("Random Hamiltonians", choose_random, "choose_random.csv")):
+        yield f"## The fastest methods, {width}\n\n{HOW_FIRST}\n\n{summary(found)}\n\n{short_of(found)}\n"
+    for title, bench, name in (("What each guarantee costs", promises, "promises.csv"), ("Random Hamiltonians", choose_random, "choose_random.csv")):
         if (place / name).exists():
             with open(place / name, newline="") as lines:
                 yield f"## {title}, {width}\n\n[{name}](cost/{place.name}/{name})\n\n{bench.words(list(csv.DictReader(lines)))}\n"
 
 
-HOW_FIRST = ("Short runs, by end error: the fastest method of all, and below it the time of the fastest general integrator, where there are some, "
-             "as a multiple of that of the best symplectic method.")
+HOW_FIRST = ("Each column is for one error of the final state, in short runs. The first row of a system gives the fastest method. The second row gives "
+             "the fastest general-purpose integrator, if any was measured, and its time divided by that of the best symplectic method.")
 
 
 def short_of(found: dict) -> str:
@@ -119,7 +119,7 @@ def short_of(found: dict) -> str:
     beside = {name: cost for name, cost in found.items() if others(cost, "end_error")}
     cells = sum(len(behind(cost, "end_error")) for cost in beside.values())
     count = sum(1 for cost in beside.values() for row in others(cost, "end_error").values() for cell in row if cell.name)
-    return f"Of {count} cells of general integrators, {cells} take less time than the best symplectic method; they are named below the tables of each system."
+    return f"In {cells} of {count} cells, a general-purpose integrator takes less time than the best symplectic method. They are listed below the tables of each system."
 
 
 def section(name: str, widths):
@@ -146,7 +146,7 @@ def on(cost) -> str:
 
 def ahead(cost, cells: list[str]) -> str:
     """Where general integrators are ahead, or that none is, with what it was measured on."""
-    said = f"ahead of the best symplectic method: {'; '.join(cells)}" if cells else "the best symplectic method is ahead of every general integrator in every cell"
+    said = f"faster than the best symplectic method: {'; '.join(cells)}" if cells else "the best symplectic method is faster than every general-purpose integrator in every cell"
     return f"{on(cost)}: {said}."
 
 

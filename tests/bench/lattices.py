@@ -35,8 +35,8 @@ SYSTEMS = [("cubic", *CUBIC, 20, "random", 0.0247, 0), ("cubic", *CUBIC, 20, "ra
            ("square", "square(n, n, periodic)", "n*n", 1000, "random", 0.0247, 0), ("cubic", *CUBIC, 100, "random", 0.0247, 0), ("cubic", *CUBIC, 100, "random", 0.0247, 1e-12),
            ("chain", *CHAIN, 100, "smooth", 0.1, 0), ("chain", *CHAIN, 100, "random", 0.1, 0),
            ("chain", *CHAIN, 1_000_000, "smooth", 0.1, 0)]
-BUILDS = {"portable": dict(native=False), "native": dict(native=True), "fast": dict(fast=True), "site to site": dict(features=("tangent",))}
-COLUMNS = ["system", "spins", "start", "h", "tolerance", "sweeps", *(f"{name}, ns" for name in BUILDS), "site to site / portable", "site to site / native"]
+BUILDS = {"portable": dict(native=False), "native": dict(native=True), "fast": dict(fast=True), "site by site": dict(features=("tangent",))}
+COLUMNS = ["system", "spins", "start", "h", "tolerance", "sweeps", *(f"{name}, ns" for name in BUILDS), "site by site / portable", "site by site / native"]
 
 
 def started(system, more):
@@ -63,7 +63,7 @@ def row(system, repeats: int) -> dict:
     name, _, _, _, start, h, tolerance = system
     return {"system": name, "spins": models["portable"].sites, "start": start, "h": h, "tolerance": tolerance or "round-off",
             "sweeps": models["portable"].report()["iterations"], **{f"{name}, ns": round(t, 1) for name, t in least.items()},
-            **{f"site to site / {name}": round(least["site to site"] / least[name], 1) for name in ("portable", "native")}}
+            **{f"site by site / {name}": round(least["site by site"] / least[name], 1) for name in ("portable", "native")}}
 
 
 def main():

@@ -113,20 +113,20 @@ def certificate(name: str) -> dict:
 def words(rows) -> str:
     """The section of a page."""
     systems = list(dict.fromkeys(r["system"] for r in rows))
-    parts = ["By how many per cent a step is longer for each promise, beside the same run without it (half the distance of the quartiles in "
-             "brackets), with portable flags. Nothing else is given up with it; every output records what was (`tolerance`, `fast`, `flags`). "
-             "What is below the spread costs nothing that can be seen.\n"]
+    parts = ["The tables show by how many per cent each guarantee increases the time of a step, relative to the same run without it, with portable "
+             "flags. Half the distance of the quartiles is in brackets; a cost below this number is not significant. Apart from the guarantee, both runs "
+             "are the same. Every output records the guarantees that were given up (`tolerance`, `fast`, `flags`).\n"]
     for method in METHODS:
         own = [r for r in rows if r["method"] == method and r["promise"] != "certificate"]
-        parts += [f"{method}, ns a step: " + ", ".join(f"{s} {next(float(r['ns_step']) for r in own if r['system'] == s):.4g}" for s in systems) + "\n",
-                  "| promise | given up by | " + " | ".join(systems) + " |", "|---|---|" + "---|" * len(systems)]
+        parts += [f"Time of a step without any change, {method}, in ns: " + ", ".join(f"{s} {next(float(r['ns_step']) for r in own if r['system'] == s):.4g}" for s in systems) + "\n",
+                  "| guarantee | given up with | " + " | ".join(systems) + " |", "|---|---|" + "---|" * len(systems)]
         for promise in dict.fromkeys(r["promise"] for r in own):
             cells = {r["system"]: f"{float(r['per_cent']):.0f} ({float(r['spread_per_cent']):.0f})" for r in own if r["promise"] == promise}
             way = next(r["given_up_by"] for r in own if r["promise"] == promise)
             parts.append(f"| {promise} | `{way}` | " + " | ".join(cells.get(s, "-") for s in systems) + " |")
         parts.append("")
     cells = ", ".join(f"{r['system']} {float(r['per_cent']):.2g} %" for r in rows if r["promise"] == "certificate")
-    return "\n".join([*parts, f"The certificate (`smidgen verify --quick`), which is asked for once, beside a run of 1e9 steps: {cells}."])
+    return "\n".join([*parts, f"The certificate (`smidgen verify --quick`) is computed once. Compared with the time of a run of 1e9 steps, it takes: {cells}."])
 
 
 def main() -> None:

@@ -258,7 +258,7 @@ def thickness_table(rows, system, eps) -> str:
         cells = [f"{r.value:.1e}" for r in chosen(mine, quantity="thickness")]
         seconds = sum(r.value for r in chosen(mine, quantity="seconds")) / len(cells)
         body.append([source, *cells, f"{seconds:.2g}"])
-    return table(["source", *starts, "seconds a curve"], body)
+    return table(["source", *starts, "seconds per curve"], body)
 
 
 def shift_table(rows) -> str:
@@ -275,7 +275,7 @@ def census_table(rows) -> str:
     rows = chosen(rows, table="census")
     runs = in_order((r.eps, r.source, r.steps, r.start, r.periods) for r in rows)
     return table(["\u03b5", "source", "h", "starts", "periods", "chaotic", "undecided",
-                  "fraction, 95%", "both decide", "contradict", "as the flow", "seconds"],
+                  "fraction, 95%", "both decide", "contradict", "same as flow", "seconds"],
                  [census_line(rows, *run) for run in runs])
 
 
@@ -289,7 +289,7 @@ def followed_table(rows) -> str:
         body.append([start, str(periods), f"{value:.2g}",
                      WORDS[judge_exponent(value, periods)], f"{digits:.1f}",
                      WORDS[judge_digits(digits, periods)]])
-    return table(["start", "T", "\u03bb_T", "so", "digits", "so"], body)
+    return table(["start", "T", "\u03bb_T", "verdict", "digits", "verdict"], body)
 
 
 def census_line(rows, eps, source, steps, start, periods):

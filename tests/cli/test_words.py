@@ -26,7 +26,7 @@ def tables() -> list:
     found = []
     for line in PAGE.partition("## Words of earlier versions")[0].splitlines():
         cells = [cell.strip() for cell in line.strip()[1:-1].split("|")] if line.startswith("| ") else []
-        if len(cells) == 6 and cells[0] != "thing":
+        if len(cells) == 6 and cells[0] != "concept":
             found.append((cells[0], {name: re.findall(r"`([^`]+)`", cell) for name, cell in zip(COLUMNS, cells[1:5])}, cells[5]))
     return found
 
