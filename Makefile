@@ -48,7 +48,7 @@ install:
 bench: $(VENV)/ready
 	$(PY) tests/bench/run.py
 
-# What one word more in a spec costs, beside exchange alone (some minutes); writes docs/beside_exchange.md. TIMES=1: times too.
+# What an additional effect costs, compared with exchange alone (some minutes); writes docs/beside_exchange.md. TIMES=1: times too.
 bench-scenes: $(VENV)/ready
 	$(PY) tests/bench/beside_exchange.py $(if $(TIMES),--times)
 

@@ -102,19 +102,19 @@ SCENES = (
     Scene("field", (FIELD,)),
     Scene("anisotropy", (AXIS,)),
     Scene("DMI, anisotropy, field", (TWIST, AXIS, FIELD)),
-    Scene("open", lattice=OPEN),
-    Scene("odd sides", odd=1),
-    Scene("field in time", (site("-0.5*cos(t)*w[i].z"),)),
-    Scene("field turning in time", (site("-0.5*(cos(t)*w[i].x + sin(t)*w[i].y)"),)),
-    Scene("J in time", exchange="-(1 + 0.2*cos(t))*dot(w[i], w[j])"),
-    Scene("J growing in time", exchange="-(1 + 0.001*t)*dot(w[i], w[j])"),
-    Scene("field by site", (site("-normal(1, i)*w[i].z/2"),)),
-    Scene("field by a formula of i", (site("-0.5*sin(0.1*i)*w[i].z"),)),
-    Scene("wave through the sites", (site("-0.5*cos(0.1*i - t)*w[i].z"),)),
-    Scene("anisotropy by site", (site("-(0.4 + 0.1*normal(1, i))*w[i].z^2/2"),)),
-    Scene("J by bond", exchange="-(1 + 0.1*uniform(1, i, j))*dot(w[i], w[j])"),
-    Scene("kappa by site", family=', kappa = "1 + mod(i, 2)"'),
-    Scene("radius by site", family=', radius = "1 + mod(i, 2)"'),
+    Scene("open boundaries", lattice=OPEN),
+    Scene("sides of odd length", odd=1),
+    Scene("field that depends on time", (site("-0.5*cos(t)*w[i].z"),)),
+    Scene("rotating field", (site("-0.5*(cos(t)*w[i].x + sin(t)*w[i].y)"),)),
+    Scene("exchange that depends on time", exchange="-(1 + 0.2*cos(t))*dot(w[i], w[j])"),
+    Scene("exchange that grows linearly in time", exchange="-(1 + 0.001*t)*dot(w[i], w[j])"),
+    Scene("field that differs by site", (site("-normal(1, i)*w[i].z/2"),)),
+    Scene("field given by a formula of i", (site("-0.5*sin(0.1*i)*w[i].z"),)),
+    Scene("travelling wave", (site("-0.5*cos(0.1*i - t)*w[i].z"),)),
+    Scene("anisotropy that differs by site", (site("-(0.4 + 0.1*normal(1, i))*w[i].z^2/2"),)),
+    Scene("exchange that differs by bond", exchange="-(1 + 0.1*uniform(1, i, j))*dot(w[i], w[j])"),
+    Scene("kappa that differs by site", family=', kappa = "1 + mod(i, 2)"'),
+    Scene("radius that differs by site", family=', radius = "1 + mod(i, 2)"'),
     Scene("J1 + J2", (bonds("0.2*dot(w[i], w[j])", "cube.second"),)),
     Scene("J1 + J3", (bonds("0.2*dot(w[i], w[j])", "cube.third"),)),
     Scene("cubic anisotropy", (site("-0.1*(w[i].x^4 + w[i].y^4 + w[i].z^4)"),)),
@@ -125,7 +125,7 @@ SCENES = (
           lattice=NEAR + " on w", space='w = {{ sphere = "n*n*n" }}\nv = {{ sphere = "n*n*n" }}', start="[starts.s.w]\nrandom = 1\n[starts.s.v]\nrandom = 2"),
     Scene("damping", (DAMPED,)),
     Scene("damping and noise", (own('damping = "0.1"\nkT = 0.3'),)),
-    Scene("damping by site", (own('damping = "0.1 + 0.05*mod(i, 2)"'),)),
+    Scene("damping that differs by site", (own('damping = "0.1 + 0.05*mod(i, 2)"'),)),
     Scene("torque", (own('torque = "0.2*cross(w[i], cross(w[i], vec(0, 1, 0)))"'),)),
     Scene("torque without a closed form", (own('torque = "0.2*w[i].z*cross(w[i], vec(0, 1, 0))"'),)),
     Scene("absent sites", (own('absent = "uniform(7, i) < 0.1"'),)),
@@ -138,7 +138,7 @@ SCENES = (
     Scene("tangent map", features=("tangent",)),
     Scene("composition of order 4", method="spherical-midpoint-4"),
     Scene(TURNING, method="sublattice-rotations"),
-    Scene("sublattice rotations, field in time", (site("-0.5*cos(t)*w[i].z"),), method="sublattice-rotations", beside=TURNING),
+    Scene("sublattice rotations, field that depends on time", (site("-0.5*cos(t)*w[i].z"),), method="sublattice-rotations", beside=TURNING),
 )
 
 
@@ -208,7 +208,7 @@ def words(value: str) -> str:
 
 
 def table(lines: list) -> str:
-    head = "| added | goes | instructions | beside exchange | operations beside | ns | beside |\n|---|---|---:|---:|---:|---:|---:|\n"
+    head = "| effect added | stepped | instructions | ratio to exchange alone | operations, ratio | ns | ns, ratio |\n|---|---|---:|---:|---:|---:|---:|\n"
     rows = [f"| {line['added']} | {'by rows' if line['layout'] == 'rows' else 'site by site: ' + words(line['prevented_by']) if line['prevented_by'] else 'site by site'} | {line['instructions']} | "
             f"{line['instructions_beside']} | {line['operations_beside']} | {line['ns']} | {line['ns_beside']} |\n" for line in lines]
     return f"{machine()}. Instructions with vectors of {LANES} numbers ({' '.join(VECTORS)}).\n\n" + head + "".join(rows)

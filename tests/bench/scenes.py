@@ -155,7 +155,7 @@ def row(scene: Scene) -> dict:
 def table(lines: list) -> str:
     """Markdown."""
     about = f"{processor()}; {compiler_version(find_compiler())}, {' '.join(FLAGS)}; {datetime.date.today()}. Spherical midpoint; per step and site.\n"
-    head = "| scene | switched off | operations | without | instructions | without | relative to the rest alone | same C | ns | without |\n|---|---|---:|---:|---:|---:|---:|---|---:|---:|\n"
+    head = "| scene | effect switched off | operations | operations without | instructions | instructions without | ratio to a spec without it | same C | ns | ns without |\n|---|---|---:|---:|---:|---:|---:|---|---:|---:|\n"
     cells = (f"| {r['field']}: {r['scene'].replace('_', ' ')}, {r['sites']} site{'s' * (str(r['sites']) != '1')} | {r['without'].replace('_', ' ')} | {r['operations']} | {r['operations_without']} | {r['instructions']} | "
              f"{r['instructions_without']} | {float(r['ratio_to_the_rest_alone']):.2f} | {r['same_c']} | {r['ns']} | {r['ns_without']} |" for r in lines)
     return about + "\n" + head + "\n".join(cells) + "\n"

@@ -76,12 +76,12 @@ def page(found: dict) -> tuple[str, float, list]:
     why = {line: reason for _, _, line, _, _ in lacking if (reason := reason_of(line, known))}
     text = [
         "# Branch coverage of the runtime\n",
-        "Written by `make coverage`: gcov's counts over the generated models and the test programs that the tests build, "
-        "added up by header, line and branch.\n",
+        "`make coverage` writes this page. It uses gcov to count the branches taken in all generated models and test programs that the tests build, "
+        "and sums the counts by header, line and branch. An empty reason means that the branch was not reached in this measurement, for no known reason.\n",
         f"**{100 * taken / total:.1f} %** of {total} branches are taken.\n",
         table(("header", "taken", "branches", "%"), [*per_header, ("all", taken, total, f"{100 * taken / total:.1f}")]) + "\n",
         "## Branches that no test takes\n",
-        table(("header", "code", "taken", "why not all"),
+        table(("header", "code", "taken", "reason"),
               [(h, code(line), f"{a} of {b}", why.get(line, "")) for h, _, line, a, b in lacking]) + "\n"]
     return "\n".join(text), taken / total, [line for _, _, line, _, _ in lacking if line not in why]
 

@@ -76,7 +76,7 @@ def kind(method: str) -> str:
 def made_of(rows) -> str:
     """How many scenes have what."""
     found = collections.Counter(kind for r in rows for kind in r["kinds"].split("|"))
-    return "\n".join(["", "| scenes with | |", "|---|---|", *(f"| {kind} | {found[kind]} |" for kind in MADE), ""])
+    return "\n".join(["", "| scenes with | number |", "|---|---|", *(f"| {kind} | {found[kind]} |" for kind in MADE), ""])
 
 
 def write(rows, code: str, seeds: str, docs=DOCS, what="specs") -> None:
