@@ -38,7 +38,7 @@ def guess(word: str, known, renamed: dict) -> str:
     known = [name for name in known if name != "self"]
     new = now(word, renamed, known)
     if new:
-        return f"; it is called '{new}' now"
+        return f"; it is now called '{new}'"
     close = difflib.get_close_matches(word, known, 1)
     return f"; did you mean '{close[0]}'?" if close else f"; there are: {', '.join(known)}"
 
@@ -56,7 +56,7 @@ class ReadOnly:
     def __getattr__(self, name):
         """Only asked for what is not there."""
         new = now(name, ATTRIBUTES, {*dir(type(self)), *self._fields})
-        raise AttributeError(f"{type(self).__name__} has no attribute '{name}'" + f"; it is called '{new}' now" * bool(new), name=name, obj=self)
+        raise AttributeError(f"{type(self).__name__} has no attribute '{name}'" + f"; it is now called '{new}'" * bool(new), name=name, obj=self)
 
     def __setattr__(self, name, value):
         if not name.startswith("_") and (name in vars(self) or name not in self._fields):

@@ -76,6 +76,6 @@ def unexpected() -> int:
     handle, log = tempfile.mkstemp(prefix="smidgen-", suffix=".log")
     with os.fdopen(handle, "w") as out:
         out.write(text)
-    print(f"smidgen: this is a defect of smidgen, sorry: {text.strip().splitlines()[-1]}\n"
+    print(f"smidgen: this is a bug in smidgen, sorry: {text.strip().splitlines()[-1]}\n"
           f"the details are in {log}", file=sys.stderr)
     return UNEXPECTED

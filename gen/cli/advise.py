@@ -12,15 +12,15 @@ EXAMPLES = """  smidgen advise point_vortices
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("advise", command, "estimate the largest safe step of a run, and say why", EXAMPLES)
+    parser = commands.add("advise", command, "estimate the largest safe step of a run and explain what limits it", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
-    parser.add_argument("--h", help="the step to compare with; a negative one asks for advice on backward runs")
+    parser.add_argument("--h", help="the step to compare with the advice; if negative, the advice is for a backward run")
     for name in ("start", "seed"):
         run_option(parser, name)
     long = parser.add_mutually_exclusive_group()
-    long.add_argument("--steps", type=whole, help="length of the run to examine, in steps of its h")
-    long.add_argument("--time", help="length of the run to examine, as a duration")
+    long.add_argument("--steps", type=whole, help="length of the run to examine, in steps of h")
+    long.add_argument("--time", help="length of the run to examine, as a time")
     json_option(parser)
 
 

@@ -17,14 +17,14 @@ def add(commands):
     model_options(parser)
     for name in ("h", "start", "seed", "every", "tolerance"):
         run_option(parser, name)
-    run_option(parser, "what", help="quantities: energy, energy.EFFECT, momentum.FAMILY.x, names of observables; default: the energy and all observables")
+    run_option(parser, "what", help="quantities to average: energy, energy.EFFECT, momentum.FAMILY.x, or names of observables (default: the energy and all observables)")
     long = parser.add_mutually_exclusive_group()
     for name in ("steps", "time"):
         run_option(long, name)
-    parser.add_argument("--after", default=None, metavar="TIME", help="take samples from this time on; default: that of the run's averages, otherwise 0")
-    parser.add_argument("--members", type=whole, default=1, metavar="N", help="number of trajectories, each with its own noise; default: 1")
-    parser.add_argument("--bins", type=whole, default=None, metavar="N", help="largest number of bins of a histogram; default: that of the run's averages, otherwise 64")
-    parser.add_argument("--out", metavar="FILE", help="a .json file; if there is a FILE.part from an interrupted run, it is continued")
+    parser.add_argument("--after", default=None, metavar="TIME", help="time of the first sample (default: that of the run's averages, otherwise 0)")
+    parser.add_argument("--members", type=whole, default=1, metavar="N", help="number of trajectories, each with its own noise (default: 1)")
+    parser.add_argument("--bins", type=whole, default=None, metavar="N", help="largest number of bins in a histogram (default: that of the run's averages, otherwise 64)")
+    parser.add_argument("--out", metavar="FILE", help="the .json file to write; if an interrupted run left FILE.part, it is continued")
     json_option(parser)
 
 

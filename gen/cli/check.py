@@ -11,7 +11,7 @@ EXAMPLES = """  smidgen check top.toml
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("check", command, "read specs and report every error", EXAMPLES)
+    parser = commands.add("check", command, "read specs and report all errors", EXAMPLES)
     spec_argument(parser, nargs="+")
     json_option(parser)
 
@@ -55,7 +55,7 @@ def facts(word: str, library) -> dict:
            f"runs {', '.join(steps) or 'none'}"]
         + ([f"in {', '.join(scale.text for scale in spec.units.scales)}"] if spec.units else []))
     text += "".join(f"\n  warning: the parameter '{name}' is not used" for name in idle)
-    text += "".join(f"\n  warning: the energy of '{name}' jumps, by {size:.2g} in one term, where a vector crosses an edge of its formula: `smidgen explain`"
+    text += "".join(f"\n  warning: the energy of '{name}' is discontinuous: one term jumps by {size:.2g}; see `smidgen explain`"
                     for name, size in sudden.items())
     return {"spec": word, "ok": True, "name": spec.name, "families": families,
             "effects": list(spec.effect_names), "runs": steps, "unused": idle, "jumps": sudden, "text": text}

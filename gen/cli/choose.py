@@ -19,13 +19,13 @@ def add(commands):
     parser = commands.add("choose", command, "find the method and step that reach an accuracy in the least time", EXAMPLES)
     spec_argument(parser)
     study_options(parser)
-    for word, said in (("--error", "error of the final state, relative to the largest |w|"),
-                       ("--energy", "largest error of the energy during the run, in its unit")):
+    for word, said in (("--error", "largest error of the final state, relative to the largest |w|"),
+                       ("--energy", "largest error of the energy during the run, in the unit of the energy")):
         parser.add_argument(word, type=lambda text, word=word: number(text, word), metavar="E", help=said)
-    parser.add_argument("--mean", metavar="NUMBER", help="at a temperature: the energy or an observable, to whose mean --error refers; default: the energy")
-    parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0, metavar="T", help="at a temperature: limit on the time of the measurement; default: 60")
+    parser.add_argument("--mean", metavar="NUMBER", help="at a temperature: the quantity, energy or an observable, to whose mean --error refers (default: the energy)")
+    parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0, metavar="T", help="at a temperature: the most seconds to spend on the measurement (default: 60)")
     parser.add_argument("--symplectic", action="store_true", help="consider symplectic methods only")
-    parser.add_argument("--out", metavar="FILE.toml", help="write the spec with an additional run `chosen`")
+    parser.add_argument("--out", metavar="FILE.toml", help="write a copy of the spec with an additional run `chosen`")
     json_option(parser)
 
 
@@ -49,7 +49,7 @@ def written(spec, args, choice) -> Path:
     """The text of the spec with a run `chosen` at its end."""
     path = Path(args.out)
     if len(spec.sources) != 1:
-        raise UsageError("a spec that includes others cannot be written as one file")
+        raise UsageError("--out needs a spec that is a single file, but this one includes others")
     if any(run.name == "chosen" for run in spec.runs):
         raise UsageError("the spec already has a run 'chosen'")
     if args.parameters or args.effects or args.seed is not None or args.start is not None:

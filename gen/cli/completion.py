@@ -12,7 +12,7 @@ SHELLS = ("bash", "zsh", "tcsh")
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("completion", partial(command, commands.parser), "print a script that completes commands and options in a shell", EXAMPLES)
+    parser = commands.add("completion", partial(command, commands.parser), "print a completion script for a shell", EXAMPLES)
     parser.add_argument("shell", choices=SHELLS, metavar="SHELL", help=" or ".join(SHELLS))
 
 

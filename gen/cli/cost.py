@@ -16,15 +16,15 @@ def add(commands):
     spec_argument(parser, nargs="?")
     study_options(parser)
     parser.add_argument("--seconds", type=lambda text: number(text, "--seconds"), default=60.0,
-                        help="limit on the total time of the timed runs (60)")
+                        help="the most seconds to spend on timed runs (default: 60)")
     parser.add_argument("--no-long", action="store_true", help="omit the long runs")
-    parser.add_argument("--no-ends", action="store_true", help="omit errors of the final state; judge by conserved quantities")
+    parser.add_argument("--no-ends", action="store_true", help="do not compute errors of the final state; compare conserved quantities only")
     parser.add_argument("--peers", type=names, nargs="?", const=True, default=False, metavar="A,B",
-                        help="include general-purpose integrators, these or all that are installed: GSL, SUNDIALS, SciPy, heyoka, C by hand")
-    parser.add_argument("--mean", metavar="NUMBER", help="at a temperature: the energy or an observable whose mean is judged; default: the energy")
-    parser.add_argument("--out", metavar="FILE", help="the table as .csv")
-    parser.add_argument("--plot", metavar="FILE", help="the figure: .png, .svg or .pdf")
-    parser.add_argument("--from", metavar="FILE", dest="table", help="read a table instead of measuring")
+                        help="include general-purpose integrators, either those named or all that are installed: GSL, SUNDIALS, SciPy, heyoka, hand-written C")
+    parser.add_argument("--mean", metavar="NUMBER", help="at a temperature: the quantity, energy or an observable, whose mean is compared (default: the energy)")
+    parser.add_argument("--out", metavar="FILE", help="write the table to this .csv file")
+    parser.add_argument("--plot", metavar="FILE", help="write a figure to this .png, .svg or .pdf file")
+    parser.add_argument("--from", metavar="FILE", dest="table", help="read this table instead of measuring")
     json_option(parser)
 
 
@@ -36,7 +36,7 @@ def command(args):
     if args.out:
         say(f"wrote {table.save(args.out)}")
     if args.plot and not isinstance(table, Cost):
-        raise UsageError("there is no figure for scenes at a temperature; --out writes the table")
+        raise UsageError("scenes at a temperature have no figure; use --out to write the table")
     if args.plot:
         from ..show.plot.cost import draw_cost
         say(f"wrote {draw_cost(table, args.plot)}")
@@ -52,7 +52,7 @@ def measured(args):
     from ..progress import progress
     from ..read.shipped import load_spec
     if args.spec is None:
-        raise UsageError("a spec to measure, or --from FILE")
+        raise UsageError("give a spec to measure, or --from FILE")
     with progress(1000, "cost") as tick:
         return cost(load_spec(args.spec, args.library), args.run, **study_choices(args), seconds=args.seconds, long=not args.no_long,
                     ends=not args.no_ends, peers=args.peers, mean=args.mean, progress=lambda what, done: tick(int(1000 * done)))

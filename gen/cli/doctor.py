@@ -13,7 +13,7 @@ EXAMPLES = """  smidgen doctor
 
 def add(commands):
     """The sub-command."""
-    json_option(commands.add("doctor", command, "show what is installed, and try a small model", EXAMPLES))
+    json_option(commands.add("doctor", command, "show what is installed and test it with a small model", EXAMPLES))
 
 
 def command(args):

@@ -16,11 +16,11 @@ EXAMPLES = """  smidgen effects
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("effects", command, "show the library of effects, one of its pieces, or what the effects of a scene cost and which properties are lost", EXAMPLES)
-    parser.add_argument("word", metavar="PIECE or SPEC", nargs="?", help="a piece of the library, or a scene; default: list the library")
+    parser = commands.add("effects", command, "list the library of effects, show one of its pieces, or report what each effect of a scene costs and which properties it destroys", EXAMPLES)
+    parser.add_argument("word", metavar="PIECE or SPEC", nargs="?", help="a piece of the library, or a scene (default: list the library)")
     model_options(parser)
-    parser.add_argument("--test", action="store_true", help="check the laws: run the [test] of each piece and compare")
-    parser.add_argument("--no-times", action="store_true", help="of a scene: measure nothing")
+    parser.add_argument("--test", action="store_true", help="check the laws of the pieces: run the [test] of each and compare")
+    parser.add_argument("--no-times", action="store_true", help="for a scene: do not measure times")
     library_option(parser)
     json_option(parser)
 

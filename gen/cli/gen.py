@@ -13,14 +13,14 @@ BUILD = """  smidgen build top.toml                    compile into the cache, p
 
 def add(commands):
     """Both sub-commands."""
-    parser = commands.add("gen", gen, "write the C of a spec", GEN)
+    parser = commands.add("gen", gen, "write the C code of a spec", GEN)
     spec_argument(parser)
     model_options(parser)
     feature_option(parser)
-    parser.add_argument("--out", default=".", metavar="DIR", help="where to; default: here")
+    parser.add_argument("--out", default=".", metavar="DIR", help="folder to write to (default: the current one)")
     parser.add_argument("--amalgamate", action="store_true",
-                        help="inline the runtime: one .h and one .c, nothing else")
-    parser.add_argument("--certificate", metavar="FILE", help="a certificate of `smidgen verify --json`, to be quoted in the header")
+                        help="include the runtime in the generated files: one .h and one .c, nothing else")
+    parser.add_argument("--certificate", metavar="FILE", help="a certificate written by `smidgen verify --json`, to be quoted in the header")
     json_option(parser)
     parser = commands.add("build", build, "compile a spec", BUILD)
     spec_argument(parser)
@@ -29,7 +29,7 @@ def add(commands):
     parser.add_argument("--out", metavar="DIR", help="install a static library, its headers "
                         "and a pkg-config file below DIR")
     parser.add_argument("--native", action="store_true",
-                        help="compile for this processor (-march=native)")
+                        help="compile for this processor only (-march=native)")
     parser.add_argument("--real", choices=("double", "long double"), default="double")
     json_option(parser)
 

@@ -11,8 +11,8 @@ EXAMPLES = """  smidgen list
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("list", command, "show the specs that come with smidgen, or its methods", EXAMPLES)
-    parser.add_argument("--methods", action="store_true", help="list the methods and what they preserve")
+    parser = commands.add("list", command, "list the specs that come with smidgen, or the methods", EXAMPLES)
+    parser.add_argument("--methods", action="store_true", help="list the methods and what each preserves")
     json_option(parser)
 
 

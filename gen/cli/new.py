@@ -14,17 +14,17 @@ EXAMPLES = """  smidgen new my_top                        a commented spec, my_t
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("new", command, "write a spec to start from", EXAMPLES)
-    parser.add_argument("name", metavar="NAME", help="the name of the model; also the prefix in C")
-    parser.add_argument("--from", dest="source", metavar="SPEC", help="copy this shipped spec")
-    parser.add_argument("--out", metavar="FILE", help="default: NAME.toml")
+    parser = commands.add("new", command, "write a new spec to edit", EXAMPLES)
+    parser.add_argument("name", metavar="NAME", help="name of the model, which is also the prefix of its C functions")
+    parser.add_argument("--from", dest="source", metavar="SPEC", help="start from a copy of this shipped spec")
+    parser.add_argument("--out", metavar="FILE", help="file to write (default: NAME.toml)")
     json_option(parser)
 
 
 def command(args):
     """Write the file; an existing one is never overwritten."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", args.name):
-        raise UsageError(f"'{args.name}' is not a valid name: letters, digits and _, a letter first")
+        raise UsageError(f"'{args.name}' is not a valid name: use letters, digits and _, and start with a letter")
     from ..read import load_text
     path = Path(args.out or f"{args.name}.toml")
     text = renamed(source_text(args.source), args.name)
@@ -34,7 +34,7 @@ def command(args):
         with open(path, "x", encoding="utf-8") as out:
             out.write(text)
     except FileExistsError:
-        raise UsageError(f"{path} is there already") from None
+        raise UsageError(f"{path} already exists") from None
     except OSError as problem:
         raise OutputError(f"cannot write {path}: {problem.strerror}") from None
     say(f"next: smidgen check {path}, then smidgen run {path}")

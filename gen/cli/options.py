@@ -20,16 +20,16 @@ def spec_argument(parser, **more):
 
 def library_option(parser):
     """--library DIR."""
-    parser.add_argument("--library", action="append", default=[], metavar="DIR", help="a folder to search for files that a spec names, after its own folder; repeatable")
+    parser.add_argument("--library", action="append", default=[], metavar="DIR", help="an additional folder to search for files named in a spec; may be repeated")
 
 
 def model_options(parser):
     """What decides the C: RUN, --method, --solver, --effects, --set."""
-    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec (default: the first)")
     for name in ("method", "solver", "effects"):
         run_option(parser, name)
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="parameters",
-                        metavar="NAME=VALUE", help="a parameter; a list as 1,2,3; repeatable")
+                        metavar="NAME=VALUE", help="set a parameter; write a list as 1,2,3; may be repeated")
 
 
 def run_option(parser, name: str, **other):
@@ -47,18 +47,18 @@ def chosen(args, names_) -> dict:
 def processor_options(parser):
     """--native, --portable: for which processors to compile."""
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--native", action="store_true", default=None, help="compile for this processor; default: if this is faster "
-                       "and gives the same bits")
-    which.add_argument("--portable", action="store_false", dest="native", default=None, help="compile for all processors of this family")
+    which.add_argument("--native", action="store_true", default=None, help="compile for this processor (default: only if the code is then "
+                       "faster and gives the same bits)")
+    which.add_argument("--portable", action="store_false", dest="native", default=None, help="compile code that runs on every processor of this family")
 
 
 def study_options(parser):
     """What a study of many methods looks at: RUN, --time, --methods, --effects, --set, --start, --seed, --native, --portable."""
-    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
-    parser.add_argument("--time", help="duration: a number or a formula; default: that of the run")
-    parser.add_argument("--methods", type=names, metavar="A,B", help="consider these only; default: all that apply")
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec (default: the first)")
+    parser.add_argument("--time", help="duration, as a number or a formula (default: that of the run)")
+    parser.add_argument("--methods", type=names, metavar="A,B", help="consider these methods only (default: all that apply)")
     parser.add_argument("--set", type=assignment, action="append", default=[], dest="parameters", metavar="NAME=VALUE",
-                        help="a parameter; a list as 1,2,3; repeatable")
+                        help="set a parameter; write a list as 1,2,3; may be repeated")
     for name in ("effects", "start", "seed"):
         run_option(parser, name)
     processor_options(parser)
@@ -87,7 +87,7 @@ def feature_option(parser):
 
 def json_option(parser):
     """--json."""
-    parser.add_argument("--json", action="store_true", help="answer in JSON on stdout")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
 
 
 def open_option(parser):
@@ -99,7 +99,7 @@ def names(text: str) -> tuple[str, ...]:
     """`a,b` -> ("a", "b")."""
     found = tuple(word.strip() for word in text.split(",") if word.strip())
     if not found:
-        raise argparse.ArgumentTypeError("a list of names, such as a,b")
+        raise argparse.ArgumentTypeError("a list of names is expected, such as a,b")
     return found
 
 
@@ -107,9 +107,9 @@ def assignment(text: str) -> tuple[str, object]:
     """`J=2` -> ("J", 2), `B=pi/4` -> ("B", 0.78...), `g=1,1,-1` -> ("g", [1, 1, -1])."""
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
-        raise argparse.ArgumentTypeError(f"'{text}' is not NAME=VALUE, such as J=2 or g=1,1,-1")
+        raise argparse.ArgumentTypeError(f"'{text}' does not have the form NAME=VALUE, such as J=2 or g=1,1,-1")
     if "=" in value:
-        raise argparse.ArgumentTypeError(f"'{text}' sets more than one parameter: give --set for each")
+        raise argparse.ArgumentTypeError(f"'{text}' sets more than one parameter: use a separate --set for each")
     parts = [entry(part, f"--set {name.strip()}") for part in value.split(",")]
     return name.strip(), parts[0] if len(parts) == 1 else parts
 

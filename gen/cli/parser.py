@@ -10,9 +10,9 @@ from ..resources import HERE
 from ..version import __version__
 from . import advise, average, check, choose, completion, cost, doctor, effects, explain, gen, list as list_, new, play, plot, run, show, snapshot, spectrum, sweep, validate, verify
 
-CODES = """exit codes: 0 good, 1 a defect of smidgen, 2 wrong usage, 3 a bad spec, 4 a step failed,
-5 a validation failed, 6 a tool is missing, 7 the C compiler failed, 8 a file cannot be written,
-130 interrupted, 141 the reader of stdout has gone"""
+CODES = """exit codes: 0 success, 1 a bug in smidgen, 2 wrong usage, 3 an invalid spec, 4 a step failed,
+5 validation failed, 6 a tool is missing, 7 the C compiler failed, 8 a file cannot be written,
+130 interrupted, 141 the reader of stdout has closed the pipe"""
 
 SHOWN = 16      # choices that an error names
 
@@ -35,7 +35,7 @@ class Parser(argparse.ArgumentParser):
             known = [name for name in self._option_string_actions if name.startswith("--")]
             message, word = f"unrecognized arguments: {' '.join(rest)}", rest[0].partition("=")[0]
             new = now(word, OPTIONS, known)
-            self.error(f"{message}; '{word}' is called '{new}' now" if new else guessed(message, word, known))
+            self.error(f"{message}; '{word}' is now called '{new}'" if new else guessed(message, word, known))
         return found, rest
 
     def error(self, message):
@@ -55,7 +55,7 @@ def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="smidgen", epilog=CODES, formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Compiles Hamiltonians written as formulas to structure-preserving "
-                    "integrators in C, and runs them.")
+                    "integrators in C and runs them.")
     parser.add_argument("--version", action="version", version=f"smidgen {__version__}")
     parser.add_argument("--cmake-dir", action="version", version=str(HERE / "cmake"), help="print the folder for CMake's smidgen_DIR and exit")
     commands = Commands(parser)

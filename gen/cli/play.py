@@ -11,10 +11,10 @@ EXAMPLES = """  smidgen play film.h5                  writes film_player.html, n
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("play", command, "write a page that plays a result; a spec is run first", EXAMPLES)
-    parser.add_argument("source", metavar="SOURCE", help="a file that `smidgen run` wrote, or a SPEC")
-    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
-    parser.add_argument("--out", metavar="FILE", help="the page (.html); default: named after the spec, in this folder")
+    parser = commands.add("play", command, "write an HTML page that animates a result; a spec is run first", EXAMPLES)
+    parser.add_argument("source", metavar="SOURCE", help="a result file of `smidgen run`, or a SPEC")
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec (default: the first)")
+    parser.add_argument("--out", metavar="FILE", help="the .html file to write (default: in the current folder, named after the spec)")
     open_option(parser)
     json_option(parser)
 

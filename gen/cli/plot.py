@@ -19,14 +19,14 @@ def add(commands):
     """The sub-command."""
     parser = commands.add("plot", command, "draw a result; a spec is run first", EXAMPLES)
     parser.add_argument("source", metavar="SOURCE", nargs="?",
-                        help="a file that `smidgen run` wrote, or a SPEC")
-    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
-    parser.add_argument("--kind", default="auto", help="what to draw; default: a suitable kind")
-    parser.add_argument("--part", metavar="PART", help="a part of a lattice: ranges x=0:20,y=5:15, or a layer z=1.5")
-    parser.add_argument("--out", metavar="FILE", help="the file: .png, .svg or .pdf, .html (a player), .gif or .mp4 (a film)")
-    parser.add_argument("--width", type=lambda text: number(text, "--width"), metavar="INCHES", help="width of the picture; default: depends on the kind")
+                        help="a result file of `smidgen run`, or a SPEC")
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec (default: the first)")
+    parser.add_argument("--kind", default="auto", help="kind of picture (default: one that suits the result)")
+    parser.add_argument("--part", metavar="PART", help="draw only a part of a lattice: ranges x=0:20,y=5:15, or a layer z=1.5")
+    parser.add_argument("--out", metavar="FILE", help="the file to write: .png, .svg or .pdf, .html (a player), .gif or .mp4 (a film)")
+    parser.add_argument("--width", type=lambda text: number(text, "--width"), metavar="INCHES", help="width of the picture (default: depends on the kind)")
     open_option(parser)
-    parser.add_argument("--kinds", action="store_true", help="list the kinds")
+    parser.add_argument("--kinds", action="store_true", help="list the kinds of pictures")
     json_option(parser)
 
 

@@ -35,15 +35,15 @@ def add(commands):
     processor_options(parser)
     for name in ("fast", "threads", "real"):
         run_option(parser, name)
-    parser.add_argument("--out", metavar="FILE", help="the result: .csv, .npz or .h5; - for a table on stdout")
+    parser.add_argument("--out", metavar="FILE", help="the result file: .csv, .npz or .h5, or - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="repeat the run that wrote FILE")
     run_option(parser, "checkpoint")
-    parser.add_argument("--resume", metavar="FILE", help="continue the run that was writing FILE with --checkpoint")
+    parser.add_argument("--resume", metavar="FILE", help="continue the interrupted run that wrote checkpoints for FILE")
     run_option(parser, "tolerance")
     one = parser.add_mutually_exclusive_group()
-    one.add_argument("--estimate", action="store_const", const=True, help="repeat the run with larger and with smaller steps to estimate its error, "
-                     f"which takes 2 to 2.5 times as many steps; default: if the run took less than {SHORT:g} s")
-    one.add_argument("--no-estimate", action="store_const", const=False, dest="estimate", help="do not")
+    one.add_argument("--estimate", action="store_const", const=True, help="repeat the run with larger and smaller steps to estimate its error, "
+                     f"which takes 2 to 2.5 times as many steps (default: only if the run took less than {SHORT:g} s)")
+    one.add_argument("--no-estimate", action="store_const", const=False, dest="estimate", help="do not estimate the error of the run")
     run_option(parser, "substeps")
     json_option(parser)
 
@@ -100,7 +100,7 @@ def go(args, out):
     if args.resume is not None:
         return go_on(args)
     if args.checkpoint and args.out in (None, "-"):
-        raise UsageError("checkpoints need a file: --out result.h5")
+        raise UsageError("checkpoints need a result file: add --out result.h5")
     if out is not None:
         known_format(out)
     spec, name, given = asked(args)
@@ -115,8 +115,8 @@ def warn_of_jumps(spec, settings):
     from ..analyse.symmetry.jumps import jumps
     from ..compile.select import select
     for name, size in jumps(select(spec, settings.effects, settings.parameters)).items():
-        say(f"warning: the energy of '{name}' jumps, by {size:.2g} in one term, where a vector crosses an edge of its formula: "
-            "a step across an edge preserves neither energy nor order; see `smidgen explain`")
+        say(f"warning: the energy of '{name}' is discontinuous: one term jumps by {size:.2g}. "
+            "A step across a jump does not conserve the energy, and the method loses its order there; see `smidgen explain`")
 
 
 def go_on(args):
@@ -124,8 +124,8 @@ def go_on(args):
     from ..progress import progress
     from ..run.resume import resume, saved_run
     if args.spec is not None or args.repeat is not None or args.out is not None:
-        raise UsageError("--resume takes everything from the file: omit SPEC, --out and --repeat")
-    refuse_choices(args, "--resume continues a run unchanged: it can be combined with --json only")
+        raise UsageError("--resume takes all settings from the file: omit SPEC, --out and --repeat")
+    refuse_choices(args, "--resume continues a run unchanged and can be combined with --json only")
     meta = ranks.on_first(lambda: saved_run(args.resume))
     args.out, args.complete = args.resume, meta.get("status") == "complete"
     with progress(meta["steps"], meta["spec"]) as tick:
@@ -136,7 +136,7 @@ def asked(args):
     """(spec, run, choices) from SPEC and its options, or from a file to repeat."""
     if args.repeat is None:
         if args.spec is None:
-            raise UsageError("no spec is given; `smidgen list` shows the specs that come with smidgen")
+            raise UsageError("no spec was given; `smidgen list` shows the specs that come with smidgen")
         from ..read.shipped import load_spec
         return load_spec(args.spec, args.library), args.run, choices(args)
     if args.spec is not None:
@@ -165,7 +165,7 @@ def choices(args) -> dict:
     return given
 
 
-def refuse_choices(args, said="--repeat repeats a run unchanged: it can be combined with --out and --json only"):
+def refuse_choices(args, said="--repeat repeats a run unchanged and can be combined with --out and --json only"):
     """A repeated run is the run as it was, and so is one that goes on."""
     if args.parameters or args.start or args.estimate is not None or chosen(args, CHOICES):
         raise UsageError(said)
@@ -174,7 +174,7 @@ def refuse_choices(args, said="--repeat repeats a run unchanged: it can be combi
 def report(args, result, code: int):
     """The summary: on stdout, unless the table goes there."""
     if ranks.count() > 1 and not result.meta["chosen"].get("ranks"):
-        say(f"note: each of the {ranks.count()} ranks took all steps: only steps processed by rows can be shared")
+        say(f"note: each of the {ranks.count()} ranks took all steps, because only lattices processed by rows can be shared")
     tell = say if args.out == "-" else print
     if args.json:
         return printed(facts(args, result, code))
@@ -197,7 +197,7 @@ def lines(args, result):
     if meta["chosen"]:
         yield f"chosen: {notes_line(meta['chosen'])}"
     if result.summary.get("by_rows") is not None:
-        yield f"this run was solved {'by rows' if result.summary['by_rows'] else 'site by site, for h is too large for rows'}"
+        yield f"this run was solved {'by rows' if result.summary['by_rows'] else 'site by site, because h is too large for rows'}"
     yield from deviation_lines(result.summary, meta)
     yield from estimate_lines(result)
     yield from split_lines(result)
@@ -257,13 +257,13 @@ def estimate_lines(result):
     """How far the end is from the exact solution."""
     error, withheld = result.meta.get("end_error"), result.meta.get("end_error_withheld")
     if result.summary.get("estimate_left_out"):
-        yield "error of the final state: not estimated, since that takes some 2.5 times as long as the run; use --estimate"
+        yield "error of the final state: not estimated, because this takes about 2.5 times as long as the run; use --estimate to estimate it"
     if withheld:
         yield f"error of the final state: no estimate: {withheld}"
     if error is None:
         return
     if error < VAGUE:
-        yield f"estimated error of the final state: {error:.2g} of |w| (from two more runs with other steps; --no-estimate omits this)"
+        yield f"estimated error of the final state: {error:.2g} of |w| (from two more runs with different steps; --no-estimate skips them)"
     else:
         yield "the final state is not resolved: it changes with h (h is too large, or the motion is chaotic)"
 
@@ -279,13 +279,13 @@ def split_lines(result):
     if not result.summary["in_parts"]:
         return
     step, t, k = result.substeps[0]
-    yield (f"warning: {result.summary['in_parts']} steps failed and were replaced by smaller ones, the first to step {step:.0f} "
-           f"(t = {t:.10g}) in {2 ** int(k)}: with a changing step the method is not a single symplectic map, and its long-time behaviour is not known")
+    yield (f"warning: {result.summary['in_parts']} steps failed and were replaced by smaller ones, the first being step {step:.0f} "
+           f"(t = {t:.10g}) in {2 ** int(k)} parts: with a varying step the method is not a single symplectic map, and its long-time behaviour is unknown")
 
 
 def near_lines(result):
     """A midpoint that came near the centre of its sphere."""
     near = result.summary.get("nearest")
     if near:
-        yield (f"warning: the step to step {near['step']} (t = {near['t']:.10g}) had its midpoint at site {near['site']} within "
-               f"{near['rho']:.2g} radii of the centre, where steps cease to exist; use a smaller h (see smidgen advise)")
+        yield (f"warning: in step {near['step']} (t = {near['t']:.10g}) the midpoint of site {near['site']} came within "
+               f"{near['rho']:.2g} radii of the centre, where steps cease to exist; use a smaller h (see `smidgen advise`)")

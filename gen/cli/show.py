@@ -9,7 +9,7 @@ EXAMPLES = """  smidgen show film_300K.toml
 
 def add(commands):
     """The sub-command."""
-    spec_argument(commands.add("show", command, "write a scene as one spec, with the file and line of every value", EXAMPLES))
+    spec_argument(commands.add("show", command, "write a scene as a single spec that gives the file and line of every value", EXAMPLES))
 
 
 def command(args):

@@ -15,14 +15,14 @@ TELLS = ("magnetisation", "charge")
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("snapshot", command, "write one state of a lattice as .ovf or .vtk (or all, as .pvd), or print its magnetisation and charge", EXAMPLES)
-    parser.add_argument("result", metavar="RESULT", help="a file that `smidgen run` wrote")
-    parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
+    parser = commands.add("snapshot", command, "write one state of a lattice as .ovf or .vtk (or all states, as .pvd), or print its magnetisation and charge", EXAMPLES)
+    parser.add_argument("result", metavar="RESULT", help="a result file of `smidgen run`")
+    parser.add_argument("--family", metavar="FAMILY", help="the family of vectors (default: the only one)")
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--time", type=lambda text: number(text, "--time"), metavar="T", help="the output at this time; default: the last state")
-    which.add_argument("--row", type=row, metavar="K", help="the output with this number, counted from 0; --row=-1 is the last one")
-    parser.add_argument("--out", metavar="FILE", help="the file: .ovf, .vtk, .vtu, .vtr or .vti; .pvd for all outputs")
-    parser.add_argument("--text", action="store_true", help="write numbers as text, not binary")
+    which.add_argument("--time", type=lambda text: number(text, "--time"), metavar="T", help="take the output at this time (default: the last state)")
+    which.add_argument("--row", type=row, metavar="K", help="take the output with this number, counted from 0; --row=-1 is the last")
+    parser.add_argument("--out", metavar="FILE", help="the file to write: .ovf, .vtk, .vtu, .vtr or .vti, or .pvd for all outputs")
+    parser.add_argument("--text", action="store_true", help="write numbers as text instead of binary")
     parser.add_argument("--what", type=names, default=(), metavar="A,B", help=f"tell these: {', '.join(TELLS)}")
     json_option(parser)
 
@@ -32,7 +32,7 @@ def command(args):
     from ..run.files.output import load_result
     from ..run.fields.snapshot import snapshot
     if not args.out and not args.what:
-        raise UsageError(f"give a file (--out last.ovf), or what to print (--what {','.join(TELLS)})")
+        raise UsageError(f"give a file to write (--out last.ovf) or quantities to print (--what {','.join(TELLS)})")
     result = load_result(args.result)
     found = told(args, result)
     if args.out:
@@ -50,7 +50,7 @@ def told(args, result) -> dict:
     from ..run.fields.snapshot import state_of
     unknown = [name for name in args.what if name not in TELLS]
     if unknown:
-        raise UsageError(f"a state has no '{unknown[0]}'; there are: {', '.join(TELLS)}")
+        raise UsageError(f"a state has no '{unknown[0]}'; it has: {', '.join(TELLS)}")
     if not args.what:
         return {}
     spec, parameters = with_parameters(result, None)

@@ -21,30 +21,30 @@ ROOM = 4        # times as far as that weight: beyond it a larger --every would 
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("spectrum", command, "run a lattice and compute the spectrum of its waves, S(q, omega)", EXAMPLES)
+    parser = commands.add("spectrum", command, "run a lattice and compute S(q, omega), the spectrum of its waves", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
-    parser.add_argument("--family", metavar="FAMILY", help="the family of the space; default: the only one")
+    parser.add_argument("--family", metavar="FAMILY", help="the family of vectors (default: the only one)")
     parser.add_argument("--q", metavar="PATH", default="all", help="wave vectors in units of the reciprocal lattice vectors: corners of a path, by numbers or by name (Gamma K M Gamma), "
                         "such as \"0,0 1/2,0 1/2,1/2\", or all (default)")
-    parser.add_argument("--h", help="the step: a number or a formula")
+    parser.add_argument("--h", help="the step, a number or a formula")
     long = parser.add_mutually_exclusive_group()
     long.add_argument("--steps", type=whole, help="number of steps")
-    long.add_argument("--time", help="duration: a multiple of h; frequencies are 2 pi/time apart")
+    long.add_argument("--time", help="duration of the run, a multiple of h; frequencies are 2 pi/time apart")
     parser.add_argument("--every", type=whole, metavar="K", help="steps between samples; the largest frequency is pi/(K h)")
-    parser.add_argument("--window", choices=("none", "hann"), default="none", help="in time; default: none")
+    parser.add_argument("--window", choices=("none", "hann"), default="none", help="window in time (default: none)")
     parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average over the spectra of P equal parts of the run")
     parser.add_argument("--autocorrelation", action="store_true", help="also compute autocorrelations in time (.npz only)")
-    parser.add_argument("--neutron", action="store_true", help="also what neutrons see, with the factor 1 - q^q^")
+    parser.add_argument("--neutron", action="store_true", help="also compute what neutrons see, with the factor 1 - q^q^")
     parser.add_argument("--theory", metavar="START", nargs="?", const=True, default=False,
-                        help="beside it the lines of linear spin waves near an equilibrium: a start that is one, "
-                        "or without START the one to which relaxation leads from the start of the run")
+                        help="also compute the frequencies of linear spin waves about an equilibrium: "
+                        "START must be one; without START, the start of the run is relaxed to one")
     for name in ("start", "seed"):
         run_option(parser, name)
     processor_options(parser)
     run_option(parser, "threads")
-    parser.add_argument("--out", metavar="FILE", help="the spectrum: .npz or .csv; - for a table on stdout")
-    parser.add_argument("--plot", metavar="FILE", help="a heat map along the path: .png, .svg or .pdf")
+    parser.add_argument("--out", metavar="FILE", help="the file to write: .npz or .csv, or - for a table on stdout")
+    parser.add_argument("--plot", metavar="FILE", help="draw a heat map along the path into this .png, .svg or .pdf file")
     json_option(parser)
 
 
@@ -64,7 +64,7 @@ def command(args):
     if args.out:
         made["out"] = str(found.save(args.out))
         if args.out.endswith(".csv") and (found.theory is not None or found.neutron is not None):
-            say("a .csv holds q, omega and S alone; an .npz has the lines of linear spin waves and what neutrons see too")
+            say("a .csv can hold q, omega and S only; use an .npz for the lines of linear spin waves and what neutrons see")
     if args.plot:
         from ..show.plot.spectrum import draw_spectrum
         made["plot"] = str(draw_spectrum(found, args.plot))
@@ -148,7 +148,7 @@ def lines(found):
         yield from theory_lines(found)
     if len(found.q) > TOLD:
         left = len(found.q) - TOLD
-        yield f".. and {left} more wave{'s' * (left > 1)}: --out FILE, --out - or --json gives all"
+        yield f".. and {left} more wave{'s' * (left > 1)}; use --out FILE, --out - or --json to see all"
 
 
 def sampling(found, unit: str):
@@ -168,7 +168,7 @@ def theory_lines(found):
     """What is known of the equilibrium, and what the lines do not tell."""
     import numpy as np
     meta = found.theory.meta
-    repeats = (f"each cell is the one before, turned by {', '.join(f'{x:.6g}' for x in meta['turns'])} degrees" if meta["turns"] else
+    repeats = (f"each cell is the previous one turned by {', '.join(f'{x:.6g}' for x in meta['turns'])} degrees" if meta["turns"] else
                f"magnetic cell {' x '.join(map(str, meta['cell']))}")
     moved = f", {meta['moved']:.3g} degrees from the start" * (meta["moved"] > 0)
     yield f"linear spin waves: {repeats}; |n x g| is {meta['torque']:.2g} of the field{moved}"

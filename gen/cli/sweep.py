@@ -17,16 +17,16 @@ EXAMPLES = """  smidgen sweep free_rigid_body --set I3=3:4:11 --out bodies
 
 def add(commands):
     """The sub-command."""
-    parser = commands.add("sweep", command, "repeat a run over values of parameters and random starts", EXAMPLES)
+    parser = commands.add("sweep", command, "repeat a run for many parameter values and random starts", EXAMPLES)
     spec_argument(parser)
-    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec; default: its first")
+    parser.add_argument("run", metavar="RUN", nargs="?", help="a run of the spec (default: the first)")
     parser.add_argument("--set", type=axis, action="append", default=[], dest="axes", metavar="NAME=FIRST:LAST:COUNT",
-                        help="COUNT values of a parameter, evenly from FIRST to LAST; or one value, or a list as 1,2,3; repeatable")
-    parser.add_argument("--starts", type=whole, metavar="N", help="N random starts for each combination of values, with seeds from --seed on")
-    parser.add_argument("--seed", type=whole, default=0, help="the first seed; default: 0")
-    parser.add_argument("--out", required=True, metavar="FOLDER", help="the folder of the results; the same command continues an interrupted sweep")
+                        help="COUNT evenly spaced values of a parameter from FIRST to LAST, or a single value, or a list as 1,2,3; may be repeated")
+    parser.add_argument("--starts", type=whole, metavar="N", help="N random starts for each combination of values, with consecutive seeds from --seed on")
+    parser.add_argument("--seed", type=whole, default=0, help="the first seed (default: 0)")
+    parser.add_argument("--out", required=True, metavar="FOLDER", help="folder for the results; repeat the same command to continue an interrupted sweep")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--processes", type=whole, metavar="N", help="number of cells to compute at once; default: one per processor")
+    where.add_argument("--processes", type=whole, metavar="N", help="number of cells to compute at the same time (default: one per processor)")
     where.add_argument("--cluster", metavar="ADDRESS", help="compute on the workers of this Dask scheduler, such as tcp://host:8786")
     for name in ("method", "solver"):
         run_option(parser, name, choices=None)
@@ -52,7 +52,7 @@ def axis(text: str):
     if not equals or len(ends) == 1:
         return (*assignment(text), False)
     if len(ends) != 3:
-        raise argparse.ArgumentTypeError(f"'{text}' is not NAME=FIRST:LAST:COUNT, such as J=0:2:50")
+        raise argparse.ArgumentTypeError(f"'{text}' does not have the form NAME=FIRST:LAST:COUNT, such as J=0:2:50")
     what, name = f"--set {name.strip()}", assignment(f"{name}=0")[0]
     (first, unit), (last, other), count = end(ends[0], what), end(ends[1], what), whole(ends[2])
     if unit != other:
@@ -94,7 +94,7 @@ def command(args):
             found = sweep(load_spec(args.spec, args.library), args.run, axes=axes, out=args.out, starts=args.starts, seed=args.seed, processes=args.processes, cluster=args.cluster,
                           tell=lambda outcome: (ended.append(outcome), tick(len(ended)), said(outcome)), **given)
     except KeyboardInterrupt:
-        say(f"smidgen: interrupted after {len(ended)} cells; the same command continues with the others in {Path(args.out)}")
+        say(f"smidgen: interrupted after {len(ended)} cells; repeat the same command to compute the others in {Path(args.out)}")
         return Exit.INTERRUPTED
     failed = [outcome for outcome in found if outcome["status"] != "complete"]
     if args.json:

@@ -16,12 +16,12 @@ def add(commands):
                           "compare the compiled code with the independent witness", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
-    parser.add_argument("--all", action="store_true", help="every run of the spec")
-    parser.add_argument("--steps", type=whole, help="steps to compare; default 100")
-    parser.add_argument("--points", type=whole, default=5, help="random states; default 5")
+    parser.add_argument("--all", action="store_true", help="validate every run of the spec")
+    parser.add_argument("--steps", type=whole, help="number of steps to compare (default: 100)")
+    parser.add_argument("--points", type=whole, default=5, help="number of random states (default: 5)")
     parser.add_argument("--h", help="the step")
-    parser.add_argument("--start", help="a start of the spec")
-    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    parser.add_argument("--start", help="start of the spec to use")
+    parser.add_argument("--seed", type=whole, help="seed of the random start")
     json_option(parser)
 
 

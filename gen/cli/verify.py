@@ -21,20 +21,20 @@ def add(commands):
     model_options(parser)
     feature_option(parser)
     tier = parser.add_mutually_exclusive_group()
-    tier.add_argument("--quick", action="store_true", help="fewer states, shorter runs")
+    tier.add_argument("--quick", action="store_true", help="use fewer states and shorter runs")
     tier.add_argument("--long", type=steps, metavar="N", help="measure the growth of round-off over N steps")
     parser.add_argument("--h", help="the step")
-    parser.add_argument("--start", help="a start of the spec")
-    parser.add_argument("--seed", type=whole, help="seed of a random start")
+    parser.add_argument("--start", help="start of the spec to use")
+    parser.add_argument("--seed", type=whole, help="seed of the random start")
     parser.add_argument("--layouts", action="store_true", help="include threads, wavefronts and MPI ranks (compiles lattices by rows twice more)")
-    parser.add_argument("--json", metavar="FILE", dest="file", help="write the certificate as JSON; - for stdout")
+    parser.add_argument("--json", metavar="FILE", dest="file", help="write the certificate as JSON to FILE, or - for stdout")
 
 
 def steps(text: str) -> int:
     """A number of steps from 1000 up."""
     found = whole(text)
     if found < 1000:
-        raise argparse.ArgumentTypeError("at least 1000 steps")
+        raise argparse.ArgumentTypeError("at least 1000 steps are needed")
     return found
 
 

@@ -6,9 +6,9 @@ from ..methods import HESSIAN, WIDE_GRADIENT
 
 FEATURES = {
     "tangent": "the tangent map of the step, for Lyapunov exponents and stability",
-    "extended": "the last evaluation of a step in extended precision, so that round-off is far below an ulp of w",
+    "extended": "evaluates each step a last time in extended precision, so that round-off is far below an ulp of w",
     "plain-sums": "no compensated summation: the rounding error of w + u is discarded",
-    "ensemble": "many states side by side, each with the same bits as on its own; those of a single sphere in lanes",
+    "ensemble": "many states side by side, each bit for bit as on its own; those of a single sphere in lanes",
 }
 EVERYWHERE = ("ensemble",)      # of every method
 ASKS = {"tangent": (HESSIAN,), "extended": (WIDE_GRADIENT, HESSIAN)}       # of every contribution

@@ -40,7 +40,7 @@ def with_effects(spec: Spec, names) -> Spec:
                              + nearest(name, known))
     kept = replace(spec, effects=tuple(e for e in spec.effects if e.name in set(names)))
     if not any(e.moves for e in kept.effects):
-        raise UsageError(f"damping alone does not move anything: add an energy, such as {next(e.name for e in spec.effects if e.moves)}")
+        raise UsageError(f"damping alone moves nothing: add an energy, such as {next(e.name for e in spec.effects if e.moves)}")
     return kept
 
 
@@ -66,7 +66,7 @@ def converted(p: Parameter, value):
         raise UsageError(f"`{p.name}` is one number, not a list")
     value = finite(p, value)
     if p.kind == "int" and value != int(value):
-        raise UsageError(f"`{p.name}` is an integer parameter; {value} is not an integer")
+        raise UsageError(f"`{p.name}` is an integer parameter, but {value} is not an integer")
     return int(value) if p.kind == "int" else float(value)
 
 

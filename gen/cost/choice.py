@@ -76,7 +76,7 @@ class Choice:
         return "\n".join(words(self))
 
     def __repr__(self) -> str:
-        return f"<Choice {', '.join(f'{word}={value!r}' for word, value in self.settings.items())}; print() tells why>"
+        return f"<Choice {', '.join(f'{word}={value!r}' for word, value in self.settings.items())}; print() explains it>"
 
 
 @public
@@ -110,12 +110,12 @@ def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
     progress("reference", 0.0)
     known = reference(case, min(1e-13, (error or 1e-6) / 1000))
     if error is not None and not known.error <= error / 3:
-        raise UsageError(f"the final state is not known to {error:g}: two methods with the smallest steps differ by {known.error:.1e} "
-                         "(the motion is chaotic, or the run too long): ask for an energy error, or a shorter time")
+        raise UsageError(f"the final state is not known to within {error:g}: two methods with the smallest steps differ by {known.error:.1e} "
+                         "(the motion is chaotic, or the run is too long); ask for an energy error, or for a shorter time")
     names = [n for n in high_orders_first(candidates(case, methods)) if METHODS[n].symplectic or not symplectic]
     good, short = search(case, names, known, asked, progress)
     if not good:
-        raise UsageError("no method gets there: " + "; ".join(f"{label(n)}: {why}" for n, why in short.items()))
+        raise UsageError("no method reaches this accuracy: " + "; ".join(f"{label(n)}: {why}" for n, why in short.items()))
     progress("a general integrator", 0.95)
     beside = general(case, asked, known)
     take_times(case, good if beside is None else [*good, beside], 2.0)
@@ -125,7 +125,7 @@ def choose(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | 
 
 def no_mean(mean) -> None:
     if mean is not None:
-        raise UsageError(f"the mean of `{mean}` is defined at a temperature only, and no effect of the scene has kT")
+        raise UsageError(f"the mean of `{mean}` is defined only at a temperature, but no effect of the scene has kT")
 
 
 def known_methods(methods) -> list | None:
@@ -173,7 +173,7 @@ def largest_step(case: Case, name: str, known: Reference, asked: dict, limit: fl
         if enough(row, asked):
             return quicker(case, closer(case, name, known, asked, row, failed), known, asked), ""
         if not row.status and row.seconds * ratio(name) > limit:
-            return None, f"a run of more than {limit:.3g} s, with an error of {misses(row, asked)}"
+            return None, f"takes more than {limit:.3g} s, and still has an error of {misses(row, asked)}"
         failed, steps = row, max(steps + 1, round(steps * jump(name, row, asked)))
     return None, f"its error stays at {misses(row, asked)}" if not row.status else row.status
 
@@ -251,9 +251,9 @@ def words(choice: Choice) -> list[str]:
             + ", ".join(f"{kinds[w]} {getattr(row, w):.1e} where {v:g} is requested" for w, v in choice.asked.items()),
             f"measured against {' and '.join(choice.known.methods)} in extended precision, which agree to {choice.known.error:.1e}"]
     if not METHODS[row.method].symplectic:
-        said.append("not symplectic" + ", but it conserves the energy" * METHODS[row.method].keeps_energy + ": for longer runs ask for one that is (--symplectic)")
+        said.append("not symplectic" + ", but it conserves the energy" * METHODS[row.method].keeps_energy + ": for longer runs, ask for a symplectic method (--symplectic)")
     for other in choice.others[:4]:
-        said.append(f"  {label(other.method)}{', to a tolerance' * (other.tolerance == other.tolerance)}: {other.seconds / row.seconds:.3g} times that, h = {other.h:.4g}")
+        said.append(f"  {label(other.method)}{', to a tolerance' * (other.tolerance == other.tolerance)}: takes {other.seconds / row.seconds:.3g} times as long, h = {other.h:.4g}")
     return said + broken_even(choice)
 
 
@@ -261,9 +261,9 @@ def broken_even(choice: Choice) -> list[str]:
     """After how many steps the pick has paid for its compiler: beside a general integrator, and the next one."""
     row, beside = choice.row, choice.general
     if not row.compiled >= COMPILED:
-        said = "  already compiled: it is faster from the first step than {}, which takes {} times as long for this error"
+        said = "  it is already compiled, so it is faster from the first step than {}, which takes {} times as long for this error"
         return [said.format(label(beside.method), f"{beside.seconds / row.seconds:.3g}")] if beside is not None and beside.seconds > row.seconds else []
     found = [(label(beside.method), steps_until_even(row, beside, True))] if beside is not None else []
     found += [(f"{label(choice.others[0].method)}, already compiled,", steps_until_even(row, choice.others[0], True))] if choice.others else []
-    said = [f"compared with {name} it pays off after {steps:.2g} steps" for name, steps in found if steps < math.inf]
+    said = [f"compared with {name}, this pays off after {steps:.2g} steps" for name, steps in found if steps < math.inf]
     return [f"  compilation took {duration(row.compiled)} of processor time: {'; '.join(said)}"] if said else []

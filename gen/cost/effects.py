@@ -145,7 +145,7 @@ def given_up(spec, one, effect) -> dict[str, str]:
     about = turned_about(spec, one, effect)
     if len(about) < 3:
         kept = " and ".join(f"({', '.join(f'{x:.3g}' for x in axis)})" for axis in about)
-        lost["momentum"] = f"conserved only along {kept}" if kept else "no rotation leaves this energy unchanged"
+        lost["momentum"] = f"conserved only along {kept}" if kept else "this energy has no rotational symmetry"
     return lost
 
 
@@ -177,7 +177,7 @@ def table(rows):
     """A rich Table."""
     from rich.markup import escape
     from rich.table import Table
-    found = Table(caption="operations and bytes: of the gradient, for each site that is moved; ns: of a step")
+    found = Table(caption="operations and bytes are those of the gradient for each moving site; ns is the time of a step")
     for column in ("effect", "used", "kind", "operations", "bytes", "ns with", "ns without", "lost", "source"):
         found.add_column(column, overflow="fold", justify="right" if column in ("operations", "bytes", "ns with", "ns without") else "left")
     for row in rows:

@@ -123,7 +123,7 @@ def words(cost: Cost) -> str:
     f = cost.facts
     head = f"{f['spec']} {f['run']}".strip() + f": time {f['time']}, {f['sites']} sites; {measured_on(f)}"
     if cost_is_chaotic(cost):
-        return "\n".join([head, f"no end errors: {f['reference']}", text_of(invariants(cost)).rstrip()])
+        return "\n".join([head, f"no errors of the final state: {f['reference']}", text_of(invariants(cost)).rstrip()])
     return "\n".join([head, f"errors against {f['reference']}", text_of(times(cost)).rstrip(), *sentences(cost)])
 
 
@@ -175,9 +175,9 @@ def sentences(cost: Cost) -> list[str]:
     for kind, only, rows in kinds:
         best = [(t, *first(rows, "end_error", t, only)) for t in TARGETS]
         parts = [f"{t:.0e} {label(name)} {duration(x)}" for t, name, x in best if name]
-        said.append(f"fastest, {kind}: " + ("; ".join(parts) if parts else "none gets there"))
+        said.append(f"fastest, {kind}: " + ("; ".join(parts) if parts else "none reaches it"))
     there = any(row.method in PEERS for row in cost.rows)
-    return (said if there else said[:-1]) + [f"not measured: {word.removeprefix('missing ')} needs {needs}" for word, needs in cost.facts.items()
+    return (said if there else said[:-1]) + [f"not measured: {word.removeprefix('missing ')} requires {needs}" for word, needs in cost.facts.items()
                                               if word.startswith("missing ")]
 
 

@@ -83,7 +83,7 @@ def weak_cost(spec: Spec, settings: Settings, time, methods: Iterable[str] | Non
     progress("reference", 0.0)
     reference = row_of(spec, settings, whole, DEFAULT, coarse << RUNGS, what, share * REFERENCE, 0)
     if reference.status or reference.members < FEWEST:
-        raise UsageError(f"the reference, {DEFAULT} with h = {reference.h:.3g}, {reference.status or 'has too few members'}: use more --seconds, or a shorter time")
+        raise UsageError(f"the reference, {DEFAULT} with h = {reference.h:.3g}, {reference.status or 'has too few members'}: use more --seconds or a shorter time")
     rows = []
     for k, (name, steps) in enumerate(plan):
         progress(f"{name} with {steps} steps", (k + REFERENCE) / (len(plan) + REFERENCE))
@@ -121,7 +121,7 @@ def words(cost: WeakCost) -> str:
     """The table, and which method takes the least time for an error in all."""
     f, r = cost.facts, cost.reference
     head = f"{f['spec']} {f['run']}: mean of `{f['number']}` from t = {f['after']} to {f['time']}; {f['machine']}, {f['date']}"
-    known = f"errors against {label(r.method)} with h = {r.h:.4g}: {r.mean:.6g} ± {r.mean_error:.1g}, {r.members} members"
+    known = f"errors relative to {label(r.method)} with h = {r.h:.4g}: {r.mean:.6g} ± {r.mean_error:.1g}, {r.members} members"
     return "\n".join([head, known, text_of(table(cost)).rstrip(), *fastest(cost)])
 
 

@@ -32,13 +32,13 @@ class WeakChoice:
     def __str__(self) -> str:
         row, f, r = self.row, self.cost.facts, self.cost.reference
         said = [f"{label(row.method)} (--method {row.method}) with h = {row.h:.17g}, {row.steps} steps, {self.members} members",
-                f"takes {duration(row.takes(self.asked))} of processor time ({duration(row.ns_step / 1e9)} a step) for an error of {self.asked:g} of the mean of `{f['number']}`, step and statistics together",
-                f"its step has {row.error:.1e} ± {row.error_error:.1e}, measured against {label(r.method)} with h = {r.h:.4g}, {r.members} members"]
-        said += [f"  {label(other.method)}: {other.takes(self.asked) / row.takes(self.asked):.3g} times that, h = {other.h:.4g}" for other in self.others]
+                f"takes {duration(row.takes(self.asked))} of processor time ({duration(row.ns_step / 1e9)} a step) for an error of {self.asked:g} in the mean of `{f['number']}`, due to the step and to statistics together",
+                f"the error due to the step is {row.error:.1e} ± {row.error_error:.1e}, measured against {label(r.method)} with h = {r.h:.4g}, {r.members} members"]
+        said += [f"  {label(other.method)}: takes {other.takes(self.asked) / row.takes(self.asked):.3g} times as long, h = {other.h:.4g}" for other in self.others]
         return "\n".join(said + [f"  {label(name)}: {why}" for name, why in self.short.items()])
 
     def __repr__(self) -> str:
-        return f"<WeakChoice {', '.join(f'{word}={value!r}' for word, value in self.settings.items())}, members={self.members}; print() tells why>"
+        return f"<WeakChoice {', '.join(f'{word}={value!r}' for word, value in self.settings.items())}, members={self.members}; print() explains it>"
 
 
 def asked_mean(error, energy, symplectic) -> float:
@@ -53,11 +53,11 @@ def asked_mean(error, energy, symplectic) -> float:
 def weak_choice(cost: WeakCost, error: float) -> WeakChoice:
     """Raises UsageError where no method gets there, and where the reference is not known well enough to tell."""
     if not cost.reference.mean_error < error / 2:
-        raise UsageError(f"the mean is known to ± {cost.reference.mean_error:.1e} only, by {cost.reference.members} members with the smallest step: use more --seconds, or a larger error")
+        raise UsageError(f"the mean is known only to within ± {cost.reference.mean_error:.1e}, from {cost.reference.members} members with the smallest step: use more --seconds, or ask for a larger error")
     best = {name: min((r for r in cost.rows if r.method == name), key=lambda r: (r.takes(error), r.status != "", abs(r.error))) for name in dict.fromkeys(r.method for r in cost.rows)}
-    short = {name: r.status or f"its step has an error of {abs(r.error):.1e} at h = {r.h:.3g}, known to ± {r.error_error:.1e}" for name, r in best.items() if r.takes(error) == math.inf}
+    short = {name: r.status or f"the error due to the step is {abs(r.error):.1e} ± {r.error_error:.1e} at h = {r.h:.3g}" for name, r in best.items() if r.takes(error) == math.inf}
     good = sorted((r for r in best.values() if r.takes(error) < math.inf), key=lambda r: r.takes(error))
     if not good:
-        raise UsageError("no method gets there: " + "; ".join(f"{label(n)}: {why}" for n, why in short.items()) + "; a smaller h in the run, or more --seconds, may help")
+        raise UsageError("no method reaches this accuracy: " + "; ".join(f"{label(n)}: {why}" for n, why in short.items()) + "; a smaller h in the run or more --seconds may help")
     members = math.ceil(good[0].members * good[0].takes(error) / good[0].seconds)
     return WeakChoice(good[0], members, good[1:], short, error, cost)

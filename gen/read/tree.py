@@ -67,7 +67,7 @@ class Node:
         new, where = now(child.name, KEYS, keys), f"`{self.label}` has no key" if self.path else "a spec has no section"
         if not (new and self.problems.recorded):
             self.problems.note(codes.UNKNOWN_KEY, child.key, f"{where} `{child.name}`",
-                               f"it is called `{new}` now" if new else nearest(child.name, keys))
+                               f"it is now called `{new}`" if new else nearest(child.name, keys))
         self.take_as_meant(child, new or meant(child.name, keys))
 
     def take_as_meant(self, child: "Node", key: str | None) -> None:

@@ -51,7 +51,7 @@ def end_error(model: Integrator, settings, final: np.ndarray, stopped=lambda: Fa
     for other in found:
         end = ended(model, settings, other, stopped)
         if end is None:
-            return None, None if stopped() else f"with {other.steps} steps instead of {settings.steps} a step fails"
+            return None, None if stopped() else f"with {other.steps} steps instead of {settings.steps}, a step fails"
         off.append(float(np.linalg.norm(final - end, axis=1).max() / np.linalg.norm(final, axis=1).max()))
     return judged(METHODS[model.method], settings.steps, found, off, float(np.finfo(final.dtype).eps)) if found else (None, None)
 
@@ -66,7 +66,7 @@ def judged(method, steps: int, found: list[Other], off: list[float], eps: float)
     said = [f"{other.steps} steps changed it by {d:.2g}" for d, other in zip(off, found, strict=True)]
     law = "step control" if method.controlled else f"order {method.order}"
     ratio = abs((found[0].error - 1) / (found[1].error - 1))
-    return None, f"{' and '.join(said)}, where {law} predicts a ratio of {ratio:.2g} (the step is too large, the motion is chaotic, or H is not smooth)"
+    return None, f"{' and '.join(said)}, but {law} predicts a ratio of {ratio:.2g} (the step is too large, the motion is chaotic, or H is not smooth)"
 
 
 def others(model: Integrator, settings) -> list[Other]:

@@ -30,12 +30,12 @@ typedef enum smg_status {
   SMG_NO_CONVERGENCE = 1, /* no solution was found, or none that could be verified */
   SMG_NO_SOLUTION = 2,    /* the branch of solutions from W = w at h = 0 ends before this h, at a fold, at the centre of
                              a sphere or at infinity */
-  SMG_WRONG_BRANCH = 3,   /* a solution, but not the one connected to W = w at h = 0 */
-  SMG_NOT_FINITE = 4,     /* NaN or infinity in the state, the parameters or the field */
-  /* a parameter or a size out of range (kappa = 0, n < 1, a negative damping, a denormal h, |w| of R^3 beyond
-   1e+-150) */
+  SMG_WRONG_BRANCH = 3,   /* a solution was found, but not the one connected to W = w at h = 0 */
+  SMG_NOT_FINITE = 4,     /* the state, a parameter or the field is infinite or NaN */
+  /* a parameter or a size is out of range (kappa = 0, n < 1, a negative damping, a denormal h, |w| in R^3 not between
+   1e-150 and 1e150) */
   SMG_BAD_PARAMETER = 5,
-  /* a start off its sphere by more than 1e-12 (relative; a nearer one is put on it), or c = 0 */
+  /* a start is off its sphere by more than 1e-12 (relative; a smaller error is corrected), or c = 0 */
   SMG_OFF_MANIFOLD = 6,
   SMG_SINGULAR = 7 /* the Newton matrix could not be factored */
 } smg_status;

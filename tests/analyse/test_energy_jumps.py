@@ -59,13 +59,13 @@ def test_numbers_by_site_are_no_jump():
 def test_explain_and_check_say_so(command, tmp_path):
     (tmp_path / "edges.toml").write_text(SPEC.format(energy="floor(2*w[0].x)*w[0].y", over="", space="sphere = 4"))
     said = command("explain", "edges.toml").stdout
-    assert "The energy of 'e' jumps" in said and "'field' jumps" not in said
-    assert "warning: the energy of 'e' jumps" in command("check", "edges.toml").stdout
+    assert "The energy of 'e' is discontinuous" in said and "'field' is discontinuous" not in said
+    assert "warning: the energy of 'e' is discontinuous" in command("check", "edges.toml").stdout
     assert smidgen.explain(smidgen.load(tmp_path / "edges.toml"), effects=["field"]).jumps == {}
 
 
 @quick
 def test_a_run_warns_of_the_effects_that_it_takes(command, tmp_path):
     (tmp_path / "edges.toml").write_text(SPEC.format(energy="floor(2*w[0].x)*w[0].y", over="", space="sphere = 4"))
-    assert command("run", "edges.toml", "--time", "0.1").stderr.count("warning: the energy of 'e' jumps") == 1
-    assert "jumps" not in command("run", "edges.toml", "--time", "0.1", "--effects", "field").stderr
+    assert command("run", "edges.toml", "--time", "0.1").stderr.count("warning: the energy of 'e' is discontinuous") == 1
+    assert "discontinuous" not in command("run", "edges.toml", "--time", "0.1", "--effects", "field").stderr

@@ -120,6 +120,6 @@ def test_the_command(command, tmp_path):
     facts = json.loads(command("spectrum", "m.toml", "--q", "1/2", "--time", "20", "--theory=order", "--json").stdout)
     assert facts["theory"]["lines"] == [[pytest.approx(2.4)]] and facts["theory"]["stable"] is True
     short = command("spectrum", "m.toml", "--q", "1/2", "--time", "20", "--theory=order", "--out", "a.csv")
-    assert short.returncode == 0 and "an .npz has the lines" in short.stderr
+    assert short.returncode == 0 and "use an .npz for the lines" in short.stderr
     refused = command("spectrum", "m.toml", "--theory=other", "--time", "20")
     assert refused.returncode == 2 and "no start 'other'" in refused.stderr

@@ -45,7 +45,7 @@ def test_an_old_keyword_is_told_with_the_new_one(name):
     known = inspect.signature(FUNCTIONS[name]).parameters
     for old, new in renamed.KEYWORDS.items():
         if new in known and old not in known:
-            with pytest.raises(smidgen.KeywordError, match=f"has no keyword '{old}'; it is called '{new}' now"):
+            with pytest.raises(smidgen.KeywordError, match=f"has no keyword '{old}'; it is now called '{new}'"):
                 FUNCTIONS[name](**{old: 1})
 
 
@@ -57,9 +57,9 @@ def test_every_old_keyword_is_one_of_a_function():
 def test_an_old_attribute_is_told_with_the_new_one(spec):
     model = smidgen.build(spec)
     for old, new in renamed.ATTRIBUTES.items():
-        with pytest.raises(AttributeError, match=f"Integrator has no attribute '{old}'; it is called '{new}' now"):
+        with pytest.raises(AttributeError, match=f"Integrator has no attribute '{old}'; it is now called '{new}'"):
             getattr(model, old)
-        with pytest.raises(smidgen.ReadOnlyError, match=f"'{old}'; it is called '{new}' now"):
+        with pytest.raises(smidgen.ReadOnlyError, match=f"'{old}'; it is now called '{new}'"):
             setattr(model, old, 1)
         assert hasattr(model, new) and not hasattr(model, old)
     with pytest.raises(AttributeError, match="no attribute 'xyzzy'$"):
@@ -67,7 +67,7 @@ def test_an_old_attribute_is_told_with_the_new_one(spec):
 
 
 def test_an_old_key_of_a_spec_is_told_with_the_new_one():
-    with pytest.raises(smidgen.SpecError, match="has no key `section`(.|\n)*it is called `period` now"):
+    with pytest.raises(smidgen.SpecError, match="has no key `section`(.|\n)*it is now called `period`"):
         smidgen.load_text(OLD)
 
 
@@ -77,7 +77,7 @@ def test_an_old_option_is_told_with_the_new_one(old, tmp_path):
     new = renamed.OPTIONS[old]
     command = next(word for word in ("run", "gen", "snapshot") if new in subprocess.run([sys.executable, "-m", "smidgen", word, "--help"], capture_output=True, text=True).stdout)
     said = subprocess.run([sys.executable, "-m", "smidgen", command, "top.toml", old, "0.5"], cwd=tmp_path, capture_output=True, text=True)
-    assert said.returncode == 2 and f"'{old}' is called '{renamed.OPTIONS[old]}' now" in said.stderr
+    assert said.returncode == 2 and f"'{old}' is now called '{renamed.OPTIONS[old]}'" in said.stderr
 
 
 def test_a_result_of_an_earlier_version_is_read_and_repeated(spec, tmp_path):

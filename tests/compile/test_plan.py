@@ -132,7 +132,7 @@ def test_no_gradient_of_a_single_site_no_rotation_sweeps(name, solver):
     """A sum over all sites: no band either, and a small matrix as before."""
     found = with_more(name, SUM_BY_FFT)
     assert (found.solver, found.rotation) == (solver, False)
-    with pytest.raises(UsageError, match="solver rotation needs the gradient of a single site of every effect, and 'far' does not have it"):
+    with pytest.raises(UsageError, match="solver rotation needs the gradient of a single site of every effect, but 'far' does not provide it"):
         with_more(name, SUM_BY_FFT, solver="rotation")
 
 
@@ -155,7 +155,7 @@ def test_a_site_that_is_solved_alone_needs_its_own_gradient():
 def test_a_method_is_refused_where_a_contribution_lacks_what_it_asks(method):
     """Without a Hessian there is no Newton; methods of gradients alone take any, and the refusal names them."""
     if HESSIAN in METHODS[method].asks:
-        with pytest.raises(UsageError, match=f"method {method} needs the .* of every effect, and 'damping' does not have it; use gauss-2 or "):
+        with pytest.raises(UsageError, match=f"method {method} needs the .* of every effect, but 'damping' does not provide it; use gauss-2 or "):
             with_more("free_rigid_body", DAMPING, method)
     else:
         assert with_more("free_rigid_body", DAMPING, method).solver == METHODS[method].how[0]
@@ -165,7 +165,7 @@ def test_a_method_of_energies_refuses_what_is_none():
     """Moser and Veselov discretise a Lagrangian; the offers alone would let this pass."""
     method = next(m for m in METHODS if METHODS[m].free_body)
     twist = Contribution("twist", (("w", "i"),), conservative=False)
-    with pytest.raises(UsageError, match="'twist' is not the gradient"):
+    with pytest.raises(UsageError, match="'twist' does not derive from an energy"):
         with_more("free_rigid_body", twist, method)
     assert with_more("free_rigid_body", twist).solver == "local"
 

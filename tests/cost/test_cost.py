@@ -501,5 +501,5 @@ def test_a_choice_tells_when_it_is_ahead_of_a_general_integrator():
     pick = smidgen.choose(spec, error=1e-6, time=10, methods=("gauss-4", "gauss-6"))
     assert pick.general.method in GENERAL and pick.general.end_error <= 1e-6
     slow = dataclasses.replace(pick, row=dataclasses.replace(pick.row, compiled=1.0))
-    assert f"beside {PEERS[pick.general.method].label} it pays off after {slow.even:.2g} steps" in str(slow)
-    assert "already compiled: it is faster from the first step than" in str(dataclasses.replace(pick, row=dataclasses.replace(pick.row, compiled=0.0)))
+    assert f"compared with {PEERS[pick.general.method].label}, this pays off after {slow.even:.2g} steps" in str(slow)
+    assert "it is already compiled, so it is faster from the first step than" in str(dataclasses.replace(pick, row=dataclasses.replace(pick.row, compiled=0.0)))

@@ -123,7 +123,7 @@ def test_every_method_that_takes_damping_goes_to_the_same_end(method):
 @quick
 @pytest.mark.parametrize("method", [m for m in METHODS if not METHODS[m].responds and METHODS[m].stages == 1])
 def test_other_methods_refuse_it_and_name_some_that_do_not(method):
-    with pytest.raises(UsageError, match=r"does not support damping \(effect 'bath'\); use spherical-midpoint or|'bath' is not the gradient"):
+    with pytest.raises(UsageError, match=r"does not support damping \(effect 'bath'\); use spherical-midpoint or|'bath' does not derive from an energy"):
         build(spec_of("axis"), method=method)
 
 
@@ -203,7 +203,7 @@ def test_what_a_scene_does_not_call_for_leaves_nothing(name, method):
 @quick
 def test_a_scene_of_damping_alone_is_refused():
     spec = spec_of("axis")
-    with pytest.raises(UsageError, match="damping alone does not move anything: add an energy, such as axis"):
+    with pytest.raises(UsageError, match="damping alone moves nothing: add an energy, such as axis"):
         build(spec, effects=["bath"])
     with pytest.raises(UsageError, match="no effect `bat`"):
         build(spec, effects=["axis", "bat"])

@@ -304,7 +304,7 @@ def test_what_does_not_go_with_noise_is_refused():
         build(spec).start("a", h=-0.1)
     with pytest.raises(UsageError, match="no substeps of a scene with thermal noise"):
         smidgen.run(spec, substeps=True)
-    with pytest.raises(UsageError, match="feature tangent requires motion without noise"):
+    with pytest.raises(UsageError, match="the feature `tangent` requires motion without noise"):
         build(spec, features=("tangent",))
     with pytest.raises(UsageError, match="ask for the error of a mean"):
         smidgen.choose(spec, energy=1e-3)

@@ -144,7 +144,7 @@ def test_every_method_goes_to_the_same_end_at_its_order(method, name):
 @pytest.mark.quick
 def test_methods_without_such_a_step_refuse_it(method):
     spec = spec_of("body")
-    with pytest.raises(UsageError, match=r"does not support damping \(effect 'stub'\); use spherical-midpoint or|'stub' is not the gradient"):
+    with pytest.raises(UsageError, match=r"does not support damping \(effect 'stub'\); use spherical-midpoint or|'stub' does not derive from an energy"):
         files_of(spec, LL.response(), method)
 
 

@@ -239,7 +239,7 @@ def test_every_method_that_takes_torques_goes_to_the_same_end_and_takes_the_witn
 @pytest.mark.parametrize("method", [m for m in METHODS if not METHODS[m].responds and METHODS[m].stages == 1])
 def test_other_methods_refuse_them_and_name_some_that_do_not(method):
     for name in ("one", "alone"):
-        with pytest.raises(UsageError, match=r"does not support torques \(effect '.*'\); use spherical-midpoint or|is not the gradient of an energy|does not have it"):
+        with pytest.raises(UsageError, match=r"does not support torques \(effect '.*'\); use spherical-midpoint or|does not derive from an energy|does not provide it"):
             build(named(name), method=method)
 
 

@@ -158,7 +158,7 @@ def test_a_start_off_its_sphere_is_named(command, tmp_path):
 
 @pytest.mark.parametrize("words, told", [
     (["signed_vortices", "--seed", 4], "nothing in start 'triangle' is random"),
-    (["kitaev_honeycomb", "--set", "nx=2,ny=2"], "give --set for each"),
+    (["kitaev_honeycomb", "--set", "nx=2,ny=2"], "use a separate --set for each"),
     (["kitaev_honeycomb", "--solver", "newton"], "use solver rotation or plain"),
     (["kicked_spin", "--h", "0.03"], "the nearest are 19.98 (666 steps) and 20.01 (667 steps)")])
 def test_what_a_run_refuses(command, words, told):

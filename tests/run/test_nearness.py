@@ -84,6 +84,6 @@ def test_the_command_warns(tmp_path, capsys):
     path.write_text(FIELD.format(kind="sphere", n=1, h=1.9975, every=1, size="1"))
     assert cli.main(["run", str(path)]) == 0
     said = capsys.readouterr()
-    assert "warning: the step to step" in said.err + said.out and "site 0 within 0.05 radii" in said.err + said.out
+    assert "warning: in step" in said.err + said.out and "site 0 came within 0.05 radii" in said.err + said.out
     assert cli.main(["run", str(path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["nearest"]["site"] == 0

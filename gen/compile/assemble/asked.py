@@ -20,7 +20,7 @@ class Tangent(Asked):
 
     def fits(self, model):
         if diffusions_of(model.contributions):
-            raise UsageError("feature tangent requires motion without noise: remove kT")
+            raise UsageError("the feature `tangent` requires motion without noise: remove kT")
 
     def settings(self, model):
         return where_true(SMG_COUPLED_LIFTED=model.lifts())

@@ -45,12 +45,12 @@ def of_laws(model, low, laws) -> str | None:
         return f"{model.method.title} has no step by rows with `{effects[0]}`"
     names = " and ".join(f"`{c.name}`" for c in model.contributions if c.response is not None or c.push)
     if any(map(indexed, laws.values())):
-        return f"the motion of sites by {names} differs from site to site"
+        return f"the motion of sites under {names} differs from site to site"
     if any(low.when(x.expr) >= CLOCK for law in laws.values() for x in response_kernel(low, law).results):
-        return f"the motion of sites by {names} depends on time"
+        return f"the motion of sites under {names} depends on time"
     if model.moving and any(x != Num(0) for law in laws.values() for x in (*law.F0, *law.Q0)):
         torques = " and ".join(f"`{c.name}`" for c in model.contributions if c.push)
-        return f"some sites do not move, and the torque {torques} moves sites even where there is no field"
+        return f"some sites do not move, but the torque {torques} moves sites even where there is no field"
     return None
 
 
@@ -58,13 +58,13 @@ def of_term(low, t) -> str | None:
     """A term of the energy: it is in one piece, smooth, and the same in every cell, or one of single sites or of bonds of two."""
     name = t.called
     if not isinstance(t.over, (Lattice, Sites)):
-        return f"{name} is neither a sum over the sites nor over the bonds of the lattice"
+        return f"{name} is a sum neither over the sites nor over the bonds of the lattice"
     if switched(t.derived):
         return f"{name} has branches"
     if t.weights():
         return f"{name} names both the vector and the number of a bond"
     if t.derived.parts:
-        return f"{name} is a large formula, which is differentiated in parts"
+        return f"{name} is a long formula that is differentiated in parts"
     gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
     if not differs(t) and not two_ended(t) and set(t.over.bound) & mentions(*gradient.body):
         return f"{name} differs from bond to bond"
@@ -76,10 +76,10 @@ def of_absent(t) -> str | None:
     for k, row in enumerate(t.derived.gradient):
         for q, vector in enumerate(t.derived.vectors):
             if q != k and any(sp.expand(sp.sympify(x).subs({v: 0 for v in vector})) != 0 for x in row):
-                return f"{t.called} does not vanish where one of its spins is 0, and some sites are absent"
+                return f"{t.called} does not vanish where one of its spins is 0, but some sites are absent"
     return None
 
 
 def of_numbers(found: int) -> str | None:
     """The numbers that differ from site to site."""
-    return f"{found} numbers differ from site to site, more than {MOST}" if found > MOST else None
+    return f"{found} numbers differ from site to site; the limit is {MOST}" if found > MOST else None

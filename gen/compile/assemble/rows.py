@@ -81,7 +81,7 @@ def rows(model, low):
     if why_not is not None:
         return why_not
     if paired(model):
-        return pair_rows(model, low, over) or "the slopes of its bonds have no bound"
+        return pair_rows(model, low, over) or "the derivatives of its bond energies have no bound"
     return held_rows(rows_of(model, low, f, over, whole_terms(model, low)), model, low, laws.get(f.name))
 
 
@@ -100,7 +100,7 @@ def rows_of(model, low, f, over, whole):
         return f"the field of {unbounded.called} has no bound that holds at all times"
     found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa))
     if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
-        return f"{longest(model, f)} reaches too far, or the places of a cell have no colours of equally many sites"
+        return f"{longest(model, f)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
     alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
     return replace(found, sited={**alone, **bonds_of_terms(low, model.loops, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounds)})
 

@@ -138,7 +138,7 @@ class NoRealValue(UsageError):
     """A formula without a finite real value, whatever the state."""
 
     def __init__(self, where: str = "a formula"):
-        super().__init__(f"{where} has no finite real value for any state: it divides by something that is always zero, or takes a root, a logarithm or a power outside its domain; use `max` or `if` to restrict it to its domain")
+        super().__init__(f"{where} has no finite real value for any state: it divides by zero, or takes a root, a logarithm or a power outside its domain; use `max` or `if` to stay inside the domain")
 
 
 UNREAL = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)
@@ -382,4 +382,4 @@ def scalar(e: Expr):
     try:
         return bare(algebra.of(e)), algebra.leaves
     except TooLarge:
-        raise UsageError(f"a formula of parameters takes more than {SCALAR[0]} operations and operands when its vectors are written in components: give its value as a parameter") from None
+        raise UsageError(f"a formula of parameters has more than {SCALAR[0]} operations and operands once its vectors are written in components: compute its value beforehand and give it as a parameter") from None

@@ -49,7 +49,7 @@ def laws_of(contributions) -> dict:
     for c in contributions:
         for family in dict.fromkeys(family for family, _ in c.slots if c.response is not None):
             if family in found:
-                raise UsageError(f"'{c.name}' is a second law of motion for '{family}'; there can be only one")
+                raise UsageError(f"'{c.name}' is a second law of motion for '{family}', which can have only one")
             found[family] = c.response
     for c in contributions:
         family = c.slots[0][0] if c.push or c.bends else None
@@ -73,7 +73,7 @@ def require_of_responses(spec: Spec, contributions, method: Method) -> None:
         raise UsageError(f"method {method.name} does not support {beyond_precession(contributions)}; use {' or '.join(fitting[:3])}")
     strange = [f.name for f in spec.families if f.name in responses and f.kind == "nambu"]
     if strange:
-        raise UsageError(f"sites with motion other than precession must be on spheres or in R^3, but '{strange[0]}' is a Nambu factor")
+        raise UsageError(f"sites that do more than precess must be on spheres or in R^3, but '{strange[0]}' is a Nambu factor")
 
 
 def all_offer(contributions, asked) -> bool:
@@ -84,7 +84,7 @@ def require(contributions, asked, who: str, instead: str = "") -> None:
     """Raises UsageError where a contribution does not offer what `who` asks of each."""
     for c in contributions:
         for what in c.lacks(asked):
-            raise UsageError(f"{who} needs the {what} of every effect, and '{c.name}' does not have it" + (f"; use {instead}" if instead else ""))
+            raise UsageError(f"{who} needs the {what} of every effect, but '{c.name}' does not provide it" + (f"; use {instead}" if instead else ""))
 
 
 def require_of_method(contributions, method: Method) -> None:
@@ -93,4 +93,4 @@ def require_of_method(contributions, method: Method) -> None:
     require(contributions, method.asks, f"method {method.name}", " or ".join(fitting[:3]))
     for c in contributions:
         if method.free_body and not c.conservative:
-            raise UsageError(f"method {method.name} is for energies only, and '{c.name}' is not the gradient of an energy")
+            raise UsageError(f"method {method.name} supports energies only, but '{c.name}' does not derive from an energy")

@@ -150,13 +150,13 @@ def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contri
         return replace(plan, lanes=plan.solver == "dense" and solver == "auto" and method.onto_leaf, reason=f"{plan.coupling}: {plan.reason}")
     if solver == "newton":
         other = "rotation or plain" if turns else "plain"
-        raise UsageError(f"solver newton is for chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
-                         f"a sparse factorisation and models with few sites; use solver {other} here")
+        raise UsageError(f"solver newton supports chains with neighbours up to {BAND_LIMIT} sites away, graphs with "
+                         f"a sparse factorisation, and models with few sites; use solver {other} here")
     lanes = solver == "auto" and method.onto_leaf
     if not turns:
-        return Plan(method.name, local, coupled, "plain", lanes=lanes, reason="many sites, not coupled as a chain: fixed-point iteration, then Newton with GMRES if it does not converge")
+        return Plan(method.name, local, coupled, "plain", lanes=lanes, reason="many sites that are not coupled as a chain: fixed-point iteration, then Newton with GMRES if it does not converge")
     return Plan(method.name, local, coupled, "rotation", lanes=lanes, reason=
-                "many sites, not coupled as a chain: rotation sweeps, one spin after the other, then Newton with GMRES if they do not converge", rotation=True)
+                "many sites that are not coupled as a chain: rotation sweeps, one spin after the other, then Newton with GMRES if they do not converge", rotation=True)
 
 
 def check_space(spec: Spec, method: Method) -> None:
@@ -227,7 +227,7 @@ def require_free_body(spec: Spec, method: str) -> None:
         if coupled or any(isinstance(n, Time) for n in walk(effect.value)):
             raise UsageError(f"method {method} needs a single body whose energy does not depend on time")
         if d.parts:
-            raise UsageError(f"method {method} needs a quadratic form in w, and the formula of '{effect.name}' is too long to be recognised as one: simplify it, or split it into several effects")
+            raise UsageError(f"method {method} needs a quadratic form in w, and the formula of '{effect.name}' is too long to be recognised as one; simplify it, or split it into several effects")
         for k, row in enumerate(d.gradient):
             for a in range(3):
                 linear = sum(d.hessian[k, k][a, b] * d.vectors[k][b] for b in range(3)) if (k, k) in d.hessian else 0

@@ -53,7 +53,7 @@ def reference(case: Case, good: float = GOOD) -> Reference:
         if len(ends) == 2:
             break
     else:
-        raise UsageError("no reference solution: fewer than two independent methods complete this run")
+        raise UsageError("there is no reference solution, because fewer than two independent methods complete this run")
     (first, end, error), (second, other, more) = ends
     return Reference(end if error <= more else other, largest(error, more, case.distance(end, other)), (first, second))
 

@@ -35,7 +35,7 @@ def of_case(case: Case, names=tuple(PEERS)) -> tuple[dict, dict]:
     """(name -> integrator, name -> what is missing)."""
     found, missing = {}, {}
     if not case.conservative:
-        return {}, {name: "a right-hand side with damping or torques, which it does not have" for name in names}
+        return {}, {name: "a right-hand side with damping or torques, which it does not provide" for name in names}
     for name in names:
         peer = PEERS[name]
         try:

@@ -27,7 +27,7 @@ SUNDIALS = tuple(f"-lsundials_{name}" for name in ("arkode", "cvodes", "sunnonli
                                                    "sunmatrixdense", "nvecserial", "core")) + ("-lm",)
 FIRST = 1e-3        # first step, of those that ask for one, in turns of the fastest site
 NEEDS = {"gsl.c": "GSL with its headers (Debian: libgsl-dev)",
-         "cvode.c": "SUNDIALS 7 or newer with its headers, in the folder that SUNDIALS_DIR names (the wheel of sundials4py is one)"}
+         "cvode.c": "SUNDIALS 7 or newer with its headers; SUNDIALS_DIR names its folder (the sundials4py wheel contains them)"}
 NEEDS["by_hand.c"] = "a hand-written C field for this spec"
 NEEDS["arkode.c"] = NEEDS["cvode.c"]
 

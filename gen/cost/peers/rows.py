@@ -43,7 +43,7 @@ def one(case: Case, name: str, known: Reference | None, tolerance: float, limit:
     states, _ = peer.states(tolerance, times)
     end, steps = peer.states(tolerance, times[-1:])
     if states is None or end is None or not np.isfinite(end).all():
-        row.status = "it gave up: too many steps, or steps that are too small"
+        row.status = "the integrator gave up: too many steps, or steps that are too small"
         return row
     row.steps, row.h = steps, case.time / max(1, steps)
     row.seconds = peer.seconds(tolerance, 1)

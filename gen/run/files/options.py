@@ -29,17 +29,17 @@ class Option:
 
 
 OPTIONS = (
-    Option("start", either(text, listed(listed(finite_or_not))), reads="start", help="a start of the spec, or a file: .csv or .npy of rows x,y,z, .ovf, .vtk"),
-    Option("method", text, reads="method", help="the method, see `smidgen list --methods`; default: that of the run", metavar="NAME"),
+    Option("start", either(text, listed(listed(finite_or_not))), reads="start", help="a start of the spec, or a file: .csv or .npy with rows x,y,z, .ovf or .vtk"),
+    Option("method", text, reads="method", help="the method, one of `smidgen list --methods` (default: that of the run)", metavar="NAME"),
     Option("solver", text, reads="solver", help="solver of the step equation"),
-    Option("h", number, reads="formula", help="the step: a number or a formula, such as 2*pi/n; negative runs backward (write --h=-0.1)"),
-    Option("steps", count, reads="whole", help="number of steps"),
-    Option("time", None, reads="formula", help="duration: a multiple of h"),        # told as `steps`
-    Option("every", count, reads="whole", help="output each K-th step", metavar="K"),
-    Option("period", either(none, number), reads="formula", help="output at multiples of the time PERIOD only (a multiple of h)", metavar="PERIOD"),
+    Option("h", number, reads="formula", help="the step, a number or a formula such as 2*pi/n; a negative step runs backward (write --h=-0.1)"),
+    Option("steps", count, reads="whole", help="number of steps to take"),
+    Option("time", None, reads="formula", help="duration of the run, a multiple of h"),        # told as `steps`
+    Option("every", count, reads="whole", help="write an output every K steps", metavar="K"),
+    Option("period", either(none, number), reads="formula", help="write an output at multiples of the time PERIOD, a multiple of h", metavar="PERIOD"),
     Option("what", listed(text), reads="names", metavar="A,B",
-           help="outputs: states, energy, momentum, casimirs, magnetisation, charge, names of observables"),
-    Option("effects", listed(text), reads="names", help="keep these effects only", metavar="A,B"),
+           help="quantities to output: states, energy, momentum, casimirs, magnetisation, charge, or names of observables"),
+    Option("effects", listed(text), reads="names", help="use these effects only", metavar="A,B"),
     Option("parameters", table(VALUE), as_key="set"),
     Option("seed", either(none, seed), reads="whole", help="seed of a random start and of thermal noise"),
     Option("real", text, reads="real"),
@@ -47,8 +47,8 @@ OPTIONS = (
     Option("substeps", flag, False, "flag", "replace a step that fails by up to 1024 smaller ones, and report it"),
     Option("checkpoint", None, reads="whole", metavar="N", help="write a checkpoint every N steps, from which an interrupted run can be continued"),
     Option("estimate", either(none, flag), False),
-    Option("tolerance", either(none, number), None, "number", metavar="E", help="error allowed in a step, relative to the largest component of w; default: round-off"),
-    Option("fast", flag, False, "flag", "--native, with fused multiply-add: trades bit-reproducibility for speed"),
-    Option("threads", either(none, count), None, "whole", "number of threads that share a step (lattices processed by rows; same bits)", "N"),
+    Option("tolerance", either(none, number), None, "number", metavar="E", help="largest error allowed in a step, relative to the largest component of w (default: round-off)"),
+    Option("fast", flag, False, "flag", "like --native, but with fused multiply-add: trades bit-reproducibility for speed"),
+    Option("threads", either(none, count), None, "whole", "number of threads that share a step; only for lattices processed by rows, and without effect on the bits", "N"),
     Option("averages", either(none, table(either(number, listed(text)))), None),
 )
