@@ -120,38 +120,38 @@ SPLITTINGS = (
            "smg_axis_splitting.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
            asks=(GRADIENT, HESSIAN), midpoint=False, responds=False, splitting="axes", keeps_linear=False, equivariant=False,
            how=("explicit", "rotations about x, y, z, y, x"), history=1,
-           arrays=(("points", 3, 0, "w on the way through the step"), ("slopes", 1, 0, "dH/dw along one axis"),
-                   ("inverse", 1, 0, "1/|w|^2 of the start"))),
+           arrays=(("points", 3, 0, "w during the step"), ("slopes", 1, 0, "dH/dw along one axis"),
+                   ("inverse", 1, 0, "1/|w|^2 at the start of the step"))),
     Method("sublattice-rotations", "the method of sublattice rotations", "sublattice rotations",
-           "each sublattice turned in the field of the others (energy exact, not symplectic; explicit, order 2)", 2,
+           "each sublattice rotated in the field of the others (energy exact, not symplectic; explicit, order 2)", 2,
            "smg_sublattice_rotations.h", keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
            asks=(SITE_GRADIENT, HESSIAN), midpoint=False, responds=False, splitting="sublattices", keeps_linear=False, keeps_energy=True,
            how=("explicit", "one sublattice after the other, then in reverse order"), history=1,
-           arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))),
+           arrays=(("points", 3, 0, "w during the step"), ("inverse", 1, 0, "1/|w|^2 at the start of the step"))),
     Method("pair-rotations", "the method of pair rotations", "pair rotations",
-           "both spins of a bond turned about their momentum, bond after bond (symplectic, momentum exact; explicit, order 2)", 2,
+           "both spins of a bond rotated about their total momentum, one bond after the other (symplectic, momentum exact; explicit, order 2)", 2,
            "smg_pair_rotations.h", symplectic=True, keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(),
            asks=(GRADIENT, HESSIAN), midpoint=False, responds=False, splitting="pairs", needs=(), how=("explicit", "one bond after the other, then in reverse order"), history=1,
-           arrays=(("points", 3, 0, "w on the way through the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))))
+           arrays=(("points", 3, 0, "w during the step"), ("inverse", 1, 0, "1/|w|^2 at the start of the step"))))
 ONE_STAGE = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "asks": (GRADIENT,), "midpoint": False, "history": 3,
              "how": ("fixed-point", "the points of all sites together, by fixed-point iteration"),
              "arrays": (("points", 3, 0, "where the field is taken"), ("slopes", 3, 0, "what the iteration is for"),
-                        ("past_slopes", 9, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
+                        ("past_slopes", 9, 0, "the same for the last steps"), ("inverse", 1, 0, "1/|w|^2 at the start of the step"))}
 TWO_POINTS = {"solvers": ("auto",), "spaces": ("sphere", "r3"), "features": (), "asks": (GRADIENT,), "midpoint": False, "symmetric": False, "keeps_linear": False,
                "keeps_quadratic": False, "onto_leaf": True, "across": True, "points": 2, "history": 1, "noise_within": True, "defines": (("SMG_NOISE_WITHIN", 1),),
-               "arrays": (("points", 3, 0, "w on the way through the step"), ("turns", 6, 0, "h b at both ends of the step"), ("inverse", 1, 0, "1/|w|^2 of the start"))}
+               "arrays": (("points", 3, 0, "w during the step"), ("turns", 6, 0, "h b at both ends of the step"), ("inverse", 1, 0, "1/|w|^2 at the start of the step"))}
 COMPARATORS = (
     Method("cf4", "the commutator-free Lie-group method of order 4", "CF4",
            "commutator-free Lie-group method (comparator: explicit, order 4, not symplectic)", 4, "smg_cf4.h", onto_leaf=True, across=True, points=4,
            keeps_quadratic=False, solvers=("auto",), spaces=("sphere", "r3"), features=(), asks=(GRADIENT,), midpoint=False, symmetric=False, keeps_linear=False,
            how=("explicit", "four stages of rotations"), history=1,
-           arrays=(("points", 3, 0, "w on the way through the step"), ("turns", 12, 0, "h b of the four stages"),
-                   ("inverse", 1, 0, "1/|w|^2 of the start"))),
+           arrays=(("points", 3, 0, "w during the step"), ("turns", 12, 0, "h b of the four stages"),
+                   ("inverse", 1, 0, "1/|w|^2 at the start of the step"))),
     Method("heun", "Heun's method", "Heun", "Heun's method with projection (comparator: explicit, order 2, not symplectic)", 2, "smg_heun.h",
-           how=("explicit", "a point ahead, and the mean of both slopes"), **TWO_POINTS),
+           how=("explicit", "a predicted point, then the mean of both slopes"), **TWO_POINTS),
     Method("depondt-mertens", "the method of Depondt and Mertens", "Depondt\u2013Mertens",
            "predictor and corrector by rotations (comparator: explicit, order 2, not symplectic)", 2, "smg_depondt_mertens.h",
-           how=("explicit", "a point ahead, and a turn by the mean of both fields"), **TWO_POINTS),
+           how=("explicit", "a predicted point, then a rotation by the mean of both fields"), **TWO_POINTS),
     Method("isospectral-midpoint", "the isospectral midpoint", "isospectral midpoint", "isospectral midpoint of so(3) (comparator: symplectic, order 2)", 2,
            "smg_isospectral_midpoint.h", symplectic=True, keeps_quadratic=False, across=True, **ONE_STAGE),
     Method("geodesic-midpoint", "the geodesic midpoint", "geodesic midpoint", "geodesic midpoint (comparator: not symplectic, order 2)", 2,
@@ -163,7 +163,7 @@ COMPARATORS = (
            "smg_rattle.h", symplectic=True, keeps_quadratic=False, responds=False, points=2, **ONE_STAGE | {
                "how": ("fixed-point", "both points of all sites together, by fixed-point iteration"),
                "arrays": (("points", 7, 0, "where the field is taken, twice, and e (s - sigma)"), ("slopes", 8, 0, "h b/2 at both, e s and e sigma"),
-                          ("past_slopes", 24, 0, "the same of the last steps"), ("inverse", 1, 0, "1/|w|^2 of the start"))}))
+                          ("past_slopes", 24, 0, "the same for the last steps"), ("inverse", 1, 0, "1/|w|^2 at the start of the step"))}))
 METHODS = {m.name: m for m in (
     *MIDPOINT_METHODS,
     *(Method(f"gauss-{2 * s}", f"Gauss collocation of order {2 * s}", f"Gauss {2 * s}",

@@ -68,7 +68,7 @@ def join() -> None:
     except (ImportError, RuntimeError) as problem:
         raise UsageError(f"{NEEDED} ({problem})") from None
     if MPI.COMM_WORLD.size != size:
-        raise UsageError(f"mpirun began {size} processes, mpi4py sees {MPI.COMM_WORLD.size}: it was built for another MPI than that of mpirun")
+        raise UsageError(f"mpirun started {size} processes, but mpi4py sees {MPI.COMM_WORLD.size}: it was built for a different MPI library than that of mpirun")
     world = World(MPI, said)
 
 
@@ -163,7 +163,7 @@ def check(library) -> None:
     library.MPI_Get_library_version(text, ctypes.byref(size))
     mine, other = text.value.decode(errors="replace"), world.mpi.Get_library_version()
     if mine.strip("\0 \n") != other.strip("\0 \n"):
-        raise UsageError(f"mpicc links {short(mine)}, mpi4py uses {short(other)}: both must be the MPI of mpirun")
+        raise UsageError(f"mpicc links {short(mine)}, but mpi4py uses {short(other)}; both must use the MPI library of mpirun")
 
 
 def short(version: str) -> str:

@@ -23,7 +23,7 @@ class DampingReader:
     def read(self, node) -> Damping:
         if node.has("energy"):
             node.get(next(key for key in ("damping", "kT") if node.has(key))).wrong(
-                codes.CONFLICT, f"`{node.label}` has an energy and a damping", "write two effects, an energy and a damping")
+                codes.CONFLICT, f"`{node.label}` has both an energy and a damping", "write two separate effects")
         if not node.has("damping"):
             node.get("kT").wrong(codes.MISSING, f"`{node.label}` has `kT` but no `damping`",
                                  "noise without damping heats the system without limit: add `damping = 0.1`")
@@ -52,7 +52,7 @@ class DampingReader:
         over, condition = sites_of(self.terms.over(node, "damping"))
         at = node.get("over") if node.has("over") else node
         if not isinstance(over, Sites):
-            at.wrong(codes.OVER, "a damping acts on the sites of a family", 'write `over = "site(i) of w"`')
+            at.wrong(codes.OVER, "a damping must act on the sites of a family", 'write `over = "site(i) of w"`')
         self.terms.known({over.family})
         family = self.terms.declared.families[over.family]
         if family.kind == "nambu" or family.tracer:
@@ -104,7 +104,7 @@ class Damping(Effect):
     gives_up = {"by": "damped sites", "as": "sites are damped", "symplectic": "damped sites lose area", "energy": "damped sites lose energy",
                 "momentum": "damped sites turn towards their field"}
     work = 18, 24       # F = f g and Q = q g, then F + m x Q; the vector that it adds
-    not_negative = {"damping": "a damping must be finite and not negative, so that the energy decreases", "kT": "a temperature must be finite and not negative"}
+    not_negative = {"damping": "a damping constant must be finite and not negative, so that the energy decreases", "kT": "a temperature must be finite and not negative"}
 
     @property
     def formulas(self) -> dict[str, Expr]:
@@ -132,7 +132,7 @@ class Damping(Effect):
     @property
     def lost(self) -> dict[str, str]:
         found = {"energy": "falls", "momentum": "is damped", "symplectic": "areas shrink"}
-        return found if self.kT is None else {**dict.fromkeys(found, "noise"), "reversible": "no step undoes noise"}
+        return found if self.kT is None else {**dict.fromkeys(found, "noise"), "reversible": "noise cannot be undone by another step"}
 
     @property
     def calm(self) -> Damping:

@@ -61,7 +61,7 @@ class Held(Effect):
 
     @property
     def lost(self) -> dict[str, str]:
-        return {} if self.gone else {"momentum": "the others rotate about sites that do not move"}
+        return {} if self.gone else {"momentum": "the other sites rotate about sites that do not move"}
 
     @property
     def formulas(self) -> dict[str, Expr]:

@@ -32,7 +32,7 @@ class TorqueReader:
     def read(self, node) -> Torque:
         for other in ("energy", "damping", "kT", "form"):
             if node.has(other):
-                node.get(other).wrong(codes.CONFLICT, f"`{node.label}` has a torque and `{other}`", "write two separate effects")
+                node.get(other).wrong(codes.CONFLICT, f"`{node.label}` has both a torque and `{other}`", "write two separate effects")
         node.table(*KEYS)
         name, (over, value, on), said, unit = self.problems.together(
             lambda: self.terms.name(node, "effect", ()), lambda: self.term(node),
@@ -91,7 +91,7 @@ class TorqueReader:
         try:
             left = sums.reduced(dot(sums.vector(on), sums.vector(value)))
         except TooLong:
-            formula.wrong(codes.BIG, "this torque is too long to check that it is tangent", CROSS.format(self.spelt(on)))
+            formula.wrong(codes.BIG, "this torque is too long to check whether it is tangent", CROSS.format(self.spelt(on)))
         if left:
             where = "on the sphere" if radius else "for every vector"
             formula.wrong(codes.NORMAL, f"this torque is not tangent to the sphere: `dot({self.spelt(on)}, torque)` must be 0 {where}, but is {sums.text(left)}", CROSS.format(self.spelt(on)))
@@ -112,7 +112,7 @@ class Torque(Term, Effect):
     keys = ("torque", "on")
     reader = TorqueReader
     gives_up = {"by": "torques", "as": "torques act", "symplectic": "torques are not Hamiltonian", "energy": "torques add and remove energy",
-                "momentum": "torques act on sites without a reaction on others"}
+                "momentum": "torques act on sites without any reaction on others"}
 
     def mapped(self, over, formula) -> Torque:
         return replace(super().mapped(over, formula), on=formula(self.on))

@@ -25,7 +25,7 @@ TYPE = _code("E203", "a value of the wrong type")
 NUMBER = _code("E204", "a number that is not finite or out of range")
 CHOICE = _code("E205", "a value that is not one of those allowed")
 IDENTIFIER = _code("E206", "a name that is not an identifier")
-RESERVED = _code("E207", "a name that is a word of C, C++ or of the language")
+RESERVED = _code("E207", "a name that is reserved in C, C++ or the spec language")
 CLASH = _code("E208", "a name that is already taken")
 TEXT = _code("E209", "a title, meaning or unit that cannot be written as a comment")
 CONFLICT = _code("E210", "two keys that exclude each other")
@@ -38,20 +38,20 @@ ARITY = _code("E304", "a wrong number of arguments")
 RECURSION = _code("E305", "a named formula that uses itself")
 EXPONENT = _code("E306", "an exponent that is too large")
 VALUE = _code("E307", "a constant that is not finite")
-INDEX = _code("E308", "an index that does not fit")
+INDEX = _code("E308", "an index of the wrong kind or out of range")
 NOT_HERE = _code("E309", "something that is not allowed here")
 INTEGER = _code("E310", "a count that is not an integer formula")
 BIG = _code("E311", "a formula that grows beyond the limits when expanded")
 
 # Units
 UNIT = _code("E320", "a unit that is not known")
-DIMENSION = _code("E321", "quantities whose dimensions do not fit")
-MEASURE = _code("E322", "a quantity that needs a unit, or may not have one")
+DIMENSION = _code("E321", "quantities whose dimensions do not match")
+MEASURE = _code("E322", "a quantity that needs a unit or must not have one")
 
 # The space
 CASIMIR = _code("E401", "C is not a homogeneous quadratic function")
 KAPPA = _code("E402", "a strength that is zero or not finite")
-COUNT = _code("E403", "a count, size or length that does not fit")
+COUNT = _code("E403", "a count, size or length that does not match")
 RADIUS = _code("E404", "a radius that is not positive")
 
 # Torques
@@ -59,15 +59,15 @@ NORMAL = _code("E405", "a torque that leaves the sphere")
 
 # Index families, lattices, graphs
 OVER = _code("E501", "an index family that cannot be read")
-BOND = _code("E502", "a bond that does not fit its lattice")
+BOND = _code("E502", "a bond that does not match its lattice")
 LATTICE = _code("E503", "a lattice whose number of sites is not that of the family")
 PATH = _code("E504", "a file that may not be read from here")
 TABLE = _code("E505", "a file that does not contain the required table")
 
 # Starts and runs
 OFF = _code("E601", "a start that is not on its sphere or leaf")
-START = _code("E602", "a start that does not fit the space")
-METHOD = _code("E603", "a method that does not fit the space")
+START = _code("E602", "a start that does not match the space")
+METHOD = _code("E603", "a method that does not support the space")
 DURATION = _code("E604", "a duration that is not a multiple of the step")
 STEP = _code("E605", "a step, duration or period that is not valid")
 OUTPUT = _code("E606", "an output that the spec does not have")

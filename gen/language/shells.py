@@ -36,7 +36,7 @@ def within(vectors, positions, directions: int, reach: float):
     a, f = np.asarray(vectors, float), np.asarray(positions, float)
     most = np.floor(reach * np.linalg.norm(np.linalg.pinv(a), axis=0)[:directions] + np.ptp(f, axis=0)[:directions] + SAME).astype(int)
     if np.prod(2 * most + 1.0) * len(f) ** 2 > limits.LOOKED_AT:
-        raise Unclear(f"within {reach:.6g} of a site lie too many cells: the vectors have very different lengths, or are nearly parallel")
+        raise Unclear(f"too many cells lie within {reach:.6g} of a site: the lattice vectors have very different lengths or are nearly parallel")
     cells = np.indices(2 * most + 1).reshape(directions, -1).T - most
     steps = np.zeros((len(cells), len(a)))
     steps[:, :directions] = cells

@@ -48,7 +48,7 @@ def of_matrix(name: str, shape, row, column, data) -> np.ndarray:
     for i, j, J in zip(row.tolist(), column.tolist(), data.tolist()):
         other = found.setdefault((min(i, j), max(i, j)), J)
         if other != J:
-            raise UsageError(f"the couplings of '{name}' are not a symmetric matrix: {other:g} and {J:g} of sites {min(i, j)} and {max(i, j)}")
+            raise UsageError(f"the couplings of '{name}' are not symmetric: {other:g} and {J:g} for sites {min(i, j)} and {max(i, j)}")
     if not found:
         raise UsageError(f"the couplings of '{name}' are all 0")
     return np.array([(i, j, J) for (i, j), J in sorted(found.items())], float)
@@ -60,7 +60,7 @@ def loaded(couplings):
         return couplings
     path = Path(couplings)
     if path.suffix not in (".npz", ".mtx", ".npy"):
-        raise UsageError(f"{path}: couplings can be read from .npz of scipy.sparse, .mtx or .npy")
+        raise UsageError(f"{path}: couplings must be in an .npz file of scipy.sparse, an .mtx or an .npy")
     try:
         if path.suffix == ".npy":
             return np.load(path, allow_pickle=False)

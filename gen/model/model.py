@@ -181,7 +181,7 @@ class Model:
         if family is None:
             return self._add("starts", name, says)
         if family in table.setdefault(name, {}):
-            raise UsageError(f"there already is a start '{name}' of {family}")
+            raise UsageError(f"there is already a start '{name}' of {family}")
         table[name][family] = says
 
     def run(self, name: str, **says) -> None:

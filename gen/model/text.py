@@ -65,14 +65,14 @@ def digits(n: int) -> str:
     try:
         return repr(float(n))
     except OverflowError:
-        raise UsageError(f"an integer of {len(str(abs(n)))} digits is beyond the largest number") from None
+        raise UsageError(f"an integer of {len(str(abs(n)))} digits exceeds the largest number allowed") from None
 
 
 def real(e):
     """The shortest text of the nearest double."""
     value = float(e)
     if value != value or abs(value) == float("inf"):
-        raise UsageError(f"{e} is no finite number")
+        raise UsageError(f"{e} is not a finite number")
     return repr(value), ATOM if value >= 0 else SUM
 
 
@@ -127,7 +127,7 @@ def pieces(e):
     """if(c, a, if(..)); what holds last must hold everywhere."""
     *first, (last, always) = e.args
     if always is not sympy.true:
-        raise UsageError("a Piecewise needs a last piece (value, True)")
+        raise UsageError("a Piecewise must end with a piece (value, True)")
     said = text(last)
     for value, condition in reversed(first):
         said = f"if({text(condition)}, {text(value)}, {said})"

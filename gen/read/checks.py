@@ -108,7 +108,7 @@ def nothing_left(spec: Spec, values: dict) -> Iterator[Trouble]:
     """Some site must be there."""
     gone = [e for e in spec.effects if e.gone]
     if gone and not any(np.any(is_there(spec, f, values)) for f in spec.families):
-        yield Trouble(("effects", gone[0].name), codes.VALUE, "every site is absent: no site is left to move", "leave some sites")
+        yield Trouble(("effects", gone[0].name), codes.VALUE, "every site is absent: no site is left to move", "keep at least one site")
 
 
 def is_there(spec: Spec, family: Family, values: dict):
@@ -167,7 +167,7 @@ def array(p, values: dict, entries: int) -> Iterator[Trouble]:
         yield Trouble(("parameters", p.name, "size"), codes.LIMIT, f"`{p.name}` would have {size} "
                       f"entries{before}; at most {limits.ARRAY} are allowed", "choose a smaller size")
     elif have != size:
-        yield Trouble(path, codes.COUNT, f"`{p.name}` has {have} entries, its size is {size}",
+        yield Trouble(path, codes.COUNT, f"`{p.name}` has {have} entries, but its size is {size}",
                       f"give {size} numbers, or one number for all entries")
 
 
@@ -244,7 +244,7 @@ def radius(family: Family, values: dict) -> Iterator[Trouble]:
         yield too_short(family, path, family.radius, values)
     elif bad:
         yield Trouble(path, codes.RADIUS, f"the radius of `{family.name}[{bad[0]}]` is "
-                      f"{bad[1]:g}", "a radius is positive")
+                      f"{bad[1]:g}", "a radius must be positive")
 
 
 def casimir(family: Family, values: dict) -> Iterator[Trouble]:
@@ -292,7 +292,7 @@ def lattice(over: Lattice, family: str, count: int, path: tuple, values: dict) -
                       "every direction must have at least one cell")
     elif sites != count:
         cells = " x ".join(map(str, size)) + (f" x {over.sites}" if over.sites > 1 else "")
-        yield Trouble(path, codes.LATTICE, f"the lattice has {cells} = {sites} sites, "
+        yield Trouble(path, codes.LATTICE, f"the lattice has {cells} = {sites} sites, but "
                       f"`{family}` has {count}", f"make the counts equal, for example `sphere = \"{all_sites(over)}\"`")
     else:
         yield from loops(over, size, path)
@@ -311,7 +311,7 @@ def loops(over: Lattice, size: list[int], path: tuple) -> Iterator[Trouble]:
 def accesses(term: Term, counts: dict, ranges: dict, path: tuple, values) -> Iterator[Trouble]:
     for e in walk(term.value):
         if isinstance(e, Spin) and isinstance(e.slot, int) and e.slot >= counts[e.family]:
-            yield Trouble(path, codes.INDEX, f"`{e.family}[{e.slot}]`, but `{e.family}` has "
+            yield Trouble(path, codes.INDEX, f"`{e.family}[{e.slot}]` does not exist: `{e.family}` has "
                           f"{plural(counts[e.family], 'site')} (0 to {counts[e.family] - 1})",
                           "sites are counted from 0", part=e)
         if isinstance(e, Elem):
@@ -319,7 +319,7 @@ def accesses(term: Term, counts: dict, ranges: dict, path: tuple, values) -> Ite
             if low < 0 or high >= len(values[e.name]):
                 span = f"{low}" if low == high else f"{low} to {high}"
                 yield Trouble(path, codes.INDEX, f"the index of `{e.name}` takes the values "
-                              f"{span}, but it has {len(values[e.name])} entries "
+                              f"{span}, but `{e.name}` has {len(values[e.name])} entries "
                               f"(0 to {len(values[e.name]) - 1})",
                               "give the array a larger `size`",
                               part=e)
@@ -408,11 +408,11 @@ def on_leaf(w, i, part, family: Family, path: tuple, values: dict) -> Iterator[T
             k = i[zero[0]]
             yield Trouble(at(path, part, k), codes.OFF,
                           f"C is zero at the start of `{family.name}[{k}]`",
-                          "the method needs C different from zero")
+                          "choose a start where C is not zero, as the method requires")
     elif not w.any(axis=1).all():
         zero = i[int(np.argmin(w.any(axis=1)))]
         yield Trouble(at(path, part, zero), codes.OFF, f"`{family.name}[{zero}]` starts at zero",
-                      "choose a start other than zero, where the bracket vanishes")
+                      "choose a start other than zero, because the bracket vanishes there")
 
 
 def on_sphere(w, i, part, family: Family, path: tuple, values: dict) -> Iterator[Trouble]:
@@ -427,7 +427,7 @@ def on_sphere(w, i, part, family: Family, path: tuple, values: dict) -> Iterator
         yield Trouble(at(path, part, i[k]), codes.OFF,
                       f"`{family.name}[{i[k]}]` has length {length[k]:.15g}, its sphere has "
                       f"radius {r[k]:.15g}",
-                      "write `normalise = true` to put it there, give more digits, or use `r3`, if the length matters")
+                      "write `normalise = true` to project it onto the sphere, give more digits, or use `r3` if the length matters")
 
 
 def at(path: tuple, part, site: int) -> tuple:
@@ -439,7 +439,7 @@ def directions(length, i, part, family: Family, path: tuple) -> Iterator[Trouble
     zero = i[np.flatnonzero(length == 0)]
     if zero.size:
         yield Trouble(at(path, part, zero[0]), codes.OFF, f"`{family.name}[{zero[0]}]` starts "
-                      "at zero, which has no direction", "give any other vector")
+                      "at zero, which has no direction", "give a vector other than zero")
 
 
 # Runs
@@ -462,8 +462,8 @@ def duration(r: Run, h: float, path: tuple, values: dict) -> Iterator[Trouble]:
     if r.steps is not None:
         steps = integer(r.steps, values)
         if not 1 <= steps <= limits.STEPS:
-            yield Trouble(path + ("steps",), codes.STEP, f"{steps} steps; a run has from 1 to "
-                          f"{limits.STEPS}", "choose another number of steps, or `time`")
+            yield Trouble(path + ("steps",), codes.STEP, f"a run cannot have {steps} steps: from 1 to {limits.STEPS} "
+                          "are allowed", "choose another number of steps, or `time`")
         return
     time = number(r.time, values)
     if h < 0 < time:
@@ -475,7 +475,7 @@ def multiple(time: float, h: float, path, code: str, what: str) -> Iterator[Trou
     """`time` must be a positive whole number of steps."""
     ratio = time / h
     if not math.isfinite(ratio) or ratio <= 0 or ratio > limits.STEPS:
-        yield Trouble(path, codes.STEP, f"a {what} of {time:g} with a step of {h:g}",
+        yield Trouble(path, codes.STEP, f"a {what} of {time:g} is impossible with a step of {h:g}",
                       "it must have the sign of the step and not be zero")
     elif abs(ratio - round(ratio)) > limits.MULTIPLE * ratio or round(ratio) < 1:
         low = math.floor(ratio)
@@ -509,7 +509,7 @@ def method(spec: Spec, r: Run, path: tuple) -> Iterator[Trouble]:
     chosen = METHODS[r.method]
     for f in spec.families:
         if f.kind not in chosen.spaces:
-            yield Trouble(path, codes.METHOD, f"method {chosen.name} is not for the factor `{f.name}`",
+            yield Trouble(path, codes.METHOD, f"method {chosen.name} does not support the factor `{f.name}`",
                           f"use {others(chosen.name)}")
     if chosen.free_body and not free:
         yield Trouble(path, codes.METHOD, f"the {chosen.title.removeprefix('the ')} method requires a single free rigid body: `{{ sphere = 1 }}` or `{{ r3 = 1 }}`",

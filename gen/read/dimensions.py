@@ -85,5 +85,5 @@ class Dimensions:
 
     def number(self, a: Typed, span: Span, what: str) -> None:
         if a.kind == "s" and a.dimension not in (ANY, NONE):
-            self.fail(codes.DIMENSION, span, f"{what} is {said(a.dimension)}, and must be a number without a unit",
+            self.fail(codes.DIMENSION, span, f"{what} is {said(a.dimension)}, but must be a number without a unit",
                       f"divide it by {said(a.dimension)}")

@@ -55,7 +55,7 @@ class Files:
     def by_name(self, node: Node, word: str) -> tuple[str, str]:
         """(folder, file) of a spec of the library, or of one that comes with smidgen."""
         return self.among(node, self.library) or self.of_smidgen(
-            node, shipped(), f"no spec `{word}` comes with smidgen", f"a file is named with its extension, `{word}.toml`; ")
+            node, shipped(), f"no spec `{word}` comes with smidgen", f"write the name of a file with its extension, `{word}.toml`; ")
 
     def piece(self, node: Node) -> tuple[str, str, str]:
         """As `spec`, of the piece that `node` names: beside the spec, in the library, or one that comes with smidgen."""
@@ -104,10 +104,10 @@ class Files:
                 continue
             rows.append(self.row(node, number, cells, columns, what))
             if len(rows[-1]) != len(rows[0]):
-                self.broken(node, number, f"{len(rows[-1])} numbers, the first row has "
+                self.broken(node, number, f"{len(rows[-1])} numbers, but the first row has "
                             f"{len(rows[0])}", what)
         if not rows:
-            node.wrong(codes.TABLE, f"`{node.raw}` contains no numbers", f"it should hold {what}")
+            node.wrong(codes.TABLE, f"`{node.raw}` contains no numbers", f"it should contain {what}")
         return rows
 
     def numbers(self, node: Node, columns: int) -> list[tuple]:
@@ -133,7 +133,7 @@ class Files:
             flat = "; `a.ravel()` has its entries in the order of the sites" if len(shape) > 1 and columns == 1 else ""
             node.wrong(codes.TABLE, f"`{name}` contains an array of shape {shape} and type {found.dtype}", f"it should contain real numbers, {what}{flat}")
         if (bad := np.flatnonzero([bool(number_trouble(x)) for x in numbers.ravel().tolist()])).size:
-            node.wrong(codes.TABLE, f"`{name}`, row {bad[0] // columns + 1}: {numbers.ravel()[bad[0]]:g} is out of range", f"it should hold {what}")
+            node.wrong(codes.TABLE, f"`{name}`, row {bad[0] // columns + 1}: {numbers.ravel()[bad[0]]:g} is out of range", f"it should contain {what}")
         self.keep(folder, name, "\n".join(",".join(map(repr, row)) for row in numbers.tolist()))
         return list(map(tuple, numbers.tolist()))
 

@@ -16,7 +16,7 @@ from .tree import Node
 
 NOT_IN_COUNTS = {"^": "write a power as a product: `n*n`", "/": "a count cannot contain a division: declare half of it as a parameter, `m`, and write `2*m`"}
 FREE = "a formula of parameters"
-WITHOUT_POINT = "a parameter is an integer when its default is written without a point: `n = { default = 100 }`"
+WITHOUT_POINT = "a parameter is an integer if its default is written without a decimal point: `n = { default = 100 }`"
 
 
 class Formulas:
@@ -113,7 +113,7 @@ class Formulas:
         return expr
 
     def not_integral(self, span: Span, hint: str = WITHOUT_POINT):
-        self.problems.fail(codes.INTEGER, span, "a count is a formula of integers and integer parameters with + - *", hint)
+        self.problems.fail(codes.INTEGER, span, "a count must be a formula of integers and integer parameters with + - *", hint)
 
 
 def lacking(wanted, given) -> str:

@@ -44,10 +44,10 @@ class Graphs:
         """The rows that stand in the spec."""
         child = node.get("edges")
         if node.has("file"):
-            child.wrong(codes.CONFLICT, f"`{node.label}` has `edges` and a `file`", "give one of them")
+            child.wrong(codes.CONFLICT, f"`{node.label}` has both `edges` and a `file`", "give only one of them")
         rows = [tuple(whole(e.number()) if k < 2 else e.number() for k, e in enumerate(row.entries("row `[i, j, weight]`", 2 + limits.COLUMNS))) for row in child.entries("list of edges")]
         if not rows or any(len(row) < 2 or len(row) != len(rows[0]) for row in rows):
-            child.wrong(codes.TABLE, "these are no edges", f"they must be {TABLE}, all of the same length")
+            child.wrong(codes.TABLE, "this is not a list of edges", f"they must be {TABLE}, all of the same length")
         return self.checked(child, rows, "the list")
 
     @staticmethod

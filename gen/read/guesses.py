@@ -11,7 +11,7 @@ SELDOM = {"ln": "the natural logarithm is `log`", "cosine": "write `cos`", "sine
           "arctan": "write `atan`",
           "arcsin": "write `asin`", "arccos": "write `acos`", "arctan2": "write `atan2`",
           "length": "write `norm`", "pow": "write `a^b`", "fabs": "write `abs`",
-          "sum": "sums come from `over`", "sgn": "write `if(x < 0, -1, 1)`",
+          "sum": "sums are written with `over`", "sgn": "write `if(x < 0, -1, 1)`",
           "sign": "write `if(x < 0, -1, 1)`", "heaviside": "write `if(x < 0, 0, 1)`",
           "where": "write `if(condition, a, b)`"}
 GLUED = re.compile(r"(.+?)_?([xyz]|[i-n]|\d+)\Z", re.ASCII)

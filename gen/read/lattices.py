@@ -55,7 +55,7 @@ class Lattices:
 
     def lattice(self, node: Node) -> Declaration:
         size, (sites, names) = self.problems.together(
-            lambda: self.sizes(node.need("size", 'give the cells per direction: `size = ["n"]`')), lambda: self.of_cell(node))
+            lambda: self.sizes(node.need("size", 'give the number of cells in each direction: `size = ["n"]`')), lambda: self.of_cell(node))
         periodic, places = self.problems.together(
             lambda: self.boundaries(node, len(size)),
             lambda: PlaceReader(self.formulas, self.problems).read(node, len(size), sites))
@@ -77,7 +77,7 @@ class Lattices:
         if places is None:
             return sites or 1
         if sites not in (None, len(places.positions)):
-            node.get("sites").wrong(codes.CONFLICT, f"a cell of `{places.name}` has {plural(len(places.positions), 'site')}", "drop `sites`")
+            node.get("sites").wrong(codes.CONFLICT, f"a cell of `{places.name}` has {plural(len(places.positions), 'site')}", "remove `sites`")
         return len(places.positions)
 
     def sizes(self, node: Node) -> tuple[Expr, ...]:
@@ -138,7 +138,7 @@ class Lattices:
             first = self.sub(node, "from", sites), (0,) * dimensions
             ends = first, (self.sub(node, "to", sites), self.offset(node, dimensions))
         if len(ends) < 2 or len(set(ends)) < len(ends) != 2:
-            node.wrong(codes.BOND, "a bond joins different sites",
+            node.wrong(codes.BOND, "a bond must join different sites",
                        "write `from` and `to`, or an `offset` that is not zero")
         return ends
 
@@ -197,7 +197,7 @@ class Lattices:
         if all(family is None for _, family in w.items):
             return (reader.home(w),)
         if w.family:
-            reader.problems.fail(codes.OVER, w.family.span, "the indices already have families", "drop `on`")
+            reader.problems.fail(codes.OVER, w.family.span, "the indices already name their families", "drop `on`")
         return tuple(reader.family(family) for _, family in w.items if family)
 
     def between(self, w, over: Lattice, families) -> Lattice:
@@ -293,13 +293,13 @@ class Lattices:
 
     def word(self, node, name: str) -> bool:
         if not isinstance(node, Name) or node.name not in BOUNDARIES:
-            self.problems.fail(codes.OVER, node.span, "a boundary is `periodic` or `open`",
+            self.problems.fail(codes.OVER, node.span, "a boundary must be `periodic` or `open`",
                                self.form(name))
         return node.name == "periodic"
 
     def distance(self, node) -> int:
         whole = isinstance(node, Number) and isinstance(node.value, int)
         if not whole or not 1 <= node.value <= limits.REACH:
-            self.problems.fail(codes.BOND, node.span, "the distance of neighbours is a whole "
+            self.problems.fail(codes.BOND, node.span, "the distance of neighbours must be a whole "
                                f"number from 1 to {limits.REACH}", self.form("chain"))
         return node.value

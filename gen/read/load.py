@@ -202,8 +202,8 @@ class Reader:
         if child is None:
             return 1
         if not child.is_integer() or child.raw not in (1, -1):
-            child.wrong(codes.CHOICE, "the orientation is 1 or -1", "1 means w' = w x dH/dw, "
-                        "-1 reverses every bracket")
+            child.wrong(codes.CHOICE, "the orientation must be 1 or -1", "use 1 for w' = w x dH/dw, "
+                        "or -1 to reverse every bracket")
         return child.raw
 
     def declarations(self) -> None:
@@ -270,7 +270,7 @@ class Reader:
         again = [t for t in checks.model_and_starts(spec, values, (run.start,)) if (t.path, t.code) not in known] \
             if run.parameters else []
         for t in again:
-            self.report(replace(t, path=("runs", run.name, "set"), cause=f"{t.cause}, with these values", part=None))
+            self.report(replace(t, path=("runs", run.name, "set"), cause=f"{t.cause} with these values", part=None))
         for trouble in checks.run(spec, run, values) if not again else ():
             if not (trouble.code == codes.METHOD and self.declared.hollow):     # a family with errors may fit
                 self.report(trouble)

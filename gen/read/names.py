@@ -81,7 +81,7 @@ def identifier(problems: Problems, span: Span, name: str, what: str) -> str:
         problems.fail(codes.IDENTIFIER, span, f"`{name}` cannot name {article(what)}",
                       "a name is a letter followed by letters, digits and `_` (ASCII only)")
     if len(name) > limits.IDENTIFIER:
-        problems.fail(codes.LIMIT, span, f"a name of {len(name)} characters; "
+        problems.fail(codes.LIMIT, span, f"this name has {len(name)} characters; "
                       f"at most {limits.IDENTIFIER} are allowed", "choose a shorter name")
     if name.endswith("_") or "__" in name or name.lower().startswith("smg_"):
         problems.fail(codes.RESERVED, span, f"`{name}` cannot name {article(what)}",

@@ -106,10 +106,10 @@ class OverReader:
         for index, family in w.items:
             name = identifier(self.problems, index.span, index.text, "index")
             if name in seen or name in self.declared.names():
-                self.problems.fail(codes.CLASH, index.span, f"`{name}` means something already",
+                self.problems.fail(codes.CLASH, index.span, f"`{name}` already has a meaning",
                                    "choose another index name")
             if family is not None and w.head.text not in ("each", "bond"):
-                self.problems.fail(codes.OVER, family.span, "only `each` and `bond` name a family for "
+                self.problems.fail(codes.OVER, family.span, "only `each` and `bond` take a family for "
                                    "every index", f"write `{w.head.text}(...) of {family.text}`")
             seen.add(name)
         most = 2 + limits.COLUMNS if w.head.text == "edge" else limits.BOUND + (w.head.text == "bond")
@@ -168,7 +168,7 @@ class OverReader:
 
     def each(self, w: Written) -> Over:
         if w.target or any(family is None for _, family in w.items) or len(w.items) < 2:
-            self.problems.fail(codes.OVER, w.head.span, "`each` binds two or more indices, each with its family", "write `each(i of p, j of w)`")
+            self.problems.fail(codes.OVER, w.head.span, "`each` must bind two or more indices, each with its own family", "write `each(i of p, j of w)`")
         families = tuple(self.family(f) for _, f in w.items)
         if len(set(families)) != len(families):
             self.problems.fail(codes.OVER, w.head.span, "`each` requires different families",

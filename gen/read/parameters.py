@@ -86,7 +86,7 @@ class ParameterReader:
     def filed(self, name: str, node: Node) -> Parameter:
         """An array whose entries are the rows of a file: numbers, or with `vector` vectors."""
         if node.has("default"):
-            node.get("file").wrong(codes.CONFLICT, f"`{name}` has a file and a default", "give one of them")
+            node.get("file").wrong(codes.CONFLICT, f"`{name}` has both a file and a default", "give only one of them")
         width = 3 if node.has("vector") and node.get("vector").flag() else 1
         size, rows = self.problems.together(lambda: self.size(node), lambda: self.files.numbers(node.get("file"), width))
         if len(rows) * width > limits.ARRAY:

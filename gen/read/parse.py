@@ -96,7 +96,7 @@ class Parser:
         rest = "".join({"(": ")", "[": "]"}[t.text] for t in reversed(open_ones))
         many = f"; {len(open_ones)} brackets are not closed" if len(open_ones) > 1 else ""
         place = open_ones[-1].span.start - self.tokens[0].span.start + 1
-        return f"the `{open_ones[-1].text}` that is character {place} of the formula is not closed{many}: write `{rest}` where it ends"
+        return f"the `{open_ones[-1].text}` at character {place} of the formula is not closed{many}: write `{rest}` where it ends"
 
     def misplaced(self) -> str:
         """What to write in place of a comma or an index that stands wrongly here."""
@@ -216,13 +216,13 @@ class Parser:
         """An int if written as one, else a float; never beyond the limits."""
         whole = token.text.isdigit()
         if whole and (len(token.text) > 17 or int(token.text) > limits.INTEGER):
-            self.problems.fail(codes.NUMBER, token.span, "an integer beyond 2^53",
+            self.problems.fail(codes.NUMBER, token.span, "this integer is beyond 2^53",
                                f"write it as a real number, such as `{token.text[:1]}.0e9`")
         value = int(token.text) if whole else float(token.text)
         size = abs(value)
         if not math.isfinite(value) or size > limits.LARGEST or 0 < size < limits.SMALLEST:
-            self.problems.fail(codes.NUMBER, token.span, "a number that is not between "
-                               f"{limits.SMALLEST:g} and {limits.LARGEST:g} in size",
+            self.problems.fail(codes.NUMBER, token.span, "this number is not between "
+                               f"{limits.SMALLEST:g} and {limits.LARGEST:g} in absolute value",
                                "choose other units")
         return value
 
@@ -240,7 +240,7 @@ class Deeper:
         self.parser.depth += 1
         if self.parser.depth > limits.DEPTH:
             self.parser.problems.fail(
-                codes.LIMIT, self.span, f"more than {limits.DEPTH} nested brackets, signs or powers", "split it into named [formulas]")
+                codes.LIMIT, self.span, f"the formula has more than {limits.DEPTH} nested brackets, signs or powers", "split it into named [formulas]")
 
     def __exit__(self, *_):
         self.parser.depth -= 1
@@ -250,7 +250,7 @@ def parse(text: Text, problems: Problems) -> Syntax:
     """The syntax tree of a whole formula."""
     parser = Parser(text, problems)
     if parser.now.kind == "end":
-        problems.fail(codes.SYNTAX, text.whole, "an empty formula", "write an expression")
+        problems.fail(codes.SYNTAX, text.whole, "the formula is empty", "write an expression")
     tree = parser.expression()
     parser.end()
     return tree

@@ -90,9 +90,9 @@ def sound(root: Node) -> Node:
         node.table(*ARGUMENT)
     if root.has("test"):
         root.get("test").table(*TEST)
-    effect = root.need("effect", "the effect goes into [effect], with `$words` for arguments").table()
+    effect = root.need("effect", "write the effect in the section [effect], with `$words` for its arguments").table()
     if effect.has("use"):
-        effect.get("use").wrong(codes.NOT_HERE, "a piece cannot use another piece", "write its effect out")
+        effect.get("use").wrong(codes.NOT_HERE, "a piece cannot use another piece", "write out its effect instead")
     return root
 
 
@@ -116,7 +116,7 @@ class Arguments:
             self.node.problems.fail(codes.MISSING, self.node.key, f"`{self.node.label}` does not give `{argument.name}`" + f": {said}" * bool(said),
                                     f"the piece `{self.node.raw['use']}` needs this argument: `{argument.name} = ...`")
         if argument.has("one_of") and value.raw not in argument.raw["one_of"]:
-            value.wrong(codes.CHOICE, f"`{value.label}` is {value.raw!r}", "it is one of " + ", ".join(map(str, argument.raw["one_of"])))
+            value.wrong(codes.CHOICE, f"`{value.label}` is {value.raw!r}", "it must be one of " + ", ".join(map(str, argument.raw["one_of"])))
         return value
 
 

@@ -38,7 +38,7 @@ class PlaceReader:
         length = self.length_of(rows)
         vectors, (value, measured) = self.problems.together(lambda: self.vectors(node, rows, directions, NONE if length is None else LENGTH), lambda: self.constant(node))
         if length is not None and measured:
-            node.get("constant").wrong(codes.CONFLICT, "the vectors are lengths, and so is the constant", "drop `constant`, or write the vectors without units")
+            node.get("constant").wrong(codes.CONFLICT, "the vectors are lengths, but so is the constant", "remove `constant`, or write the vectors without units")
         length = node.get("constant") if measured else length
         positions = self.positions(node, vectors, directions, sites)
         return checked(Places(scaled(vectors, value), positions, measured=length is not None, unit=length_in(length)), node, directions)
@@ -78,7 +78,7 @@ class PlaceReader:
         measured = self.formulas.declared.units is not None and self.formulas.measured(child, "a lattice constant").dimension == LENGTH
         value = self.number(child, "a lattice constant", LENGTH if measured else NONE)
         if not value > 0:
-            child.wrong(codes.VALUE, f"a lattice constant of {value:g}", "it is a length, above 0")
+            child.wrong(codes.VALUE, f"the lattice constant is {value:g}", "it must be a positive length")
         return value, measured
 
     def number(self, node: Node, what: str = "a lattice vector or position", wanted=NONE) -> float:
@@ -86,7 +86,7 @@ class PlaceReader:
         try:
             value = float(evaluate(self.formulas.free(node, what, wanted=wanted), {}))
         except UsageError:
-            node.wrong(codes.NOT_HERE, "vectors and positions are numbers, without parameters", 'such as `0.5` or `"sqrt(3)/2"`')
+            node.wrong(codes.NOT_HERE, "vectors and positions must be numbers, without parameters", 'such as `0.5` or `"sqrt(3)/2"`')
         if not abs(value) <= limits.LARGEST:
             node.wrong(codes.VALUE, f"`{node.label}` is {value:g}", "give a finite number")
         return value
@@ -100,11 +100,11 @@ class PlaceReader:
         found = self.problems.together(*(lambda r=r: self.row(r, 3, wanted) for r in rows))
         if len(found) < directions:
             child.wrong(codes.COUNT, f"{plural(len(found), 'vector')} for {plural(directions, 'direction')}",
-                        "give a vector for each direction; an additional one is the unit of positions across them")
+                        "give one vector for each direction; one more may follow, for positions out of their plane or line")
         length = max(map(len, found))
         for row, numbers in zip(rows, found):
             if len(numbers) != length or not length:
-                row.wrong(codes.COUNT, f"this vector has {plural(len(numbers), 'component')}, another one {length}", "give all of them two components, or all three")
+                row.wrong(codes.COUNT, f"this vector has {plural(len(numbers), 'component')}, but another has {length}", "give all of them two components, or all three")
             if not any(numbers):
                 row.wrong(codes.VALUE, "this vector is zero", "neighbouring cells must not coincide")
         padded = np.zeros((len(found), 3))
@@ -175,5 +175,5 @@ def shell_of(places: Places, directions: int, token, problems: Problems) -> tupl
     except Unclear as reason:
         problems.fail(codes.BOND, token.span, str(reason), 'give more digits, such as "sqrt(3)/2", or list the bonds')
     if len(bonds) > limits.BONDS:
-        problems.fail(codes.LIMIT, token.span, f"this shell has {len(bonds)} bonds per cell; at most {limits.BONDS} are allowed", "take a nearer one")
+        problems.fail(codes.LIMIT, token.span, f"this shell has {len(bonds)} bonds per cell; at most {limits.BONDS} are allowed", "choose a nearer shell")
     return bonds

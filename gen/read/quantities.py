@@ -56,14 +56,14 @@ def term(parser) -> tuple[Unit, Span]:
 
 def bounded_exponent(parser, digits) -> int:
     if len(digits.text) > 4 or int(digits.text) > limits.UNIT_EXPONENT:
-        parser.problems.fail(codes.LIMIT, digits.span, f"the exponent of a unit is at most {limits.UNIT_EXPONENT} in size",
+        parser.problems.fail(codes.LIMIT, digits.span, f"the exponent of a unit must be at most {limits.UNIT_EXPONENT} in absolute value",
                              "choose another unit")
     return int(digits.text)
 
 
 def bounded(parser, count: int, span: Span) -> None:
     if count > limits.UNIT_FACTORS:
-        parser.problems.fail(codes.LIMIT, span, f"a unit has at most {limits.UNIT_FACTORS} factors", "choose a simpler unit")
+        parser.problems.fail(codes.LIMIT, span, f"a unit may have at most {limits.UNIT_FACTORS} factors", "choose a simpler unit")
 
 
 def known(parser, name) -> Unit:
@@ -100,7 +100,7 @@ def whole_unit(parser) -> Unit:
         return terms(parser, ONE)
     found = whole_quantity(parser)
     if found.factor <= 0:
-        parser.problems.fail(codes.NUMBER, parser.tokens[0].span, "a unit is positive", "such as `meV` or `4 meV`")
+        parser.problems.fail(codes.NUMBER, parser.tokens[0].span, "a unit must be positive", "such as `meV` or `4 meV`")
     return found
 
 

@@ -178,8 +178,8 @@ class Resolver:
         if owner != node.name:
             over = f"sites of `{owner}`" if owner else "something else"
             self.fail(codes.INDEX, node.index.span, f"`{slot}` runs over {over}, "
-                      f"not over the sites of `{node.name}`", f"for all combinations: `each(i of {owner or 'p'}, k of {node.name})`; "
-                      "for sites with the same number: one family on a lattice with `sites = 2`")
+                      f"not over the sites of `{node.name}`", f"for all combinations, write `each(i of {owner or 'p'}, k of {node.name})`; "
+                      "to pair sites with the same number, use one family on a lattice with `sites = 2`")
         return self.placed(Typed(Spin(node.name, slot), "v", dimension=self.of(node.name)), node)
 
     def placed(self, result: Typed, node: Syntax) -> Typed:
@@ -202,8 +202,8 @@ class Resolver:
             return found.name
         if isinstance(found, Num) and isinstance(found.value, int):
             return found.value
-        self.fail(codes.INDEX, index.span, "the index of a vector is a bound index or a literal",
-                  "neighbours are bonds: `over = \"bond(i, j) of chain(n, periodic)\"`")
+        self.fail(codes.INDEX, index.span, "the index of a vector must be a bound index or a literal",
+                  "write neighbours as bonds: `over = \"bond(i, j) of chain(n, periodic)\"`")
 
     def entry(self, node: Item) -> Typed:
         p = self.scope.declared.parameters[node.name]
@@ -212,7 +212,7 @@ class Resolver:
                       f"write `{p.name}`, or make it an array: `{{ default = 1.0, size = \"n\" }}`")
         index = self.resolve(node.index)
         if not integral(index.expr, self.scope.declared.parameters):
-            self.fail(codes.INDEX, node.index.span, "an index is a formula of integers, integer parameters and indices with + - *", "such as `gamma[i]` or `gamma[2*i + 1]`")
+            self.fail(codes.INDEX, node.index.span, "an index must be a formula of integers, integer parameters and indices with + - *", "such as `gamma[i]` or `gamma[2*i + 1]`")
         if p.name in self.scope.declared.lists:
             return self.row(p.name, index, node)
         return self.placed(Typed(Elem(p.name, index.expr), "s", index.nodes + 1,
@@ -342,8 +342,8 @@ class Resolver:
 
     def exponent(self, exponent: Typed, span: Span) -> None:
         if exponent.value is not None and abs(exponent.value) > limits.EXPONENT:
-            self.fail(codes.EXPONENT, span, "a constant exponent is at most "
-                      f"{limits.EXPONENT} in size", "use `exp` and `log`")
+            self.fail(codes.EXPONENT, span, "a constant exponent must be at most "
+                      f"{limits.EXPONENT} in absolute value", "use `exp` and `log`")
 
     def folded(self, op: str, args: list[Typed], span: Span):
         """The value of an operation on constants; an error when it is not finite."""

@@ -18,7 +18,7 @@ from .tree import Node
 from .units import Measure
 
 KINDS = ("sphere", "r3", "nambu")
-SPACES = ("there are `sphere`, `r3` (of so(3)) and `nambu` (grad C x grad H, C quadratic: SO(2,1), SE(2), SE(1,1), Heisenberg), and products of these; canonical pairs, e(3), so(4) and su(n) are not supported")
+SPACES = ("the spaces are `sphere`, `r3` (of so(3)), `nambu` (grad C x grad H, C quadratic: SO(2,1), SE(2), SE(1,1), Heisenberg), and products of these; canonical pairs, e(3), so(4) and su(n) are not supported")
 KEYS = {"sphere": ("kappa", "moment", "radius", "tracer", "fixed"), "r3": ("kappa", "tracer", "fixed"),
         "nambu": ("kappa", "C", "tracer")}
 
@@ -160,7 +160,7 @@ class SpaceReader:
         if units is None:
             child.wrong(codes.MEASURE, "a moment needs units", "add a section [units], or give `kappa`")
         if node.has("kappa"):
-            child.wrong(codes.CONFLICT, f"`{node.label}` has a moment and a kappa", "keep one of them: kappa = moment/gamma")
+            child.wrong(codes.CONFLICT, f"`{node.label}` has both a moment and a kappa", "keep one of them: kappa = moment/gamma")
         moment = self.formulas.free(child, "`moment`", "i", MOMENT)
         share = float(units.factor(unit("gamma") ** -1))
         self.found["kappa"] = ACTION

@@ -76,9 +76,8 @@ class StartReader:
         given = [f for f, keys in FORMS.items() if any(node.has(k) for k in keys)]
         if len(given) != 1:
             code = codes.MISSING if not given else codes.CONFLICT
-            self.problems.fail(code, node.key, f"`{node.label}` says "
-                               + ("nothing" if not given else "more than one thing")
-                               + " about where to start", HELP)
+            self.problems.fail(code, node.key, f"`{node.label}` "
+                               + ("does not say where to start" if not given else "gives more than one start"), HELP)
         normalise, (kind, value) = self.problems.together(
             lambda: self.normalise(node, family), lambda: getattr(self, given[0])(node, family))
         return FamilyStart(family.name, kind, value, normalise)
@@ -120,7 +119,7 @@ class StartReader:
         rows = self.files.rows(node.get("file"), 3, "rows `x, y, z`")
         if len(rows[0]) != 3:
             node.get("file").wrong(codes.TABLE, f"`{node.get('file').raw}` has {len(rows[0])} "
-                                   "columns", "it should hold rows `x, y, z`")
+                                   "columns", "it should contain rows `x, y, z`")
         share = self.measure(node, family).share(node.get("file"))
         return "vectors", tuple(tuple(float(x) * share for x in row) for row in rows)
 

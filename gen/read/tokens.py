@@ -17,7 +17,7 @@ PATTERN = re.compile(r"""
 """, re.VERBOSE | re.ASCII)
 
 HINTS = {
-    "=": "equality is written `==`", "!": "`not` or `!=` is meant?",
+    "=": "equality is written `==`", "!": "did you mean `not` or `!=`?",
     "&": "write `and`", "|": "write `norm(w)` for a length, `abs(x)` for a number, `or` "
     "between conditions", "?": "write `if(condition, a, b)`", ":": "write `if(condition, a, b)`",
     "%": "write `mod(a, b)`", "'": "there are no strings in formulas", '"': "there are no "

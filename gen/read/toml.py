@@ -18,7 +18,7 @@ PLACE = re.compile(r"\(at line (\d+), column (\d+)\)\Z")
 
 
 TOO_DEEP = (f"more than {limits.NESTING} nested tables or lists",
-            "a spec needs at most six")
+            "a spec never needs more than six")
 
 
 def document(file: Source, problems: Problems, sections=()) -> tuple[Node, Aside]:
@@ -80,7 +80,7 @@ def lexical(file: Source, problems: Problems) -> None:
     for line in text.split("\n"):
         if len(line) > limits.LINE:
             problems.fail(codes.LIMIT, Span(start + limits.LINE, start + limits.LINE + 1),
-                          f"a line of {len(line)} characters; at most {limits.LINE} are allowed",
+                          f"this line has {len(line)} characters; at most {limits.LINE} are allowed",
                           "break the line")
         start += len(line) + 1
 

@@ -169,5 +169,5 @@ def number_trouble(value) -> str:
     if isinstance(value, int) and abs(value) > limits.INTEGER:
         return "is an integer beyond 2^53, which a double cannot hold"
     if abs(value) > limits.LARGEST or 0 < abs(value) < limits.SMALLEST:
-        return f"is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in size"
+        return f"is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in absolute value"
     return ""

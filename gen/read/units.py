@@ -60,7 +60,7 @@ def read_by(reader, text: Text, problems: Problems) -> Unit:
     fits(text, problems)
     parser = Parser(text, problems)
     if parser.now.kind == "end":
-        problems.fail(codes.SYNTAX, text.whole, "an empty text", "write a unit, such as `meV`")
+        problems.fail(codes.SYNTAX, text.whole, "the text is empty", "write a unit, such as `meV`")
     parser.text = "the value"
     return reader(parser)
 
@@ -123,6 +123,6 @@ def in_units(found: Unit, units: Units, span: Span, problems: Problems) -> float
     """How many units of the model a quantity is, rounded once."""
     exact_value = units.factor(found)
     if abs(exact_value) > limits.LARGEST or 0 < abs(exact_value) < limits.SMALLEST:
-        problems.fail(codes.NUMBER, span, f"in the units of this spec this is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in size",
+        problems.fail(codes.NUMBER, span, f"in the units of this spec this is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in absolute value",
                       "choose other units in [units]")
     return float(exact_value)

@@ -39,8 +39,8 @@ class ValueReader:
             return tuple(float(number(e)) for e in node.entries("list of numbers"))
         value = number(node)
         if p.kind == "int" and not isinstance(value, int):
-            node.wrong(codes.TYPE, f"`{p.name}` is an integer parameter, as its default is "
-                       "written without a point", "write an integer, or the default as a real")
+            node.wrong(codes.TYPE, f"`{p.name}` is an integer parameter, because its default is "
+                       "written without a decimal point", "write an integer, or give the default a decimal point")
         return value if p.kind == "int" else float(value)
 
     def numbers(self, p: Parameter):

@@ -39,12 +39,12 @@ def vector(resolver, node, args: list[Typed]) -> Typed:
     """`r(i)` or `r(i, j)` where a formula stands."""
     for a, written in zip(args, node.args):
         if not isinstance(a.expr, Idx) and not (len(args) == 1 and isinstance(a.expr, Num) and isinstance(a.expr.value, int)):
-            resolver.fail(codes.INDEX, written.span, "`r` takes bound indices", "such as `r(i)` of a site, or `r(i, j)` of a bond")
+            resolver.fail(codes.INDEX, written.span, "the arguments of `r` must be bound indices", "such as `r(i)` of a site, or `r(i, j)` of a bond")
     if len(args) == 1:
         return typed(*site(resolver, node, args[0].expr))
     if len(args) == 2:
         return typed(*bond(resolver, node, *(a.expr.name for a in args)))
-    resolver.fail(codes.ARITY, node.head, f"`r` takes 1 or 2 arguments, not {len(args)}", "it takes a site, or the two sites of a bond")
+    resolver.fail(codes.ARITY, node.head, f"`r` takes 1 or 2 arguments, not {len(args)}", "give a site, or the two sites of a bond")
 
 
 def typed(parts, over) -> Typed:
@@ -132,7 +132,7 @@ def bond(resolver, node, i: str, j: str) -> tuple:
     """(the three components of the vector from site i to site j, as columns of the index family; that family)."""
     over = resolver.scope.over
     if not isinstance(over, (Lattice, Graph)) or not {i, j} <= set(ends(over)) or i == j:
-        resolver.fail(codes.NOT_HERE, node.head, "`r(i, j)` is the vector of a bond", "its indices are bound by `bond(..)` or `edge(..)`; otherwise write `r(j) - r(i)`")
+        resolver.fail(codes.NOT_HERE, node.head, "`r(i, j)` is the vector of a bond", "its indices must be bound by `bond(..)` or `edge(..)`; otherwise write `r(j) - r(i)`")
     if over.places is None:
         resolver.fail(codes.OVER, node.head, "these bonds have no vectors, because their sites have no positions", HINT)
     return tuple(number(over, i, j, k) for k in range(3)), over

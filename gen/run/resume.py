@@ -66,7 +66,7 @@ def saved_run(path) -> dict:
 def begun_again(meta: dict, path):
     """(model at its start, settings) of a saved run, when this program is the one that began it."""
     if meta["generator"] != generator_name():
-        raise CheckpointError(f"{path} was started by {meta['generator']}, this is {generator_name()}: the bits would differ. Continue with that version, or remove {folder_of(path)} and start again")
+        raise CheckpointError(f"{path} was started by {meta['generator']}, but this is {generator_name()}: the bits would differ. Continue with that version, or remove {folder_of(path)} and start again")
     spec, name, given = recorded(meta)
     settings = settle(spec, name, **given)
     model = begun(spec, settings)

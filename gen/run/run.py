@@ -120,7 +120,7 @@ def begun(spec: Spec, settings: Settings) -> Integrator:
     s = settings
     model = model_of(spec, s)
     if s.substeps:
-        refuse_with_noise(model.scene, "no substeps", "a failed step is always replaced by two of h/2 with the same noise")
+        refuse_with_noise(model.scene, "`substeps`", "a failed step is always replaced by two of h/2 with the same noise")
     return model.start(s.own_start, h=s.h, seed=s.seed, tolerance=s.tolerance)
 
 

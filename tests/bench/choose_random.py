@@ -180,7 +180,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--methods", type=lambda text: tuple(text.split(",")), metavar="A,B", help="of these only, choice and sweep; default: all")
-    parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
+    parser.add_argument("--jobs", type=int, default=2, help="number of processes to run at the same time")
     parser.add_argument("--seed", type=int, default=0, help="the first")
     parser.add_argument("--out", type=Path, default=cost_tables() / "choose_random.csv")
     parser.add_argument("--summary", action="store_true", help="measure nothing")

@@ -37,7 +37,7 @@ pytestmark = pytest.mark.quick
     ('sphere = "n"', "e3 = 1", "there are `sphere`, `r3`"), ('sphere = "n"', "canonical = 2", "canonical pairs, e"),
     ('sphere = "n"', "spere = 1", "did you mean `sphere`?"), ('sphere = "n"', 'sphere = "n^2"', "`n*n`"),
     ('"B*w[i].z"', '"B*(w[i].z + (1 + 2"', "character 13 of the formula is not closed; 2 brackets are not closed: write `))`"),
-    ('"B*w[i].z"', '"w[i"', "`[` that is character 2 of the formula"), ('"B*w[i].z"', '"2 t*w[i].z"', "`2*t`"), ('"B*w[i].z"', '"B t"', "`B*t`"),
+    ('"B*w[i].z"', '"w[i"', "`[` at character 2 of the formula"), ('"B*w[i].z"', '"2 t*w[i].z"', "`2*t`"), ('"B*w[i].z"', '"B t"', "`B*t`"),
     ('"B*w[i].z"', '"w[i].z*cosine(t)"', "= write `cos`"), ("B = 1.0", "B = [0, 0, 1]", "write `B = { default = [..], vector = true }`"), ("B = 1.0", "B = [0, 1]", "write `B = { default = [..], size = 2 }`"),
     ('"B*w[i].z"', '"w[i].z*cos B*t"', "write `cos(..)`, with all of its argument in the parentheses"), ('"B*w[i].z"', '"B*w[i].z -"', "= the formula ends here")])
 def test_a_hint_says_what_to_write(old, new, said):
@@ -55,7 +55,7 @@ def test_a_formula_with_arguments_that_is_no_toml_gives_one_error():
 
 
 def test_a_start_off_its_sphere_may_be_meant_for_r3():
-    with pytest.raises(smidgen.SpecError, match="or use `r3`, if the length matters"):
+    with pytest.raises(smidgen.SpecError, match="or use `r3` if the length matters"):
         load_text(TEXT.replace("theta = 0.3\nphi = 0.2", "vectors = [[0, 0, 1.2], [0, 0, 1], [0, 0, 1]]"))
 
 

@@ -302,7 +302,7 @@ def test_what_does_not_go_with_noise_is_refused():
     spec = spec_of(SPIN, 2, more='[runs.demo]\nstart = "a"\nh = 0.05\nsteps = 20\n')
     with pytest.raises(UsageError, match="with noise, steps cannot be negative"):
         build(spec).start("a", h=-0.1)
-    with pytest.raises(UsageError, match="no substeps of a scene with thermal noise"):
+    with pytest.raises(UsageError, match="`substeps` cannot be used with thermal noise"):
         smidgen.run(spec, substeps=True)
     with pytest.raises(UsageError, match="the feature `tangent` requires motion without noise"):
         build(spec, features=("tangent",))

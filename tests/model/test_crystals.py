@@ -62,7 +62,7 @@ def test_large_matrices_go_to_a_file_beside_the_spec(tmp_path):
 
 @pytest.mark.parametrize("couplings, said", [
     (np.zeros((4, 4)), "all 0"), (np.eye(4), "site 0 to itself"), (np.ones((3, 4, 2)), "square matrix"), (scipy.sparse.csr_matrix(np.ones((2, 3))), "square matrix, not one of 2 x 3"),
-    (np.array([[0, 1.0], [2.0, 0]]), "not a symmetric matrix: 1 and 2"), ("none.npz", "cannot read"), ("a.txt", "can be read from")])
+    (np.array([[0, 1.0], [2.0, 0]]), "not symmetric: 1 and 2"), ("none.npz", "cannot read"), ("a.txt", "couplings must be in")])
 def test_couplings_that_are_refused(couplings, said):
     with pytest.raises(UsageError, match=said):
         glass(couplings)

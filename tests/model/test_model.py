@@ -112,8 +112,8 @@ def test_other_effects_spaces_starts_and_units():
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Function("erf")(w[i].z)), "specs have no function `erf`; there are: abs"),
     (lambda m, w, i: m.energy("e", "site(i) of w", sympy.oo*w[i].z), "`Infinity` of sympy has no counterpart"),
     (lambda m, w, i: m.energy("e", "site(i) of w", object()), "a object is not a formula"),
-    (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Piecewise((1, w[i].z > 0))), "a Piecewise needs a last piece"),
-    (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Integer(10)**400*w[i].z), "an integer of 401 digits is beyond the largest number"),
+    (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Piecewise((1, w[i].z > 0))), "a Piecewise must end with a piece"),
+    (lambda m, w, i: m.energy("e", "site(i) of w", sympy.Integer(10)**400*w[i].z), "an integer of 401 digits exceeds the largest number allowed"),
     (lambda m, w, i: w[i]*w[i], "multiply two vectors with `.dot` or `.cross`"),
     (lambda m, w, i: w[i] + 3, "3 is not a vector: use a site such as")])
 def test_what_is_refused_at_once(act, message):

@@ -64,7 +64,7 @@ CASES = {       # name: (the scene, other files, file and line of the error, of 
     "a method that takes no damping": (ON + HOT % 1 + '[runs.demo]\nmethod = "pair-rotations"\n', {}, "a.toml", 8, "does not support damping (effect `bath`)", "use spherical-midpoint"),
     "noise backward": (ON + HOT % 1 + "[runs.demo]\nh = -0.01\n", {}, "a.toml", 8, "with the noise of `bath` steps cannot be negative", "a positive step"),
     "an array of the wrong length": (ON + '[parameters]\ng = { default = [1.0, 2.0], size = "n" }\n[effects.field]\nenergy = "-g[0]*w[i].z"\n', {},
-                                     "a.toml", 4, "2 entries, its size is 4", "give 4 numbers"),
+                                     "a.toml", 4, "2 entries, but its size is 4", "give 4 numbers"),
     "an array that is too short": (ON + '[parameters]\ng = { default = 1.0, size = "n" }\n[effects.field]\nenergy = "-g[i]*w[i].z"\n', {},
                                    "a.toml", 6, "takes the values 0 to 15", "a larger `size`"),
     "a new family without a start": (ON + '[space]\nv = { sphere = 2 }\n[effects.exchange]\nover = "bond(i, j) of square(n, n, periodic) on w"\n'

@@ -90,7 +90,7 @@ class Trap:
 
 
 @pytest.mark.parametrize("name, write, given, said", [
-    ("short.csv", lambda p: p.write_text("1\n2\n"), "", "`K` has 2 entries, its size is 6"),
+    ("short.csv", lambda p: p.write_text("1\n2\n"), "", "`K` has 2 entries, but its size is 6"),
     ("nan.csv", lambda p: p.write_text("1\nnan\n"), "", "line 2: a cell is not a number"),
     ("wide.csv", lambda p: p.write_text("1,2\n" * 6), "", "2 columns"),
     ("ragged.csv", lambda p: p.write_text("1\n2,3\n"), "", "line 2"),

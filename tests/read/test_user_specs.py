@@ -153,7 +153,7 @@ def test_a_start_from_a_file(command, tmp_path, head):
 def test_a_start_off_its_sphere_is_named(command, tmp_path):
     (tmp_path / "here.csv").write_text(TRIANGLE.replace("0,1,0", "0,0.9,0"))
     said = command("run", path("signed_vortices"), "--start", "here.csv")
-    assert said.returncode == 4 and "site 1: |w| = 0.9, its sphere has radius 1" in said.stderr
+    assert said.returncode == 4 and "site 1: |w| = 0.9, but its sphere has radius 1" in said.stderr
 
 
 @pytest.mark.parametrize("words, told", [

@@ -160,7 +160,7 @@ def test_a_killed_run_goes_on_to_the_byte(tmp_path, monkeypatch, members, after_
     with pytest.raises(Killed):
         smidgen.average(spec, **choices, out=tmp_path / "killed.json")
     assert (tmp_path / "killed.json.part").is_file() and not (tmp_path / "killed.json").exists()
-    with pytest.raises(UsageError, match=r"other choices \(seed\)"):
+    with pytest.raises(UsageError, match=r"different settings \(seed\)"):
         smidgen.average(spec, **{**choices, "seed": 5}, out=tmp_path / "killed.json")
     smidgen.average(spec, **choices, out=tmp_path / "killed.json")
     assert (tmp_path / "killed.json").read_bytes() == (tmp_path / "whole.json").read_bytes()
@@ -179,10 +179,10 @@ def test_what_does_not_fit_is_refused(given, said):
 @quick
 def test_files_that_are_none(tmp_path):
     (tmp_path / "a.json").write_text("{}")
-    with pytest.raises(UsageError, match="holds no averages"):
+    with pytest.raises(UsageError, match="contains no averages"):
         smidgen.load_averages(tmp_path / "a.json")
     (tmp_path / "b.json.part").write_text('{"meta": 3}')
-    with pytest.raises(UsageError, match="was not left by an interrupted run"):
+    with pytest.raises(UsageError, match="does not come from an interrupted run"):
         smidgen.average(smidgen.load_text(SPIN), out=tmp_path / "b.json")
 
 

@@ -127,5 +127,5 @@ def test_a_spec_by_name_or_path(tmp_path):
     assert smidgen.run(spec=str(path), h=0.05).meta["h"] == 0.05
     with pytest.raises(smidgen.UsageError, match="'free_rigid_bodi' is neither a file nor a shipped spec; did you mean 'free_rigid_body'"):
         smidgen.verify("free_rigid_bodi")
-    with pytest.raises(smidgen.UsageError, match="expected a spec, as returned by smidgen.load, not a int"):
+    with pytest.raises(smidgen.UsageError, match="expected a spec as returned by smidgen.load, not a int"):
         smidgen.run(3)

@@ -313,7 +313,7 @@ def test_members_that_cannot_begin_are_named():
 
 @pytest.mark.parametrize("given, said", [
     (dict(start=np.zeros((3, 2))), "shape"), (dict(start="abc"), "no start 'abc'"), (dict(start=np.ones((3, 2, 3))), "has 1 sites"),
-    (dict(parameters={"a": [1.0, 2.0]}), "how many members"), (dict(parameters={"n": [1, 2, 3]}), "'n' must be the same"), (dict(parameters={"a": [1, 2, np.inf]}), "member 2"),
+    (dict(parameters={"a": [1.0, 2.0]}), "the number of members is missing"), (dict(parameters={"n": [1, 2, 3]}), "'n' must be the same"), (dict(parameters={"a": [1, 2, np.inf]}), "member 2"),
     (dict(parameters={"B": np.ones((3, 2))}), "list of 3 numbers"), (dict(what="spin"), "has no output 'spin'"), (dict(threads=0), "at least 1"), (dict(parameters={"c": 1}), "c"),
     (dict(start=[["x"]]), "array of shape"), (dict(steps=None), "no duration")])
 def test_what_does_not_fit_is_refused(given, said):
@@ -367,7 +367,7 @@ energy = "dot(w[i], w[j])"
     w, r = np.tile(np.eye(3), (3, 1, 1)), np.array([1.0, 2.0, 1.0])
     w[2, 1] *= 1 + 1e-9
     found = smidgen.ensemble(spec, start=w, parameters={"r": r}, h=0.1, steps=2)
-    said = "cannot start: off manifold: the start is off its sphere or leaf (site {}: |w| = {}, its sphere has radius {})"
+    said = "cannot start: off manifold: the start is off its sphere or leaf (site {}: |w| = {}, but its sphere has radius {})"
     assert found.failures == {1: said.format(0, "1", "2"), 2: said.format(1, "1.000000001", "1")} and list(found.steps) == [2, 0, 0]
 
 

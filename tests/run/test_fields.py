@@ -203,7 +203,7 @@ def test_files_of_others(tmp_path, ending, data):
     (".ovf", OOMMF.replace("rectangular", "irregular"), "'pointcount' is missing"),
     (".ovf", "# OOMMF OVF 2.0\n" + 300 * "# a: b\n", "no data"),
     (".ovf", b"", "not in the format"),
-    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 3"), "VECTORS is not that"),
+    (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 3"), "different numbers of VECTORS and points"),
     (".vtk", PARAVIEW.replace("DIMENSIONS 2", "DIMENSIONS 90000000").replace("DATA 2", "DATA 90000000"), "header implies"),
     (".vtk", PARAVIEW.replace("-1\n0 0\n", "-1\n0     \n"), "have 5 numbers, not 6"),
     (".vtk", PARAVIEW.replace("VECTORS", "TENSORS"), "'TENSORS' cannot be read"),
@@ -275,5 +275,5 @@ def test_numbers_beyond_those_that_are_promised_are_refused(tmp_path):
     whole = path.read_bytes()
     at = whole.index(b"# End: Data") - 1
     path.write_bytes(whole[:at] + np.ones(3).tobytes() + whole[at:])
-    with pytest.raises(smidgen.UsageError, match="do not end in the right place"):
+    with pytest.raises(smidgen.UsageError, match="have the wrong length"):
         load_field(path)

@@ -116,7 +116,7 @@ def test_outputs_with_other_columns_and_in_extended_precision():
 
 def test_a_charge_needs_a_film_and_an_observable_of_its_name_goes_first():
     for text in (FILM.replace("square(nx, ny, periodic, open)", "chain(nx*ny, periodic)"), HONEY):
-        with pytest.raises(smidgen.UsageError, match="no charge in film: it requires a family"):
+        with pytest.raises(smidgen.UsageError, match="film has no topological charge, which requires a family"):
             smidgen.run(smidgen.load_text(text), what=["charge"])
     own = smidgen.load_text(FILM + '[observables.charge]\nover = "site(i) of w"\nvalue = "1.0"\n')
     assert sorted(smidgen.run(own, what=["charge"]).values) == ["charge"]

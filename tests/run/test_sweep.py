@@ -331,7 +331,7 @@ def test_a_cluster_that_ends_is_a_clear_error(path, tmp_path):
 
 
 def test_a_result_that_went_elsewhere_is_no_cell(path, tmp_path):
-    with pytest.raises(smidgen.OutputError, match="must see the same folder"):
+    with pytest.raises(smidgen.OutputError, match="must share one folder"):
         module.there({"file": "cell-0.npz"}, tmp_path)
 
 

@@ -30,7 +30,7 @@ class Case:
         if not self.time:
             raise UsageError("the time must not be 0")
         self.models, self.refused, self.compiled, self.peers = {}, {}, {}, {}
-        refuse_with_noise(scene_of(spec, settings.effects, settings.parameters), "no choice", "the error of a mean is only known to within its standard error: `smidgen cost` shows it for every method and step")
+        refuse_with_noise(scene_of(spec, settings.effects, settings.parameters), "`choose`", "the error of a mean is only known to within its standard error: `smidgen cost` shows it for every method and step")
         self.w = self._start()
         any_model = self.model(settings.method)
         if any_model is None:

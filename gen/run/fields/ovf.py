@@ -60,7 +60,7 @@ def read(file, length: int) -> tuple[np.ndarray, tuple | None]:
     """(vectors, cells in three directions or None) of an open file of `length` bytes. Raises Wrong."""
     head, kind = header(file)
     if head.get("valuedim") != "3":
-        raise Wrong("it does not contain vectors (valuedim: 3)")
+        raise Wrong("it does not contain vectors (valuedim must be 3)")
     if whole(head, "segment count", "1") != 1:
         raise Wrong("it has several segments")
     regular = head.get("meshtype", "").lower() == "rectangular"
@@ -83,7 +83,7 @@ def header(file) -> tuple[dict, list]:
         if key.strip().lower() == "begin" and value.lower().split()[:1] == ["data"]:
             return found, value.lower().split()[1:]
         if not line.startswith("##") and found.setdefault(key.strip().lower(), value.strip()) != value.strip() and key.strip().lower() in READ:
-            raise Wrong(f"its header has '{key.strip()}' twice")
+            raise Wrong(f"its header contains '{key.strip()}' twice")
     raise Wrong("it has no data")
 
 
@@ -104,7 +104,7 @@ def numbers(file, length: int, kind: list, count: int, width: int) -> np.ndarray
             raise Wrong(f"it has {len(found)} numbers, not {count * width}")
         return found.reshape(count, width)
     if kind not in (["binary", "4"], ["binary", "8"]):
-        raise Wrong("its data are neither Text nor Binary 4 or 8")
+        raise Wrong("its data are neither Text, Binary 4 nor Binary 8")
     size = int(kind[1])
     within([(1 + count * width) * size], length - file.tell())
     data = np.frombuffer(file.read((1 + count * width) * size), f"<f{size}")
@@ -112,5 +112,5 @@ def numbers(file, length: int, kind: list, count: int, width: int) -> np.ndarray
         raise Wrong("its byte order is not that of OVF 2.0")
     rest = [file.readline(limits.LINE).strip() for _ in range(2)]
     if not (rest[0] or rest[1]).lower().startswith(b"# end: data"):
-        raise Wrong("its data do not end in the right place")
+        raise Wrong("its data have the wrong length")
     return data[1:].astype(float).reshape(count, width)

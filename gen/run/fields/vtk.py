@@ -79,7 +79,7 @@ class Reader:
                 return self.rows(words), self.size
             if words and words[0][0].isalpha():
                 self.keyword(words[0].upper(), words[1:])
-        raise Wrong("it holds no VECTORS")
+        raise Wrong("it contains no VECTORS")
 
     def keyword(self, key: str, rest: list) -> None:
         if key in ("DIMENSIONS", "POINTS", "POINT_DATA", "CELL_DATA"):
@@ -130,7 +130,7 @@ class Reader:
     def rows(self, words: list) -> np.ndarray:
         """The vectors; nothing is taken for more than the file has."""
         if self.count is None or self.count != self.points or not 1 <= self.count <= limits.SITES or words[2].lower() not in SIZES:
-            raise Wrong("the number of its VECTORS is not that of its points")
+            raise Wrong("it has different numbers of VECTORS and points")
         left, size = self.length - self.file.tell(), SIZES[words[2].lower()]
         within([6 * self.count - 1 if self.text else 3 * self.count * size], left)
         if self.text:
@@ -145,5 +145,5 @@ class Reader:
 def count_of(word: str) -> int:
     """A count."""
     if not word.isdecimal() or len(word) > 19:
-        raise Wrong(f"'{word[:20]}' is no count")
+        raise Wrong(f"'{word[:20]}' is not a count")
     return int(word)

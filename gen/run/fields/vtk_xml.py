@@ -70,7 +70,7 @@ def mesh(grid: Grid, ending: str) -> tuple:
     """The spacing of a lattice whose cells are boxes along x, y and z with a site each. Raises UsageError."""
     spacing = grid.spacing()
     if spacing is None:
-        raise UsageError(f"no {ending} of this lattice: " + (NO_PLACES if grid.places is None else "its cells are not boxes along x, y and z with one site each; use .vtu, which takes any lattice"))
+        raise UsageError(f"this lattice cannot be written as {ending}: " + (NO_PLACES if grid.places is None else "its cells are not boxes along x, y and z with one site each; use .vtu, which takes any lattice"))
     return spacing
 
 

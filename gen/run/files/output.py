@@ -158,7 +158,7 @@ def check_layout(path, layout: dict) -> None:
     """Raise OutputError when the format of `path` cannot hold these columns."""
     count = sum(int(np.prod(shape, dtype=int)) for shape, _ in layout.values())
     if known_format(path) == ".csv" and count > limits.CSV_COLUMNS:
-        raise OutputError(f"cannot write {path}: {count} columns are too many for .csv; use .h5 or .npz")
+        raise OutputError(f"cannot write {path}: a .csv cannot have {count} columns; use .h5 or .npz")
 
 
 class MemorySink:

@@ -239,7 +239,7 @@ def fit(meta: dict, columns: dict) -> None:
     """Columns of k numbers or rows of numbers, states of k x count x 3. Raises Wrong."""
     rows = columns["t"].shape if "t" in columns else ()
     if len(rows) != 1 or "step" not in columns or "final" not in columns:
-        raise Wrong("it lacks the columns step and t, or the last state")
+        raise Wrong("the columns step and t or the last state are missing")
     for name, column in columns.items():
         if column.dtype.kind not in "fiu" or not shaped(name, column.shape, rows, meta["families"]):
             raise Wrong("the length of a column differs from that of the others")

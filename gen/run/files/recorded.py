@@ -28,7 +28,7 @@ def spec_of(sources, name: str):
 def _written(folder: Path, sources, name: str) -> Path:
     """The path of the spec, when all files lie in `folder`; a scene has its name from its file."""
     if not sources:
-        raise ValueError("its text is missing")
+        raise ValueError("the text of the spec is missing")
     paths = [_inside(folder, name) for name in (f"{name}.toml", *(other for other, _ in sources[1:]))]
     for path, (_, text) in zip(paths, sources):
         path.parent.mkdir(parents=True, exist_ok=True)

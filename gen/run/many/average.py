@@ -101,7 +101,7 @@ class Job:
         self.names = numbers_of(self.model, what)
         self.first = first_sample(after, settings)
         if self.members > 1 and not self.model.scene.heated:
-            raise UsageError("members differ in their noise, but no effect of the scene has kT; give members=1")
+            raise UsageError("members differ only in their noise, but no effect of the scene has kT; use members=1")
         if min(self.members, self.bins - 1) < 1:
             raise UsageError("an average needs at least one member and two bins")
         self.w = np.array(self.start(spec))
@@ -182,9 +182,9 @@ class Job:
             found = json.loads(self.part().read_text(encoding="utf-8"))
             other = [key for key, value in self.meta.items() if json.loads(json.dumps(value)) != found["meta"].get(key)]
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            raise UsageError(f"{self.part()} was not left by an interrupted run: remove it") from None
+            raise UsageError(f"{self.part()} does not come from an interrupted run: remove it") from None
         if other:
-            raise UsageError(f"{self.part()} belongs to a run with other choices ({', '.join(other)}): remove it, or choose another file")
+            raise UsageError(f"{self.part()} belongs to a run with different settings ({', '.join(other)}): remove it, or choose another file")
         self.done = found["done"]
         self.begin()
         self.model.restore(np.frombuffer(base64.b64decode(found["state"]), self.model.real))
@@ -226,4 +226,4 @@ def load_averages(path: str | os.PathLike) -> Averages:
             raise ValueError
         return Averages(meta, {name: Average(**one) for name, one in meta.pop("averages").items()})
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise UsageError(f"{path} holds no averages") from None
+        raise UsageError(f"{path} contains no averages") from None

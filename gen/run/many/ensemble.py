@@ -225,7 +225,7 @@ def _members(given, own) -> int:
     """How many there are, by the starts and the values, which must agree."""
     found = {**({} if given is None else {"starts": len(given)}), **{f"'{name}'": len(value) for name, value in own.items()}}
     if len(set(found.values())) > 1:
-        raise UsageError("how many members? " + ", ".join(f"{name}: {count}" for name, count in found.items()))
+        raise UsageError("the number of members is missing: " + ", ".join(f"{name}: {count}" for name, count in found.items()))
     members = next(iter(found.values()), 1)
     if not 1 <= members <= limits.MEMBERS:
         raise UsageError(f"an ensemble must have from 1 to {limits.MEMBERS} members, not {members}")
@@ -247,7 +247,7 @@ def _states(prepared: Prepared, start, own, members, seed=None) -> np.ndarray:
     if isinstance(start, np.ndarray):
         total = sum(count for _, count in prepared.numbers.places.values())
         if start.shape[1] != total:
-            raise UsageError(f"a state of {prepared.scene.name} has {total} sites, and the starts have {start.shape[1]}")
+            raise UsageError(f"a state of {prepared.scene.name} has {total} sites, but the starts have {start.shape[1]}")
         return start
     find_start(prepared.spec, start)
     w = [state_at(_numbers_of(prepared, own, k), start, seed) for k in (range(members) if own else [0])]

@@ -133,7 +133,7 @@ def opened(folder: Path, wanted: dict) -> dict:
     except OSError as problem:
         raise OutputError(f"cannot write the sweep {folder}: {problem.strerror}") from None
     if parsed(found) != wanted:
-        raise UsageError(f"{folder} contains another sweep, with other choices or from another version: use another folder")
+        raise UsageError(f"{folder} contains a sweep with different settings or from another version: use another folder")
     lines = [parsed(line) for line in text.splitlines()]
     return {line["cell"]: line for line in lines if is_outcome(line) and (line["file"] is None or (folder / line["file"]).exists())}
 
@@ -211,7 +211,7 @@ def ending(found, seen, under_way: list, take) -> None:
 def there(outcome: dict, folder: Path) -> dict:
     """The outcome, if its file is there. Raises OutputError: a worker of a cluster has another folder by the same name."""
     if outcome["file"] is not None and not (folder / outcome["file"]).exists():
-        raise OutputError(f"{folder / outcome['file']} is not in this folder: all workers of the cluster must see the same folder")
+        raise OutputError(f"{folder / outcome['file']} is not in this folder: all workers of the cluster must share one folder")
     return outcome
 
 

@@ -15,7 +15,7 @@ def computed_columns(model, what) -> list[str]:
     asked = [kind for kind in COMPUTED if kind in what and kind not in own]
     names = [f"{kind}.{family}" for kind in asked for family in model.families if kind != "charge" or film_of(model, family)]
     if "charge" in asked and not any(name.startswith("charge.") for name in names):
-        raise UsageError(f"no charge in {model.spec.name}: it requires a family on a two-dimensional lattice with one site per cell")
+        raise UsageError(f"{model.spec.name} has no topological charge, which requires a family on a two-dimensional lattice with one site per cell")
     return names
 
 

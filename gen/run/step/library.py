@@ -55,8 +55,8 @@ def functions(library, name: str) -> SimpleNamespace:
     for one in flat(having):
         function = getattr(library, f"{name}_abi_{one.word}", None)
         if function is None:
-            raise BuildError(f"the library of {name} does not export the function {name}_abi_{one.word}: use the compiler without options "
-                             "that hide or rename functions (CC)")
+            raise BuildError(f"the library of {name} does not export the function {name}_abi_{one.word}: remove options that hide or rename functions "
+                             "from CC")
         function.restype, function.argtypes = type_of(one.result), [type_of(kind) for _, kind in one.arguments]
         setattr(found, one.word, function)
     return found

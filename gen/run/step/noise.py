@@ -32,4 +32,4 @@ def whole_below(value, most: int, what: str) -> int:
 def refuse_with_noise(scene: Spec, what: str, why: str = WITHOUT) -> None:
     """Raises UsageError where `what` is asked of a scene with noise."""
     if scene.heated:
-        raise UsageError(f"{what} of a scene with thermal noise: {why}; remove the effect with kT, or its kT")
+        raise UsageError(f"{what} cannot be used with thermal noise, because {why}; remove the effect with kT, or its kT")

@@ -50,7 +50,7 @@ def prepare(spec: Spec, method: str, effects: Iterable[str] | None = None, param
 def find_run(spec: Spec, name: str | None) -> Run:
     """The run of that name; None: the first one, or an empty one for a spec without runs."""
     if not isinstance(spec, Spec):
-        raise UsageError(f"expected a spec, as returned by smidgen.load, not a {type(spec).__name__}")
+        raise UsageError(f"expected a spec as returned by smidgen.load, not a {type(spec).__name__}")
     if not (name is None or isinstance(name, str)):
         raise UsageError(f"a run is selected by its name, not by a {type(name).__name__}; the start of an ensemble is its keyword `start`")
     if name is None:

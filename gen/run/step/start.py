@@ -22,7 +22,7 @@ def find_start(spec: Spec, start: str | Start | None) -> Start:
     if start is None and len(names) == 1:
         return spec.starts[0]
     if start not in names:
-        said = f"no start '{start}'" if start is not None else "no start is named"
+        said = f"no start '{start}'" if start is not None else "no start is given"
         raise UsageError(f"{said} in {spec.name}; it has: {', '.join(names) or 'none'}")
     return spec.starts[names.index(start)]
 
@@ -45,7 +45,7 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
     start = find_start(spec, start)
     given = {s.family: s for s in start.families}
     if seed is not None and all(s.kind != "random" for s in start.families) and not spec.heated:
-        raise UsageError(f"a seed is given, but nothing in start '{start.name}' is random")
+        raise UsageError(f"a seed was given, but nothing in start '{start.name}' is random")
     parts = []
     for number, family in enumerate(spec.families):
         if family.name not in given:
@@ -107,7 +107,7 @@ def wrong_site(w, radii) -> str:
     if not np.any(off > limits.SPHERE):
         return ""
     site = int(np.nanargmax(off))
-    return f"site {site}: |w| = {length[site]:.15g}, its sphere has radius {radii[site]:.15g}"
+    return f"site {site}: |w| = {length[site]:.15g}, but its sphere has radius {radii[site]:.15g}"
 
 
 def _vectors(spec, family, number, one: FamilyStart, env, count, seed):

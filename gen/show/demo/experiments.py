@@ -59,7 +59,7 @@ def moving_section():
     orbit = stroboscope(build(load_spec("forced_rigid_body"), parameters={"eps": 0.07}), PERIOD, 20)
     layers = moving.section_layers(orbit, section_starts(), is_chaotic)
     return ({"layers": layers, "backdrop": [], "view": (68, 24)},
-            "A rigid body that is shaken (\u03b5 = 0.07), seen once a period: a Poincar\u00e9 section. Regular orbits draw curves, chaotic ones fill a "
+            "A periodically forced rigid body (\u03b5 = 0.07), observed once per period: a Poincar\u00e9 section. Regular orbits trace curves; chaotic ones fill a "
             f"band around the unstable equilibria. Spherical midpoint, {moving.PERIODS} periods of 20 steps.")
 
 
@@ -68,7 +68,7 @@ def moving_vortices():
     layers, backdrop, missed = moving.vortices()
     return ({"layers": layers, "backdrop": backdrop, "view": (28, 24)},
             "Four equal point vortices on the invariant manifold that the authors found with this method, on which every motion is periodic. "
-            f"Computed with h = 0.02: after one period all four are back to within {missed:.0e}. Behind them, paths from other starts.")
+            f"Computed with h = 0.02; after one period all four have returned to within {missed:.0e}. Behind them, paths from other starts.")
 
 
 def accuracy_cost():
@@ -82,7 +82,7 @@ def cost_words(table) -> str:
     explicit = best_of(table, lambda name: not METHODS[name].symplectic)
     own = best_of(table, lambda name: METHODS[name].symplectic)
     if not (explicit and own):
-        return "No method reached the error asked for in the time that the demo has."
+        return "No method reached the requested error in the time allotted to the demo."
     plain = seconds_for([r for r in table.rows if r.method == SPHERICAL], "end_error", AIM)
     times = [f"{duration(seconds)} by {METHODS[name].label}" for name, seconds in (explicit, own)]
     times += [f"{duration(plain)} by the spherical midpoint"] * (plain == plain)

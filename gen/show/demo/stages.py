@@ -29,13 +29,13 @@ COLUMNS = (("system", "criterion:"), ("method", ""), ("steps *", ""), ("energy e
            ("seconds *", ""), ("note", ""))
 LEAD = ("Each spec is a text file with the Hamiltonian as a formula. smidgen compiles it to C, runs it, and compares it with the witness, an "
         "independent interpreter with its own differentiation and solvers. Energy, momentum and Casimir error: largest change over the run, the last "
-        "relative. Difference: after 100 steps of the same method. Seconds: to generate, compile and run. A dash: nothing to measure there.")
+        "relative. Difference: after 100 steps of the same method. Seconds: the time to generate, compile and run. A dash means that there is nothing to measure.")
 PAPER = (("The method and the examples: R. McLachlan, K. Modin, O. Verdier, \u201cA minimal-variable symplectic integrator on spheres\u201d, "
           "Mathematics of Computation 86 (2017), 2325\u20132344, ", ""), ("doi:10.1090/mcom/3153", "https://doi.org/10.1090/mcom/3153"), (".", ""))
 WORDS = Words("smidgen: the examples of \u201cA minimal-variable symplectic integrator on spheres\u201d",
               "From a Hamiltonian on spheres to a symplectic integrator in C",
               "Write the energy of rigid bodies, spins or vortices as a formula; smidgen compiles it to a small C program that steps it with the "
-              "spherical midpoint method, which keeps the geometry of the motion with three numbers a sphere.", PAPER, lead=LEAD)
+              "spherical midpoint method, which preserves the geometry of the motion with three numbers per sphere.", PAPER, lead=LEAD)
 COMPARED = ("free_rigid_body:classical", "free_rigid_body:moser_veselov",
             "irreversible_rigid_body:classical")        # runs of other methods, in the table too
 SLOW = ("accuracy_cost", "moving_body", "moving_section", "forced_sections_flow", "forced_sections", "vortex_manifold", "nambu_leaves")       # begun first
@@ -45,9 +45,9 @@ def main(arguments=None) -> int:
     """`python -m smidgen.show.demo`: 0 when every line passed."""
     parser = argparse.ArgumentParser(prog="smidgen.show.demo", description="Compile, run, validate and "
                                      "draw every system; one table, one page.")
-    parser.add_argument("--out", default="out/demo", help="folder of the page and the pictures")
-    parser.add_argument("--only", default="", help="names of systems and figures, with commas")
-    parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
+    parser.add_argument("--out", default="out/demo", help="folder for the page and the pictures")
+    parser.add_argument("--only", default="", help="names of systems and figures, separated by commas")
+    parser.add_argument("--jobs", type=int, default=2, help="number of processes to run at the same time")
     given = parser.parse_args(arguments)
     try:
         return demo(Path(given.out), given.jobs, chosen(given.only))

@@ -45,7 +45,7 @@ def filmed(source, run, kind: str, path: Path, piece: dict, width: float | None)
 def shown(result):
     """What of a result can be drawn. Raises UsageError when nothing can."""
     if len(result.t) == 0:
-        raise UsageError("nothing to draw: the result contains no outputs")
+        raise UsageError("there is nothing to draw: the result contains no outputs")
     return drawable(result)
 
 
@@ -94,7 +94,7 @@ def check_pair(kind: str, path: Path) -> None:
 
 def check_ending(path: Path) -> None:
     if path.suffix.lower().lstrip(".") not in FORMATS:
-        raise UsageError(f"cannot draw into '{path.name}': the ending must be one of "
+        raise UsageError(f"cannot draw into '{path.name}': the name must end in one of "
                          + ", ".join("." + f for f in FORMATS) + ", or .html for the player, .gif or .mp4 for a film")
 
 

@@ -52,7 +52,7 @@ def span(axis: str, value):
     except (TypeError, ValueError):
         numbers = []
     if len(numbers) not in (1, 2) or not all(map(math.isfinite, numbers)):
-        raise UsageError(f"'{axis}' of a part is a number or a range low:high, not {value!r}")
+        raise UsageError(f"'{axis}' of a part must be a number or a range low:high, not {value!r}")
     if len(numbers) == 2 and not numbers[0] < numbers[1]:
         raise UsageError(f"the range of '{axis}' is empty: {numbers[0]:g} is not below {numbers[1]:g}")
     return tuple(numbers) if len(numbers) == 2 else numbers[0]

@@ -328,7 +328,7 @@ KINDS = {
     "observables": (draw_observables, "the spec's observables over time"),
     "components": (draw_components, "x, y, z of the sites over time"),
     "chain": (draw_chain, "angles and w_z over site and time"),
-    "lattice": (draw_lattice, "a lattice from above at up to six times: w_z as colour, w_x and w_y as arrows"),
+    "lattice": (draw_lattice, "a lattice seen from above at up to six times, with w_z as colour and w_x, w_y as arrows"),
     "places": (draw_places, "a lattice with its sites at their positions, at up to six times; --part selects a part"),
     "curves": (draw_curves, "a chain or lattice on the sphere at six times, its bonds as arcs"),
     "cloud": (draw_cloud, "thousands of sites as points on the sphere at six times"),
@@ -338,7 +338,7 @@ KINDS = {
 
 def kinds() -> dict[str, str]:
     """name -> one line, of every kind that `plot` draws; `auto` chooses among them."""
-    return {"auto": "what suits the result", **{n: printable(s) for n, (_, s) in KINDS.items()}}
+    return {"auto": "one that suits the result", **{n: printable(s) for n, (_, s) in KINDS.items()}}
 
 
 def suitable(result, html: bool) -> str:

@@ -41,7 +41,7 @@ def player_page(t, states, energy=None, title: str = "", facts: str = "", casimi
     Raises UsageError when there is nothing to play.
     """
     if not states or len(t) == 0:
-        raise UsageError("nothing to play: the result contains no states (request them with what = [\"states\", ...])")
+        raise UsageError("there is nothing to play: the result contains no states; run with --what states")
     slots = {"title": in_html(title or "Trajectory"), "style": asset("player.css"),
              "data": in_script(describe(t, states, energy, title, facts, casimirs or {}, bonds or {},
                                         autoplay, view, start, note, method, more)),

@@ -113,7 +113,7 @@ def resized(figure: Figure, width: float | None) -> Figure:
     if width is None:
         return figure
     if not 1 <= width <= WIDEST:
-        raise UsageError(f"a picture is between 1 and {WIDEST} inches wide, not {width:g}")
+        raise UsageError(f"a picture must be between 1 and {WIDEST} inches wide, not {width:g}")
     ratio = width / figure.get_figwidth()
     figure.set_size_inches(width, ratio * figure.get_figheight())
     scale = min(max(ratio, LEAST), 1)
@@ -136,7 +136,7 @@ def save(figure: Figure, out, exact: bool = False) -> Path:
     path = Path(out)
     kind = path.suffix.lstrip(".").lower()
     if kind not in FORMATS:
-        raise UsageError(f"cannot draw into '{path.name}': the ending must be one of "
+        raise UsageError(f"cannot draw into '{path.name}': the name must end in one of "
                          + ", ".join("." + f for f in FORMATS) + " (or .html for the player)")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
