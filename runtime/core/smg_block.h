@@ -95,9 +95,8 @@ SMG_INLINE void smg_block_subapply(smg_real *y, const smg_real *A, const smg_rea
 SMG_INLINE int smg_block_inverse(smg_real *C, const smg_real *D, smg_real before) {
   const smg_real det = smg_block_det(D);
   if (smg_vanishes(det, smg_block_scale(D) + before)) return 1;
-  const smg_real reciprocal = 1 / det;
   smg_block_adjugate(C, D);
-  smg_scale(C, reciprocal, SMG_BB);
+  smg_scale(C, 1 / det, SMG_BB);
   return 0;
 }
 

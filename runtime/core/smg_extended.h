@@ -56,14 +56,13 @@ static inline void smg_wide_midpoint(smg_state *s, int64_t k) {
 
 /* v = h X(m) = (h/kappa) grad C(m) x g, and what u lacks of it. */
 static inline void smg_wide_increment(smg_state *s, int64_t k) {
-  const smg_coefficients *c = &s->c;
   const smg_wide_coefficients *wide = &s->wide;
-  smg_wide m[3], g[3], n[3], u[3], rate = smg_wide_h_over_kappa(c, wide, k);
+  smg_wide m[3], g[3], n[3], u[3], rate = smg_wide_h_over_kappa(&s->c, wide, k);
   for (int b = 0; b < 3; ++b) {
     m[b] = smg_wide_load(s->wide_m + 6 * k, b);
     g[b] = smg_wide_load(s->wide_g + 6 * k, b);
   }
-  smg_wide_normal(c, wide, k, m, n);
+  smg_wide_normal(&s->c, wide, k, m, n);
 #if SMG_DIVIDED
   const smg_wide square = smg_wide_sub(smg_wide_of(1), smg_wide_mul(smg_wide_mul(rate, rate), smg_wide_dot(g, g)));
   /* q = (1 + sqrt)/2 */
@@ -109,7 +108,8 @@ static inline void smg_wide_turn(smg_state *s, int64_t k) {
   const smg_real *m = s->wide_m + 6 * k, half = 0.5 * s->wide_s[k];
   smg_normal(&s->c, k, m, n);
   const smg_real square = smg_dot(n, m), along = square != 0 ? smg_dot(n, d) / square : 0;
-  for (int b = 0; b < 3; ++b) d[b] = half * (d[b] - along * m[b]);
+  smg_axpy(d, -along, m, 3);
+  smg_scale(d, half, 3);
 #else
   smg_scale(d, 0.5, 3);
 #endif
@@ -119,13 +119,13 @@ static inline void smg_wide_turn(smg_state *s, int64_t k) {
 /* d <- the change of h X(m) when m changes by d and dH/dw by y; joins v. */
 static inline void smg_wide_follow(smg_state *s, int64_t k) {
   const smg_coefficients *c = &s->c;
-  const smg_real rate = smg_h_over_kappa(c, k, c->h);
-  smg_real n[3], dn[3], a[3], e[3], *d = s->wide_d + 3 * k;
+  smg_real n[3], dn[3], a[3], *d = s->wide_d + 3 * k;
   smg_normal(c, k, s->wide_m + 6 * k, n);
   smg_normal(c, k, d, dn);
   smg_cross(a, dn, s->wide_g + 6 * k);
-  smg_cross(e, n, s->wide_y + 3 * k);
-  for (int b = 0; b < 3; ++b) d[b] = rate * (a[b] + e[b]);
+  smg_cross(d, n, s->wide_y + 3 * k);
+  smg_axpy(d, 1, a, 3);
+  smg_scale(d, smg_h_over_kappa(c, k, c->h), 3);
 }
 
 /* d <- E d, E = d(h X(P(w + u/2)))/du; returns the largest component. */

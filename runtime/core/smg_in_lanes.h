@@ -36,6 +36,12 @@
 #define smg_less smg_lane_less
 #define smg_of_bits smg_lane_of_bits
 #define smg_dot smg_lane_dot
+#define smg_copy smg_lane_copy
+#define smg_scale smg_lane_scale
+#define smg_multiple smg_lane_multiple
+#define smg_axpy smg_lane_axpy
+#define smg_waxpy smg_lane_waxpy
+#define smg_choose smg_lane_choose
 #define smg_cross smg_lane_cross
 #define smg_add_compensated smg_lane_add_compensated
 #define smg_all smg_lane_all

@@ -36,6 +36,12 @@
 #undef smg_less
 #undef smg_of_bits
 #undef smg_dot
+#undef smg_copy
+#undef smg_scale
+#undef smg_multiple
+#undef smg_axpy
+#undef smg_waxpy
+#undef smg_choose
 #undef smg_cross
 #undef smg_add_compensated
 #undef smg_all

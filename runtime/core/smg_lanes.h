@@ -84,6 +84,13 @@ SMG_INLINE smg_lane_mask smg_lane_only(int64_t n) {
 
 #endif
 
+/* A kernel of the model for SMG_LANES states by value: unused where there is one lane. */
+#if defined(__GNUC__)
+#define SMG_LANE_KERNEL static inline __attribute__((unused))
+#else
+#define SMG_LANE_KERNEL static inline
+#endif
+
 /* Arrays begin where lines of the cache do, for the sake of speed alone. */
 #if defined(__GNUC__)
 #define SMG_LINES __attribute__((aligned(64)))
@@ -129,20 +136,23 @@ SMG_INLINE smg_lanes smg_lane_of(smg_real x) {
 }
 SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x); }
 
-/* smg_lane_dot, smg_lane_cross, smg_lane_add_compensated. */
+/* smg_lane_dot, smg_lane_cross, smg_lane_add_compensated; smg_lane_copy and others of arrays. */
 #include "smg_in_lanes.h"
+#include "smg_arrays_template.h"
 #include "smg_triple_template.h"
 #include "smg_in_numbers.h"
 
-/* smg_add_step in lanes; what it has lost is at `lost`. */
-SMG_INLINE void smg_lane_add_step(smg_lanes *w, smg_real *lost, smg_lanes u) {
+/* smg_add_step in lanes; what its components have lost is at `lost`, a pitch apart. */
+SMG_INLINE void smg_lane_add_step(int64_t n, smg_lanes *w, smg_real *lost, int64_t pitch, const smg_lanes *u) {
 #if SMG_PLAIN_SUMS
-  (void)lost;
-  *w += u;
+  (void)lost, (void)pitch;
+  smg_lane_axpy(w, smg_lane_of(1), u, n);
 #else
-  smg_lanes carried = smg_lane_take(lost);
-  smg_lane_add_compensated(w, &carried, u);
-  smg_lane_put(lost, carried);
+  for (int64_t k = 0; k < n; ++k) {
+    smg_lanes carried = smg_lane_take(lost + k * pitch);
+    smg_lane_add_compensated(w + k, &carried, u[k]);
+    smg_lane_put(lost + k * pitch, carried);
+  }
 #endif
 }
 

@@ -12,7 +12,7 @@ SMG_INLINE int smg_response_ends(const smg_real *w, smg_real r, const smg_real *
   const smg_real part = smg_dot(w, G) / (r * r * smg_dot(P, G));
   smg_real u[3];
   if (!(part > 0 && part <= 1)) return 0;
-  for (int b = 0; b < 3; ++b) u[b] = w[b] - part * r * r * P[b];
+  smg_waxpy(u, -part * r * r, P, w, 3);
   return part * part * smg_dot(G, G) >= smg_dot(u, u);
 }
 
@@ -28,18 +28,16 @@ static inline int smg_own_response(const smg_coefficients *c, int64_t k, smg_rea
   const smg_real half = (smg_real)0.5 * smg_h_over_kappa(c, k, h);
   smg_real G[3], P[3], u[3];
   smg_respond_parts(c, k, g, G, P);
-  for (int b = 0; b < 3; ++b) {
-    G[b] *= half;
-    P[b] *= half;
-    u[b] = w[b] - r * r * P[b];
-    m[b] = w[b];
-  }
+  smg_scale(G, half, 3);
+  smg_scale(P, half, 3);
+  smg_waxpy(u, -r * r, P, w, 3);
+  smg_copy(m, w, 3);
   *square = smg_dot(G, G) + r * r * smg_dot(P, P);
   if (!(r > 0)) return 1;
-  const int ends = smg_response_ends(w, r, G, P);
   const smg_real size = smg_norm(u), scale = r / size;
+  if (smg_response_ends(w, r, G, P) || size == 0) return 0;
   smg_scale(G, scale, 3);
-  if (ends || size == 0 || !smg_own_spin(u, size, G, m)) return 0;
+  if (!smg_own_spin(u, size, G, m)) return 0;
   smg_scale(m, scale, 3);
   return !(smg_dot(w, m) <= 0); /* r^2 rho */
 }

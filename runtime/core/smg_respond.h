@@ -50,7 +50,8 @@ SMG_INLINE const smg_real *smg_respond_change(const smg_coefficients *c, int64_t
   smg_real r[SMG_RESPONSE_SIZE];
   smg_response(c, k, r);
   smg_cross(room, m, y);
-  for (int b = 0; b < 3; ++b) room[b] = r[0] * y[b] + r[1] * room[b];
+  smg_scale(room, r[1], 3);
+  smg_axpy(room, r[0], y, 3);
   return room;
 }
 
@@ -59,7 +60,8 @@ SMG_INLINE void smg_respond_row(const smg_coefficients *c, int64_t k, const smg_
   smg_real r[SMG_RESPONSE_SIZE], x[3];
   smg_response(c, k, r);
   smg_cross(x, row, m);
-  for (int b = 0; b < 3; ++b) row[b] = r[0] * row[b] + r[1] * x[b];
+  smg_scale(row, r[0], 3);
+  smg_axpy(row, r[1], x, 3);
 }
 
 /* turned += m x (d x Q), the change of m x R with m in R by d. */

@@ -15,7 +15,7 @@ SMG_INLINE const smg_number *smg_told_respond(const smg_real *r, const smg_numbe
   smg_number F[3], Q[3];
   smg_told_parts(r, g, F, Q);
   smg_cross(room, m, Q);
-  for (int b = 0; b < 3; ++b) room[b] = F[b] + room[b];
+  smg_axpy(room, smg_of(1), F, 3);
   return room;
 }
 #endif

@@ -2,6 +2,7 @@
 #ifndef SMG_SITE_H
 #define SMG_SITE_H
 
+#include "smg_arrays.h"
 #include "smg_triple_template.h"
 
 /* Right-handed orthonormal (e1, e2, m) of a unit vector m; branch-free, no case is singular. Duff et al.,
@@ -34,10 +35,7 @@ SMG_INLINE void smg_frame(const smg_real *m, smg_real *e1, smg_real *e2) {
  * v = a1 E1 + a2 E2 + s m has a_r = F_r.v, F_r = E_r - (E_r.m / n.m) n. */
 SMG_INLINE void smg_leaf_frame(const smg_real *m, const smg_real *n, smg_real *E, smg_real *F) {
   smg_frame(n, E, E + 3);
-  for (int r = 0; r < 2; ++r) {
-    const smg_real a = smg_dot(E + 3 * r, m) / smg_dot(n, m);
-    for (int q = 0; q < 3; ++q) F[3 * r + q] = E[3 * r + q] - a * n[q];
-  }
+  for (int r = 0; r < 2; ++r) { smg_waxpy(F + 3 * r, -(smg_dot(E + 3 * r, m) / smg_dot(n, m)), n, E + 3 * r, 3); }
 }
 
 /* The cell x - n, x or x + n that lies in [0, n); |offset| is at most n. */
@@ -68,6 +66,12 @@ static inline void smg_change_add(smg_change *d, smg_real r, smg_real own, smg_r
 static inline smg_real smg_largest(const smg_real *a) {
   const smg_real x = smg_abs(a[0]), y = smg_abs(a[1]), z = smg_abs(a[2]);
   return smg_max(x, smg_max(y, z));
+}
+
+/* The largest difference of two vectors, alike. */
+static inline smg_real smg_apart_by(const smg_real *a, const smg_real *b) {
+  const smg_real d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return smg_largest(d);
 }
 
 /* How much smaller than `scale` a site is, within the range of numbers. */
@@ -101,13 +105,13 @@ SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *compens
   for (int64_t k = 0; k < n; ++k) mbar[k] = w[k] + (compensation[k] + 0.5 * u[k]);
 }
 
-/* The end of a step: w + u, compensated where sums are. */
-static inline void smg_add_step(smg_real *w, smg_real *compensation, smg_real u) {
+/* The end of a step: w + u, compensated where sums are, of n components. */
+static inline void smg_add_step(int64_t n, smg_real *w, smg_real *compensation, const smg_real *u) {
 #if SMG_PLAIN_SUMS
   (void)compensation;
-  *w += u;
+  smg_axpy(w, 1, u, n);
 #else
-  smg_add_compensated(w, compensation, u);
+  for (int64_t k = 0; k < n; ++k) smg_add_compensated(w + k, compensation + k, u[k]);
 #endif
 }
 

@@ -102,10 +102,15 @@ SMG_INLINE smg_real smg_norm(const smg_real *a) {
   return most * SMG_MATH(sqrt)(x * x + y * y + z * z);
 }
 
+/* sum, and the sizes of n entries of a row of A - I more; own: which of them is on the diagonal, -1: none. */
+SMG_INLINE smg_real smg_add_sizes(smg_real sum, int64_t n, const smg_real *row, int64_t own) {
+  for (int64_t l = 0; l < n; ++l) sum += smg_abs(row[l] - (l == own));
+  return sum;
+}
+
 /* sums[r] += sum_l |B_rl| of an n x n block. */
 SMG_INLINE void smg_row_sums(int n, const smg_real *B, smg_real *sums) {
-  for (int r = 0; r < n; ++r)
-    for (int l = 0; l < n; ++l) sums[r] += smg_abs(B[n * r + l]);
+  for (int r = 0; r < n; ++r) sums[r] = smg_add_sizes(sums[r], n, B + n * r, -1);
 }
 
 /* The same of D - I into `rows`, and of (D + D^T)/2 - I into `mean`, D a diagonal block. */
@@ -164,11 +169,7 @@ SMG_INLINE int smg_positive3(const smg_real *D) {
 /* The largest row sum of abs(A - I). */
 SMG_INLINE smg_real smg_bound(int n, const smg_real *A) {
   smg_real most = 0;
-  for (int r = 0; r < n; r++) {
-    smg_real sum = 0;
-    for (int j = 0; j < n; j++) sum += smg_abs(A[n * r + j] - (r == j));
-    if (!(sum <= most) && most == most) most = sum;
-  }
+  for (int r = 0; r < n; r++) most = smg_max(most, smg_add_sizes(0, n, A + n * r, r));
   return most;
 }
 

@@ -40,10 +40,7 @@ SMG_INLINE smg_real smg_own_rho(smg_real k, smg_real d, smg_real *ratio) {
 
 /* A field g whose square is beyond the range of a double, by its direction: as strong as that, its
  * strength no longer counts. What is not finite becomes NaN. */
-static inline void smg_shorten(smg_real *g) {
-  const smg_real scale = (smg_real)1e100 / smg_norm(g);
-  smg_scale(g, scale, 3);
-}
+static inline void smg_shorten(smg_real *g) { smg_scale(g, (smg_real)1e100 / smg_norm(g), 3); }
 
 /* m, |m| = r, for the spin w, |w| = r > 0, and g = (h/2) b; W = w + 2 m x g follows. Returns 0
  * when the step has no solution (rho = 0), else 1; what is not finite makes m not finite. */
@@ -62,16 +59,21 @@ static inline int smg_own_spin(const smg_real *w, smg_real r, const smg_real *g,
   m[0] = a * w[0] + unit * (w[1] * g[2] - w[2] * g[1]) + s * g[0];
   m[1] = a * w[1] + unit * (w[2] * g[0] - w[0] * g[2]) + s * g[1];
   m[2] = a * w[2] + unit * (w[0] * g[1] - w[1] * g[0]) + s * g[2];
-  const smg_real scale = r / smg_norm(m);
-  smg_scale(m, scale, 3);
+  smg_scale(m, r / smg_norm(m), 3);
   return 1;
 }
 
-/* Takes from v its part along n, |n| = 1 to round-off. */
-SMG_INLINE void smg_across(const smg_real *n, smg_real *v) {
-  const smg_real along = smg_dot(n, v) / smg_dot(n, n);
-  smg_axpy(v, -along, n, 3);
+/* u = 2((n.w/n.n) n - w), n along m: W - w of a step that is solved, free of the round-off of a strong field. */
+static inline void smg_reflect(const smg_real *w, const smg_real *m, smg_real *u) {
+  smg_real n[3];
+  smg_unit(m, n);
+  smg_multiple(u, smg_dot(n, w) / smg_dot(n, n), n, 3);
+  smg_axpy(u, -1, w, 3);
+  smg_scale(u, 2, 3);
 }
+
+/* Takes from v its part along n. */
+SMG_INLINE void smg_across(const smg_real *n, smg_real *v) { smg_axpy(v, -(smg_dot(n, v) / smg_dot(n, n)), n, 3); }
 
 /* Takes from u = h m x b its part along b, which is round-off, and changes the rest until |W| = |w|, W = w + u, w with
  * its compensation, |w| = r, where it is off by round-off: (w + W).u = 0. It is the least change that keeps W.b: along
@@ -87,7 +89,7 @@ static inline void smg_stretch(const smg_real *w, const smg_real *compensation, 
     along += u[e] / r * (2 * (w[e] + compensation[e]) + u[e]);
   }
   smg_across(n, W);
-  for (int e = 0; e < 3; e++) u[e] -= along / (2 * smg_dot(W, W) + SMG_EPS) * W[e];
+  smg_axpy(u, -(along / (2 * smg_dot(W, W) + SMG_EPS)), W, 3);
 }
 
 #endif

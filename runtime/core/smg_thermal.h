@@ -43,7 +43,8 @@ static inline void smg_turn_about(const double *theta, smg_real *w) {
   smg_real a[3], b[3];
   smg_cross(a, v, w);
   smg_cross(b, v, a);
-  for (int j = 0; j < 3; ++j) w[j] += part * (q * a[j] + b[j]);
+  smg_axpy(b, q, a, 3);
+  smg_axpy(w, part, b, 3);
 }
 
 /* The noise of one half of a step at site k. */

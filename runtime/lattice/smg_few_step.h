@@ -91,13 +91,13 @@ static void smg_few_leave(const smg_state *s) {
 static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
   for (int64_t i = 0; i < sites; i += SMG_LANES) {
     smg_lanes m[3], lost[3], u[3];
-    smg_take_from(a + SMG_FEW_W * pitch + i, pitch, m);
-    smg_take_from(a + SMG_FEW_LOST * pitch + i, pitch, lost);
-    smg_take_from(a + SMG_FEW_U * pitch + i, pitch, u);
+    smg_take_from(3, a + SMG_FEW_W * pitch + i, pitch, m);
+    smg_take_from(3, a + SMG_FEW_LOST * pitch + i, pitch, lost);
+    smg_take_from(3, a + SMG_FEW_U * pitch + i, pitch, u);
     for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
     const smg_lanes square = smg_lane_dot(m, m),
                     s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) / square * smg_lane_sqrt(square);
-    for (int k = 0; k < 3; ++k) m[k] *= s;
+    smg_lane_scale(m, s, 3);
     smg_put_slots(a + SMG_FEW_M * pitch, pitch, i, m);
     smg_lane_put(a + SMG_FEW_ONTO * pitch + i, s);
   }
@@ -119,8 +119,8 @@ SMG_INLINE void smg_few_turn(const smg_told *told, smg_real *a, int64_t pitch, i
                              const smg_lanes *g, smg_few_motion *moved) {
   const smg_lanes rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
   smg_lanes m[3], u[3], before[3], room[3];
-  smg_take_from(a + SMG_FEW_M * pitch + i, pitch, m);
-  smg_take_from(a + SMG_FEW_U * pitch + i, pitch, before);
+  smg_take_from(3, a + SMG_FEW_M * pitch + i, pitch, m);
+  smg_take_from(3, a + SMG_FEW_U * pitch + i, pitch, before);
   const smg_lanes *R = smg_lane_respond(told, m, g, room);
   smg_lane_cross(u, m, R); /* the rate last, as in smg_increment */
   for (int k = 0; k < 3; ++k) {
@@ -151,7 +151,7 @@ SMG_INLINE void smg_few_rows(const smg_told *told, const smg_real *a, int64_t pi
                              const smg_lanes *g, smg_lanes norms, smg_few_motion *moved) {
   const smg_lanes half = smg_lane_take(a + SMG_FEW_HALF * pitch + i), r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i);
   smg_lanes m[3], room[3];
-  smg_take_from(a + SMG_FEW_M * pitch + i, pitch, m);
+  smg_take_from(3, a + SMG_FEW_M * pitch + i, pitch, m);
   const smg_lanes *R = smg_lane_respond(told, m, g, room);
   const smg_lanes own =
       smg_lane_abs(half) * smg_lane_take(a + SMG_FEW_ONTO * pitch + i) * smg_few_norm(told, m, g, r, norms);

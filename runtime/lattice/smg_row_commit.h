@@ -67,7 +67,7 @@ static void smg_predict_rows(const smg_state *s) {
 /* w + compensation + u of the slots of one vector (Kahan). */
 SMG_INLINE void smg_commit_slots(const smg_row_going go, int64_t slot, const smg_lanes *u, smg_lanes *sum) {
   smg_take_slots(go.w, go.pitch, slot, sum);
-  for (int k = 0; k < 3; ++k) smg_lane_add_step(sum + k, go.lost + k * go.pitch + slot, u[k]);
+  smg_lane_add_step(3, sum, go.lost + slot, go.pitch, u);
   smg_put_slots(go.w, go.pitch, slot, sum);
 }
 

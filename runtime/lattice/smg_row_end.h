@@ -55,14 +55,15 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
   smg_take_slots(turn.w, turn.pitch, slot, w);
   const smg_lanes *R = smg_lane_respond(&turn.told, m, g, room);
   smg_lane_cross(u, m, R); /* the rate last: pairs of spins turn each other by exactly opposite amounts */
-  for (int k = 0; k < 3; ++k) u[k] *= 2 * turn.half;
+  smg_lane_scale(u, smg_lane_of(2 * turn.half), 3);
   if (turn.stretched) {
     smg_lanes lost[3];
     smg_take_slots(turn.compensation, turn.pitch, slot, lost);
     smg_lane_stretch(w, lost, R, turn.inverse, turn.weakest, u);
   }
   const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
-  for (int k = 0; k < 3; ++k) e[k] = w[k] + (smg_real)0.5 * u[k] - rho * m[k];
+  smg_lane_waxpy(e, smg_lane_of((smg_real)0.5), u, w, 3);
+  smg_lane_axpy(e, -rho, m, 3);
   smg_first_lanes(in, u); /* of what is no site of the piece 0, in empty slots to stay */
   *most = smg_lane_max(*most, smg_lane_first(in, smg_lane_dot(e, e)));
   smg_put_slots(turn.u, turn.u_pitch, slot, u);

@@ -54,13 +54,12 @@ SMG_INLINE smg_lanes smg_lane_inverse_root_near_1(smg_lanes x) {
 SMG_INLINE void smg_lane_stretch_to(smg_real inverse, int near, smg_lanes *v) {
   const smg_lanes square = inverse * smg_lane_dot(v, v),
                   scale = near ? smg_lane_inverse_root_near_1(square) : smg_lane_inverse_root(square);
-  for (int k = 0; k < 3; ++k) v[k] *= scale;
+  smg_lane_scale(v, scale, 3);
 }
 
 /* Takes from v its part along b; inverse = 1/|b|^2. */
 SMG_INLINE void smg_lane_across(const smg_lanes *b, smg_lanes inverse, smg_lanes *v) {
-  const smg_lanes along = smg_lane_dot(b, v) * inverse;
-  for (int k = 0; k < 3; ++k) v[k] -= along * b[k];
+  smg_lane_axpy(v, -(smg_lane_dot(b, v) * inverse), b, 3);
 }
 
 /* smg_stretch in the lanes where |b|^2 >= weakest, of |h b| = 1/3; inverse = 1/r^2. */

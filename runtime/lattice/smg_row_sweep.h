@@ -48,13 +48,11 @@ SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) 
   const smg_lane_mask there = (smg_lane_mask)(smg_lane_dot(w, w) > 0); /* in an empty slot w stays 0 */
   for (int k = 0; k < 3; ++k) Q[k] = smg_lane_select(there, Q[k], smg_lane_of(0));
 #endif
-  for (int k = 0; k < 3; ++k) {
-    g[k] = turn.half * F[k];
-    w[k] -= turn.half / turn.inverse * Q[k];
-  }
+  smg_lane_multiple(g, smg_lane_of(turn.half), F, 3);
+  smg_lane_axpy(w, smg_lane_of(-turn.half / turn.inverse), Q, 3);
 #else
   (void)w;
-  for (int k = 0; k < 3; ++k) g[k] *= turn.half;
+  smg_lane_scale(g, smg_lane_of(turn.half), 3);
 #endif
 }
 
@@ -73,7 +71,7 @@ SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_
   smg_lanes w[3], g[3], made[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
   if (!smg_some_small(turn.small, w)) return;
-  for (int k = 0; k < 3; ++k) g[k] = b[k];
+  smg_lane_copy(g, b, 3);
   smg_precess(turn, w, g);
   smg_made_of(w, g, made);
   for (int k = 0; k < 3; ++k) *part = smg_lane_larger(*part, smg_part_moved(smg_lane_of(turn.small), d[k], made[k]));
@@ -101,7 +99,7 @@ SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row
   smg_take_slots(turn.w, turn.pitch, slot, w);
   smg_precess(turn, w, g);
   smg_lane_along_spin(w, g, smg_rho_of(turn, slot, way, w, g), v);
-  for (int k = 0; k < 3; ++k) g[k] = v[k];
+  smg_lane_copy(g, v, 3);
 }
 
 /* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. watched: is it to be known
@@ -111,11 +109,10 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
   smg_lane_stretch_to(turn.inverse, turn.weak, v);
-  if (in < SMG_LANES)
-    for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(smg_lane_below(in), v[k], m[k]);
+  if (in < SMG_LANES) smg_lane_choose(v, smg_lane_below(in), v, m, 3);
   smg_put_slots(turn.m, turn.pitch, slot, v);
   if (!watched) return;
-  for (int k = 0; k < 3; ++k) d[k] = v[k] - m[k];
+  smg_lane_waxpy(d, smg_lane_of(-1), m, v, 3);
   moved->square = smg_lane_larger(moved->square, smg_lane_dot(d, d));
   if (small) smg_watch_slots(turn, slot, b, d, &moved->part);
   if (last) smg_end_slots(turn, slot, in, v, b, &moved->residual);

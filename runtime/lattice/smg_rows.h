@@ -374,7 +374,7 @@ SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int aroun
   const smg_lane_mask within = smg_lanes_within(run, b, p);
   smg_lanes far[3];
   smg_take_slots(all, pitch, run->start + b->around + j, far);
-  for (int k = 0; k < 3; ++k) v[k] = smg_lane_select(within, v[k], far[k]);
+  smg_lane_choose(v, within, v, far, 3);
 }
 
 /* Of open ends: g as it was, in the lanes whose neighbour is beyond. */
@@ -382,7 +382,7 @@ SMG_INLINE void smg_only_within(const smg_run *run, int n, int64_t p, const smg_
   const smg_beside *b = run->b + n;
   if (smg_all_within(b, p, SMG_LANES)) return;
   const smg_lane_mask within = smg_lanes_within(run, b, p);
-  for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(within, g[k], before[k]);
+  smg_lane_choose(g, within, g, before, 3);
 }
 
 /* Of rows that are not full: g = 0 in the lanes of empty slots. */

@@ -10,18 +10,21 @@
 /* Slots of as many whole vectors of theirs as n sites fill. */
 SMG_INLINE int64_t smg_whole_vectors(int64_t n) { return (n + SMG_WIDEST - 1) / SMG_WIDEST * SMG_WIDEST; }
 
-/* The vectors in some slots, from the first of them on; from slots of arrays of which there are more than registers
- * (SMG_ANEW). */
-SMG_INLINE void smg_take_from(const smg_real *at, int64_t pitch, smg_lanes *v) {
-  for (int k = 0; k < 3; ++k) v[k] = smg_lane_take(at + k * pitch);
+/* The vectors in some slots, of n components, from the first of them on; from slots of arrays of which there are more
+ * than registers (SMG_ANEW). */
+SMG_INLINE void smg_take_from(int n, const smg_real *at, int64_t pitch, smg_lanes *v) {
+  for (int k = 0; k < n; ++k) v[k] = smg_lane_take(at + k * pitch);
+}
+SMG_INLINE void smg_put_at(int n, smg_real *at, int64_t pitch, const smg_lanes *v) {
+  for (int k = 0; k < n; ++k) smg_lane_put(at + k * pitch, v[k]);
 }
 SMG_INLINE void smg_take_slots(const smg_real *all, int64_t pitch, int64_t slot, smg_lanes *v) {
   const smg_real *at = all + slot;
   SMG_ANEW(at);
-  smg_take_from(at, pitch, v);
+  smg_take_from(3, at, pitch, v);
 }
 SMG_INLINE void smg_put_slots(smg_real *all, int64_t pitch, int64_t slot, const smg_lanes *v) {
-  for (int k = 0; k < 3; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
+  smg_put_at(3, all + slot, pitch, v);
 }
 
 /* part of the radius below which a component of a spin is watched on its own */

@@ -15,9 +15,7 @@
 #endif
 
 /* mbar = w + u/2 of all sites. */
-static inline void smg_set_midpoints(smg_state *s) {
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * s->u[k];
-}
+static inline void smg_set_midpoints(smg_state *s) { smg_waxpy(s->mbar, 0.5, s->u, s->w, 3 * smg_sites(&s->c)); }
 
 #if SMG_ROTATION
 /* What a sweep works on. */
@@ -30,7 +28,7 @@ typedef struct smg_sweeping {
 /* m = P(w + u/2) of site k. */
 static inline smg_real smg_halfway(const smg_state *s, int64_t k, const smg_real *u, smg_real *m) {
   smg_real mbar[3];
-  for (int b = 0; b < 3; ++b) mbar[b] = s->w[3 * k + b] + 0.5 * u[b];
+  smg_waxpy(mbar, 0.5, u, s->w + 3 * k, 3);
   return smg_project(&s->c, k, smg_leaf_value(s, k), mbar, m);
 }
 
@@ -47,8 +45,7 @@ static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_rea
   smg_real square;
   return smg_own_response(c, k, h, s->w + 3 * k, smg_leaf_value(s, k), g, next, &square);
 #else
-  const smg_real half = 0.5 * smg_h_over_kappa(c, k, h);
-  smg_scale(g, half, 3);
+  smg_scale(g, 0.5 * smg_h_over_kappa(c, k, h), 3);
   return smg_own_spin(s->w + 3 * k, smg_leaf_value(s, k), g, next);
 #endif
 }
@@ -57,17 +54,16 @@ static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_rea
 static inline void smg_relax(void *context, smg_lattice_site at) {
   smg_sweeping *sweep = (smg_sweeping *)context;
   smg_state *s = sweep->s;
-  const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
   smg_real g[3] = {0, 0, 0}, next[3], *m = s->m + 3 * k;
-  smg_gather(c, at, s->m, m, g);
+  smg_gather(&s->c, at, s->m, m, g);
   if (!smg_relaxed(s, sweep->h, k, g, next)) { /* as the others stand: no step yet, and not settled */
     sweep->change.absolute =
-        smg_max(sweep->change.absolute, smg_kind(c, k) == SMG_R3 ? s->scale : smg_leaf_value(s, k));
+        smg_max(sweep->change.absolute, smg_kind(&s->c, k) == SMG_R3 ? s->scale : smg_leaf_value(s, k));
     sweep->change.relative = smg_max(sweep->change.relative, 1);
     return;
   }
-  const smg_real up = smg_kind(c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
+  const smg_real up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
   for (int b = 0; b < 3; ++b) smg_change_add(&sweep->change, next[b] - m[b], SMG_MATH(fabs)(next[b]), up);
   smg_copy(m, next, 3);
 }
@@ -82,9 +78,8 @@ SMG_APART static smg_change smg_sweep(smg_state *s, smg_real h) {
 
 /* m = P(w + u/2) with u extrapolated: where the sweeps begin. */
 static void smg_sweep_start(smg_state *s) {
-  const smg_coefficients *c = &s->c;
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
     smg_real u[3];
     for (int b = 0; b < 3; ++b) u[b] = smg_extrapolate(s, 3 * k + b, s->degree);
     (void)smg_halfway(s, k, u, s->m + 3 * k);
@@ -97,18 +92,6 @@ typedef struct smg_sweep_end {
   smg_state *s;
   smg_real h, residual, row, rounding_scale;
 } smg_sweep_end;
-
-/* u = 2((n.w/n.n) n - w), n along m: free of the round-off of h X. */
-static inline void smg_reflect(const smg_real *w, const smg_real *m, smg_real *u, smg_real *residual) {
-  smg_real n[3];
-  smg_unit(m, n);
-  const smg_real rho = smg_dot(n, w) / smg_dot(n, n);
-  for (int b = 0; b < 3; ++b) {
-    const smg_real x = u[b];
-    u[b] = 2 * (rho * n[b] - w[b]);
-    smg_take(residual, smg_abs(u[b] - x));
-  }
-}
 
 /* u = h X(m) of one site. J_ij - I has the factors 1/kappa of its row and s of its column; with the s of the row, as
  * diag(s) (J - I) diag(1/s) has it, the rows are at most (h/2)(1/kappa) s (r sum of norms of B + abs(m.g)/r). */
@@ -124,11 +107,15 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   const smg_real rounding_scale = smg_product_scale(c, k, end->h, m, g);
   smg_take(&end->rounding_scale, rounding_scale);
   if (smg_kind(c, k) != SMG_NAMBU) {
-    if (rounding_scale > s->scale) smg_reflect(w, m, u, &end->residual);
+    if (rounding_scale > s->scale) {
+      smg_copy(again, u, 3);
+      smg_reflect(w, m, u);
+      smg_take(&end->residual, smg_apart_by(u, again));
+    }
     if (3 * rounding_scale > s->scale) smg_stretch(w, s->compensation + 3 * k, leaf, smg_respond(c, k, m, g, room), u);
   }
   const smg_real stretch = smg_halfway(s, k, u, again);
-  for (int b = 0; b < 3; ++b) smg_take(&end->residual, smg_abs(again[b] - m[b]));
+  smg_take(&end->residual, smg_apart_by(again, m));
   smg_copy(s->u + 3 * k, u, 3);
 #if SMG_CONSTANT_HESSIAN
   smg_take(&end->row, stretch * smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) *

@@ -150,10 +150,8 @@ SMG_COLD static void smg_lanes_end_steps(smg_lane_group *f, smg_lane_mask finish
   const smg_lanes none = smg_lane_of(0), *y = smg_lane_vector(&f->trial, SMG_Y),
                   *carry = smg_lane_vector(&f->trial, SMG_Y_COMPENSATION);
   smg_lane_pace *pace = &f->pace;
-  for (int b = 0; b < 3; ++b) {
-    f->w[b] = smg_lane_select(finished, y[b], f->w[b]);
-    f->compensation[b] = smg_lane_select(finished, carry[b], f->compensation[b]);
-  }
+  smg_lane_choose(f->w, finished, y, f->w, 3);
+  smg_lane_choose(f->compensation, finished, carry, f->compensation, 3);
   f->natural_before = smg_lane_select(finished, pace->natural, f->natural_before);
   pace->natural = smg_lane_select(finished, smg_lane_max(smg_lane_of(SMG_LEAST_PART), pace->natural), pace->natural);
   f->count -= finished;
@@ -238,14 +236,6 @@ static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int ali
     busy = 0;
     for (int k = 0; k < groups; ++k) busy |= smg_lane_any(f[k].live);
   }
-}
-
-#else
-
-/* One lane: states step by themselves, and the kernel stays unused. */
-static inline void smg_lanes_of_one(smg_lane_coefficients *to, const smg_coefficients *c, smg_lane_vec m, smg_lanes q) {
-  smg_lane_fill(to, 0, c);
-  (void)smg_lane_motion(to, m, q);
 }
 
 #endif

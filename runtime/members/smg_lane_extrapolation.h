@@ -89,14 +89,5 @@ static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int ali
   smg_batches_steps(s, members, count, alike);
 }
 
-#else
-
-/* One lane: states step by themselves, and the kernel stays unused. */
-static inline void smg_lanes_of_one(smg_lane_coefficients *to, const smg_coefficients *c, smg_lane_vec m, smg_lanes q) {
-  smg_lane_fill(to, 0, c);
-  smg_lane_spread(to, c);
-  (void)smg_lane_motion(to, m, q);
-}
-
 #endif
 #endif

@@ -192,20 +192,5 @@ static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int ali
   smg_batches_steps(s, members, count - smg_lane_first_steps(s, members, count), alike);
 }
 
-#else
-
-/* One lane: states step by themselves, and the kernels stay unused. */
-static inline void smg_lanes_of_one(smg_lane_coefficients *to, const smg_coefficients *c, smg_lane_vec m, smg_lanes q) {
-  const smg_lane_slope D = smg_lane_derivative(to, m, q);
-  smg_lane_fill(to, 0, c);
-  smg_lane_spread(to, c);
-  (void)smg_lane_radial(to, m, smg_lane_motion(to, smg_lane_slope_times(D, m)));
-  (void)smg_lane_slope_minors(D);
-  (void)smg_lane_slope_sums(D);
-#if SMG_RESPONDS
-  (void)smg_lane_slope_trace(D);
-#endif
-}
-
 #endif
 #endif

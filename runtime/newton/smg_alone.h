@@ -22,7 +22,7 @@ static inline int smg_own_midpoint(const smg_state *s, smg_real h, int64_t k, co
   return smg_own_response(&s->c, k, h, w, r, g, m, square);
 #else
   smg_real half[3];
-  for (int b = 0; b < 3; ++b) half[b] = 0.5 * smg_h_over_kappa(&s->c, k, h) * g[b];
+  smg_multiple(half, 0.5 * smg_h_over_kappa(&s->c, k, h), g, 3);
   if (!(smg_dot(half, half) <= SMG_MAX)) smg_shorten(half);
   *square = smg_dot(half, half);
   return smg_own_spin(w, r, half, m);
@@ -53,12 +53,7 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
   }
   smg_increment(c, k, h, m, g, u);
   const smg_real *R = smg_respond(c, k, m, g, room);
-  /* u = 2((m.w/m.m) m - w): the same, but h X would bring the round-off of a strong field */
-  if (square >= 1) {
-    smg_unit(m, m);
-    const smg_real rho = smg_dot(m, s->w + 3 * k) / smg_dot(m, m);
-    for (int b = 0; b < 3; ++b) u[b] = 2 * (rho * m[b] - s->w[3 * k + b]);
-  }
+  if (square >= 1) smg_reflect(s->w + 3 * k, m, u);
   if (square >= 0.25) smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), R, u);
   if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
   s->report.site = k;
@@ -77,11 +72,10 @@ typedef struct smg_site_equation {
 /* m = P(mbar), g there, and u = h X(m). */
 SMG_INLINE void smg_site_field(const smg_state *s, smg_real h, int64_t k, const smg_real *mbar, smg_site_equation *e,
                                smg_real *u) {
-  const smg_coefficients *c = &s->c;
   e->g[0] = e->g[1] = e->g[2] = 0;
-  e->s = smg_project(c, k, smg_leaf_value(s, k), mbar, e->m);
-  smg_gather(c, smg_at(k), s->m, e->m, e->g);
-  smg_increment(c, k, h, e->m, e->g, u);
+  e->s = smg_project(&s->c, k, smg_leaf_value(s, k), mbar, e->m);
+  smg_gather(&s->c, smg_at(k), s->m, e->m, e->g);
+  smg_increment(&s->c, k, h, e->m, e->g, u);
 }
 
 /* The increment of the method at mbar; 0 where it has none. */
@@ -100,13 +94,12 @@ SMG_INLINE int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, cons
 
 /* The frame of one site and its Newton matrix J, with the right-hand side a of the residual r. */
 SMG_INLINE void smg_site_matrix(const smg_state *s, smg_real h, int64_t k, smg_site_equation *e) {
-  const smg_coefficients *c = &s->c;
   smg_real G[3 * SMG_BS];
-  smg_newton_frame(c, k, h, e->m, e->s, e->g, e->r, G, e->S, e->J, e->a);
+  smg_newton_frame(&s->c, k, h, e->m, e->s, e->g, e->r, G, e->S, e->J, e->a);
   for (int l = 0; l < SMG_BS; ++l) {
     smg_real *y = e->curved + 3 * l;
     y[0] = y[1] = y[2] = 0;
-    smg_site_hessian_vector(c, smg_at(k), s->m, e->m, e->S + 3 * l, y);
+    smg_site_hessian_vector(&s->c, smg_at(k), s->m, e->m, e->S + 3 * l, y);
     for (int n = 0; n < SMG_BS; ++n) e->J[SMG_BS * n + l] += smg_dot(G + 3 * n, y);
   }
 }
@@ -170,11 +163,12 @@ SMG_COLD static int smg_site_refine_by_newton(const smg_state *s, smg_real rate,
   const smg_real *w = s->w + 3 * k, *compensation = s->compensation + 3 * k;
   smg_site_equation e;
   smg_real x[3];
-  for (int b = 0; b < 3; ++b) u[b] = 2 * (mbar[b] - w[b]);
+  smg_waxpy(u, -1, w, mbar, 3);
+  smg_scale(u, 2, 3);
   smg_tangential(&s->c, k, w, compensation, u);
   smg_middle(3, w, compensation, u, mbar);
   smg_site_field(s, rate, k, mbar, &e, x);
-  for (int b = 0; b < 3; ++b) e.r[b] = x[b] - u[b];
+  smg_waxpy(e.r, -1, u, x, 3);
   return smg_site_is_round_off(s, rate, k, &e, x, bound);
 }
 
@@ -228,7 +222,6 @@ static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y,
                                         int *sign) {
   const smg_site_whole *whole = (const smg_site_whole *)of;
   smg_state *s = whole->s;
-  const smg_coefficients *c = &s->c;
   const int64_t k = whole->k;
   const smg_real h = p * whole->h;
   smg_real u[3];
@@ -242,7 +235,7 @@ static smg_status smg_site_curve_newton(void *of, smg_real p, const smg_real *y,
     *sign = smg_block_det(e.J) < 0 ? -1 : 1;
     if (smg_block_solve(e.J, e.a)) return SMG_SINGULAR;
     out[0] = out[1] = out[2] = 0;
-    smg_newton_correct(c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, out);
+    smg_newton_correct(&s->c, k, h, e.m, e.s, e.g, e.r, e.S, e.a, out);
   }
   return SMG_OK;
 }
@@ -255,10 +248,7 @@ SMG_RARE static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, 
   f.of = &whole;
   f.newton = smg_site_curve_newton;
   f.sign_of = NULL;
-  f.n = 3;
-  f.w = s->w + 3 * k;
-  f.scale = s->scale;
-  f.y = room;
+  smg_begin_curve(&f, 3, s->w + 3 * k, s->scale, room);
   const smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
   smg_copy(mbar, f.y, 3);
@@ -324,11 +314,10 @@ static smg_status smg_solve_alone(smg_state *s, smg_real h, int64_t k) {
 /* The step has failed; of the sites from the n-th on that fail too, the report is that of the one whose solutions end
  * first. */
 SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, smg_status status) {
-  const smg_coefficients *c = &s->c;
   smg_report first = s->report;
-  for (; n < smg_alone(c) && first.reached > 0; ++n) {
-    const int64_t k = smg_alone_site(c, n);
-    if (smg_tracer(c, k)) continue;
+  for (; n < smg_alone(&s->c) && first.reached > 0; ++n) {
+    const int64_t k = smg_alone_site(&s->c, n);
+    if (smg_tracer(&s->c, k)) continue;
     s->report.reached = 0;
     const smg_status alone = smg_solve_alone(s, h, k);
     if (alone == SMG_OK || !(s->report.reached < first.reached)) continue;
@@ -343,9 +332,8 @@ SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, sm
 /* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest
  * whether or not the others have a step. */
 static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status status) {
-  const smg_coefficients *c = &s->c;
   int64_t n = 0;
-  while (n < smg_alone(c) && status == SMG_OK) status = smg_solve_alone(s, h, smg_alone_site(c, n++));
+  while (n < smg_alone(&s->c) && status == SMG_OK) status = smg_solve_alone(s, h, smg_alone_site(&s->c, n++));
   return status == SMG_OK ? SMG_OK : smg_first_end(s, h, n, status);
 }
 #endif

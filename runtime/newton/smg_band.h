@@ -262,8 +262,7 @@ SMG_INLINE int64_t smg_band_solve(int64_t n, int k, int periodic, const smg_real
 static inline smg_real smg_band_row_sum(int k, const smg_real *A, int64_t row) {
   const smg_real *at = A + row / SMG_BS * (2 * k + 1) * SMG_BB + row % SMG_BS * SMG_BS;
   smg_real sum = 0;
-  for (int d = 0; d < 2 * k + 1; d++)
-    for (int e = 0; e < SMG_BS; e++) sum += smg_abs(at[d * SMG_BB + e] - (d == k && e == row % SMG_BS));
+  for (int d = 0; d < 2 * k + 1; d++) sum = smg_add_sizes(sum, SMG_BS, at + d * SMG_BB, d == k ? row % SMG_BS : -1);
   return sum;
 }
 

@@ -43,10 +43,7 @@ SMG_RARE static smg_status smg_follow_branch(smg_state *s, smg_real h) {
 #else
   f.sign_of = NULL;
 #endif
-  f.n = n;
-  f.w = s->w;
-  f.scale = s->scale;
-  f.y = s->curve;
+  smg_begin_curve(&f, n, s->w, s->scale, s->curve);
   smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
   if (status != SMG_OK) {

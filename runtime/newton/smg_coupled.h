@@ -15,11 +15,10 @@ static void smg_predict(smg_state *s, int degree) {
 
 /* m = P(mbar) of every coupled site, and g = 0. */
 static inline void smg_project_all(smg_state *s) {
-  const smg_coefficients *c = &s->c;
   SMG_UNROLL_FEW
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
-    s->s[k] = smg_project(c, k, smg_leaf_value(s, k), s->mbar + 3 * k, s->m + 3 * k);
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
+    s->s[k] = smg_project(&s->c, k, smg_leaf_value(s, k), s->mbar + 3 * k, s->m + 3 * k);
     s->g[3 * k] = s->g[3 * k + 1] = s->g[3 * k + 2] = 0;
   }
 }

@@ -101,9 +101,7 @@ SMG_INLINE void smg_dense_substitute(int64_t n, const smg_real *A, smg_real *x) 
 
 /* The sum of abs(A - I) over row i. */
 static inline smg_real smg_dense_row_sum(int64_t n, const smg_real *A, int64_t i) {
-  smg_real sum = 0;
-  for (int64_t j = 0; j < n; j++) sum += smg_abs(A[i * n + j] - (i == j));
-  return sum;
+  return smg_add_sizes(0, n, A + i * n, i);
 }
 
 /* True when x.A x >= x.x/4 for all x, by the Cholesky factors of (A + A^T)/2 - I/4 in place of A. */

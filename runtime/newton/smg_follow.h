@@ -73,6 +73,23 @@ typedef struct smg_curve {
   int64_t site, partner;       /* the two sites that move most where the branch turns back, or -1 */
 } smg_curve;
 
+/* A curve of n numbers from w on; room: 5 n numbers. */
+static inline void smg_begin_curve(smg_curve *f, int64_t n, const smg_real *w, smg_real scale, smg_real *room) {
+  f->n = n;
+  f->w = w;
+  f->scale = scale;
+  f->y = room;
+  f->t = room + n;
+  f->a = room + 2 * n;
+  f->c = room + 3 * n;
+  f->x = room + 4 * n;
+  f->p = f->reached = f->slope = 0;
+  f->site = f->partner = -1;
+  f->q = 1;
+  smg_copy(f->y, w, n);
+  smg_zero(f->t, n);
+}
+
 /* (t, q) of unit length along (c, 1), on the side of the tangent before; returns the cosine between them. */
 static inline smg_real smg_curve_turn(smg_curve *f) {
   const smg_real unit = 1 / (f->scale * f->span);
@@ -221,15 +238,6 @@ static inline smg_status smg_curve_arrived(const smg_curve *f, int folded, smg_r
 static inline smg_status smg_follow(smg_curve *f) {
   smg_real pace = SMG_FIRST_PACE, far = 0;
   int folded = 0, turned = 0, central = 0;
-  f->t = f->y + f->n;
-  f->a = f->t + f->n;
-  f->c = f->a + f->n;
-  f->x = f->c + f->n;
-  f->p = f->reached = f->slope = 0;
-  f->site = f->partner = -1;
-  smg_copy(f->y, f->w, f->n);
-  smg_zero(f->t, f->n);
-  f->q = 1;
   const smg_status begun = f->newton(f->of, 0, f->y, f->a, f->c, &f->sign);
   if (begun != SMG_OK) return begun;
   f->span = smg_curve_span(f);

@@ -20,12 +20,11 @@ static inline smg_lattice_site smg_at(int64_t k) {
 /* u = h X(m) = (h/kappa) grad C(m) x R, g = dH/dw. */
 static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,
                                  smg_real *u) {
-  const smg_real rate = smg_h_over_kappa(c, k, h);
   smg_real n[3], room[3];
   smg_normal(c, k, m, n);
   /* the rate last: pairs of spins with equal rates then turn each other by exactly opposite amounts */
   smg_cross(u, n, smg_respond(c, k, m, g, room));
-  smg_scale(u, rate, 3);
+  smg_scale(u, smg_h_over_kappa(c, k, h), 3);
 }
 
 /* r = w + u/2 - mbar, the residual of the step equation at site k, and how large it is. */
@@ -45,8 +44,7 @@ static inline void smg_tangential(const smg_coefficients *c, int64_t k, const sm
   smg_middle(3, w, compensation, u, mbar);
   smg_normal(c, k, mbar, n);
   smg_unit(n, n);
-  const smg_real off = smg_dot(n, u) / smg_dot(n, n);
-  smg_axpy(u, -off, n, 3);
+  smg_across(n, u);
 }
 
 /* The size of the products that u is made of. */
@@ -90,10 +88,8 @@ static inline void smg_newton_frame(const smg_coefficients *c, int64_t k, smg_re
     smg_respond_turn(c, k, m, g, E + 3 * l, turned);
     smg_cross(row, F + 3 * l, n);
     smg_respond_row(c, k, m, row);
-    for (int a = 0; a < 3; ++a) {
-      S[3 * l + a] = s * E[3 * l + a];
-      G[3 * l + a] = rate * row[a];
-    }
+    smg_multiple(S + 3 * l, s, E + 3 * l, 3);
+    smg_multiple(G + 3 * l, rate, row, 3);
     for (int r = 0; r < SMG_BS; ++r) own[SMG_BS * r + l] = rate * s * smg_dot(F + 3 * r, turned) + (r == l);
     rhs[l] = smg_dot(F + 3 * l, res);
   }

@@ -51,12 +51,11 @@ static void smg_assemble(const smg_state *s, smg_real h) {
 
 /* d = J^-1 r for the midpoints from its solution s->x in the frames. */
 static void smg_correct_all(const smg_state *s, smg_real h, smg_real *d) {
-  const smg_coefficients *c = &s->c;
   SMG_UNROLL_FEW
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
     d[3 * k] = d[3 * k + 1] = d[3 * k + 2] = 0;
-    smg_newton_correct(c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->S + 3 * SMG_BS * k,
+    smg_newton_correct(&s->c, k, h, s->m + 3 * k, s->s[k], s->g + 3 * k, s->r + 3 * k, s->S + 3 * SMG_BS * k,
                        s->x + SMG_BS * smg_block_row(row), d + 3 * k);
   }
 }
@@ -138,12 +137,11 @@ static int smg_within_noise(smg_state *s, smg_real h, const smg_real *u, smg_rea
 /* Every increment without its part along grad C, where that is round-off. Without Nambu sites only where the products
  * are beyond the state: in smaller steps it would cost the momentum, which equal and opposite increments keep. */
 static void smg_tangential_all(smg_state *s, smg_real rounding_scale) {
-  const smg_coefficients *c = &s->c;
   if (!SMG_COUPLED_NAMBU && !(rounding_scale > s->scale)) return;
   SMG_UNROLL_FEW
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
-    smg_tangential(c, k, s->w + 3 * k, s->compensation + 3 * k, s->u + 3 * k);
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
+    smg_tangential(&s->c, k, s->w + 3 * k, s->compensation + 3 * k, s->u + 3 * k);
   }
 }
 
@@ -174,7 +172,7 @@ static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real roundi
     smg_correct_all(s, h, d);
     for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
       const int64_t k = 3 * smg_site(&s->c, row);
-      for (int64_t b = 0; b < 3; ++b) s->u[k + b] = before[k + b] + 2 * d[k + b];
+      smg_waxpy(s->u + k, 2, d + k, before + k, 3);
     }
     smg_tangential_all(s, rounding_scale);
   }

@@ -67,14 +67,13 @@ static inline unsigned smg_probe_signs(int64_t k, unsigned probe) {
 
 /* u = h X at the components of m = P(mbar), changed; `back`: by the opposite. */
 SMG_RARE static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int back, smg_real *u) {
-  const smg_coefficients *c = &s->c;
   smg_project_all(s);
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
     const unsigned down = smg_probe_signs(k, probe) ^ (back ? 7 : 0);
     for (int64_t b = 0; b < 3; ++b) s->m[3 * k + b] *= smg_probe_factor(down, b);
   }
-  smg_coupled_gradient(c, s->m, s->g);
+  smg_coupled_gradient(&s->c, s->m, s->g);
   smg_increments(s, h, u);
 }
 
@@ -82,15 +81,14 @@ SMG_RARE static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int
  * u: h X at P(s->mbar), where all is evaluated again at the end. up, even: room for 3 numbers a site and for one. */
 SMG_COLD SMG_RARE static void smg_noise_of_all(smg_state *s, smg_real h, const smg_real *u, smg_real *up,
                                                smg_real *even, smg_real *noise) {
-  const smg_coefficients *c = &s->c;
-  const int64_t n = smg_sites(c);
+  const int64_t n = smg_sites(&s->c);
   smg_zero(noise, n);
   smg_zero(even, n);
   for (unsigned probe = 0; probe < SMG_PROBES; ++probe) {
     smg_probe_all(s, h, probe, 0, up);
     smg_probe_all(s, h, probe, 1, s->u);
-    for (int64_t row = 0; row < smg_coupled(c); ++row) {
-      const int64_t k = smg_site(c, row);
+    for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+      const int64_t k = smg_site(&s->c, row);
       smg_probe_take(noise + k, even + k, up + 3 * k, s->u + 3 * k, u + 3 * k);
     }
   }

@@ -72,7 +72,7 @@ static inline smg_real smg_sparse_row_sum(const int32_t *rowptr, const int32_t *
   const int32_t i = row / SMG_BS, r = row % SMG_BS;
   smg_real sum = 0;
   for (int32_t p = rowptr[i]; p < rowptr[i + 1]; p++)
-    for (int e = 0; e < SMG_BS; e++) sum += smg_abs(A[(int64_t)p * SMG_BB + r * SMG_BS + e] - (p == diag[i] && e == r));
+    sum = smg_add_sizes(sum, SMG_BS, A + (int64_t)p * SMG_BB + r * SMG_BS, p == diag[i] ? r : -1);
   return sum;
 }
 

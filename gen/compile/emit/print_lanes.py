@@ -14,8 +14,9 @@ from ..derive import derivatives as derive
 from ..lower.code import Component, Held, Local, Number, Parameter
 from ..lower.integers import Whole
 from .formulas import ATOM, ELEMENTARY, PRODUCT, RELATIONS, Formulas, power_of
-from .print_scalar import Scalar
+from .print_scalar import LINKAGE, Scalar
 
+KERNELS = {**LINKAGE, "usual": "SMG_LANE_KERNEL"}       # by value: unused where there is one lane
 _OWN = {derive.lesser: "min", derive.greater: "max", derive.signum: "sign", sp.sign: "sign", sp.Abs: "abs", derive.absolute: "abs"}
 
 
@@ -108,7 +109,7 @@ class Lanes(Scalar):
 
 class LanesByValue(Lanes):
     """The single sphere in lanes: vectors by value, and coefficients that are lanes too, so that each state has its own."""
-    real = "smg_lanes"
+    real, linkage = "smg_lanes", KERNELS
 
     def formulas_of(self, real) -> LaneFormulas:
         wide = {name for name, leaf in real.leaves.items()

@@ -25,8 +25,8 @@ def block(head: str, lines) -> list:
 
 class Scalar:
     """`show_<node>` gives (text, strength) of a value, `do_<node>` the lines of a statement, `define_<node>` a definition;
-    `leaf` what a symbol of a formula stands for; `formulas` and `real`: the arithmetic, and its type."""
-    formulas, real = Formulas, "smg_real"
+    `leaf` what a symbol of a formula stands for; `formulas` and `real`: the arithmetic, and its type; `linkage` of functions."""
+    formulas, real, linkage = Formulas, "smg_real", LINKAGE
     model = "c->model"      # where parameters and what they decide are found
 
     def __call__(self, node) -> str:
@@ -234,7 +234,7 @@ class Scalar:
         known = self.known(f)
         unused = ", ".join(f"(void){a.name}" for a in f.arguments if a.name not in known)
         arguments = ", ".join(f"{a.kind} (*{a.name})({a.signature})" if a.signature else declared(a.kind, a.name) for a in f.arguments)
-        head, lines = f"{LINKAGE[f.inlined]} {declared(f.kind, f.name)}({arguments})", [f"{unused};"] * bool(unused) + self.lines(f.body)
+        head, lines = f"{self.linkage[f.inlined]} {declared(f.kind, f.name)}({arguments})", [f"{unused};"] * bool(unused) + self.lines(f.body)
         one = f"{head} {{ {lines[0]} }}" if len(f.body) == len(lines) == 1 and isinstance(f.body[0], Return) else ""
         return [one] if one and len(one) <= LINE + 10 else block(head, lines)
 

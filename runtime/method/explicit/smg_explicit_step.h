@@ -33,19 +33,16 @@ static inline int64_t smg_move(smg_state *s) {
 #else
 /* Every site where it is. */
 static inline void smg_begin_step(smg_state *s) {
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) {
-    s->points[k] = s->w[k];
-    s->u[k] = SMG_TURNS_ADDED ? s->compensation[k] : 0;
-  }
+  smg_copy(s->points, s->w, 3 * smg_sites(&s->c));
+  if (SMG_TURNS_ADDED) smg_copy(s->u, s->compensation, 3 * smg_sites(&s->c));
+  else smg_zero(s->u, 3 * smg_sites(&s->c));
 }
 
 /* The new state of a site. */
 static inline void smg_end_turned_site(smg_state *s, int64_t k) {
 #if SMG_TURNS_ADDED
-  for (int64_t q = 3 * k; q < 3 * k + 3; ++q) {
-    s->w[q] = s->points[q];
-    s->compensation[q] = s->u[q];
-  }
+  smg_copy(s->w + 3 * k, s->points + 3 * k, 3);
+  smg_copy(s->compensation + 3 * k, s->u + 3 * k, 3);
 #if SMG_LENGTHS_LAST
   smg_restore_length(s, k);
 #endif

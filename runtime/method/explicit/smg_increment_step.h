@@ -22,7 +22,7 @@ SMG_APART static smg_status smg_step(smg_state *s) {
   s->report.site = smg_lost_site(s);
   s->report.status = s->report.site < 0 ? SMG_OK : SMG_NOT_FINITE;
   if (s->report.status != SMG_OK) return s->report.status;
-  for (int64_t q = 0; q < 3 * smg_sites(&s->c); ++q) smg_add_compensated(s->w + q, s->compensation + q, s->u[q]);
+  smg_add_step(3 * smg_sites(&s->c), s->w, s->compensation, s->u);
   ++s->count;
   return SMG_OK;
 }

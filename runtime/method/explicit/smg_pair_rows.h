@@ -28,10 +28,8 @@ typedef struct smg_pair_turning {
 } smg_pair_turning;
 
 SMG_INLINE void smg_select_spins(smg_lane_mask test, const smg_lane_spins *b, smg_lane_spins *a) {
-  for (int k = 0; k < 3; ++k) {
-    a->w[k] = smg_lane_select(test, a->w[k], b->w[k]);
-    a->lost[k] = smg_lane_select(test, a->lost[k], b->lost[k]);
-  }
+  smg_lane_choose(a->w, test, a->w, b->w, 3);
+  smg_lane_choose(a->lost, test, a->lost, b->lost, 3);
 }
 
 /* In the lanes of a test alone: the others keep what stands there. */
@@ -120,8 +118,7 @@ static void smg_restore_slots(const smg_turned all, smg_real inverse, int64_t sl
   for (; slot < end; slot += SMG_LANES) {
     smg_lane_spins v;
     smg_take_spins(all, slot, &v);
-    const smg_lanes back = smg_lane_first(end - slot, smg_lane_way_back(inverse, v.w));
-    for (int k = 0; k < 3; ++k) v.lost[k] += back * v.w[k];
+    smg_lane_axpy(v.lost, smg_lane_first(end - slot, smg_lane_way_back(inverse, v.w)), v.w, 3);
     smg_put_slots(all.lost, all.pitch, slot, v.lost);
   }
 }

@@ -20,11 +20,10 @@ static inline void smg_right_side(const smg_coefficients *c, smg_real size, cons
   smg_gradient(c, w, k);
   smg_respond_all(c, w, k);
   for (int64_t i = 0; i < sites; ++i) {
-    const smg_real over_kappa = smg_h_over_kappa(c, i, c->h * size);
     smg_real n[3], f[3];
     smg_normal(c, i, w + 3 * i, n);
     smg_cross(f, n, k + 3 * i);
-    for (int b = 0; b < 3; ++b) k[3 * i + b] = over_kappa * f[b];
+    smg_multiple(k + 3 * i, smg_h_over_kappa(c, i, c->h * size), f, 3);
   }
 }
 #endif

@@ -39,8 +39,7 @@ static inline void smg_turn_in_field(void *context, smg_lattice_site at) {
   const smg_state *s = turning->s;
   smg_real g[3] = {0, 0, 0};
   smg_pull(&s->c, at, s->points, g);
-  const smg_real half = 0.5 * smg_h_over_kappa(&s->c, at.k, turning->h);
-  smg_scale(g, half, 3);
+  smg_scale(g, 0.5 * smg_h_over_kappa(&s->c, at.k, turning->h), 3);
   smg_turn_one(g, s->inverse[at.k], turning->last, s->points + 3 * at.k, s->u + 3 * at.k);
 }
 

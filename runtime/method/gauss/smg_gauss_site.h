@@ -54,7 +54,7 @@ SMG_INLINE void smg_combine(const smg_real (*rows)[SMG_PADDED], const smg_of_sit
 /* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage. */
 SMG_INLINE void smg_point(smg_real r, const smg_lanes *z, smg_lanes *x, smg_lanes *p) {
   const smg_lanes scale = r / ((z[0] * z[0] + z[1] * z[1]) + (z[2] * z[2] + z[3] * z[3]) + SMG_LEAST);
-  for (int b = 0; b < 4; ++b) x[b] = scale * z[b];
+  smg_lane_multiple(x, scale, z, 4);
   p[0] = 2 * (x[0] * z[2] + x[1] * z[3]);
   p[1] = 2 * (x[0] * z[3] - x[1] * z[2]);
   p[2] = (x[0] * z[0] + x[1] * z[1]) - (x[2] * z[2] + x[3] * z[3]);

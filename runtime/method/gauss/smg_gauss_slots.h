@@ -38,10 +38,10 @@ static inline int64_t smg_places(const smg_coefficients *c) { return smg_slots(c
 
 /* Four components of some slots. */
 SMG_INLINE void smg_take_four(const smg_real *all, int64_t pitch, int64_t slot, smg_lanes *v) {
-  for (int k = 0; k < 4; ++k) v[k] = smg_lane_take(all + k * pitch + slot);
+  smg_take_from(4, all + slot, pitch, v);
 }
 SMG_INLINE void smg_put_four(smg_real *all, int64_t pitch, int64_t slot, const smg_lanes *v) {
-  for (int k = 0; k < 4; ++k) smg_lane_put(all + k * pitch + slot, v[k]);
+  smg_put_at(4, all + slot, pitch, v);
 }
 
 /* ---- z and w -------------------------------------------------------------------------------- */

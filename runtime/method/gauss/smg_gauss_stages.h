@@ -107,7 +107,7 @@ SMG_INLINE smg_real smg_over_length(const smg_state *s, const smg_gauss_work *a,
 }
 
 static inline void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t k, const smg_real *u, smg_real *z) {
-  for (int64_t b = 0; b < 3; ++b) smg_add_step(&s->w[3 * k + b], &s->compensation[3 * k + b], u[b]);
+  smg_add_step(3, s->w + 3 * k, s->compensation + 3 * k, u);
   smg_lift_site(s, a, k);
   smg_take_z(a, k, z);
 }
@@ -156,7 +156,7 @@ SMG_INLINE void smg_respond_stages(const smg_coefficients *c, const smg_lanes *p
     const smg_told told = smg_told_of(c, k);
     smg_lanes room[3];
     (void)smg_lane_respond(&told, points + 3 * k, gradients + 3 * k, room);
-    for (int b = 0; b < 3; ++b) gradients[3 * k + b] = room[b];
+    smg_lane_copy(gradients + 3 * k, room, 3);
   }
 #else
   (void)c, (void)points, (void)gradients;

@@ -56,7 +56,7 @@ SMG_INLINE void smg_slot_slopes(const smg_gauss_work *a, int i, int64_t slot, co
   smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_X), pitch, slot, x);
   smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), pitch, slot, d);
   smg_slope(a->half * smg_stage_entry(smg_gauss_weight, i), a->inverse, g, p, x, turn, l);
-  for (int b = 0; b < 4; ++b) d[b] = l[b] - d[b];
+  smg_lane_waxpy(d, smg_lane_of(-1), d, l, 4);
   smg_part_orthogonal(z, d, part);
   *change =
       smg_lane_max(*change, (smg_lane_abs(d[0]) + smg_lane_abs(d[1])) + (smg_lane_abs(d[2]) + smg_lane_abs(d[3])));
@@ -131,10 +131,11 @@ SMG_INLINE void smg_only_first(const smg_gauss_work *a, int64_t slot, int64_t in
                                smg_lanes *change) {
   const smg_lanes none = {0};
   *change = smg_lane_select(smg_lane_below(in), *change, none);
-  for (int i = 0; i < SMG_STAGES; ++i)
-    for (int b = 0; b < 4; ++b)
-      l[i][b] = smg_lane_select(smg_lane_below(in), l[i][b],
-                                smg_lane_take(smg_sweep_stage(a, i, SMG_STAGE_SLOPE + b) + slot));
+  for (int i = 0; i < SMG_STAGES; ++i) {
+    smg_lanes as_it_was[4];
+    smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), a->pitch, slot, as_it_was);
+    smg_lane_choose(l[i], smg_lane_below(in), l[i], as_it_was, 4);
+  }
 }
 
 /* The slots of one vector, k of the piece: `in` of them belong to it, the others stay as they are. */
@@ -226,7 +227,7 @@ SMG_INLINE void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t 
   smg_lanes w[3];
   (void)s;
   smg_take_slots(a->w, a->pitch, slot, w);
-  for (int k = 0; k < 3; ++k) smg_lane_add_step(w + k, a->w + (SMG_SLOT_LOST + k) * a->pitch + slot, u[k]);
+  smg_lane_add_step(3, w, a->w + SMG_SLOT_LOST * a->pitch + slot, a->pitch, u);
   smg_put_slots(a->w, a->pitch, slot, w);
   smg_lift(w, a->radius, z);
   smg_put_four(a->z, a->pitch, slot, z);

@@ -76,34 +76,23 @@ static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle)
   return smg_sphere_step(s);
 }
 #else
-typedef struct smg_before {
-  smg_real *past[SMG_HISTORY], scale;
-  int degree, history, newton_steps;
-} smg_before;
+/* The state itself: a step changes no array of the increments before it (smg_stage_done). */
+typedef smg_state smg_before;
 
 static inline void smg_hold(smg_state *s, smg_before *b) {
   const int64_t n3 = 3 * smg_sites(&s->c);
   smg_copy(s->before, s->w, n3);
   smg_copy(s->before + n3, s->compensation, n3);
-  for (int j = 0; j < SMG_HISTORY; ++j) b->past[j] = s->past[j];
-  b->scale = s->scale;
-  b->degree = s->degree;
-  b->history = s->history;
-  b->newton_steps = s->newton_steps;
+  *b = *s;
 }
 
-/* After f stages the newest f increments, at most SMG_HISTORY, are those of this step; the arrays in whose place they
- * came are in s->spare. */
 static inline void smg_give_back(smg_state *s, const smg_before *b) {
   const int64_t n3 = 3 * smg_sites(&s->c);
-  for (int j = 0; j < s->stage && j < SMG_HISTORY; ++j) s->spare[j] = s->past[j];
-  for (int j = 0; j < SMG_HISTORY; ++j) s->past[j] = b->past[j];
+  const smg_report report = s->report;
+  *s = *b;
+  s->report = report;
   smg_copy(s->w, s->before, n3);
   smg_copy(s->compensation, s->before + n3, n3);
-  s->scale = b->scale;
-  s->degree = b->degree;
-  s->history = b->history;
-  s->newton_steps = b->newton_steps;
 }
 
 /* u has joined the history, and the array of the oldest increment is free. Of the first stages it is one that a failure

@@ -19,8 +19,7 @@
 
 /* (sin(phi)/phi) a, half of W - w. */
 SMG_INLINE void smg_half_chord(smg_real r, const smg_real *a, smg_real *u) {
-  const smg_real factor = r > 0 ? smg_sinc(smg_norm(a) / r) : 1;
-  for (int b = 0; b < 3; ++b) u[b] = factor * a[b];
+  smg_multiple(u, r > 0 ? smg_sinc(smg_norm(a) / r) : 1, a, 3);
 }
 
 /* m. */

@@ -21,10 +21,10 @@
 
 /* v; the slope is g. */
 SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *g, smg_real *v) {
-  const smg_real scale = 1 / (1 + smg_dot(g, g));
   (void)r;
   smg_cross(v, w, g);
-  for (int b = 0; b < 3; ++b) v[b] = scale * (w[b] + v[b]);
+  smg_axpy(v, 1, w, 3);
+  smg_scale(v, 1 / (1 + smg_dot(g, g)), 3);
 }
 
 SMG_INLINE void smg_stage_slope(const smg_real *v, const smg_real *g, smg_real *a) {
@@ -33,12 +33,12 @@ SMG_INLINE void smg_stage_slope(const smg_real *v, const smg_real *g, smg_real *
 }
 
 SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *g, smg_real *u) {
-  const smg_real scale = 2 / (1 + smg_dot(g, g));
   smg_real x[3];
   (void)r;
   smg_cross(x, w, g);
   smg_cross(u, x, g);
-  for (int b = 0; b < 3; ++b) u[b] = scale * (x[b] + u[b]);
+  smg_axpy(u, 1, x, 3);
+  smg_scale(u, 2 / (1 + smg_dot(g, g)), 3);
 }
 
 SMG_INLINE smg_real smg_stage_weight(smg_real r) { return r; }

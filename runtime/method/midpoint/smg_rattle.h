@@ -37,7 +37,8 @@ SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_rea
   const smg_real scale = 2 / (q[0] * q[0] + smg_dot(q + 1, q + 1));
   smg_cross(x, w, q + 1);
   smg_cross(u, x, q + 1);
-  for (int b = 0; b < 3; ++b) u[b] = scale * (q[0] * x[b] + u[b]);
+  smg_axpy(u, q[0], x, 3);
+  smg_scale(u, scale, 3);
 }
 
 /* A is found by a division by x; B, from the end of the step, by y. */
@@ -77,7 +78,7 @@ static inline void smg_rattle_fields(smg_state *s, smg_real *points) {
   smg_gradient(&s->c, points, s->u);
   for (int64_t k = 0; k < sites; ++k) {
     const smg_real half = 0.5 * smg_h_over_kappa(&s->c, k, smg_signed_h(s->h));
-    for (int b = 0; b < 3; ++b) points[3 * k + b] = half * s->u[3 * k + b];
+    smg_multiple(points + 3 * k, half, s->u + 3 * k, 3);
   }
 }
 

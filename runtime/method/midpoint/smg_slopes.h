@@ -60,7 +60,7 @@ static inline void smg_renew_slopes(smg_state *s, int64_t k, const smg_real *nex
                                     smg_moved *moved) {
   smg_real *a = s->slopes + SMG_SLOPES * k, change[SMG_SLOPES];
   const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
-  for (int b = 0; b < SMG_SLOPES; ++b) change[b] = next[b] - a[b];
+  smg_waxpy(change, -1, a, next, SMG_SLOPES);
   smg_copy(a, next, SMG_SLOPES);
   const smg_real by = smg_sum_of_sizes(change, SMG_SLOPES), absolute = 2 * up * weight * by;
   moved->relative = smg_max(moved->relative, by / (smg_sum_of_sizes(next, SMG_SLOPES) + SMG_LEAST));
@@ -107,7 +107,7 @@ static smg_status smg_take_increments(smg_state *s) {
     if (!smg_stage_serves(a)) return smg_end_report(s, SMG_NO_CONVERGENCE, k);
     smg_stage_increment(w, smg_norm(w), a, u);
     if (!smg_is_finite(u)) return smg_end_report(s, SMG_NOT_FINITE, k);
-    for (int b = 0; b < 3; ++b) s->points[3 * k + b] = w[b] + u[b];
+    smg_waxpy(s->points + 3 * k, 1, u, w, 3);
   }
   return SMG_OK;
 }

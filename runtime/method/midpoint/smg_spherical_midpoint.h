@@ -23,7 +23,7 @@ static inline smg_real smg_project(const smg_coefficients *c, int64_t k, smg_rea
     const smg_real rho2 = smg_dot(mbar, mbar);
     s = rho2 > 0 ? leaf / SMG_MATH(sqrt)(rho2) : 0;
   }
-  for (int b = 0; b < 3; ++b) m[b] = s * mbar[b];
+  smg_multiple(m, s, mbar, 3);
   return s;
 }
 

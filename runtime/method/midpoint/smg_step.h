@@ -78,7 +78,7 @@ static inline void smg_add_increment(smg_state *s) {
 #if SMG_EXTENDED && !SMG_PLAIN_SUMS
   for (int64_t k = 0; k < n; ++k) smg_wide_commit(&s->w[k], &s->compensation[k], s->u[k], s->low[k]);
 #else
-  for (int64_t k = 0; k < n; ++k) smg_add_step(&s->w[k], &s->compensation[k], s->u[k]);
+  smg_add_step(n, s->w, s->compensation, s->u);
 #endif
 }
 

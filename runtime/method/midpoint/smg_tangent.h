@@ -31,7 +31,13 @@ static inline void smg_project_change(const smg_coefficients *c, int64_t k, cons
 
 /* w, the site k before the step (part = 1), or on the way back to it. */
 static inline void smg_before_step(const smg_state *s, smg_real part, int64_t k, smg_real *w) {
-  for (int b = 0; b < 3; ++b) w[b] = s->w[3 * k + b] - part * smg_last_increment(s, k)[b];
+  smg_waxpy(w, -part, smg_last_increment(s, k), s->w + 3 * k, 3);
+}
+
+/* dW = 2 d - dw in place of dw. */
+SMG_INLINE void smg_push_through(smg_real *v, const smg_real *d) {
+  smg_scale(v, -1, 3);
+  smg_axpy(v, 2, d, 3);
 }
 
 /* z = m (grad C(w).dw)/(n.m), w the state before the step, where the leaf moves with w; else 0, and so returned. */
@@ -42,8 +48,7 @@ static inline int smg_lift_column(const smg_state *s, int64_t k, const smg_real 
   smg_before_step(s, 1, k, w);
   smg_normal(&s->c, k, w, before);
   smg_normal(&s->c, k, m, n);
-  const smg_real a = smg_dot(before, dw) / smg_dot(n, m);
-  for (int b = 0; b < 3; ++b) z[b] = a * m[b];
+  smg_multiple(z, smg_dot(before, dw) / smg_dot(n, m), m, 3);
   return 1;
 }
 
@@ -57,14 +62,15 @@ static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, co
   smg_cross(turned, dn, smg_respond(c, k, m, g, room));
   smg_respond_turn(c, k, m, g, dm, turned);
   smg_cross(out, n, smg_respond_change(c, k, m, y, change));
+  smg_axpy(out, 1, turned, 3);
 #if SMG_DIVIDED
   /* u = h X/q: on top of h DX dm/q comes h X d(1/q) */
   smg_real X[3], root;
   const smg_real q = smg_divisor(c, k, h, g, &root), slope = smg_divisor_slope(c, k, h, g, y, q, root);
   smg_cross(X, n, g);
-  for (int b = 0; b < 3; ++b) out[b] = rate * (turned[b] + out[b] + slope * X[b]) / q;
+  for (int b = 0; b < 3; ++b) out[b] = rate * (out[b] + slope * X[b]) / q;
 #else
-  for (int b = 0; b < 3; ++b) out[b] = rate * (turned[b] + out[b]);
+  smg_scale(out, rate, 3);
 #endif
 }
 
@@ -72,14 +78,13 @@ static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, co
 /* Solves (1 - (h/2) DX P') d = r for one site; d holds r. 0, or not where it is singular. */
 static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, const smg_real *m, smg_real scale,
                                    const smg_real *g, smg_real *d) {
-  const smg_coefficients *c = &s->c;
   smg_real J[9];
   for (int l = 0; l < 3; ++l) {
     const smg_real e[3] = {(smg_real)(l == 0), (smg_real)(l == 1), (smg_real)(l == 2)};
     smg_real dm[3], y[3] = {0, 0, 0}, column[3];
-    smg_project_change(c, k, m, scale, e, dm);
-    smg_site_hessian_vector(c, smg_at(k), s->m, m, dm, y);
-    smg_vary(c, k, h, m, g, dm, y, column);
+    smg_project_change(&s->c, k, m, scale, e, dm);
+    smg_site_hessian_vector(&s->c, smg_at(k), s->m, m, dm, y);
+    smg_vary(&s->c, k, h, m, g, dm, y, column);
     for (int b = 0; b < 3; ++b) J[3 * b + l] = e[b] - 0.5 * column[b];
   }
   return smg_solve3(J, d);
@@ -96,10 +101,10 @@ static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *
   if (smg_lift_column(s, k, m, v + 3 * k, z)) smg_site_hessian_vector(c, smg_at(k), s->m, m, z, y);
   smg_bend(c, smg_at(k), s->m, m, dm, y);
   smg_vary(c, k, h, m, g, z, y, d);
-  for (int b = 0; b < 3; ++b) d[b] = v[3 * k + b] + 0.5 * d[b];
+  smg_waxpy(d, 0.5, d, v + 3 * k, 3);
   s->report.site = k;
   if (smg_solve_change(s, h, k, m, scale, g, d)) return SMG_SINGULAR;
-  for (int b = 0; b < 3; ++b) v[3 * k + b] = 2 * d[b] - v[3 * k + b];
+  smg_push_through(v + 3 * k, d);
   return SMG_OK;
 }
 #endif
@@ -116,13 +121,12 @@ typedef struct smg_variation {
 static inline void smg_load_change(void *of, smg_lattice_site at) {
   smg_variation *q = (smg_variation *)of;
   smg_state *s = q->s;
-  const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
   smg_real y[3] = {0, 0, 0}, *r = s->r + 3 * k;
-  smg_bend(c, at, s->m, s->m + 3 * k, q->dm, y);
-  smg_site_hessian_vector(c, at, s->m, s->m + 3 * k, q->dm + 3 * k, y);
-  smg_vary(c, k, q->h, s->m + 3 * k, s->g + 3 * k, q->dm + 3 * k, y, r);
-  for (int b = 0; b < 3; ++b) r[b] = q->v[3 * k + b] + 0.5 * r[b];
+  smg_bend(&s->c, at, s->m, s->m + 3 * k, q->dm, y);
+  smg_site_hessian_vector(&s->c, at, s->m, s->m + 3 * k, q->dm + 3 * k, y);
+  smg_vary(&s->c, k, q->h, s->m + 3 * k, s->g + 3 * k, q->dm + 3 * k, y, r);
+  smg_waxpy(r, 0.5, r, q->v + 3 * k, 3);
 }
 
 #endif
@@ -130,14 +134,13 @@ static inline void smg_load_change(void *of, smg_lattice_site at) {
 /* The right-hand sides r of all coupled sites. */
 static void smg_load_changes(smg_variation *q) {
   smg_state *s = q->s;
-  const smg_coefficients *c = &s->c;
-  for (int64_t row = 0; row < smg_coupled(c); ++row) {
-    const int64_t k = smg_site(c, row);
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
     smg_copy(s->r + 3 * k, q->v + 3 * k, 3);
     (void)smg_lift_column(s, k, s->m + 3 * k, q->v + 3 * k, q->dm + 3 * k);
   }
 #if SMG_COUPLED_LIFTED
-  smg_each(c, q, smg_load_change);
+  smg_each(&s->c, q, smg_load_change);
 #endif
 }
 
@@ -162,7 +165,7 @@ static smg_status smg_push_coupled(smg_variation *q, smg_real *keep) {
   for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
     const int64_t k = smg_site(&s->c, row);
     if (SMG_HAS_ALONE) smg_midpoint_change(q, k);
-    for (int64_t b = 3 * k; b < 3 * k + 3; ++b) q->v[b] = 2 * q->d[b] - q->v[b];
+    smg_push_through(q->v + 3 * k, q->d + 3 * k);
   }
   return SMG_OK;
 }
