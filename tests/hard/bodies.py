@@ -1,20 +1,20 @@
 r"""Rigid bodies: the unstable axis, chaos
 
-*The unstable axis.* Near w = e_y the free body is x' = (1/I_2 - 1/I_3)(-z), z' = (1/I_2 - 1/I_1) x up to the sign of y; for
-I = (1, 2, 4): x' = -z/4, z' = -x/2, growth s = 1/sqrt(8) along (1, 0, -sqrt 2). At an equilibrium m = mbar to first order:
-the step is the Cayley map, and what grows is multiplied by (1 + h s/2)/(1 - h s/2) each time. That is linear: it holds from
-1e-300 up, as long as no threshold is absolute.
+*The unstable axis.* Near w = e_y the equations of the free body are x' = (1/I_2 - 1/I_3)(-z), z' = (1/I_2 - 1/I_1) x, up to the sign of y. For
+I = (1, 2, 4) this is x' = -z/4, z' = -x/2, with the growth rate s = 1/sqrt(8) along (1, 0, -sqrt 2). At an equilibrium m = mbar to first
+order, so the step is the Cayley map, and the growing component is multiplied by (1 + h s/2)/(1 - h s/2) in each step. The equation is linear,
+so this holds from 1e-300 up, provided that no threshold is absolute.
 
-*Chaos.* The largest Lyapunov exponent of the forced body on one orbit: by the generated tangent map, and by a trajectory
-beside it, put back again and again (Benettin, Galgani, Giorgilli, Strelcyn 1980); then the tangent once more from the equation
+*Chaos.* The largest Lyapunov exponent of the forced body on one orbit is computed by the generated tangent map, and by a neighbouring
+trajectory that is moved back repeatedly (Benettin, Galgani, Giorgilli, Strelcyn 1980). The tangent is also computed from the equation
 of the step with the interpreter's derivatives of the field, with D = (h/2) DX(m) DP(mbar):
 
     (1 - D) dW = (1 + D) dw.
 
-A chaotic orbit stays for long beside its islands, so that means over two orbits agree slowly; over one orbit the methods agree
-as far as a separation of 1e-8 is a tangent. On a regular orbit, in action and angle, a tangent is (dI, d theta + omega' t dI): its
-length is t times a bounded function of the phase, and the exponent over a time T falls like ln(T)/T. The phase averages out of
-the slope of ln(length) over ln(t), fitted to every period from T/10 to T.
+A chaotic orbit may stay near islands for a long time, so averages over two orbits agree slowly. On one orbit, the methods agree
+to the accuracy with which a separation of 1e-8 is a tangent. On a regular orbit, in action-angle variables, a tangent is (dI, d theta + omega' t dI). Its
+length is t times a bounded function of the phase, and the exponent over a time T decreases like ln(T)/T. In the slope of ln(length) as a
+function of ln(t), fitted to every period from T/10 to T, the phase averages out.
 """
 from math import log, pi, sqrt
 
@@ -32,7 +32,7 @@ GROWING = np.array([1.0, 0.0, -sqrt(2)]) / sqrt(3)
 
 @case("on the unstable axis of the free body")
 def stationary():
-    """A thousand steps on each axis, both ways round: the same bits."""
+    """A thousand steps on each axis, in both directions, do not change a bit."""
     # broken by: any part of a step that is not exactly odd or even in zero components; a noisy solver
     for w in (*np.eye(3), *(0.0 - np.eye(3))):
         for h in (0.3, -3.0):
@@ -42,7 +42,7 @@ def stationary():
 
 @case("off the unstable axis of the free body")
 def escape():
-    """From 1e-300 up, both components grow by the Cayley factor at every step, to six digits of its logarithm."""
+    """For starts from 1e-300 off the axis upward, both components grow by the Cayley factor in every step, to six digits of its logarithm."""
     # broken by: an absolute tolerance or flushed denormals (nothing grows), an iteration stopped early (another rate);
     # the flow's own rate h s differs in the fourth digit at h = 0.1
     one = model(begin("free_rigid_body"))
@@ -54,14 +54,14 @@ def escape():
             for axis, name in ((0, "x"), (2, "z")):
                 yield ratio(f"start {off:g} off, h = {h}: growth of {name} in {count} steps", log(end[0, axis] / w[0, axis]) / count, factor, 1e-6)
             lowest = min(one.step().w[0, 1] for _ in range(int(30 / factor)))
-            yield below(f"start {off:g} off, h = {h}: then far away, lowest w_y", lowest, -0.999)
+            yield below(f"start {off:g} off, h = {h}: lowest w_y later, far from the axis", lowest, -0.999)
 
 
 # -- chaos ------------------------------------------------------------------------------------------
 
 PERIOD, PER_PERIOD = 2 * pi, 20
 H = PERIOD / PER_PERIOD
-CHAOTIC, REGULAR = "eps = 0.07, near the separatrix", "eps = 0.01, beside it"
+CHAOTIC, REGULAR = "eps = 0.07, near the separatrix", "eps = 0.01, regular orbit nearby"
 ORBITS = {CHAOTIC: (0.07, 0.02), REGULAR: (0.01, 0.8)}
 
 
@@ -88,7 +88,7 @@ def from_the_equation(one, witness, w, periods):
 
 
 def two(name, periods):
-    """The exponent of an orbit by the tangent map, and by a trajectory beside it."""
+    """The exponent of an orbit by the tangent map, and by a neighbouring trajectory."""
     eps, off = ORBITS[name]
     case, steps = begin("forced_rigid_body", eps=eps), periods * PER_PERIOD
     return (exponents(model(case, features=("tangent",)), start(off), H, steps, columns=1, every=PER_PERIOD),
@@ -104,26 +104,26 @@ def power(found):
 def regular_rows(periods):
     """Both exponents go to 0 like ln(T)/T."""
     name, time = REGULAR, periods * PERIOD
-    for method, found in zip(("tangent map", "trajectory beside"), two(name, periods)):
-        yield near(f"{name}: {method}, grows like t to the power", power(found), 1, 0.05)
+    for method, found in zip(("tangent map", "neighbouring trajectory"), two(name, periods)):
+        yield near(f"{name}: {method}, exponent of its growth as a power of t", power(found), 1, 0.05)
         yield below(f"{name}: {method}, exponent over {periods} periods", found.values[0], 1.5 * log(time) / time, "1.5 ln(T)/T")
 
 
 @case("chaos of the forced body: two Lyapunov exponents")
 def chaos():
-    """They agree, and with the tangent's own equation, as long as round-off leaves the orbit alone; 0 on a regular orbit beside."""
+    """The two exponents agree with each other, and with the equation of the tangent, as long as round-off has not changed the orbit. On a regular orbit nearby they are 0."""
     # broken by: a tangent that is not that of the step; a solver that returns noise (an exponent on the regular orbit)
     periods, (eps, off) = 60, ORBITS[CHAOTIC]      # exp(0.04*60*2 pi) 1e-16 is still small
     own, beside = (found.values[0] for found in two(CHAOTIC, periods))
     case = begin("forced_rigid_body", eps=eps)
     equation = from_the_equation(model(case), Witness(case.spec, case.values), start(off), periods).sum() / (periods * PERIOD)
-    yield ratio(f"{CHAOTIC}: tangent map against a trajectory beside, {periods} periods", own, beside, 1e-5)
-    yield ratio(f"{CHAOTIC}: tangent map against the equation's", own, equation, 1e-6)
+    yield ratio(f"{CHAOTIC}: tangent map compared with a neighbouring trajectory, {periods} periods", own, beside, 1e-5)
+    yield ratio(f"{CHAOTIC}: tangent map compared with the equation of the step", own, equation, 1e-6)
     yield from regular_rows(2000)
 
 
 def along_one(one, w, periods):
-    """Growth (periods, 2) of a tangent, and of the separation of a trajectory beside, which both begin each period at the
+    """Growth (periods, 2) of a tangent, and of the separation of a neighbouring trajectory, which both begin each period at the
     same state; every period of the loading is the first."""
     here, v = one.start(w.copy(), h=H).state(), tangent_vectors(one, 1)
     apart, grown = v[0].copy(), np.empty((periods, 2))
@@ -142,14 +142,14 @@ def along_one(one, w, periods):
 
 @case("chaos of the forced body: two Lyapunov exponents, long run", tier="long")
 def chaos_long():
-    """Long after round-off has made the orbit another, the exponents along it agree, and are far from 0 and from a regular orbit's."""
+    """Long after round-off has changed the orbit, the exponents still agree. They are far from 0 and from those of a regular orbit."""
     # broken by: a tangent that is not put back on the sphere (it outgrows what decays), a wrong time after a restart
     periods, (eps, off) = 20_000, ORBITS[CHAOTIC]
     grown = along_one(model(begin("forced_rigid_body", eps=eps), features=("tangent",)), start(off), periods)
     times = PERIOD * np.arange(1, periods + 1)
     own, beside = grown.sum(axis=0) / times[-1]
     spread = Exponents(grown.sum(axis=0), grown, times, grown).error()[0]
-    yield ratio(f"{CHAOTIC}: tangent map against a trajectory beside, {periods} periods", own, beside, 1e-5)
+    yield ratio(f"{CHAOTIC}: tangent map compared with a neighbouring trajectory, {periods} periods", own, beside, 1e-5)
     yield between(f"{CHAOTIC}: exponent over its standard error", own / spread, 5, np.inf)
-    yield between(f"{CHAOTIC}: exponent over 1.5 ln(T)/T, a regular orbit's", own / (1.5 * log(times[-1]) / times[-1]), 50, np.inf)
+    yield between(f"{CHAOTIC}: exponent over 1.5 ln(T)/T, that of a regular orbit", own / (1.5 * log(times[-1]) / times[-1]), 50, np.inf)
     yield from regular_rows(periods)

@@ -63,15 +63,15 @@ def case(name: str, tier: str = "quick"):
 def near(what: str, measured, expected, tolerance: float) -> Row:
     """|measured - expected| <= tolerance; NaN does not hold."""
     off = abs(float(measured - expected))
-    return Row(what, f"{float(expected):.10g} within {tolerance:.1e}",
-               f"{float(measured):.10g} (off by {off:.1e})", off <= tolerance)
+    return Row(what, f"{float(expected):.10g} with an error of at most {tolerance:.1e}",
+               f"{float(measured):.10g} (error {off:.1e})", off <= tolerance)
 
 
 def ratio(what: str, measured, expected, tolerance: float) -> Row:
     """|measured/expected - 1| <= tolerance."""
     off = abs(float(measured / expected - 1))
-    return Row(what, f"{float(expected):.10g} within {tolerance:.1e} of it",
-               f"{float(measured):.10g} (off by {off:.1e} of it)", off <= tolerance)
+    return Row(what, f"{float(expected):.10g} with a relative error of at most {tolerance:.1e}",
+               f"{float(measured):.10g} (relative error {off:.1e})", off <= tolerance)
 
 
 def below(what: str, measured, bound: float, law: str = "") -> Row:
@@ -125,9 +125,9 @@ def refused(what: str, model, status, sites=None) -> Iterator[Row]:
     """The next step of a started model fails with `status` (or one of several), names sites and leaves every bit and the time alone."""
     w, t, count = model.state(), model.t, model.count
     yield ends(what, attempt(model), *(status if isinstance(status, tuple) else (status,)))
-    yield same_bits(f"{what}: the state after it", model.state(), w)
+    yield same_bits(f"{what}: state afterwards", model.state(), w)
     yield same(f"{what}: time and count", (model.t, model.count), (t, count))
     if sites is not None:
         report = model.report()
         named = {report["site"], report["partner"]} - {-1}
-        yield Row(f"{what}: the sites named", f"of {sorted(sites)}", str(sorted(named)), bool(named) and named <= set(sites))
+        yield Row(f"{what}: sites named", f"some of {sorted(sites)}", str(sorted(named)), bool(named) and named <= set(sites))

@@ -1,17 +1,17 @@
 r"""Chains: stiff, large, and spin waves
 
 *Spin waves.* H = -J sum w_i.w_{i+1} - K sum z_i^2 - B sum z_i, strength kappa: about w = e_z the field is
--(1/kappa)(2 J cos k u, 2 J + 2 K + B), so that u = x + i y turns at kappa omega = 2 J (1 - cos k) + 2 K + B, without damping.
-At any polar angle theta the helix u_j = sin(theta) exp(i k j), z_j = cos(theta) turns rigidly,
+-(1/kappa)(2 J cos k u, 2 J + 2 K + B), so u = x + i y rotates with kappa omega = 2 J (1 - cos k) + 2 K + B, without damping.
+At any polar angle theta the helix u_j = sin(theta) exp(i k j), z_j = cos(theta) rotates rigidly with
 
     kappa omega(z) = (2 J (1 - cos k) + 2 K) z + B.
 
-By symmetry a step turns it by phi; its midpoint has the height z/rho, rho^2 = 1 - sin^2(theta) sin^2(phi/2), and the length
+By symmetry a step rotates it by an angle phi. Its midpoint has the height z/rho, rho^2 = 1 - sin^2(theta) sin^2(phi/2), and the length
 of the increment gives
 
     tan(phi/2) = (h/(2 rho)) omega(z/rho);      theta -> 0:    tan(phi/2) = h omega/2.
 
-*Stiff chains.* The Landau-Lifshitz equation on n points with h/ds^2 = 16: no fixed point contracts there; Newton does.
+*Stiff chains.* This is the Landau-Lifshitz equation on n points with h/ds^2 = 16. Fixed-point iteration does not converge there, but Newton's method does.
 """
 import json
 import subprocess
@@ -51,7 +51,7 @@ def discrete(h, k, theta, *values):
 
 @case("spin waves of a chain")
 def dispersion():
-    """The exact discrete frequency at every wave number, small and large amplitude; the flow's as h goes to 0; no damping."""
+    """The discrete frequency is exact at every wave number, for small and large amplitudes. It tends to that of the flow as h goes to 0, and there is no damping."""
     # broken by: a neighbour missed at the wrap, a factor 2 of K, kappa left out, a midpoint off the sphere, damping
     values = (1.0, 0.3, 0.2, 1.5)
     model = build("spin_wave", n=N, **dict(zip(("J", "K", "B", "kappa"), values)))
@@ -64,7 +64,7 @@ def dispersion():
                 model.start(w.copy(), h=h).step()
                 worst = max(worst, largest(turns(w, model.w) - float(discrete(h, k, theta, *values))))
                 height = max(height, largest(np.hypot(model.w[:, 0], model.w[:, 1]) / sin(theta) - 1))
-            yield below(f"h = {h}, theta = {theta}: angle of a step off, largest of {N // 2 + 1} wave numbers", worst, 32 * EPS)
+            yield below(f"h = {h}, theta = {theta}: error of the angle of a step, largest of {N // 2 + 1} wave numbers", worst, 32 * EPS)
             yield below(f"h = {h}, theta = {theta}: change of the amplitude", height, 32 * EPS)
     for p in (1, 7, 12):
         k = 2 * pi * p / N
@@ -78,7 +78,7 @@ def dispersion():
 
 @case("spin waves with a stiff easy axis")
 def stiff_axis():
-    """K h up to 1e4: the exact angle of a helix, and of a small wave 2 atan(h omega/2), in one step."""
+    """For K h up to 1e4, the angle of a helix in one step is exact, and that of a small wave is 2 atan(h omega/2)."""
     # broken by: an iteration that contracts only for K h < 1, a Newton matrix without the anisotropy
     h, k = 1.0, 2 * pi * 3 / N
     for K in (10.0, 1e2, 1e4):
@@ -89,14 +89,14 @@ def stiff_axis():
             error = attempt(model.start(w.copy(), h=h))
             found = turns(w, model.w) if error is None else np.full(N, np.nan)
             exact = float(discrete(h, k, theta, *values))
-            yield below(f"K h = {K:g}, theta = {theta:g}: off the angle {exact:.10f}", largest(found - exact), 64 * EPS)
-        yield near(f"K h = {K:g}: the small wave is Cayley's", float(discrete(h, k, 1e-6, *values)), 2 * atan(h * omega(k, 1.0, *values) / 2), 1e-6)
+            yield below(f"K h = {K:g}, theta = {theta:g}: error of the angle {exact:.10f}", largest(found - exact), 64 * EPS)
+        yield near(f"K h = {K:g}: angle of a small wave, as for the Cayley map", float(discrete(h, k, 1e-6, *values)), 2 * atan(h * omega(k, 1.0, *values) / 2), 1e-6)
 
 
 @case("a stiff easy axis over many steps")
 def stiff_axis_long():
-    """K h = 50 and 1e4, every spin at its own angle: every step solved, sum z kept, the energy error within the range of the
-    exchange energy, 2 J n: without exchange a step keeps every z, and only exchange can pay for a change."""
+    """With K h = 50 and 1e4 and a different angle for every spin, every step is solved, and sum z is conserved. The energy error
+    is within the range of the exchange energy, 2 J n, because without exchange a step conserves every z."""
     # broken by: sweeps without Newton (no convergence), a stop that is relative to the field, damping (n K = 240000 to lose)
     for K, h, count in ((100.0, 0.5, 500), (1e4, 1.0, 500)):
         values = {"n": N, "J": 1.0, "K": K, "B": 0.0, "kappa": 1.0}
@@ -112,7 +112,7 @@ def stiff_axis_long():
             rho = np.linalg.norm(before + one.w, axis=1).min() / 2
             left = max(left, interpreter.residual(before, one.w, n * h, h) / (EPS * (1 + 2 * h * (K + 1) / rho))) if n < 50 else left
         yield same(f"{what}: steps", one.count, count)
-        yield below(f"{what}: residual of fifty steps by the interpreter, in units of its round-off", left, 4)
+        yield below(f"{what}: residual of fifty steps by the interpreter, in units of round-off", left, 4)
         yield below(f"{what}: energy error", max(errors, default=np.nan), 2 * N, "2 J n")
         yield below(f"{what}: change of sum z", abs(one.w[:, 2].sum() - spin), 4 * EPS * np.sqrt(N * count))
 
@@ -138,22 +138,22 @@ def stiff_rows(count):
         iterations.append(model.report()["iterations"])
         errors.append(abs((model.energy() - first) / span))
     yield below(f"most iterations of {count} steps", max(iterations), 6)
-    yield below("energy error of the first half, of the energy above all parallel", max(errors[:count // 2]), 0.25)
-    yield below("energy error of the second half over that of the first", max(errors[count // 2:]) / max(errors[:count // 2]), 1.5)
+    yield below("energy error of the first half, relative to the energy above that of parallel spins", max(errors[:count // 2]), 0.25)
+    yield below("energy error of the second half divided by that of the first", max(errors[count // 2:]) / max(errors[:count // 2]), 1.5)
     yield below("change of the total spin", largest(model.w.sum(axis=0) - spin), 4 * 16 * EPS * np.sqrt(100 * count))      # h/ds^2 products of size 1, rounded, a spin and step
-    yield below("off the spheres", largest(np.sum(model.w**2, axis=1) - 1), 8 * EPS + EPS * np.sqrt(count))
+    yield below("distance from the spheres", largest(np.sum(model.w**2, axis=1) - 1), 8 * EPS + EPS * np.sqrt(count))
 
 
 @case("stiff chain, h/ds^2 = 16")
 def stiff_chain():
-    """Newton in at most six iterations a step; the orbit bounded, the energy error without a trend."""
+    """Newton's method takes at most six iterations per step. The orbit is bounded, and the energy error has no trend."""
     # broken by: a wrong Jacobian (linear convergence: tens of iterations), a stagnation test that round-off never meets
     yield from stiff_rows(300)
 
 
 @case("stiff chain, h/ds^2 = 16, long run", tier="long")
 def stiff_chain_long():
-    """The same over ten thousand steps."""
+    """The same holds over ten thousand steps."""
     yield from stiff_rows(10_000)
 
 
@@ -161,7 +161,7 @@ def stiff_chain_long():
 
 @case("plain iteration where it does not contract")
 def not_contracting():
-    """Asked for by name, it hands over to Newton with GMRES: the step is that of Newton with a factored band."""
+    """If requested by name, plain iteration is followed by Newton's method with GMRES. The step agrees with that of Newton's method with a factored band matrix."""
     # broken by: returning the last iterate as a solution, products with another matrix than that of the step
     i = np.arange(N)
     w = polar(0.7 + 0.3 * np.sin(6 * pi * i / N), 2 * pi * i / N)
@@ -169,22 +169,22 @@ def not_contracting():
                      for solver in ("plain", "newton"))
     for name, model in (("plain", plain), ("newton", newton)):
         yield Row(f"h = 1.5, {name}", "ok", status_of(attempt(model)), model.count == 1)
-    yield below("apart", float(np.abs(plain.w - newton.w).max()), 1e-13)
-    yield below("the residual", plain.report()["residual"], 1e-14)
+    yield below("difference between the two states", float(np.abs(plain.w - newton.w).max()), 1e-13)
+    yield below("residual", plain.report()["residual"], 1e-14)
 
 
 @case("a step far too large for a rough chain")
 def too_large():
-    """From rest, and after ten good steps with their history: a typed end, the state untouched; the next start goes on."""
+    """From the start, and after ten successful steps with their history, the step fails with a status and the state is unchanged. A new start then works."""
     # broken by: the last iterate taken for a solution, a history or a carry spoilt by the failure
     model = build("spin_wave", n=N, J=-1.0)
     w = np.random.default_rng(5).normal(size=(N, 3))
     w /= np.linalg.norm(w, axis=1)[:, None]
     error = attempt(model.start(w.copy(), h=40.0))
     yield typed("h = 40", error)
-    yield same_bits("h = 40: the state after it", model.w, w)
+    yield same_bits("h = 40: state afterwards", model.w, w)
     whole = model.start(w.copy(), h=0.05).steps(20).w.copy()
-    yield same_bits("twenty steps of 0.05 afterwards, twice", model.start(w.copy(), h=0.05).steps(20).w, whole)
+    yield same_bits("twenty steps with h = 0.05 afterwards, twice", model.start(w.copy(), h=0.05).steps(20).w, whole)
 
 
 # -- a million spins --------------------------------------------------------------------------------
@@ -220,16 +220,16 @@ def probe(n, count):
 
 @case("a million spins", tier="long")
 def million():
-    """Time and memory in proportion to n; total spin and norms kept."""
+    """Time and memory are proportional to n, and total spin and norms are conserved."""
     # broken by: a matrix or a table of n^2 (memory 4 times for 2 times the spins, time 10 times), a sum that loses digits with n
     count = 20
     sizes = (100_000, 10 * count), (500_000, 2 * count), (1_000_000, count)
     probe(1000, 1)                                          # generates and compiles: its memory is not that of a run
     found = [probe(n, k) for n, k in sizes]
-    yield below("time a spin and step, n = 1e6 over 1e5", found[2]["time"] / found[0]["time"], 2.5)
+    yield below("time per spin and step, n = 1e6 over 1e5", found[2]["time"] / found[0]["time"], 2.5)
     yield between("memory added from n = 5e5 to 1e6, over that from 1e5 to 5e5, per spin",
                   (found[2]["peak"] - found[1]["peak"]) / 5e5 / ((found[1]["peak"] - found[0]["peak"]) / 4e5), 0.67, 1.5)
-    yield below("bytes added a spin", (found[2]["peak"] - found[1]["peak"]) / 5e5, 1500, "60 vectors")
+    yield below("bytes added per spin", (found[2]["peak"] - found[1]["peak"]) / 5e5, 1500, "60 vectors")
     for (n, k), one in zip(sizes, found):
         yield below(f"n = {n:g}: change of the total spin", one["spin"], 8 * EPS * np.sqrt(n * k))
-        yield below(f"n = {n:g}: off the spheres", one["norm"], 16 * EPS)
+        yield below(f"n = {n:g}: distance from the spheres", one["norm"], 16 * EPS)

@@ -1,8 +1,12 @@
 """Damping, noise and torques
 
-With b = -B e_z and kappa = s |kappa| a damped spin has artanh w_z = artanh w_z(0) + alpha B t/|kappa| and turns by s B t/|kappa|, both divided by 1 + alpha^2 for
-Gilbert's form. Noise alone, in n turns of variance sigma^2 = 2 (y - y^2/6) a component in each half of a step, y = D h/(2 n), leaves of the mean vector the part
-((1 + 2 (1 - sigma^2) e^{-sigma^2/2})/3)^{2 n}. The torque tau w x (w x p) has artanh(w.p) = artanh(w.p)(0) - tau t, and is 0 at w = p and w = -p.
+*Damping.* With b = -B e_z and kappa = s |kappa|, a damped spin has artanh w_z = artanh w_z(0) + alpha B t/|kappa| and rotates by s B t/|kappa|. For
+Gilbert's form, both are divided by 1 + alpha^2.
+
+*Noise.* In each half of a step, noise makes n rotations, whose components have the variance sigma^2 = 2 (y - y^2/6) with y = D h/(2 n). Without any other motion,
+a step multiplies the mean vector by ((1 + 2 (1 - sigma^2) e^{-sigma^2/2})/3)^{2 n}.
+
+*Torques.* Under the torque tau w x (w x p), artanh(w.p) = artanh(w.p)(0) - tau t. The torque is 0 at w = p and w = -p.
 """
 import math
 
@@ -63,7 +67,7 @@ def damped(alpha, form, kappa=1.0):
 
 @case("damping from 1e-8 to 10")
 def damping():
-    """A damped spin in a field: its height and its angle, by both forms; midpoints keep |w| and lower the energy at every damping."""
+    """The height and the angle of a damped spin in a field are compared with the exact solution, for both forms of damping. Midpoint steps conserve |w| and lower the energy for every damping."""
     for form in ("gilbert", "ll"):
         for alpha in (1e-8, 1e-4, 0.1, 1.0, 10.0):
             height, angle = damped(alpha, form)
@@ -77,7 +81,7 @@ def damping():
 
 @case("damping with strengths over 24 decades, both signs")
 def strengths():
-    """kappa scales time, and its sign turns the precession but not the damping."""
+    """kappa scales time, and its sign reverses the precession but not the damping."""
     for kappa in (1e-12, -1e-12, 1.0, -1.0, 1e12, -1e12):
         height, angle = damped(0.3, "gilbert", kappa)
         yield below(f"kappa = {kappa:g}: error of w_z at t = |kappa|", height, 4e-14)
@@ -86,7 +90,7 @@ def strengths():
 
 @case("noise so strong that a half step forgets the direction")
 def noise():
-    """The mean of thirty thousand free spins after one step, with x = D h/2 below, at and above 1; |w| of each."""
+    """The mean of thirty thousand free spins after one step is compared with the exact value, for x = D h/2 below, at and above 1. |w| of each spin is conserved."""
     sites = 30_000
     model = smidgen.build(spins(bath("ll", 'kT = "kT"\n'), sites, B=1e-30), parameters={"alpha": 1.0})
     for x in (0.01, 0.25, 0.999, 1.0, 1.001, 3.7, 40.0):
@@ -96,25 +100,25 @@ def noise():
         y = min(x, 31.5) / n
         s = 2 * (y - y * y / 6)
         yield near(f"x = {x:g}: mean w_z", w[:, 2].mean(), ((1 + 2 * (1 - s) * math.exp(-s / 2)) / 3) ** (2 * n), 4 / math.sqrt(3 * sites))
-        yield below(f"x = {x:g}: change of |w|", largest(np.linalg.norm(w, axis=1) - 1), 8 * n * EPS, "4 units in the last place a turn")
+        yield below(f"x = {x:g}: change of |w|", largest(np.linalg.norm(w, axis=1) - 1), 8 * n * EPS, "4 units in the last place per rotation")
 
 
 @case("a temperature of zero")
 def cold():
-    """kT = 0 is the run without noise, to the bit; kT = 1e-300 moves nothing that is seen."""
+    """A run with kT = 0 has the same bits as a run without noise, and kT = 1e-300 has no visible effect."""
     for method in METHODS:
         ends = {}
         for said, kT in (("0", 0.0), ("1e-300", 1e-300), ("none", None)):
             spec = spins(bath("gilbert", "" if kT is None else 'kT = "kT"\n'))
             model = smidgen.build(spec, method=method, parameters={} if kT is None else {"kT": kT})
             ends[said] = model.start("a", h=0.1).steps(100).w.copy()
-        yield bits(f"{method}: kT = 0 beside no kT, 100 steps", ends["0"], ends["none"])
-        yield below(f"{method}: kT = 1e-300 beside no kT", largest(ends["1e-300"] - ends["none"]), 1e-13)
+        yield bits(f"{method}: kT = 0 compared with no kT, 100 steps", ends["0"], ends["none"])
+        yield below(f"{method}: kT = 1e-300 compared with no kT", largest(ends["1e-300"] - ends["none"]), 1e-13)
 
 
 @case("a spin along and against the polarisation")
 def polarised():
-    """Where the torque is 0 the spin stands, to the bit; beside it tan of half its angle changes by exp of tau t."""
+    """Where the torque is 0, the spin does not move, bit for bit. Near this point, the tangent of half its angle changes by the factor exp(tau t)."""
     for end in (1.0, -1.0):
         for method in METHODS:
             w = np.array([[0.0, 0.0, end]])
@@ -130,7 +134,7 @@ def polarised():
 
 @case("a torque without closed form, up to its fold and beyond")
 def fold():
-    """Steps of every size: what is accepted solves the equation, what is refused says why and leaves the state as it was."""
+    """For steps of every size, an accepted step solves the equation, and a refused step gives the reason and leaves the state unchanged."""
     spec = spins(PUSH.format(torque="w[i].z*cross(w[i], vec(1, 0.2, 0)) + cross(w[i], w[i].x*w[i].y*vec(0, 1, 1))"), 4)
     model, witness = smidgen.build(spec), Witness(spec)
     solved, refused, residual, moved, strange = 0, 0, 0.0, 0, 0
@@ -144,7 +148,7 @@ def fold():
             refused += 1
             strange += error.status not in (NO_CONVERGENCE, NO_SOLUTION, WRONG_BRANCH)
             moved += not np.array_equal(model.w, w)
-    yield Row("steps of 0.05 to 500: solved and refused", "some of either", f"{solved} and {refused}", solved > 5 and refused > 0)
-    yield below("residual of those that are solved, by the witness, as part of 1 + h", residual, 2e-15)
-    yield Row("refused for another reason than convergence, a fold or a branch", "0", str(strange), strange == 0)
-    yield Row("refused, and the state is another one", "0", str(moved), moved == 0)
+    yield Row("steps of 0.05 to 500: solved and refused", "both kinds", f"{solved} and {refused}", solved > 5 and refused > 0)
+    yield below("residual of the solved steps, by the witness, relative to 1 + h", residual, 2e-15)
+    yield Row("refused for a reason other than convergence, a fold or a branch", "0", str(strange), strange == 0)
+    yield Row("refused, but with a changed state", "0", str(moved), moved == 0)

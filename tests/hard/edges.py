@@ -1,12 +1,12 @@
 r"""Zeros, axes and round-off
 
-Where X(w) = 0 a step is W = w exactly: each product that vanishes must be an exact zero, and nothing may divide by it.
+If X(w) = 0, a step gives W = w exactly: each product that vanishes must be an exact zero, and there must be no division by it.
 
-Round-off that is a random walk grows like N^(1/2) in the number of steps; a bias grows like N. The exponent is fitted to the
-root mean square of the changes over windows of one orbit, and over orbits. The mean of the roundings along a quasi-periodic
-orbit is not exactly zero: with the last evaluation in double some 1e-22 a step are left, of either sign, which join the walk from
-1e7 steps on ([round_off.md](round_off.md)). To 1e7 steps the default is held to 1e-18 sqrt(N), to 1e8 the feature `extended`, whose
-last evaluation has more digits.
+Round-off that is a random walk grows like N^(1/2), where N is the number of steps; a bias grows like N. The exponent is fitted to the
+root mean square of the changes over windows of one orbit, and over orbits. The mean rounding error along a quasi-periodic
+orbit is not exactly zero. With the last evaluation in double precision, about 1e-22 per step remain, of either sign, which become visible from
+1e7 steps on ([round_off.md](round_off.md)). The bound 1e-18 sqrt(N) is required up to 1e7 steps of the default, and up to 1e8 steps of the
+feature `extended`, whose last evaluation has more digits.
 """
 from concurrent.futures import ThreadPoolExecutor
 
@@ -20,7 +20,7 @@ from .geometry import build, polar
 
 @case("axis-aligned spins, zero components, zero fields")
 def aligned():
-    """What has no torque does not move, not by a bit; antiparallel neighbours neither."""
+    """A spin without torque does not move, not even in the last bit. This includes antiparallel neighbours."""
     # broken by: a division by |w x b|, by a component or by the field; noise of the solver
     axes = (*np.eye(3), *(0.0 - np.eye(3)))
     for h in (0.3, 3.0):
@@ -41,7 +41,7 @@ def aligned():
 
 @case("one component zero")
 def one_zero():
-    """A body in the plane of two axes leaves it at the exact rate of the third component; a flipped sign flips with it."""
+    """A body in the plane of two axes leaves it at the exact rate of the third component. If a sign is reversed, the solution is reversed with it."""
     # broken by: 0/0 in a ratio of components, a reflection symmetry that round-off breaks
     one = model(begin("free_rigid_body"))
     for w in ([0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.6, 0.8, 0.0]):
@@ -49,12 +49,12 @@ def one_zero():
         mirror = np.where(np.array(w) == 0, 1, -1)
         yield Row(f"w = {w}: finite", "finite", str(np.round(end[0], 6).tolist()), bool(np.all(np.isfinite(end))))
         # H is even in each component; turning by pi about the axis that is zero is a symmetry of the step
-        yield same_bits(f"w = {w}: turned by pi about the zero axis, before or after", one.start(np.array([w]) * mirror + 0.0, h=0.3).steps(50).w, end * mirror)
+        yield same_bits(f"w = {w}: rotated by pi about the zero axis, before or after the step", one.start(np.array([w]) * mirror + 0.0, h=0.3).steps(50).w, end * mirror)
 
 
 @case("denormal numbers in a start")
 def denormals():
-    """Components of 5e-324 next to 1: finite, the energy kept, the big components as without."""
+    """Components of 5e-324 stand next to 1. The result is finite, the energy is conserved, and the large components are the same as without them."""
     # broken by: 1/component, a relative test that never ends
     one = model(begin("free_rigid_body"))
     for axis in range(3):
@@ -123,28 +123,28 @@ def free_body_rows(counts, orbits, features=()):
 
 @case("round-off over a million steps of the free body")
 def million_steps():
-    """Energy and norm: rms at most 1e-18 and 3e-18 sqrt(N), the exponent at most 0.6."""
+    """The rms errors of energy and norm are at most 1e-18 and 3e-18 times sqrt(N), with exponents of at most 0.6."""
     # broken by: a stop at a tolerance (1e-9 and exponent 1), plain sums (1e-17 sqrt(N)), a biased last iterate (exponent 1)
     yield from free_body_rows(np.array([1e5, 3e5, 1e6]), 12)
 
 
 @case("round-off over 1e7 steps of the free body", tier="long")
 def ten_million_steps():
-    """The same of forty orbits."""
+    """The same holds for forty orbits."""
     # broken by: a bias of 1e-21 a step, which 1e6 steps would not show
     yield from free_body_rows(np.array([1e5, 3e5, 1e6, 3e6, 1e7]), 40)
 
 
 @case("round-off over 1e8 steps of the free body", tier="long")
 def hundred_million():
-    """The same to 1e8 steps, with the last evaluation in extended precision."""
+    """The same holds up to 1e8 steps, with the last evaluation in extended precision."""
     # broken by: a bias of 1e-22 a step, which the default has; an evaluation in double that is only stored in more digits
     yield from free_body_rows(np.array([1e6, 3e6, 1e7, 3e7, 1e8]), 12, ("extended",))
 
 
 @case("round-off over 1e7 steps of other systems", tier="long")
 def ten_million():
-    """|w|^2 of the irreversible body, vortices and a chain: the exponent over windows, rms at the end."""
+    """For |w|^2 of the irreversible body, vortices and a chain, the exponent over windows and the rms error at the end are bounded."""
     # broken by: a biased last evaluation on the coupled paths (exponent 1); plain sums (5e-17 sqrt(N))
     for name, count, values, h in (("irreversible_rigid_body", 10_000_000, {}, 0.5), ("irreversible_rigid_body", 10_000_000, {}, 0.2),
                                    ("two_bodies", 10_000_000, {}, None), ("point_vortices", 3_000_000, {}, None),

@@ -1,7 +1,7 @@
 r"""Sites that are pinned or absent
 
-A spin between pinned ones moves in their constant field B = -J (p_1 + p_2): the midpoint turns it about B by 2 arctan(h |B|/(2 rho)), rho the length of its midpoint, and
-|w| and w.B stay. A spin whose neighbours are all absent moves in no field at all. Neither changes with the strength of the bonds that are not there, however large.
+A spin between two pinned spins p_1 and p_2 moves in their constant field B = -J (p_1 + p_2). The midpoint method rotates it about B by 2 arctan(h |B|/(2 rho)), where rho is the length of its
+midpoint, and conserves |w| and w.B. A spin whose neighbours are all absent has no field. The bonds of absent sites have no effect, however strong they are.
 """
 import numpy as np
 
@@ -45,7 +45,7 @@ def moved(spec, h, steps, method="spherical-midpoint"):
 
 @case("isolated and pinned neighbours")
 def neighbours():
-    """Spins beside pinned and beside absent ones, bonds of every strength, steps of every size."""
+    """Spins beside pinned and beside absent sites are tested with bonds of every strength and steps of every size."""
     for J, h in ((1.0, 0.1), (1e-12, 1.0), (1.0, 100.0), (1e6, 1e-3), (-1e6, 1.0)):
         w, W = moved(held('pinned = "mod(i, 2) == 0"', J), h, 100)
         B = np.array([w[k - 1] + w[k + 1] for k in (1, 3)])
@@ -61,7 +61,7 @@ def neighbours():
 
 @case("everything absent, everything pinned")
 def everything():
-    """A model without a site is refused, with a reason; one whose sites all stand stands, whatever the step."""
+    """A model without any site is refused, with a reason. If all sites are pinned, the state does not change, whatever the step."""
     try:
         held('absent = "i < 5"')
         said = "no error"

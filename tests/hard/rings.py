@@ -1,30 +1,30 @@
 r"""Rings of vortices
 
-N vortices of strength kappa at height z = cos(theta), r = sin(theta), evenly spread, turn with
+N evenly spaced vortices of strength kappa at height z = cos(theta), with r = sin(theta), rotate with the angular velocity
 
     Omega = (N - 1) kappa z/(4 pi r^2)
 
-(clockwise for kappa > 0 in this sign). A step turns the ring by phi; its midpoint is a ring at tan(theta') =
-cos(phi/2) tan(theta), and the length of the increment gives sin(phi) = h Omega: the step exists up to h Omega = 1.
+(clockwise for kappa > 0 with this sign of the bracket). A step rotates the ring by phi. Its midpoint is a ring at tan(theta') =
+cos(phi/2) tan(theta), and the length of the increment gives sin(phi) = h Omega. Hence the step exists up to h Omega = 1.
 
-*Stability.* In (azimuth, height) = (alpha, zeta) the Hessian of H has no mixed part, and on the mode exp(2 pi i p k/N)
+*Stability.* In the coordinates azimuth and height, (alpha, zeta), the Hessian of H has no mixed part. For the mode exp(2 pi i p k/N) it is
 
     H_aa = (kappa^2/4 pi) p (N - p),    H_zz = (kappa^2/4 pi) ((N - 1)(1 + z^2) - p (N - p))/r^4
 
-(with the sum over k of sin^2(pi p k/N)/sin^2(pi k/N) = p (N - p)), so that the flow is unstable if and only if
-p (N - p) > (N - 1)(1 + z^2): z^2 < 1/3, 1/2, 4/5 for N = 4, 5, 6, never for N = 3, always for N >= 7
+(the sum over k of sin^2(pi p k/N)/sin^2(pi k/N) is p (N - p)). Hence the flow is unstable if and only if
+p (N - p) > (N - 1)(1 + z^2). This means z^2 < 1/3, 1/2, 4/5 for N = 4, 5, 6. It is never the case for N = 3, and always for N >= 7
 (Polvani and Dritschel 1993).
 
-*The step.* Let eta be half the angle of the step, with its sign, q = r cos(eta), R^2 = q^2 + z^2 the
-square of the length of mbar, r_m = q/R and z_m = z/R the ring of midpoints, P = H_aa/kappa, Q = H_zz/kappa at (r_m, z_m).
-Linearising W - w = h X(m) about the turning ring,
+*The step.* Let eta be half the angle of the step, with its sign, and q = r cos(eta). R^2 = q^2 + z^2 is the
+square of the length of mbar, and r_m = q/R and z_m = z/R describe the ring of midpoints. P = H_aa/kappa and Q = H_zz/kappa are taken at (r_m, z_m).
+Linearising W - w = h X(m) about the rotating ring gives
 
     zeta' - zeta = F (alpha + alpha')/2,    F = h P/(1 + h P T/2),    T = (z/r^2) tan(eta),
     alpha' - alpha = E (zeta + zeta')/2,    E = (2 z sin(eta) - Y cos(eta))/(r^2 (cos(eta) + Y z sin(eta)/2)),
     Y = 2 z tan(eta)/R^2 + h q^2 Q/R^4,
 
-a Cayley map: a step multiplies by exp(2 atanh(sqrt(E F)/2)), or turns by 2 atan(sqrt(-E F)/2) when E F < 0. At
-p (N - p) = (N - 1)(1 + z^2) the two terms of E cancel for every eta: the method has the thresholds of the flow at every h.
+which is a Cayley map. A step multiplies a mode by exp(2 atanh(sqrt(E F)/2)), or rotates it by 2 atan(sqrt(-E F)/2) if E F < 0. At
+p (N - p) = (N - 1)(1 + z^2) the two terms of E cancel for every eta, so the method has the thresholds of the flow at every h.
 """
 from math import asin, atan, atanh, cos, pi, sin, sqrt, tan
 
@@ -59,7 +59,7 @@ def ring(N, z, alpha=0.0, zeta=0.0):
 
 @case("a ring of vortices turns rigidly")
 def rigid():
-    """After a thousand steps each vortex of a stable ring has turned by asin(h Omega) a step, at its height."""
+    """In a thousand steps each vortex of a stable ring rotates by asin(h Omega) per step and stays at its height."""
     # broken by: any wrong sum over pairs, a wrong midpoint (CM turns by another angle), a drift
     count = 1000
     for N, theta in ((3, 1.0), (5, 0.4), (6, 0.3)):
@@ -70,13 +70,13 @@ def rigid():
             gap = np.angle(np.exp(1j * (turns(w, model.w) + count * asin(part))))
             height = count * EPS / 2                # half a last bit a step, at worst
             slope = part / sqrt(1 - part * part) * (1 / z + 2 * z / (1 - z * z))      # d asin(h Omega)/dz
-            yield below(f"N = {N}, h Omega = {part}: height off", largest(model.w[:, 2] - z), height)
-            yield below(f"N = {N}, h Omega = {part}: angle off after {count} steps", largest(gap), count * slope * height)
+            yield below(f"N = {N}, h Omega = {part}: error of the height", largest(model.w[:, 2] - z), height)
+            yield below(f"N = {N}, h Omega = {part}: error of the angle after {count} steps", largest(gap), count * slope * height)
 
 
 @case("a ring of vortices, up to its fold and beyond")
 def ring_fold():
-    """sin(phi) = h Omega has a solution up to 1."""
+    """sin(phi) = h Omega has a solution for h Omega up to 1."""
     # broken by: a wrong branch before the fold, an accepted non-solution after it
     N, theta = 5, 0.4
     model, w, z = vortices(N), polar(theta, 2 * pi * np.arange(N) / N), cos(theta)
@@ -125,16 +125,16 @@ def growth(N, p, z, h, small=1e-9, factor=1e4):
 
 @case("a ring of vortices grows at the rate of the linearised step")
 def unstable_rings():
-    """N = 4, 5, 6 below their thresholds, N = 7 always."""
+    """Rings of N = 4, 5, 6 are unstable below their thresholds, and rings of N = 7 at every height."""
     # broken by: a wrong second derivative of the pair energy in the dynamics; the flow's own rate differs in the third digit
     for N, z in ((4, 0.3), (5, 0.5), (6, 0.7), (7, 0.8), (9, 0.9)):
         p, h = N // 2, 0.4 / rate(N, z)
         E, F = modes(N, p, z, h)
-        yield ratio(f"N = {N}, z = {z}: growth a step", growth(N, p, z, h), 2 * atanh(sqrt(E * F) / 2), 1e-5)
+        yield ratio(f"N = {N}, z = {z}: growth per step", growth(N, p, z, h), 2 * atanh(sqrt(E * F) / 2), 1e-5)
 
 
 def stable_frequency(N, p, z, h, count=64, small=1e-6):
-    """The measured angle a step of a mode that turns: its first amplitude is cos(n angle)."""
+    """The measured angle per step of a mode that turns: its first amplitude is cos(n angle)."""
     model = vortices(N).start(moved(N, p, z, small, 0.0), h=h)
     base = asin(h * rate(N, z))
     seen = [amplitude(N, p, z, model.step().w, -(n + 1) * base)[0] / small for n in range(count)]
@@ -144,7 +144,7 @@ def stable_frequency(N, p, z, h, count=64, small=1e-6):
 
 @case("stability thresholds of rings")
 def thresholds():
-    """z^2 = 1/3, 1/2, 4/5 at every h: a percent of z below it grows, a percent above turns, at the exact rates."""
+    """The thresholds are z^2 = 1/3, 1/2, 4/5 at every h. If z is 1 % below the threshold, a mode grows at the exact rate; if z is 1 % above, it rotates at the exact rate."""
     # broken by: a wrong second derivative, another method (its threshold moves with h), damping on the stable side
     for N, limit in ((4, 1 / 3), (5, 1 / 2), (6, 4 / 5)):
         p, low, high = N // 2, 0.99 * sqrt(limit), 1.01 * sqrt(limit)
@@ -152,19 +152,19 @@ def thresholds():
             root = brentq(lambda z: modes(N, p, z, part / rate(N, z))[0], 0.3, 0.999)
             yield near(f"N = {N}, h Omega = {part}: threshold of z^2 in the linearised step", root**2, limit, 1e-9)
         E, F = modes(N, p, low, 0.4 / rate(N, low))
-        yield ratio(f"N = {N}, a percent below: growth a step", growth(N, p, low, 0.4 / rate(N, low), factor=1e3),
+        yield ratio(f"N = {N}, 1 % below: growth per step", growth(N, p, low, 0.4 / rate(N, low), factor=1e3),
                     2 * atanh(sqrt(E * F) / 2), 1e-5)
         E, F = modes(N, p, high, 0.4 / rate(N, high))
-        yield ratio(f"N = {N}, a percent above: angle a step", stable_frequency(N, p, high, 0.4 / rate(N, high)),
+        yield ratio(f"N = {N}, 1 % above: angle per step", stable_frequency(N, p, high, 0.4 / rate(N, high)),
                     2 * atan(sqrt(-E * F) / 2), 1e-5)
 
 
 @case("a ring of three vortices is stable at every height")
 def three():
-    """Modes turn at 2 atan(sqrt(-E F)/2), also next to the equator and the pole."""
+    """Modes rotate by 2 atan(sqrt(-E F)/2) per step, also next to the equator and the pole."""
     # broken by: a growth or a damping that the method must not have
     for z, part in ((0.01, 0.3), (0.3, 0.9), (0.99, 0.5)):
         h = part / rate(3, z)
         E, F = modes(3, 1, z, h)
         small = 1e-6 * (1 - z * z)
-        yield ratio(f"z = {z}, h Omega = {part}: angle a step", stable_frequency(3, 1, z, h, small=small), 2 * atan(sqrt(-E * F) / 2), 1e-4)
+        yield ratio(f"z = {z}, h Omega = {part}: angle per step", stable_frequency(3, 1, z, h, small=small), 2 * atan(sqrt(-E * F) / 2), 1e-4)

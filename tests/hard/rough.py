@@ -1,15 +1,15 @@
 r"""A rough chain: how far steps exist, and how far each way of solving gets
 
-The chain w_i' = w_i x (w_{i-1} + w_{i+1}), n = 100, each spin drawn uniformly from the sphere: neighbours know nothing of each
-other, and no two spins turn alike. Newton's method from W = w finds the solution for small h alone. Where it fails smidgen goes
-back to h = 0, where W = w is the solution, and follows the curve of solutions (W, p h), 0 <= p <= 1, by its arclength. So it
-gets as far as steps exist: to the point where the curve turns back (a fold, where J becomes singular), or where the midpoint of
-a spin runs into the centre of its sphere and has no direction. Beyond it says so, and up to which part of h steps exist; whoever
-asks for sub-stepping gets the step in 2^k parts, the fewest that can be done.
+In the chain w_i' = w_i x (w_{i-1} + w_{i+1}) with n = 100, each spin starts at a random point of the sphere, independent of its
+neighbours. Newton's method from W = w finds the solution only for small h. If it fails, smidgen starts from
+h = 0, where W = w is the solution, and follows the curve of solutions (W, p h), 0 <= p <= 1, by its arclength. This
+reaches the end of the branch: a fold, where the curve turns back and J becomes singular, or a point where the midpoint of
+a spin reaches the centre of its sphere and has no direction. Beyond this end, smidgen reports failure and the fraction of h up to which
+steps exist. With substeps, the step is taken in 2^k parts, for the smallest k that is possible.
 
-The end is found here without smidgen, in numpy with dense matrices: W is continued in h itself, in paces that are halved where
-Newton would jump, down to 1e-7. Which end it is the smallest distance rho of a midpoint from the centre tells. A midpoint has a
-direction to eps/rho, an increment is known to eps (1 + 2 h/rho), and W to |J^-1| times that.
+These tests find the end without smidgen, in numpy with dense matrices. W is continued in h, with increments that are halved, down to 1e-7,
+where Newton's method would jump. The smallest distance rho of a midpoint from the centre shows which kind of end it is. The
+direction of a midpoint is known to eps/rho, an increment to eps (1 + 2 h/rho), and W to |J^-1| times that.
 """
 from functools import cache
 from typing import NamedTuple
@@ -124,15 +124,15 @@ def unit(w, W, h):
 def start_rows(seed):
     """One start: before its end, behind it, and in parts."""
     one, chain = branch(seed), model(begin("heisenberg_chain", n=N))
-    what = f"start {seed}, which ends in a {'centre' if one.centre else 'fold'}"
+    what = f"start {seed}, whose branch ends in a {'centre' if one.centre else 'fold'}"
     for part, W in zip(BEFORE, one.solutions):
         error = attempt(chain.start(one.w.copy(), h=part * one.end))
         off = largest(chain.w - W) / unit(one.w, W, part * one.end) if error is None else np.inf
-        yield below(f"{what}: off the solution at {part} of the end, in units of its round-off", off, 1)
+        yield below(f"{what}: distance from the solution at {part} of the end, in units of round-off", off, 1)
     for part in BEHIND:
         status = (NO_SOLUTION, NO_CONVERGENCE if one.centre else WRONG_BRANCH)
         yield from refused(f"{what}: {part} of the end", chain.start(one.w.copy(), h=part * one.end), status)
-        yield between(f"{what}: {part} of the end: the h up to which steps exist", chain.report()["reached"] * part * one.end,
+        yield between(f"{what}: {part} of the end: largest h for which steps exist", chain.report()["reached"] * part * one.end,
                       0.99 * one.end, one.end * (1 + 1e-6))
 
 
@@ -148,8 +148,8 @@ def all_rows(seeds):
     for seed in seeds:
         yield from start_rows(seed)
     easy = sum(plain_newton(branch(seed)) >= 0.99 for seed in seeds)
-    yield below("starts where Newton from W = w gets to 0.99 of the end, as smidgen does from all", easy, len(seeds) / 4)
-    yield between("starts whose end is known for what it is: proved, its sites named", sum(map(proved, seeds)), 0.9 * len(seeds), len(seeds))
+    yield below("starts from which Newton's method alone reaches 0.99 of the end, which smidgen reaches from all", easy, len(seeds) / 4)
+    yield between("starts for which the kind of end is proved and its sites are named", sum(map(proved, seeds)), 0.9 * len(seeds), len(seeds))
 
 
 def parts_rows(seed):
@@ -165,12 +165,12 @@ def parts_rows(seed):
         else:
             fewest = k
     yield same(f"start {seed}: 3 times the end, taken in 2^k parts: k", substep(chain.start(one.w.copy(), h=h)), fewest)
-    yield below(f"start {seed}: off those parts in numpy", largest(chain.state() - w), 1e-9)
+    yield below(f"start {seed}: difference from the same parts computed in numpy", largest(chain.state() - w), 1e-9)
 
 
 @case("a rough chain, from small steps to where they end")
 def rough():
-    """smidgen finds the solution wherever there is one, says how far steps exist where there is none, and takes parts for who asks."""
+    """smidgen finds the solution wherever there is one. If there is none, it reports how far steps exist, and takes substeps on request."""
     # broken by: Newton alone (it stops at a part of the end), an accepted solution behind a fold, `reached` taken behind it
     yield from all_rows((0, 3))
     yield from parts_rows(0)
@@ -178,8 +178,8 @@ def rough():
 
 @case("a rough chain, twelve more starts", tier="long")
 def rough_long():
-    """The same of twelve other starts."""
+    """The same holds for twelve other starts."""
     seeds = range(100, 112)
     yield from all_rows(seeds)
     kinds = {"centres" if branch(seed).centre else "folds" for seed in seeds}
-    yield Row("their ends", "centres and folds", " and ".join(sorted(kinds)), len(kinds) == 2)
+    yield Row("kinds of ends", "centres and folds", " and ".join(sorted(kinds)), len(kinds) == 2)

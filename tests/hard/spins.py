@@ -1,25 +1,25 @@
 r"""Single spins and pairs of spins
 
-*A spin in a field.* w' = w x lambda e_z. Let r be the sine of the angle between w and the field. A step turns w about z by
-phi; its midpoint has the length rho, rho^2 = 1 - r^2 sin^2(phi/2), and the length of the increment gives
-tan(phi/2) = lambda h/(2 rho). With a = (lambda h)^2 and s = sin^2(phi/2) this is 4 r^2 s^2 - (4 + a) s + a = 0, so that
+*A spin in a field.* The equation is w' = w x lambda e_z. Let r be the sine of the angle between w and the field. A step rotates w about z by
+phi. The length rho of its midpoint is given by rho^2 = 1 - r^2 sin^2(phi/2), and the length of the increment gives
+tan(phi/2) = lambda h/(2 rho). With a = (lambda h)^2 and s = sin^2(phi/2) this is 4 r^2 s^2 - (4 + a) s + a = 0, hence
 
     sin^2(phi/2) = [(4 + a) - sqrt((4 + a)^2 - 16 r^2 a)]/(8 r^2) = 2 a/[(4 + a) + sqrt((4 + a)^2 - 16 r^2 a)],
     cos^2(phi/2) = 8 (1 - r^2)/[b + sqrt(b^2 + 64 r^2 (1 - r^2))],    b = 4 + a - 8 r^2:
 
-the angle depends on the angle between w and the axis (the statement acos(1 - a/2), and the limit lambda h < 2, are r = 1
-alone). Exactly perpendicular, r = 1: sin^2(phi/2) = a/4, and no solution for lambda h > 2. At every other angle a solution
-exists at every h. At the equilibrium, r -> 0, it is the Cayley map: tan(phi/2) = lambda h/2, stable for every h.
+The rotation angle depends on the angle between w and the axis; the formula acos(1 - a/2) and the limit lambda h < 2 apply only to r = 1.
+If the spin is exactly perpendicular to the field, r = 1, then sin^2(phi/2) = a/4, and there is no solution for lambda h > 2. At every other
+angle a solution exists for every h. At the equilibrium, r -> 0, the step is the Cayley map, tan(phi/2) = lambda h/2, which is stable for every h.
 
-*Anisotropy.* H = -K w_z^2 is a field -2 K w_z: tan(phi/2) = -(h K z)/rho^2, with z = w_z.
+*Anisotropy.* H = -K w_z^2 corresponds to a field -2 K w_z. Hence tan(phi/2) = -(h K z)/rho^2, with z = w_z.
 
-*Two spins*, H = J w_1.w_2, strengths k_1, k_2, S = k_1 w_1 + k_2 w_2: the flow turns both about S at the rate
-J |S|/(k_1 k_2). As for vortices a step is a turn by phi about S, tan a_i' = cos(phi/2) tan a_i, and
+*Two spins.* For H = J w_1.w_2 with strengths k_1, k_2, the flow rotates both spins about S = k_1 w_1 + k_2 w_2 at the rate
+J |S|/(k_1 k_2). As for vortices, a step rotates them by phi about S, with tan a_i' = cos(phi/2) tan a_i and
 
     h = 2 (k_1 k_2/(J |S|)) (sin gap/sin(a_1' + a_2')) sin(phi/2).
 
-*A field that turns*, B e_z + A (cos(f t) e_x + sin(f t) e_y): in the frame that turns with it the field is constant,
-(A, 0, B + f), so that w(t) = R_z(f t) R(-t (A, 0, B + f)) w(0), R the rotation by a vector.
+*A rotating field*, B e_z + A (cos(f t) e_x + sin(f t) e_y). In the frame that rotates with it, the field is constant,
+(A, 0, B + f). Hence w(t) = R_z(f t) R(-t (A, 0, B + f)) w(0), where R is the rotation by a vector.
 """
 from math import cos, pi, sin
 
@@ -53,7 +53,7 @@ def sensitivity(rate, w):
 
 @case("one spin in a field, any lambda h, any angle")
 def any_angle():
-    """The exact angle of one step from lambda h = 1e-8 to 1e6, alone and among others."""
+    """The angle of one step is exact from lambda h = 1e-8 to 1e6, for a spin alone and among others."""
     # broken by: a midpoint off its sphere, a bound lambda h < 2, another branch, a solver that contracts only for small h
     for theta in ANGLES:
         worst = {"alone": 0.0, "among others": 0.0}
@@ -65,12 +65,12 @@ def any_angle():
                 off = abs(-turns(start, model.w)[0] - float(exact_turn(rate, w[0]))) if error is None else np.inf
                 worst[name] = max(worst[name], off / tolerance)
         for name, value in worst.items():
-            yield below(f"theta = {theta:.5g}, {name}: angle off, in units of its round-off", value, 1)
+            yield below(f"theta = {theta:.5g}, {name}: error of the angle, in units of round-off", value, 1)
 
 
 @case("one spin in a field: the midpoint near the centre")
 def near_the_centre():
-    """W near -w: lambda h far beyond 2 at angles close to perpendicular still has its exact step."""
+    """If the spin is nearly perpendicular to the field and lambda h is far beyond 2, W is close to -w. The step is still exact."""
     # broken by: a formula through 1 - rho^2 (cancels), a normalisation by a small rho without care
     for off in (1e-3, 1e-6):
         w = np.array([[np.sqrt(1 - off * off), 0.0, off]])
@@ -83,20 +83,20 @@ def near_the_centre():
 
 @case("one spin in a field: a warning near the centre")
 def warning():
-    """A run says when a midpoint comes within 0.1 of the centre, and how near: rho^2 = 1 - r^2 sin^2(phi/2)."""
+    """A run warns if a midpoint comes within 0.1 of the centre, and gives its distance: rho^2 = 1 - r^2 sin^2(phi/2)."""
     # broken by: no warning, one by h alone (at other angles the same h is harmless), a distance taken from w
     for off, rate in ((1e-3, 1.99999), (1e-3, 2.5), (1e-6, 10.0), (0.5, 10.0), (0.02, 1.99), (0.02, 1.0)):
         w = np.array([[np.sqrt(1 - off * off), 0.0, off]])
         rho = mp.sqrt(1 - (1 - mp.mpf(off)**2) * mp.sin(exact_turn(rate, w[0]) / 2)**2)
         said = smidgen.run(load("spin_in_field"), start=w, h=rate, steps=1).summary["nearest"]
-        yield same(f"w_z = {off:g}, lambda h = {rate}, rho = {float(rho):.3g}: warned", said is not None, bool(rho < NEAR))
+        yield same(f"w_z = {off:g}, lambda h = {rate}, rho = {float(rho):.3g}: warning", said is not None, bool(rho < NEAR))
         if said:
-            yield ratio(f"w_z = {off:g}, lambda h = {rate}: the distance it names", said["rho"], rho, 1e-12)
+            yield ratio(f"w_z = {off:g}, lambda h = {rate}: distance in the warning", said["rho"], rho, 1e-12)
 
 
 @case("one spin exactly perpendicular to its field")
 def perpendicular():
-    """phi = 2 asin(lambda h/2) up to 2; beyond it no solution, alone and among others, state untouched."""
+    """The angle is phi = 2 asin(lambda h/2) for lambda h up to 2. Beyond it there is no solution, for a spin alone and among others, and the state is unchanged."""
     # broken by: accepting W = -w (which is no solution: the midpoint has no direction), a late or untyped failure
     w = np.array([[1.0, 0.0, 0.0]])
     for rate in (1e-8, 1.0, 1.9, 1.999999):
@@ -111,7 +111,7 @@ def perpendicular():
 
 @case("Cayley at the equilibrium, stable for every h")
 def cayley():
-    """A spin 1e-9 off the axis turns by 2 atan(lambda h/2) a step and comes no nearer or farther in 1000 steps."""
+    """A spin at a distance of 1e-9 from the axis rotates by 2 atan(lambda h/2) per step, and its distance does not change in 1000 steps."""
     # broken by: damping or growth at large lambda h (backward Euler, explicit methods), the formula of Theorem 1 (vi) taken at r = 0
     for rate in (0.1, 2.0, 100.0, 1e6):
         w = np.array([[1e-9, 0.0, 1.0]])
@@ -123,7 +123,7 @@ def cayley():
 
 @case("stiff easy axis, one spin")
 def stiff_axis():
-    """tan(phi/2) = h K z/rho^2 for K from 1 to 1e4."""
+    """The angle satisfies tan(phi/2) = h K z/rho^2 for K from 1 to 1e4."""
     # broken by: a Jacobian without the anisotropy's own block (Newton fails), the neighbour's branch
     for K in (1.0, 100.0, 1e4):
         for theta in (0.2, 0.8):
@@ -161,7 +161,7 @@ def coupled(k1, k2, gap):
 
 @case("two coupled spins turn about their sum")
 def about_their_sum():
-    """The exact discrete angle from small to huge steps, unequal strengths too; the flow's rate to second order."""
+    """The angle of a step is exact from small to very large steps, also for unequal strengths. Its rate agrees with the flow to second order."""
     # broken by: a frozen partner, strengths left out on one side, sublattice rotations (energy exact, another angle)
     for k1, k2, gap in ((1.0, 1.0, 1.2), (1.0, 2.5, 0.9)):
         w = coupled(k1, k2, gap)
@@ -172,14 +172,14 @@ def about_their_sum():
             found = np.abs(turns(w, model.w)) if error is None else [float("nan")]
             yield near(f"strengths {k1:g}, {k2:g}, h = {h:g}: angle", found[0], turn_of(h, 1.0, k1, k2, gap), 32 * EPS)
         off = [abs(np.abs(turns(w, model.start(w.copy(), h=1 / n).steps(n).w)[0]) - float(S / (k1 * k2))) for n in (64, 128)]
-        yield near(f"strengths {k1:g}, {k2:g}: error of the rate, h over h/2", off[0] / off[1], 4, 0.05)
+        yield near(f"strengths {k1:g}, {k2:g}: error of the rate, at h divided by that at h/2", off[0] / off[1], 4, 0.05)
 
 
 # -- fields that change in time ---------------------------------------------------------------------
 
 @case("a field that changes in time along z")
 def pulsed():
-    """Every step turns by its exact angle for the field at t + h/2."""
+    """Every step rotates the spin by the exact angle for the field at t + h/2."""
     # broken by: a time frozen at the start of the run or of the step, or t + h
     h, count = 0.25, 40
     model, w = build("pulsed_spin"), polar([1.1], [0.0])
@@ -196,12 +196,12 @@ def rabi(t, w):
 
 @case("a field that turns: the order is kept")
 def turning():
-    """Errors at h, h/2, h/4 against the exact solution fall by 4; a frozen time would leave 2 or 1."""
+    """From h to h/2 to h/4, the error decreases by factors of 4. With a frozen time the factors would be 2 or 1."""
     # broken by: a frozen time (order 0), time at an end of the step (order 1)
     model, w, t = build("rabi"), polar([0.4], [0.3]), 10.0
     off = [largest(model.start(w.copy(), h=t / n).steps(n).w - rabi(t, w)) for n in (200, 400, 800)]
-    yield near("error at h over error at h/2", off[0] / off[1], 4, 0.05)
-    yield near("error at h/2 over error at h/4", off[1] / off[2], 4, 0.02)
+    yield near("error at h divided by error at h/2", off[0] / off[1], 4, 0.05)
+    yield near("error at h/2 divided by error at h/4", off[1] / off[2], 4, 0.02)
     limit = [model.start(w.copy(), h=t / n).steps(n).w.copy() for n in (400, 800, 1600)]
     better = [(4 * b - a) / 3 for a, b in zip(limit, limit[1:])]
-    yield below("extrapolated to h = 0, off the exact solution", largest((16 * better[1] - better[0]) / 15 - rabi(t, w)), 1e-9)
+    yield below("difference from the exact solution after extrapolation to h = 0", largest((16 * better[1] - better[0]) / 15 - rabi(t, w)), 1e-9)

@@ -1,8 +1,8 @@
 r"""Strengths over many decades
 
-For two spins k_1 (W_1 - w_1) + k_2 (W_2 - w_2) = 0 in every step: each increment is -+ h J m_1 x m_2 over its strength. The
-heavy spin may move by less than its last bit: its increment is what the state and its compensation carry hold together. The
-sum of all k_i w_i alone would hide a wrong light spin; so would no look at the heavy one's carry.
+For two spins of strengths k_1 and k_2, every step satisfies k_1 (W_1 - w_1) + k_2 (W_2 - w_2) = 0: each increment is -+ h J m_1 x m_2
+divided by the strength. The heavy spin may move by less than its last bit, so its increment has to be computed from the state together
+with its stored rounding error. The sum of all k_i w_i is not a sufficient criterion, since an error of a light spin would not be visible in it.
 """
 import subprocess
 import tempfile
@@ -65,7 +65,7 @@ def increments(driver, k, w, h):
 
 
 def pair_rows(driver):
-    """Momentum of the pair and angle of the lighter one."""
+    """Momentum of the pair and angle of the lighter spin."""
     for k1, k2 in PAIRS:
         h, w, what = 0.3 * min(abs(k1), abs(k2)), coupled(k1, k2, 1.2), f"strengths {k1:g}, {k2:g}"
         moved = increments(driver, (k1, k2), w, h)
@@ -73,7 +73,7 @@ def pair_rows(driver):
         yield below(f"{what}: |k1 dW1 + k2 dW2| over |k1 dW1|", largest(first + second) / largest(first), 1e-14)
         light = int(abs(k2) < abs(k1))
         found = abs(turns(w, w + moved.astype(float))[light])
-        yield near(f"{what}: angle of the lighter one", found, turn_of(h, np.sign(k1 * k2), k1, k2, mp.mpf("1.2")), 8 * EPS)
+        yield near(f"{what}: angle of the lighter spin", found, turn_of(h, np.sign(k1 * k2), k1, k2, mp.mpf("1.2")), 8 * EPS)
 
 
 @case("a pair with strengths over 24 decades, both signs")
@@ -86,7 +86,7 @@ def pair():
 
 @case("25 spins with strengths from 1e-12 to 1e12, both signs")
 def cascade():
-    """Momentum to 1e-14 of sum |k_i|, over 1000 steps, and every spin as the interpreter's."""
+    """The momentum is conserved to 1e-14 of sum |k_i| over 1000 steps, and every spin agrees with the interpreter."""
     # broken by: a Newton matrix whose pivots drown the light spins, a stop by the residual of the heaviest alone
     k = np.array([10.0**(i - 12) * (-1)**i for i in range(25)])
     model = build("cascade", n=25, k=k.tolist())
@@ -94,15 +94,15 @@ def cascade():
     w, whole = model.w.copy(), np.abs(k).sum()
     one = model.step().w.copy()
     exact = Witness(load("cascade"), {"n": 25, "k": k.tolist()}).step(w, 0.0, model.h)
-    yield below("one step: off the interpreter's, largest of all spins", largest(one - exact), 8 * EPS)
-    yield below("one step: least way of a light spin (the heaviest apart)", -np.abs(one - w).max(axis=1)[:22].min(), -1e-3)
+    yield below("one step: largest difference of a spin from the interpreter", largest(one - exact), 8 * EPS)
+    yield below("one step: smallest displacement of a spin other than the heaviest", -np.abs(one - w).max(axis=1)[:22].min(), -1e-3)
     model.steps(999)
     yield below("1000 steps: change of the momentum over sum |k_i|", largest(k @ model.w - k @ w) / whole, 1e-14)
 
 
 @case("strength zero")
 def zero():
-    """Refused at the start."""
+    """The model is refused at the start."""
     # broken by: 1/kappa = Inf that reaches the state
     try:
         smidgen.build(load("two_spins"), parameters={"k": [1.0, 0.0]}).start("any", h=0.1)

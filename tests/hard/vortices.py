@@ -2,22 +2,22 @@ r"""Vortices: a close pair, and three that collapse
 
 *A pair.* Let S = kappa_1 w_1 + kappa_2 w_2, let vortex i lie at the angle a_i from S, on opposite sides of it, and let
 gap = a_1 + a_2. Both increments W_i - w_i are along m_1 x m_2, so they are at right angles to both midpoints and to
-S = kappa_1 mbar_1 + kappa_2 mbar_2, which a step keeps: every solution is a turn of both about S by one angle phi. Then the
+S = kappa_1 mbar_1 + kappa_2 mbar_2, which a step conserves. Hence every solution rotates both vortices about S by the same angle phi. Then the
 midpoints lie at a_i' with tan a_i' = cos(phi/2) tan a_i, and the length of an increment gives
 
     h = 8 pi (sin gap/|S|) sin(phi/2) tan((a_1' + a_2')/2).
 
 For an equal pair at half-angle a this is sin(phi) = h kappa/(4 pi sin a tan a). The largest value of the right side over
 (0, pi) is the fold: beyond it there is no solution, before it there are two, and the smaller phi is the one connected to
-h = 0. For strengths kappa and -kappa it is 8 pi sin(gap/2) tan(phi/2), without a fold: a step of every size exists.
+h = 0. For strengths kappa and -kappa the right side is 8 pi sin(gap/2) tan(phi/2). There is no fold, and a step of every size exists.
 
 *Collapse.* With l_ij^2 = 2 - 2 w_i.w_j and V = w_1.(w_2 x w_3), for i, j, k in cyclic order,
 
     d(l_ij^2)/dt = kappa_k (V/pi) (1/l_ik^2 - 1/l_jk^2).
 
-If sum kappa_i kappa_j = 0 and sum kappa_i kappa_j l_ij^2 = 0 (an integral, through |S|), energy and momentum fix the ratios
-of the l_ij^2: l_ij^2 = c_ij f(t), c_ij their initial values. So A = kappa_k (1/c_ik - 1/c_jk)/c_ij is the same for all
-three, and f f' = A V/pi. Gram's determinant of the three unit vectors is V^2 = f^2 (alpha - beta f) with
+If sum kappa_i kappa_j = 0 and sum kappa_i kappa_j l_ij^2 = 0 (this sum is conserved because |S| is), energy and momentum fix the ratios
+of the l_ij^2: l_ij^2 = c_ij f(t) with the initial values c_ij. Hence A = kappa_k (1/c_ik - 1/c_jk)/c_ij is the same for all
+three pairs, and f f' = A V/pi. Gram's determinant of the three unit vectors is V^2 = f^2 (alpha - beta f) with
 4 alpha = 2 (c_12 c_23 + c_23 c_31 + c_31 c_12) - c_12^2 - c_23^2 - c_31^2 and 4 beta = c_12 c_23 c_31. Hence g = V/f has
 g^2 = alpha - beta f and g' = -beta A/(2 pi): g is linear in t, and the squared distances are quadratic,
 
@@ -25,10 +25,10 @@ g^2 = alpha - beta f and g' = -beta A/(2 pi): g is linear in t, and the squared 
 
 (beta = 0 is the plane, where f is linear).
 
-*The fold of a collapse.* For a small triangle the midpoint is that of the plane, and a self-similar triangle turned and
-scaled by the complex number Z obeys Z' = Gamma/conj(Z): tau = |Z|^2/(2 |Re Gamma|) is the time that is left, it turns at the
-rate omega, q = omega tau is constant. The step Z_1 - Z_0 = h Gamma/conj((Z_0 + Z_1)/2) takes exactly h from tau (|Z|^2 is as
-linear in the step as in the flow); its midpoint solves a quadratic equation, and there is a solution if and only if
+*The fold of a collapse.* For a small triangle the midpoint is that of the plane. A self-similar triangle that is rotated and
+scaled by the complex number Z obeys Z' = Gamma/conj(Z). The remaining time is tau = |Z|^2/(2 |Re Gamma|), the triangle rotates at the
+rate omega, and q = omega tau is constant. The step Z_1 - Z_0 = h Gamma/conj((Z_0 + Z_1)/2) decreases tau by exactly h (|Z|^2 is
+linear in time, in the step as in the flow). Its midpoint solves a quadratic equation, which has a solution if and only if
 
     h/tau + q^2 (h/tau)^2 <= 1,    that is    tau/h >= (1 + sqrt(1 + 4 q^2))/2.
 """
@@ -108,7 +108,7 @@ def by(solver):
 
 @case("close vortex pair, up to the fold")
 def up_to_the_fold():
-    """The angle of a step is the exact one, on the connected branch."""
+    """The angle of a step is the exact angle on the connected branch."""
     # broken by: a wrong field or projection (the angle), the second branch (phi beyond the fold's), a loose stop
     for (name, (k1, k2, gap)), solver in product(PAIRS.items(), SOLVERS):
         model, w = vortices((k1, k2), solver), places(k1, k2, gap)
@@ -120,7 +120,7 @@ def up_to_the_fold():
             off = largest(model.w - turned(w, -float(exact))) if error is None else float("nan")
             # 1 - w_1.w_2 has the relative error eps/gap^2, which phi takes over, 1/sqrt(1 - part) times near the fold
             tolerance = 8 * EPS * largest(w[:, 0]) / gap**2 / (1 - part)**0.5
-            yield below(f"{name}, {part} of the fold{by(solver)}: off the place at phi = {float(exact):.12f}", off, tolerance)
+            yield below(f"{name}, {part} of the fold{by(solver)}: distance from the exact position at phi = {float(exact):.12f}", off, tolerance)
 
 
 @case("close vortex pair, beyond the fold")
@@ -136,7 +136,7 @@ def beyond_the_fold():
 
 @case("a close pair among others, beyond its fold")
 def pair_among_others():
-    """Which two sites of five: the close ones are named."""
+    """Of five sites, the report names the two that are close to each other."""
     # broken by: a report that names the first site, or the site where the iteration happened to end
     w = np.array([[1, 0, 0], [0, 0, -1], [0.15, 0, 1], [0, 1, -0.3], [-0.15, 0, 1.0]])
     w /= np.linalg.norm(w, axis=1)[:, None]
@@ -147,7 +147,7 @@ def pair_among_others():
 
 @case("vortices of opposite strength")
 def dipole():
-    """No fold: tan(phi/2) = h/(8 pi sin(gap/2)) at every h."""
+    """There is no fold: tan(phi/2) = h/(8 pi sin(gap/2)) at every h."""
     # broken by: a solver that needs a contraction, a branch check that refuses what is connected
     gap, model = mp.mpf("0.3"), vortices((1.0, -1.0))
     w = places(1, -1, gap)
@@ -160,7 +160,7 @@ def dipole():
 
 @case("two vortex pairs on their wrong branches")
 def wrong_branches():
-    """Both pairs at their second solution, where det J > 0 again: refused, though the equation holds."""
+    """Both pairs start at their second solution, where det J > 0 again. The step is refused, although the equation is satisfied."""
     # broken by: a branch check by the sign of the determinant, or none (both would return ok)
     a, h = 0.15, 0.15
     for pairs, solver in product((1, 2), SOLVERS):
@@ -223,7 +223,7 @@ def sides_at(model, w, t, count):
 
 @case("collapse of three vortices: the law")
 def collapse_law():
-    """Half way and near the end, extrapolated to h = 0, all three squared distances follow f(t)."""
+    """Half way to the collapse and near it, all three squared distances, extrapolated to h = 0, follow f(t)."""
     # broken by: a wrong field; the law of the plane (f linear) differs in the second digit here
     w, law = inward(0.5)
     model = vortices(STRENGTHS)
@@ -237,7 +237,7 @@ def collapse_law():
         plane = 1 + law.A * law.g0 / pi * t
         for side in range(3):
             yield ratio(f"side {side}, {part} of the way (the plane's law: {plane:.4f})", limit[side], exact, 1e-8)
-        yield near(f"{part} of the way: error at h over error at h/2", np.mean((once - exact) / (twice - exact)), 4, 0.05)
+        yield near(f"{part} of the way: error at h divided by error at h/2", np.mean((once - exact) / (twice - exact)), 4, 0.05)
 
 
 def motion(w):
@@ -255,7 +255,7 @@ def fold_of_collapse(w, end):
 
 @case("collapse of three vortices: the end")
 def collapse_end():
-    """The steps go on to the fold that the law predicts, and not beyond: no solution, sites named, momentum kept."""
+    """Steps exist up to the fold that the law predicts, and not beyond it. The failure names the sites, and the momentum is conserved."""
     # broken by: steps that pass the fold on another branch, an early end, an Inf, a lost momentum
     w, law = inward(0.05)
     model, momentum, last = vortices(STRENGTHS), STRENGTHS @ w, fold_of_collapse(w, law.end)
@@ -264,6 +264,6 @@ def collapse_end():
         model.start(w.copy(), h=h)
         attempt(model, 2 * int(total))
         yield same(f"{what}: steps (the fold: {last:.3f} h before the end)", model.count, ceil(total - last))
-        yield from refused(f"{what}: one more", model, NO_SOLUTION, {0, 1, 2})
-        yield ratio(f"{what}: part of h that exists there", model.report()["reached"], (total - model.count) / last, 0.01)
+        yield from refused(f"{what}: next step", model, NO_SOLUTION, {0, 1, 2})
+        yield ratio(f"{what}: fraction of h for which a step exists", model.report()["reached"], (total - model.count) / last, 0.01)
         yield below(f"{what}: change of the momentum", largest(STRENGTHS @ model.w - momentum), 4 * EPS * sqrt(total) + 8 * EPS)
