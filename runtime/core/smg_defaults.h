@@ -57,6 +57,12 @@
 #ifndef SMG_OWN_FIELD
 #define SMG_OWN_FIELD 0
 #endif
+#ifndef SMG_LAW_BY_SITE
+#define SMG_LAW_BY_SITE 0
+#endif
+#ifndef SMG_LAW_FIRST
+#define SMG_LAW_FIRST 0
+#endif
 #ifndef SMG_SITE_VALUES
 #define SMG_SITE_VALUES 0
 #endif

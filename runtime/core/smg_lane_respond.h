@@ -1,14 +1,20 @@
-/* smidgen runtime: smg_respond.h in lanes, of sites with the same response r = f, q, F0, Q0. */
+/* smidgen runtime: smg_respond.h in lanes. */
 #ifndef SMG_LANE_RESPOND_H
 #define SMG_LANE_RESPOND_H
 
 #include "smg_lanes.h"
 #include "smg_respond.h"
 
-/* What is kept of a response where sites all have the same. */
+#if SMG_LAW_BY_SITE
+typedef smg_lanes smg_lane_told_number;
+#else
+typedef smg_real smg_lane_told_number;
+#endif
+
+/* What is kept of a response: numbers where sites all have the same, else lanes. */
 typedef struct smg_told {
 #if SMG_TOLD
-  smg_real r[SMG_RESPONSE_SIZE];
+  smg_lane_told_number r[SMG_RESPONSE_SIZE];
 #else
   char none;
 #endif
@@ -16,7 +22,11 @@ typedef struct smg_told {
 
 SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
   smg_told told;
-#if SMG_TOLD
+#if SMG_LAW_BY_SITE
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_law(c, k, r);
+  for (int n = 0; n < SMG_RESPONSE_SIZE; ++n) told.r[n] = smg_lane_of(r[n]);
+#elif SMG_TOLD
   smg_law(c, k, told.r);
 #else
   (void)c, (void)k;
@@ -25,6 +35,7 @@ SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
   return told;
 }
 
+#define smg_told_number smg_lane_told_number
 #define smg_told_parts smg_lane_told_parts
 #define smg_told_respond smg_lane_told_respond
 #include "smg_in_lanes.h"
@@ -32,6 +43,7 @@ SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
 #include "smg_in_numbers.h"
 #undef smg_told_parts
 #undef smg_told_respond
+#undef smg_told_number
 
 /* R = F + m x Q, in `room`. */
 SMG_INLINE const smg_lanes *smg_lane_respond(const smg_told *told, const smg_lanes *m, const smg_lanes *g,

@@ -12,7 +12,8 @@
 
 /* SMG_TOLD: do sites in lanes have a response? It is that of those that move, smg_law(c, k, r), which a model has
  * (SMG_LAW) where some stand still: their gradient is 0 in lanes (smg_slot_gradient). SMG_ALL_OR_NOTHING: the only
- * response is that some do. */
+ * response is that some do. SMG_LAW_BY_SITE: which of r differ from site to site, as bits: those stand in arrays by
+ * slots (smg_told_at of smg_row_end.h). */
 #if SMG_RESPONDS && !SMG_ALL_OR_NOTHING
 #define SMG_TOLD 1
 #else
@@ -27,6 +28,7 @@ enum { SMG_RESPONSE_F0 = 2, SMG_RESPONSE_Q0 = 5, SMG_RESPONSE_SIZE = 8 };
 
 static inline void smg_response(const smg_coefficients *c, int64_t k, smg_real *r);
 
+typedef smg_real smg_told_number; /* of a response */
 #include "smg_respond_template.h"
 
 /* F and Q. */

@@ -2,7 +2,7 @@
  * */
 #if SMG_RESPONDS
 /* F and Q. */
-SMG_INLINE void smg_told_parts(const smg_real *r, const smg_number *g, smg_number *F, smg_number *Q) {
+SMG_INLINE void smg_told_parts(const smg_told_number *r, const smg_number *g, smg_number *F, smg_number *Q) {
   for (int b = 0; b < 3; ++b) {
     F[b] = r[0] * g[b] + r[SMG_RESPONSE_F0 + b];
     Q[b] = r[1] * g[b] + r[SMG_RESPONSE_Q0 + b];
@@ -10,7 +10,7 @@ SMG_INLINE void smg_told_parts(const smg_real *r, const smg_number *g, smg_numbe
 }
 
 /* R = F + m x Q, in `room`. */
-SMG_INLINE const smg_number *smg_told_respond(const smg_real *r, const smg_number *m, const smg_number *g,
+SMG_INLINE const smg_number *smg_told_respond(const smg_told_number *r, const smg_number *m, const smg_number *g,
                                               smg_number *room) {
   smg_number F[3], Q[3];
   smg_told_parts(r, g, F, Q);

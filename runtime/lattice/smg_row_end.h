@@ -18,24 +18,42 @@ typedef struct smg_turning {
   smg_real half, inverse, small, weakest;
   int weak, stretched; /* are fields so weak that midpoints are near spins? are there such increments? */
   smg_told told;
+#if SMG_SITE_VALUES
+  const smg_real *values; /* of sites, by slots */
+#endif
 } smg_turning;
+
+/* The response of the sites in the slots of one vector. */
+SMG_INLINE smg_told smg_told_at(const smg_turning turn, int64_t slot) {
+#if SMG_LAW_BY_SITE
+  smg_told told;
+  for (int k = 0, n = SMG_LAW_FIRST; k < SMG_RESPONSE_SIZE; ++k)
+    told.r[k] = SMG_LAW_BY_SITE >> k & 1 ? smg_lane_take(turn.values + n++ * turn.pitch + slot) : turn.told.r[k];
+  return told;
+#else
+  return (void)slot, turn.told;
+#endif
+}
 
 static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
   const smg_real half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h);
   smg_turning turn = {
-      s->row_w,
-      s->row_compensation,
-      s->row_m,
-      NULL,
-      smg_pitch(&s->c),
-      0,
-      half,
-      smg_inverse_square(&s->c),
-      SMG_SMALL_PART * smg_radius(&s->c, 0),
-      s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
-      s->row_weak,
-      s->row_stretched,
-      smg_told_of(&s->c, 0),
+    s->row_w,
+    s->row_compensation,
+    s->row_m,
+    NULL,
+    smg_pitch(&s->c),
+    0,
+    half,
+    smg_inverse_square(&s->c),
+    SMG_SMALL_PART * smg_radius(&s->c, 0),
+    s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
+    s->row_weak,
+    s->row_stretched,
+    smg_told_of(&s->c, 0),
+#if SMG_SITE_VALUES
+    s->row_values,
+#endif
   };
   return turn;
 }
@@ -53,7 +71,8 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
                               smg_lanes *most) {
   smg_lanes w[3], u[3], e[3], room[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
-  const smg_lanes *R = smg_lane_respond(&turn.told, m, g, room);
+  const smg_told told = smg_told_at(turn, slot);
+  const smg_lanes *R = smg_lane_respond(&told, m, g, room);
   smg_lane_cross(u, m, R); /* the rate last: pairs of spins turn each other by exactly opposite amounts */
   smg_lane_scale(u, smg_lane_of(2 * turn.half), 3);
   if (turn.stretched) {

@@ -22,6 +22,26 @@ static smg_real smg_at_all_sites(const smg_coefficients *c, smg_real (*bound)(co
 #define smg_at_all_sites(c, bound) bound(c, 0)
 #endif
 
+#if SMG_TOLD
+/* The largest |f|, |q|, |F0| and |Q0| of a response at all sites. */
+typedef struct smg_law_sizes {
+  smg_real f, q, F0, Q0;
+} smg_law_sizes;
+
+static smg_law_sizes smg_law_sizes_of(const smg_coefficients *c) {
+  smg_law_sizes most = {0, 0, 0, 0};
+  for (int64_t k = 0; k < (SMG_LAW_BY_SITE ? smg_sites(c) : 1); ++k) {
+    smg_real r[SMG_RESPONSE_SIZE];
+    smg_law(c, k, r);
+    smg_take(&most.f, smg_abs(r[0]));
+    smg_take(&most.q, smg_abs(r[1]));
+    smg_take(&most.F0, smg_norm(r + SMG_RESPONSE_F0));
+    smg_take(&most.Q0, smg_norm(r + SMG_RESPONSE_Q0));
+  }
+  return most;
+}
+#endif
+
 /* x^2 (B r + F0)^2, a bound on |g|^2, g = (h/2kappa) dH/dw: x = |h/2kappa|, B a bound on the norms of the Hessian in a
  * row, F0 of the field of no spins. With a response |G|^2 + 2 r |P|: then w - r^2 P has a square of at least
  * r^2 (1 - 2 r |P|), and where the sum is below 1, s is more than r |P| and rho = s + m.P positive
@@ -32,10 +52,8 @@ static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
       (smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_radius(c, 0) + smg_at_all_sites(c, smg_rest_field_norm));
 #if SMG_TOLD
   const smg_real x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
-  smg_real r[SMG_RESPONSE_SIZE];
-  smg_law(c, 0, r);
-  const smg_real G = smg_abs(r[0]) * g + x * smg_norm(r + SMG_RESPONSE_F0),
-                 P = smg_abs(r[1]) * g + x * smg_norm(r + SMG_RESPONSE_Q0);
+  const smg_law_sizes law = smg_law_sizes_of(c);
+  const smg_real G = law.f * g + x * law.F0, P = law.q * g + x * law.Q0;
   return G * G + 2 * smg_radius(c, 0) * P;
 #else
   return g * g;
@@ -45,9 +63,8 @@ static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
 /* sqrt(f^2 + r^2 q^2): how much m x (f y + q m x y) is larger than r |y|, at most. */
 static inline smg_real smg_row_gain(const smg_coefficients *c) {
 #if SMG_TOLD
-  smg_real r[SMG_RESPONSE_SIZE];
-  smg_law(c, 0, r);
-  return SMG_MATH(sqrt)(r[0] * r[0] + smg_radius(c, 0) * smg_radius(c, 0) * r[1] * r[1]);
+  const smg_law_sizes law = smg_law_sizes_of(c);
+  return SMG_MATH(sqrt)(law.f * law.f + smg_radius(c, 0) * smg_radius(c, 0) * law.q * law.q);
 #else
   return (void)c, (smg_real)1;
 #endif

@@ -40,10 +40,11 @@ SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
 
 /* The spin w and the field g = (h/2 kappa) b of precession, from w and the gradient b; with a response w - r^2 P and G
  * (smg_own_response.h). */
-SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) {
+SMG_INLINE void smg_precess(const smg_turning turn, int64_t slot, smg_lanes *w, smg_lanes *g) {
 #if SMG_TOLD
+  const smg_told told = smg_told_at(turn, slot);
   smg_lanes F[3], Q[3];
-  smg_lane_told_parts(turn.told.r, g, F, Q);
+  smg_lane_told_parts(told.r, g, F, Q);
 #if SMG_PUSHES
   const smg_lane_mask there = (smg_lane_mask)(smg_lane_dot(w, w) > 0); /* in an empty slot w stays 0 */
   for (int k = 0; k < 3; ++k) Q[k] = smg_lane_select(there, Q[k], smg_lane_of(0));
@@ -51,7 +52,7 @@ SMG_INLINE void smg_precess(const smg_turning turn, smg_lanes *w, smg_lanes *g) 
   smg_lane_multiple(g, smg_lane_of(turn.half), F, 3);
   smg_lane_axpy(w, smg_lane_of(-turn.half / turn.inverse), Q, 3);
 #else
-  (void)w;
+  (void)slot, (void)w;
   smg_lane_scale(g, smg_lane_of(turn.half), 3);
 #endif
 }
@@ -72,7 +73,7 @@ SMG_INLINE void smg_watch_slots(const smg_turning turn, int64_t slot, const smg_
   smg_take_slots(turn.w, turn.pitch, slot, w);
   if (!smg_some_small(turn.small, w)) return;
   smg_lane_copy(g, b, 3);
-  smg_precess(turn, w, g);
+  smg_precess(turn, slot, w, g);
   smg_made_of(w, g, made);
   for (int k = 0; k < 3; ++k) *part = smg_lane_larger(*part, smg_part_moved(smg_lane_of(turn.small), d[k], made[k]));
 }
@@ -97,7 +98,7 @@ SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_r
 SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row_way way, smg_lanes *g) {
   smg_lanes w[3], v[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
-  smg_precess(turn, w, g);
+  smg_precess(turn, slot, w, g);
   smg_lane_along_spin(w, g, smg_rho_of(turn, slot, way, w, g), v);
   smg_lane_copy(g, v, 3);
 }

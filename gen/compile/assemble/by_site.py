@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from ...language.expr import Num
+from ...language.expr import Time, walk
 from ...language.spec import Lattice, Sites
 from ..derive.derivatives import switched
 from ..lower.code import mentions
-from ..lower.lowering import CLOCK, index_names
+from ..lower.lowering import index_names
 from .bond_values import two_ended
-from .response import indexed, response_kernel
+from .response import formulas
 from .site_values import MOST, differs
 
 
@@ -36,7 +36,7 @@ def several(formula, kernel) -> bool:
     return bool(index_names(formula) or kernel.values)
 
 
-def of_laws(model, low, laws) -> str | None:
+def of_laws(model, laws) -> str | None:
     """What sites do beside precession; laws: of those that move."""
     effects = [c.name for c in model.contributions if c.response is not None or c.push or c.bends or c.moves is not None]
     if model.torques:
@@ -44,13 +44,8 @@ def of_laws(model, low, laws) -> str | None:
     if model.responses and model.method.stage_rows:
         return f"{model.method.title} has no step by rows with `{effects[0]}`"
     names = " and ".join(f"`{c.name}`" for c in model.contributions if c.response is not None or c.push)
-    if any(map(indexed, laws.values())):
-        return f"the motion of sites under {names} differs from site to site"
-    if any(low.when(x.expr) >= CLOCK for law in laws.values() for x in response_kernel(low, law).results):
+    if any(isinstance(node, Time) for law in laws.values() for e in formulas(law) for node in walk(e)):
         return f"the motion of sites under {names} depends on time"
-    if model.moving and any(x != Num(0) for law in laws.values() for x in (*law.F0, *law.Q0)):
-        torques = " and ".join(f"`{c.name}`" for c in model.contributions if c.push)
-        return f"some sites do not move, but the torque {torques} moves sites even where there is no field"
     return None
 
 
@@ -76,7 +71,7 @@ def of_absent(t) -> str | None:
     for k, row in enumerate(t.derived.gradient):
         for q, vector in enumerate(t.derived.vectors):
             if q != k and any(sp.expand(sp.sympify(x).subs({v: 0 for v in vector})) != 0 for x in row):
-                return f"{t.called} does not vanish where one of its spins is 0, but some sites are absent"
+                return f"the field of {t.called} does not vanish where one of its spins is 0, but some sites are absent"
     return None
 
 

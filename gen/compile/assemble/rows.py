@@ -26,8 +26,9 @@ from .pairs import slope_bound
 from .effort import by_rows
 from .row_bounds import bounds_of_term
 from .part import MOST_LANES, Part, buffer, placed
-from .response import response_kernel, stored
+from .response import response_kernel
 from .site_factors import factors, multiplied, rate_function, rated
+from .site_laws import differing, law_functions, law_settings, law_values
 from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites
 from .same_bonds import energy_kernels
 from .slots import Slots
@@ -40,7 +41,7 @@ class Rows:
     """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds.
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
-    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others.
+    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site.
     """
     over: Lattice
     colours: Colouring
@@ -52,6 +53,7 @@ class Rows:
     held: bool = False
     rated: bool = False
     law: object = field(default=None, compare=False)
+    differing: tuple = ()
 
     @property
     def step(self) -> int:
@@ -75,30 +77,31 @@ def rows(model, low):
     f, laws = model.families[0], laws_of(model.contributions)
     over = one_lattice(model.lattices(f.name))
     why_not = of_lattices(model)
-    why_not = why_not if why_not is not None else of_family(model, f) or of_laws(model, low, laws) or (None if over else "its sites have no bonds")
+    why_not = why_not if why_not is not None else of_family(model, f) or of_laws(model, laws) or (None if over else "its sites have no bonds")
     if why_not is None and not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
         why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
     if why_not is not None:
         return why_not
     if paired(model):
         return pair_rows(model, low, over) or "the derivatives of its bond energies have no bound"
-    return held_rows(rows_of(model, low, f, over, whole_terms(model, low)), model, low, laws.get(f.name))
+    law = laws.get(f.name)
+    return held_rows(rows_of(model, low, f, over, whole_terms(model, low), differing(model, law, f.name)), model, low, law)
 
 
-def rows_of(model, low, f, over, whole):
-    """The same, by the terms; whole: {prefix: the term} of those that are others where some sites are absent."""
+def rows_of(model, low, f, over, whole, laws):
+    """The same, by the terms; whole: {prefix: the term} of those that are others where some sites are absent; laws: which numbers of a response differ from site to site."""
     terms, bounded = [whole.get(t.prefix, t) for t in model.energies], not model.method.stage_rows
     why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, whole.values())), None)
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
-    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving) + several(f.family.kappa, f.kappa))
+    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + several(f.family.kappa, f.kappa) + len(laws))
     if why_not:
         return why_not
     bounds = {(t.prefix, k): bounds_of_term(low, t, k, f.family.radius) if bounded else (None, None) for t in terms for k in range(len(t.slots))}
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
-    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa))
+    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa), differing=laws)
     if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
         return f"{longest(model, f)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
     alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
@@ -137,7 +140,7 @@ def whole_terms(model, low) -> dict:
 
 def held_rows(found, model, low, law):
     """With what is asked for where some sites do not move: which they are, and the law of the others."""
-    return replace(found, held=True, law=response_kernel(low, law) if law else None) if isinstance(found, Rows) and model.moving else found
+    return replace(found, held=True, law=response_kernel(low, law) if law and not found.differing else None) if isinstance(found, Rows) and model.moving else found
 
 
 def one_lattice(overs):
@@ -211,7 +214,7 @@ def row_functions(model) -> list:
     apart = [f for one in found.sited.values() for f in one.functions]
     kernels = [in_lanes(f) for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
-    return [*apart, *rate_function(found), *value_function(found.sited.values(), factors(found)), *law_function(found), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+    return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found)), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
@@ -260,12 +263,7 @@ def width(found: Rows) -> int:
 
 def number_of_values(found: Rows) -> int:
     """All that differ from site to site."""
-    return width(found) + len(factors(found))
-
-
-def law_function(found: Rows) -> list:
-    """smg_law(c, k, r): smg_response of sites that move."""
-    return [Function("void", "smg_law", (*SITE, Argument("smg_real *", "r")), stored(found.law), wanted=True)] if found.law else []
+    return width(found) + len(factors(found)) + len(found.differing)
 
 
 def row_settings(model) -> dict:
@@ -275,7 +273,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **({"SMG_LAW" if found.law else "SMG_ALL_OR_NOTHING": 1} if found.held else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - len(found.differing)), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 

@@ -1,4 +1,5 @@
-"""Numbers that the whole gradient of a site is multiplied by, on lattices by rows: its strength beside that of the first site, and whether it moves."""
+"""Numbers that the whole gradient of a site is multiplied by, on lattices by rows: its strength beside that of the first site, and whether it moves,
+unless its response says so."""
 from __future__ import annotations
 
 from ..lower.code import Assign, Call, Element, Function, Let, Name, Ordered, Return
@@ -9,7 +10,7 @@ from .site_values import taken_value
 
 def factors(found) -> dict:
     """{name in lanes: function}; they stand behind the numbers of terms."""
-    return {**({"rate": "smg_rate"} if found.rated else {}), **({"moves": "smg_moves"} if found.held else {})}
+    return {**({"rate": "smg_rate"} if found.rated else {}), **({"moves": "smg_moves"} if found.held and not found.differing else {})}
 
 
 def multiplied(found, first: int) -> tuple:

@@ -140,9 +140,9 @@ def names(one: Sited) -> list:
     return [a.name for a in one.gradient.arguments if a.kind == "smg_lanes"]
 
 
-def value_function(found, factors) -> list:
-    """smg_site_value(c, n, site): the n-th number of a site; factors: {name: function} of those behind those of terms."""
-    bodies = [body for one in found for body in one.calls()] + [value_call(f) for f in factors.values()]
+def value_function(found, factors, more) -> list:
+    """smg_site_value(c, n, site): the n-th number of a site; factors: {name: function} of those behind those of terms; more: the statements of others behind them."""
+    bodies = [*(body for one in found for body in one.calls()), *map(value_call, factors.values()), *more]
     if not bodies:
         return []
     tests = [If((compare(Index("n"), "==", total(n)),), body) for n, body in enumerate(bodies[:-1])]
