@@ -20,6 +20,7 @@ from ..language.spec import Spec
 from ..public import public
 from ..read.shipped import SpecLike, spec_or_name
 from ..version import __version__
+from . import interrupts
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
@@ -323,6 +324,8 @@ def _outcome(result, status, error):
 def on_interrupt():
     """Yields a function that says whether Ctrl-C came, to any rank; a second one stops at once."""
     seen = threading.Event()
+    if interrupts.noted():
+        seen.set()
     if threading.current_thread() is not threading.main_thread():
         yield ranks.anywhere(seen.is_set)
         return

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.language import limits
+from smidgen.run import interrupts
 from smidgen.run.many import sweep as module
 from smidgen.run.many.sweep import sweep
 
@@ -220,7 +221,11 @@ def test_an_interrupt_begins_no_more_cells_and_keeps_what_ends(path, whom):
         assert run.poll() is None
         time.sleep(0.02)
     (os.killpg if whom == "group" else os.kill)(run.pid, signal.SIGINT)
-    said = run.communicate(timeout=240)[1]
+    try:
+        said = run.communicate(timeout=240)[1]
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGKILL)          # whatever was not interrupted
     ended = lines(folder)
     assert run.returncode == 130 and "interrupted" in said and [line["cell"] for line in ended][0] == 0
     assert len(ended) == 1 if whom == "group" else 1 <= len(ended) < 10         # the parent's: beside the first, those under way
@@ -241,6 +246,18 @@ def test_an_interrupt_is_raised_between_outcomes(path):
         sweep(smidgen.load(path), "demo", axes={"a": [k / 60 for k in range(40)]}, out=folder, processes=2, tell=tell)
     assert 1 <= len(after) < 10 and sorted(after) == sorted(line["cell"] for line in lines(folder))
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.usefixtures("listens")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_an_interrupt_that_a_callback_drops_ends_the_run(path):
+    class Dropping:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.01)                            # Python drops the exception: it comes from __del__
+    with pytest.raises(KeyboardInterrupt), interrupts.raised():
+        Dropping()
+        smidgen.run(path, "demo", time=1e12, every=100, keep=False)
 
 
 @pytest.mark.usefixtures("listens")

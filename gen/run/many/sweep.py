@@ -22,7 +22,7 @@ from ...language.spec import Spec
 from ...public import public
 from ...read.shipped import SpecLike, spec_or_name
 from . import cluster as workers
-from . import interrupts
+from .. import interrupts
 from .cluster import check, executor, lost
 from ..files.durable import write_new
 from ..run import Interrupted, run

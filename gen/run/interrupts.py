@@ -47,11 +47,26 @@ def counted() -> Iterator[Interrupts]:
     found.check()
 
 
+_noted = threading.Event()      # an interrupt came within `raised`
+
+
 @contextlib.contextmanager
 def raised() -> Iterator[None]:
-    """Within, Ctrl-C raises KeyboardInterrupt, whatever it does outside."""
-    with _handled(signal.default_int_handler):
+    """Within, Ctrl-C raises KeyboardInterrupt, whatever it does outside. It is noted first: Python drops an exception that comes to a callback of its imports
+    or of its garbage collector. One that was dropped is raised at the end, and ends a run before its next steps (`noted`)."""
+    def note(number_, frame) -> None:
+        _noted.set()
+        raise KeyboardInterrupt
+
+    _noted.clear()
+    with _handled(note):
         yield
+    if noted():
+        raise KeyboardInterrupt
+
+
+def noted() -> bool:
+    return _noted.is_set()
 
 
 @contextlib.contextmanager
