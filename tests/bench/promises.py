@@ -47,10 +47,10 @@ def variants(spec, method: str, values: dict, work: Path):
     if "plain-sums" in smidgen.methods.METHODS[method].features:
         yield "compensated sums", "--features plain-sums", smidgen.build(spec, method=method, parameters=values, native=False, features=("plain-sums",)), None
     if smidgen.methods.METHODS[method].of_midpoints:
-        yield "branch certificate", "(nothing)", without_certificate(spec, method, values, work), None
-    yield "any processor", "--native", smidgen.build(spec, method=method, parameters=values, native=True), None
+        yield "branch check", "(not possible)", without_certificate(spec, method, values, work), None
+    yield "runs on any processor", "--native", smidgen.build(spec, method=method, parameters=values, native=True), None
     yield "the same bits everywhere", "--fast", smidgen.build(spec, method=method, parameters=values, fast=True), None
-    yield "the last but one and stagnation", f"--fast --tolerance {TOLERANCE:g}", smidgen.build(spec, method=method, parameters=values, fast=True), TOLERANCE
+    yield "the same bits everywhere and iterations to stagnation", f"--fast --tolerance {TOLERANCE:g}", smidgen.build(spec, method=method, parameters=values, fast=True), TOLERANCE
 
 
 def without_certificate(spec, method: str, values: dict, work: Path) -> Integrator:
@@ -114,7 +114,7 @@ def words(rows) -> str:
     """The section of a page."""
     systems = list(dict.fromkeys(r["system"] for r in rows))
     parts = ["The tables show by how many per cent each guarantee increases the time of a step, relative to the same run without it, with portable "
-             "flags. Half the distance of the quartiles is in brackets; a cost below this number is not significant. Apart from the guarantee, both runs "
+             "flags. Half the interquartile range is in brackets; a cost below this number is not significant. Apart from the guarantee, both runs "
              "are the same. Every output records the guarantees that were given up (`tolerance`, `fast`, `flags`).\n"]
     for method in METHODS:
         own = [r for r in rows if r["method"] == method and r["promise"] != "certificate"]
