@@ -28,11 +28,11 @@ SPARED = (
     ("gen/*", r"operations|count_ops", "the count of operations in the header's comment"),
     ("gen/compile/assemble/solo.py", r"len\(sp\.Add|work\(|count_ops|shorter", "which of two equal formulas is shorter"),
     ("runtime/newton/smg_dense.h", r"if \(n == [23]\) return smg_solve|n <= \d \* SMG_PANEL", "two ways to compute the same solution"),
-    ("templates/abi.c.j2", r"free\(", "memory that is freed late; this file is not linked into programs"),
+    ("templates/abi.c.j2", r"free\(", "memory that would be freed too late; this file is not linked into programs"),
     ("gen/compile/assemble/buffers.py", r".", "sizes of arrays: larger ones are not a fault; smaller ones are found by the sanitizers of tests/compile/test_generated_c.py"),
-    ("runtime/lattice/smg_row_ranks.h", r".", "ranks of MPI: nothing else compiles it; tests/runtime/test_ranks.py compares all their bits"),
-    ("runtime/lattice/smg_row_halo.h", r".", "the same"),
-    ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is still accepted, and its count"),
+    ("runtime/lattice/smg_row_ranks.h", r".", "used only for MPI ranks; tests/runtime/test_ranks.py compares all their bits"),
+    ("runtime/lattice/smg_row_halo.h", r".", "as for `smg_row_ranks.h`"),
+    ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is accepted, and how it is counted"),
 )
 
 

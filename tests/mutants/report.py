@@ -89,17 +89,17 @@ def page(outcomes, trial, seed: int, candidates: int) -> str:
     passed = [o for o in outcomes if not o.counts]
     none = ["None.\n"]
     return "\n".join([
-        "# Mutants\n", "Written by `make mutants`; all mutants with their results are in [mutants.csv](mutants.csv).\n",
+        "# Mutants\n", "This page is written by `make mutants`. A mutant is a copy of the code with one small fault planted in it; the tests should catch it. All mutants and their results are in [mutants.csv](mutants.csv).\n",
         f"Of {candidates} faults that could be planted in the templates and the runtime, seed {seed} drew "
         f"{len(counted)}; the tests caught **{len(counted) - len(lived)}** ({100 * (1 - len(lived) / max(1, len(counted))):.1f} %). "
         "Tests that compare generated C with a stored text, or only compile it, were not used.\n",
-        f"Skipped: {sum(o.what == 'does not compile' for o in passed)} that no longer generate or compile a model, "
-        f"{sum(o.what == 'changes nothing' for o in passed)} that do not change the object code of any model.\n",
+        f"Mutants that did not count: {sum(o.what == 'does not compile' for o in passed)} that could not generate or compile a model, "
+        f"{sum(o.what == 'changes nothing' for o in passed)} that did not change the object code of any model.\n",
         "## Survivors\n", *([survivor(o) for o in lived] or none),
         "## By kind\n", table(("kind", "planted", "caught"), tally(counted, lambda m: m.kind)) + "\n",
         "## By place\n", table(("file", "planted", "caught"), tally(counted, lambda m: m.file)) + "\n",
-        "## First to notice\n", table(("tests", "mutants"), killers(counted)) + "\n",
+        "## First to notice\n", table(("test file", "mutants caught first"), killers(counted)) + "\n",
         "## Where no faults are planted\n",
-        table(("files", "lines", "why"), [(f"`{f}`", code(p), why) for f, p, why in SPARED]) + "\n",
-        "## Tests left out\n", "Tests that are expensive, or fail without a mutant:\n",
+        table(("files", "lines that match", "reason"), [(f"`{f}`", code(p), why) for f, p, why in SPARED]) + "\n",
+        "## Tests left out\n", "Tests that are too expensive, or that fail even without a mutant:\n",
         *([f"- {name}" for name in (*trial.failing, *trial.dear)] or none)])
