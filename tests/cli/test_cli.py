@@ -215,7 +215,7 @@ def test_seeds(command, tmp_path):
 @pytest.mark.quick
 @pytest.mark.parametrize("words, code, said", [
     ([], 2, "required"), (["fly"], 2, "invalid choice"),
-    (["run"], 2, "no spec is given"), (["run", "rigid"], 2, "free_rigid_body|smidgen list"),
+    (["run"], 2, "no spec was given"), (["run", "rigid"], 2, "free_rigid_body|smidgen list"),
     (["run", "free_rigid_bod"], 2, "did you mean 'free_rigid_body'"),
     (["run", "missing.toml"], 3, "missing.toml"), (["run", TOP, "nothing"], 2, "demo"),
     (["run", TOP, "--set", "I1"], 2, "NAME=VALUE"), (["run", TOP, "--set", "I1=x"], 2, "error"),

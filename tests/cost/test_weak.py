@@ -101,7 +101,7 @@ def test_the_choice_is_the_row_that_is_there_first():
     assert pick.members == math.ceil(100 * 1e-4 / (0.02 ** 2 - 0.012 ** 2)) and [r.method for r in pick.others] == ["heun"] and set(pick.short) == {"depondt-mertens"}
     assert "spherical midpoint" in str(pick) and "40 members" in str(pick) and "depondt" in str(pick).lower() and pick.as_dict()["members"] == 40
     assert weak_choice(cost, 0.2).row.h == 0.2         # a larger step serves a larger error
-    with pytest.raises(UsageError, match="no method reaches this accuracy: .*its step has an error of 1.2e-02"):
+    with pytest.raises(UsageError, match="no method reaches this accuracy: .*the error due to the step is 1.2e-02"):
         weak_choice(cost, 0.009)
     with pytest.raises(UsageError, match="the mean is known only to within ± 1.0e-03"):
         weak_choice(cost, 0.0015)

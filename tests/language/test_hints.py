@@ -34,7 +34,7 @@ pytestmark = pytest.mark.quick
 
 
 @pytest.mark.parametrize("old, new, said", [
-    ('sphere = "n"', "e3 = 1", "there are `sphere`, `r3`"), ('sphere = "n"', "canonical = 2", "canonical pairs, e"),
+    ('sphere = "n"', "e3 = 1", "the spaces are `sphere`, `r3`"), ('sphere = "n"', "canonical = 2", "canonical pairs, e"),
     ('sphere = "n"', "spere = 1", "did you mean `sphere`?"), ('sphere = "n"', 'sphere = "n^2"', "`n*n`"),
     ('"B*w[i].z"', '"B*(w[i].z + (1 + 2"', "character 13 of the formula is not closed; 2 brackets are not closed: write `))`"),
     ('"B*w[i].z"', '"w[i"', "`[` at character 2 of the formula"), ('"B*w[i].z"', '"2 t*w[i].z"', "`2*t`"), ('"B*w[i].z"', '"B t"', "`B*t`"),

@@ -281,5 +281,5 @@ def test_pairs_that_are_looked_at_for_a_shell(monkeypatch):
     monkeypatch.setattr(limits, "LOOKED_AT", 9)
     assert len(within(*square)[1]) == 4
     monkeypatch.setattr(limits, "LOOKED_AT", 8)
-    with pytest.raises(Unclear, match="lie too many cells"):
+    with pytest.raises(Unclear, match="too many cells lie within"):
         within(*square)

@@ -183,7 +183,7 @@ def test_no_compiler_warns(tmp_path, compiler, how):
 
 
 @pytest.mark.parametrize("over, said", [
-    ("bond(i of a, j) of film", "either every site of the bond has a family, or none has"), ("bond(i of a, j of b) of film on a", "already have families"),
+    ("bond(i of a, j) of film", "either every site of the bond has a family, or none has"), ("bond(i of a, j of b) of film on a", "already name their families"),
     ("bond(i of a, j of a) of film", "a bond must join different sites"), ("bond(i, j) of film on a", "a bond must join different sites"),
     ("bond(i of a, j of c) of film", "there is no family `c`"), ("edge(i of a, j of b) of g", "only `each` and `bond`"), ("bond(i of a, j of b) of square(nx, nx, open)", "`a` has 20")])
 def test_what_joins_no_families_is_told(over, said):

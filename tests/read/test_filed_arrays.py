@@ -107,7 +107,7 @@ class Trap:
     ("torn.npy", lambda p: (np.save(p, K), p.write_bytes(p.read_bytes()[:-8])), "", "not a .npy file of numbers"),
     ("none.npy", lambda p: None, "", "cannot be read"),
     ("../k.csv", lambda p: None, "", "is outside the folder of the spec"),
-    ("both.csv", lambda p: p.write_text("1\n"), ", default = 1.0", "has a file and a default"),
+    ("both.csv", lambda p: p.write_text("1\n"), ", default = 1.0", "has both a file and a default"),
 ])
 def test_what_is_no_array(home, capfd, name, write, given, said):
     write(home / name)
